@@ -1,0 +1,114 @@
+"""Callbacks of a training run: physical figures in the log, validation on fixed episodes, checkpoints."""
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+from stable_baselines3.common.callbacks import BaseCallback, EvalCallback
+from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
+
+from agents import runs
+from agents.rollout import episode_figures
+
+LOGGED = (
+    "latched",
+    "latch_times_s",
+    "peak_postlock_force_N",
+    "postlock_impulse_Ns",
+    "postlock_sliding_work_J",
+    "wear_depth_max_m",
+    "motor_work_J",
+)
+
+
+class DeploymentLogger(BaseCallback):
+    """Logs reward terms and physical figures of finished training episodes, as means between log lines."""
+
+    def _on_training_start(self) -> None:
+        self._terms: list[defaultdict[str, float]] = [
+            defaultdict(float) for _ in range(self.training_env.num_envs)
+        ]
+
+    def _on_step(self) -> bool:
+        for terms, info, done in zip(self._terms, self.locals["infos"], self.locals["dones"], strict=True):
+            for name, value in info["reward_terms"].items():
+                terms[name] += value
+            if done:
+                self._log_episode(info, terms)
+                terms.clear()
+        return True
+
+    def _log_episode(self, info: Mapping[str, Any], terms: Mapping[str, float]) -> None:
+        figures = episode_figures(info["deployment"], terms)
+        self.logger.record_mean("episode/return", figures["return"])
+        for name in terms:
+            self.logger.record_mean(f"episode/reward_{name}", figures[f"reward_{name}"])
+        for name in LOGGED:
+            if name in figures and np.isfinite(figures[name]):
+                self.logger.record_mean(f"deployment/{name}", float(figures[name]))
+
+
+class FixedSeeds(gymnasium.Wrapper):
+    """Resets to the given seeds in turn, so that any ``len(seeds)`` episodes in a row are the same set."""
+
+    def __init__(self, env: gymnasium.Env, seeds: Sequence[int]) -> None:
+        super().__init__(env)
+        self._seeds = list(seeds)
+        self._next = 0
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Any, dict[str, Any]]:
+        """Reset to the next of the fixed seeds; `seed` is ignored."""
+        chosen = self._seeds[self._next % len(self._seeds)]
+        self._next += 1
+        return self.env.reset(seed=chosen, options=options)
+
+
+class SavePolicy(BaseCallback):
+    """Saves the policy of the moment as the run's policy; called on each new best validation."""
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__()
+        self._folder = folder
+
+    def _on_step(self) -> bool:
+        self.model.save(self._folder / runs.POLICY)
+        return True
+
+
+class SaveCheckpoint(BaseCallback):
+    """Saves what resuming needs; called after each validation and, by `save_checkpoint`, at the end."""
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__()
+        self._folder = folder
+
+    def _on_step(self) -> bool:
+        save_checkpoint(self.model, self._folder)
+        return True
+
+
+def save_checkpoint(model: Any, folder: Path) -> None:
+    """Save the model, the reward normalisation and, for off-policy algorithms, the replay buffer."""
+    checkpoint = folder / runs.CHECKPOINT
+    checkpoint.mkdir(exist_ok=True)
+    model.save(checkpoint / "model.zip")
+    model.get_vec_normalize_env().save(str(checkpoint / "vecnormalize.pkl"))
+    if isinstance(model, OffPolicyAlgorithm):
+        model.save_replay_buffer(checkpoint / "replay_buffer.pkl")
+
+
+class Validation(EvalCallback):
+    """Stable-Baselines3's `EvalCallback`, able to go on from the validations of an earlier run."""
+
+    def restore(self, log: Path) -> None:
+        """Continue the history in `log`, an ``evaluations.npz``, and its best mean return."""
+        with np.load(log) as history:
+            self.evaluations_timesteps = history["timesteps"].tolist()
+            self.evaluations_results = history["results"].tolist()
+            self.evaluations_length = history["ep_lengths"].tolist()
+        self.best_mean_reward = max(float(np.mean(returns)) for returns in self.evaluations_results)

@@ -1,0 +1,60 @@
+"""Making the environments that controllers are tuned, trained and evaluated on, and their seeds."""
+
+from collections.abc import Mapping
+from typing import Any, Literal
+
+import gymnasium
+
+import solar_env  # noqa: F401  (registers the environment ids)
+
+DEFAULT_ENV_ID = "solar_env/Deploy-v0"
+
+# Nominal physics is deterministic: every episode of a controller would be the same. Both ranges lie around
+# the nominal values, 0.2 mm and 0.15. They hold in tuning, training and evaluation, unless `randomize` says
+# otherwise.
+DEFAULT_RANDOMIZE: dict[str, tuple[float, float]] = {
+    "clearance": (0.15e-3, 0.25e-3),
+    "friction_coefficient": (0.1, 0.2),
+}
+
+Purpose = Literal["training", "validation", "evaluation"]
+_BLOCKS: dict[Purpose, int] = {"training": 0, "validation": 1, "evaluation": 2}
+_BLOCK_SIZE = 1_000_000_000
+_EPISODES_PER_SEED = 10_000
+
+
+def with_randomization(env_kwargs: Mapping[str, Any]) -> dict[str, Any]:
+    """`env_kwargs` with `DEFAULT_RANDOMIZE` filled in where they do not say what to randomise."""
+    return {"randomize": dict(DEFAULT_RANDOMIZE), **env_kwargs}
+
+
+def make_env(env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, Any] | None = None) -> gymnasium.Env:
+    """`gymnasium.make` with a message that says what to do.
+
+    Raises:
+        ValueError: the id is not registered, or the environment refuses a keyword or its value.
+    """
+    try:
+        return gymnasium.make(env_id, **dict(env_kwargs or {}))
+    except gymnasium.error.UnregisteredEnv as error:
+        known = ", ".join(sorted(name for name in gymnasium.registry if name.startswith("solar_env/")))
+        raise ValueError(f"no environment {env_id!r} is registered; available: {known}") from error
+    except (TypeError, ValueError) as error:
+        raise ValueError(
+            f"environment {env_id!r} refused its keywords {dict(env_kwargs or {})}: {error}"
+        ) from error
+
+
+def episode_seeds(purpose: Purpose, seed: int, count: int) -> list[int]:
+    """`count` environment seeds; those of two purposes, or of two values of `seed`, never coincide.
+
+    Raises:
+        ValueError: `seed` is outside 0 .. 99 999 or `count` outside 1 .. 10 000: the blocks would overlap.
+    """
+    seeds_per_block = _BLOCK_SIZE // _EPISODES_PER_SEED
+    if not 0 <= seed < seeds_per_block:
+        raise ValueError(f"seed is {seed}; choose one from 0 to {seeds_per_block - 1}")
+    if not 1 <= count <= _EPISODES_PER_SEED:
+        raise ValueError(f"the number of episodes is {count}; choose one from 1 to {_EPISODES_PER_SEED}")
+    start = _BLOCKS[purpose] * _BLOCK_SIZE + seed * _EPISODES_PER_SEED
+    return list(range(start, start + count))

@@ -1,0 +1,80 @@
+"""The figure of a training run: learning curve, and the learned deployment beside the passive one."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from agents import runs
+from agents.rollout import Step
+
+
+def plot_learning_curve(axes: Axes, folder: Path, reference_returns: Mapping[str, float]) -> None:
+    """Returns of training and validation episodes over environment steps; references as horizontal lines."""
+    before = runs.read_config(folder)["timesteps_before"]
+    episodes = np.genfromtxt(folder / "monitor.csv", delimiter=",", skip_header=1, names=True, ndmin=1)
+    with np.load(folder / "evaluations.npz") as history:
+        steps, validation = history["timesteps"], history["results"].mean(axis=1)
+    # A missed deadline costs many times what any impact does; showing it would flatten everything else.
+    lowest = 1.5 * min([*reference_returns.values(), np.max(validation)])
+    below = np.count_nonzero(episodes["r"] < lowest)
+    label = f"training episode ({below} of {episodes.size} below the axis)"
+    axes.plot(before + np.cumsum(episodes["l"]), episodes["r"], ".", ms=2, alpha=0.4, label=label)
+    axes.plot(steps, validation, "o-", ms=3, label="validation, mean")
+    axes.set_ylim(lowest, 0.0)
+    for style, (name, value) in zip(("--", ":", "-."), reference_returns.items(), strict=False):
+        axes.axhline(value, ls=style, color="0.3", lw=1, label=name)
+    axes.set(xlabel="environment steps", ylabel="return")
+    axes.legend(fontsize=7)
+
+
+def plot_episodes(
+    axes: Sequence[Axes], episodes: Mapping[str, Sequence[Step]], names: Sequence[str], torque_limit: float
+) -> None:
+    """Angles, motor torque and charged impact of one episode of each controller, on three axes."""
+    joints = [i for i, name in enumerate(names) if name.startswith("theta_")]
+    for color, (controller, steps) in enumerate(episodes.items()):
+        time = [step.time_s for step in steps]
+        for style, joint in zip(("-", "--", ":"), joints, strict=False):
+            opening = [step.observation[joint] for step in steps]
+            label = f"{controller}, joint {names[joint].removeprefix('theta_')}"
+            axes[0].plot(time, opening, style, color=f"C{color}", lw=1, label=label)
+        torque = [float(step.action[0]) * torque_limit for step in steps]
+        axes[1].step(time, torque, where="pre", color=f"C{color}", lw=1, label=controller)
+        impact = -np.cumsum([step.reward_terms["peak_impact"] for step in steps])
+        axes[2].step(time, impact, where="post", color=f"C{color}", lw=1, label=controller)
+    axes[0].set(xlabel="time [s]", ylabel="opening [lock angle]")
+    axes[1].set(xlabel="time [s]", ylabel="motor torque [N m]")
+    axes[2].set(xlabel="time [s]", ylabel="charged peak impact [return]")
+    for ax in axes:
+        ax.legend(fontsize=7)
+
+
+def run_figure(
+    folder: Path,
+    reference_returns: Mapping[str, float],
+    episodes: Mapping[str, Sequence[Step]],
+    names: Sequence[str],
+    torque_limit: float,
+) -> Path:
+    """Draw ``figure.png`` of the run in `folder`.
+
+    Args:
+        folder: A finished run.
+        reference_returns: Controller -> return, drawn as lines into the learning curve.
+        episodes: Controller -> steps of one episode.
+        names: Names of the observation entries.
+        torque_limit: Motor torque of a unit action [N m].
+
+    Returns:
+        The path of the figure.
+    """
+    figure = Figure(figsize=(11, 7), layout="constrained")
+    axes = figure.subplots(2, 2)
+    plot_learning_curve(axes[0, 0], folder, reference_returns)
+    plot_episodes([axes[0, 1], axes[1, 0], axes[1, 1]], episodes, names, torque_limit)
+    path = folder / "figure.png"
+    figure.savefig(path, dpi=150)
+    return path

@@ -1,0 +1,217 @@
+"""Training PPO, SAC and TD3 through Stable-Baselines3, from a configuration to a run folder."""
+
+import inspect
+import json
+import shutil
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.callbacks import CallbackList
+from stable_baselines3.common.logger import configure
+from stable_baselines3.common.noise import NormalActionNoise
+from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
+from stable_baselines3.common.vec_env import DummyVecEnv, VecEnv, VecMonitor, VecNormalize
+
+from agents import runs
+from agents.baselines import CONFIGS
+from agents.callbacks import (
+    DeploymentLogger,
+    FixedSeeds,
+    SaveCheckpoint,
+    SavePolicy,
+    Validation,
+    save_checkpoint,
+)
+from agents.environments import episode_seeds, make_env, with_randomization
+
+VALIDATION_EPISODES = 6
+VALIDATIONS = 15
+SHORTEST_VALIDATION_INTERVAL = 2000  # environment steps; a validation takes about as many itself
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """What determines a training run.
+
+    Attributes:
+        algo: Name of the algorithm: ppo, sac or td3.
+        env_id: Environment id.
+        env_kwargs: Environment keywords, with the ranges to randomise.
+        seed: Run seed; networks, exploration and episodes follow from it.
+        n_envs: Environments stepped together.
+        timesteps: Environment steps to train for; those of a resumed run come on top of earlier ones.
+        hyperparameters: Keywords of the Stable-Baselines3 class, and `exploration_noise`, the standard
+            deviation of TD3's action noise.
+        segments: Number of times that training has been resumed.
+    """
+
+    algo: str
+    env_id: str
+    env_kwargs: dict[str, Any]
+    seed: int
+    n_envs: int
+    timesteps: int
+    hyperparameters: dict[str, Any]
+    segments: int = 0
+
+
+def configuration(
+    algo: str,
+    env_id: str,
+    env_kwargs: Mapping[str, Any],
+    seed: int,
+    n_envs: int | None = None,
+    timesteps: int | None = None,
+    hyperparameters: Mapping[str, Any] | None = None,
+) -> Configuration:
+    """The configuration in ``agents/configs/<algo>.json`` for `env_id`, with what is given here in its place.
+
+    Raises:
+        ValueError: algorithm, environment, one of its keywords or a hyperparameter is unknown, or a number is
+            out of range.
+    """
+    accepted = {*inspect.signature(runs.algorithm(algo)).parameters, "exploration_noise"}
+    entries = json.loads((CONFIGS / f"{algo}.json").read_text())
+    if env_id not in entries:
+        raise ValueError(f"{algo}.json has no hyperparameters for {env_id!r}; it has {', '.join(entries)}")
+    entry = entries[env_id]
+    for name in hyperparameters or {}:
+        if name not in accepted:
+            raise ValueError(f"{algo} has no hyperparameter {name!r}; it has {', '.join(sorted(accepted))}")
+    n_envs = entry["n_envs"] if n_envs is None else n_envs
+    timesteps = entry["timesteps"] if timesteps is None else timesteps
+    for name, number in (("n_envs", n_envs), ("timesteps", timesteps)):
+        if number < 1:
+            raise ValueError(f"{name} is {number}; give a positive number")
+    # Refuse a wrong seed or environment keyword now, not once a run folder exists.
+    episode_seeds("training", seed, n_envs)
+    make_env(env_id, env_kwargs).close()
+    return Configuration(
+        algo=algo,
+        env_id=env_id,
+        env_kwargs=runs.jsonable(with_randomization(env_kwargs)),
+        seed=seed,
+        n_envs=n_envs,
+        timesteps=timesteps,
+        hyperparameters={**entry["hyperparameters"], **(hyperparameters or {})},
+    )
+
+
+def resumed_configuration(folder: str | Path, timesteps: int | None = None) -> Configuration:
+    """The configuration of the run in `folder`, to train on for `timesteps`, by default as many as before."""
+    stored = runs.read_config(folder)
+    names = inspect.signature(Configuration).parameters
+    previous = Configuration(**{name: stored[name] for name in names})
+    return replace(previous, timesteps=timesteps or previous.timesteps, segments=previous.segments + 1)
+
+
+def make_training_env(config: Configuration, monitor: Path | None) -> VecEnv:
+    """`n_envs` environments, with finished episodes written to the CSV file `monitor`."""
+    make = partial(make_env, config.env_id, config.env_kwargs)
+    return VecMonitor(DummyVecEnv([make] * config.n_envs), str(monitor) if monitor else None)
+
+
+def make_validation_env(config: Configuration) -> VecNormalize:
+    """One environment that goes round the validation episodes, with unnormalised rewards."""
+    seeds = episode_seeds("validation", config.seed, VALIDATION_EPISODES)
+    venv = VecMonitor(DummyVecEnv([lambda: FixedSeeds(make_env(config.env_id, config.env_kwargs), seeds)]))
+    return VecNormalize(venv, training=False, norm_obs=False, norm_reward=False)
+
+
+def make_model(config: Configuration, venv: VecEnv, device: str = "cpu") -> BaseAlgorithm:
+    """A fresh model on `venv` with normalised rewards; the environment scales the observations itself."""
+    hyperparameters = dict(config.hyperparameters)
+    noise = hyperparameters.pop("exploration_noise", None)
+    if noise is not None:
+        n_actions = venv.action_space.shape[0]  # type: ignore[index]
+        hyperparameters["action_noise"] = NormalActionNoise(np.zeros(n_actions), np.full(n_actions, noise))
+    gamma = hyperparameters.get("gamma", 0.99)
+    normalized = VecNormalize(venv, norm_obs=False, gamma=gamma)
+    seed = episode_seeds("training", config.seed, 1)[0]
+    cls: Any = runs.algorithm(config.algo)
+    return cls("MlpPolicy", normalized, seed=seed, device=device, **hyperparameters)
+
+
+def load_checkpoint(
+    config: Configuration, folder: str | Path, venv: VecEnv, device: str = "cpu"
+) -> BaseAlgorithm:
+    """The model as the run in `folder` left it, with optimiser, step count, normalisation and replay buffer.
+
+    Random number generators are not part of it: a resumed run gets new training episodes, and so does not
+    repeat an uninterrupted one bit by bit. Load only runs you trust: the files are pickles.
+
+    Raises:
+        FileNotFoundError: the run left no checkpoint.
+    """
+    checkpoint = Path(folder) / runs.CHECKPOINT
+    if not (checkpoint / "model.zip").is_file():
+        raise FileNotFoundError(f"{folder} has no checkpoint to resume from; start a new run")
+    normalized = VecNormalize.load(str(checkpoint / "vecnormalize.pkl"), venv)
+    model = runs.algorithm(config.algo).load(checkpoint / "model.zip", env=normalized, device=device)
+    if isinstance(model, OffPolicyAlgorithm):
+        model.load_replay_buffer(checkpoint / "replay_buffer.pkl")
+    # One seed an environment and segment, all within the run's own training block.
+    first = config.segments * config.n_envs
+    model.set_random_seed(episode_seeds("training", config.seed, first + 1)[first])
+    return model
+
+
+def train(
+    config: Configuration,
+    folder: Path,
+    resume: str | Path | None = None,
+    command: str = "",
+    device: str = "cpu",
+    progress: bool = True,
+) -> None:
+    """Train and fill the run folder with policy, checkpoint, configuration and logs.
+
+    Ctrl-C leaves a checkpoint before it ends the process.
+
+    Args:
+        config: What to train.
+        folder: An existing run folder without a run.
+        resume: Folder of the run to go on from.
+        command: Command line to record.
+        device: Torch device.
+        progress: Show a progress bar.
+    """
+    torch.set_num_threads(1)  # small networks: more threads only contend
+    venv = make_training_env(config, folder / "monitor.csv")
+    model = load_checkpoint(config, resume, venv, device) if resume else make_model(config, venv, device)
+    before = model.num_timesteps
+    record = {**asdict(config), "resumed_from": str(resume) if resume else None, "timesteps_before": before}
+    runs.write_json(folder / runs.CONFIG, {**record, "command": command, "versions": runs.versions()})
+    model.set_logger(configure(str(folder / "tensorboard"), ["tensorboard"]))
+
+    interval = max(config.timesteps // VALIDATIONS, min(config.timesteps, SHORTEST_VALIDATION_INTERVAL))
+    validation = Validation(
+        make_validation_env(config),
+        callback_on_new_best=SavePolicy(folder),
+        callback_after_eval=SaveCheckpoint(folder),
+        n_eval_episodes=VALIDATION_EPISODES,
+        eval_freq=max(interval // config.n_envs, 1),
+        log_path=str(folder),
+        verbose=0,
+    )
+    if resume and (Path(resume) / runs.POLICY).is_file():
+        shutil.copy(Path(resume) / runs.POLICY, folder / runs.POLICY)
+        validation.restore(Path(resume) / "evaluations.npz")
+    try:
+        model.learn(
+            config.timesteps,
+            callback=CallbackList([DeploymentLogger(), validation]),
+            reset_num_timesteps=not resume,
+            progress_bar=progress,
+        )
+    finally:
+        save_checkpoint(model, folder)
+        model.logger.close()
+        validation.eval_env.close()
+        venv.close()

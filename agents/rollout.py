@@ -1,0 +1,89 @@
+"""One episode of a controller, reduced to the figures that evaluation and tuning compare."""
+
+import math
+from collections import defaultdict
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import gymnasium
+import numpy as np
+
+from agents.baselines import Controller
+
+
+@dataclass(frozen=True)
+class Step:
+    """What one control period looks like from outside, for figures."""
+
+    time_s: float
+    observation: np.ndarray
+    action: np.ndarray
+    reward_terms: dict[str, float]
+
+
+def run_episode(
+    env: gymnasium.Env, controller: Controller, seed: int, record: Callable[[Step], None] | None = None
+) -> dict[str, float | int | bool]:
+    """Run one deterministic episode and return its figures (see `episode_figures`) with its seed.
+
+    `record`, if given, is called after every step.
+    """
+    observation, _ = env.reset(seed=seed)
+    state = None
+    episode_start = np.ones(1, dtype=bool)
+    terms: defaultdict[str, float] = defaultdict(float)
+    while True:
+        action, state = controller.predict(observation, state, episode_start, deterministic=True)
+        observation, _, terminated, truncated, info = env.step(action)
+        episode_start[:] = False
+        for name, value in info["reward_terms"].items():
+            terms[name] += value
+        if record is not None:
+            record(Step(info["time_s"], observation, action, info["reward_terms"]))
+        if terminated or truncated:
+            return {"seed": seed, **episode_figures(info["deployment"], terms)}
+
+
+def episode_figures(
+    deployment: Mapping[str, Any], reward_terms: Mapping[str, float]
+) -> dict[str, float | int | bool]:
+    """Flatten `info["deployment"]` and the summed reward terms of an episode into named scalars.
+
+    Lists by joint become one entry a joint (``peak_postlock_force_1_N``) and one for the array: the largest
+    force and wear depth, the last latch time, the sum of impulse, sliding work and contacts. Post-lock
+    figures are NaN where a joint never latched: nothing was struck, but nothing was deployed either.
+    """
+    latched = bool(deployment["latched"])
+    figures: dict[str, float | int | bool] = {
+        "return": float(sum(reward_terms.values())),
+        **{f"reward_{name}": float(value) for name, value in reward_terms.items()},
+        "latched": latched,
+    }
+    for name, value in deployment.items():
+        if name == "latched":
+            continue
+        if not isinstance(value, list | tuple):
+            figures[name] = float(value)
+            continue
+        by_joint = [math.nan if v is None else float(v) for v in value]
+        if "postlock" in name and not latched:
+            by_joint = [math.nan] * len(by_joint)
+        quantity, unit = _split_unit(name)
+        figures[quantity + unit] = max_or_sum(name)(by_joint)
+        for joint, v in enumerate(by_joint, start=1):
+            figures[f"{quantity}_{joint}{unit}"] = v
+    return figures
+
+
+def max_or_sum(name: str) -> Callable[[list[float]], float]:
+    """How the figure `name` of the whole array follows from those of its joints; NaN if any of them is."""
+    if any(part in name for part in ("peak", "latch_time", "max")):
+        return lambda values: float(np.max(values))
+    return lambda values: float(np.sum(values))
+
+
+def _split_unit(name: str) -> tuple[str, str]:
+    """``peak_postlock_force_N`` -> (``peak_postlock_force``, ``_N``); ``contact_starts`` has no unit."""
+    quantity, _, unit = name.rpartition("_")
+    return (quantity, "_" + unit) if unit in {"s", "N", "Ns", "J", "m"} else (name, "")

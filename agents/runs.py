@@ -1,0 +1,106 @@
+"""The run folder: what a training run leaves behind, and how a policy is loaded from it."""
+
+import json
+import platform
+import re
+from collections.abc import Mapping
+from datetime import datetime
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+from stable_baselines3 import PPO, SAC, TD3
+from stable_baselines3.common.base_class import BaseAlgorithm
+
+ALGORITHMS: dict[str, type[BaseAlgorithm]] = {"ppo": PPO, "sac": SAC, "td3": TD3}
+
+CONFIG = "config.json"
+POLICY = "policy.zip"
+CHECKPOINT = "checkpoint"
+
+
+def algorithm(name: str) -> type[BaseAlgorithm]:
+    """The Stable-Baselines3 class called `name`.
+
+    Raises:
+        ValueError: there is none.
+    """
+    if name not in ALGORITHMS:
+        raise ValueError(f"no algorithm {name!r}; available: {', '.join(ALGORITHMS)}")
+    return ALGORITHMS[name]
+
+
+def new_run_folder(out: str | Path | None, env_id: str, algo: str, seed: int) -> Path:
+    """Create `out`, or ``runs/<id>__<algo>__<seed>__<timestamp>`` where it is None.
+
+    Raises:
+        FileExistsError: the folder holds a run already.
+    """
+    name = f"{re.sub(r'[^A-Za-z0-9.-]+', '-', env_id)}__{algo}__{seed}__{datetime.now():%Y%m%d-%H%M%S}"
+    folder = Path(out) if out else Path("runs") / name
+    if (folder / CONFIG).exists():
+        raise FileExistsError(
+            f"{folder} holds a run already; choose another --out, or go on from it with --resume"
+        )
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def write_json(path: Path, content: Any) -> None:
+    """Write `content` as indented JSON."""
+    path.write_text(json.dumps(content, indent=2, allow_nan=False) + "\n")
+
+
+def read_config(folder: str | Path) -> dict[str, Any]:
+    """The configuration of the run in `folder`.
+
+    Raises:
+        FileNotFoundError: `folder` is not a run folder.
+    """
+    path = Path(folder) / CONFIG
+    if not path.is_file():
+        raise FileNotFoundError(
+            f"{folder} is not a run folder: it has no {CONFIG}; train.py writes such folders"
+        )
+    return json.loads(path.read_text())
+
+
+def load_policy(folder: str | Path, env: gymnasium.Env) -> BaseAlgorithm:
+    """The best policy of the run in `folder`, for use on `env`. Load only runs you trust: it is a pickle.
+
+    Raises:
+        FileNotFoundError: there is no run, or it was interrupted before its first validation.
+        ValueError: the policy was trained on other observations or actions than those of `env`.
+    """
+    config = read_config(folder)
+    path = Path(folder) / POLICY
+    if not path.is_file():
+        raise FileNotFoundError(
+            f"{folder} has no {POLICY}; the run ended before its first validation, resume it"
+        )
+    model = algorithm(config["algo"]).load(path, device="cpu")
+    for kind in ("observation_space", "action_space"):
+        if getattr(model, kind) != getattr(env, kind):
+            raise ValueError(
+                f"{folder} was trained with {kind} {getattr(model, kind)}, not with {getattr(env, kind)}; "
+                f"evaluate it with its own --env-kwargs: {config['env_kwargs']}"
+            )
+    return model
+
+
+def versions() -> dict[str, str]:
+    """Versions of Python and of the packages that results depend on."""
+    names = ("solar-env", "stable-baselines3", "torch", "gymnasium", "numba", "numpy", "scipy")
+    found = {"python": platform.python_version(), "platform": platform.platform()}
+    for name in names:
+        try:
+            found[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            found[name] = "not installed as a package"
+    return found
+
+
+def jsonable(mapping: Mapping[str, Any]) -> dict[str, Any]:
+    """`mapping` as it reads after a round trip through JSON (tuples become lists)."""
+    return json.loads(json.dumps(mapping))

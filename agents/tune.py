@@ -1,0 +1,143 @@
+"""Tune the servo and the brake by CMA-ES on the environment's return: `python -m agents.tune`."""
+
+import json
+import shlex
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, field, fields
+from typing import Any
+
+import cma
+import numpy as np
+from tqdm import tqdm
+
+from agents import runs
+from agents.arguments import parse_arguments
+from agents.baselines import CONFIGS, BrakeParameters, ServoParameters, make_baseline
+from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_randomization
+from agents.rollout import run_episode
+
+PARAMETERS: dict[str, type[BrakeParameters] | type[ServoParameters]] = {
+    "brake": BrakeParameters,
+    "servo": ServoParameters,
+}
+
+
+@dataclass
+class Args:
+    """Tune a baseline by CMA-ES on the mean return and write its parameters to agents/configs."""
+
+    controller: str = "servo"
+    """baseline to tune: servo or brake"""
+    episodes: int = 1600
+    """budget of training episodes"""
+    episodes_per_candidate: int = 4
+    """episodes a candidate is judged by, the same for all of a generation"""
+    validation_episodes: int = 20
+    """episodes that decide between the candidates left at the end"""
+    seed: int = 0
+    """seed of the search and of its episodes"""
+    env_id: str = DEFAULT_ENV_ID
+    """environment id"""
+    env_kwargs: dict[str, Any] = field(default_factory=dict)
+    """environment keywords"""
+    quiet: bool = False
+    """no progress bar"""
+
+
+def from_unit(cls: type[BrakeParameters] | type[ServoParameters], unit: np.ndarray) -> Any:
+    """Parameters of class `cls` from numbers in [0, 1], linearly within each field's bounds."""
+    bounds = [f.metadata["bounds"] for f in fields(cls)]
+    values = [float(low + u * (high - low)) for (low, high), u in zip(bounds, unit, strict=True)]
+    return cls(*values)
+
+
+def to_unit(parameters: BrakeParameters | ServoParameters) -> np.ndarray:
+    """Inverse of `from_unit`."""
+    bounds = [f.metadata["bounds"] for f in fields(parameters)]
+    values = asdict(parameters).values()
+    return np.array([(value - low) / (high - low) for value, (low, high) in zip(values, bounds, strict=True)])
+
+
+def tune(
+    objective: Callable[[np.ndarray, Sequence[int]], float],
+    start: np.ndarray,
+    episodes: int,
+    episodes_per_candidate: int,
+    seed: int,
+    progress: bool = True,
+) -> list[np.ndarray]:
+    """Minimise a noisy objective over the unit cube by CMA-ES with common random numbers in each generation.
+
+    Args:
+        objective: (point (n,) in [0, 1], episode seeds) -> cost.
+        start: Point (n,) to start from.
+        episodes: Budget of episodes; the last generation may be cut short of it, never beyond.
+        episodes_per_candidate: Seeds handed to each call of `objective`.
+        seed: Seed of the search; the episodes come from the training seeds of the same number.
+        progress: Show a progress bar.
+
+    Returns:
+        The start, the best point seen, and the final mean of the search distribution.
+    """
+    options = {"bounds": [0, 1], "seed": seed + 1, "verbose": -9}  # pycma takes seed 0 for "from the clock"
+    search = cma.CMAEvolutionStrategy(start, 0.25, options)
+    per_generation = search.popsize * episodes_per_candidate
+    generations = episodes // per_generation
+    if generations < 1:
+        raise ValueError(
+            f"a budget of {episodes} episodes holds no generation; give at least {per_generation}"
+        )
+    seeds = episode_seeds("training", seed, generations * episodes_per_candidate)
+    with tqdm(total=generations * per_generation, desc="tune", unit="episode", disable=not progress) as bar:
+        for generation in range(generations):
+            first = generation * episodes_per_candidate
+            points = search.ask()
+            costs = []
+            for point in points:
+                costs.append(objective(point, seeds[first : first + episodes_per_candidate]))
+                bar.update(episodes_per_candidate)
+            search.tell(points, costs)
+            bar.set_postfix(best=f"{min(costs):.4g}")
+    return [np.asarray(start), search.result.xbest, search.result.xfavorite]
+
+
+def main(argv: Sequence[str] | None = None) -> None:
+    """The command line; see `Args`."""
+    args = parse_arguments(Args, argv, prog="python -m agents.tune")
+    if args.controller not in PARAMETERS:
+        raise ValueError(f"nothing to tune in {args.controller!r}; choose from {', '.join(PARAMETERS)}")
+    cls = PARAMETERS[args.controller]
+    env_kwargs = with_randomization(args.env_kwargs)
+    env = make_env(args.env_id, env_kwargs)
+
+    def cost(point: np.ndarray, seeds: Sequence[int]) -> float:
+        controller = make_baseline(args.controller, env, from_unit(cls, np.clip(point, 0.0, 1.0)))
+        return -float(np.mean([run_episode(env, controller, seed)["return"] for seed in seeds]))
+
+    candidates = tune(
+        cost, to_unit(cls()), args.episodes, args.episodes_per_candidate, args.seed, progress=not args.quiet
+    )
+    validation = episode_seeds("validation", args.seed, args.validation_episodes)
+    returns = [-cost(point, validation) for point in candidates]
+    best = int(np.argmax(returns))
+    path = CONFIGS / f"{args.controller}.json"
+    entries = json.loads(path.read_text()) if path.exists() else {}
+    entries[args.env_id] = {
+        "parameters": asdict(from_unit(cls, candidates[best])),
+        "tuning": {
+            "command": shlex.join(["python", "-m", "agents.tune", *(sys.argv[1:] if argv is None else argv)]),
+            "env_kwargs": runs.jsonable(env_kwargs),
+            "training_episodes": args.episodes,
+            "seed": args.seed,
+            "validation_return": returns[best],
+            "validation_return_before_tuning": returns[0],
+        },
+    }
+    runs.write_json(path, entries)
+    print(json.dumps(entries[args.env_id], indent=2))
+    print(f"written to {path}")
+
+
+if __name__ == "__main__":
+    main()

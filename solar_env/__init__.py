@@ -1,0 +1,53 @@
+"""Deployment of a spacecraft's solar array: multibody simulation with clearance joints, and a Gymnasium environment.
+
+Importing this package registers the environments and loads neither the compiler nor a learning library.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+from .array import MODELS, ArrayParameters, build
+from .mechanics.integrators import GeneralizedAlpha, RungeKutta
+from .registration import register_environments
+
+if TYPE_CHECKING:
+    from .deployment import simulate
+    from .env import SolarArrayEnv
+    from .mechanics.errors import SimulationError
+    from .mechanics.simulation import Simulation
+    from .mechanics.trajectory import Trajectory
+
+__version__ = "0.1.0"
+
+# Public names whose modules need the compiler: imported on first use.
+_LAZY = {
+    "simulate": ".deployment",
+    "SolarArrayEnv": ".env",
+    "SimulationError": ".mechanics.errors",
+    "Simulation": ".mechanics.simulation",
+    "Trajectory": ".mechanics.trajectory",
+}
+
+__all__ = [
+    "MODELS",
+    "ArrayParameters",
+    "GeneralizedAlpha",
+    "RungeKutta",
+    "Simulation",
+    "SimulationError",
+    "SolarArrayEnv",
+    "Trajectory",
+    "build",
+    "simulate",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _LAZY:
+        return getattr(importlib.import_module(_LAZY[name], __name__), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+register_environments()

@@ -1,0 +1,38 @@
+"""The command line: ``python -m solar_env COMMAND --help``."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import sys
+
+COMMANDS = {
+    "simulate": ("solar_env.commands.simulate", "simulate one deployment"),
+    "verify": ("solar_env.verification.command", "run the cases with known answers"),
+    "figures": ("solar_env.commands.figures", "draw the pictures of the README"),
+    "warmup": ("solar_env.commands.warmup", "compile all kernels, which later runs load from the cache"),
+}
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run a command; returns the exit status: 0 done, 1 a verification failed, 2 wrong input or a failed run."""
+    arguments = sys.argv[1:] if arguments is None else arguments
+    parser = argparse.ArgumentParser(prog="python -m solar_env", description=__doc__)
+    subparsers = parser.add_subparsers(dest="command", required=True)
+    for name, (module, summary) in COMMANDS.items():
+        subparser = subparsers.add_parser(name, help=summary, description=summary)
+        # Only the module of the command that runs is loaded.
+        if name in arguments[:1]:
+            importlib.import_module(module).add_arguments(subparser)
+    args = parser.parse_args(arguments)
+    from .mechanics.errors import SimulationError
+
+    try:
+        return int(importlib.import_module(COMMANDS[args.command][0]).run_command(args))
+    except (ValueError, SimulationError, OSError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main())

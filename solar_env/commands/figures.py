@@ -1,0 +1,47 @@
+"""``python -m solar_env figures``: the pictures of the README."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+from rich.progress import track
+
+FOLDER = Path(__file__).resolve().parent.parent / "figures"
+# A moment after latching, with the journals in flight.
+FRAME_TIME = 13.6  # s
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("--out", type=Path, default=FOLDER, help="folder for the pictures")
+
+
+def draw_frame(path: Path) -> None:
+    """A frame of the environment during a passive deployment."""
+    import gymnasium
+    from PIL import Image
+
+    env = gymnasium.make("solar_env/Deploy-v0", render_mode="rgb_array")
+    env.reset(seed=0)
+    for _ in range(round(FRAME_TIME / 0.1)):
+        env.step(np.zeros(1, dtype=np.float32))
+    Image.fromarray(np.asarray(env.render())).save(path, optimize=True)
+
+
+def draw_deployment(path: Path) -> None:
+    """Angles, forces, torques, energies, journal paths and wear of the default deployment."""
+    from ..deployment import simulate
+    from ..plots import plot_deployment
+
+    plot_deployment(simulate(), path)
+
+
+def run_command(args: argparse.Namespace) -> int:
+    """Draw every picture."""
+    args.out.mkdir(parents=True, exist_ok=True)
+    for draw, name in track([(draw_frame, "frame.png"), (draw_deployment, "deployment.png")], description="drawing"):
+        draw(args.out / name)
+        print(args.out / name)
+    return 0

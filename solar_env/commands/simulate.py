@@ -1,0 +1,104 @@
+"""``python -m solar_env simulate``: one deployment from the command line."""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.progress import Progress
+from rich.table import Table
+
+from ..array import MODELS, PRESETS, ArrayParameters, check_model
+from ..integrators import INTEGRATORS, make_integrator
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("--model", default="rigid-clearance", help=f"one of {', '.join(MODELS)}")
+    parser.add_argument("--duration", type=float, default=30.0, metavar="S", help="simulated time [s]")
+    parser.add_argument("--preset", default="default", help=f"parameter set: {', '.join(PRESETS)}")
+    parser.add_argument(
+        "--set", nargs="+", action="extend", default=[], metavar="KEY=VALUE",
+        help="change parameters, e.g. clearance=1e-4,2e-4 (solar_env.ArrayParameters lists them)",
+    )  # fmt: skip
+    parser.add_argument("--integrator", help=f"one of {', '.join(INTEGRATORS)}; default: the model's best")
+    parser.add_argument("--step", type=float, metavar="S", help="fixed step, or bound on adaptive ones [s]")
+    parser.add_argument("--rtol", type=float, help="local error tolerance")
+    parser.add_argument("--output-step", type=float, default=0.01, metavar="S", help="distance of the samples [s]")
+    parser.add_argument("--plot", type=Path, metavar="FILE", help="write a figure (png, svg or pdf)")
+    parser.add_argument("--out", type=Path, metavar="FILE", help="write the trajectory (npz)")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the summary (- for standard output)")
+
+
+def parse_changes(assignments: list[str]) -> dict[str, Any]:
+    """Parameter changes from KEY=VALUE strings; comma-separated numbers become a tuple, other text stays text.
+
+    Raises:
+        ValueError: if an assignment has no "=".
+    """
+    changes: dict[str, Any] = {}
+    for assignment in assignments:
+        key, separator, text = assignment.partition("=")
+        if not separator:
+            raise ValueError(f"--set {assignment!r} must have the form key=value")
+        try:
+            changes[key.strip()] = ast.literal_eval(text.strip())
+        except (ValueError, SyntaxError):
+            changes[key.strip()] = text.strip()
+    return changes
+
+
+def run_command(args: argparse.Namespace) -> int:
+    """Simulate, report, write what was asked for."""
+    # Wrong input is refused before the compiler is loaded.
+    check_model(args.model)
+    parameters = ArrayParameters.preset(args.preset).with_changes(parse_changes(args.set))
+    for path in (args.plot, args.out, args.json):
+        if path is not None and str(path) != "-" and not path.parent.is_dir():
+            raise ValueError(f"the folder of {path} does not exist")
+    name = args.integrator or "runge-kutta"
+    integrator = make_integrator(name, args.model, args.step, args.rtol)
+    from ..deployment import simulate
+    from .warmup import warm_up
+
+    console = Console(stderr=True)
+    warm_up(console, args.model, name)
+    with Progress(console=console, transient=True) as progress:
+        task = progress.add_task("simulating", total=args.duration)
+        trajectory = simulate(
+            parameters,
+            model=args.model,
+            duration=args.duration,
+            integrator=integrator,
+            output_step=args.output_step,
+            progress=lambda time: progress.update(task, completed=time),
+        )
+    summary = trajectory.summary()
+    if str(args.json) == "-":
+        json.dump(summary, sys.stdout, indent=2)
+        print()
+    else:
+        _print_summary(summary)
+        if args.json:
+            args.json.write_text(json.dumps(summary, indent=2) + "\n")
+    if args.out:
+        trajectory.save(args.out)
+    if args.plot:
+        from ..plots import plot_deployment
+
+        plot_deployment(trajectory, args.plot)
+    return 0
+
+
+def _print_summary(summary: dict[str, Any]) -> None:
+    table = Table(title=f"{summary['model']}, {summary['duration_s']:g} s", show_header=False)
+    for key, value in summary.items():
+        values = value if isinstance(value, list) else [value]
+        text = ", ".join(f"{x:.6g}" if isinstance(x, float) else str(x) for x in values)
+        table.add_row(key, text)
+    Console().print(table)

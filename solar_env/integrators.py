@@ -1,0 +1,39 @@
+"""Which integrator a deployment gets: by name, or the model's default."""
+
+from __future__ import annotations
+
+from .mechanics.integrators import GeneralizedAlpha, Integrator, RungeKutta
+
+INTEGRATORS = ("runge-kutta", "generalized-alpha", "paper")
+
+
+def default_integrator(model: str) -> RungeKutta:
+    """The integrator that a model gets when none is named: tighter without clearance, where steps are few."""
+    return RungeKutta(rtol=1e-8 if model.endswith("ideal") else 5e-7)
+
+
+def make_integrator(name: str, model: str, step: float | None = None, rtol: float | None = None) -> Integrator:
+    """An integrator by name, as the command line takes it.
+
+    Args:
+        name: "runge-kutta" (adaptive; ``step`` bounds its steps), "generalized-alpha" (rho_inf = 0.8; fixed ``step``,
+            or adaptive to ``rtol``) or "paper" (beta = 1/4, gamma = 1/2, fixed step, 1e-4 s by default).
+        model: one of ``array.MODELS``.
+        step: [s].
+        rtol: local error tolerance.
+
+    Raises:
+        ValueError: if the name is unknown or an option does not apply.
+    """
+    if name == "runge-kutta":
+        default = default_integrator(model)
+        return RungeKutta(
+            rtol=default.rtol if rtol is None else rtol, max_step=default.max_step if step is None else step
+        )
+    if name == "generalized-alpha":
+        return GeneralizedAlpha(step=1e-4 if step is None else step, rtol=rtol)
+    if name == "paper":
+        if rtol is not None:
+            raise ValueError("rtol does not apply to the integrator 'paper', whose step is fixed; give a step")
+        return GeneralizedAlpha(step=1e-4 if step is None else step, rho_inf=1.0)
+    raise ValueError(f"integrator {name!r} is unknown; choose from {', '.join(INTEGRATORS)}")

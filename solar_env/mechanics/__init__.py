@@ -1,0 +1,8 @@
+"""Planar multibody dynamics: mechanisms described as data, compiled into arrays, advanced by Numba kernels.
+
+The package knows nothing of solar arrays or of learning. Its layers, lowest first:
+
+``_jit`` -> ``model`` -> (``contact``, ``wear``, ``rigid``, ``joint``) -> ``system`` ->
+(``history``, ``recording``) -> (``explicit``, ``generalized_alpha``) -> ``simulator``;
+``description`` and ``build`` turn a mechanism into the arrays of ``model``.
+"""

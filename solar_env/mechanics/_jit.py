@@ -1,0 +1,74 @@
+"""The project's ``njit``: Numba with an on-disk cache that cannot go stale.
+
+Numba's own cache notices an edit of the file that holds a function, but not of the files whose functions it
+calls; cached callers would go on running the old code. Here the cache folder carries a hash of every source
+file that holds kernels, so that any edit compiles afresh.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numba
+
+_PACKAGE = Path(__file__).resolve().parent.parent
+
+
+def _kernel_sources() -> list[Path]:
+    return sorted([*(_PACKAGE / "mechanics").glob("*.py"), *_PACKAGE.glob("task.py")])
+
+
+def _cache_directory() -> str:
+    digest = hashlib.sha256()
+    for source in _kernel_sources():
+        digest.update(source.name.encode())
+        digest.update(source.read_bytes())
+    base = os.environ.get("NUMBA_CACHE_DIR") or os.path.join(
+        os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache"), "solar_env"
+    )
+    name = digest.hexdigest()[:16]
+    for root in (base, os.path.join(tempfile.gettempdir(), f"solar_env-{os.getuid()}")):
+        folder = os.path.join(root, name)
+        try:
+            os.makedirs(folder, exist_ok=True)
+        except OSError:
+            continue
+        if os.access(folder, os.W_OK):
+            return folder
+    raise OSError(f"no writable folder for compiled kernels (tried {base!r}); set NUMBA_CACHE_DIR to one")
+
+
+_CACHE_DIRECTORY = _cache_directory()
+
+
+def _compile(function: Callable[..., Any], **options: bool) -> Any:
+    previous = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = _CACHE_DIRECTORY
+    try:
+        return numba.njit(cache=True, nogil=True, error_model="numpy", **options)(function)
+    finally:
+        numba.config.CACHE_DIR = previous
+
+
+def njit(function: Callable[..., Any]) -> Any:
+    """Compile a kernel in nopython mode, without the interpreter lock, cached under the hash of all kernel sources.
+
+    The kernel may not allocate. In exchange it does no reference counting, which would otherwise cost two atomic
+    operations for every field taken out of a tuple of arrays: more than half of the run time of small mechanisms.
+    """
+    return _compile(function, _nrt=False)
+
+
+def njit_inlined(function: Callable[..., Any]) -> Any:
+    """Like :func:`njit`, for the innermost functions: LLVM inlines them, which spares passing tuples of arrays."""
+    return _compile(function, _nrt=False, forceinline=True)
+
+
+def njit_allocating(function: Callable[..., Any]) -> Any:
+    """Like :func:`njit`, for the few kernels that make arrays: they do so once per call and hand them down."""
+    return _compile(function)

@@ -1,0 +1,275 @@
+"""Mechanisms as data: bodies, joints, force elements. ``build.compile_mechanism`` turns them into arrays.
+
+All quantities in SI units; angles in rad; counter-clockwise positive. Bad parameters are refused on construction.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, fields
+
+Point = tuple[float, float]
+
+GROUND = "ground"
+
+
+def _require(condition: bool, owner: object, name: str, value: object, rule: str) -> None:
+    if not condition:
+        raise ValueError(f"{type(owner).__name__}.{name} = {value!r}: {rule}")
+
+
+def _require_finite(owner: object, *skip: str) -> None:
+    for item in fields(owner):  # type: ignore[arg-type]
+        value = getattr(owner, item.name)
+        if item.name in skip:
+            continue
+        values = value if isinstance(value, tuple) else (value,)
+        for number in values:
+            if isinstance(number, float) and not math.isfinite(number):
+                _require(False, owner, item.name, value, "must be finite")
+
+
+@dataclass(frozen=True)
+class Body:
+    """A rigid body with its initial motion.
+
+    The body frame has its origin at the first base point and its x axis towards the second.
+
+    Attributes:
+        name: unique name.
+        mass: [kg].
+        inertia: about the centroid [kg m2].
+        length: distance of the two base points [m].
+        centroid: in the body frame [m].
+        position: of the first base point at t = 0 [m].
+        angle: of the x axis at t = 0 [rad].
+        velocity: of the first base point at t = 0 [m/s].
+        spin: angular velocity at t = 0 [rad/s].
+        fixed: whether the body is held in place.
+    """
+
+    name: str
+    mass: float
+    inertia: float
+    length: float
+    centroid: Point
+    position: Point = (0.0, 0.0)
+    angle: float = 0.0
+    velocity: Point = (0.0, 0.0)
+    spin: float = 0.0
+    fixed: bool = False
+
+    def __post_init__(self) -> None:
+        _require_finite(self)
+        _require(self.name != GROUND, self, "name", self.name, "is reserved for the fixed frame")
+        for name in ("mass", "inertia", "length"):
+            _require(getattr(self, name) > 0.0, self, name, getattr(self, name), "must be positive")
+
+
+@dataclass(frozen=True)
+class Spring:
+    """Torsion spring: torque = stiffness * (preload_angle - joint angle) [N m] (paper, Eq 1)."""
+
+    stiffness: float
+    preload_angle: float
+
+    def __post_init__(self) -> None:
+        _require_finite(self)
+        _require(self.stiffness >= 0.0, self, "stiffness", self.stiffness, "must not be negative")
+
+
+@dataclass(frozen=True)
+class Stop:
+    """Two-sided stop with free play `gap` on either side of its angle (BISTOP with STEP damping, paper Eqs 5-7).
+
+    Attributes:
+        gap: free play to each side [rad].
+        stiffness: [N m / rad^exponent].
+        exponent: of the elastic torque.
+        ramp_depth: depth over which the damping is ramped in [rad].
+        damping: [N m s/rad].
+    """
+
+    gap: float
+    stiffness: float
+    exponent: float
+    ramp_depth: float
+    damping: float
+
+    def __post_init__(self) -> None:
+        _require_finite(self)
+        _require(self.gap >= 0.0, self, "gap", self.gap, "must not be negative")
+        _require(self.stiffness > 0.0, self, "stiffness", self.stiffness, "must be positive")
+        _require(self.exponent >= 1.0, self, "exponent", self.exponent, "must be at least 1")
+        _require(self.ramp_depth > 0.0, self, "ramp_depth", self.ramp_depth, "must be positive")
+        _require(self.damping >= 0.0, self, "damping", self.damping, "must not be negative")
+
+
+@dataclass(frozen=True)
+class Bearing:
+    """Clearance of a joint with its contact, friction and wear (laws: ``contact.py``, ``wear.py``).
+
+    Attributes:
+        clearance: radial [m].
+        journal_radius: [m].
+        stiffness: contact stiffness K [N/m^1.5].
+        damping_factor: d of the contact law, see ``contact.damping_factor``.
+        minimum_impact_speed: lower bound of the impact speed in the damping term [m/s].
+        friction_coefficient: Coulomb's.
+        friction_speeds: sliding speeds at which friction sets in and is full [m/s].
+        material_sliding: True takes the sliding speed of the material points; False that of the joint's centres
+            (paper, Eq 35, which leaves the bodies' rotation out).
+        wear_coefficient: Archard's k [m2/N].
+        width: axial length of the bearing [m].
+    """
+
+    clearance: float
+    journal_radius: float
+    stiffness: float
+    damping_factor: float
+    minimum_impact_speed: float = 1e-4
+    friction_coefficient: float = 0.0
+    friction_speeds: tuple[float, float] = (1e-4, 1e-3)
+    material_sliding: bool = True
+    wear_coefficient: float = 0.0
+    width: float = 1.0
+
+    def __post_init__(self) -> None:
+        _require_finite(self)
+        for name in ("clearance", "journal_radius", "stiffness", "minimum_impact_speed", "width"):
+            _require(getattr(self, name) > 0.0, self, name, getattr(self, name), "must be positive")
+        for name in ("damping_factor", "friction_coefficient", "wear_coefficient"):
+            _require(getattr(self, name) >= 0.0, self, name, getattr(self, name), "must not be negative")
+        low, high = self.friction_speeds
+        _require(0.0 <= low < high, self, "friction_speeds", self.friction_speeds, "must satisfy 0 <= first < second")
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A revolute joint between a point of the inboard body (bearing) and one of the outboard body (journal).
+
+    Attributes:
+        name: unique name.
+        inboard, outboard: body names; the inboard one may be "ground".
+        inboard_point, outboard_point: in the body frames [m].
+        sign: +1 if the joint angle grows with the outboard body's counter-clockwise turn, else -1.
+        folded_angle: angle from the inboard to the outboard x axis at joint angle 0 [rad].
+        middle: middle of the joint angle's range, which is 2 pi wide [rad].
+        bearing: the clearance; None for an ideal joint.
+        spring: torsion spring, if any.
+        stop: shared by latch and stow stop.
+        lock_angle: joint angle at which the joint latches; None for no latch.
+        stow_angle: joint angle below which the stop pushes back; None for no stow stop.
+    """
+
+    name: str
+    inboard: str
+    outboard: str
+    inboard_point: Point
+    outboard_point: Point
+    sign: int = 1
+    folded_angle: float = 0.0
+    middle: float = 0.0
+    bearing: Bearing | None = None
+    spring: Spring | None = None
+    stop: Stop | None = None
+    lock_angle: float | None = None
+    stow_angle: float | None = None
+
+    def __post_init__(self) -> None:
+        _require_finite(self)
+        _require(self.sign in (1, -1), self, "sign", self.sign, "must be +1 or -1")
+        _require(self.inboard != self.outboard, self, "outboard", self.outboard, "must differ from the inboard body")
+        if self.stop is None:
+            for name in ("lock_angle", "stow_angle"):
+                _require(getattr(self, name) is None, self, name, getattr(self, name), "needs a stop")
+
+
+@dataclass(frozen=True)
+class CableLoop:
+    """Closed cable loop over the wheels of two joints (paper, Eqs 2-4).
+
+    With the mismatch s = wheel_ratio * angle_a - angle_b, the torque on joint b is K s and on joint a
+    -torque_ratio * K s while both strands are taut. The loop conserves energy if the two ratios are equal.
+
+    Attributes:
+        joint_a, joint_b: joint names.
+        stiffness: K [N m/rad].
+        wheel_ratio: dimensionless.
+        torque_ratio: dimensionless.
+        preload_torque: strand preload times the wheel radius of joint b [N m]; infinite for a loop that never slackens.
+    """
+
+    joint_a: str
+    joint_b: str
+    stiffness: float
+    wheel_ratio: float
+    torque_ratio: float
+    preload_torque: float = math.inf
+
+    def __post_init__(self) -> None:
+        _require_finite(self, "preload_torque")
+        _require(self.stiffness >= 0.0, self, "stiffness", self.stiffness, "must not be negative")
+        _require(self.wheel_ratio > 0.0, self, "wheel_ratio", self.wheel_ratio, "must be positive")
+        _require(self.torque_ratio >= 0.0, self, "torque_ratio", self.torque_ratio, "must not be negative")
+        _require(self.preload_torque >= 0.0, self, "preload_torque", self.preload_torque, "must not be negative")
+
+
+@dataclass(frozen=True)
+class Guide:
+    """Keeps a point of a body on the line normal . r = offset."""
+
+    body: str
+    point: Point
+    normal: Point
+    offset: float = 0.0
+
+    def __post_init__(self) -> None:
+        _require_finite(self)
+        _require(abs(math.hypot(*self.normal) - 1.0) < 1e-12, self, "normal", self.normal, "must have length 1")
+
+
+@dataclass(frozen=True)
+class Drive:
+    """Prescribes a body's angle: angle + rate * t."""
+
+    body: str
+    angle: float
+    rate: float
+
+    def __post_init__(self) -> None:
+        _require_finite(self)
+
+
+@dataclass(frozen=True)
+class Mechanism:
+    """A planar mechanism."""
+
+    bodies: tuple[Body, ...]
+    joints: tuple[Joint, ...] = ()
+    cables: tuple[CableLoop, ...] = ()
+    guides: tuple[Guide, ...] = ()
+    drives: tuple[Drive, ...] = ()
+    gravity: Point = (0.0, 0.0)
+    wear_bins: int = field(default=1)
+
+    def __post_init__(self) -> None:
+        _require_finite(self)
+        _require(len(self.bodies) > 0, self, "bodies", self.bodies, "must hold at least one body")
+        _require(self.wear_bins >= 1, self, "wear_bins", self.wear_bins, "must be at least 1")
+        for label, parts in (("bodies", self.bodies), ("joints", self.joints)):
+            names = [part.name for part in parts]
+            _require(len(set(names)) == len(names), self, label, names, "names must be unique")
+        known = {body.name for body in self.bodies} | {GROUND}
+        for joint in self.joints:
+            for side in (joint.inboard, joint.outboard):
+                _require(side in known, joint, "body", side, f"is not a body of the mechanism {sorted(known)}")
+        attached: list[Guide | Drive] = [*self.guides, *self.drives]
+        for part in attached:
+            _require(part.body in known, part, "body", part.body, f"is not a body of the mechanism {sorted(known)}")
+        joint_names = {joint.name for joint in self.joints}
+        for cable in self.cables:
+            for name in (cable.joint_a, cable.joint_b):
+                _require(
+                    name in joint_names, cable, "joint", name, f"is not a joint of the mechanism {sorted(joint_names)}"
+                )

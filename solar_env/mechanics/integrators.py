@@ -1,0 +1,83 @@
+"""The integrators and their settings. Plain Python: choosing one needs no compiler."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class RungeKutta:
+    """Adaptive explicit Runge-Kutta (``explicit.py``).
+
+    Attributes:
+        rtol: local error of a step, of velocities relative to velocity_scale + |velocity|, of positions to the
+            longest body.
+        velocity_scale: [m/s].
+        max_step: [s].
+        impact_resolution: least number of steps per predicted duration of an impact.
+        max_steps: bound on the steps of one call.
+    """
+
+    rtol: float = 1e-6
+    velocity_scale: float = 0.1
+    max_step: float = math.inf
+    impact_resolution: float = 16.0
+    max_steps: int = 100_000_000
+
+    name = "runge-kutta"
+
+    def __post_init__(self) -> None:
+        if not 1e-13 <= self.rtol <= 1e-1:
+            raise ValueError(f"rtol = {self.rtol!r} must lie between 1e-13 and 0.1")
+        for name in ("velocity_scale", "max_step", "impact_resolution"):
+            if not getattr(self, name) > 0.0:
+                raise ValueError(f"{name} = {getattr(self, name)!r} must be positive")
+        if self.max_steps < 1:
+            raise ValueError(f"max_steps = {self.max_steps!r} must be at least 1")
+
+
+@dataclass(frozen=True)
+class GeneralizedAlpha:
+    """Generalized-alpha on the index-3 equations (``generalized_alpha.py``).
+
+    Attributes:
+        step: fixed step [s], or the first one if rtol is given.
+        rho_inf: spectral radius at infinite frequency, in [0, 1]; 1 gives beta = 1/4, gamma = 1/2, the paper's scheme.
+        rtol: local error tolerance as in :class:`RungeKutta`; None keeps the step fixed.
+        newton_tolerance: of a Newton correction, relative to the length scale.
+        max_steps: bound on the steps of one call.
+    """
+
+    step: float = 1e-4
+    rho_inf: float = 0.8
+    rtol: float | None = None
+    velocity_scale: float = 0.1
+    max_step: float = 1e-2
+    impact_resolution: float = 16.0
+    newton_tolerance: float = 1e-13
+    max_steps: int = 100_000_000
+
+    name = "generalized-alpha"
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.rho_inf <= 1.0:
+            raise ValueError(f"rho_inf = {self.rho_inf!r} must lie in [0, 1]")
+        if not 1e-9 <= self.step <= 1.0:
+            raise ValueError(f"step = {self.step!r} s must lie between 1e-9 and 1 s")
+        if self.rtol is not None and not 1e-12 <= self.rtol <= 1e-1:
+            raise ValueError(f"rtol = {self.rtol!r} must lie between 1e-12 and 0.1")
+        for name in ("velocity_scale", "max_step", "impact_resolution", "newton_tolerance"):
+            if not getattr(self, name) > 0.0:
+                raise ValueError(f"{name} = {getattr(self, name)!r} must be positive")
+
+
+Integrator = RungeKutta | GeneralizedAlpha
+
+
+def alpha_coefficients(rho_inf: float) -> tuple[float, float, float, float]:
+    """(alpha_m, alpha_f, beta, gamma) for a spectral radius at infinite frequency (Chung and Hulbert 1993)."""
+    alpha_m = (2.0 * rho_inf - 1.0) / (rho_inf + 1.0)
+    alpha_f = rho_inf / (rho_inf + 1.0)
+    gamma = 0.5 + alpha_f - alpha_m
+    return alpha_m, alpha_f, 0.25 * (0.5 + gamma) ** 2, gamma

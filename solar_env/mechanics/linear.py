@@ -1,0 +1,91 @@
+"""Small dense linear algebra without allocation, for matrices of a few dozen rows."""
+
+from __future__ import annotations
+
+import math
+
+from ._jit import njit, njit_inlined
+
+
+@njit_inlined
+def copy_into(target, source):
+    """Copy a vector; in a hot loop several times cheaper than a slice assignment."""
+    for i in range(target.size):
+        target[i] = source[i]
+
+
+@njit
+def cholesky_factor(a, n):
+    """Factor the symmetric positive definite a[:n, :n] in place into its lower triangle; False if it is singular."""
+    for i in range(n):
+        for j in range(i + 1):
+            s = a[i, j]
+            for k in range(j):
+                s -= a[i, k] * a[j, k]
+            if i == j:
+                # A pivot lost to cancellation means a redundant row.
+                if not s > 1e-12 * a[i, i]:
+                    return False
+                a[i, i] = math.sqrt(s)
+            else:
+                a[i, j] = s / a[j, j]
+    return True
+
+
+@njit
+def cholesky_solve(a, n, b):
+    """Solve in place for ``b`` (n,) with the factor of :func:`cholesky_factor`."""
+    for i in range(n):
+        s = b[i]
+        for k in range(i):
+            s -= a[i, k] * b[k]
+        b[i] = s / a[i, i]
+    for i in range(n - 1, -1, -1):
+        s = b[i]
+        for k in range(i + 1, n):
+            s -= a[k, i] * b[k]
+        b[i] = s / a[i, i]
+
+
+@njit
+def lu_factor(a, n, pivots):
+    """LU factors of a[:n, :n] in place with row exchanges; False if a pivot vanishes or is not finite."""
+    for k in range(n):
+        best, p = abs(a[k, k]), k
+        for i in range(k + 1, n):
+            size = abs(a[i, k])
+            if size > best:
+                best, p = size, i
+        if not 0.0 < best < math.inf:
+            return False
+        pivots[k] = p
+        if p != k:
+            for j in range(n):
+                a[k, j], a[p, j] = a[p, j], a[k, j]
+        inverse = 1.0 / a[k, k]
+        for i in range(k + 1, n):
+            factor = a[i, k] * inverse
+            a[i, k] = factor
+            if factor != 0.0:
+                for j in range(k + 1, n):
+                    a[i, j] -= factor * a[k, j]
+    return True
+
+
+@njit
+def lu_solve(a, n, pivots, b):
+    """Solve in place for ``b`` (n,) with the factors of :func:`lu_factor`."""
+    for k in range(n):
+        p = pivots[k]
+        if p != k:
+            b[k], b[p] = b[p], b[k]
+    for i in range(n):
+        s = b[i]
+        for k in range(i):
+            s -= a[i, k] * b[k]
+        b[i] = s
+    for i in range(n - 1, -1, -1):
+        s = b[i]
+        for k in range(i + 1, n):
+            s -= a[i, k] * b[k]
+        b[i] = s / a[i, i]

@@ -1,0 +1,294 @@
+"""Running a mechanism from Python: :class:`Simulation` for step-by-step use, :func:`simulate` for a whole run."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import joint as columns
+from . import model as m
+from .build import compile_mechanism
+from .description import Mechanism
+from .errors import raise_for_status
+from .explicit import ExplicitSettings, advance_explicit
+from .generalized_alpha import AlphaSettings, advance_alpha
+from .integrators import Integrator, RungeKutta, alpha_coefficients
+from .recording import RECORDED_LOADS, Recorder, make_recorder, sample_columns
+from .system import accelerations, constraint_drift, make_workspace, stored_energies, velocity_drift
+from .trajectory import Trajectory, contact_record
+
+_CONTACTS_PER_DRAIN = 4096
+_SMALLEST_ENERGY_SCALE = 1e-9  # J, for a mechanism that starts without energy
+
+
+class Simulation:
+    """A mechanism in motion.
+
+    ``state`` is a named tuple of arrays; :meth:`snapshot` and :meth:`restore` copy it, in the middle of a contact
+    too, and a restored simulation continues to the same bits.
+    """
+
+    def __init__(self, mechanism: Mechanism, integrator: Integrator | None = None) -> None:
+        """Compile ``mechanism`` and check that its initial state meets the constraints.
+
+        Raises:
+            ValueError: if positions or velocities violate a constraint.
+        """
+        self.integrator: Integrator = integrator or RungeKutta()
+        self.model, self.state = compile_mechanism(mechanism)
+        self._check_initial_state()
+        energies = self.stored_energies()
+        self.state.clock["initial_energy"] = energies.sum()
+        self.state.clock["energy_scale"] = max(np.abs(energies).sum(), _SMALLEST_ENERGY_SCALE)
+        self._unrecorded = make_recorder(self.model, self.state, np.zeros(0), 0)
+
+    def _check_initial_state(self) -> None:
+        work = make_workspace(self.model, self.state)
+        for quantity, unit, value in (
+            ("position", "m", constraint_drift(self.model, self.state.q, self.time, work)),
+            ("velocity", "m/s", velocity_drift(self.model, self.state.q, self.state.v, self.time, work)),
+        ):
+            if not value < 1e-9 * max(self.model.length_scale, 1.0):
+                raise ValueError(
+                    f"the initial {quantity} violates a constraint by {value:.3g} {unit}; place the bodies so that "
+                    "joints, guides and drives are met"
+                )
+
+    @property
+    def time(self) -> float:
+        """Time [s]."""
+        return float(self.state.clock["time"][0])
+
+    def snapshot(self) -> m.State:
+        """An independent copy of the state, which can be pickled."""
+        return m.copy_state(self.state)
+
+    def restore(self, snapshot: m.State) -> None:
+        """Continue from a snapshot of this simulation or of one of the same mechanism.
+
+        Raises:
+            ValueError: if the snapshot's arrays do not fit the mechanism.
+        """
+        for name, mine, theirs in zip(m.State._fields, self.state, snapshot, strict=True):
+            if mine.shape != theirs.shape:
+                raise ValueError(f"snapshot.{name} has shape {theirs.shape}, this mechanism needs {mine.shape}")
+            mine[...] = theirs
+
+    def set_motor_torque(self, joint: int, torque: float) -> None:
+        """Set the motor torque on a joint's angle [N m], held until it is set again.
+
+        Raises:
+            ValueError: if the torque is not finite.
+        """
+        if not math.isfinite(torque):
+            raise ValueError(f"motor torque = {torque!r} N m must be finite")
+        if self.state.joints[joint]["motor_torque"] != torque:
+            self.state.joints[joint]["motor_torque"] = torque
+            self.state.clock["acceleration_current"] = 0
+
+    def advance(self, end_time: float, recorder: Recorder | None = None) -> None:
+        """Advance to ``end_time`` [s], landing on it.
+
+        Raises:
+            ValueError: if ``end_time`` lies before the present time.
+            SimulationError: if the run cannot go on; the state stays at the last accepted step.
+        """
+        if not end_time >= self.time:
+            raise ValueError(f"end_time = {end_time!r} s lies before the present time {self.time!r} s")
+        status = self._advance(end_time, recorder or self._unrecorded)
+        if status != m.DONE:
+            clock = self.state.clock[0]
+            raise_for_status(status, self.time, int(clock["failure_joint"]), float(clock["failure_value"]))
+
+    def _advance(self, end_time: float, recorder: Recorder) -> int:
+        chosen = self.integrator
+        if isinstance(chosen, RungeKutta):
+            settings = ExplicitSettings(
+                chosen.rtol, chosen.velocity_scale, chosen.max_step, chosen.impact_resolution, chosen.max_steps
+            )
+            return int(advance_explicit(self.model, self.state, settings, recorder, float(end_time)))
+        alpha_settings = AlphaSettings(
+            *alpha_coefficients(chosen.rho_inf),
+            chosen.step,
+            chosen.rtol or 0.0,
+            chosen.velocity_scale,
+            chosen.max_step,
+            chosen.impact_resolution,
+            chosen.newton_tolerance,
+            chosen.max_steps,
+        )
+        return int(advance_alpha(self.model, self.state, alpha_settings, recorder, float(end_time)))
+
+    def _evaluate(self) -> Any:
+        """Workspace with loads and powers at the present state."""
+        state = self.state
+        work = make_workspace(self.model, state)
+        work.impact_speeds[:] = np.where(state.joints["in_contact"], state.joints["impact_speed"], 0.0)
+        scratch, multipliers = np.zeros_like(state.a), np.zeros_like(state.multipliers)
+        accelerations(self.model, state.joints, state.q, state.v, self.time, work, scratch, multipliers)
+        return work
+
+    def joint_loads(self) -> NDArray[np.float64]:
+        """(joints, columns) table of angles, rates, forces and torques now; columns are named in ``joint.py``."""
+        return self._evaluate().loads[:, :RECORDED_LOADS]
+
+    def stored_energies(self) -> NDArray[np.float64]:
+        """(6,) stored energies now [J], in the order of ``model.ENERGY_NAMES``."""
+        energies = np.zeros(len(m.ENERGY_NAMES))
+        work = self._evaluate()
+        stored_energies(self.model, self.state.joints, self.state.q, self.state.v, work.loads, energies)
+        return energies
+
+    def energy_residual(self) -> float:
+        """Energy now that the books do not account for [J]."""
+        integrals = self.state.integrals
+        by_joint = integrals[:-1].reshape(-1, m.INTEGRALS_PER_JOINT).sum(axis=0)
+        put_in = by_joint[m.MOTOR_WORK] + by_joint[m.CABLE_WORK] + integrals[-1]
+        lost = by_joint[[m.NORMAL_DISSIPATION, m.FRICTION_DISSIPATION, m.STOP_DISSIPATION]].sum()
+        return float(self.stored_energies().sum() - self.state.clock["initial_energy"][0] - put_in + lost)
+
+
+def simulate(
+    mechanism: Mechanism,
+    duration: float,
+    *,
+    integrator: Integrator | None = None,
+    output_step: float = 0.01,
+    progress: Callable[[float], None] | None = None,
+    metadata: dict[str, Any] | None = None,
+) -> Trajectory:
+    """Simulate a mechanism from rest of its clock for ``duration`` and keep samples every ``output_step``.
+
+    Args:
+        mechanism: what moves.
+        duration: [s].
+        integrator: defaults to :class:`RungeKutta`.
+        output_step: distance of the samples [s]; independent of the integration step.
+        progress: called with the simulated time now and then.
+        metadata: further entries of the trajectory's metadata.
+
+    Raises:
+        ValueError: if duration or output_step is not positive and finite.
+        SimulationError: if the run cannot go on.
+    """
+    for name, value in (("duration", duration), ("output_step", output_step)):
+        if not 0.0 < value < math.inf:
+            raise ValueError(f"{name} = {value!r} s must be positive and finite")
+    simulation = Simulation(mechanism, integrator)
+    times = np.append(np.arange(math.ceil(duration / output_step - 1e-9)) * output_step, duration)
+    recorder = make_recorder(simulation.model, simulation.state, times, _CONTACTS_PER_DRAIN)
+    contacts: list[NDArray[np.float64]] = []
+    start = time.perf_counter()
+    stops = np.linspace(0.0, duration, 21)[1:] if progress else np.array([duration])
+    for stop in stops:
+        while True:
+            status = simulation._advance(float(stop), recorder)
+            contacts.append(recorder.contacts[: recorder.filled[1]].copy())
+            recorder.filled[1] = 0
+            if status != m.CONTACT_BUFFER_FULL:
+                break
+        if status != m.DONE:
+            clock = simulation.state.clock[0]
+            raise_for_status(status, simulation.time, int(clock["failure_joint"]), float(clock["failure_value"]))
+        if progress:
+            progress(float(stop))
+    wall = time.perf_counter() - start
+    details = {**(metadata or {}), "integrator": simulation.integrator.name, "wall_time_s": wall}
+    return _assemble(simulation, recorder, np.concatenate(contacts), details)
+
+
+def _assemble(
+    simulation: Simulation, recorder: Recorder, contacts: NDArray[np.float64], metadata: dict[str, Any]
+) -> Trajectory:
+    model, state = simulation.model, simulation.state
+    table, joints = recorder.samples, model.joints.size
+    slices = sample_columns(model, state)
+    loads = table[:, slices["loads"]].reshape(len(table), joints, RECORDED_LOADS)
+    integrals = table[:, slices["integrals"]]
+    by_joint = integrals[:, :-1].reshape(len(table), joints, m.INTEGRALS_PER_JOINT)
+    eccentricity = loads[:, :, [columns.ECCENTRICITY_X, columns.ECCENTRICITY_Y]]
+    clearance = model.joints["clearance"].copy()
+    energies = {name: table[:, slices["energies"]][:, k] for k, name in enumerate(m.ENERGY_NAMES)}
+    stored = sum(energies.values())
+    totals = by_joint.sum(axis=1)
+    put_in = {
+        "motor_work": totals[:, m.MOTOR_WORK],
+        "cable_work": totals[:, m.CABLE_WORK],
+        "drive_work": integrals[:, -1],
+    }
+    lost = {
+        "contact_dissipation": totals[:, m.NORMAL_DISSIPATION],
+        "friction_dissipation": totals[:, m.FRICTION_DISSIPATION],
+        "latch_dissipation": totals[:, m.STOP_DISSIPATION],
+    }
+    residual = stored - state.clock["initial_energy"][0] - sum(put_in.values()) + sum(lost.values())
+    final = state.integrals[:-1].reshape(joints, m.INTEGRALS_PER_JOINT)
+    locked = state.clock["latched_joints"][0] > 0
+    clock = state.clock[0]
+    return Trajectory(
+        time=recorder.times,
+        coordinates=table[:, slices["q"]].copy(),
+        velocities=table[:, slices["v"]].copy(),
+        angles=np.unwrap(loads[:, :, columns.ANGLE], axis=0),
+        rates=loads[:, :, columns.RATE].copy(),
+        eccentricity=eccentricity,
+        penetration=np.hypot(eccentricity[..., 0], eccentricity[..., 1]) - clearance,
+        normal_force=loads[:, :, columns.NORMAL].copy(),
+        tangential_force=loads[:, :, columns.TANGENTIAL].copy(),
+        joint_force=loads[:, :, [columns.FORCE_X, columns.FORCE_Y]],
+        spring_torque=loads[:, :, columns.SPRING_TORQUE].copy(),
+        cable_torque=loads[:, :, columns.CABLE_TORQUE].copy(),
+        latch_torque=loads[:, :, columns.STOP_TORQUE].copy(),
+        motor_torque=loads[:, :, columns.MOTOR_TORQUE].copy(),
+        energies={**energies, **put_in, **lost, "residual": residual},
+        sliding_work=by_joint[:, :, m.SLIDING_WORK].copy(),
+        impulse=by_joint[:, :, m.IMPULSE].copy(),
+        wear_journal=state.wear_journal.copy(),
+        wear_bearing=state.wear_bearing.copy(),
+        contacts=_contact_table(state, contacts),
+        latch_times=state.joints["latch_time"].copy(),
+        peak_force=state.joints["peak_force"].copy(),
+        postlock_peak_force=state.joints["postlock_peak_force"].copy(),
+        postlock_impulse=(final[:, m.IMPULSE] - state.joints["lock_impulse"]) * locked,
+        postlock_sliding_work=(final[:, m.SLIDING_WORK] - state.joints["lock_sliding_work"]) * locked,
+        contact_starts=state.joints["contact_starts"].copy(),
+        clearance=clearance,
+        journal_radius=model.joints["journal_radius"].copy(),
+        metadata={
+            **metadata,
+            "integrator_settings": _json_ready(asdict(simulation.integrator)),
+            "steps": int(clock["steps"]),
+            "rejected_steps": int(clock["rejected_steps"]),
+            "evaluations": int(clock["evaluations"]),
+            "factorizations": int(clock["factorizations"]),
+        },
+    )
+
+
+def _json_ready(values: dict[str, Any]) -> dict[str, Any]:
+    return {key: None if value == math.inf else value for key, value in values.items()}
+
+
+def _contact_table(state: m.State, closed: NDArray[np.float64]) -> NDArray[np.void]:
+    rows = [tuple(row) for row in closed]
+    for j, own in enumerate(state.joints):
+        if own["in_contact"]:
+            integrals = state.integrals[m.INTEGRALS_PER_JOINT * j :]
+            rows.append(
+                (
+                    j,
+                    own["contact_start"],
+                    math.nan,
+                    own["impact_speed"],
+                    own["contact_peak"],
+                    integrals[m.IMPULSE] - own["contact_impulse"],
+                    integrals[m.SLIDING_WORK] - own["contact_sliding_work"],
+                )
+            )
+    return np.array(rows, dtype=contact_record)

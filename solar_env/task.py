@@ -1,0 +1,154 @@
+"""The control task on a deploying array: what is observed, what is charged, when an episode ends.
+
+The kernels work on the arrays of one simulation, so that a single environment and a batch share them.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .mechanics import model as m
+from .mechanics._jit import njit
+from .mechanics.joint import joint_motion, relative
+
+OBSERVATIONS = ("drive", "privileged")
+
+
+@dataclass(frozen=True)
+class Task:
+    """Limits, durations and prices of the task.
+
+    Attributes:
+        torque_limit: greatest motor torque on the root hinge [N m].
+        control_period: time between two actions [s].
+        deadline: time by which every joint must have latched [s].
+        postlock_window: time after the last latching during which the episode goes on [s].
+        force_scale: peak post-lock force, summed over the joints, that costs 1 [N].
+        work_scale: post-lock sliding work, summed over the joints, that costs 1 [J]; wear is proportional to it.
+        largest_charge: bound on what peak force and on what wear may cost in one episode.
+        missed_deadline_cost: cost of a missed deadline; above twice the largest charge, so that no deployment is
+            worse than none.
+    """
+
+    torque_limit: float = 0.5
+    control_period: float = 0.1
+    deadline: float = 20.0
+    postlock_window: float = 10.0
+    force_scale: float = 500.0
+    work_scale: float = 0.05
+    largest_charge: float = 12.0
+    missed_deadline_cost: float = 25.0
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 < value < math.inf:
+                raise ValueError(f"{name} = {value!r} must be a positive finite number")
+        if self.postlock_window < self.control_period:
+            raise ValueError(
+                f"postlock_window = {self.postlock_window!r} s is below control_period = {self.control_period!r} s"
+            )
+        if self.deadline < self.control_period:
+            raise ValueError(f"deadline = {self.deadline!r} s is below control_period = {self.control_period!r} s")
+        if self.missed_deadline_cost <= 2.0 * self.largest_charge:
+            raise ValueError(
+                f"missed_deadline_cost = {self.missed_deadline_cost!r} must exceed twice largest_charge = "
+                f"{self.largest_charge!r}, or not deploying would pay"
+            )
+
+
+class Entry(NamedTuple):
+    """One entry of an observation: its name, its unit as observed, and its bounds."""
+
+    name: str
+    unit: str
+    low: float
+    high: float
+
+
+def observation_entries(joints: int, observation: str) -> tuple[Entry, ...]:
+    """Entries of an observation, in order; values outside the bounds are clipped to them.
+
+    Raises:
+        ValueError: if the kind of observation is unknown.
+    """
+    if observation not in OBSERVATIONS:
+        raise ValueError(f"observation {observation!r} is unknown; choose from {', '.join(OBSERVATIONS)}")
+    numbers = range(1, joints + 1)
+    entries = [Entry(f"theta_{k}", "lock angle", -2.0, 2.0) for k in numbers]
+    entries += [Entry(f"rate_{k}", "rad/s", -5.0, 5.0) for k in numbers]
+    entries += [Entry(f"latched_{k}", "0 or 1", 0.0, 1.0) for k in numbers]
+    entries += [
+        Entry("motor_torque", "torque limit", -1.0, 1.0),
+        Entry("time_to_deadline", "deadline", 0.0, 1.0),
+        Entry("time_since_latch", "post-lock window", 0.0, 1.0),
+    ]
+    if observation == "privileged":
+        for k in numbers:
+            entries += [
+                Entry(f"eccentricity_x_{k}", "clearance", -2.0, 2.0),
+                Entry(f"eccentricity_y_{k}", "clearance", -2.0, 2.0),
+                Entry(f"in_contact_{k}", "0 or 1", 0.0, 1.0),
+            ]
+        entries.append(Entry("main_body_spin", "rad/s", -1.0, 1.0))
+    return tuple(entries)
+
+
+@njit
+def last_latch(joint_states):
+    """Time of the last latching [s], or nan while a joint is open."""
+    latest = -math.inf
+    for j in range(joint_states.size):
+        if not joint_states[j].latched:
+            return math.nan
+        latest = max(latest, joint_states[j].latch_time)
+    return latest
+
+
+@njit
+def observe(model, state, torque_limit, deadline, window, privileged, out):
+    """Write the observation of the present state to ``out``, unclipped, in the order of :func:`observation_entries`."""
+    joints, joint_states, markers = model.joints, state.joints, model.markers
+    count = joints.size
+    time = state.clock[0].time
+    spin = 0.0
+    for j in range(count):
+        joint, own = joints[j], joint_states[j]
+        angle, rate, _, inboard_spin = joint_motion(joint, markers, state.q, state.v)
+        if j == 0:
+            spin = inboard_spin
+        out[j] = angle / joint.lock_angle
+        out[count + j] = rate
+        out[2 * count + j] = own.latched
+        if privileged:
+            k = 3 * count + 3 + 3 * j
+            ex, ey = relative(joint, markers, state.q)
+            scale = 1.0 / joint.clearance if joint.kind == m.CLEARANCE else 0.0
+            out[k], out[k + 1], out[k + 2] = ex * scale, ey * scale, own.in_contact
+    out[3 * count] = joint_states[0].motor_torque / torque_limit
+    out[3 * count + 1] = (deadline - time) / deadline
+    latched_at = last_latch(joint_states)
+    out[3 * count + 2] = (time - latched_at) / window if latched_at == latched_at else 0.0
+    if privileged:
+        out[6 * count + 3] = spin
+
+
+@njit
+def charges(state, force_scale, work_scale, largest_charge):
+    """Cost so far of the peak force and of the wear since the first latching."""
+    peak, work = 0.0, 0.0
+    if state.clock[0].latched_joints > 0:
+        for j in range(state.joints.size):
+            own = state.joints[j]
+            peak += own.postlock_peak_force
+            work += state.integrals[m.INTEGRALS_PER_JOINT * j + m.SLIDING_WORK] - own.lock_sliding_work
+    return min(peak / force_scale, largest_charge), min(work / work_scale, largest_charge)
+
+
+def wear_depths(state: m.State) -> NDArray[np.float64]:
+    """(joints,) deepest wear of either surface [m]."""
+    return np.maximum(state.wear_journal.max(axis=1), state.wear_bearing.max(axis=1))

@@ -1,0 +1,58 @@
+"""What every test shares: compiled kernels, and a fresh interpreter for claims about processes."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import solar_env
+
+PACKAGE_PARENT = Path(solar_env.__file__).resolve().parent.parent
+
+
+@pytest.fixture(scope="session", autouse=True)
+def kernels(request: pytest.FixtureRequest) -> None:
+    """Compile the kernels once, or load them from the cache, and say so: it can take one to two minutes."""
+    reporter = request.config.pluginmanager.get_plugin("terminalreporter")
+    capture = request.config.pluginmanager.get_plugin("capturemanager")
+
+    def say(text: str) -> None:
+        if reporter is not None and capture is not None:
+            with capture.global_and_fixture_disabled():
+                reporter.ensure_newline()
+                reporter.write_line(text)
+
+    say("loading the compiled kernels (the first time compiles them, which takes one to two minutes) ...")
+    start = time.perf_counter()
+    from solar_env.mechanics.integrators import GeneralizedAlpha, RungeKutta
+    from solar_env.mechanics.simulation import simulate
+
+    for model in solar_env.MODELS:
+        for integrator in (RungeKutta(), GeneralizedAlpha()):
+            mechanism = solar_env.build(solar_env.ArrayParameters(), model)
+            simulate(mechanism, 1e-3, integrator=integrator)
+    say(f"kernels loaded in {time.perf_counter() - start:.1f} s")
+
+
+@pytest.fixture(scope="session")
+def run_python() -> Callable[..., str]:
+    """Run a program in a fresh interpreter that finds the package, and return what it prints."""
+
+    def run(program: str, *arguments: str, **environment: str) -> str:
+        done = subprocess.run(
+            [sys.executable, "-W", "error", "-c", program, *arguments],
+            env={**os.environ, "PYTHONPATH": str(PACKAGE_PARENT), **environment},
+            capture_output=True,
+            text=True,
+            timeout=300,
+        )
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    return run

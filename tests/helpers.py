@@ -1,0 +1,229 @@
+"""Mechanisms and comparisons that several test modules share."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solar_env.mechanics import model as m
+from solar_env.mechanics.build import compile_mechanism
+from solar_env.mechanics.description import (
+    GROUND,
+    Bearing,
+    Body,
+    CableLoop,
+    Joint,
+    Mechanism,
+    Point,
+    Spring,
+    Stop,
+)
+from solar_env.mechanics.joint import joint_forces
+from solar_env.mechanics.simulation import Simulation
+from solar_env.mechanics.system import make_workspace, stored_energies
+
+Vector = NDArray[np.float64]
+
+# Every length, stiffness and speed of the order of one: finite differences then lose no digits to scale.
+ROUND_BEARING = Bearing(
+    clearance=0.1,
+    journal_radius=0.3,
+    stiffness=50.0,
+    damping_factor=0.7,
+    minimum_impact_speed=0.01,
+    friction_coefficient=0.4,
+    friction_speeds=(0.2, 3.0),
+    wear_coefficient=1e-3,
+    width=0.8,
+)
+ROUND_STOP = Stop(gap=0.05, stiffness=3.0, exponent=1.5, ramp_depth=0.3, damping=2.0)
+
+
+def turned(vector: Point | Vector, angle: float) -> Vector:
+    """The vector turned counter-clockwise."""
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([c * vector[0] - s * vector[1], s * vector[0] + c * vector[1]])
+
+
+def chain(
+    rng: np.random.Generator,
+    *,
+    angles: Vector,
+    eccentricities: Vector,
+    bearing: Bearing | None = ROUND_BEARING,
+    spring: Spring | None = Spring(1.3, 0.7),
+    stop: Stop | None = ROUND_STOP,
+    lock_angle: float | None = 0.9,
+    stow_angle: float | None = 0.0,
+    cables: tuple[CableLoop, ...] = (),
+    rates: float = 1.0,
+) -> Mechanism:
+    """A chain of bodies of random shape in a random motion, with given joint angles and eccentricities (joints, 2).
+
+    Joint ``k`` is called "joint k"; signs alternate, so that both senses of a joint angle occur.
+    """
+    bodies, joints = [], []
+    position, angle = rng.normal(size=2), float(rng.uniform(-3.0, 3.0))
+    for k in range(len(angles) + 1):
+        length = float(rng.uniform(0.8, 1.5))
+        inboard_point, outboard_point = (tuple(rng.uniform(-1.0, 1.0, 2).tolist()) for _ in range(2))
+        if k:
+            sign, folded = 1 if k % 2 else -1, float(rng.uniform(-3.0, 3.0))
+            wall = position + turned(inboard_point, angle) + eccentricities[k - 1]
+            angle += folded + sign * float(angles[k - 1])
+            position = wall - turned(outboard_point, angle)
+            joints.append(
+                Joint(
+                    f"joint {k - 1}",
+                    f"body {k - 1}",
+                    f"body {k}",
+                    inboard_point,
+                    outboard_point,
+                    sign=sign,
+                    folded_angle=folded,
+                    middle=0.4,
+                    bearing=bearing,
+                    spring=spring,
+                    stop=stop,
+                    lock_angle=lock_angle if stop else None,
+                    stow_angle=stow_angle if stop else None,
+                )
+            )
+        bodies.append(
+            Body(
+                f"body {k}",
+                mass=float(rng.uniform(0.5, 2.0)),
+                inertia=float(rng.uniform(0.1, 1.0)),
+                length=length,
+                centroid=tuple(rng.uniform(-0.5, 1.0, 2).tolist()),
+                position=tuple(position.tolist()),
+                angle=angle,
+                velocity=tuple((rates * rng.normal(size=2)).tolist()),
+                spin=rates * float(rng.normal()),
+            )
+        )
+    return Mechanism(tuple(bodies), tuple(joints), cables)
+
+
+def pendulum(angle: float = 1.0, spring: Spring | None = Spring(0.7, -0.4)) -> Mechanism:
+    """A body on an ideal pin, with gravity and a torsion spring, at rest: smooth for all time, and constrained."""
+    body = Body("arm", 2.0, 0.3, length=1.0, centroid=(0.6, 0.1), angle=angle)
+    pin = Joint("pin", GROUND, "arm", (0.0, 0.0), (0.0, 0.0), spring=spring)
+    return Mechanism((body,), (pin,), gravity=(0.0, -9.81))
+
+
+def floating_pair() -> Mechanism:
+    """Two spinning bodies that a torsion spring couples while a wide bearing leaves their pins apart: smooth and free."""
+    bearing = replace(ROUND_BEARING, clearance=10.0, journal_radius=20.0)
+    bodies = (
+        Body("a", 1.0, 0.2, length=1.0, centroid=(0.4, 0.2), velocity=(0.3, -0.2), spin=0.8),
+        Body("b", 2.0, 0.5, length=1.5, centroid=(0.7, -0.3), angle=0.5, velocity=(-0.1, 0.4), spin=-0.6),
+    )
+    joint = Joint("pin", "a", "b", (1.0, 0.0), (0.0, 0.0), bearing=bearing, spring=Spring(2.0, 0.3))
+    return Mechanism(bodies, (joint,), gravity=(0.0, -1.0))
+
+
+def block(
+    velocity: Point = (0.3, 0.0),
+    *,
+    position: Point = (0.0, 0.0),
+    gravity: Point = (0.0, 0.0),
+    bearing: Bearing | None = None,
+    spin: float = 0.0,
+    journal: Point = (0.0, 0.0),
+) -> Mechanism:
+    """A body of 1 kg whose pin flies in a bearing of the ground, 1 mm wide; its base point is its centroid."""
+    pin = bearing or Bearing(1e-3, 0.01, 1e9, damping_factor=0.2, friction_coefficient=0.1)
+    body = Body("block", 1.0, 0.1, 1.0, (0.0, 0.0), position=position, velocity=velocity, spin=spin)
+    return Mechanism((body,), (Joint("gap", GROUND, "block", (0.0, 0.0), journal, bearing=pin),), gravity=gravity)
+
+
+def rotor(torque_angle: float = 1.0) -> Mechanism:
+    """A wheel of 2 kg m2 about its centroid on an ideal pin, at rest, with a latch at ``torque_angle``."""
+    wheel = Body("wheel", 1.0, 2.0, length=1.0, centroid=(0.0, 0.0))
+    stop = Stop(gap=0.01, stiffness=100.0, exponent=1.0, ramp_depth=1e-3, damping=10.0)
+    pin = Joint("pin", GROUND, "wheel", (0.0, 0.0), (0.0, 0.0), stop=stop, lock_angle=torque_angle)
+    return Mechanism((wheel,), (pin,))
+
+
+class Forces:
+    """Forces, loads, powers and stored energies of a compiled mechanism as functions of its state."""
+
+    def __init__(self, mechanism: Mechanism, impact_speed: float = 0.0) -> None:
+        self.model, self.state = compile_mechanism(mechanism)
+        self.work = make_workspace(self.model, self.state)
+        self.work.impact_speeds[:] = impact_speed
+
+    def force(self, q: Vector, v: Vector) -> Vector:
+        """Generalized force of all joints, gravity left out; loads and powers are left in ``work``."""
+        total = np.zeros_like(q)
+        joint_forces(
+            self.model, self.state.joints, self.work.impact_speeds, q, v, self.work.loads, total, self.work.power
+        )
+        return total
+
+    def stored(self, q: Vector, v: Vector) -> Vector:
+        """The six stored energies."""
+        self.force(q, v)
+        energies = np.zeros(len(m.ENERGY_NAMES))
+        stored_energies(self.model, self.state.joints, q, v, self.work.loads, energies)
+        return energies
+
+    def integral_powers(self) -> Vector:
+        """(joints, INTEGRALS_PER_JOINT) powers of the last evaluation."""
+        return self.work.power[:-1].reshape(-1, m.INTEGRALS_PER_JOINT)
+
+
+def central_difference(function: Callable[[Vector], Vector], x: Vector, step: float = 1e-3) -> Vector:
+    """Jacobian of a function by central differences of step h and h/2, extrapolated.
+
+    The error is of order h^4 f^(5) / 480 + 2 eps |f| / h: with h = 1e-3 and derivatives of order one about 1e-12.
+    """
+    columns = []
+    for i in range(x.size):
+
+        def slope(h: float, i: int = i) -> Vector:
+            e = np.zeros_like(x)
+            e[i] = h
+            return (np.asarray(function(x + e)) - np.asarray(function(x - e))) / (2.0 * h)
+
+        columns.append((4.0 * slope(step / 2) - slope(step)) / 3.0)
+    return np.stack(columns, axis=-1)
+
+
+def fingerprint(state: m.State, skip: tuple[str, ...] = ()) -> str:
+    """Hash of all bits of a state, but for the arrays in ``skip``."""
+    digest = hashlib.sha256()
+    for name, array in zip(state._fields, state, strict=True):
+        if name not in skip:
+            digest.update(array.tobytes())
+    return digest.hexdigest()
+
+
+def orders(errors: list[float]) -> Vector:
+    """Observed orders of convergence when every error belongs to half the step of the one before."""
+    values = np.asarray(errors)
+    return np.log2(values[:-1] / values[1:])
+
+
+def single_steps(mechanism: Mechanism, integrator: Any) -> Simulation:
+    """A simulation whose calls stop after one attempted step: ``attempt`` then takes the next one."""
+    return Simulation(mechanism, replace(integrator, max_steps=1))
+
+
+def attempt(simulation: Simulation, end_time: float) -> bool:
+    """Let a simulation of :func:`single_steps` try one step; whether it has reached ``end_time``."""
+    from solar_env.mechanics.errors import SimulationError
+
+    try:
+        simulation.advance(end_time)
+    except SimulationError as error:
+        if error.reason != "steps":
+            raise
+    return simulation.time >= end_time

@@ -1,0 +1,113 @@
+"""Comparisons: the same episodes for every controller, and tables that say what was measured."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+
+from agents.environments import episode_seeds
+from agents.evaluate import common_env_kwargs, evaluate, main, markdown, split_controller, summarize
+
+
+@pytest.fixture(scope="module")
+def rows():
+    return evaluate(["passive", "again=passive", "servo-untuned"], episodes=3, seed=5, progress=False)
+
+
+def column(rows, controller, figure):
+    return [row[figure] for row in rows if row["controller"] == controller]
+
+
+def test_the_same_seeds_give_the_same_episodes_for_every_controller(rows):
+    seeds = episode_seeds("evaluation", 5, 3)
+    for controller in ("passive", "again", "servo-untuned"):
+        assert column(rows, controller, "seed") == seeds
+    assert column(rows, "passive", "return") == column(rows, "again", "return")
+
+
+def test_episodes_differ_from_one_another(rows):
+    assert len(set(column(rows, "passive", "peak_postlock_force_N"))) == 3
+
+
+def test_reward_terms_sum_to_the_return(rows):
+    for row in rows:
+        terms = [value for name, value in row.items() if name.startswith("reward_")]
+        assert row["return"] == pytest.approx(sum(terms))
+
+
+def test_paired_differences_vanish_between_equal_controllers(rows):
+    difference = summarize(rows)["again"]["return - passive"]
+    assert (difference.lower, difference.mean, difference.upper) == (0.0, 0.0, 0.0)
+
+
+def test_the_command_writes_what_it_prints(tmp_path, capsys):
+    main(["--controllers", "passive", "brake", "--episodes", "2", "--quiet", "--out", str(tmp_path)])
+    assert (tmp_path / "comparison.md").read_text() in capsys.readouterr().out
+    with (tmp_path / "episodes.csv").open() as file:
+        written = list(csv.DictReader(file))
+    assert [row["controller"] for row in written] == ["passive", "passive", "brake", "brake"]
+    metrics = json.loads((tmp_path / "metrics.json").read_text())
+    assert metrics["settings"]["env_kwargs"]["randomize"]["clearance"] == [0.15e-3, 0.25e-3]
+    forces = [float(row["peak_postlock_force_N"]) for row in written if row["controller"] == "passive"]
+    summary = metrics["controllers"]["passive"]["peak_postlock_force_N"]
+    assert summary["mean"] == pytest.approx(np.mean(forces))
+    assert summary["maximum"] == max(forces)
+
+
+def episode(controller, spec, index, force, latched=True):
+    return {
+        "controller": controller,
+        "spec": spec,
+        "episode": index,
+        "latched": latched,
+        "return": -force,
+        "peak_postlock_force_N": force if latched else float("nan"),
+    }
+
+
+def test_runs_under_one_name_are_pooled_as_training_seeds():
+    rows = [episode("ppo", spec, i, force) for spec, force in (("a", 1.0), ("b", 3.0)) for i in range(4)]
+    entry = summarize(rows)["ppo"]
+    assert entry["runs"] == 2
+    assert entry["return"].mean == -2.0
+    assert (entry["return"].lower, entry["return"].upper) == (-3.0, -1.0)
+
+
+def test_missed_deployments_lower_the_latched_share_and_not_the_force():
+    rows = [episode("x", "x", 0, 100.0), episode("x", "x", 1, 900.0, latched=False)]
+    entry = summarize(rows)["x"]
+    assert entry["latched"] == 0.5
+    assert entry["peak_postlock_force_N"].mean == 100.0
+    assert "| x | 50% |" in markdown(rows)
+
+
+def test_the_worst_episode_is_the_lowest_return_and_the_highest_force():
+    text = markdown([episode("x", "x", i, force) for i, force in enumerate((100.0, 900.0))])
+    assert "worst -900" in text
+    assert "worst 900" in text
+
+
+def test_a_controller_may_be_given_a_name():
+    assert split_controller("ppo=runs/a") == ("ppo", "runs/a")
+    assert split_controller("runs/a") == ("a", "runs/a")
+
+
+def test_runs_trained_on_different_physics_need_to_be_told_what_to_compare_on(tmp_path):
+    for name, torque_limit in (("a", 0.5), ("b", 0.3)):
+        (tmp_path / name).mkdir()
+        config = {"algo": "ppo", "env_kwargs": {"torque_limit": torque_limit}}
+        (tmp_path / name / "config.json").write_text(json.dumps(config))
+    with pytest.raises(ValueError, match="say with --env-kwargs"):
+        common_env_kwargs([str(tmp_path / "a"), str(tmp_path / "b")])
+
+
+def test_something_that_is_neither_baseline_nor_run_is_refused(tmp_path):
+    with pytest.raises(FileNotFoundError, match="is not a run folder"):
+        evaluate([str(tmp_path)], episodes=1, seed=0, progress=False)
+
+
+def test_a_run_without_policy_says_so(tmp_path):
+    (tmp_path / "config.json").write_text(json.dumps({"algo": "ppo", "env_kwargs": {}}))
+    with pytest.raises(FileNotFoundError, match=r"has no policy\.zip"):
+        evaluate([str(tmp_path)], episodes=1, seed=0, progress=False)

@@ -1,0 +1,110 @@
+import subprocess
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from solar_env.plots import DISSIPATED, PUT_IN, STORED, plot_deployment
+
+CONTACT = np.dtype([("joint", np.int64), ("start_s", np.float64), ("peak_force", np.float64)])
+ENERGIES = (*STORED, *PUT_IN, *DISSIPATED, "residual")
+
+
+def make_trajectory(joints=2, clearance=2e-4, samples=200, bins=36):
+    """Plausible curves under the names that plots read."""
+    time = np.linspace(0.0, 30.0, samples)
+    ramp = np.outer(time / 30.0, np.ones(joints))
+    direction = np.stack([np.cos(7.0 * ramp), np.sin(7.0 * ramp)], axis=-1)
+    contacts = np.array([(joints - 1, 2.0, 40.0), (0, 13.1, 700.0)], dtype=CONTACT)
+    return SimpleNamespace(
+        time=time,
+        angles=np.pi / 2 * ramp,
+        eccentricity=clearance * direction,
+        normal_force=0.1 + ramp,
+        latch_torque=ramp,
+        cable_torque=-ramp,
+        energies={name: np.sin(time + k) for k, name in enumerate(ENERGIES)},
+        wear_bearing=np.full((joints, bins), 1e-14 if clearance else 0.0),
+        wear_journal=np.zeros((joints, bins)),
+        contacts=contacts if clearance else contacts[:0],
+        latch_times=np.where(np.arange(joints) == 0, 13.1, np.nan),
+        clearance=np.full(joints, clearance),
+    )
+
+
+@pytest.fixture
+def saved_figures(monkeypatch):
+    """The figures that are written, to look into."""
+    from matplotlib.figure import Figure
+
+    figures, write = [], Figure.savefig
+
+    def keep(self, *args, **kwargs):
+        figures.append(self)
+        return write(self, *args, **kwargs)
+
+    monkeypatch.setattr(Figure, "savefig", keep)
+    return figures
+
+
+@pytest.mark.parametrize(("suffix", "start"), [(".png", b"\x89PNG"), (".pdf", b"%PDF"), (".svg", b"<?xml")])
+def test_each_suffix_gives_a_file_of_its_format_and_twice_the_same(tmp_path, suffix, start):
+    first, second = tmp_path / f"first{suffix}", tmp_path / f"second{suffix}"
+    plot_deployment(make_trajectory(joints=1), first)
+    plot_deployment(make_trajectory(joints=1), str(second))
+    assert first.read_bytes().startswith(start)
+    assert first.read_bytes() == second.read_bytes()
+
+
+@pytest.mark.parametrize("name", ["figure", "figure.gif"])
+def test_other_suffixes_are_refused_before_anything_is_written(tmp_path, name):
+    with pytest.raises(ValueError, match=r"\.pdf, \.png, \.svg"):
+        plot_deployment(make_trajectory(), tmp_path / name)
+    assert list(tmp_path.iterdir()) == []
+
+
+def polar_axes(figure):
+    return [axis for axis in figure.findobj() if getattr(axis, "name", None) == "polar"]
+
+
+@pytest.mark.parametrize("joints", [1, 3])
+def test_every_joint_with_clearance_has_its_force_path_and_wear(tmp_path, saved_figures, joints):
+    plot_deployment(make_trajectory(joints), tmp_path / "figure.png")
+    labels = [axis.get_ylabel() for axis in saved_figures[0].axes]
+    assert sum(label.startswith("contact force") for label in labels) == joints
+    assert len(polar_axes(saved_figures[0])) == joints
+
+
+def test_ideal_joints_have_neither_path_nor_wear(tmp_path, saved_figures):
+    plot_deployment(make_trajectory(clearance=0.0), tmp_path / "figure.png")
+    labels = [axis.get_ylabel() for axis in saved_figures[0].axes]
+    assert sum(label.startswith("joint force") for label in labels) == 2
+    assert polar_axes(saved_figures[0]) == []
+
+
+def test_peaks_between_samples_are_inside_the_axes_and_every_axis_names_its_unit(tmp_path, saved_figures):
+    trajectory = make_trajectory()
+    plot_deployment(trajectory, tmp_path / "figure.png")
+    axes = saved_figures[0].axes
+    tops = [axis.get_ylim()[1] for axis in axes if axis.get_ylabel().startswith("contact force")]
+    assert trajectory.normal_force.max() < 40.0
+    assert np.all(np.array(tops) > [700.0, 40.0])
+    labels = [axis.get_ylabel() + axis.get_title() + axis.get_xlabel() for axis in axes]
+    assert [label for label in labels if "[" not in label] == []
+
+
+def test_no_contact_no_wear_and_no_latch_are_drawn(tmp_path):
+    trajectory = make_trajectory(joints=1)
+    trajectory.contacts = trajectory.contacts[:0]
+    trajectory.normal_force[:] = 0.0
+    trajectory.wear_bearing[:] = 0.0
+    trajectory.latch_times[:] = np.nan
+    plot_deployment(trajectory, tmp_path / "figure.png")
+    assert (tmp_path / "figure.png").exists()
+
+
+def test_importing_the_module_does_not_import_matplotlib():
+    code = "import sys, solar_env.plots; print({'matplotlib', 'numba', 'torch'} & set(sys.modules))"
+    printed = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert printed.strip() == "set()"

@@ -1,0 +1,170 @@
+import dataclasses
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from solar_env._raster import Layout
+from solar_env._views import JOURNAL_SHARE, ArrayView, BearingView, journal_offset
+from solar_env.render import Renderer, Scene
+
+CLEARANCE = 2e-4
+WHITE = 3 * 255
+
+
+def make_scene(joints=2, opening=0.0, turn=0.0, **changes):
+    """A z-folded array, opened by a share of the way from folded to straight, turned about the main body."""
+    swing = -np.pi / 2 * (1.0 - opening) * (-1.0) ** np.arange(joints)
+    corners = np.concatenate([[[0.5, 0.0]], 1.5 * np.column_stack([np.cos(swing), np.sin(swing)])])
+    corners = np.cumsum(corners, axis=0)
+    body = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
+    back = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+    scene = Scene(
+        time=3.0,
+        main_body=body @ back,
+        panels=tuple(corners[i : i + 2] @ back for i in range(joints)),
+        hinges=corners[:-1] @ back,
+        eccentricity=np.tile([0.6 * CLEARANCE, 0.0], (joints, 1)),
+        clearance=np.full(joints, CLEARANCE),
+        journal_radius=np.full(joints, 0.01),
+        in_contact=np.zeros(joints, dtype=bool),
+        normal_force=np.zeros(joints),
+        latched=np.zeros(joints, dtype=bool),
+        motor_torque=0.1,
+        force_times=np.linspace(0.0, 3.0, 50),
+        force_history=np.full((50, joints), 0.5),
+    )
+    return dataclasses.replace(scene, **changes)
+
+
+def brightest(eccentricity, direction):
+    """Largest sum of red, green and blue on a ray from the centre of the drawn first bearing; y is up."""
+    scene = make_scene(eccentricity=np.array([eccentricity, [0.0, 0.0]]))
+    size = (1920, 1080)
+    view = BearingView(Layout(size), joint=0, shown=2)
+    frame = Renderer(scene, size=size).draw(scene)
+    away = np.arange(view.bearing_radius + 10.0)[:, None] * direction * [1.0, -1.0]
+    x, y = np.round(view.centre + away).astype(int).T
+    return int(frame[y, x].astype(int).sum(axis=1).max())
+
+
+@pytest.mark.parametrize(("share", "touches"), [(0.8, False), (0.95, False), (1.0, True), (1.01, True)])
+def test_drawn_journal_touches_the_bearing_exactly_when_eccentricity_reaches_the_clearance(share, touches):
+    offset = journal_offset(np.array([0.6, -0.8]) * share * CLEARANCE, CLEARANCE, bearing_radius=100.0)
+    assert (np.hypot(*offset) + 100.0 * JOURNAL_SHARE >= 100.0 - 1e-9) == touches
+    assert (brightest([share * CLEARANCE, 0.0], np.array([1.0, 0.0])) < 0.9 * WHITE) == touches
+
+
+@pytest.mark.parametrize("direction", [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)])
+def test_gap_is_on_the_side_that_the_journal_has_left(direction):
+    eccentricity = CLEARANCE * np.array(direction)
+    assert brightest(eccentricity, np.array(direction)) < 0.9 * WHITE
+    assert brightest(eccentricity, -np.array(direction)) == WHITE
+
+
+def test_same_scene_gives_the_same_pixels_whatever_was_drawn_before():
+    first, second = make_scene(opening=0.3), make_scene(opening=0.7)
+    renderer = Renderer(make_scene())
+    frame = renderer.draw(first)
+    renderer.draw(second)
+    np.testing.assert_array_equal(renderer.draw(first), frame)
+    np.testing.assert_array_equal(Renderer(make_scene()).draw(first), frame)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"time": 3.5},
+        {"motor_torque": -0.1},
+        {"panels": make_scene(opening=0.4).panels},
+        {"eccentricity": np.array([[0.0, 0.6], [0.0, 0.6]]) * CLEARANCE},
+        {"clearance": np.array([CLEARANCE, 1.5 * CLEARANCE])},
+        {"journal_radius": np.array([0.01, 0.02])},
+        {"in_contact": np.array([False, True])},
+        {"normal_force": np.array([0.0, 3.0])},
+        {"latched": np.array([True, False])},
+        {"force_history": np.full((50, 2), 50.0)},
+    ],
+    ids=lambda change: next(iter(change)),
+)
+def test_every_part_of_a_scene_shows(change):
+    renderer, scene = Renderer(make_scene()), make_scene(opening=0.3)
+    changed = renderer.draw(dataclasses.replace(scene, **change))
+    assert np.any(changed != renderer.draw(scene))
+
+
+def test_force_arrow_grows_with_the_force():
+    renderer = Renderer(make_scene())
+
+    def red_pixels(force):
+        touching = {"eccentricity": np.tile([CLEARANCE, 0.0], (2, 1)), "in_contact": np.array([True, True])}
+        frame = renderer.draw(make_scene(normal_force=np.full(2, force), **touching)).astype(int)
+        return int(np.sum((frame[:, 640:, 0] > 180) & (frame[:, 640:, 1:].max(axis=2) < 90)))
+
+    assert red_pixels(0.1) < red_pixels(10.0) < red_pixels(1000.0)
+
+
+# The turn [deg] that conservation of angular momentum gives main bodies and panels of the default array.
+@pytest.mark.parametrize(("joints", "turn"), [(1, -2.1), (2, -5.1), (3, -9.3), (5, -15.3), (8, -20.1)])
+def test_view_holds_the_array_from_folded_to_deployed_and_turned(joints, turn):
+    view = ArrayView(Layout((960, 540)), make_scene(joints))
+    for opening in np.linspace(0.0, 1.0, 11):
+        scene = make_scene(joints, opening, np.radians(turn) * opening)
+        points = view.place(np.concatenate([scene.main_body, *scene.panels]))
+        assert np.all(points > [18, 58])
+        assert np.all(points < [610, 320])
+
+
+def test_world_is_drawn_to_scale_and_upright():
+    place = ArrayView(Layout((960, 540)), make_scene()).place
+    origin, right, up = place([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+    np.testing.assert_allclose(right - origin, [origin[1] - up[1], 0.0])
+    assert right[0] > origin[0]
+
+
+@pytest.mark.parametrize(("joints", "size"), [(1, (320, 180)), (3, (960, 540)), (8, (640, 640))])
+def test_frame_has_the_size_asked_for(joints, size):
+    frame = Renderer(make_scene(joints), size=size).draw(make_scene(joints, 0.5))
+    assert frame.dtype == np.uint8
+    assert frame.shape == (size[1], size[0], 3)
+
+
+def test_ideal_joints_and_an_empty_history_are_drawn():
+    scene = make_scene(
+        clearance=np.zeros(2),
+        eccentricity=np.zeros((2, 2)),
+        force_times=np.zeros(0),
+        force_history=np.zeros((0, 2)),
+    )
+    assert Renderer(scene).draw(scene).std() > 0.0
+
+
+def test_a_brief_impact_shows_among_many_samples():
+    times = np.linspace(0.0, 3.0, 30001)
+    quiet = np.full((30001, 2), 0.5)
+    impact = quiet.copy()
+    impact[15000] = 300.0
+    renderer = Renderer(make_scene())
+    frames = [renderer.draw(make_scene(force_times=times, force_history=h)) for h in (quiet, impact)]
+    assert np.any(frames[0] != frames[1])
+
+
+def test_wrong_shape_is_named():
+    with pytest.raises(ValueError, match=r"eccentricity has shape \(3, 2\), expected \(2, 2\)"):
+        make_scene(eccentricity=np.zeros((3, 2)))
+    with pytest.raises(ValueError, match="polyline"):
+        make_scene(panels=(np.zeros((1, 2)), np.zeros((2, 2))))
+
+
+def test_unusable_size_and_duration_are_refused():
+    with pytest.raises(ValueError, match="at least 320 x 180"):
+        Renderer(make_scene(), size=(100, 100))
+    with pytest.raises(ValueError, match="duration"):
+        Renderer(make_scene(), duration=0.0)
+
+
+def test_importing_the_module_brings_no_drawing_library_and_no_compiler():
+    code = "import sys, solar_env.render; print({'matplotlib', 'PIL', 'numba', 'torch'} & set(sys.modules))"
+    printed = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert printed.strip() == "set()"

@@ -1,0 +1,169 @@
+"""Training runs of a few hundred steps: what they leave behind, how they resume, what they refuse."""
+
+import csv
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
+
+from agents import learn, runs
+from agents.arguments import parse_arguments
+from agents.environments import make_env
+from agents.evaluate import evaluate
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+import train
+
+SMALL = {
+    "ppo": ["--n-envs", "2", "--hyperparams", "n_steps=300", "batch_size=100"],
+    "sac": ["--hyperparams", "learning_starts=50", "buffer_size=2000", "batch_size=32"],
+    "td3": ["--hyperparams", "learning_starts=50", "buffer_size=2000", "batch_size=32"],
+}
+
+
+def run(*arguments):
+    args = parse_arguments(train.Args, [*map(str, arguments), "--quiet", "--eval-episodes", "2"])
+    return train.main(args, "python train.py ...")
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("runs") / "ppo"
+    return run("--timesteps", 600, "--out", folder, *SMALL["ppo"])
+
+
+def policy_weights(folder):
+    model = runs.load_policy(folder, make_env())
+    return np.concatenate([weights.detach().numpy().ravel() for weights in model.policy.parameters()])
+
+
+def test_a_run_folder_holds_all_that_describes_the_run(finished):
+    expected = {
+        "policy.zip",
+        "checkpoint",
+        "config.json",
+        "monitor.csv",
+        "evaluations.npz",
+        "tensorboard",
+        "episodes.csv",
+        "metrics.json",
+        "comparison.md",
+        "figure.png",
+    }
+    assert {path.name for path in finished.iterdir()} == expected
+    config = json.loads((finished / "config.json").read_text())
+    assert config["hyperparameters"]["n_steps"] == 300
+    assert config["command"] == "python train.py ..."
+    assert config["versions"]["torch"]
+    metrics = json.loads((finished / "metrics.json").read_text())
+    assert list(metrics["controllers"]) == ["passive", "brake", "servo", "ppo"]
+
+
+def test_the_saved_policy_reproduces_the_evaluation_of_the_run(finished):
+    with (finished / "episodes.csv").open() as file:
+        written = [row for row in csv.DictReader(file) if row["controller"] == "ppo"]
+    again = evaluate([str(finished)], episodes=2, seed=0, progress=False)
+    assert [float(row["return"]) for row in written] == [row["return"] for row in again]
+
+
+def test_the_log_has_reward_terms_and_physical_figures(finished):
+    log = EventAccumulator(str(finished / "tensorboard"))
+    log.Reload()
+    tags = set(log.Tags()["scalars"])
+    assert {"deployment/peak_postlock_force_N", "deployment/postlock_sliding_work_J"} <= tags
+    assert {"deployment/latch_times_s", "eval/mean_reward"} <= tags
+    terms = [f"episode/reward_{name}" for name in ("peak_impact", "wear", "missed_deadline")]
+    for event in zip(log.Scalars("episode/return"), *map(log.Scalars, terms), strict=True):
+        total, *parts = (point.value for point in event)
+        assert total == pytest.approx(sum(parts), rel=1e-5)
+
+
+def test_the_same_seed_trains_the_same_policy_and_another_seed_another(finished, tmp_path):
+    same = run("--timesteps", 600, "--out", tmp_path / "same", *SMALL["ppo"])
+    other = run("--timesteps", 600, "--out", tmp_path / "other", "--seed", 1, *SMALL["ppo"])
+    np.testing.assert_array_equal(policy_weights(finished), policy_weights(same))
+    assert not np.array_equal(policy_weights(finished), policy_weights(other))
+
+
+def test_resuming_continues_step_count_normalisation_and_validation_history(finished, tmp_path):
+    resumed = run("--resume", finished, "--timesteps", 600, "--out", tmp_path / "resumed")
+    config = runs.read_config(resumed)
+    assert config["resumed_from"] == str(finished)
+    assert config["timesteps_before"] == 600
+    assert config["hyperparameters"]["n_steps"] == 300
+    stored = runs.algorithm("ppo").load(resumed / "checkpoint" / "model.zip")
+    assert stored.num_timesteps == 1200
+    before, after = (normalisation_count(folder) for folder in (finished, resumed))
+    assert after == pytest.approx(before + 600, rel=1e-3)
+    with np.load(finished / "evaluations.npz") as old, np.load(resumed / "evaluations.npz") as new:
+        assert new["timesteps"].tolist()[: len(old["timesteps"])] == old["timesteps"].tolist()
+        assert new["timesteps"][-1] > 600
+
+
+def normalisation_count(folder):
+    config = learn.configuration("ppo", "solar_env/Deploy-v0", {}, seed=0, n_envs=2)
+    venv = learn.make_training_env(config, None)
+    return learn.VecNormalize.load(str(folder / "checkpoint" / "vecnormalize.pkl"), venv).ret_rms.count
+
+
+@pytest.mark.parametrize("algo", ["sac", "td3"])
+def test_resuming_an_off_policy_run_continues_its_replay_buffer(tmp_path, algo):
+    first = run("--algo", algo, "--timesteps", 300, "--out", tmp_path / "first", *SMALL[algo])
+    second = run("--resume", first, "--timesteps", 100, "--out", tmp_path / "second")
+    config = learn.resumed_configuration(second)
+    model = learn.load_checkpoint(config, second, learn.make_training_env(config, None))
+    assert model.num_timesteps == 400
+    assert model.replay_buffer.size() == 400
+
+
+def test_a_resumed_run_sees_other_training_episodes_than_the_first(finished, tmp_path):
+    config = learn.resumed_configuration(finished)
+    first = learn.make_model(config, learn.make_training_env(config, None)).get_env()
+    resumed = learn.load_checkpoint(config, finished, learn.make_training_env(config, None)).get_env()
+    for venv in (first, resumed):
+        venv.reset()
+    clearances = [
+        {env.unwrapped.np_random.bit_generator.state["state"]["state"] for env in venv.unwrapped.envs}
+        for venv in (first, resumed)
+    ]
+    assert clearances[0].isdisjoint(clearances[1])
+
+
+@pytest.mark.parametrize("algo", sorted(runs.ALGORITHMS))
+def test_the_discount_reaches_over_a_whole_episode(algo):
+    gamma = learn.configuration(algo, "solar_env/Deploy-v0", {}, seed=0).hyperparameters["gamma"]
+    assert 1.0 / (1.0 - gamma) >= 300.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--algo", "a2c"], "no algorithm 'a2c'; available: ppo, sac, td3"),
+        (["--hyperparams", "n_step=3"], "ppo has no hyperparameter 'n_step'"),
+        (["--timesteps", "0"], "timesteps is 0; give a positive number"),
+        (["--env-id", "solar_env/Fold-v0"], "no hyperparameters for 'solar_env/Fold-v0'"),
+        (["--env-kwargs", "torque_limits=0.3"], "torque_limits"),
+        (["--seed", "-1"], "seed is -1; choose one from 0"),
+    ],
+)
+def test_wrong_arguments_are_named_before_training(tmp_path, arguments, message):
+    with pytest.raises(ValueError, match=message):
+        run("--out", tmp_path / "run", *arguments)
+
+
+def test_a_folder_with_a_run_is_not_overwritten(finished):
+    with pytest.raises(FileExistsError, match="holds a run already"):
+        run("--out", finished, *SMALL["ppo"])
+
+
+def test_resuming_refuses_arguments_that_contradict_the_run(finished, tmp_path):
+    with pytest.raises(ValueError, match="--algo sac contradicts the run to resume, which has ppo"):
+        run("--resume", finished, "--algo", "sac", "--out", tmp_path / "run")
+
+
+def test_resuming_from_something_else_than_a_run_is_refused(tmp_path):
+    with pytest.raises(FileNotFoundError, match="is not a run folder"):
+        run("--resume", tmp_path)

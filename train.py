@@ -1,0 +1,114 @@
+"""Train a controller that deploys the solar array softly, and compare it with the baselines.
+
+``python train.py`` trains on the rigid-clearance physics and leaves a run folder; ``tensorboard --logdir
+runs`` shows the training, ``python -m agents.evaluate --controllers passive runs/<run>`` compares runs.
+"""
+
+import shlex
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from agents import learn, runs
+from agents.arguments import parse_arguments
+from agents.baselines import make_baseline
+from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env
+from agents.evaluate import evaluate, markdown, summarize, write_comparison
+from agents.figures import run_figure
+from agents.rollout import Step, run_episode
+
+BASELINES = ("passive", "brake", "servo")
+
+
+@dataclass
+class Args:
+    """Train a controller that deploys the solar array softly, and compare it with the baselines."""
+
+    algo: str = "ppo"
+    """algorithm: ppo, sac or td3"""
+    timesteps: int | None = None
+    """environment steps to train for; None: the number in agents/configs"""
+    seed: int = 0
+    """seed of networks, exploration and training episodes"""
+    env_id: str = DEFAULT_ENV_ID
+    """environment id"""
+    env_kwargs: dict[str, Any] = field(default_factory=dict)
+    """environment keywords, for example torque_limit=0.3 observation=privileged"""
+    hyperparams: dict[str, Any] = field(default_factory=dict)
+    """hyperparameters in place of those in agents/configs, for example learning_rate=1e-3"""
+    n_envs: int | None = None
+    """environments stepped together; None: the number in agents/configs"""
+    resume: str | None = None
+    """run folder to go on from, with its algorithm, environment, seed and hyperparameters"""
+    out: str | None = None
+    """run folder; None: runs/<id>__<algo>__<seed>__<timestamp>"""
+    eval_episodes: int = 30
+    """held-out episodes of the comparison with the baselines"""
+    device: str = "cpu"
+    """torch device; for networks this small the CPU is faster"""
+    quiet: bool = False
+    """no progress bars"""
+
+
+def main(args: Args, command: str) -> Path:
+    """Train, compare, and return the run folder."""
+    if args.resume:
+        config = learn.resumed_configuration(args.resume, args.timesteps)
+        check_resumable(args, config)
+    else:
+        config = learn.configuration(
+            args.algo, args.env_id, args.env_kwargs, args.seed, args.n_envs, args.timesteps, args.hyperparams
+        )
+    folder = runs.new_run_folder(args.out, config.env_id, config.algo, config.seed)
+    print(f"{config.algo} on {config.env_id}, {config.timesteps} steps -> {folder}")
+    learn.train(config, folder, args.resume, command, args.device, progress=not args.quiet)
+
+    learned = f"{config.algo}={folder}"
+    rows = evaluate(
+        [*BASELINES, learned],
+        args.eval_episodes,
+        config.seed,
+        config.env_id,
+        config.env_kwargs,
+        not args.quiet,
+    )
+    write_comparison(
+        folder, rows, {"command": command, "eval_episodes": args.eval_episodes, "seed": config.seed}
+    )
+    draw(folder, config, {name: summary["return"].mean for name, summary in summarize(rows).items()})
+    print(markdown(rows))
+    print(f"written to {folder}")
+    return folder
+
+
+def check_resumable(args: Args, config: learn.Configuration) -> None:
+    """Refuse arguments that contradict the run to resume.
+
+    Raises:
+        ValueError: an argument was given that the resumed run has fixed.
+    """
+    for name in ("algo", "env_id", "env_kwargs", "seed", "hyperparams", "n_envs"):
+        given = getattr(args, name)
+        fixed = getattr(config, {"hyperparams": "hyperparameters"}.get(name, name))
+        if given != getattr(Args(), name) and given != fixed:
+            raise ValueError(
+                f"--{name.replace('_', '-')} {given} contradicts the run to resume, which has {fixed}; "
+                "leave it out"
+            )
+
+
+def draw(folder: Path, config: learn.Configuration, returns: dict[str, float]) -> None:
+    """Draw the run's figure: the learning curve, and one evaluation episode, learned and passive."""
+    env = make_env(config.env_id, config.env_kwargs)
+    seed = episode_seeds("evaluation", config.seed, 1)[0]
+    episodes: dict[str, list[Step]] = {config.algo: [], "passive": []}
+    run_episode(env, runs.load_policy(folder, env), seed, episodes[config.algo].append)
+    run_episode(env, make_baseline("passive", env), seed, episodes["passive"].append)
+    references = {name: value for name, value in returns.items() if name in BASELINES}
+    signals: Any = env.unwrapped
+    run_figure(folder, references, episodes, signals.observation_names, signals.task.torque_limit)
+
+
+if __name__ == "__main__":
+    main(parse_arguments(Args), shlex.join(["python", *sys.argv]))

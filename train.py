@@ -73,9 +73,7 @@ def main(args: Args, command: str) -> Path:
         config.env_kwargs,
         not args.quiet,
     )
-    write_comparison(
-        folder, rows, {"command": command, "eval_episodes": args.eval_episodes, "seed": config.seed}
-    )
+    write_comparison(folder, rows, {"command": command, "eval_episodes": args.eval_episodes, "seed": config.seed})
     draw(folder, config, {name: summary["return"].mean for name, summary in summarize(rows).items()})
     print(markdown(rows))
     print(f"written to {folder}")
@@ -93,8 +91,7 @@ def check_resumable(args: Args, config: learn.Configuration) -> None:
         fixed = getattr(config, {"hyperparams": "hyperparameters"}.get(name, name))
         if given != getattr(Args(), name) and given != fixed:
             raise ValueError(
-                f"--{name.replace('_', '-')} {given} contradicts the run to resume, which has {fixed}; "
-                "leave it out"
+                f"--{name.replace('_', '-')} {given} contradicts the run to resume, which has {fixed}; leave it out"
             )
 
 

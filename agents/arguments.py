@@ -14,9 +14,7 @@ from typing import Any, TypeVar
 Arguments = TypeVar("Arguments")
 
 
-def parse_arguments(
-    cls: type[Arguments], argv: Sequence[str] | None = None, prog: str | None = None
-) -> Arguments:
+def parse_arguments(cls: type[Arguments], argv: Sequence[str] | None = None, prog: str | None = None) -> Arguments:
     """Fill the dataclass `cls` from `argv` (default: the process's arguments).
 
     Field ``env_id`` becomes ``--env-id``, its help is the string literal below it; a bool becomes a flag with

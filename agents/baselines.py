@@ -202,9 +202,7 @@ def load_parameters(cls: type[Parameters], name: str, env_id: str) -> Parameters
     values = entries[env_id]["parameters"]
     expected = {f.name for f in fields(cls)}
     if set(values) != expected:
-        raise ValueError(
-            f"{path.name}, {env_id!r}: the keys are {sorted(values)}; expected {sorted(expected)}"
-        )
+        raise ValueError(f"{path.name}, {env_id!r}: the keys are {sorted(values)}; expected {sorted(expected)}")
     return cls(**values)
 
 

@@ -28,9 +28,7 @@ class DeploymentLogger(BaseCallback):
     """Logs reward terms and physical figures of finished training episodes, as means between log lines."""
 
     def _on_training_start(self) -> None:
-        self._terms: list[defaultdict[str, float]] = [
-            defaultdict(float) for _ in range(self.training_env.num_envs)
-        ]
+        self._terms: list[defaultdict[str, float]] = [defaultdict(float) for _ in range(self.training_env.num_envs)]
 
     def _on_step(self) -> bool:
         for terms, info, done in zip(self._terms, self.locals["infos"], self.locals["dones"], strict=True):
@@ -59,9 +57,7 @@ class FixedSeeds(gymnasium.Wrapper):
         self._seeds = list(seeds)
         self._next = 0
 
-    def reset(
-        self, *, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[Any, dict[str, Any]]:
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Reset to the next of the fixed seeds; `seed` is ignored."""
         chosen = self._seeds[self._next % len(self._seeds)]
         self._next += 1

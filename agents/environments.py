@@ -40,9 +40,7 @@ def make_env(env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, Any] | None 
         known = ", ".join(sorted(name for name in gymnasium.registry if name.startswith("solar_env/")))
         raise ValueError(f"no environment {env_id!r} is registered; available: {known}") from error
     except (TypeError, ValueError) as error:
-        raise ValueError(
-            f"environment {env_id!r} refused its keywords {dict(env_kwargs or {})}: {error}"
-        ) from error
+        raise ValueError(f"environment {env_id!r} refused its keywords {dict(env_kwargs or {})}: {error}") from error
 
 
 def episode_seeds(purpose: Purpose, seed: int, count: int) -> list[int]:

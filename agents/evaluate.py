@@ -85,9 +85,7 @@ def evaluate(
     """
     seeds = episode_seeds("evaluation", seed, episodes)
     rows: list[Row] = []
-    with tqdm(
-        total=len(controllers) * episodes, desc="evaluate", unit="episode", disable=not progress
-    ) as bar:
+    with tqdm(total=len(controllers) * episodes, desc="evaluate", unit="episode", disable=not progress) as bar:
         for text in controllers:
             name, spec = split_controller(text)
             keywords = with_randomization(env_kwargs or {})
@@ -116,8 +114,7 @@ def common_env_kwargs(controllers: Sequence[str]) -> dict[str, Any]:
     for spec, kwargs in zip(specs, physics, strict=True):
         if kwargs != physics[0]:
             raise ValueError(
-                f"{specs[0]} was trained on {physics[0]}, {spec} on {kwargs}; "
-                "say with --env-kwargs what to compare on"
+                f"{specs[0]} was trained on {physics[0]}, {spec} on {kwargs}; say with --env-kwargs what to compare on"
             )
     return physics[0] if physics else {}
 
@@ -139,9 +136,7 @@ def summarize(rows: Sequence[Row]) -> dict[str, dict[str, Any]]:
             values = [np.array([row[figure] for row in run]) for run in by_run]
             base = [np.array([reference[row["episode"]][figure] for row in run]) for run in by_run]
             summary[name][figure] = estimate(values)
-            summary[name][figure + " - " + names[0]] = estimate(
-                [v - b for v, b in zip(values, base, strict=True)]
-            )
+            summary[name][figure + " - " + names[0]] = estimate([v - b for v, b in zip(values, base, strict=True)])
     return summary
 
 
@@ -177,9 +172,7 @@ def markdown(rows: Sequence[Row]) -> str:
             "|" + " --- |" * len(head),
         ]
         for name in names[1:]:
-            cells = [
-                _cell(summary[name][f"{figure} - {names[0]}"], figure, worst=False) for figure in figures
-            ]
+            cells = [_cell(summary[name][f"{figure} - {names[0]}"], figure, worst=False) for figure in figures]
             lines.append(f"| {name} | " + " | ".join(cells) + " |")
     return "\n".join(lines) + "\n"
 
@@ -220,9 +213,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     """The command line; see `Args`."""
     args = parse_arguments(Args, argv, prog="python -m agents.evaluate")
     env_kwargs = with_randomization(args.env_kwargs or common_env_kwargs(args.controllers))
-    rows = evaluate(
-        args.controllers, args.episodes, args.seed, args.env_id, env_kwargs, progress=not args.quiet
-    )
+    rows = evaluate(args.controllers, args.episodes, args.seed, args.env_id, env_kwargs, progress=not args.quiet)
     command = shlex.join(["python", "-m", "agents.evaluate", *(sys.argv[1:] if argv is None else argv)])
     write_comparison(Path(args.out), rows, {"command": command, **asdict(args), "env_kwargs": env_kwargs})
     print(markdown(rows))

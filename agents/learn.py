@@ -138,9 +138,7 @@ def make_model(config: Configuration, venv: VecEnv, device: str = "cpu") -> Base
     return cls("MlpPolicy", normalized, seed=seed, device=device, **hyperparameters)
 
 
-def load_checkpoint(
-    config: Configuration, folder: str | Path, venv: VecEnv, device: str = "cpu"
-) -> BaseAlgorithm:
+def load_checkpoint(config: Configuration, folder: str | Path, venv: VecEnv, device: str = "cpu") -> BaseAlgorithm:
     """The model as the run in `folder` left it, with optimiser, step count, normalisation and replay buffer.
 
     Random number generators are not part of it: a resumed run gets new training episodes, and so does not

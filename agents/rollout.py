@@ -45,9 +45,7 @@ def run_episode(
             return {"seed": seed, **episode_figures(info["deployment"], terms)}
 
 
-def episode_figures(
-    deployment: Mapping[str, Any], reward_terms: Mapping[str, float]
-) -> dict[str, float | int | bool]:
+def episode_figures(deployment: Mapping[str, Any], reward_terms: Mapping[str, float]) -> dict[str, float | int | bool]:
     """Flatten `info["deployment"]` and the summed reward terms of an episode into named scalars.
 
     Lists by joint become one entry a joint (``peak_postlock_force_1_N``) and one for the array: the largest

@@ -40,9 +40,7 @@ def new_run_folder(out: str | Path | None, env_id: str, algo: str, seed: int) ->
     name = f"{re.sub(r'[^A-Za-z0-9.-]+', '-', env_id)}__{algo}__{seed}__{datetime.now():%Y%m%d-%H%M%S}"
     folder = Path(out) if out else Path("runs") / name
     if (folder / CONFIG).exists():
-        raise FileExistsError(
-            f"{folder} holds a run already; choose another --out, or go on from it with --resume"
-        )
+        raise FileExistsError(f"{folder} holds a run already; choose another --out, or go on from it with --resume")
     folder.mkdir(parents=True, exist_ok=True)
     return folder
 
@@ -60,9 +58,7 @@ def read_config(folder: str | Path) -> dict[str, Any]:
     """
     path = Path(folder) / CONFIG
     if not path.is_file():
-        raise FileNotFoundError(
-            f"{folder} is not a run folder: it has no {CONFIG}; train.py writes such folders"
-        )
+        raise FileNotFoundError(f"{folder} is not a run folder: it has no {CONFIG}; train.py writes such folders")
     return json.loads(path.read_text())
 
 
@@ -76,9 +72,7 @@ def load_policy(folder: str | Path, env: gymnasium.Env) -> BaseAlgorithm:
     config = read_config(folder)
     path = Path(folder) / POLICY
     if not path.is_file():
-        raise FileNotFoundError(
-            f"{folder} has no {POLICY}; the run ended before its first validation, resume it"
-        )
+        raise FileNotFoundError(f"{folder} has no {POLICY}; the run ended before its first validation, resume it")
     model = algorithm(config["algo"]).load(path, device="cpu")
     for kind in ("observation_space", "action_space"):
         if getattr(model, kind) != getattr(env, kind):

@@ -24,9 +24,7 @@ def interquartile_mean(values: np.ndarray, axis: int = -1) -> np.ndarray:
     return stats.trim_mean(values, 0.25, axis=axis)
 
 
-def estimate(
-    runs: Sequence[np.ndarray], seed: int = 0, resamples: int = 2000, confidence: float = 0.95
-) -> Estimate:
+def estimate(runs: Sequence[np.ndarray], seed: int = 0, resamples: int = 2000, confidence: float = 0.95) -> Estimate:
     """Interquartile mean of all episodes of all runs, with a two-stage percentile bootstrap interval.
 
     A resample draws runs with replacement, then, within every drawn run, episodes with replacement, as many

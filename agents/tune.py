@@ -85,9 +85,7 @@ def tune(
     per_generation = search.popsize * episodes_per_candidate
     generations = episodes // per_generation
     if generations < 1:
-        raise ValueError(
-            f"a budget of {episodes} episodes holds no generation; give at least {per_generation}"
-        )
+        raise ValueError(f"a budget of {episodes} episodes holds no generation; give at least {per_generation}")
     seeds = episode_seeds("training", seed, generations * episodes_per_candidate)
     with tqdm(total=generations * per_generation, desc="tune", unit="episode", disable=not progress) as bar:
         for generation in range(generations):

@@ -63,7 +63,9 @@ def test_integrals_and_energies_are_numbered_without_gaps():
 
 
 def test_whole_numbers_in_a_description_compile_no_kernel_anew():
-    decimal = Body("b", mass=2.0, inertia=1.0, length=1.0, centroid=(0.0, 0.0), position=(1.0, 2.0), velocity=(1.0, 0.0))
+    decimal = Body(
+        "b", mass=2.0, inertia=1.0, length=1.0, centroid=(0.0, 0.0), position=(1.0, 2.0), velocity=(1.0, 0.0)
+    )
     whole = Body("b", mass=2, inertia=1, length=1, centroid=(0, 0), position=(1, 2), velocity=(1, 0))
     compiled = [compile_mechanism(Mechanism((body,), gravity=(0, -1))) for body in (decimal, whole)]
     assert numba.typeof(compiled[0]) == numba.typeof(compiled[1])

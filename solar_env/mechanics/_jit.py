@@ -20,7 +20,9 @@ _PACKAGE = Path(__file__).resolve().parent.parent
 
 
 def _kernel_sources() -> list[Path]:
-    return sorted([*(_PACKAGE / "mechanics").glob("*.py"), *_PACKAGE.glob("task.py")])
+    """Files that hold kernels, and model.py, whose array types the kernels are compiled for."""
+    candidates = sorted([*(_PACKAGE / "mechanics").glob("*.py"), *_PACKAGE.glob("task.py")])
+    return [path for path in candidates if path.name == "model.py" or "njit" in path.read_text(encoding="utf-8")]
 
 
 def _cache_directory() -> str:
@@ -32,7 +34,7 @@ def _cache_directory() -> str:
         os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache"), "solar_env"
     )
     name = digest.hexdigest()[:16]
-    for root in (base, os.path.join(tempfile.gettempdir(), f"solar_env-{os.getuid()}")):
+    for root in (base, os.path.join(tempfile.gettempdir(), "solar_env")):
         folder = os.path.join(root, name)
         try:
             os.makedirs(folder, exist_ok=True)

@@ -71,7 +71,7 @@ class _Compiler:
             gravity_force=self._gravity_force(),
             constraint_matrix=np.array([row for row, _ in rows]).reshape(len(rows), self.size),
             constraint_value=np.array([value for _, value in rows], dtype=np.float64),
-            length_scale=max(body.length for body in self.described),
+            length_scale=float(max(body.length for body in self.described)),
         )
         return compiled, self._state(len(rows))
 

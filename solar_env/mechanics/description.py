@@ -266,6 +266,7 @@ class Mechanism:
                 _require(side in known, joint, "body", side, f"is not a body of the mechanism {sorted(known)}")
         attached: list[Guide | Drive] = [*self.guides, *self.drives]
         for part in attached:
+            _require(part.body != GROUND, part, "body", part.body, "does not move; attach to a body")
             _require(part.body in known, part, "body", part.body, f"is not a body of the mechanism {sorted(known)}")
         joint_names = {joint.name for joint in self.joints}
         for cable in self.cables:

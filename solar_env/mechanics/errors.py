@@ -30,8 +30,8 @@ class SimulationError(RuntimeError):
 _CAUSES = {
     STEP_TOO_SMALL: (
         "step_size",
-        "the step shrank below rounding with a local error of {value:.3g} tolerances; loosen rtol, or soften the "
-        "stiffest element",
+        "the step shrank below rounding with an error (local, or of Newton's iteration) of {value:.3g} tolerances; "
+        "loosen rtol, or soften the stiffest element",
     ),
     NOT_FINITE: (
         "not_finite",

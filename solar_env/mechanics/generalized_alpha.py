@@ -45,7 +45,14 @@ from .model import (
 )
 from .recording import contacts_full, record_sample, sample_due
 from .rigid import add_mass_product
-from .system import accelerations, constraint_drift, make_workspace, normal_inverse_mass, store_constraint_loads
+from .system import (
+    accelerations,
+    constraint_drift,
+    make_workspace,
+    normal_inverse_mass,
+    project,
+    store_constraint_loads,
+)
 from .tangent import subtract_force_tangents
 
 _MOST_ITERATIONS = 60
@@ -285,6 +292,9 @@ def attempt_step(model, state, it, work, tangent, settings, h):
 def restart(model, state, it, work, settings, h):
     """Solve accelerations and multipliers afresh at the accepted state, for steps of size ``h``. False if singular."""
     n = state.q.size
+    # Velocities are O(h^2) off the constraints, which a shorter step would answer with forces of O(h^2 / new step).
+    if not project(model, state.q, state.v, state.clock[0].time, work):
+        return False
     if not accelerations(model, state.joints, state.q, state.v, state.clock[0].time, work, state.a, state.multipliers):
         return False
     shift = (settings.alpha_m - settings.alpha_f) * h
@@ -486,12 +496,14 @@ def next_step(state, settings, remaining):
 def judge(model, state, it, scratch, settings, h, convergence):
     """Step to retry with, or 0 to accept. Sets the controller's next step."""
     clock = state.clock[0]
+    clock.failure_value = convergence
     if not convergence <= 1.0:
         return 0.25 * h
     shorter = landing_step(model, state, it, scratch, settings, h)
     if shorter < h:
         return shorter
     error = error_norm(model, state, it, settings, h)
+    clock.failure_value = error
     if not error <= 1.0:
         return h * max(0.9 * error**-0.5, 0.2)
     grow = min(0.9 * max(error, 1e-6) ** -0.5, 2.0)
@@ -546,7 +558,7 @@ def advance_alpha(model, state, settings, recorder, end_time):
                 h = retry
                 clock.step_size = h
                 if h < _SMALLEST_STEP:
-                    return fail(state, STEP_TOO_SMALL, -1, convergence)
+                    return fail(state, STEP_TOO_SMALL, -1, clock.failure_value)
         accept(model, state, it, work, scratch, recorder, h)
         if last:
             clock.time = end_time

@@ -54,7 +54,7 @@ class GeneralizedAlpha:
     rtol: float | None = None
     velocity_scale: float = 0.1
     max_step: float = 1e-2
-    impact_resolution: float = 16.0
+    impact_resolution: float = 24.0
     newton_tolerance: float = 1e-13
     max_steps: int = 100_000_000
 

@@ -1,0 +1,87 @@
+"""Cases of the free-floating array with clearance: what its inner forces must leave unchanged."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..array import ArrayParameters, build
+from ..mechanics.description import Mechanism
+from ..mechanics.integrators import GeneralizedAlpha, Integrator, RungeKutta
+from ..mechanics.simulation import simulate
+from ..mechanics.trajectory import Trajectory
+from .checks import Check
+
+ISOLATED = "no external force or moment acts"
+
+
+def momenta(mechanism: Mechanism, motion: Trajectory) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
+    """Linear (x + i y) [kg m/s] and angular momentum about the origin [kg m2/s] of every body, (times,
+    bodies) each.
+
+    Computed from the motion of the base points and the described masses alone.
+    """
+    linear, angular = [], []
+    complex_plane = np.array([1.0, 1j])
+    for k, body in enumerate(mechanism.bodies):
+        ends = [slice(4 * k, 4 * k + 2), slice(4 * k + 2, 4 * k + 4)]
+        p1, p2 = (motion.coordinates[:, s] @ complex_plane for s in ends)
+        v1, v2 = (motion.velocities[:, s] @ complex_plane for s in ends)
+        share = complex(*body.centroid) / body.length
+        spin = ((v2 - v1) / (p2 - p1)).imag
+        centre, momentum = p1 + share * (p2 - p1), body.mass * (v1 + share * (v2 - v1))
+        linear.append(momentum)
+        angular.append((centre.conj() * momentum).imag + body.inertia * spin)
+    return np.array(linear).T, np.array(angular).T
+
+
+def free_array() -> Iterator[Check]:
+    """Momentum, energy and wear of a deployment with impacts, friction, latching and a cable loop."""
+    parameters = ArrayParameters()
+    mechanism = build(parameters, "rigid-clearance")
+    runs: tuple[tuple[Integrator, float], ...] = (
+        (RungeKutta(rtol=1e-6), 30.0),
+        (GeneralizedAlpha(rtol=1e-6), 15.0),
+    )
+    for integrator, duration in runs:
+        motion = simulate(mechanism, duration, integrator=integrator)
+        linear, angular = momenta(mechanism, motion)
+        volume = motion.wear_bearing.sum(axis=1) * 2.0 * np.pi / parameters.wear_bins
+        volume *= (motion.journal_radius + motion.clearance) * parameters.bearing_width
+        worn = parameters.wear_coefficient * motion.sliding_work[-1]
+        figures = (
+            (
+                "linear momentum over the sum of the bodies' ones",
+                np.abs(linear.sum(axis=1)).max() / np.abs(linear).sum(axis=1).max(),
+                1e-8,  # rounding; the tolerance of Newton's iteration
+                ISOLATED,
+            ),
+            (
+                "angular momentum over the sum of the bodies' ones",
+                np.abs(angular.sum(axis=1)).max() / np.abs(angular).sum(axis=1).max(),
+                1e-5,
+                ISOLATED,
+            ),
+            (
+                "energy residual over the energy put in",
+                motion.energy_residual / motion.energy_put_in,
+                1e-5,
+                "conservation of energy: stored + dissipated = put in",
+            ),
+            (
+                "worn volume less k * sliding work, relative",
+                np.abs(volume / worn - 1.0).max(),
+                1e-9,
+                "J. F. Archard, J. Appl. Phys. 24 (1953) 981",
+            ),
+        )
+        for name, obtained, tolerance, source in figures:
+            yield Check(
+                quantity=f"{name}, {duration:g} s, {integrator.name}",
+                expected=0.0,
+                obtained=float(obtained),
+                tolerance=tolerance,
+                source=source,
+            )

@@ -1,0 +1,75 @@
+"""The cases by name, and how to run them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from . import (
+    chains,
+    clearance_linkages,
+    conservation,
+    impact,
+    latching,
+    linkages,
+    pendulum,
+    sliding,
+    stops,
+)
+from .checks import Check, Row
+
+CASES: dict[str, Callable[[], Iterator[Check]]] = {
+    "restitution": impact.restitution_curve,
+    "single-impact": impact.single_impact,
+    "alternate-walls": impact.alternate_walls,
+    "contact-stiffness": impact.contact_stiffness,
+    "friction-creep": sliding.friction_creep,
+    "sliding-speed": sliding.sliding_speed_readings,
+    "wear": sliding.archard_wear,
+    "pendulum": pendulum.pendulum_motion,
+    "integration-order": pendulum.generalized_alpha_order,
+    "multiplier-transients": pendulum.multiplier_transients,
+    "double-pendulum": chains.double_pendulum_motion,
+    "rigid-array": chains.rigid_array_motion,
+    "slider-crank": linkages.slider_crank_cycle,
+    "four-bar": linkages.four_bar_cycle,
+    "slider-crank-clearance": clearance_linkages.slider_crank_clearance,
+    "four-bar-clearance": clearance_linkages.four_bar_clearance,
+    "slack-cable": stops.slack_cable,
+    "undamped-stop": stops.undamped_stop,
+    "damped-latch": stops.damped_latch,
+    "latch-times": latching.latch_times,
+    "paper-latch-time": latching.paper_latch_time,
+    "conservation": conservation.free_array,
+}
+
+
+def select(only: str | None = None) -> list[str]:
+    """Names of the cases to run: all of them, or one.
+
+    Raises:
+        ValueError: if no case has that name.
+    """
+    if only is None:
+        return list(CASES)
+    if only not in CASES:
+        raise ValueError(f"verification case {only!r} is unknown; the cases are {', '.join(CASES)}")
+    return [only]
+
+
+def run(only: str | None = None, announce: Callable[[str], None] | None = None) -> list[Row]:
+    """Run all cases, or one.
+
+    Args:
+        only: name of a case, a key of CASES.
+        announce: called with the name of every case before it runs.
+
+    Raises:
+        ValueError: if no case has that name.
+        SimulationError: if a simulation cannot go on.
+    """
+    rows = []
+    for name in select(only):
+        if announce:
+            announce(name)
+        rows += [Row(case=name, **vars(check)) for check in CASES[name]()]
+    return rows

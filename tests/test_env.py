@@ -1,0 +1,284 @@
+"""The environment keeps Gymnasium's and Stable-Baselines3's contracts, and its reward means what it says."""
+
+from __future__ import annotations
+
+import math
+import subprocess
+import sys
+import warnings
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env as check_by_gymnasium
+from stable_baselines3.common.env_checker import check_env as check_by_stable_baselines3
+
+import solar_env
+from solar_env.registration import ENVIRONMENTS
+
+ID = "solar_env/Deploy-v0"
+RANGES = {"clearance": (1e-4, 3e-4), "friction_coefficient": (0.05, 0.3)}
+
+
+def deploy(env, policy=lambda observation: [0.0], seed=0, options=None):
+    """Run one episode; returns its return, steps and the last info."""
+    observation, _ = env.reset(seed=seed, options=options)
+    total, steps = 0.0, 0
+    while True:
+        observation, reward, terminated, truncated, info = env.step(policy(observation))
+        total, steps = total + reward, steps + 1
+        if terminated or truncated:
+            return total, steps, info
+
+
+@pytest.fixture(scope="module")
+def passive():
+    return deploy(gymnasium.make(ID).unwrapped)
+
+
+@pytest.mark.parametrize("name", ENVIRONMENTS)
+@pytest.mark.parametrize(
+    "keywords",
+    [
+        {},
+        {"model": "rigid-ideal"},
+        {"observation": "privileged"},
+        {"randomize": RANGES},
+        {"parameters": {"panel_count": 3}},
+    ],
+    ids=["default", "rigid-ideal", "privileged", "randomized", "three panels"],
+)
+def test_both_checkers_accept_every_id_without_a_warning(name, keywords):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        env = gymnasium.make(name, render_mode="rgb_array", **keywords).unwrapped
+        check_by_gymnasium(env)
+        check_by_stable_baselines3(env)
+
+
+def test_reward_terms_sum_to_the_reward_and_the_peak_term_adds_up_to_the_peaks():
+    env = gymnasium.make(ID, model="rigid-clearance").unwrapped
+    env.reset(seed=0)
+    peaks = wear = 0.0
+    while True:
+        _, reward, terminated, _, info = env.step([0.2])
+        assert math.isclose(reward, math.fsum(info["reward_terms"].values()), abs_tol=1e-12)
+        peaks += info["reward_terms"]["peak_impact"]
+        wear += info["reward_terms"]["wear"]
+        if terminated:
+            break
+    figures = info["deployment"]
+    assert peaks == pytest.approx(-sum(figures["peak_postlock_force_N"]) / env.task.force_scale, rel=1e-9)
+    assert wear == pytest.approx(-sum(figures["postlock_sliding_work_J"]) / env.task.work_scale, rel=1e-9)
+
+
+def test_an_episode_ends_exactly_one_window_after_the_last_latching(passive):
+    _, steps, info = passive
+    figures = info["deployment"]
+    assert figures["latched"]
+    assert figures["duration_s"] == pytest.approx(max(figures["latch_times_s"]) + 10.0, abs=1e-9)
+    assert steps == math.ceil(figures["duration_s"] / 0.1 - 1e-9)
+
+
+def test_a_missed_deadline_terminates_and_costs_more_than_the_worst_deployment():
+    env = gymnasium.make(ID).unwrapped
+    total, steps, info = deploy(env, lambda observation: [-1.0])
+    assert not info["deployment"]["latched"]
+    assert steps == 200
+    assert total == -env.task.missed_deadline_cost
+    # Driving at full torque throughout, after latching too, is about the worst that a deployment can be.
+    hard, _, _ = deploy(env, lambda observation: [1.0 if observation[2] >= 0.0 else -1.0])
+    assert total < -2.0 * env.task.largest_charge < hard < 0.0
+
+
+def test_the_charges_are_bounded_whatever_the_forces():
+    env = gymnasium.make(ID).unwrapped
+    env.reset(seed=0)
+    env.simulation.state.clock["latched_joints"] = 1
+    env.simulation.state.joints["postlock_peak_force"] = 1e9
+    _, reward, _, _, info = env.step([0.0])
+    assert info["reward_terms"]["peak_impact"] == -env.task.largest_charge
+    assert reward >= -2.0 * env.task.largest_charge
+
+
+def test_braking_before_the_latch_is_rewarded(passive):
+    def brake(observation):
+        """Follow a rate that falls to zero towards the lock, then damp."""
+        theta_1, rate_1, rate_2, latched = observation[0], observation[2], observation[3], observation[4] > 0.0
+        wanted = min(0.2, max(0.005, 0.15 * (1.0 - theta_1)))
+        torque = -20.0 * rate_1 if latched else 20.0 * (wanted - 0.5 * (rate_1 + rate_2 / 2.0))
+        return [float(np.clip(torque, -1.0, 1.0))]
+
+    total, _, info = deploy(gymnasium.make(ID).unwrapped, brake)
+    assert info["deployment"]["latched"]
+    assert total > 0.5 * passive[0]
+
+
+def test_drive_observation_is_the_array_in_the_stated_units():
+    env = gymnasium.make(ID).unwrapped
+    env.reset(seed=0)
+    for _ in range(60):
+        observation, *_ = env.step([0.5])
+    entries = dict(zip(env.observation_names, observation, strict=True))
+    loads = env.simulation.joint_loads()
+    assert entries["theta_1"] == pytest.approx(loads[0, 2] / (math.pi / 2), rel=1e-6)
+    assert entries["theta_2"] == pytest.approx(loads[1, 2] / math.pi, rel=1e-6)
+    assert entries["rate_2"] == pytest.approx(loads[1, 3], rel=1e-6)
+    assert entries["motor_torque"] == pytest.approx(0.5)
+    assert entries["time_to_deadline"] == pytest.approx(1.0 - 6.0 / 20.0)
+    assert (entries["latched_1"], entries["latched_2"], entries["time_since_latch"]) == (0.0, 0.0, 0.0)
+
+
+def test_the_docstring_names_every_observation():
+    for entry in gymnasium.make(ID, observation="privileged").unwrapped.observation_names:
+        stem = entry.rstrip("0123456789")
+        assert stem in solar_env.SolarArrayEnv.__doc__, entry
+
+
+def test_returned_arrays_and_dictionaries_belong_to_the_caller():
+    env = gymnasium.make(ID).unwrapped
+    first, info = env.reset(seed=0)
+    kept, terms = first.copy(), dict(info["reward_terms"])
+    second, _, _, _, other = env.step([1.0])
+    assert not np.shares_memory(first, second)
+    assert np.array_equal(first, kept)
+    assert info["reward_terms"] == terms
+    assert info["reward_terms"] is not other["reward_terms"]
+
+
+def test_the_same_seed_gives_the_same_bits_in_two_processes():
+    program = (
+        "import gymnasium, solar_env, hashlib\n"
+        f"env = gymnasium.make({ID!r}, randomize={RANGES!r}).unwrapped\n"
+        "observation, _ = env.reset(seed=7)\n"
+        "digest = hashlib.sha256(observation.tobytes())\n"
+        "env.action_space.seed(3)\n"
+        "for _ in range(150):\n"
+        "    observation, reward, *_ = env.step(env.action_space.sample())\n"
+        "    digest.update(observation.tobytes() + repr(reward).encode())\n"
+        "digest.update(env.simulation.state.q.tobytes())\n"
+        "print(digest.hexdigest())\n"
+    )
+    runs = [
+        subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True) for _ in range(2)
+    ]
+    assert runs[0].stdout == runs[1].stdout
+
+
+def test_seeds_fix_the_draws_and_successive_resets_draw_anew():
+    env = gymnasium.make(ID, randomize=RANGES).unwrapped
+    draws = []
+    for seed in (1, None, 1):
+        env.reset(seed=seed)
+        draws.append(env.episode_parameters)
+    assert draws[0] == draws[2] != draws[1]
+    low, high = RANGES["clearance"]
+    assert all(low <= value <= high for value in draws[0].clearance)
+    assert draws[0].clearance[0] != draws[0].clearance[1], "drawn joint by joint"
+
+
+def test_reset_options_change_one_episode_only():
+    env = gymnasium.make(ID).unwrapped
+    env.reset(options={"parameters": {"clearance": 1e-4}})
+    assert env.episode_parameters.clearance == 1e-4
+    env.reset()
+    assert env.episode_parameters.clearance == 2e-4
+
+
+def test_a_restored_state_replays_the_same_step():
+    env = gymnasium.make(ID).unwrapped
+    env.reset(seed=0)
+    for _ in range(130):
+        env.step([0.0])
+    before = env.simulation.snapshot()
+    first, *_ = env.step([0.3])
+    env.simulation.restore(before)
+    second, *_ = env.step([0.3])
+    assert np.array_equal(first, second)
+
+
+@pytest.mark.parametrize(
+    ("keywords", "words"),
+    [
+        ({"model": "rigid-idea"}, ["rigid-idea", "rigid-ideal"]),
+        ({"parameters": {"clearence": 1e-4}}, ["clearence", "clearance"]),
+        ({"parameters": {"body_mass": -1.0}}, ["body_mass", "-1"]),
+        ({"parameters": {"clearance": math.nan}}, ["clearance", "nan"]),
+        ({"randomize": {"clearance": (0.0, 1e-4)}}, ["clearance", "positive"]),
+        ({"randomize": {"clearance": (2e-4, 1e-4)}}, ["clearance", "low <= high"]),
+        ({"randomize": {"clearance": 1e-4}}, ["clearance", "pair"]),
+        ({"randomize": {"colour": (0.0, 1.0)}}, ["colour"]),
+        ({"observation": "all"}, ["all", "privileged"]),
+        ({"torque_limit": -0.5}, ["torque_limit", "-0.5"]),
+        ({"control_period": math.inf}, ["control_period", "inf"]),
+        ({"postlock_window": 0.01}, ["postlock_window", "control_period"]),
+        ({"render_mode": "human"}, ["human", "rgb_array"]),
+    ],
+)
+def test_wrong_keywords_are_refused_by_name(keywords, words):
+    with pytest.raises(ValueError, match="(?s)" + ".*".join(words)):
+        solar_env.SolarArrayEnv(**keywords)
+
+
+@pytest.mark.parametrize("action", [[0.0, 0.0], 0.0, [[0.0]], []])
+def test_an_action_of_the_wrong_shape_is_refused(action):
+    env = gymnasium.make(ID).unwrapped
+    env.reset(seed=0)
+    with pytest.raises(ValueError, match="shape"):
+        env.step(action)
+
+
+def test_an_action_that_is_not_finite_is_refused_and_leaves_the_episode_running():
+    env = gymnasium.make(ID).unwrapped
+    env.reset(seed=0)
+    with pytest.raises(ValueError, match="finite"):
+        env.step([math.nan])
+    env.step([0.0])
+    assert env.simulation.time == pytest.approx(0.1)
+
+
+def test_actions_outside_the_box_are_clipped():
+    env = gymnasium.make(ID).unwrapped
+    env.reset(seed=0)
+    env.step([40.0])
+    assert env.simulation.state.joints["motor_torque"][0] == env.task.torque_limit
+
+
+def test_stepping_before_reset_or_after_the_end_asks_for_a_reset():
+    env = gymnasium.make(ID, deadline=0.2).unwrapped
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        env.step([0.0])
+    env.reset(seed=0)
+    env.step([0.0])
+    _, _, terminated, _, _ = env.step([0.0])
+    assert terminated
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        env.step([0.0])
+
+
+def test_unknown_reset_options_and_another_panel_count_are_refused():
+    env = gymnasium.make(ID).unwrapped
+    with pytest.raises(ValueError, match="wind"):
+        env.reset(options={"wind": 3.0})
+    with pytest.raises(ValueError, match="panel_count"):
+        env.reset(options={"parameters": {"panel_count": 3}})
+
+
+def test_a_frame_shows_the_present_state():
+    env = gymnasium.make(ID, render_mode="rgb_array").unwrapped
+    env.reset(seed=0)
+    folded = env.render()
+    for _ in range(80):
+        env.step([0.0])
+    assert folded.shape == (540, 960, 3)
+    assert folded.dtype == np.uint8
+    assert not np.array_equal(folded, env.render())
+
+
+def test_the_ideal_model_charges_joint_reactions_and_never_wears():
+    total, _, info = deploy(gymnasium.make(ID, model="rigid-ideal").unwrapped)
+    figures = info["deployment"]
+    assert min(figures["peak_postlock_force_N"]) > 0.0
+    assert figures["wear_depth_max_m"] == [0.0, 0.0]
+    assert figures["contact_starts"] == [0, 0]
+    assert total == pytest.approx(-sum(figures["peak_postlock_force_N"]) / 500.0)

@@ -1,0 +1,286 @@
+"""Global quantities: constrained accelerations, projection, stored energies, effective masses; and the linear algebra."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers import ROUND_BEARING, Forces, Vector, block, chain, floating_pair, pendulum, turned
+
+from solar_env.mechanics import joint as columns
+from solar_env.mechanics import model as m
+from solar_env.mechanics.description import GROUND, Body, Drive, Guide, Joint, Mechanism
+from solar_env.mechanics.errors import SimulationError
+from solar_env.mechanics.linear import cholesky_factor, cholesky_solve, lu_factor, lu_solve
+from solar_env.mechanics.rigid import add_mass_product
+from solar_env.mechanics.simulation import Simulation
+from solar_env.mechanics.system import (
+    accelerations,
+    constraint_drift,
+    normal_inverse_mass,
+    project,
+    velocity_drift,
+)
+
+
+def driven_linkage(time: float = 0.3) -> Forces:
+    """Crank driven at 2 rad/s, rod, and a slider on a guide, as they stand and move at a time."""
+    rate, crank, rod = 2.0, 0.4, 1.1
+    psi = rate * time
+    tip = crank * turned((1.0, 0.0), psi)
+    tip_velocity = crank * rate * turned((0.0, 1.0), psi)
+    phi = math.asin(-tip[1] / rod)
+    spin = -tip_velocity[1] / (rod * math.cos(phi))
+    end = tip + rod * turned((1.0, 0.0), phi)
+    end_velocity = tip_velocity + spin * rod * turned((0.0, 1.0), phi)
+    bodies = (
+        Body("crank", 1.0, 0.1, crank, (0.1, 0.05), angle=psi, spin=rate),
+        Body("rod", 2.0, 0.3, rod, (0.5, -0.1), tuple(tip), phi, tuple(tip_velocity), spin),
+        Body("slider", 0.7, 0.05, 0.2, (0.0, 0.0), tuple(end), 0.0, tuple(end_velocity)),
+    )
+    joints = (
+        Joint("o", GROUND, "crank", (0.0, 0.0), (0.0, 0.0)),
+        Joint("a", "crank", "rod", (crank, 0.0), (0.0, 0.0)),
+        Joint("b", "rod", "slider", (rod, 0.0), (0.0, 0.0)),
+    )
+    guides = (Guide("slider", (0.0, 0.0), (0.0, 1.0)), Guide("slider", (0.2, 0.0), (0.0, 1.0)))
+    mechanism = Mechanism(bodies, joints, (), guides, (Drive("crank", 0.0, rate),), gravity=(0.0, -9.81))
+    return Forces(mechanism)
+
+
+def solve(forces: Forces, time: float = 0.3) -> tuple[Vector, Vector]:
+    a, multipliers = np.zeros_like(forces.state.a), np.zeros_like(forces.state.multipliers)
+    state = forces.state
+    assert accelerations(forces.model, state.joints, state.q, state.v, time, forces.work, a, multipliers)
+    return a, multipliers
+
+
+def test_the_linkage_meets_its_constraints():
+    forces = driven_linkage()
+    assert constraint_drift(forces.model, forces.state.q, 0.3, forces.work) < 1e-15
+    assert velocity_drift(forces.model, forces.state.q, forces.state.v, 0.3, forces.work) < 1e-15
+
+
+def test_accelerations_keep_the_constraints_to_second_order():
+    forces = driven_linkage()
+    q, v = forces.state.q, forces.state.v
+    a, _ = solve(forces)
+
+    def drift(h: float) -> float:
+        end = q + h * v + 0.5 * h * h * a
+        return constraint_drift(forces.model, end, 0.3 + h, forces.work)
+
+    # Third order remains: halving the interval leaves an eighth.
+    assert drift(1e-3) / drift(5e-4) == pytest.approx(8.0, rel=0.01)
+
+
+def test_accelerations_keep_the_bodies_lengths():
+    forces = driven_linkage()
+    q, v = forces.state.q, forces.state.v
+    a, _ = solve(forces)
+    for k in range(0, q.size, 4):
+        d, u, b = (x[k + 2 : k + 4] - x[k : k + 2] for x in (q, v, a))
+        assert d @ b + u @ u == pytest.approx(0.0, abs=1e-12)
+
+
+def test_the_multipliers_balance_the_equations_of_motion():
+    forces = driven_linkage()
+    q, v = forces.state.q, forces.state.v
+    a, multipliers = solve(forces)
+    rows = len(forces.model.constraint_value)
+    residual = np.zeros_like(q)
+    add_mass_product(forces.model.bodies, a, residual)
+    residual += forces.work.rows.T @ multipliers[:rows] - forces.force(q, v) - forces.model.gravity_force
+    for k in range(3):
+        d = q[4 * k + 2 : 4 * k + 4] - q[4 * k : 4 * k + 2]
+        residual[4 * k : 4 * k + 4] += multipliers[rows + k] * np.concatenate([-d, d])
+    # The last body is the fixed frame, which takes whatever force it is given.
+    assert residual[:12] == pytest.approx(0.0, abs=1e-11 * np.abs(multipliers).max())
+
+
+def test_the_drive_pays_for_the_growth_of_energy():
+    forces = driven_linkage()
+    q, v = forces.state.q, forces.state.v
+    a, _ = solve(forces)
+    momentum = np.zeros_like(q)
+    add_mass_product(forces.model.bodies, v, momentum)
+    growth = a @ momentum - forces.model.gravity_force @ v
+    assert forces.work.power[-1] == pytest.approx(growth, rel=1e-11)
+
+
+def test_an_ideal_joint_carries_the_weight_that_hangs_on_it():
+    body = Body("weight", 2.0, 0.3, 1.0, (0.5, 0.0), angle=-math.pi / 2)
+    pin = Joint("pin", GROUND, "weight", (0.0, 0.0), (0.0, 0.0))
+    loads = Simulation(Mechanism((body,), (pin,), gravity=(0.0, -9.81))).joint_loads()[0]
+    assert loads[columns.FORCE_X : columns.FORCE_Y + 1] == pytest.approx([0.0, 2.0 * 9.81], abs=1e-13)
+    assert loads[columns.NORMAL] == pytest.approx(2.0 * 9.81, rel=1e-14)
+
+
+def test_redundant_constraints_are_reported_not_solved():
+    mechanism = replace(pendulum(), guides=(Guide("arm", (0.0, 0.0), (1.0, 0.0)),))
+    with pytest.raises(SimulationError, match="constraints are redundant") as caught:
+        Simulation(mechanism).advance(0.1)
+    assert caught.value.reason == "constraints"
+
+
+def test_an_initial_position_or_velocity_off_its_constraint_is_refused_with_its_distance():
+    body = Body("arm", 1.0, 1.0, 1.0, (0.5, 0.0), position=(0.1, 0.0))
+    pin = Joint("pin", GROUND, "arm", (0.0, 0.0), (0.0, 0.0))
+    with pytest.raises(ValueError, match=r"initial position violates a constraint by 0\.1 m"):
+        Simulation(Mechanism((body,), (pin,)))
+    moving = replace(body, position=(0.0, 0.0), velocity=(0.0, 0.2))
+    with pytest.raises(ValueError, match=r"initial velocity violates a constraint by 0\.2 m/s"):
+        Simulation(Mechanism((moving,), (pin,)))
+    with pytest.raises(ValueError, match=r"initial velocity violates a constraint by 2 m/s"):
+        Simulation(Mechanism((replace(moving, velocity=(0.0, 0.0)),), (pin,), drives=(Drive("arm", 0.0, 2.0),)))
+
+
+def disturbed(size: float) -> tuple[Forces, Vector, Vector]:
+    forces = driven_linkage()
+    rng = np.random.default_rng(0)
+    moving = slice(0, 12)
+    q, v = forces.state.q.copy(), forces.state.v.copy()
+    q[moving] += size * rng.normal(size=12)
+    v[moving] += size * rng.normal(size=12)
+    return forces, q, v
+
+
+def test_projection_leaves_a_second_order_error():
+    def remainder(size: float) -> float:
+        forces, q, v = disturbed(size)
+        assert project(forces.model, q, v, 0.3, forces.work)
+        lengths = [np.hypot(*(q[k + 2 : k + 4] - q[k : k + 2])) for k in (0, 4, 8)]
+        stretch = np.abs(np.array(lengths) - forces.model.bodies["length"][:3]).max()
+        return max(constraint_drift(forces.model, q, 0.3, forces.work), stretch)
+
+    assert remainder(1e-4) < 1e-6
+    assert remainder(1e-5) == pytest.approx(remainder(1e-4) / 100.0, rel=0.1)
+
+
+def test_projected_velocities_meet_the_constraints_rates():
+    forces, q, v = disturbed(1e-10)
+    v[:12] += np.random.default_rng(1).normal(size=12)
+    assert project(forces.model, q, v, 0.3, forces.work)
+    # Rates are met with the rows and directions of positions 1e-10 off.
+    assert velocity_drift(forces.model, q, v, 0.3, forces.work) < 1e-8
+
+
+def test_projecting_twice_changes_nothing():
+    forces, q, v = disturbed(1e-12)
+    project(forces.model, q, v, 0.3, forces.work)
+    again_q, again_v = q.copy(), v.copy()
+    project(forces.model, again_q, again_v, 0.3, forces.work)
+    assert again_q == pytest.approx(q, abs=1e-14)
+    # Velocities were projected with the directions of positions some 1e-12 off.
+    assert again_v == pytest.approx(v, abs=1e-11)
+
+
+def test_projection_is_the_smallest_change_in_the_mass_metric():
+    forces, before_q, before_v = disturbed(1e-6)
+    q, v = before_q.copy(), before_v.copy()
+    project(forces.model, q, v, 0.3, forces.work)
+    # The change is orthogonal in the mass metric to every motion that the constraints allow.
+    gradients = [forces.work.rows]
+    for k in range(3):
+        d = q[4 * k + 2 : 4 * k + 4] - q[4 * k : 4 * k + 2]
+        row = np.zeros((1, q.size))
+        row[0, 4 * k : 4 * k + 4] = np.concatenate([-d, d])
+        gradients.append(row)
+    jacobian = np.vstack(gradients)[:, :12]
+    _, singular, right = np.linalg.svd(jacobian)
+    allowed = right[np.count_nonzero(singular > 1e-9) :]
+    for change in (q - before_q, v - before_v):
+        weighted = np.zeros_like(q)
+        add_mass_product(forces.model.bodies, change, weighted)
+        # To first order in the disturbance, 1e-6.
+        assert allowed @ weighted[:12] == pytest.approx(0.0, abs=1e-5 * np.abs(weighted).max())
+
+
+def test_stored_energies_are_those_of_the_textbook():
+    angle = 0.7
+    mechanism = pendulum(angle)
+    energies = dict(zip(m.ENERGY_NAMES, Simulation(mechanism).stored_energies(), strict=True))
+    height = 0.6 * math.sin(angle) + 0.1 * math.cos(angle)
+    assert energies["gravity"] == pytest.approx(2.0 * 9.81 * height, rel=1e-13)
+    assert energies["spring"] == pytest.approx(0.5 * 0.7 * (angle + 0.4) ** 2, rel=1e-13)
+    assert [energies[name] for name in ("kinetic", "cable", "latch", "contact")] == [0.0] * 4
+
+
+def test_a_pressed_contact_stores_its_elastic_work():
+    forces = Forces(block(position=(0.2, 0.0), bearing=ROUND_BEARING), impact_speed=1.0)
+    assert forces.stored(forces.state.q, forces.state.v)[m.CONTACT] == pytest.approx(0.4 * 50.0 * 0.1**2.5, rel=1e-13)
+    gap = Forces(block(position=(0.05, 0.0), bearing=ROUND_BEARING))
+    assert gap.stored(gap.state.q, gap.state.v)[m.CONTACT] == 0.0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_inverse_effective_mass_is_the_approach_per_unit_force_along_the_centres(seed):
+    rng = np.random.default_rng(seed)
+    direction = turned((1.0, 0.0), rng.uniform(-3.0, 3.0))
+    mechanism = chain(
+        rng, angles=np.array([0.4]), eccentricities=0.12 * direction[None], spring=None, stop=None, rates=0.0
+    )
+    forces = Forces(mechanism, impact_speed=1.0)
+    q, v = forces.state.q, forces.state.v
+    forces.force(q, v)
+    found = normal_inverse_mass(forces.model, q, v, 0, forces.work)
+    expected = 0.0
+    for body, point in zip(
+        mechanism.bodies, (mechanism.joints[0].inboard_point, mechanism.joints[0].outboard_point), strict=True
+    ):
+        arm = turned(np.array(point) - np.array(body.centroid), body.angle)
+        moment = arm[0] * direction[1] - arm[1] * direction[0]
+        expected += 1.0 / body.mass + moment**2 / body.inertia
+    assert found == pytest.approx(expected, rel=1e-12)
+
+
+def test_the_ground_has_no_compliance():
+    forces = Forces(block(position=(0.2, 0.0), bearing=ROUND_BEARING), impact_speed=1.0)
+    forces.force(forces.state.q, forces.state.v)
+    assert normal_inverse_mass(forces.model, forces.state.q, forces.state.v, 0, forces.work) == pytest.approx(1.0)
+
+
+def test_a_free_mechanism_has_no_constraints():
+    simulation = Simulation(floating_pair())
+    assert len(simulation.model.constraint_value) == 0
+
+
+@pytest.mark.parametrize("size", [1, 2, 5, 12])
+def test_lu_solves(size):
+    rng = np.random.default_rng(size)
+    matrix, solution = rng.normal(size=(size, size)), rng.normal(size=size)
+    factor, right, pivots = matrix.copy(), matrix @ solution, np.zeros(size, dtype=np.int64)
+    assert lu_factor(factor, size, pivots)
+    lu_solve(factor, size, pivots, right)
+    assert right == pytest.approx(solution, abs=1e-14 * size * np.linalg.cond(matrix))
+
+
+def test_lu_exchanges_rows_rather_than_divide_by_zero():
+    matrix, right, pivots = np.array([[0.0, 2.0], [3.0, 0.0]]), np.array([4.0, 9.0]), np.zeros(2, dtype=np.int64)
+    assert lu_factor(matrix, 2, pivots)
+    lu_solve(matrix, 2, pivots, right)
+    assert right.tolist() == [3.0, 2.0]
+
+
+@pytest.mark.parametrize("bad", [0.0, math.nan, math.inf])
+def test_lu_refuses_a_matrix_that_is_singular_or_not_finite(bad):
+    matrix = np.array([[1.0, 2.0], [1.0, 2.0]]) if bad == 0.0 else np.array([[bad, 1.0], [1.0, 1.0]])
+    assert not lu_factor(matrix, 2, np.zeros(2, dtype=np.int64))
+
+
+@pytest.mark.parametrize("size", [1, 3, 8])
+def test_cholesky_solves(size):
+    rng = np.random.default_rng(size)
+    root, solution = rng.normal(size=(size, size)), rng.normal(size=size)
+    matrix = root @ root.T + np.eye(size)
+    factor, right = matrix.copy(), matrix @ solution
+    assert cholesky_factor(factor, size)
+    cholesky_solve(factor, size, right)
+    assert right == pytest.approx(solution, abs=1e-14 * size * np.linalg.cond(matrix))
+
+
+@pytest.mark.parametrize("pivot", [1.0, 0.9, math.nan])
+def test_cholesky_refuses_a_matrix_that_is_not_positive_definite(pivot):
+    assert not cholesky_factor(np.array([[1.0, 1.0], [1.0, pivot]]), 2)

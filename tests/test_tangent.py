@@ -1,0 +1,197 @@
+"""Analytic tangents against finite differences of the forces, element by element."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers import ROUND_BEARING, ROUND_STOP, Forces, Vector, central_difference, chain, pendulum
+
+from solar_env.mechanics import joint as columns
+from solar_env.mechanics.contact import normal_force
+from solar_env.mechanics.description import Bearing, CableLoop, Spring, Stop
+from solar_env.mechanics.generalized_alpha import make_tangent_scratch
+from solar_env.mechanics.tangent import subtract_force_tangents
+
+SEEDS = range(4)
+LOOP = CableLoop("joint 0", "joint 1", 1.7, 2.0, 1.0)
+
+
+def tangents(forces: Forces) -> tuple[Vector, Vector]:
+    """dQ/dq and dQ/dv at the state of ``forces``."""
+    q, v = forces.state.q, forces.state.v
+    forces.force(q, v)
+    scratch = make_tangent_scratch(forces.work)
+    found = []
+    for weights in ((-1.0, 0.0), (0.0, -1.0)):
+        matrix = np.zeros((q.size, q.size))
+        subtract_force_tangents(forces.model, forces.state.joints, q, v, scratch, *weights, matrix)
+        found.append(matrix)
+    return found[0], found[1]
+
+
+def check(forces: Forces) -> None:
+    """Compare both tangents with extrapolated central differences, whose error is about 1e-11 of the forces' scale."""
+    q, v = forces.state.q, forces.state.v
+    by_q, by_v = tangents(forces)
+    differences = (
+        central_difference(lambda x: forces.force(x, v), q),
+        central_difference(lambda x: forces.force(q, x), v),
+    )
+    for found, expected in zip((by_q, by_v), differences, strict=True):
+        assert found == pytest.approx(expected, abs=1e-8 * max(np.abs(by_q).max(), np.abs(by_v).max(), 1.0))
+
+
+def scene(
+    seed: int,
+    *,
+    angles: tuple[float, float] = (0.4, 0.5),
+    depths: tuple[float, float] = (-0.03, -0.05),
+    bearing: Bearing = ROUND_BEARING,
+    spring: Spring | None = None,
+    stop: Stop | None = None,
+    latched: bool = False,
+    cables: tuple[CableLoop, ...] = (),
+    motor: tuple[float, float] = (0.0, 0.0),
+    rates: float = 1.0,
+) -> Forces:
+    rng = np.random.default_rng(seed)
+    directions = rng.uniform(-math.pi, math.pi, 2)
+    radii = bearing.clearance + np.array(depths)
+    eccentricities = radii[:, None] * np.stack([np.cos(directions), np.sin(directions)], axis=1)
+    mechanism = chain(
+        rng,
+        angles=np.array(angles),
+        eccentricities=eccentricities,
+        bearing=bearing,
+        spring=spring,
+        stop=stop,
+        cables=cables,
+        rates=rates,
+    )
+    forces = Forces(mechanism, impact_speed=0.5)
+    forces.state.joints["stop_engaged"] = 1
+    forces.state.joints["latched"] = latched
+    forces.state.joints["motor_torque"] = motor
+    return forces
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_nothing_that_acts_has_no_tangent(seed):
+    by_q, by_v = tangents(scene(seed))
+    assert not by_q.any()
+    assert not by_v.any()
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_spring(seed):
+    check(scene(seed, spring=Spring(1.3, 0.7)))
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_motor(seed):
+    forces = scene(seed, motor=(0.8, -0.5))
+    check(forces)
+    assert tangents(forces)[0].any()
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize(
+    ("angles", "latched"),
+    [((1.1, 0.7), True), ((1.5, 0.2), True), ((-0.2, -0.6), False)],
+    ids=["in the damping ramp", "beyond the ramp", "stow stop"],
+)
+def test_stop(seed, angles, latched):
+    # Slow enough that the damping does not cancel the elastic torque.
+    forces = scene(seed, angles=angles, latched=latched, stop=ROUND_STOP, rates=0.05)
+    forces.force(forces.state.q, forces.state.v)
+    assert np.all(forces.work.loads[:, columns.STOP_TORQUE] != 0.0)
+    check(forces)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("preload", [math.inf, 0.05], ids=["taut", "slack"])
+@pytest.mark.parametrize("torque_ratio", [1.0, 2.0])
+def test_cable(seed, preload, torque_ratio):
+    check(scene(seed, cables=(replace(LOOP, preload_torque=preload, torque_ratio=torque_ratio),)))
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("friction", [0.0, 0.4], ids=["smooth", "rough"])
+@pytest.mark.parametrize("material", [True, False], ids=["material points", "joint centres"])
+@pytest.mark.parametrize("speeds", [(0.0, 50.0), (1e-4, 2e-4)], ids=["in the friction ramp", "full friction"])
+def test_contact(seed, friction, material, speeds):
+    bearing = replace(
+        ROUND_BEARING,
+        friction_coefficient=friction,
+        material_sliding=material,
+        friction_speeds=speeds,
+        damping_factor=0.05,
+    )
+    forces = scene(seed, depths=(0.02, 0.06), bearing=bearing)
+    forces.force(forces.state.q, forces.state.v)
+    assert np.all(forces.work.loads[:, columns.NORMAL] > 0.0)
+    check(forces)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_contact_that_parts_too_fast_to_press_has_no_tangent(seed):
+    forces = scene(seed, depths=(0.02, 0.06), bearing=replace(ROUND_BEARING, damping_factor=1e-9), rates=0.0)
+    joint = forces.model.joints[0]
+    # Parting at ten times the speed at which the bracket 1 + d rate / impact speed vanishes.
+    parting = replace(ROUND_BEARING, damping_factor=2.0)
+    forces = scene(seed, depths=(0.02, 0.06), bearing=parting, rates=0.0)
+    q = forces.state.q
+    for side, sign in ((joint.outboard, -1.0), (joint.inboard, 1.0)):
+        marker = forces.model.markers[side]
+        eccentricity = forces.work.loads[0, :2]
+        forces.force(q, forces.state.v)
+        for i in (marker.i1, marker.i2):
+            forces.state.v[i : i + 2] += sign * 30.0 * eccentricity
+    forces.force(q, forces.state.v)
+    assert forces.work.loads[0, columns.NORMAL] == 0.0
+    assert normal_force(0.02, -1.0, 1.0, 2.0, 0.5)[0] == 0.0
+    check(forces)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_everything_at_once(seed):
+    bearing = replace(ROUND_BEARING, damping_factor=0.05, friction_speeds=(0.0, 50.0))
+    forces = scene(
+        seed,
+        angles=(1.1, 1.3),
+        depths=(0.02, 0.06),
+        bearing=bearing,
+        spring=Spring(1.3, 0.7),
+        stop=ROUND_STOP,
+        latched=True,
+        cables=(LOOP,),
+        motor=(0.8, -0.5),
+        rates=0.05,
+    )
+    check(forces)
+
+
+def test_tangents_are_weighted_and_subtracted():
+    forces = scene(0, depths=(0.02, 0.06), spring=Spring(1.3, 0.7))
+    by_q, by_v = tangents(forces)
+    matrix = np.ones_like(by_q)
+    scratch = make_tangent_scratch(forces.work)
+    subtract_force_tangents(
+        forces.model, forces.state.joints, forces.state.q, forces.state.v, scratch, 2.0, 3.0, matrix
+    )
+    scale = max(np.abs(by_q).max(), np.abs(by_v).max())
+    assert matrix == pytest.approx(1.0 - 2.0 * by_q - 3.0 * by_v, abs=1e-13 * scale)
+
+
+def test_a_joint_of_the_ground():
+    # At rest in the fixed frame: only the arm's own columns matter, and all must be right.
+    check(Forces(pendulum()))
+
+
+def test_the_tangents_of_conservative_forces_are_symmetric():
+    forces = scene(1, spring=Spring(1.3, 0.7), cables=(replace(LOOP, torque_ratio=2.0),))
+    by_q, _ = tangents(forces)
+    assert by_q == pytest.approx(by_q.T, abs=1e-13 * np.abs(by_q).max())

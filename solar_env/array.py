@@ -247,8 +247,8 @@ class ArrayParameters:
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """All parameters as plain Python values."""
-        return asdict(self)
+        """All parameters as values that JSON keeps; :meth:`with_changes` takes them back."""
+        return {name: list(value) if isinstance(value, tuple) else value for name, value in asdict(self).items()}
 
 
 PRESETS: dict[str, dict[str, Any]] = {

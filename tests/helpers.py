@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from solar_env.array import ArrayParameters, build
 from solar_env.mechanics import model as m
 from solar_env.mechanics.build import compile_mechanism
 from solar_env.mechanics.description import (
@@ -24,7 +25,9 @@ from solar_env.mechanics.description import (
     Spring,
     Stop,
 )
-from solar_env.mechanics.joint import joint_forces
+from solar_env.mechanics.integrators import GeneralizedAlpha, RungeKutta
+from solar_env.mechanics.joint import ANGLE, joint_forces
+from solar_env.mechanics.recording import make_recorder
 from solar_env.mechanics.simulation import Simulation
 from solar_env.mechanics.system import make_workspace, stored_energies
 
@@ -42,6 +45,8 @@ ROUND_BEARING = Bearing(
     wear_coefficient=1e-3,
     width=0.8,
 )
+ROUND_SPRING = Spring(1.3, 0.7)
+PENDULUM_SPRING = Spring(0.7, -0.4)
 ROUND_STOP = Stop(gap=0.05, stiffness=3.0, exponent=1.5, ramp_depth=0.3, damping=2.0)
 
 
@@ -57,7 +62,7 @@ def chain(
     angles: Vector,
     eccentricities: Vector,
     bearing: Bearing | None = ROUND_BEARING,
-    spring: Spring | None = Spring(1.3, 0.7),
+    spring: Spring | None = ROUND_SPRING,
     stop: Stop | None = ROUND_STOP,
     lock_angle: float | None = 0.9,
     stow_angle: float | None = 0.0,
@@ -111,7 +116,7 @@ def chain(
     return Mechanism(tuple(bodies), tuple(joints), cables)
 
 
-def pendulum(angle: float = -0.5, spring: Spring | None = Spring(0.7, -0.4)) -> Mechanism:
+def pendulum(angle: float = -0.5, spring: Spring | None = PENDULUM_SPRING) -> Mechanism:
     """A body on an ideal pin, with gravity and a torsion spring, at rest: smooth for all time, and constrained."""
     body = Body("arm", 2.0, 0.3, length=1.0, centroid=(0.6, 0.1), angle=angle)
     pin = Joint("pin", GROUND, "arm", (0.0, 0.0), (0.0, 0.0), spring=spring)
@@ -119,7 +124,7 @@ def pendulum(angle: float = -0.5, spring: Spring | None = Spring(0.7, -0.4)) -> 
 
 
 def floating_pair() -> Mechanism:
-    """Two spinning bodies that a torsion spring couples while a wide bearing leaves their pins apart: smooth and free."""
+    """Two spinning bodies coupled by a torsion spring while a wide bearing leaves their pins apart: smooth and free."""
     bearing = replace(ROUND_BEARING, clearance=10.0, journal_radius=20.0)
     bodies = (
         Body("a", 1.0, 0.2, length=1.0, centroid=(0.4, 0.2), velocity=(0.3, -0.2), spin=0.8),
@@ -228,3 +233,29 @@ def attempt(simulation: Simulation, end_time: float) -> bool:
         if error.reason != "steps":
             raise
     return simulation.time >= end_time
+
+
+def in_miniature() -> None:
+    """Run every kind of element and event a little with both integrators, and print what came of it."""
+    # A narrow clearance and strong springs: impacts within the first 15 ms.
+    p = ArrayParameters(clearance=1e-6, spring_stiffness=20.0, cable_preload_force=0.01, wear_bins=8)
+    for integrator in (RungeKutta(), GeneralizedAlpha(step=2e-4)):
+        for name, mechanism, torque, duration in (
+            ("rigid-ideal", build(p, "rigid-ideal"), 0.1, 0.01),
+            ("rigid-clearance", build(p, "rigid-clearance"), 0.1, 0.015),
+            ("latching", rotor(0.01), 100.0, 0.03),
+        ):
+            simulation = Simulation(mechanism, integrator)
+            simulation.set_motor_torque(0, torque)
+            recorder = make_recorder(simulation.model, simulation.state, np.linspace(0.0, duration, 5), 1000)
+            simulation.advance(duration, recorder)
+            state = simulation.state
+            print(
+                f"{name}/{integrator.name}",
+                state.joints["contact_starts"].sum(),
+                state.joints["latched"].sum(),
+                state.wear_journal.sum(),
+                *simulation.joint_loads()[:, ANGLE],
+                *simulation.stored_energies(),
+                *recorder.samples[-1],
+            )

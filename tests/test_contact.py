@@ -28,7 +28,7 @@ def factor(request: pytest.FixtureRequest) -> float:
     return damping_factor(*request.param)
 
 
-def test_the_force_rises_from_zero_without_a_jump(factor):
+def test_the_force_rises_from_zero_without_a_jump(factor: float) -> None:
     rate = speed = 0.01
     assert normal_force(0.0, rate, K, factor, speed) == (0.0, 0.0)
     assert normal_force(-1e-12, rate, K, factor, speed) == (0.0, 0.0)
@@ -38,7 +38,7 @@ def test_the_force_rises_from_zero_without_a_jump(factor):
         assert force == pytest.approx(elastic * (1.0 + factor), rel=1e-14)
 
 
-def test_the_force_never_attracts(factor):
+def test_the_force_never_attracts(factor: float) -> None:
     for depth in (1e-9, 1e-6, 1e-4):
         for rate in np.linspace(-50.0, 1.0, 103):
             force, elastic = normal_force(depth, rate, K, factor, 0.05)
@@ -46,14 +46,14 @@ def test_the_force_never_attracts(factor):
             assert elastic > 0.0
 
 
-def test_the_elastic_part_is_the_force_at_rest(factor):
+def test_the_elastic_part_is_the_force_at_rest(factor: float) -> None:
     force, elastic = normal_force(2e-6, 0.0, K, factor, 0.05)
     assert force == elastic == pytest.approx(K * 2e-6**1.5, rel=1e-14)
 
 
 @pytest.mark.parametrize("depth", [1e-9, 1e-6, 1e-4])
 @pytest.mark.parametrize("rate", [-0.02, 0.0, 0.05])
-def test_the_slopes_are_those_of_the_force(factor, depth, rate):
+def test_the_slopes_are_those_of_the_force(factor: float, depth: float, rate: float) -> None:
     speed = 0.05
     by_depth, by_rate = normal_force_slopes(depth, rate, K, factor, speed)
 
@@ -69,13 +69,13 @@ def test_the_slopes_are_those_of_the_force(factor, depth, rate):
     )
 
 
-def test_the_slopes_vanish_where_the_force_is_cut_off():
+def test_the_slopes_vanish_where_the_force_is_cut_off() -> None:
     assert normal_force_slopes(-1e-9, 1.0, K, 1.6, 0.05) == (0.0, 0.0)
     assert normal_force(1e-6, -1.0, K, 1.6, 0.05)[0] == 0.0
     assert normal_force_slopes(1e-6, -1.0, K, 1.6, 0.05) == (0.0, 0.0)
 
 
-def test_an_impact_of_hertz_is_as_deep_as_its_energy_and_as_long_as_its_quadrature():
+def test_an_impact_of_hertz_is_as_deep_as_its_energy_and_as_long_as_its_quadrature() -> None:
     inverse_mass, speed = 0.4, 0.03
     depth, duration = impact_scales(K, inverse_mass, speed)
     assert 0.4 * K * depth**2.5 == pytest.approx(0.5 * speed**2 / inverse_mass, rel=1e-13)
@@ -85,7 +85,7 @@ def test_an_impact_of_hertz_is_as_deep_as_its_energy_and_as_long_as_its_quadratu
     assert duration == pytest.approx(HERTZ_DURATION * depth / speed, rel=1e-14)
 
 
-def test_friction_sets_in_at_one_speed_and_is_full_at_the_other():
+def test_friction_sets_in_at_one_speed_and_is_full_at_the_other() -> None:
     low, high = 1e-4, 1e-3
     assert [friction_ramp(s, low, high) for s in (0.0, low, high, 1.0)] == [0.0, 0.0, 1.0, 1.0]
     speeds = np.linspace(-2e-3, 2e-3, 4001)
@@ -97,7 +97,7 @@ def test_friction_sets_in_at_one_speed_and_is_full_at_the_other():
     assert changes.max() <= np.diff(speeds).max() / (high - low) * (1 + 1e-9)
 
 
-def test_the_slope_of_friction_is_that_of_its_ramp():
+def test_the_slope_of_friction_is_that_of_its_ramp() -> None:
     low, high, h = 1e-4, 1e-3, 1e-9
     for speed in (-2e-3, -5e-4, -5e-5, 0.0, 5e-5, 2e-4, 9e-4, 5e-3):
         difference = (friction_ramp(speed + h, low, high) - friction_ramp(speed - h, low, high)) / (2 * h)
@@ -105,7 +105,7 @@ def test_the_slope_of_friction_is_that_of_its_ramp():
         assert friction_ramp_slope(speed, low, high) == pytest.approx(difference, abs=1e-6)
 
 
-def test_damping_factors_are_those_of_the_named_laws():
+def test_damping_factors_are_those_of_the_named_laws() -> None:
     assert damping_factor("hertz", 0.3) == 0.0
     assert damping_factor("lankarani-nikravesh", 0.9) == pytest.approx(0.75 * 0.19, rel=1e-14)
     assert damping_factor("flores", 0.5) == pytest.approx(8.0 * 0.5 / (5.0 * 0.5), rel=1e-14)
@@ -113,24 +113,24 @@ def test_damping_factors_are_those_of_the_named_laws():
         assert damping_factor(law, 1.0) == 0.0
 
 
-def test_an_unknown_law_is_refused_by_name():
+def test_an_unknown_law_is_refused_by_name() -> None:
     with pytest.raises(ValueError, match="'dubowsky' is unknown; choose hertz, lankarani-nikravesh or flores"):
         damping_factor("dubowsky", 0.9)
 
 
 @pytest.mark.parametrize("law", ["lankarani-nikravesh", "flores"])
 @pytest.mark.parametrize("restitution", [0.0, -0.1, 1.0001, math.nan, math.inf])
-def test_a_restitution_outside_its_range_is_refused_with_its_value(law, restitution):
+def test_a_restitution_outside_its_range_is_refused_with_its_value(law: str, restitution: float) -> None:
     with pytest.raises(ValueError, match=f"restitution = {restitution!r}"):
         damping_factor(law, restitution)
 
 
-def test_eq_40_gives_the_stiffness_of_steel_in_brass():
+def test_eq_40_gives_the_stiffness_of_steel_in_brass() -> None:
     # The figure is known to three digits.
     assert hertz_stiffness(0.0102, 0.0100, *BRASS, *STEEL) == pytest.approx(7.43e10, abs=0.005e10)
 
 
-def test_eq_40_stiffens_as_the_clearance_shrinks():
+def test_eq_40_stiffens_as_the_clearance_shrinks() -> None:
     wide, narrow = (hertz_stiffness(0.01 + c, 0.01, *BRASS, *STEEL) for c in (2e-4, 5e-5))
     # Proportional to sqrt(R_b R_j / c).
     assert narrow / wide == pytest.approx(math.sqrt(4.0 * 0.01005 / 0.0102), rel=1e-12)
@@ -146,6 +146,8 @@ def test_eq_40_stiffens_as_the_clearance_shrinks():
         ((0.0102, 0.01, *BRASS, -1.0, 0.3), "moduli must be positive, got .* and -1.0"),
     ],
 )
-def test_a_journal_that_does_not_fit_or_a_modulus_without_sense_is_refused(arguments, message):
+def test_a_journal_that_does_not_fit_or_a_modulus_without_sense_is_refused(
+    arguments: tuple[float, ...], message: str
+) -> None:
     with pytest.raises(ValueError, match=message):
         hertz_stiffness(*arguments)

@@ -75,7 +75,7 @@ def product(rows: np.ndarray, a: Vector) -> Vector:
     return out
 
 
-def test_the_kinetic_energy_is_that_of_translation_and_rotation(example):
+def test_the_kinetic_energy_is_that_of_translation_and_rotation(example: Example) -> None:
     body = example.body
     arm = example.centroid - example.q[:2]
     velocity = np.array(body.velocity) + body.spin * TURN @ arm
@@ -83,7 +83,7 @@ def test_the_kinetic_energy_is_that_of_translation_and_rotation(example):
     assert kinetic_energy(example.rows, example.v) == pytest.approx(expected, rel=1e-13)
 
 
-def test_the_kinetic_energy_is_that_of_the_particles_that_make_up_the_body():
+def test_the_kinetic_energy_is_that_of_the_particles_that_make_up_the_body() -> None:
     rng = np.random.default_rng(7)
     masses, points = rng.uniform(0.1, 1.0, 50), rng.normal(size=(50, 2))
     mass, centroid = masses.sum(), masses @ points / masses.sum()
@@ -95,24 +95,24 @@ def test_the_kinetic_energy_is_that_of_the_particles_that_make_up_the_body():
     assert kinetic_energy(model.bodies, state.v) == pytest.approx(expected, rel=1e-13)
 
 
-def test_the_mass_matrix_times_its_inverse_is_the_identity(example):
+def test_the_mass_matrix_times_its_inverse_is_the_identity(example: Example) -> None:
     inverse = blocks(*inverse_mass_parameters(*(example.rows[name][0] for name in ("m11", "m22", "m12", "n12"))))
     assert example.mass_matrix @ inverse == pytest.approx(np.eye(4), abs=1e-13 * np.linalg.cond(example.mass_matrix))
 
 
-def test_the_mass_matrix_is_positive_definite(example):
+def test_the_mass_matrix_is_positive_definite(example: Example) -> None:
     assert np.array_equal(example.mass_matrix, example.mass_matrix.T)
     assert np.linalg.eigvalsh(example.mass_matrix).min() > 0.0
 
 
-def test_the_mass_product_is_the_matrix_times_the_vector_and_is_added(example):
+def test_the_mass_product_is_the_matrix_times_the_vector_and_is_added(example: Example) -> None:
     a = np.random.default_rng(3).normal(size=4)
     out = np.ones(4)
     add_mass_product(example.rows, a, out)
     assert out == pytest.approx(1.0 + example.mass_matrix @ a, rel=1e-13, abs=1e-13)
 
 
-def test_momentum_read_through_the_mass_matrix_is_newtons(example):
+def test_momentum_read_through_the_mass_matrix_is_newtons(example: Example) -> None:
     body = example.body
     p = rigid_fields(example.q) @ example.mass_matrix @ example.v
     velocity = np.array(body.velocity) + body.spin * TURN @ (example.centroid - example.q[:2])
@@ -121,15 +121,15 @@ def test_momentum_read_through_the_mass_matrix_is_newtons(example):
     assert p[2] == pytest.approx(moment + body.inertia * body.spin, rel=1e-12)
 
 
-def test_the_solved_acceleration_keeps_the_length(example):
+def test_the_solved_acceleration_keeps_the_length(example: Example) -> None:
     a, force = np.zeros(4), np.random.default_rng(4).normal(size=4)
     solve_body(example.rows[0], example.q, example.v, force, a, 1.0)
     d, u = example.q[2:] - example.q[:2], example.v[2:] - example.v[:2]
-    scale = np.abs(d) @ np.abs(a[2:] - a[:2]) + u @ u
+    scale = float(np.abs(d) @ np.abs(a[2:] - a[:2]) + u @ u)
     assert d @ (a[2:] - a[:2]) + u @ u == pytest.approx(0.0, abs=1e-14 * scale)
 
 
-def test_the_solved_acceleration_and_multiplier_balance_the_force(example):
+def test_the_solved_acceleration_and_multiplier_balance_the_force(example: Example) -> None:
     a, force = np.zeros(4), np.random.default_rng(5).normal(size=4)
     multiplier = solve_body(example.rows[0], example.q, example.v, force, a, 1.0)
     balance = example.mass_matrix @ a + multiplier * length_gradient(example.q) - force
@@ -137,7 +137,7 @@ def test_the_solved_acceleration_and_multiplier_balance_the_force(example):
     assert balance == pytest.approx(0.0, abs=1e-14 * scale)
 
 
-def test_the_solved_acceleration_is_that_of_newton_and_euler(example):
+def test_the_solved_acceleration_is_that_of_newton_and_euler(example: Example) -> None:
     body, q = example.body, example.q
     a, force = np.zeros(4), np.random.default_rng(6).normal(size=4)
     solve_body(example.rows[0], q, example.v, force, a, 1.0)
@@ -155,7 +155,7 @@ def test_the_solved_acceleration_is_that_of_newton_and_euler(example):
     assert a[2:] - a[:2] == pytest.approx(alpha * TURN @ d - body.spin**2 * d, rel=1e-11, abs=1e-12)
 
 
-def test_without_the_velocity_term_the_compliance_is_linear(example):
+def test_without_the_velocity_term_the_compliance_is_linear(example: Example) -> None:
     rng = np.random.default_rng(8)
     forces, solved = rng.normal(size=(2, 4)), np.zeros((3, 4))
     for force, a in zip((*forces, 2.0 * forces[0] - 3.0 * forces[1]), solved, strict=True):
@@ -164,7 +164,7 @@ def test_without_the_velocity_term_the_compliance_is_linear(example):
     assert solved[2] == pytest.approx(2.0 * solved[0] - 3.0 * solved[1], abs=1e-14 * scale)
 
 
-def test_a_fixed_body_does_not_accelerate():
+def test_a_fixed_body_does_not_accelerate() -> None:
     model, state = compile_mechanism(Mechanism((Body("b", 1.0, 1.0, 1.0, (0.5, 0.0), fixed=True),)))
     a = np.ones(4)
     assert solve_body(model.bodies[0], state.q, state.v, np.ones(4), a, 1.0) == 0.0
@@ -176,7 +176,7 @@ def disturbed(example: Example, size: float) -> tuple[Vector, Vector]:
     return example.q + size * rng.normal(size=4), example.v + size * rng.normal(size=4)
 
 
-def test_projection_leaves_the_length_wrong_to_second_order_only(example):
+def test_projection_leaves_the_length_wrong_to_second_order_only(example: Example) -> None:
     def violation(size: float) -> float:
         q, v = disturbed(example, size)
         project_lengths(example.rows, q, v)
@@ -188,7 +188,7 @@ def test_projection_leaves_the_length_wrong_to_second_order_only(example):
     assert violation(1e-8) < 4e-16 * max(1.0, example.body.length) * 10
 
 
-def test_projected_velocities_do_not_stretch_the_body(example):
+def test_projected_velocities_do_not_stretch_the_body(example: Example) -> None:
     q, v = disturbed(example, 1e-9)
     v += np.random.default_rng(10).normal(size=4)
     project_lengths(example.rows, q, v)
@@ -196,7 +196,7 @@ def test_projected_velocities_do_not_stretch_the_body(example):
     assert (q[2:] - q[:2]) @ (v[2:] - v[:2]) == pytest.approx(0.0, abs=1e-7)
 
 
-def test_projection_of_a_projected_state_changes_nothing(example):
+def test_projection_of_a_projected_state_changes_nothing(example: Example) -> None:
     q, v = disturbed(example, 1e-8)
     project_lengths(example.rows, q, v)
     again_q, again_v = q.copy(), v.copy()
@@ -206,7 +206,7 @@ def test_projection_of_a_projected_state_changes_nothing(example):
     assert again_v == pytest.approx(v, abs=rounding)
 
 
-def test_projection_changes_neither_momentum_nor_centroid(example):
+def test_projection_changes_neither_momentum_nor_centroid(example: Example) -> None:
     size = 0.1
     before_q, before_v = disturbed(example, size)
     q, v = before_q.copy(), before_v.copy()
@@ -219,7 +219,7 @@ def test_projection_changes_neither_momentum_nor_centroid(example):
         assert fields @ product(example.rows, change) == pytest.approx(0.0, abs=rounding)
 
 
-def test_projection_is_the_smallest_change_in_the_mass_metric(example):
+def test_projection_is_the_smallest_change_in_the_mass_metric(example: Example) -> None:
     before_q, before_v = disturbed(example, 0.1)
     q, v = before_q.copy(), before_v.copy()
     project_lengths(example.rows, q, v)
@@ -233,7 +233,7 @@ def test_projection_is_the_smallest_change_in_the_mass_metric(example):
             assert other @ product(example.rows, other) > distance
 
 
-def test_mass_parameters_of_a_uniform_rod_are_those_of_the_textbook():
+def test_mass_parameters_of_a_uniform_rod_are_those_of_the_textbook() -> None:
     # Rod of mass m between its base points: m/3, m/3, m/6 (Garcia de Jalon and Bayo 1994).
     m11, m22, m12, n12 = mass_parameters(6.0, 6.0 * 2.0**2 / 12.0, 2.0, (1.0, 0.0))
     assert (m11, m22, m12, n12) == pytest.approx((2.0, 2.0, 1.0, 0.0), rel=1e-14)

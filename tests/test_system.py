@@ -1,4 +1,4 @@
-"""Global quantities: constrained accelerations, projection, stored energies, effective masses; and the linear algebra."""
+"""Global quantities: constrained accelerations, projection, energies, effective masses; and the linear algebra."""
 
 from __future__ import annotations
 
@@ -57,13 +57,13 @@ def solve(forces: Forces, time: float = 0.3) -> tuple[Vector, Vector]:
     return a, multipliers
 
 
-def test_the_linkage_meets_its_constraints():
+def test_the_linkage_meets_its_constraints() -> None:
     forces = driven_linkage()
     assert constraint_drift(forces.model, forces.state.q, 0.3, forces.work) < 1e-15
     assert velocity_drift(forces.model, forces.state.q, forces.state.v, 0.3, forces.work) < 1e-15
 
 
-def test_accelerations_keep_the_constraints_to_second_order():
+def test_accelerations_keep_the_constraints_to_second_order() -> None:
     forces = driven_linkage()
     q, v = forces.state.q, forces.state.v
     a, _ = solve(forces)
@@ -76,7 +76,7 @@ def test_accelerations_keep_the_constraints_to_second_order():
     assert drift(1e-3) / drift(5e-4) == pytest.approx(8.0, rel=0.01)
 
 
-def test_accelerations_keep_the_bodies_lengths():
+def test_accelerations_keep_the_bodies_lengths() -> None:
     forces = driven_linkage()
     q, v = forces.state.q, forces.state.v
     a, _ = solve(forces)
@@ -85,7 +85,7 @@ def test_accelerations_keep_the_bodies_lengths():
         assert d @ b + u @ u == pytest.approx(0.0, abs=1e-12)
 
 
-def test_the_multipliers_balance_the_equations_of_motion():
+def test_the_multipliers_balance_the_equations_of_motion() -> None:
     forces = driven_linkage()
     q, v = forces.state.q, forces.state.v
     a, multipliers = solve(forces)
@@ -100,7 +100,7 @@ def test_the_multipliers_balance_the_equations_of_motion():
     assert residual[:12] == pytest.approx(0.0, abs=1e-11 * np.abs(multipliers).max())
 
 
-def test_the_drive_pays_for_the_growth_of_energy():
+def test_the_drive_pays_for_the_growth_of_energy() -> None:
     forces = driven_linkage()
     q, v = forces.state.q, forces.state.v
     a, _ = solve(forces)
@@ -110,7 +110,7 @@ def test_the_drive_pays_for_the_growth_of_energy():
     assert forces.work.power[-1] == pytest.approx(growth, rel=1e-11)
 
 
-def test_an_ideal_joint_carries_the_weight_that_hangs_on_it():
+def test_an_ideal_joint_carries_the_weight_that_hangs_on_it() -> None:
     body = Body("weight", 2.0, 0.3, 1.0, (0.5, 0.0), angle=-math.pi / 2)
     pin = Joint("pin", GROUND, "weight", (0.0, 0.0), (0.0, 0.0))
     loads = Simulation(Mechanism((body,), (pin,), gravity=(0.0, -9.81))).joint_loads()[0]
@@ -118,14 +118,14 @@ def test_an_ideal_joint_carries_the_weight_that_hangs_on_it():
     assert loads[columns.NORMAL] == pytest.approx(2.0 * 9.81, rel=1e-14)
 
 
-def test_redundant_constraints_are_reported_not_solved():
+def test_redundant_constraints_are_reported_not_solved() -> None:
     mechanism = replace(pendulum(), guides=(Guide("arm", (0.0, 0.0), (1.0, 0.0)),))
     with pytest.raises(SimulationError, match="constraints are redundant") as caught:
         Simulation(mechanism).advance(0.1)
     assert caught.value.reason == "constraints"
 
 
-def test_an_initial_position_or_velocity_off_its_constraint_is_refused_with_its_distance():
+def test_an_initial_position_or_velocity_off_its_constraint_is_refused_with_its_distance() -> None:
     body = Body("arm", 1.0, 1.0, 1.0, (0.5, 0.0), position=(0.1, 0.0))
     pin = Joint("pin", GROUND, "arm", (0.0, 0.0), (0.0, 0.0))
     with pytest.raises(ValueError, match=r"initial position violates a constraint by 0\.1 m"):
@@ -147,7 +147,7 @@ def disturbed(size: float) -> tuple[Forces, Vector, Vector]:
     return forces, q, v
 
 
-def test_projection_leaves_a_second_order_error():
+def test_projection_leaves_a_second_order_error() -> None:
     def remainder(size: float) -> float:
         forces, q, v = disturbed(size)
         assert project(forces.model, q, v, 0.3, forces.work)
@@ -159,7 +159,7 @@ def test_projection_leaves_a_second_order_error():
     assert remainder(1e-5) == pytest.approx(remainder(1e-4) / 100.0, rel=0.1)
 
 
-def test_projected_velocities_meet_the_constraints_rates():
+def test_projected_velocities_meet_the_constraints_rates() -> None:
     forces, q, v = disturbed(1e-10)
     v[:12] += np.random.default_rng(1).normal(size=12)
     assert project(forces.model, q, v, 0.3, forces.work)
@@ -167,7 +167,7 @@ def test_projected_velocities_meet_the_constraints_rates():
     assert velocity_drift(forces.model, q, v, 0.3, forces.work) < 1e-8
 
 
-def test_projecting_twice_changes_nothing():
+def test_projecting_twice_changes_nothing() -> None:
     forces, q, v = disturbed(1e-12)
     project(forces.model, q, v, 0.3, forces.work)
     again_q, again_v = q.copy(), v.copy()
@@ -177,7 +177,7 @@ def test_projecting_twice_changes_nothing():
     assert again_v == pytest.approx(v, abs=1e-11)
 
 
-def test_projection_is_the_smallest_change_in_the_mass_metric():
+def test_projection_is_the_smallest_change_in_the_mass_metric() -> None:
     forces, before_q, before_v = disturbed(1e-6)
     q, v = before_q.copy(), before_v.copy()
     project(forces.model, q, v, 0.3, forces.work)
@@ -198,7 +198,7 @@ def test_projection_is_the_smallest_change_in_the_mass_metric():
         assert allowed @ weighted[:12] == pytest.approx(0.0, abs=1e-5 * np.abs(weighted).max())
 
 
-def test_stored_energies_are_those_of_the_textbook():
+def test_stored_energies_are_those_of_the_textbook() -> None:
     angle = 0.7
     mechanism = pendulum(angle)
     energies = dict(zip(m.ENERGY_NAMES, Simulation(mechanism).stored_energies(), strict=True))
@@ -208,7 +208,7 @@ def test_stored_energies_are_those_of_the_textbook():
     assert [energies[name] for name in ("kinetic", "cable", "latch", "contact")] == [0.0] * 4
 
 
-def test_a_pressed_contact_stores_its_elastic_work():
+def test_a_pressed_contact_stores_its_elastic_work() -> None:
     forces = Forces(block(position=(0.2, 0.0), bearing=ROUND_BEARING), impact_speed=1.0)
     assert forces.stored(forces.state.q, forces.state.v)[m.CONTACT] == pytest.approx(0.4 * 50.0 * 0.1**2.5, rel=1e-13)
     gap = Forces(block(position=(0.05, 0.0), bearing=ROUND_BEARING))
@@ -216,7 +216,7 @@ def test_a_pressed_contact_stores_its_elastic_work():
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_the_inverse_effective_mass_is_the_approach_per_unit_force_along_the_centres(seed):
+def test_the_inverse_effective_mass_is_the_approach_per_unit_force_along_the_centres(seed: int) -> None:
     rng = np.random.default_rng(seed)
     direction = turned((1.0, 0.0), rng.uniform(-3.0, 3.0))
     mechanism = chain(
@@ -236,19 +236,19 @@ def test_the_inverse_effective_mass_is_the_approach_per_unit_force_along_the_cen
     assert found == pytest.approx(expected, rel=1e-12)
 
 
-def test_the_ground_has_no_compliance():
+def test_the_ground_has_no_compliance() -> None:
     forces = Forces(block(position=(0.2, 0.0), bearing=ROUND_BEARING), impact_speed=1.0)
     forces.force(forces.state.q, forces.state.v)
     assert normal_inverse_mass(forces.model, forces.state.q, forces.state.v, 0, forces.work) == pytest.approx(1.0)
 
 
-def test_a_free_mechanism_has_no_constraints():
+def test_a_free_mechanism_has_no_constraints() -> None:
     simulation = Simulation(floating_pair())
     assert len(simulation.model.constraint_value) == 0
 
 
 @pytest.mark.parametrize("size", [1, 2, 5, 12])
-def test_lu_solves(size):
+def test_lu_solves(size: int) -> None:
     rng = np.random.default_rng(size)
     matrix, solution = rng.normal(size=(size, size)), rng.normal(size=size)
     factor, right, pivots = matrix.copy(), matrix @ solution, np.zeros(size, dtype=np.int64)
@@ -257,7 +257,7 @@ def test_lu_solves(size):
     assert right == pytest.approx(solution, abs=1e-14 * size * np.linalg.cond(matrix))
 
 
-def test_lu_exchanges_rows_rather_than_divide_by_zero():
+def test_lu_exchanges_rows_rather_than_divide_by_zero() -> None:
     matrix, right, pivots = np.array([[0.0, 2.0], [3.0, 0.0]]), np.array([4.0, 9.0]), np.zeros(2, dtype=np.int64)
     assert lu_factor(matrix, 2, pivots)
     lu_solve(matrix, 2, pivots, right)
@@ -265,13 +265,13 @@ def test_lu_exchanges_rows_rather_than_divide_by_zero():
 
 
 @pytest.mark.parametrize("bad", [0.0, math.nan, math.inf])
-def test_lu_refuses_a_matrix_that_is_singular_or_not_finite(bad):
+def test_lu_refuses_a_matrix_that_is_singular_or_not_finite(bad: float) -> None:
     matrix = np.array([[1.0, 2.0], [1.0, 2.0]]) if bad == 0.0 else np.array([[bad, 1.0], [1.0, 1.0]])
     assert not lu_factor(matrix, 2, np.zeros(2, dtype=np.int64))
 
 
 @pytest.mark.parametrize("size", [1, 3, 8])
-def test_cholesky_solves(size):
+def test_cholesky_solves(size: int) -> None:
     rng = np.random.default_rng(size)
     root, solution = rng.normal(size=(size, size)), rng.normal(size=size)
     matrix = root @ root.T + np.eye(size)
@@ -282,5 +282,5 @@ def test_cholesky_solves(size):
 
 
 @pytest.mark.parametrize("pivot", [1.0, 0.9, math.nan])
-def test_cholesky_refuses_a_matrix_that_is_not_positive_definite(pivot):
+def test_cholesky_refuses_a_matrix_that_is_not_positive_definite(pivot: float) -> None:
     assert not cholesky_factor(np.array([[1.0, 1.0], [1.0, pivot]]), 2)

@@ -79,19 +79,19 @@ def scene(
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_nothing_that_acts_has_no_tangent(seed):
+def test_nothing_that_acts_has_no_tangent(seed: int) -> None:
     by_q, by_v = tangents(scene(seed))
     assert not by_q.any()
     assert not by_v.any()
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_spring(seed):
+def test_spring(seed: int) -> None:
     check(scene(seed, spring=Spring(1.3, 0.7)))
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_motor(seed):
+def test_motor(seed: int) -> None:
     forces = scene(seed, motor=(0.8, -0.5))
     check(forces)
     assert tangents(forces)[0].any()
@@ -103,7 +103,7 @@ def test_motor(seed):
     [((1.1, 0.7), True), ((1.5, 0.2), True), ((-0.2, -0.6), False)],
     ids=["in the damping ramp", "beyond the ramp", "stow stop"],
 )
-def test_stop(seed, angles, latched):
+def test_stop(seed: int, angles: tuple[float, float], latched: bool) -> None:
     # Slow enough that the damping does not cancel the elastic torque.
     forces = scene(seed, angles=angles, latched=latched, stop=ROUND_STOP, rates=0.05)
     forces.force(forces.state.q, forces.state.v)
@@ -114,7 +114,7 @@ def test_stop(seed, angles, latched):
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("preload", [math.inf, 0.05], ids=["taut", "slack"])
 @pytest.mark.parametrize("torque_ratio", [1.0, 2.0])
-def test_cable(seed, preload, torque_ratio):
+def test_cable(seed: int, preload: float, torque_ratio: float) -> None:
     check(scene(seed, cables=(replace(LOOP, preload_torque=preload, torque_ratio=torque_ratio),)))
 
 
@@ -122,7 +122,7 @@ def test_cable(seed, preload, torque_ratio):
 @pytest.mark.parametrize("friction", [0.0, 0.4], ids=["smooth", "rough"])
 @pytest.mark.parametrize("material", [True, False], ids=["material points", "joint centres"])
 @pytest.mark.parametrize("speeds", [(0.0, 50.0), (1e-4, 2e-4)], ids=["in the friction ramp", "full friction"])
-def test_contact(seed, friction, material, speeds):
+def test_contact(seed: int, friction: float, material: bool, speeds: tuple[float, float]) -> None:
     bearing = replace(
         ROUND_BEARING,
         friction_coefficient=friction,
@@ -137,7 +137,7 @@ def test_contact(seed, friction, material, speeds):
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_a_contact_that_parts_too_fast_to_press_has_no_tangent(seed):
+def test_a_contact_that_parts_too_fast_to_press_has_no_tangent(seed: int) -> None:
     forces = scene(seed, depths=(0.02, 0.06), bearing=replace(ROUND_BEARING, damping_factor=1e-9), rates=0.0)
     joint = forces.model.joints[0]
     # Parting at ten times the speed at which the bracket 1 + d rate / impact speed vanishes.
@@ -157,7 +157,7 @@ def test_a_contact_that_parts_too_fast_to_press_has_no_tangent(seed):
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_everything_at_once(seed):
+def test_everything_at_once(seed: int) -> None:
     bearing = replace(ROUND_BEARING, damping_factor=0.05, friction_speeds=(0.0, 50.0))
     forces = scene(
         seed,
@@ -174,7 +174,7 @@ def test_everything_at_once(seed):
     check(forces)
 
 
-def test_tangents_are_weighted_and_subtracted():
+def test_tangents_are_weighted_and_subtracted() -> None:
     forces = scene(0, depths=(0.02, 0.06), spring=Spring(1.3, 0.7))
     by_q, by_v = tangents(forces)
     matrix = np.ones_like(by_q)
@@ -186,12 +186,12 @@ def test_tangents_are_weighted_and_subtracted():
     assert matrix == pytest.approx(1.0 - 2.0 * by_q - 3.0 * by_v, abs=1e-13 * scale)
 
 
-def test_a_joint_of_the_ground():
+def test_a_joint_of_the_ground() -> None:
     # At rest in the fixed frame: only the arm's own columns matter, and all must be right.
     check(Forces(pendulum()))
 
 
-def test_the_tangents_of_conservative_forces_are_symmetric():
+def test_the_tangents_of_conservative_forces_are_symmetric() -> None:
     forces = scene(1, spring=Spring(1.3, 0.7), cables=(replace(LOOP, torque_ratio=2.0),))
     by_q, _ = tangents(forces)
     assert by_q == pytest.approx(by_q.T, abs=1e-13 * np.abs(by_q).max())

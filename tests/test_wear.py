@@ -21,7 +21,7 @@ def worn(bins: int, angle: float, half_angle: float, section: float = 1.0, radiu
 
 @pytest.mark.parametrize("bins", [1, 2, 3, 17, 360])
 @pytest.mark.parametrize("half_angle", [0.0, 1e-12, 1e-4, 0.02, 0.5, math.pi / 2, 3.0, 4.0])
-def test_the_worn_section_is_kept_whatever_arc_and_bin_count(bins, half_angle):
+def test_the_worn_section_is_kept_whatever_arc_and_bin_count(bins: int, half_angle: float) -> None:
     rng = np.random.default_rng(bins)
     for angle in rng.uniform(-7.0, 7.0, 20):
         radius, section = rng.uniform(0.01, 2.0), rng.uniform(0.1, 1.0)
@@ -32,7 +32,7 @@ def test_the_worn_section_is_kept_whatever_arc_and_bin_count(bins, half_angle):
         assert depths.sum() * radius * 2 * math.pi / bins == pytest.approx(section, rel=rounding)
 
 
-def test_bins_inside_the_arc_wear_evenly_and_those_outside_not_at_all():
+def test_bins_inside_the_arc_wear_evenly_and_those_outside_not_at_all() -> None:
     depths = worn(36, math.pi, 0.6, section=0.3, radius=0.5)
     middles = (np.arange(36) + 0.5) * 2 * math.pi / 36
     inside = np.abs(middles - math.pi) < 0.6 - math.pi / 36
@@ -42,7 +42,7 @@ def test_bins_inside_the_arc_wear_evenly_and_those_outside_not_at_all():
     assert inside.sum() == 6
 
 
-def test_an_arc_across_zero_wears_the_last_and_the_first_bin():
+def test_an_arc_across_zero_wears_the_last_and_the_first_bin() -> None:
     depths = worn(8, 0.0, 0.1)
     assert depths[0] == pytest.approx(depths[7], rel=1e-13)
     assert np.count_nonzero(depths) == 2
@@ -51,22 +51,22 @@ def test_an_arc_across_zero_wears_the_last_and_the_first_bin():
 
 
 @pytest.mark.parametrize("turns", [-3, -1, 1, 5])
-def test_full_turns_make_no_difference(turns):
+def test_full_turns_make_no_difference(turns: int) -> None:
     assert worn(24, 1.234 + 2 * math.pi * turns, 0.3) == pytest.approx(worn(24, 1.234, 0.3), abs=1e-13)
 
 
-def test_turning_the_arc_by_one_bin_moves_the_wear_by_one_bin():
+def test_turning_the_arc_by_one_bin_moves_the_wear_by_one_bin() -> None:
     width = 2 * math.pi / 24
     assert worn(24, 6.2 + width, 0.3) == pytest.approx(np.roll(worn(24, 6.2, 0.3), 1), abs=1e-13)
 
 
-def test_wear_adds_up():
+def test_wear_adds_up() -> None:
     depths = worn(12, 1.0, 0.2)
     add_wear(depths, 4.0, 0.7, 2.0, 1.0)
     assert depths == pytest.approx(worn(12, 1.0, 0.2) + worn(12, 4.0, 0.7, 2.0), rel=1e-14)
 
 
-def test_the_pressed_arc_opens_with_the_square_root_of_the_depth():
+def test_the_pressed_arc_opens_with_the_square_root_of_the_depth() -> None:
     clearance = 2e-4
     assert pressed_half_angle(0.0, clearance) == 0.0
     # arccos(1 / (1 + x)) = sqrt(2 x) (1 - 5 x / 12 + ...).
@@ -76,7 +76,7 @@ def test_the_pressed_arc_opens_with_the_square_root_of_the_depth():
     assert angles[-1] < math.pi / 2
 
 
-def test_the_volume_worn_in_a_run_is_the_coefficient_times_the_sliding_work():
+def test_the_volume_worn_in_a_run_is_the_coefficient_times_the_sliding_work() -> None:
     p = ArrayParameters(wear_bins=50, bearing_width=0.7)
     run = simulate(build(p), 2.0, integrator=RungeKutta(rtol=1e-5))
     volume = p.wear_coefficient * run.sliding_work[-1]

@@ -96,11 +96,13 @@ class Simulation:
         """Advance to ``end_time`` [s], landing on it.
 
         Raises:
-            ValueError: if ``end_time`` lies before the present time.
+            ValueError: if ``end_time`` is not finite or lies before the present time.
             SimulationError: if the run cannot go on; the state stays at the last accepted step.
         """
-        if not end_time >= self.time:
-            raise ValueError(f"end_time = {end_time!r} s lies before the present time {self.time!r} s")
+        if not self.time <= end_time < math.inf:
+            raise ValueError(
+                f"end_time = {end_time!r} s must be finite and not before the present time {self.time!r} s"
+            )
         status = self._advance(end_time, recorder or self._unrecorded)
         if status != m.DONE:
             clock = self.state.clock[0]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import zipfile
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -147,6 +148,9 @@ class Trajectory:
         Raises:
             ValueError: if the file is not such a file.
         """
+        with open(path, "rb") as file:
+            if not zipfile.is_zipfile(file):
+                raise ValueError(f"{path} is not a saved trajectory: it is no npz file")
         with np.load(path, allow_pickle=False) as data:
             missing = [f.name for f in fields(cls) if f.name != "energies" and f.name not in data]
             if missing:

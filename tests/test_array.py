@@ -1,0 +1,314 @@
+"""The array: its parameters and what is refused, presets, geometry, and the integrators by name."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from solar_env.array import MODELS, PRESETS, ArrayParameters, build, check_model, main_body_corners
+from solar_env.deployment import simulate
+from solar_env.integrators import INTEGRATORS, default_integrator, make_integrator
+from solar_env.mechanics.integrators import GeneralizedAlpha
+from solar_env.mechanics.joint import ANGLE, point
+from solar_env.mechanics.simulation import Simulation
+
+NUMBERS = [f.name for f in fields(ArrayParameters) if not isinstance(f.default, (str, bool))]
+PER_JOINT = ("spring_stiffness", "spring_preload_angle", "clearance")
+
+
+def refused(changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(message)):
+        ArrayParameters().with_changes(changes)
+
+
+def test_the_defaults_are_the_papers_table() -> None:
+    p = ArrayParameters()
+    assert (p.body_mass, p.body_inertia) == (1500.0, 250.0)
+    assert p.panel_density * p.panel_length * p.panel_width * p.panel_thickness == pytest.approx(6.0, rel=1e-14)
+    assert (p.spring_stiffness, p.spring_preload_angle) == ((0.1, 0.075), (math.pi / 2, math.pi))
+    assert (p.restitution, p.contact_stiffness, p.friction_coefficient) == (0.9, 7.39e10, 0.15)
+    assert (p.journal_radius, p.clearance) == (0.01, 2e-4)
+
+
+def test_every_parameter_is_documented() -> None:
+    for item in fields(ArrayParameters):
+        assert re.search(rf"\b{item.name}\b", ArrayParameters.__doc__ or ""), item.name
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, "1", [], [[1.0]], True])
+def test_what_is_not_a_finite_number_is_refused_by_name(name: str, value: Any) -> None:
+    with pytest.raises(ValueError, match=f"^{name} = "):
+        ArrayParameters().with_changes({name: value})
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "body_mass",
+        "body_inertia",
+        "body_size",
+        "panel_length",
+        "panel_width",
+        "panel_thickness",
+        "panel_density",
+        "cable_wheel_radius",
+        "journal_radius",
+        "bearing_width",
+        "clearance",
+        "contact_stiffness",
+        "panel_count",
+        "wear_bins",
+        "restitution",
+        "minimum_impact_speed",
+        "latch_stiffness",
+        "latch_ramp_depth",
+    ],
+)
+@pytest.mark.parametrize("value", [0, -1])
+def test_what_must_be_positive_is_refused_otherwise_by_name_and_value(name: str, value: Any) -> None:
+    whole = isinstance(getattr(ArrayParameters(), name), int)
+    number = value if whole else float(value)
+    with pytest.raises(ValueError, match=re.escape(f"{number!r}")) as caught:
+        ArrayParameters().with_changes({name: number})
+    # Parts of the mechanism call theirs by the part's own names.
+    assert name.removeprefix("latch_") in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "cable_stiffness",
+        "cable_preload_force",
+        "cable_torque_ratio",
+        "friction_coefficient",
+        "wear_coefficient",
+        "spring_stiffness",
+        "latch_gap",
+        "latch_damping",
+    ],
+)
+def test_what_must_not_be_negative_is_refused_if_it_is_and_may_be_zero(name: str) -> None:
+    with pytest.raises(ValueError, match=re.escape("-0.1")) as caught:
+        ArrayParameters().with_changes({name: -0.1})
+    assert name.removeprefix("latch_") in str(caught.value)
+    assert getattr(ArrayParameters().with_changes({name: 0.0}), name) == 0.0
+
+
+def test_other_values_without_sense_are_refused() -> None:
+    refused({"panel_count": 101}, "panel_count = 101 must lie between 1 and 100")
+    refused({"panel_count": 2.5}, "panel_count = 2.5 must be a whole number")
+    refused({"wear_bins": 360.0}, "wear_bins = 360.0 must be a whole number")
+    refused({"clearance": 0.0}, "clearance = 0.0 must be positive; for no clearance choose an ideal model")
+    refused({"clearance": (1e-4, -1e-4)}, "clearance = (0.0001, -0.0001) must be positive")
+    refused({"clearance": 0.02}, "clearance = 0.02 must be below journal_radius")
+    refused({"restitution": 1.1}, "restitution = 1.1 must lie in (0, 1]")
+    refused({"contact_law": "dubowsky"}, "contact law 'dubowsky' is unknown")
+    refused({"contact_law": 3}, "contact_law = 3 must be of type str")
+    refused({"friction_sliding": "paper"}, "friction_sliding = 'paper' must be material or centres")
+    refused({"body_fixed": 1}, "body_fixed = 1 must be of type bool")
+    refused({"latch_exponent": 0.5}, "exponent = 0.5: must be at least 1")
+    refused({"friction_speed_zero": 1e-2}, "friction_speeds = (0.01, 0.001)")
+    refused({"body_mass": None}, "body_mass = None must be a finite number")
+
+
+def test_an_unknown_name_is_refused_with_the_one_that_was_meant() -> None:
+    refused({"clearence": 1e-4}, "parameter 'clearence' is unknown; did you mean 'clearance'?")
+    refused({"xyzzy": 1.0}, "parameter 'xyzzy' is unknown; known are panel_count, body_mass")
+
+
+@pytest.mark.parametrize("name", [n for n in NUMBERS if n not in PER_JOINT])
+def test_only_quantities_by_joint_take_several_entries(name: str) -> None:
+    refused({name: (1.0, 1.0)}, f"{name} = (1.0, 1.0) must be a single number")
+
+
+@pytest.mark.parametrize("name", PER_JOINT)
+def test_the_last_entry_of_a_quantity_by_joint_holds_for_all_further_joints(name: str) -> None:
+    p = ArrayParameters(panel_count=4).with_changes({name: [0.001, 0.002]})
+    assert [p.by_joint(name, j) for j in range(4)] == [0.001, 0.002, 0.002, 0.002]
+    assert [ArrayParameters().with_changes({name: 0.003}).by_joint(name, j) for j in range(2)] == [0.003] * 2
+    refused({name: (0.001, 0.002, 0.003)}, f"{name} = (0.001, 0.002, 0.003) has more entries than panels (2)")
+
+
+def test_the_default_entries_by_joint_also_serve_a_single_panel() -> None:
+    assert ArrayParameters(panel_count=1).by_joint("spring_stiffness", 0) == 0.1
+
+
+def test_changes_leave_the_original_alone_and_may_be_lists() -> None:
+    p = ArrayParameters()
+    changed = p.with_changes({"clearance": [1e-4, 3e-4], "body_mass": 10.0})
+    assert (changed.clearance, changed.body_mass) == ((1e-4, 3e-4), 10.0)
+    assert p == ArrayParameters()
+
+
+def test_parameters_survive_json() -> None:
+    p = ArrayParameters(panel_count=3, clearance=(1e-4, 2e-4, 3e-4), contact_stiffness=None)
+    assert ArrayParameters().with_changes(json.loads(json.dumps(p.to_dict()))) == p
+
+
+def test_presets() -> None:
+    assert ArrayParameters.preset("default") == ArrayParameters()
+    paper = ArrayParameters.preset("paper")
+    assert (paper.hinge_x, paper.hinge_y) == (0.5, -0.5)
+    assert paper.cable_torque_ratio == 1.0
+    assert paper.friction_sliding == "centres"
+    for name in PRESETS:
+        assert ArrayParameters.preset(name).with_changes({}) == ArrayParameters.preset(name)
+    with pytest.raises(ValueError, match="preset 'papper' is unknown; choose from default, paper"):
+        ArrayParameters.preset("papper")
+
+
+def test_an_unknown_model_is_refused_with_the_choices() -> None:
+    for call in (check_model, lambda model: build(ArrayParameters(), model), lambda model: simulate(model=model)):
+        with pytest.raises(ValueError, match="model 'rigid' is unknown; choose from rigid-ideal, rigid-clearance"):
+            call("rigid")
+
+
+def test_the_contact_stiffness_is_given_or_follows_from_eq_40_by_joint() -> None:
+    assert ArrayParameters().stiffness_of_contact(1) == 7.39e10
+    p = ArrayParameters(contact_stiffness=None, clearance=(2e-4, 1e-4))
+    assert p.stiffness_of_contact(0) == pytest.approx(7.43e10, abs=0.005e10)
+    assert p.bearing(1).stiffness > p.bearing(0).stiffness == p.stiffness_of_contact(0)
+
+
+def test_a_bearing_takes_over_its_parameters() -> None:
+    p = ArrayParameters(clearance=(1e-4, 3e-4), contact_law="flores", restitution=0.5, friction_sliding="centres")
+    bearing = p.bearing(1)
+    assert bearing.clearance == 3e-4
+    assert bearing.damping_factor == pytest.approx(1.6, rel=1e-14)
+    assert not bearing.material_sliding
+    assert bearing.friction_speeds == (p.friction_speed_zero, p.friction_speed_full)
+
+
+def joint_points(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
+    """(joints, 2) bearing centres and journal centres."""
+    model, q = simulation.model, simulation.state.q
+    found = [[point(model.markers[k], q) for k in model.joints[side]] for side in ("inboard", "outboard")]
+    return np.array(found[0]), np.array(found[1])
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("panels", [1, 2, 3, 4])
+@pytest.mark.parametrize("hinge", [(0.5, 0.0), (0.5, -0.5), (-0.5, 0.2), (0.0, 0.3)])
+def test_the_folded_array_lies_in_a_stack_along_the_side_of_the_body(
+    panels: int, model: str, hinge: tuple[float, float]
+) -> None:
+    p = ArrayParameters(panel_count=panels, hinge_x=hinge[0], hinge_y=hinge[1])
+    simulation = Simulation(build(p, model))
+    bearings, journals = joint_points(simulation)
+    assert journals == pytest.approx(bearings, abs=1e-14)
+    # Accordion: the hinges alternate between the root and one panel's length below it.
+    expected = [[hinge[0], hinge[1] - (k % 2) * p.panel_length] for k in range(panels)]
+    assert bearings == pytest.approx(np.array(expected), abs=1e-14)
+    assert simulation.joint_loads()[:, ANGLE] == pytest.approx(0.0, abs=1e-14)
+    assert not simulation.state.v.any()
+
+
+@pytest.mark.parametrize("panels", [1, 2, 3, 4])
+@pytest.mark.parametrize("model", MODELS)
+def test_at_its_lock_angles_the_array_is_straight_and_stands_off_the_body(panels: int, model: str) -> None:
+    p = ArrayParameters(panel_count=panels, body_fixed=True)
+    mechanism = build(p, model)
+    simulation = Simulation(mechanism)
+    # Set the coordinates of the deployed array by hand: every panel along +x from the hinge.
+    q = simulation.state.q
+    for k in range(panels):
+        start = 0.5 + k * p.panel_length
+        q[4 * (k + 1) : 4 * (k + 2)] = start, 0.0, start + p.panel_length, 0.0
+    bearings, journals = joint_points(simulation)
+    assert journals == pytest.approx(bearings, abs=1e-14)
+    locks = [p.lock_angle(k) for k in range(panels)]
+    assert simulation.joint_loads()[:, ANGLE] == pytest.approx(locks, abs=1e-14)
+    assert locks == [math.pi / 2] + [math.pi] * (panels - 1)
+    assert [joint.lock_angle for joint in mechanism.joints] == locks
+
+
+def test_springs_relax_at_the_lock_angles_by_default() -> None:
+    p = ArrayParameters(panel_count=4)
+    assert [p.by_joint("spring_preload_angle", k) for k in range(4)] == [p.lock_angle(k) for k in range(4)]
+
+
+@pytest.mark.parametrize("panels", [1, 2, 3, 4])
+def test_cable_loops_join_neighbours_in_the_ratio_of_their_lock_angles(panels: int) -> None:
+    cables = build(ArrayParameters(panel_count=panels)).cables
+    assert [(c.joint_a, c.joint_b) for c in cables] == [(f"joint {k}", f"joint {k + 1}") for k in range(1, panels)]
+    assert [c.wheel_ratio for c in cables] == [2.0, 1.0, 1.0][: panels - 1]
+    assert [c.torque_ratio for c in cables] == [c.wheel_ratio for c in cables]
+    couples = build(ArrayParameters(panel_count=panels, cable_torque_ratio=1.0)).cables
+    assert [c.torque_ratio for c in couples] == [1.0] * (panels - 1)
+
+
+def test_masses_and_centroids() -> None:
+    mechanism = build(ArrayParameters(hinge_y=-0.3))
+    body, panel = mechanism.bodies[:2]
+    assert (body.mass, body.inertia) == (1500.0, 250.0)
+    # The body's centroid is the origin.
+    assert np.add(body.position, body.centroid) == pytest.approx([0.0, 0.0], abs=1e-15)
+    assert panel.mass == pytest.approx(6.0, rel=1e-14)
+    assert panel.inertia == pytest.approx(6.0 * 1.5**2 / 12.0, rel=1e-3)
+    assert panel.centroid == (0.75, 0.0)
+
+
+def test_only_the_clearance_model_has_bearings() -> None:
+    p = ArrayParameters()
+    assert all(joint.bearing is None for joint in build(p, "rigid-ideal").joints)
+    assert [joint.bearing for joint in build(p, "rigid-clearance").joints] == [p.bearing(0), p.bearing(1)]
+
+
+@pytest.mark.parametrize("hinge", [(0.5, 0.0), (-0.5, 0.2), (0.0, 0.3)])
+def test_the_corners_of_the_main_body_surround_its_centroid(hinge: tuple[float, float]) -> None:
+    p = ArrayParameters(hinge_x=hinge[0], hinge_y=hinge[1])
+    base = Simulation(build(p)).state.q[:4].reshape(2, 2)
+    expected = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]
+    assert main_body_corners(p, base) == pytest.approx(np.array(expected), abs=1e-14)
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("name", INTEGRATORS)
+def test_integrators_by_name(name: str, model: str) -> None:
+    expected, stepped = {
+        "runge-kutta": (default_integrator(model), replace(default_integrator(model), max_step=1e-3)),
+        "generalized-alpha": (GeneralizedAlpha(), GeneralizedAlpha(step=1e-3)),
+        "paper": (GeneralizedAlpha(rho_inf=1.0, step=1e-4), GeneralizedAlpha(rho_inf=1.0, step=1e-3)),
+    }[name]
+    assert make_integrator(name, model) == expected
+    assert make_integrator(name, model, step=1e-3) == stepped
+    if name == "paper":
+        with pytest.raises(ValueError, match="rtol does not apply to the integrator 'paper'"):
+            make_integrator(name, model, rtol=1e-5)
+    else:
+        assert make_integrator(name, model, rtol=1e-5) == replace(expected, rtol=1e-5)
+
+
+def test_an_unknown_integrator_is_refused_with_the_choices() -> None:
+    with pytest.raises(
+        ValueError, match="integrator 'euler' is unknown; choose from runge-kutta, generalized-alpha, paper"
+    ):
+        make_integrator("euler", "rigid-ideal")
+
+
+@pytest.mark.parametrize("name", INTEGRATORS)
+@pytest.mark.parametrize("step", [0.0, -1e-4, math.nan])
+def test_an_absurd_step_is_refused_with_its_value(name: str, step: float) -> None:
+    with pytest.raises(ValueError, match=f"step = {step!r}"):
+        make_integrator(name, "rigid-clearance", step=step)
+
+
+@pytest.mark.parametrize("duration", [0.0, -1.0, math.nan, math.inf])
+def test_a_duration_without_sense_is_refused_with_its_value(duration: float) -> None:
+    with pytest.raises(ValueError, match=f"duration = {duration!r} s"):
+        simulate(duration=duration)
+
+
+def test_a_deployment_takes_parameters_or_changes_and_keeps_them() -> None:
+    changed, given = (simulate(p, duration=0.1) for p in ({"clearance": 3e-4}, ArrayParameters(clearance=3e-4)))
+    assert changed.coordinates.tobytes() == given.coordinates.tobytes()
+    assert changed.metadata["parameters"] == ArrayParameters(clearance=3e-4).to_dict()
+    assert changed.clearance.tolist() == [3e-4, 3e-4]
+    assert changed.metadata["model"] == "rigid-clearance"

@@ -34,8 +34,8 @@ def test_the_force_rises_from_zero_without_a_jump(factor: float) -> None:
     assert normal_force(-1e-12, rate, K, factor, speed) == (0.0, 0.0)
     for depth in (1e-20, 1e-14, 1e-9):
         force, elastic = normal_force(depth, rate, K, factor, speed)
-        assert elastic == pytest.approx(K * depth**1.5, rel=1e-14)
-        assert force == pytest.approx(elastic * (1.0 + factor), rel=1e-14)
+        assert elastic == pytest.approx(K * depth**1.5, rel=1e-14, abs=0.0)
+        assert force == pytest.approx(elastic * (1.0 + factor), rel=1e-14, abs=0.0)
 
 
 def test_the_force_never_attracts(factor: float) -> None:
@@ -78,11 +78,11 @@ def test_the_slopes_vanish_where_the_force_is_cut_off() -> None:
 def test_an_impact_of_hertz_is_as_deep_as_its_energy_and_as_long_as_its_quadrature() -> None:
     inverse_mass, speed = 0.4, 0.03
     depth, duration = impact_scales(K, inverse_mass, speed)
-    assert 0.4 * K * depth**2.5 == pytest.approx(0.5 * speed**2 / inverse_mass, rel=1e-13)
+    assert 0.4 * K * depth**2.5 == pytest.approx(0.5 * speed**2 / inverse_mass, rel=1e-13, abs=0.0)
     # Duration = 2 integral d(depth) / rate, with x = 1 - y^2 to take out the singularity at the turning point.
     integral, _ = quad(lambda y: 4.0 * y / math.sqrt(1.0 - (1.0 - y * y) ** 2.5), 0.0, 1.0)
     assert integral == pytest.approx(HERTZ_DURATION, rel=1e-7)
-    assert duration == pytest.approx(HERTZ_DURATION * depth / speed, rel=1e-14)
+    assert duration == pytest.approx(HERTZ_DURATION * depth / speed, rel=1e-14, abs=0.0)
 
 
 def test_friction_sets_in_at_one_speed_and_is_full_at_the_other() -> None:

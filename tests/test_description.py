@@ -172,18 +172,19 @@ def test_base_points_stand_and_move_as_described() -> None:
 
 
 def test_a_guide_keeps_its_point_on_the_line_and_a_drive_its_angle() -> None:
-    slider = Body("slider", 2.0, 0.3, 1.0, (0.3, 0.2), angle=0.4, spin=1.5)
     normal = (math.cos(1.0), math.sin(1.0))
+    start = (0.25 * normal[0], 0.25 * normal[1])
+    slider = Body("slider", 2.0, 0.3, 1.0, (0.3, 0.2), position=start, angle=0.4, spin=1.5)
     mechanism = Mechanism(
         (slider,),
-        guides=(Guide("slider", (0.0, 0.0), normal),),
+        guides=(Guide("slider", (0.0, 0.0), normal, offset=0.25),),
         drives=(Drive("slider", 0.4, 1.5),),
         gravity=(0.0, -1.0),
     )
     simulation = Simulation(mechanism)
     simulation.advance(2.0)
     q = simulation.state.q
-    assert np.dot(normal, q[:2]) == pytest.approx(0.0, abs=1e-12)
+    assert np.dot(normal, q[:2]) == pytest.approx(0.25, abs=1e-12)
     assert math.atan2(q[3] - q[1], q[2] - q[0]) == pytest.approx(math.remainder(0.4 + 3.0, 2 * math.pi), abs=1e-12)
     # Along the line gravity alone acts on the centroid, which turns about the base point.
     along = (-math.sin(1.0), math.cos(1.0))

@@ -179,8 +179,8 @@ def test_the_contact_table_agrees_with_the_totals() -> None:
     for j in range(2):
         own = run.contacts[run.contacts["joint"] == j]
         assert len(own) == run.contact_starts[j]
-        assert own["impulse"].sum() == pytest.approx(run.impulse[-1, j], rel=1e-10)
-        assert own["sliding_work"].sum() == pytest.approx(run.sliding_work[-1, j], rel=1e-10)
+        assert own["impulse"].sum() == pytest.approx(run.impulse[-1, j], rel=1e-10, abs=0.0)
+        assert own["sliding_work"].sum() == pytest.approx(run.sliding_work[-1, j], rel=1e-9, abs=0.0)
         assert own["peak_force"].max() == run.peak_force[j]
         closed = own[np.isfinite(own["end_s"])]
         assert np.all(closed["end_s"] > closed["start_s"])

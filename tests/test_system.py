@@ -76,6 +76,21 @@ def test_accelerations_keep_the_constraints_to_second_order() -> None:
     assert drift(1e-3) / drift(5e-4) == pytest.approx(8.0, rel=0.01)
 
 
+def test_accelerations_hold_the_constraints_second_derivative_at_zero_even_off_the_constraints() -> None:
+    forces, q, v = disturbed(0.1)
+    forces.state.q[:], forces.state.v[:] = q, v
+    a, _ = solve(forces)
+    h = 1e-3
+
+    def residual(t: float) -> Vector:
+        constraint_drift(forces.model, q + t * v + 0.5 * t * t * a, 0.3 + t, forces.work)
+        return forces.work.residual.copy()
+
+    second = (residual(h) - 2.0 * residual(0.0) + residual(-h)) / h**2
+    # Truncation of order h^2, rounding of order eps / h^2.
+    assert second == pytest.approx(0.0, abs=1e-5 * max(1.0, np.abs(a).max()))
+
+
 def test_accelerations_keep_the_bodies_lengths() -> None:
     forces = driven_linkage()
     q, v = forces.state.q, forces.state.v

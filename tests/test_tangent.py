@@ -10,9 +10,9 @@ import pytest
 from helpers import ROUND_BEARING, ROUND_STOP, Forces, Vector, central_difference, chain, pendulum
 
 from solar_env.mechanics import joint as columns
+from solar_env.mechanics.alpha_step import make_tangent_scratch
 from solar_env.mechanics.contact import normal_force
 from solar_env.mechanics.description import Bearing, CableLoop, Spring, Stop
-from solar_env.mechanics.generalized_alpha import make_tangent_scratch
 from solar_env.mechanics.tangent import subtract_force_tangents
 
 SEEDS = range(4)

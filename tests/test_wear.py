@@ -84,4 +84,4 @@ def test_the_volume_worn_in_a_run_is_the_coefficient_times_the_sliding_work() ->
     for depths, radius in ((run.wear_journal, p.journal_radius), (run.wear_bearing, p.journal_radius + 2e-4)):
         booked = depths.sum(axis=1) * radius * 2 * math.pi / 50 * p.bearing_width
         # Rounding of thousands of sums, and of bin edges against arcs of some 0.01 rad.
-        assert booked == pytest.approx(volume, rel=1e-10)
+        assert booked == pytest.approx(volume, rel=1e-10, abs=0.0)

@@ -2,7 +2,7 @@
 
 The package knows nothing of solar arrays or of learning. Its layers, lowest first:
 
-``_jit`` -> ``model`` -> (``contact``, ``wear``, ``rigid``, ``joint``) -> ``system`` ->
-(``history``, ``recording``) -> (``explicit``, ``generalized_alpha``) -> ``simulator``;
-``description`` and ``build`` turn a mechanism into the arrays of ``model``.
+``_jit`` -> ``model`` -> (``contact``, ``wear``, ``rigid``, ``joint``) -> (``system``, ``tangent``) ->
+(``recording``, ``history``) -> (``runge_kutta``, ``events``, ``explicit``), (``alpha_step``, ``generalized_alpha``) ->
+``simulation``; ``description`` and ``build`` turn a mechanism into the arrays of ``model``.
 """

@@ -6,16 +6,8 @@ import math
 
 from ._jit import njit, njit_inlined
 from .contact import impact_scales
-from .joint import (
-    ANGLE,
-    ECCENTRICITY_X,
-    ECCENTRICITY_Y,
-    NORMAL,
-    direction,
-    penetration,
-    stop_depth,
-)
-from .model import CLEARANCE, IMPULSE, INTEGRALS_PER_JOINT, SLIDING_WORK
+from .joint import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, NORMAL, direction, penetration, stop_depth
+from .model import CLEARANCE, CONTACT_TOO_DEEP, DONE, IMPULSE, INTEGRALS_PER_JOINT, JOINT_ANGLE_RANGE, SLIDING_WORK
 from .recording import record_contact
 from .system import normal_inverse_mass
 from .wear import add_wear, pressed_half_angle
@@ -133,10 +125,24 @@ def impact_step_limit(state, time, resolution):
 
 
 @njit_inlined
-def angle_out_of_range(joints, loads):
-    """Index of a joint whose angle nears the branch cut of its measurement, or -1."""
+def fail(state, status, joint, value):
+    """Note where and why a call stops."""
+    state.clock[0].failure_joint = joint
+    state.clock[0].failure_value = value
+    return status
+
+
+@njit_inlined
+def check_state(model, state, loads):
+    """Status of an accepted state: contact depths and joint angles within what the model describes."""
+    joints, markers = model.joints, model.markers
     for j in range(joints.size):
         joint = joints[j]
+        if joint.kind == CLEARANCE and state.joints[j].in_contact:
+            depth, _ = penetration(joint, markers, state.q, state.v)
+            if depth > joint.journal_radius:
+                return fail(state, CONTACT_TOO_DEEP, j, depth)
         if joint.angle_limited and abs(loads[j, ANGLE] - joint.middle) > 0.95 * math.pi:
-            return j
-    return -1
+            # The angle nears the branch cut of its measurement.
+            return fail(state, JOINT_ANGLE_RANGE, j, loads[j, ANGLE])
+    return DONE

@@ -13,13 +13,15 @@ from numpy.typing import NDArray
 
 from . import joint as columns
 from . import model as m
+from .alpha_step import AlphaSettings
 from .build import compile_mechanism
 from .description import Mechanism
 from .errors import raise_for_status
-from .explicit import ExplicitSettings, advance_explicit
-from .generalized_alpha import AlphaSettings, advance_alpha
+from .explicit import advance_explicit
+from .generalized_alpha import advance_alpha
 from .integrators import Integrator, RungeKutta, alpha_coefficients
 from .recording import RECORDED_LOADS, Recorder, make_recorder, sample_columns
+from .runge_kutta import ExplicitSettings
 from .system import accelerations, constraint_drift, make_workspace, stored_energies, velocity_drift
 from .trajectory import Trajectory, contact_record
 

@@ -1,0 +1,284 @@
+"""One step of generalized-alpha: residual, Newton matrix, iteration, and the restart after a change of step.
+
+J. Chung and G. M. Hulbert, J. Appl. Mech. 60 (1993) 371, doi:10.1115/1.2900803, in the form of M. Arnold and
+O. Bruls, Multibody Syst. Dyn. 18 (2007) 185, doi:10.1007/s11044-007-9084-0. Constraint rows and multipliers are
+scaled by beta h^2 (C. L. Bottasso, O. A. Bauchau and A. Cardona, SIAM J. Sci. Comput. 29 (2007) 397,
+doi:10.1137/050638503). With rho_inf = 1 this is the trapezoidal Newmark scheme, beta = 1/4, gamma = 1/2.
+
+A change of step size leaves the auxiliary accelerations inconsistent; they are then solved for afresh on the
+acceleration level, at the instant t + (alpha_m - alpha_f) h which they stand for.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._jit import njit, njit_allocating
+from .joint import joint_forces
+from .linear import copy_into, lu_factor, lu_solve
+from .model import FIXED
+from .rigid import add_mass_product
+from .system import accelerations, constraint_drift, project
+from .tangent import subtract_force_tangents
+
+_MOST_ITERATIONS = 60
+# Full corrections at first; where kinks of contact or friction make them cycle, ever smaller shares of them.
+_ITERATIONS_PER_RELAXATION = 12
+
+
+class AlphaSettings(NamedTuple):
+    """Settings of :func:`advance_alpha`."""
+
+    alpha_m: float
+    alpha_f: float
+    beta: float
+    gamma: float
+    step: float  # [s]
+    rtol: float  # 0 keeps the step fixed
+    velocity_scale: float  # [m/s]
+    max_step: float  # [s]
+    impact_resolution: float
+    newton_tolerance: float
+    max_steps: int
+
+
+class Iteration(NamedTuple):
+    """Arrays of the step in hand."""
+
+    q: NDArray[np.float64]
+    v: NDArray[np.float64]
+    a: NDArray[np.float64]  # accelerations q''
+    auxiliary: NDArray[np.float64]  # algorithmic accelerations
+    multipliers: NDArray[np.float64]  # unscaled
+    matrix: NDArray[np.float64]  # (n + m + bodies, same)
+    rhs: NDArray[np.float64]
+    pivots: NDArray[np.int64]
+    power: NDArray[np.float64]  # at the step's start
+    depth: NDArray[np.float64]  # (joints,) at the step's start
+    depth_rate: NDArray[np.float64]
+    angle: NDArray[np.float64]  # (joints,) at the step's start
+    sliding_work: NDArray[np.float64]  # (joints,) of the step
+    scratch_q: NDArray[np.float64]
+    scratch_v: NDArray[np.float64]
+    scratch_a: NDArray[np.float64]
+    scratch_multipliers: NDArray[np.float64]
+    integrals: NDArray[np.float64]
+    energies: NDArray[np.float64]
+
+
+class TangentScratch(NamedTuple):
+    """Arrays of :func:`tangent.subtract_force_tangents`; loads and impact speeds are the workspace's own."""
+
+    loads: NDArray[np.float64]
+    impact_speeds: NDArray[np.float64]
+    coordinates: NDArray[np.int64]  # (joints, 8) those that a joint depends on
+    b: NDArray[np.float64]  # (4, 8)
+    spin_slope: NDArray[np.float64]  # (2, 8)
+    stiffness: NDArray[np.float64]  # (4, 4)
+    damping: NDArray[np.float64]  # (4, 4)
+    product: NDArray[np.float64]  # (4, 8)
+    angle_gradient: NDArray[np.float64]  # (joints, 8)
+
+
+@njit_allocating
+def make_iteration(model, state):
+    """Allocate the arrays of a step."""
+    n, joints = state.q.size, state.joints.size
+    size = n + state.multipliers.size
+    return Iteration(
+        np.zeros(n),
+        np.zeros(n),
+        np.zeros(n),
+        np.zeros(n),
+        np.zeros(state.multipliers.size),
+        np.zeros((size, size)),
+        np.zeros(size),
+        np.zeros(size, dtype=np.int64),
+        np.zeros(state.power.size),
+        np.zeros(joints),
+        np.zeros(joints),
+        np.zeros(joints),
+        np.zeros(joints),
+        np.zeros(n),
+        np.zeros(n),
+        np.zeros(n),
+        np.zeros(state.multipliers.size),
+        np.zeros(state.integrals.size),
+        np.zeros(6),
+    )
+
+
+@njit_allocating
+def make_tangent_scratch(work):
+    """Allocate the arrays of a tangent."""
+    joints = work.impact_speeds.size
+    return TangentScratch(
+        work.loads,
+        work.impact_speeds,
+        np.zeros((joints, 8), dtype=np.int64),
+        np.zeros((4, 8)),
+        np.zeros((2, 8)),
+        np.zeros((4, 4)),
+        np.zeros((4, 4)),
+        np.zeros((4, 8)),
+        np.zeros((joints, 8)),
+    )
+
+
+@njit
+def fill_residual(model, state, it, work, time, scale):
+    """Right-hand side of Newton's equations: minus the scaled residual of dynamics, minus the constraints."""
+    bodies, rows, rhs, force = model.bodies, work.rows, it.rhs, work.force
+    q, multipliers = it.q, it.multipliers
+    m, n = rows.shape
+    copy_into(force, model.gravity_force)
+    joint_forces(model, state.joints, work.impact_speeds, q, it.v, work.loads, force, work.power)
+    constraint_drift(model, q, time, work)
+    for i in range(n):
+        it.scratch_a[i] = 0.0
+    add_mass_product(bodies, it.a, it.scratch_a)
+    for i in range(n):
+        total = force[i] - it.scratch_a[i]
+        for r in range(m):
+            total -= rows[r, i] * multipliers[r]
+        rhs[i] = total
+    for r in range(m):
+        rhs[n + r] = -work.residual[r]
+    for b in range(bodies.size):
+        body = bodies[b]
+        k = body.offset
+        if body.kind == FIXED:
+            for i in range(k, k + 4):
+                rhs[i] = 0.0
+            rhs[n + m + b] = 0.0
+            continue
+        dx, dy = q[k + 2] - q[k], q[k + 3] - q[k + 1]
+        multiplier = multipliers[m + b]
+        rhs[k] += dx * multiplier
+        rhs[k + 1] += dy * multiplier
+        rhs[k + 2] -= dx * multiplier
+        rhs[k + 3] -= dy * multiplier
+        rhs[n + m + b] = -0.5 * (dx * dx + dy * dy - body.length * body.length)
+    for i in range(n):
+        rhs[i] *= scale
+
+
+@njit
+def fill_matrix(model, state, it, work, tangent, mass_weight, damping_weight, scale):
+    """Newton matrix [[scale (mass_weight M + damping_weight C + K), Phi_q^T], [Phi_q, 0]]."""
+    bodies, rows, matrix = model.bodies, work.rows, it.matrix
+    m, n = rows.shape
+    q, multipliers = it.q, it.multipliers
+    matrix[:] = 0.0
+    subtract_force_tangents(model, state.joints, q, it.v, tangent, scale, scale * damping_weight, matrix)
+    for r in range(m):
+        for i in range(n):
+            matrix[n + r, i] = rows[r, i]
+            matrix[i, n + r] = rows[r, i]
+    weight = scale * mass_weight
+    for b in range(bodies.size):
+        body = bodies[b]
+        k = body.offset
+        row = n + m + b
+        if body.kind == FIXED:
+            for i in range(k, k + 4):
+                for c in range(matrix.shape[1]):
+                    matrix[i, c] = 0.0
+                matrix[i, i] = 1.0
+            matrix[row, row] = 1.0
+            continue
+        spring = scale * multipliers[m + b]
+        dx, dy = q[k + 2] - q[k], q[k + 3] - q[k + 1]
+        for axis in range(2):
+            d = dx if axis == 0 else dy
+            turn = -1.0 if axis == 0 else 1.0
+            i, j = k + axis, k + 2 + axis
+            matrix[i, i] += weight * body.m11 + spring
+            matrix[j, j] += weight * body.m22 + spring
+            matrix[i, j] += weight * body.m12 - spring
+            matrix[j, i] += weight * body.m12 - spring
+            matrix[i, k + 3 - axis] += weight * turn * body.n12
+            matrix[j, k + 1 - axis] -= weight * turn * body.n12
+            matrix[row, i], matrix[row, j] = -d, d
+            matrix[i, row], matrix[j, row] = -d, d
+
+
+@njit
+def attempt_step(model, state, it, work, tangent, settings, h):
+    """Solve one step into ``it``; returns the last correction in units of the tolerance (at most 1 if it converged)."""
+    n = state.q.size
+    alpha_m, alpha_f, beta, gamma = settings.alpha_m, settings.alpha_f, settings.beta, settings.gamma
+    q0, v0, a0, x0 = state.q, state.v, state.a, state.algorithmic_a
+    q, v, a, x = it.q, it.v, it.a, it.auxiliary
+    rhs, multipliers = it.rhs, it.multipliers
+    for i in range(n):
+        a[i] = a0[i]
+        x[i] = (a0[i] - alpha_m * x0[i]) / (1.0 - alpha_m)
+        q[i] = q0[i] + h * v0[i] + h * h * ((0.5 - beta) * x0[i] + beta * x[i])
+        v[i] = v0[i] + h * ((1.0 - gamma) * x0[i] + gamma * x[i])
+    copy_into(multipliers, state.multipliers)
+    scale = beta * h * h
+    mass_weight = (1.0 - alpha_m) / (h * h * beta * (1.0 - alpha_f))
+    damping_weight = gamma / (h * beta)
+    time = state.clock[0].time + h
+    size = rhs.size
+    tolerance = settings.newton_tolerance * model.length_scale
+    correction = math.inf
+    for iteration in range(_MOST_ITERATIONS):
+        fill_residual(model, state, it, work, time, scale)
+        fill_matrix(model, state, it, work, tangent, mass_weight, damping_weight, scale)
+        state.clock[0].evaluations += 1
+        state.clock[0].factorizations += 1
+        if not lu_factor(it.matrix, size, it.pivots):
+            return math.inf
+        lu_solve(it.matrix, size, it.pivots, rhs)
+        correction = 0.0
+        for i in range(n):
+            if not abs(rhs[i]) <= correction:
+                correction = abs(rhs[i])
+        relaxation = 0.5 ** (iteration // _ITERATIONS_PER_RELAXATION)
+        for i in range(size):
+            rhs[i] *= relaxation
+        for i in range(n):
+            q[i] += rhs[i]
+            v[i] += damping_weight * rhs[i]
+            a[i] += mass_weight * rhs[i]
+            x[i] += rhs[i] / scale
+        for r in range(size - n):
+            multipliers[r] += rhs[n + r] / scale
+        if correction <= tolerance:
+            break
+        if not math.isfinite(correction):
+            break
+    return correction / tolerance
+
+
+@njit
+def restart(model, state, it, work, settings, h):
+    """Solve accelerations and multipliers afresh at the accepted state, for steps of size ``h``. False if singular."""
+    n = state.q.size
+    # Velocities are O(h^2) off the constraints, which a shorter step would answer with forces of O(h^2 / new step).
+    if not project(model, state.q, state.v, state.clock[0].time, work):
+        return False
+    if not accelerations(model, state.joints, state.q, state.v, state.clock[0].time, work, state.a, state.multipliers):
+        return False
+    shift = (settings.alpha_m - settings.alpha_f) * h
+    for i in range(n):
+        it.scratch_q[i] = state.q[i] + shift * state.v[i] + 0.5 * shift * shift * state.a[i]
+        it.scratch_v[i] = state.v[i] + shift * state.a[i]
+    regular = accelerations(
+        model,
+        state.joints,
+        it.scratch_q,
+        it.scratch_v,
+        state.clock[0].time + shift,
+        work,
+        state.algorithmic_a,
+        it.scratch_multipliers,
+    )
+    state.clock[0].evaluations += 2
+    return regular

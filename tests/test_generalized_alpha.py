@@ -201,6 +201,17 @@ def test_an_absurd_step_fails_with_time_and_remedy_at_the_last_accepted_state(mo
             assert np.array_equal(getattr(simulation.state, name), getattr(before, name))
 
 
+def test_newtons_iteration_converges_fast_with_the_analytic_tangents() -> None:
+    # Quadratic convergence doubles the digits: from a prediction good to h^3 = 1e-9, two corrections and a check.
+    smooth = Simulation(pendulum(), GeneralizedAlpha(step=1e-3))
+    smooth.advance(0.5)
+    assert smooth.state.clock["factorizations"][0] <= 3 * smooth.state.clock["steps"][0]
+    rough = Simulation(build(ArrayParameters()), GeneralizedAlpha(step=1e-4))
+    rough.advance(1.0)
+    assert rough.state.joints["contact_starts"].min() > 5
+    assert rough.state.clock["factorizations"][0] <= 4 * rough.state.clock["steps"][0]
+
+
 def test_an_infinite_force_is_reported_not_returned() -> None:
     simulation = Simulation(pendulum(), GeneralizedAlpha(step=1e-3))
     simulation.set_motor_torque(0, 1e308)

@@ -1,7 +1,8 @@
 """Train a controller that deploys the solar array softly, and compare it with the baselines.
 
-``python train.py`` trains on the rigid-clearance physics and leaves a run folder; ``tensorboard --logdir
-runs`` shows the training, ``python -m agents.evaluate --controllers passive runs/<run>`` compares runs.
+``python train.py`` trains on the rigid-clearance physics, or on those of ``--model``, and leaves a run folder;
+``tensorboard --logdir runs`` shows the training, ``python -m agents.evaluate --controllers passive runs/<run>``
+compares runs.
 """
 
 import shlex
@@ -13,10 +14,11 @@ from typing import Any
 from agents import learn, runs
 from agents.arguments import parse_arguments
 from agents.baselines import make_baseline
-from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env
+from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model
 from agents.evaluate import evaluate, markdown, summarize, write_comparison
 from agents.figures import run_figure
 from agents.rollout import Step, run_episode
+from solar_env.array import DEFAULT_ELEMENTS
 
 BASELINES = ("passive", "brake", "servo")
 
@@ -33,6 +35,10 @@ class Args:
     """seed of networks, exploration and training episodes"""
     env_id: str = DEFAULT_ENV_ID
     """environment id"""
+    model: str | None = None
+    """one of rigid-ideal, rigid-clearance, flexible-ideal, flexible-clearance; None: rigid-clearance"""
+    elements: int | None = None
+    """beam elements of each panel of a flexible model; None: 6"""
     env_kwargs: dict[str, Any] = field(default_factory=dict)
     """environment keywords, for example torque_limit=0.3 observation=privileged"""
     hyperparams: dict[str, Any] = field(default_factory=dict)
@@ -57,8 +63,9 @@ def main(args: Args, command: str) -> Path:
         config = learn.resumed_configuration(args.resume, args.timesteps)
         check_resumable(args, config)
     else:
+        env_kwargs = with_model(args.env_kwargs, args.model, args.elements)
         config = learn.configuration(
-            args.algo, args.env_id, args.env_kwargs, args.seed, args.n_envs, args.timesteps, args.hyperparams
+            args.algo, args.env_id, env_kwargs, args.seed, args.n_envs, args.timesteps, args.hyperparams
         )
     folder = runs.new_run_folder(args.out, config.env_id, config.algo, config.seed)
     print(f"{config.algo} on {config.env_id}, {config.timesteps} steps -> {folder}")
@@ -86,9 +93,14 @@ def check_resumable(args: Args, config: learn.Configuration) -> None:
     Raises:
         ValueError: an argument was given that the resumed run has fixed.
     """
-    for name in ("algo", "env_id", "env_kwargs", "seed", "hyperparams", "n_envs"):
-        given = getattr(args, name)
-        fixed = getattr(config, {"hyperparams": "hyperparameters"}.get(name, name))
+    fixed_values = {
+        **vars(config),
+        "hyperparams": config.hyperparameters,
+        "model": config.env_kwargs.get("model", "rigid-clearance"),
+        "elements": config.env_kwargs.get("elements", DEFAULT_ELEMENTS),
+    }
+    for name in ("algo", "env_id", "model", "elements", "env_kwargs", "seed", "hyperparams", "n_envs"):
+        given, fixed = getattr(args, name), fixed_values[name]
         if given != getattr(Args(), name) and given != fixed:
             raise ValueError(
                 f"--{name.replace('_', '-')} {given} contradicts the run to resume, which has {fixed}; leave it out"

@@ -28,6 +28,19 @@ def with_randomization(env_kwargs: Mapping[str, Any]) -> dict[str, Any]:
     return {"randomize": dict(DEFAULT_RANDOMIZE), **env_kwargs}
 
 
+def with_model(env_kwargs: Mapping[str, Any], model: str | None = None, elements: int | None = None) -> dict[str, Any]:
+    """`env_kwargs` with `model` and `elements`, as the command lines take them, where they are not None.
+
+    Raises:
+        ValueError: `env_kwargs` hold another value of one of the two.
+    """
+    given = {name: value for name, value in (("model", model), ("elements", elements)) if value is not None}
+    for name, value in given.items():
+        if env_kwargs.get(name, value) != value:
+            raise ValueError(f"--{name} {value} contradicts --env-kwargs {name}={env_kwargs[name]}; give one of them")
+    return {**env_kwargs, **given}
+
+
 def make_env(env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, Any] | None = None) -> gymnasium.Env:
     """`gymnasium.make` with a message that says what to do.
 

@@ -4,7 +4,7 @@ import csv
 import math
 import shlex
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ from tqdm import tqdm
 from agents import runs
 from agents.arguments import parse_arguments
 from agents.baselines import BASELINES, make_baseline
-from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_randomization
+from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_randomization
 from agents.rollout import run_episode
 from agents.statistics import Estimate, estimate
 
@@ -49,6 +49,11 @@ class Args:
     """folder for episodes.csv, metrics.json and comparison.md"""
     env_id: str = DEFAULT_ENV_ID
     """environment id"""
+    model: str | None = None
+    """one of rigid-ideal, rigid-clearance, flexible-ideal, flexible-clearance; None: that of the run folders
+    given, else rigid-clearance"""
+    elements: int | None = None
+    """beam elements of each panel of a flexible model; None: that of the run folders, else 6"""
     env_kwargs: dict[str, Any] = field(default_factory=dict)
     """environment keywords; by default those of the run folders given"""
     quiet: bool = False
@@ -102,15 +107,20 @@ def evaluate(
     return rows
 
 
-def common_env_kwargs(controllers: Sequence[str]) -> dict[str, Any]:
+def common_env_kwargs(controllers: Sequence[str], given: Collection[str] = ()) -> dict[str, Any]:
     """The environment keywords on which all run folders among `controllers` agree.
+
+    Args:
+        controllers: As `evaluate` takes them.
+        given: Keywords that are chosen otherwise, and left out.
 
     Raises:
         ValueError: they differ; the physics to compare on must then be given.
     """
+    left_out = {"observation", *given}
     specs = [spec for _, spec in map(split_controller, controllers) if spec not in BASELINES]
     found = [runs.read_config(spec)["env_kwargs"] for spec in specs]
-    physics = [{key: value for key, value in kwargs.items() if key != "observation"} for kwargs in found]
+    physics = [{key: value for key, value in kwargs.items() if key not in left_out} for kwargs in found]
     for spec, kwargs in zip(specs, physics, strict=True):
         if kwargs != physics[0]:
             raise ValueError(
@@ -212,7 +222,10 @@ def _plain(value: Any) -> Any:
 def main(argv: Sequence[str] | None = None) -> None:
     """The command line; see `Args`."""
     args = parse_arguments(Args, argv, prog="python -m agents.evaluate")
-    env_kwargs = with_randomization(args.env_kwargs or common_env_kwargs(args.controllers))
+    given = with_model(args.env_kwargs, args.model, args.elements)
+    env_kwargs = with_randomization(
+        given if args.env_kwargs else {**common_env_kwargs(args.controllers, given), **given}
+    )
     rows = evaluate(args.controllers, args.episodes, args.seed, args.env_id, env_kwargs, progress=not args.quiet)
     command = shlex.join(["python", "-m", "agents.evaluate", *(sys.argv[1:] if argv is None else argv)])
     write_comparison(Path(args.out), rows, {"command": command, **asdict(args), "env_kwargs": env_kwargs})

@@ -14,7 +14,7 @@ from tqdm import tqdm
 from agents import runs
 from agents.arguments import parse_arguments
 from agents.baselines import CONFIGS, BrakeParameters, ServoParameters, make_baseline
-from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_randomization
+from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_randomization
 from agents.rollout import run_episode
 
 PARAMETERS: dict[str, type[BrakeParameters] | type[ServoParameters]] = {
@@ -39,6 +39,10 @@ class Args:
     """seed of the search and of its episodes"""
     env_id: str = DEFAULT_ENV_ID
     """environment id"""
+    model: str | None = None
+    """one of rigid-ideal, rigid-clearance, flexible-ideal, flexible-clearance; None: rigid-clearance"""
+    elements: int | None = None
+    """beam elements of each panel of a flexible model; None: 6"""
     env_kwargs: dict[str, Any] = field(default_factory=dict)
     """environment keywords"""
     quiet: bool = False
@@ -106,7 +110,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     if args.controller not in PARAMETERS:
         raise ValueError(f"nothing to tune in {args.controller!r}; choose from {', '.join(PARAMETERS)}")
     cls = PARAMETERS[args.controller]
-    env_kwargs = with_randomization(args.env_kwargs)
+    env_kwargs = with_randomization(with_model(args.env_kwargs, args.model, args.elements))
     env = make_env(args.env_id, env_kwargs)
 
     def cost(point: np.ndarray, seeds: Sequence[int]) -> float:

@@ -19,10 +19,13 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .mechanics.description import Bearing, Body, CableLoop, Joint, Mechanism, Spring, Stop
+from .mechanics.description import Bearing, Body, CableLoop, FlexibleBody, Joint, Mechanism, Point, Spring, Stop
 from .mechanics.laws import damping_factor, hertz_stiffness
 
-MODELS = ("rigid-ideal", "rigid-clearance")
+MODELS = ("rigid-ideal", "rigid-clearance", "flexible-ideal", "flexible-clearance")
+DEFAULT_ELEMENTS = 6
+
+AnyBody = Body | FlexibleBody
 
 # Parameters for which None is a value.
 _OPTIONAL = ("cable_torque_ratio", "contact_stiffness")
@@ -43,6 +46,9 @@ class ArrayParameters:
         body_size: side of the main body [m].
         panel_length, panel_width, panel_thickness: [m].
         panel_density: [kg/m3].
+        panel_young: modulus of elasticity E of the panels, used by flexible models [Pa].
+        panel_damping: retardation time of the panels' material [s]: stress = E (strain + panel_damping * strain rate)
+            (chosen: it damps kilohertz modes and leaves bending below 100 Hz alone; the paper has none).
         spring_stiffness: torsion springs, by joint [N m/rad].
         spring_preload_angle: angle at which a spring is relaxed, by joint [rad].
         cable_stiffness: closed cable loops between neighbouring joints [N m/rad] (chosen).
@@ -88,6 +94,8 @@ class ArrayParameters:
     panel_width: float = 1.0
     panel_thickness: float = 0.02
     panel_density: float = 200.0
+    panel_young: float = 280e6
+    panel_damping: float = 1e-5
     spring_stiffness: float | tuple[float, ...] = (0.1, 0.075)
     spring_preload_angle: float | tuple[float, ...] = (math.pi / 2, math.pi)
     cable_stiffness: float = 20.0
@@ -122,9 +130,15 @@ class ArrayParameters:
             self._check_type(item.name, getattr(self, item.name), item.default)
         for name in ("body_mass", "body_inertia", "body_size", "panel_length", "panel_width", "panel_thickness"):
             self._require(name, getattr(self, name) > 0.0, "must be positive")
-        for name in ("panel_density", "cable_wheel_radius", "journal_radius", "bearing_width"):
+        for name in ("panel_density", "panel_young", "cable_wheel_radius", "journal_radius", "bearing_width"):
             self._require(name, getattr(self, name) > 0.0, "must be positive")
-        for name in ("cable_stiffness", "cable_preload_force", "friction_coefficient", "wear_coefficient"):
+        for name in (
+            "panel_damping",
+            "cable_stiffness",
+            "cable_preload_force",
+            "friction_coefficient",
+            "wear_coefficient",
+        ):
             self._require(name, getattr(self, name) >= 0.0, "must not be negative")
         self._require("panel_count", 1 <= self.panel_count <= 100, "must lie between 1 and 100")
         self._require("wear_bins", 1 <= self.wear_bins <= 100_000, "must lie between 1 and 100000")
@@ -253,7 +267,7 @@ class ArrayParameters:
 
 PRESETS: dict[str, dict[str, Any]] = {
     "default": {},
-    "paper": {"hinge_y": -0.5, "cable_torque_ratio": 1.0, "friction_sliding": "centres"},
+    "paper": {"hinge_y": -0.5, "cable_torque_ratio": 1.0, "friction_sliding": "centres", "panel_damping": 0.0},
 }
 
 
@@ -268,18 +282,54 @@ def check_model(model: str) -> str:
     return model
 
 
-def build(parameters: ArrayParameters, model: str = "rigid-clearance") -> Mechanism:
-    """Describe the array as a mechanism, folded and at rest.
+def check_elements(elements: int) -> int:
+    """Return ``elements`` if a panel can be divided into so many beam elements.
 
     Raises:
-        ValueError: if the model is unknown.
+        ValueError: otherwise.
+    """
+    FlexibleBody("panel", 1.0, elements, linear_density=1.0, axial_stiffness=1.0, bending_stiffness=1.0)
+    return elements
+
+
+def _panel(parameters: ArrayParameters, name: str, elements: int | None, hinge: Point, angle: float) -> AnyBody:
+    """A panel as a rigid body (``elements`` None) or as a beam."""
+    p = parameters
+    section = p.panel_width * p.panel_thickness
+    if elements is None:
+        mass = p.panel_density * section * p.panel_length
+        inertia = mass * (p.panel_length**2 + p.panel_thickness**2) / 12.0
+        return Body(name, mass, inertia, p.panel_length, (p.panel_length / 2, 0.0), hinge, angle)
+    return FlexibleBody(
+        name,
+        p.panel_length,
+        elements,
+        linear_density=p.panel_density * section,
+        axial_stiffness=p.panel_young * section,
+        bending_stiffness=p.panel_young * section * p.panel_thickness**2 / 12.0,
+        damping=p.panel_damping,
+        position=hinge,
+        angle=angle,
+    )
+
+
+def build(parameters: ArrayParameters, model: str = "rigid-clearance", elements: int = DEFAULT_ELEMENTS) -> Mechanism:
+    """Describe the array as a mechanism, folded and at rest.
+
+    Args:
+        parameters: of the array.
+        model: one of MODELS.
+        elements: of each panel; rigid models do not use it.
+
+    Raises:
+        ValueError: if the model is unknown or the number of elements refused.
     """
     clearance = check_model(model).endswith("clearance")
+    check_elements(elements)
+    panel_elements = elements if model.startswith("flexible") else None
     p = parameters
-    mass = p.panel_density * p.panel_length * p.panel_width * p.panel_thickness
-    inertia = mass * (p.panel_length**2 + p.panel_thickness**2) / 12.0
     # Base points of the main body: below the hinge's height at the centroid, and the hinge itself.
-    bodies = [
+    bodies: list[AnyBody] = [
         Body(
             "main body",
             p.body_mass,
@@ -297,7 +347,7 @@ def build(parameters: ArrayParameters, model: str = "rigid-clearance") -> Mechan
     for k in range(p.panel_count):
         sign = 1 if k % 2 == 0 else -1
         angle = -sign * math.pi / 2
-        bodies.append(Body(f"panel {k + 1}", mass, inertia, p.panel_length, (p.panel_length / 2, 0.0), hinge, angle))
+        bodies.append(_panel(p, f"panel {k + 1}", panel_elements, hinge, angle))
         lock = p.lock_angle(k)
         joints.append(
             Joint(

@@ -5,8 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from .array import ArrayParameters, build
+import numpy as np
+from numpy.typing import NDArray
+
+from .array import DEFAULT_ELEMENTS, ArrayParameters, build
 from .integrators import default_integrator
+from .mechanics.build import compile_mechanism
+from .mechanics.geometry import centreline
 from .mechanics.integrators import Integrator
 from .mechanics.simulation import simulate as simulate_mechanism
 from .mechanics.trajectory import Trajectory
@@ -16,6 +21,7 @@ def simulate(
     parameters: ArrayParameters | Mapping[str, Any] | None = None,
     *,
     model: str = "rigid-clearance",
+    elements: int = DEFAULT_ELEMENTS,
     duration: float = 30.0,
     integrator: Integrator | None = None,
     output_step: float = 0.01,
@@ -25,23 +31,48 @@ def simulate(
 
     Args:
         parameters: a parameter set, or changes to the default one by name.
-        model: "rigid-ideal" or "rigid-clearance".
+        model: one of ``array.MODELS``.
+        elements: beam elements of each panel; rigid models do not use it.
         duration: [s].
         integrator: defaults to :func:`default_integrator` of the model.
         output_step: distance of the samples [s]; independent of the integration step.
         progress: called with the simulated time now and then.
 
     Raises:
-        ValueError: for an unknown model, parameter or value.
+        ValueError: for an unknown model, parameter or value, or a refused number of elements.
         SimulationError: if the run cannot go on.
     """
     if not isinstance(parameters, ArrayParameters):
         parameters = ArrayParameters().with_changes(parameters or {})
     return simulate_mechanism(
-        build(parameters, model),
+        build(parameters, model, elements),
         duration,
         integrator=integrator or default_integrator(model),
         output_step=output_step,
         progress=progress,
-        metadata={"model": model, "parameters": parameters.to_dict()},
+        metadata={"model": model, "elements": elements, "parameters": parameters.to_dict()},
     )
+
+
+def panel_deflections(trajectory: Trajectory) -> NDArray[np.float64]:
+    """Deflection of every panel's middle from the chord between its ends, over the samples of a deployment.
+
+    Args:
+        trajectory: as :func:`simulate` returns it, or loaded from a file.
+
+    Returns:
+        (nt, panels) [m]; positive to the left of the way from the inner hinge to the tip, zero for rigid panels.
+    """
+    details = trajectory.metadata
+    parameters = ArrayParameters().with_changes(details["parameters"])
+    model, _ = compile_mechanism(build(parameters, details["model"], details["elements"]))
+    bodies = range(1, parameters.panel_count + 1)
+    return np.stack([_middle_deflection(centreline(model, trajectory.coordinates, body, 2)) for body in bodies], axis=1)
+
+
+def _middle_deflection(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Distance (nt,) [m] of the middle one of (nt, k, 2) points [m] from the line through the first and the last."""
+    if points.shape[1] == 2:
+        return np.zeros(len(points))
+    chord, arm = points[:, -1] - points[:, 0], points[:, points.shape[1] // 2] - points[:, 0]
+    return (chord[:, 0] * arm[:, 1] - chord[:, 1] * arm[:, 0]) / np.hypot(chord[:, 0], chord[:, 1])

@@ -9,9 +9,10 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from .array import ArrayParameters, build, check_model, main_body_corners
+from .array import DEFAULT_ELEMENTS, ArrayParameters, build, check_elements, check_model, main_body_corners
 from .integrators import default_integrator
 from .mechanics import model as m
+from .mechanics.geometry import centreline
 from .mechanics.joint import ECCENTRICITY_X, ECCENTRICITY_Y, NORMAL
 from .mechanics.simulation import Simulation
 from .render import Renderer, Scene
@@ -28,8 +29,8 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     deploy in time and softly: with little peak force and little wear after latching.
 
     The physics is that of Li, Wang and Huang, Mech. Syst. Signal Process. 117 (2019) 188-209, simulated with adaptive
-    steps of 1e-5 to 1e-2 s between two actions. Everything is deterministic; `reset(seed=...)` fixes the draws of
-    `randomize`.
+    steps between two actions: of 1e-5 to 1e-2 s with rigid panels, of about 1e-5 to 1e-4 s with flexible ones.
+    Everything is deterministic; `reset(seed=...)` fixes the draws of `randomize`.
 
     ## Action Space
 
@@ -97,8 +98,10 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     gymnasium.make("solar_env/Deploy-v0", model="rigid-clearance", randomize={"clearance": (5e-5, 5e-4)})
     ```
 
-    * `model`: "rigid-clearance" (default) or "rigid-ideal", where the joint reactions take the place of contact forces
-      and nothing wears.
+    * `model`: "rigid-clearance" (default), "rigid-ideal", "flexible-clearance" or "flexible-ideal". With ideal joints
+      the joint reactions take the place of contact forces and nothing wears. Flexible panels are beams in the absolute
+      nodal coordinate formulation.
+    * `elements`: number of beam elements of each flexible panel (6), from 1 to 1000; rigid panels do not use it.
     * `parameters`: an `ArrayParameters`, or a mapping of changes to the default ones.
     * `randomize`: mapping of parameter names to (low, high); each reset draws uniformly, by joint where the
       parameter is by joint.
@@ -123,6 +126,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         model: str = "rigid-clearance",
         parameters: ArrayParameters | Mapping[str, Any] | None = None,
         *,
+        elements: int = DEFAULT_ELEMENTS,
         torque_limit: float = 0.5,
         control_period: float = 0.1,
         deadline: float = 20.0,
@@ -137,6 +141,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             ValueError: for an unknown name or a refused value; the message says which.
         """
         self.model = check_model(model)
+        self.elements = check_elements(elements)
         if not isinstance(parameters, ArrayParameters):
             parameters = ArrayParameters().with_changes(parameters or {})
         self.parameters = parameters
@@ -190,7 +195,8 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         if changes.get("panel_count", self.parameters.panel_count) != self.parameters.panel_count:
             raise ValueError("panel_count shapes the observation space; set it when the environment is made")
         self.episode_parameters = self.parameters.with_changes(changes)
-        self._simulation = Simulation(build(self.episode_parameters, self.model), default_integrator(self.model))
+        mechanism = build(self.episode_parameters, self.model, self.elements)
+        self._simulation = Simulation(mechanism, default_integrator(self.model))
         self._charged = (0.0, 0.0)
         self._ended = False
         self._renderer = None
@@ -282,7 +288,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         simulation = self.simulation
         state = simulation.state
         joints = state.joints
-        by_joint = state.integrals[:-1].reshape(joints.size, m.INTEGRALS_PER_JOINT)
+        by_joint = m.joint_integrals(state.integrals)
         locked = float(state.clock["latched_joints"][0] > 0)
         return {
             "latched": bool(joints["latched"].all()),
@@ -313,7 +319,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         return self._renderer.draw(scene)
 
     def _folded_scene(self) -> Scene:
-        folded = Simulation(build(self.episode_parameters, self.model))
+        folded = Simulation(build(self.episode_parameters, self.model, self.elements))
         return _scene(folded, self.episode_parameters, [0.0], [np.zeros(self.episode_parameters.panel_count)])
 
     def _scene(self) -> Scene:
@@ -345,13 +351,13 @@ def _scene(
 ) -> Scene:
     model, state = simulation.model, simulation.state
     loads = simulation.joint_loads()
-    points = state.q.reshape(-1, 2, 2)
+    axes = [centreline(model, state.q, body) for body in range(parameters.panel_count + 1)]
     eccentricity = loads[:, [ECCENTRICITY_X, ECCENTRICITY_Y]]
     return Scene(
         time=simulation.time,
-        main_body=main_body_corners(parameters, points[0]),
-        panels=tuple(points[1 : parameters.panel_count + 1].copy()),
-        hinges=points[1 : parameters.panel_count + 1, 0] - eccentricity,
+        main_body=main_body_corners(parameters, axes[0]),
+        panels=tuple(axes[1:]),
+        hinges=np.array([panel[0] for panel in axes[1:]]) - eccentricity,
         eccentricity=eccentricity,
         clearance=model.joints["clearance"].copy(),
         journal_radius=model.joints["journal_radius"].copy(),

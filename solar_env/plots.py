@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -18,13 +19,16 @@ if TYPE_CHECKING:
     from solar_env.mechanics.trajectory import Trajectory
 
 SUFFIXES = (".pdf", ".png", ".svg")
-HISTORY_WIDTH, BEARING_WIDTH = 7.4, 2.9  # of a column of axes with its labels [inch]
-STORED = ("kinetic", "spring", "cable", "latch", "contact", "gravity")
-PUT_IN = ("motor_work", "cable_work", "drive_work")
-DISSIPATED = ("contact_dissipation", "friction_dissipation", "latch_dissipation")
+HISTORY_WIDTH, BEARING_WIDTH, COMPARED_WIDTH = 7.4, 2.9, 4.4  # of a column of axes with its labels [inch]
+STORED = ("kinetic", "spring", "cable", "latch", "contact", "elastic", "gravity")
+PUT_IN = ("motor_work", "cable_work", "external_work")
+DISSIPATED = ("contact_dissipation", "friction_dissipation", "latch_dissipation", "material_dissipation")
 
 # Okabe and Ito's colours, told apart by colour-blind readers; joint i has colour i modulo 8.
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#8a7f00", "#555555")
+# Of the energies put in, then of what is dissipated, all of it and in the panels' material.
+ENERGY_COLOURS = (*COLOURS[:7], "#555555", "#7b4f2a", "#6a3d9a", "black", "black")
+LEGEND_COLUMNS = 7  # entries that one line of the energies' legend has room for
 FAINT, BEARING, JOURNAL = "#c8ced6", "#7c8896", "#d55e00"
 STYLE: Any = {  # not dict[str, Any]: Matplotlib lists the names that a key may have in its type
     "font.size": 8,
@@ -47,25 +51,23 @@ STYLE: Any = {  # not dict[str, Any]: Matplotlib lists the names that a key may 
 DATE_KEY = {".pdf": "CreationDate", ".svg": "Date"}
 
 
-def plot_deployment(trajectory: Trajectory, path: str | Path) -> None:
+def plot_deployment(trajectory: Trajectory, path: str | Path, deflections: NDArray[np.float64] | None = None) -> None:
     """Write one figure of a deployment: what moved, what hit, what it cost.
 
     Against time: angles with the latch times dotted, contact force of each joint (samples, and each contact's
-    peak as a stem; of an ideal joint the joint force), latch and cable torques, energies and the residual of
-    their balance. Of each joint with clearance also the path of the journal in the bearing and the wear round
-    both surfaces. The same trajectory gives the same file.
+    peak as a stem; of an ideal joint the joint force), latch and cable torques, deflections of flexible panels,
+    energies and the residual of their balance. Of each joint with clearance also the path of the journal in the
+    bearing and the wear round both surfaces. The same trajectory gives the same file.
 
     Args:
         trajectory: of any number of joints.
         path: file to write; its suffix, .pdf, .png or .svg, chooses the format.
+        deflections: (nt, panels) of the panels' middles from their chords [m]; None leaves them out.
 
     Raises:
         ValueError: the suffix is none of these.
     """
-    path = Path(path)
-    suffix = path.suffix.lower()
-    if suffix not in SUFFIXES:
-        raise ValueError(f"no figure format for {str(path)!r}: end the name in one of {', '.join(SUFFIXES)}")
+    suffix = _checked_suffix(path)
 
     import matplotlib as mpl
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -73,14 +75,99 @@ def plot_deployment(trajectory: Trajectory, path: str | Path) -> None:
 
     loose = np.flatnonzero(trajectory.clearance > 0.0)
     columns = 0 if len(loose) == 0 else 1 if len(loose) < 3 else 2
+    rows = len(trajectory.clearance) + (6 if deflections is None else 7)
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(HISTORY_WIDTH + BEARING_WIDTH * columns, 1.25 * (len(trajectory.clearance) + 6)))
+        figure = Figure(figsize=(HISTORY_WIDTH + BEARING_WIDTH * columns, 1.25 * rows))
         FigureCanvasAgg(figure)
-        _draw_histories(figure, trajectory)
+        _draw_histories(figure, trajectory, deflections)
         if columns > 0:
             _draw_bearings(figure, trajectory, loose, columns)
-        metadata = {DATE_KEY[suffix]: None} if suffix in DATE_KEY else {}
-        figure.savefig(path, dpi=160, metadata=metadata)
+        _save(figure, path, suffix)
+
+
+def plot_comparison(
+    trajectories: Sequence[Trajectory],
+    deflections: Sequence[NDArray[np.float64]],
+    path: str | Path,
+    window: tuple[float, float] = (-0.2, 3.0),
+) -> None:
+    """Write one figure of several deployments side by side: a column each, titled by its model.
+
+    Angles against time; then, from shortly before the first latching to some seconds after it, the contact force
+    of each joint (samples, and each contact's peak as a stem) and the deflections of the panels. A row has one
+    scale. The same trajectories give the same file.
+
+    Args:
+        trajectories: of the same number of joints, with the model's name in their metadata.
+        deflections: of each trajectory, (nt, panels) of the panels' middles from their chords [m].
+        path: file to write; its suffix, .pdf, .png or .svg, chooses the format.
+        window: what is shown of the time since the first latching [s].
+
+    Raises:
+        ValueError: the suffix is none of these, or no joint of a trajectory has latched.
+    """
+    suffix = _checked_suffix(path)
+    for trajectory in trajectories:
+        if np.all(np.isnan(trajectory.latch_times)):
+            raise ValueError(f"no joint of {trajectory.metadata['model']} has latched; simulate for longer")
+
+    import matplotlib as mpl
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    joints = len(trajectories[0].clearance)
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(COMPARED_WIDTH * len(trajectories) + 0.4, 1.4 * (joints + 2) + 1.0))
+        FigureCanvasAgg(figure)
+        edges = (0.75, 0.45, figure.get_figwidth() - 0.2, -0.3)
+        grid = _cells(figure, joints + 2, len(trajectories), edges, hspace=0.36, wspace=0.1)
+        axes = grid.subplots(sharex="row", sharey="row", squeeze=False)
+        for column, trajectory, bend in zip(axes.T, trajectories, deflections, strict=True):
+            _draw_compared(column, trajectory, bend, window)
+        for axis in axes[:, 0]:
+            axis.yaxis.set_label_coords(-0.45 / (COMPARED_WIDTH - 0.5), 0.5)
+        for axis in axes[:, 1:].flat:
+            axis.set_ylabel("")
+        axes[0, 0].legend([f"joint {joint + 1}" for joint in range(joints)], loc="upper left")
+        _save(figure, path, suffix)
+
+
+def _draw_compared(
+    axes: NDArray[Any], trajectory: Trajectory, deflections: NDArray[np.float64], window: tuple[float, float]
+) -> None:
+    """A column of :func:`plot_comparison`; axes (joints + 2,) from the top."""
+    angles, *forces, bends = axes
+    angles.set_title(trajectory.metadata["model"])
+    _draw_per_joint(angles, trajectory.time, np.degrees(trajectory.angles), "angle [deg]")
+    angles.set_xlabel("time [s]")
+    angles.set_xlim(trajectory.time[0], trajectory.time[-1])
+    latching = float(np.nanmin(trajectory.latch_times))
+    since = trajectory.time - latching
+    for joint, axis in enumerate(forces):
+        colour = COLOURS[joint % len(COLOURS)]
+        contacts = trajectory.contacts[trajectory.contacts["joint"] == joint]
+        stems = axis.vlines(contacts["start_s"] - latching, 0.0, contacts["peak_force"], color=colour, linewidth=0.5)
+        stems.set(alpha=0.45, rasterized=True)
+        axis.plot(since, trajectory.normal_force[:, joint], color=colour, linewidth=0.8)
+        axis.set_ylabel(f"contact force\njoint {joint + 1} [N]")
+        axis.tick_params(labelbottom=False)
+    _draw_per_joint(bends, since, 1e3 * deflections, "deflection of\npanel [mm]")
+    bends.set_xlabel("time since the first latching [s]")
+    for axis in (*forces, bends):
+        axis.set_xlim(window)
+
+
+def _checked_suffix(path: str | Path) -> str:
+    """The suffix of a file name if it is one of SUFFIXES, else a ValueError."""
+    suffix = Path(path).suffix.lower()
+    if suffix not in SUFFIXES:
+        raise ValueError(f"no figure format for {str(path)!r}: end the name in one of {', '.join(SUFFIXES)}")
+    return suffix
+
+
+def _save(figure: Figure, path: str | Path, suffix: str) -> None:
+    """Write a figure without the date, so that the same data give the same file."""
+    figure.savefig(path, dpi=160, metadata={DATE_KEY[suffix]: None} if suffix in DATE_KEY else {})
 
 
 def _cells(figure: Figure, rows: int, columns: int, edges: tuple[float, float, float, float], **how: Any) -> Any:
@@ -101,13 +188,15 @@ def _cells(figure: Figure, rows: int, columns: int, edges: tuple[float, float, f
     )
 
 
-def _draw_histories(figure: Figure, trajectory: Trajectory) -> None:
+def _draw_histories(figure: Figure, trajectory: Trajectory, deflections: NDArray[np.float64] | None) -> None:
     joints = trajectory.angles.shape[1]
-    heights = [1.2, *[0.9] * joints, 0.8, 0.8, 1.4, 0.7]
+    bent = [] if deflections is None else [0.9]
+    heights = [1.2, *[0.9] * joints, 0.8, 0.8, *bent, 1.4, 0.7]
     edges = (0.85, 0.45, HISTORY_WIDTH - 0.1, -0.12)
     grid = _cells(figure, len(heights), 1, edges, height_ratios=heights, hspace=0.2)
     axes = grid.subplots(sharex=True)
-    angles, *forces, latch, cable, energies, residual = axes
+    angles, *forces = axes[: joints + 1]
+    latch, cable, *bends, energies, residual = axes[joints + 1 :]
     _draw_per_joint(angles, trajectory.time, np.degrees(trajectory.angles), "angle [deg]")
     angles.legend([f"joint {joint + 1}" for joint in range(joints)], loc="upper left", ncols=4)
     for joint, lock in enumerate(trajectory.latch_times):
@@ -116,6 +205,8 @@ def _draw_histories(figure: Figure, trajectory: Trajectory) -> None:
         _draw_force(axis, trajectory, joint)
     _draw_per_joint(latch, trajectory.time, trajectory.latch_torque, "latch torque\n[N m]")
     _draw_per_joint(cable, trajectory.time, trajectory.cable_torque, "cable torque\n[N m]")
+    if deflections is not None:
+        _draw_per_joint(bends[0], trajectory.time, 1e3 * deflections, "deflection of\npanel [mm]")
     _draw_energies(energies, trajectory)
     residual.plot(trajectory.time, trajectory.energies["residual"], color="black", linewidth=0.8)
     residual.set_ylabel("energy\nresidual [J]")
@@ -152,13 +243,19 @@ def _draw_energies(axis: Axes, trajectory: Trajectory) -> None:
     energies = trajectory.energies
     curves = {name: energies[name] for name in (*STORED, *PUT_IN)}
     curves["dissipated"] = np.sum([energies[name] for name in DISSIPATED], axis=0)
+    curves["in the material"] = energies["material_dissipation"]
     largest = max(float(np.max(np.abs(curve))) for curve in curves.values())
-    for colour, (name, curve) in zip((*COLOURS, "#7b4f2a", "black"), curves.items(), strict=True):
+    for colour, (name, curve) in zip(ENERGY_COLOURS, curves.items(), strict=True):
         if np.max(np.abs(curve)) > 1e-3 * largest:  # a curve that would lie on the axis only fills the legend
-            style = "--" if name in PUT_IN else "-"
+            style = "--" if name in PUT_IN else ":" if name == "in the material" else "-"
             axis.plot(trajectory.time, curve, style, color=colour, label=name.replace("_", " "))
     axis.set_ylabel("energy [J]")
-    axis.legend(loc="upper left", bbox_to_anchor=(0.0, 1.12), ncols=6, columnspacing=1.2, handlelength=1.4)
+    # The first line of the legend lies above the axes, the others in room made for them.
+    bottom, top = axis.get_ylim()
+    more_lines = (len(axis.lines) - 1) // LEGEND_COLUMNS
+    axis.set_ylim(bottom, top + 0.13 * more_lines * (top - bottom))
+    place: Any = {"loc": "upper left", "bbox_to_anchor": (0.0, 1.12)}
+    axis.legend(**place, ncols=LEGEND_COLUMNS, columnspacing=1.2, handlelength=1.4)
 
 
 def _draw_bearings(figure: Figure, trajectory: Trajectory, loose: NDArray[np.intp], columns: int) -> None:

@@ -19,7 +19,9 @@ from solar_env.mechanics.description import (
     Bearing,
     Body,
     CableLoop,
+    FlexibleBody,
     Joint,
+    Load,
     Mechanism,
     Point,
     Spring,
@@ -29,7 +31,7 @@ from solar_env.mechanics.integrators import GeneralizedAlpha, RungeKutta
 from solar_env.mechanics.joint import ANGLE, joint_forces
 from solar_env.mechanics.recording import make_recorder
 from solar_env.mechanics.simulation import Simulation
-from solar_env.mechanics.system import make_workspace, stored_energies
+from solar_env.mechanics.system import add_mass_products, make_workspace, stored_energies
 
 Vector = NDArray[np.float64]
 
@@ -157,6 +159,14 @@ def rotor(torque_angle: float = 1.0) -> Mechanism:
     return Mechanism((wheel,), (pin,))
 
 
+def beam_rotor(lock_angle: float) -> Mechanism:
+    """A beam on an ideal pin at its end, at rest, with a latch."""
+    beam = FlexibleBody("beam", 1.0, 2, 0.8, axial_stiffness=400.0, bending_stiffness=2.0, damping=1e-3)
+    stop = Stop(gap=0.01, stiffness=100.0, exponent=1.5, ramp_depth=1e-3, damping=0.1)
+    pin = Joint("pin", GROUND, "beam", (0.0, 0.0), (0.0, 0.0), stop=stop, lock_angle=lock_angle)
+    return Mechanism((beam,), (pin,), loads=(Load("beam", (1.0, 0.0), (0.1, 0.3), 0.2),), gravity=(0.0, -1.0))
+
+
 class Forces:
     """Forces, loads, powers and stored energies of a compiled mechanism as functions of its state."""
 
@@ -164,6 +174,14 @@ class Forces:
         self.model, self.state = compile_mechanism(mechanism)
         self.work = make_workspace(self.model, self.state)
         self.work.impact_speeds[:] = impact_speed
+
+    @classmethod
+    def of(cls, simulation: Simulation) -> Forces:
+        """Those of a simulation, at its own state."""
+        forces = cls.__new__(cls)
+        forces.model, forces.state = simulation.model, simulation.state
+        forces.work = make_workspace(forces.model, forces.state)
+        return forces
 
     def force(self, q: Vector, v: Vector) -> Vector:
         """Generalized force of all joints, gravity left out; loads and powers are left in ``work``."""
@@ -174,7 +192,7 @@ class Forces:
         return total
 
     def stored(self, q: Vector, v: Vector) -> Vector:
-        """The six stored energies."""
+        """The stored energies."""
         self.force(q, v)
         energies = np.zeros(len(m.ENERGY_NAMES))
         stored_energies(self.model, self.state.joints, q, v, self.work.loads, energies)
@@ -182,7 +200,32 @@ class Forces:
 
     def integral_powers(self) -> Vector:
         """(joints, INTEGRALS_PER_JOINT) powers of the last evaluation."""
-        return self.work.power[:-1].reshape(-1, m.INTEGRALS_PER_JOINT)
+        return m.joint_integrals(self.work.power)
+
+    def constraint_rows(self) -> Vector:
+        """(m, n) linear constraint rows of the last evaluation, drives included."""
+        constraints = self.model.constraints
+        rows = np.zeros((constraints.size.size, self.state.q.size))
+        for r, size in enumerate(constraints.size):
+            np.add.at(rows[r], constraints.coordinate[r, :size], self.work.row_value[r, :size])
+        return rows
+
+    def mass_product(self, a: Vector) -> Vector:
+        """M a, zero for fixed bodies."""
+        out = np.zeros_like(a)
+        add_mass_products(self.model, a, out)
+        return out
+
+
+def rigid_motions(model: m.Model, q: Vector) -> Vector:
+    """(3, n) velocities when everything moves as one body: along x, along y, and about the origin."""
+    along = np.zeros_like(q)
+    ends = [*model.bodies["offset"][1:], q.size]
+    for body, end in zip(model.bodies, ends, strict=True):
+        # The slopes of a flexible body's nodes do not change in a translation.
+        along[body["offset"] : end : 4 if body["kind"] == m.FLEXIBLE else 2] = 1.0
+    turn = np.stack([-q[1::2], q[0::2]], axis=1).ravel()
+    return np.stack([along, np.roll(along, 1), turn])
 
 
 def central_difference(function: Callable[[Vector], Vector], x: Vector, step: float = 2e-4) -> Vector:
@@ -244,6 +287,10 @@ def in_miniature() -> None:
             ("rigid-ideal", build(p, "rigid-ideal"), 0.1, 0.01),
             ("rigid-clearance", build(p, "rigid-clearance"), 0.1, 0.015),
             ("latching", rotor(0.01), 100.0, 0.03),
+            ("flexible-ideal", build(p, "flexible-ideal", 2), 0.1, 0.004),
+            # In flight: the steps of an impact on a beam are chosen by errors so small that rounding decides.
+            ("flexible-clearance", build(ArrayParameters(wear_bins=8), "flexible-clearance", 1), 0.1, 0.002),
+            ("latching-beam", beam_rotor(0.01), 1.0, 0.1),
         ):
             simulation = Simulation(mechanism, integrator)
             simulation.set_motor_torque(0, torque)

@@ -16,10 +16,11 @@ from agents.baselines import (
     load_parameters,
     make_baseline,
 )
-from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_randomization
+from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_randomization
 from agents.rollout import episode_figures, run_episode
 from agents.statistics import estimate, interquartile_mean
 from agents.tune import from_unit, to_unit, tune
+from solar_env.array import MODELS
 
 NAMES = (
     "theta_1",
@@ -147,8 +148,10 @@ def test_environment_without_tuned_parameters_names_the_command():
         load_parameters(ServoParameters, "servo", "other/Env-v0")
 
 
+@pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("name", BASELINES)
-def test_every_baseline_deploys_the_nominal_array(env, name):
+def test_every_baseline_deploys_the_nominal_array(model, name):
+    env = make_env(env_kwargs=with_model({}, model, elements=1))
     figures = run_episode(env, make_baseline(name, env), seed=0)
     assert figures["latched"]
     assert figures["latch_times_s"] <= 20.0
@@ -246,6 +249,30 @@ def test_seeds_beyond_their_block_are_refused(seed, count):
 def test_given_ranges_replace_the_default_ones():
     assert set(with_randomization({})["randomize"]) == {"clearance", "friction_coefficient"}
     assert with_randomization({"randomize": None})["randomize"] is None
+
+
+def test_model_and_elements_join_the_environments_keywords():
+    assert with_model({"torque_limit": 0.3}) == {"torque_limit": 0.3}
+    assert with_model({}, "flexible-ideal", 2) == {"model": "flexible-ideal", "elements": 2}
+    assert with_model({"elements": 2}, "flexible-ideal", 2) == {"model": "flexible-ideal", "elements": 2}
+    with make_env(env_kwargs=with_model({}, "flexible-ideal", 2)) as made:
+        assert (made.unwrapped.model, made.unwrapped.elements) == ("flexible-ideal", 2)
+
+
+@pytest.mark.parametrize(
+    ("keywords", "option", "message"),
+    [
+        (
+            {"model": "rigid-ideal"},
+            {"model": "flexible-ideal"},
+            "--model flexible-ideal contradicts --env-kwargs model",
+        ),
+        ({"elements": 3}, {"elements": 2}, "--elements 2 contradicts --env-kwargs elements=3"),
+    ],
+)
+def test_options_that_contradict_the_keywords_are_refused(keywords, option, message):
+    with pytest.raises(ValueError, match=message):
+        with_model(keywords, **option)
 
 
 def test_unknown_environment_names_those_there_are():

@@ -11,9 +11,22 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solar_env.array import MODELS, PRESETS, ArrayParameters, build, check_model, main_body_corners
-from solar_env.deployment import simulate
+from solar_env.array import (
+    DEFAULT_ELEMENTS,
+    MODELS,
+    PRESETS,
+    ArrayParameters,
+    build,
+    check_elements,
+    check_model,
+    main_body_corners,
+)
+from solar_env.deployment import panel_deflections, simulate
 from solar_env.integrators import INTEGRATORS, default_integrator, make_integrator
+from solar_env.mechanics import model as m
+from solar_env.mechanics.build import compile_mechanism
+from solar_env.mechanics.description import FlexibleBody
+from solar_env.mechanics.geometry import centreline
 from solar_env.mechanics.integrators import GeneralizedAlpha
 from solar_env.mechanics.joint import ANGLE, point
 from solar_env.mechanics.simulation import Simulation
@@ -58,6 +71,7 @@ def test_what_is_not_a_finite_number_is_refused_by_name(name: str, value: Any) -
         "panel_width",
         "panel_thickness",
         "panel_density",
+        "panel_young",
         "cable_wheel_radius",
         "journal_radius",
         "bearing_width",
@@ -84,6 +98,7 @@ def test_what_must_be_positive_is_refused_otherwise_by_name_and_value(name: str,
 @pytest.mark.parametrize(
     "name",
     [
+        "panel_damping",
         "cable_stiffness",
         "cable_preload_force",
         "cable_torque_ratio",
@@ -217,10 +232,14 @@ def test_at_its_lock_angles_the_array_is_straight_and_stands_off_the_body(panels
     mechanism = build(p, model)
     simulation = Simulation(mechanism)
     # Set the coordinates of the deployed array by hand: every panel along +x from the hinge.
-    q = simulation.state.q
-    for k in range(panels):
+    for k, body in enumerate(simulation.model.bodies[1:]):
         start = 0.5 + k * p.panel_length
-        q[4 * (k + 1) : 4 * (k + 2)] = start, 0.0, start + p.panel_length, 0.0
+        q = simulation.state.q[body["offset"] : body["offset"] + body["coordinates"]]
+        if body["kind"] == m.FLEXIBLE:
+            stations = np.linspace(0.0, p.panel_length, DEFAULT_ELEMENTS + 1)
+            q[:] = np.column_stack([start + stations, 0.0 * stations, stations**0, 0.0 * stations]).ravel()
+        else:
+            q[:] = start, 0.0, start + p.panel_length, 0.0
     bearings, journals = joint_points(simulation)
     assert journals == pytest.approx(bearings, abs=1e-14)
     locks = [p.lock_angle(k) for k in range(panels)]
@@ -255,10 +274,67 @@ def test_masses_and_centroids() -> None:
     assert panel.centroid == (0.75, 0.0)
 
 
-def test_only_the_clearance_model_has_bearings() -> None:
+@pytest.mark.parametrize("panels", ["rigid", "flexible"])
+def test_only_the_clearance_models_have_bearings(panels: str) -> None:
     p = ArrayParameters()
-    assert all(joint.bearing is None for joint in build(p, "rigid-ideal").joints)
-    assert [joint.bearing for joint in build(p, "rigid-clearance").joints] == [p.bearing(0), p.bearing(1)]
+    assert all(joint.bearing is None for joint in build(p, f"{panels}-ideal").joints)
+    assert [joint.bearing for joint in build(p, f"{panels}-clearance").joints] == [p.bearing(0), p.bearing(1)]
+
+
+def test_flexible_panels_have_the_mass_of_rigid_ones_and_the_stiffness_of_their_section() -> None:
+    p = ArrayParameters(panel_width=1.2, panel_thickness=0.03, panel_damping=2e-5)
+    for panel in build(p, "flexible-ideal", 3).bodies[1:]:
+        assert isinstance(panel, FlexibleBody)
+        assert (panel.length, panel.elements, panel.damping) == (1.5, 3, 2e-5)
+        assert panel.linear_density * panel.length == pytest.approx(200.0 * 1.5 * 1.2 * 0.03, rel=1e-14)
+        assert panel.axial_stiffness == pytest.approx(280e6 * 1.2 * 0.03, rel=1e-14)
+        assert panel.bending_stiffness == pytest.approx(280e6 * 1.2 * 0.03**3 / 12.0, rel=1e-14)
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("elements", [0, -1, 1001, 2.0, "6", True, None])
+def test_a_refused_number_of_elements_is_named_whatever_the_model(model: str, elements: Any) -> None:
+    calls = (check_elements, lambda n: build(ArrayParameters(), model, n), lambda n: simulate(model=model, elements=n))
+    for call in calls:
+        with pytest.raises(ValueError, match=rf"elements = {re.escape(repr(elements))}: must"):
+            call(elements)
+
+
+@pytest.mark.parametrize("elements", [1, 7])
+def test_elements_divide_flexible_panels_only(elements: int) -> None:
+    assert check_elements(elements) == elements
+    for model in MODELS:
+        bodies = compile_mechanism(build(ArrayParameters(), model, elements))[0].bodies
+        assert bodies["elements"].tolist() == [0] + 2 * [elements if model.startswith("flexible") else 0]
+
+
+@pytest.mark.parametrize("elements", [1, 2, 5])
+def test_deflections_are_those_of_the_panels_middles_from_their_chords(elements: int) -> None:
+    run = simulate(model="flexible-ideal", elements=elements, duration=0.02)
+    model, _ = compile_mechanism(build(ArrayParameters(), "flexible-ideal", elements))
+    # Parabolas over the chords, which cubics represent: the middle lies 1/4 of the end slopes' length off.
+    stations = np.linspace(0.0, 1.5, elements + 1)
+    angle = np.array([0.3, -1.2])
+    for body, height in ((1, 0.01), (2, -0.03)):
+        record = model.bodies[body]
+        along, across = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
+        shape, slope = (
+            4.0 * height * stations / 1.5 * (1.0 - stations / 1.5),
+            4.0 * height / 1.5 * (1.0 - 2.0 * stations / 1.5),
+        )
+        positions = stations[:, None] * along[:, 0] + shape[:, None] * across[:, 0] + 5.0
+        slopes = along[:, 0] + slope[:, None] * across[:, 0]
+        run.coordinates[:, record["offset"] : record["offset"] + record["coordinates"]] = np.hstack(
+            [positions, slopes]
+        ).ravel()
+        middle = centreline(model, run.coordinates[0], body, 2)[elements]
+        assert middle == pytest.approx(0.75 * along[:, 0] + height * across[:, 0] + 5.0, abs=1e-13)
+    assert panel_deflections(run) == pytest.approx(np.tile([0.01, -0.03], (len(run.time), 1)), abs=1e-13)
+
+
+def test_rigid_panels_do_not_deflect() -> None:
+    run = simulate(duration=0.05)
+    assert np.array_equal(panel_deflections(run), np.zeros((len(run.time), 2)))
 
 
 @pytest.mark.parametrize("hinge", [(0.5, 0.0), (-0.5, 0.2), (0.0, 0.3)])
@@ -311,4 +387,14 @@ def test_a_deployment_takes_parameters_or_changes_and_keeps_them() -> None:
     assert changed.coordinates.tobytes() == given.coordinates.tobytes()
     assert changed.metadata["parameters"] == ArrayParameters(clearance=3e-4).to_dict()
     assert changed.clearance.tolist() == [3e-4, 3e-4]
-    assert changed.metadata["model"] == "rigid-clearance"
+    assert (changed.metadata["model"], changed.metadata["elements"]) == ("rigid-clearance", DEFAULT_ELEMENTS)
+
+
+@pytest.mark.parametrize("model", ["flexible-ideal", "flexible-clearance"])
+def test_a_flexible_deployment_has_the_coordinates_of_its_nodes_and_repeats_to_the_bit(model: str) -> None:
+    first, second = (simulate(model=model, elements=3, duration=0.3) for _ in range(2))
+    assert first.coordinates.shape == (31, 4 + 2 * 16)
+    assert first.coordinates.tobytes() == second.coordinates.tobytes()
+    assert first.metadata["elements"] == 3
+    assert first.energies["elastic"].max() > 0.0
+    assert first.energy_residual < 1e-4 * first.energy_put_in

@@ -10,7 +10,10 @@ import numpy as np
 import pytest
 
 from solar_env.__main__ import main
+from solar_env.array import MODELS
+from solar_env.commands import figures
 from solar_env.commands.simulate import parse_changes
+from solar_env.deployment import simulate
 
 REQUIRED_KEYS = {
     "model",
@@ -29,28 +32,36 @@ REQUIRED_KEYS = {
 }
 
 
-def test_simulate_writes_summary_trajectory_and_figure(tmp_path):
+@pytest.mark.parametrize("model", MODELS)
+def test_simulate_writes_summary_trajectory_and_figure(tmp_path, model):
     from solar_env import Trajectory
 
     files = {name: tmp_path / f"run.{name}" for name in ("json", "npz", "png")}
     status = main(
-        ["simulate", "--duration", "14", "--set", "clearance=1e-4,2e-4", "friction_coefficient=0.1",
+        ["simulate", "--model", model, "--elements", "2", "--duration", "4",
+         "--set", "clearance=1e-4,2e-4", "friction_coefficient=0.1", "spring_stiffness=2",
          "--json", str(files["json"]), "--out", str(files["npz"]), "--plot", str(files["png"])]
     )  # fmt: skip
     assert status == 0
     summary = json.loads(files["json"].read_text())
     assert set(summary) >= REQUIRED_KEYS
-    assert (summary["model"], summary["status"]) == ("rigid-clearance", "completed")
+    assert (summary["model"], summary["status"]) == (model, "completed")
+    assert None not in summary["latch_times_s"]
     trajectory = Trajectory.load(files["npz"])
     assert trajectory.summary() == summary
-    assert np.array_equal(trajectory.clearance, [1e-4, 2e-4])
+    assert np.array_equal(trajectory.clearance, [1e-4, 2e-4] if model.endswith("clearance") else [0.0, 0.0])
+    assert trajectory.metadata["elements"] == 2
+    assert trajectory.coordinates.shape[1] == (4 + 2 * 12 if model.startswith("flexible") else 12)
     assert files["png"].stat().st_size > 10_000
 
 
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--model", "rigid"], ["rigid", "rigid-ideal"]),
+        (["--model", "rigid"], ["rigid", "rigid-ideal", "flexible-clearance"]),
+        (["--elements", "0"], ["elements", "0"]),
+        (["--model", "flexible-ideal", "--elements", "1001"], ["elements", "1001"]),
+        (["--set", "panel_young=0"], ["panel_young", "0"]),
         (["--set", "clearence=1e-4"], ["clearence", "clearance"]),
         (["--set", "clearance"], ["clearance", "key=value"]),
         (["--set", "clearance=0"], ["clearance", "positive"]),
@@ -74,8 +85,37 @@ def test_wrong_input_exits_with_2_and_names_the_thing(arguments, words, capsys):
         assert word in message
 
 
-def test_a_run_that_cannot_go_on_exits_with_2_and_says_when_and_why(capsys):
-    assert main(["simulate", "--duration", "2", "--integrator", "paper", "--step", "0.05"]) == 2
+@pytest.mark.parametrize("integrator", ["generalized-alpha", "paper"])
+@pytest.mark.parametrize("model", MODELS)
+def test_every_model_runs_with_the_other_integrators_too(model, integrator, capsys):
+    arguments = ["--model", model, "--elements", "1", "--duration", "0.05", "--integrator", integrator]
+    assert main(["simulate", *arguments, "--json", "-"]) == 0
+    summary = json.loads(capsys.readouterr().out)
+    expected = simulate(model=model, elements=1, duration=0.05).angles[-1]
+    # The fixed step of 0.1 ms is coarse for the first impacts of the journals.
+    assert summary["theta_end_rad"] == pytest.approx(expected, rel=0.3 if model.endswith("clearance") else 1e-2)
+    assert summary["energy_residual_J"] < 1e-4
+
+
+def test_warmup_names_every_model_and_environment(capsys):
+    assert main(["warmup"]) == 0
+    printed = capsys.readouterr().out
+    for name in (*MODELS, "solar_env/Deploy-v0"):
+        assert name in printed
+
+
+def test_figures_draws_every_picture(tmp_path, monkeypatch):
+    # Just beyond the latching, which the pictures need.
+    monkeypatch.setattr(figures, "FRAME_TIME", 0.5)
+    monkeypatch.setattr(figures, "COMPARED_TIME", 12.4)
+    assert main(["figures", "--out", str(tmp_path / "new")]) == 0
+    assert {path.name for path in (tmp_path / "new").iterdir()} == set(figures.PICTURES)
+    assert {path.name for path in figures.FOLDER.iterdir()} == set(figures.PICTURES), "those of the package"
+
+
+@pytest.mark.parametrize("model", ["rigid-clearance", "flexible-clearance"])
+def test_a_run_that_cannot_go_on_exits_with_2_and_says_when_and_why(capsys, model):
+    assert main(["simulate", "--model", model, "--duration", "2", "--integrator", "paper", "--step", "0.05"]) == 2
     message = capsys.readouterr().err
     assert "at t =" in message
     assert "Newton" in message

@@ -17,8 +17,10 @@ from solar_env.mechanics.description import (
     Body,
     CableLoop,
     Drive,
+    FlexibleBody,
     Guide,
     Joint,
+    Load,
     Mechanism,
     Spring,
     Stop,
@@ -35,16 +37,21 @@ OTHER = replace(JOINT, name="other")
 CABLE = CableLoop("pin", "other", 1.0, 2.0, 2.0)
 GUIDE = Guide("arm", (0.0, 0.0), (0.0, 1.0))
 DRIVE = Drive("arm", 0.0, 1.0)
-MECHANISM = Mechanism((BODY,), (JOINT, OTHER), (CABLE,), (GUIDE,), (DRIVE,))
-PARTS: list[Any] = [BODY, SPRING, STOP, BEARING, JOINT, CABLE, GUIDE, DRIVE, MECHANISM]
+LOAD = Load("arm", (0.1, 0.0), (1.0, 2.0), 0.3)
+BEAM = FlexibleBody("beam", 1.5, 4, linear_density=0.8, axial_stiffness=5.0, bending_stiffness=0.6)
+MECHANISM = Mechanism((BODY, BEAM), (JOINT, OTHER), (CABLE,), (GUIDE,), (DRIVE,), (LOAD,))
+PARTS: list[Any] = [BODY, BEAM, SPRING, STOP, BEARING, JOINT, CABLE, GUIDE, DRIVE, LOAD, MECHANISM]
 
 NOT_POSITIVE = {
     BODY: ("mass", "inertia", "length"),
+    BEAM: ("length", "linear_density", "axial_stiffness", "bending_stiffness"),
     STOP: ("stiffness", "ramp_depth"),
     BEARING: ("clearance", "journal_radius", "stiffness", "minimum_impact_speed", "width"),
     CABLE: ("wheel_ratio",),
 }
 NEGATIVE = {
+    BEAM: ("damping",),
+    DRIVE: ("ramp_time",),
     SPRING: ("stiffness",),
     STOP: ("gap", "damping"),
     BEARING: ("damping_factor", "friction_coefficient", "wear_coefficient"),
@@ -121,8 +128,28 @@ def test_a_latch_or_stow_stop_needs_a_stop(name: str) -> None:
     refuses(bare, name, 1.0, "needs a stop")
 
 
-def test_the_fixed_frames_name_is_taken() -> None:
-    refuses(BODY, "name", GROUND, "is reserved for the fixed frame")
+@pytest.mark.parametrize("part", [BODY, BEAM])
+def test_the_fixed_frames_name_is_taken(part: Any) -> None:
+    refuses(part, "name", GROUND, "is reserved for the fixed frame")
+
+
+@pytest.mark.parametrize("elements", [2.0, True, "3", None])
+def test_elements_are_counted_in_whole_numbers(elements: Any) -> None:
+    refuses(BEAM, "elements", elements, "must be a whole number")
+
+
+@pytest.mark.parametrize("elements", [0, -1, 1001])
+def test_a_beam_has_between_one_and_a_thousand_elements(elements: int) -> None:
+    refuses(BEAM, "elements", elements, "must lie between 1 and 1000")
+    assert [replace(BEAM, elements=n).elements for n in (1, 1000)] == [1, 1000]
+
+
+def test_the_nodes_of_a_beam_are_found_by_their_points() -> None:
+    assert [BEAM.node((x, 0.0)) for x in np.linspace(0.0, 1.5, 5)] == [0, 1, 2, 3, 4]
+    # Rounding is forgiven.
+    assert replace(BEAM, elements=7).node((1.5 / 7.0 * 3.0 * (1.0 + 1e-15), 0.0)) == 3
+    with pytest.raises(ValueError, match=re.escape("FlexibleBody.point = (0.3, 0.0): is not a node of flexible body")):
+        BEAM.node((0.3, 0.0))
 
 
 @pytest.mark.parametrize(
@@ -131,14 +158,17 @@ def test_the_fixed_frames_name_is_taken() -> None:
         ({"bodies": ()}, "bodies = ()"),
         ({"wear_bins": 0}, "wear_bins = 0: must be at least 1"),
         ({"bodies": (BODY, BODY)}, "names must be unique"),
+        ({"bodies": (BODY, replace(BEAM, name="arm"))}, "names must be unique"),
         ({"joints": (JOINT, JOINT), "cables": ()}, "names must be unique"),
         (
             {"joints": (replace(JOINT, outboard="leg"), OTHER)},
-            "'leg': is not a body of the mechanism ['arm', 'ground']",
+            "'leg': is not a body of the mechanism ['arm', 'beam', 'ground']",
         ),
         ({"guides": (replace(GUIDE, body="leg"),)}, "'leg': is not a body"),
         ({"drives": (replace(DRIVE, body="leg"),)}, "'leg': is not a body"),
+        ({"loads": (replace(LOAD, body="leg"),)}, "'leg': is not a body"),
         ({"guides": (replace(GUIDE, body=GROUND),)}, "'ground': does not move"),
+        ({"loads": (replace(LOAD, body=GROUND),)}, "'ground': does not move"),
         ({"drives": (replace(DRIVE, body=GROUND),)}, "'ground': does not move"),
         ({"cables": (replace(CABLE, joint_b="knee"),)}, "'knee': is not a joint of the mechanism ['other', 'pin']"),
     ],

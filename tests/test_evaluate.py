@@ -8,6 +8,7 @@ import pytest
 
 from agents.environments import episode_seeds
 from agents.evaluate import common_env_kwargs, evaluate, main, markdown, split_controller, summarize
+from solar_env.array import MODELS
 
 
 @pytest.fixture(scope="module")
@@ -53,6 +54,39 @@ def test_the_command_writes_what_it_prints(tmp_path, capsys):
     summary = metrics["controllers"]["passive"]["peak_postlock_force_N"]
     assert summary["mean"] == pytest.approx(np.mean(forces))
     assert summary["maximum"] == max(forces)
+
+
+QUICK = ["deadline=0.5", "postlock_window=0.2"]
+
+
+def evaluated_on(folder, *arguments):
+    """The environment keywords that the command records."""
+    main([*arguments, "--episodes", "1", "--quiet", "--out", str(folder)])
+    return json.loads((folder / "metrics.json").read_text())["settings"]["env_kwargs"]
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_the_command_compares_on_the_model_asked_for(tmp_path, model):
+    options = ["--controllers", "passive", "--model", model, "--elements", "1", "--env-kwargs", *QUICK]
+    used = evaluated_on(tmp_path, *options)
+    assert (used["model"], used["elements"], used["deadline"]) == (model, 1, 0.5)
+
+
+def test_the_model_of_run_folders_holds_unless_another_is_asked_for(tmp_path):
+    for name, model in (("a", "flexible-ideal"), ("b", "rigid-ideal")):
+        (tmp_path / name).mkdir()
+        config = {"algo": "ppo", "env_kwargs": {"model": model, "elements": 1, "deadline": 0.5}}
+        (tmp_path / name / "config.json").write_text(json.dumps(config))
+    first, second = str(tmp_path / "a"), str(tmp_path / "b")
+    assert common_env_kwargs([first])["model"] == "flexible-ideal"
+    with pytest.raises(ValueError, match="say with --env-kwargs"):
+        common_env_kwargs([first, second])
+    assert common_env_kwargs([first, second], given=["model"]) == {"elements": 1, "deadline": 0.5}
+
+
+def test_an_option_that_contradicts_the_keywords_is_refused(tmp_path):
+    with pytest.raises(ValueError, match="--model rigid-ideal contradicts --env-kwargs model=flexible-ideal"):
+        evaluated_on(tmp_path, "--model", "rigid-ideal", "--env-kwargs", "model=flexible-ideal")
 
 
 def episode(controller, spec, index, force, latched=True):

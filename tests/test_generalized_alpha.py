@@ -200,8 +200,12 @@ def test_an_absurd_step_fails_with_time_and_remedy_at_the_last_accepted_state(mo
     assert caught.value.time == simulation.time == 0.5 * simulation.state.clock["steps"][0]
     assert np.isfinite(simulation.state.q).all()
     if simulation.time == 0.0:
-        for name in ("q", "v", "integrals", "wear_journal", "wear_bearing"):
+        for name in ("integrals", "wear_journal", "wear_bearing"):
             assert np.array_equal(getattr(simulation.state, name), getattr(before, name))
+        # The first step of a call returns to the joints' constraints, which are met but for rounding.
+        rounding = 1e-14 if model.endswith("ideal") else 0.0
+        for name in ("q", "v"):
+            assert getattr(simulation.state, name) == pytest.approx(getattr(before, name), rel=0.0, abs=rounding)
 
 
 def test_newtons_iteration_converges_fast_with_the_analytic_tangents() -> None:

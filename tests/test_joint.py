@@ -320,7 +320,7 @@ def test_a_mechanism_without_joints_feels_gravity_alone() -> None:
     mechanism = chain(np.random.default_rng(0), angles=np.zeros(0), eccentricities=np.zeros((0, 2)))
     forces = Forces(Mechanism(mechanism.bodies, gravity=(1.0, -2.0)))
     assert not forces.force(forces.state.q, forces.state.v).any()
-    weight = forces.model.gravity_force
+    weight = forces.model.constant_force
     assert weight[0::2].sum() == pytest.approx(mechanism.bodies[0].mass, rel=1e-14)
     assert weight[1::2].sum() == pytest.approx(-2.0 * mechanism.bodies[0].mass, rel=1e-14)
 

@@ -30,7 +30,16 @@ def test_a_copied_state_shares_nothing_with_the_original() -> None:
 
 @pytest.mark.parametrize(
     "row_type",
-    [m.body_type, m.marker_type, m.joint_type, m.cable_type, m.drive_type, m.joint_state_type, m.clock_type],
+    [
+        m.body_type,
+        m.marker_type,
+        m.joint_type,
+        m.cable_type,
+        m.drive_type,
+        m.load_torque_type,
+        m.joint_state_type,
+        m.clock_type,
+    ],
 )
 def test_rows_are_views_whose_members_are_attributes(row_type: np.dtype[np.void]) -> None:
     rows = np.zeros(2, dtype=row_type)
@@ -52,14 +61,17 @@ def test_integrals_and_energies_are_numbered_without_gaps() -> None:
         m.CABLE_WORK,
     ]
     assert sorted(integrals) == list(range(m.INTEGRALS_PER_JOINT))
-    assert [m.ENERGY_NAMES[k] for k in (m.KINETIC, m.SPRING, m.CABLE, m.LATCH, m.CONTACT, m.GRAVITY)] == [
+    assert [m.ENERGY_NAMES[k] for k in (m.KINETIC, m.SPRING, m.CABLE, m.LATCH, m.CONTACT, m.ELASTIC, m.GRAVITY)] == [
         "kinetic",
         "spring",
         "cable",
         "latch",
         "contact",
+        "elastic",
         "gravity",
     ]
+    # Those of the whole mechanism are counted from the end.
+    assert sorted((m.EXTERNAL_WORK, m.MATERIAL_DISSIPATION)) == list(range(-m.GLOBAL_INTEGRALS, 0))
 
 
 def test_whole_numbers_in_a_description_compile_no_kernel_anew() -> None:
@@ -77,9 +89,10 @@ def test_mechanisms_of_any_size_share_their_compiled_kernels() -> None:
 
 
 def test_every_array_is_contiguous() -> None:
-    for part in compile_mechanism(example()):
+    model, state = compile_mechanism(example())
+    for part in (model, model.constraints, model.elimination, state):
         for name, array in part._asdict().items():
-            assert np.isscalar(array) or array.flags.c_contiguous, name
+            assert isinstance(array, tuple) or np.isscalar(array) or array.flags.c_contiguous, name
 
 
 def test_a_bearing_arrives_in_its_joint_row_unchanged() -> None:

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from solar_env.plots import DISSIPATED, PUT_IN, STORED, plot_deployment
+from solar_env.plots import DISSIPATED, PUT_IN, STORED, plot_comparison, plot_deployment
 
 CONTACT = np.dtype([("joint", np.int64), ("start_s", np.float64), ("peak_force", np.float64)])
 ENERGIES = (*STORED, *PUT_IN, *DISSIPATED, "residual")
@@ -30,7 +30,12 @@ def make_trajectory(joints=2, clearance=2e-4, samples=200, bins=36):
         contacts=contacts if clearance else contacts[:0],
         latch_times=np.where(np.arange(joints) == 0, 13.1, np.nan),
         clearance=np.full(joints, clearance),
+        metadata={"model": "rigid-clearance"},
     )
+
+
+def deflections(trajectory, size=0.01):
+    return size * np.sin(trajectory.time[:, None] + np.arange(len(trajectory.clearance)))
 
 
 @pytest.fixture
@@ -102,6 +107,94 @@ def test_no_contact_no_wear_and_no_latch_are_drawn(tmp_path):
     trajectory.latch_times[:] = np.nan
     plot_deployment(trajectory, tmp_path / "figure.png")
     assert (tmp_path / "figure.png").exists()
+
+
+def curves(figure, label):
+    """The curves of the axes with this label."""
+    (axis,) = [axis for axis in figure.axes if axis.get_ylabel() == label]
+    return {line.get_label(): line.get_ydata() for line in axis.lines}
+
+
+def test_deflections_are_drawn_in_millimetres_where_they_are_given(tmp_path, saved_figures):
+    trajectory = make_trajectory()
+    plot_deployment(trajectory, tmp_path / "figure.png")
+    plot_deployment(trajectory, tmp_path / "figure.png", deflections(trajectory))
+    without, given = saved_figures
+    assert len(given.axes) == len(without.axes) + 1
+    bent = curves(given, "deflection of\npanel [mm]")
+    assert np.stack(list(bent.values()), axis=1) == pytest.approx(1e3 * deflections(trajectory))
+
+
+def test_the_energies_show_elastic_energy_and_what_the_material_takes(tmp_path, saved_figures):
+    trajectory = make_trajectory()
+    plot_deployment(trajectory, tmp_path / "figure.png")
+    drawn = curves(saved_figures[0], "energy [J]")
+    assert np.array_equal(drawn["elastic"], trajectory.energies["elastic"])
+    assert np.array_equal(drawn["in the material"], trajectory.energies["material_dissipation"])
+    assert drawn["dissipated"] == pytest.approx(sum(trajectory.energies[name] for name in DISSIPATED))
+    for name in ("elastic", "material_dissipation"):
+        trajectory.energies[name] = 0.0 * trajectory.time
+    plot_deployment(trajectory, tmp_path / "figure.png")
+    assert not {"elastic", "in the material"} & set(curves(saved_figures[1], "energy [J]"))
+
+
+@pytest.mark.parametrize("kept", [5, 7, 8, 10])
+def test_the_legend_of_the_energies_covers_no_curve(tmp_path, saved_figures, kept):
+    trajectory = make_trajectory()
+    for name in (*STORED, *PUT_IN)[kept:]:
+        trajectory.energies[name] = 0.0 * trajectory.time
+    plot_deployment(trajectory, tmp_path / "figure.png")
+    figure = saved_figures[0]
+    (axis,) = [axis for axis in figure.axes if axis.get_ylabel() == "energy [J]"]
+    legend = axis.get_legend().get_window_extent()
+    above, *_ = [other for other in figure.axes if other.get_ylabel() == "cable torque\n[N m]"]
+    highest = max(np.max(line.get_ydata()) for line in axis.lines)
+    assert axis.transData.transform((0.0, highest))[1] < legend.y0
+    assert legend.y1 < above.get_window_extent().y0
+    assert legend.x1 < axis.get_window_extent().x1
+
+
+def compared(tmp_path, name="figure.png", joints=2):
+    pair = [make_trajectory(joints), make_trajectory(joints)]
+    pair[1].metadata = {"model": "flexible-clearance"}
+    pair[1].latch_times = pair[1].latch_times - 1.0
+    plot_comparison(pair, [0.0 * deflections(pair[0]), deflections(pair[1])], tmp_path / name)
+    return pair
+
+
+@pytest.mark.parametrize("joints", [1, 3])
+def test_a_comparison_has_a_column_for_each_deployment_and_one_scale_a_row(tmp_path, saved_figures, joints):
+    compared(tmp_path, joints=joints)
+    axes = np.array(saved_figures[0].axes).reshape(joints + 2, 2)
+    assert [axis.get_title() for axis in axes[0]] == ["rigid-clearance", "flexible-clearance"]
+    for left, right in axes:
+        assert "[" in left.get_ylabel()
+        assert left.get_ylim() == right.get_ylim()
+        assert left.get_xlim() == right.get_xlim()
+
+
+def test_a_comparison_counts_its_time_from_the_first_latching(tmp_path, saved_figures):
+    pair = compared(tmp_path)
+    axes = np.array(saved_figures[0].axes).reshape(4, 2)
+    for column, trajectory, latching in zip(axes.T, pair, (13.1, 12.1), strict=True):
+        for axis in column[1:]:
+            assert axis.lines[0].get_xdata() == pytest.approx(trajectory.time - latching)
+
+
+def test_the_same_comparison_gives_the_same_file(tmp_path):
+    for name in ("first.svg", "second.svg"):
+        compared(tmp_path, name)
+    assert (tmp_path / "first.svg").read_bytes() == (tmp_path / "second.svg").read_bytes()
+
+
+def test_a_comparison_refuses_what_it_cannot_draw(tmp_path):
+    with pytest.raises(ValueError, match=r"\.pdf, \.png, \.svg"):
+        compared(tmp_path, "figure.gif")
+    open_joints = make_trajectory()
+    open_joints.latch_times[:] = np.nan
+    with pytest.raises(ValueError, match="no joint of rigid-clearance has latched"):
+        plot_comparison([open_joints], [deflections(open_joints)], tmp_path / "figure.png")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_importing_the_module_does_not_import_matplotlib():

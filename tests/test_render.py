@@ -94,6 +94,31 @@ def test_every_part_of_a_scene_shows(change):
     assert np.any(changed != renderer.draw(scene))
 
 
+def test_panels_are_drawn_along_their_curves():
+    share = np.linspace(0.0, 1.0, 17)[:, None]
+    straight = make_scene()
+    start, tip = straight.panels[0][[0, -1]]
+    bent = start + share * (tip - start) + 0.8 * share * (1.0 - share) * [1.0, 0.0]
+    scene = make_scene(panels=(bent, straight.panels[1]))
+    view = ArrayView(Layout((960, 540)), straight)
+    frame = Renderer(straight).draw(scene).astype(int)
+    blue = frame[..., 2] - frame[..., 0] > 60
+    for point in bent[2:-2]:
+        x, y = np.round(view.place(point)).astype(int)
+        assert blue[y - 1 : y + 2, x - 1 : x + 2].any()
+    x, y = np.round(view.place(bent[8] + [0.1, 0.0])).astype(int)
+    assert not blue[y - 1 : y + 2, x - 1 : x + 2].any()
+
+
+def test_the_marks_of_the_bearings_turn_with_the_ends_of_bent_panels():
+    renderer, scene = Renderer(make_scene()), make_scene()
+    straight = tuple(np.linspace(panel[0], panel[-1], 3) for panel in scene.panels)
+    bent = tuple(panel + np.array([[0.0, 0.0], [0.3, 0.0], [0.0, 0.0]]) for panel in straight)
+    bearings = [renderer.draw(make_scene(panels=panels))[:, 640:] for panels in (scene.panels, straight, bent)]
+    np.testing.assert_array_equal(bearings[0], bearings[1])
+    assert np.any(bearings[1] != bearings[2])
+
+
 def test_force_arrow_grows_with_the_force():
     renderer = Renderer(make_scene())
 

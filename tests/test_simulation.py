@@ -363,7 +363,7 @@ def test_the_kernels_also_run_uncompiled_where_an_index_out_of_bounds_is_an_erro
     uncompiled = run_python(UNCOMPILED, str(Path(__file__).parent), NUMBA_DISABLE_JIT="1").splitlines()
     in_miniature()
     compiled = capsys.readouterr().out.splitlines()
-    assert len(uncompiled) == len(compiled) == 6
+    assert len(uncompiled) == len(compiled) == 12
     for one, other in zip(uncompiled, compiled, strict=True):
         name, *figures = one.split()
         expected_name, *expected = other.split()

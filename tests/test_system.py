@@ -7,18 +7,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers import ROUND_BEARING, Forces, Vector, block, chain, floating_pair, pendulum, turned
+from helpers import ROUND_BEARING, Forces, Vector, block, central_difference, chain, floating_pair, pendulum, turned
 
 from solar_env.mechanics import joint as columns
 from solar_env.mechanics import model as m
 from solar_env.mechanics.description import GROUND, Body, Drive, Guide, Joint, Mechanism
 from solar_env.mechanics.errors import SimulationError
-from solar_env.mechanics.linear import cholesky_factor, cholesky_solve, lu_factor, lu_solve
-from solar_env.mechanics.rigid import add_mass_product
+from solar_env.mechanics.linear import cholesky_factor, cholesky_solve
 from solar_env.mechanics.simulation import Simulation
 from solar_env.mechanics.system import (
     accelerations,
     constraint_drift,
+    drive_angle,
     normal_inverse_mass,
     project,
     velocity_drift,
@@ -104,25 +104,58 @@ def test_the_multipliers_balance_the_equations_of_motion() -> None:
     forces = driven_linkage()
     q, v = forces.state.q, forces.state.v
     a, multipliers = solve(forces)
-    rows = len(forces.model.constraint_value)
-    residual = np.zeros_like(q)
-    add_mass_product(forces.model.bodies, a, residual)
-    residual += forces.work.rows.T @ multipliers[:rows] - forces.force(q, v) - forces.model.gravity_force
+    rows = forces.constraint_rows()
+    residual = forces.mass_product(a) + rows.T @ multipliers[: len(rows)]
+    residual -= forces.force(q, v) + forces.model.constant_force
     for k in range(3):
         d = q[4 * k + 2 : 4 * k + 4] - q[4 * k : 4 * k + 2]
-        residual[4 * k : 4 * k + 4] += multipliers[rows + k] * np.concatenate([-d, d])
+        residual[4 * k : 4 * k + 4] += multipliers[len(rows) + k] * np.concatenate([-d, d])
     # The last body is the fixed frame, which takes whatever force it is given.
     assert residual[:12] == pytest.approx(0.0, abs=1e-11 * np.abs(multipliers).max())
 
 
 def test_the_drive_pays_for_the_growth_of_energy() -> None:
     forces = driven_linkage()
-    q, v = forces.state.q, forces.state.v
+    v = forces.state.v
     a, _ = solve(forces)
-    momentum = np.zeros_like(q)
-    add_mass_product(forces.model.bodies, v, momentum)
-    growth = a @ momentum - forces.model.gravity_force @ v
-    assert forces.work.power[-1] == pytest.approx(growth, rel=1e-11)
+    growth = a @ forces.mass_product(v) - forces.model.constant_force @ v
+    assert forces.work.power[m.EXTERNAL_WORK] == pytest.approx(growth, rel=1e-11)
+
+
+RAMPS = [(0.8, 2.0, 0.4), (3.0, -1.1, -0.2)]
+
+
+def ramped(span: float, rate: float, start: float) -> np.record:
+    body = Body("b", 1.0, 1.0, 1.0, (0.0, 0.0))
+    return Forces(Mechanism((body,), drives=(Drive("b", start, rate, span),))).model.drives[0]
+
+
+@pytest.mark.parametrize(("span", "rate", "start"), RAMPS)
+def test_rate_and_acceleration_of_a_drive_are_the_slopes_of_its_angle(span: float, rate: float, start: float) -> None:
+    drive = ramped(span, rate, start)
+    for time in np.array([0.05, 0.3, 0.5, 0.77, 0.95, 1.3]) * span:
+        slopes = central_difference(lambda t: np.array(drive_angle(drive, t[0])[:2]), np.array([time]))
+        assert drive_angle(drive, time)[1:] == pytest.approx(slopes[:, 0], abs=1e-9 * abs(rate) / span)
+
+
+@pytest.mark.parametrize(("span", "rate", "start"), RAMPS)
+def test_a_ramp_begins_at_rest_and_joins_the_steady_rate_without_a_jump_of_acceleration(
+    span: float, rate: float, start: float
+) -> None:
+    drive = ramped(span, rate, start)
+    assert drive_angle(drive, 0.0) == pytest.approx((start, 0.0, 0.0), abs=1e-15)
+    assert drive_angle(drive, span) == pytest.approx((start + 0.5 * rate * span, rate, 0.0), rel=1e-14)
+    before, after = (np.array(drive_angle(drive, span * (1.0 + e))) for e in (-1e-6, 1e-6))
+    # The acceleration rises from zero with the square of the time that is left.
+    assert after - before == pytest.approx([2e-6 * span * rate, 0.0, 0.0], abs=1e-10)
+    assert drive_angle(drive, 0.5 * span)[2] == pytest.approx(2.0 * rate / span, rel=1e-14)
+    assert drive_angle(drive, 3.0 * span)[0] == pytest.approx(start + 2.5 * rate * span, rel=1e-14)
+
+
+@pytest.mark.parametrize("time", [-0.1, 0.0, 0.7])
+def test_a_drive_without_ramp_turns_at_its_rate_at_any_time(time: float) -> None:
+    # Generalized-alpha looks before the first instant.
+    assert drive_angle(ramped(0.0, 2.0, 0.4), time) == pytest.approx((0.4 + 2.0 * time, 2.0, 0.0), rel=1e-14)
 
 
 def test_an_ideal_joint_carries_the_weight_that_hangs_on_it() -> None:
@@ -197,7 +230,7 @@ def test_projection_is_the_smallest_change_in_the_mass_metric() -> None:
     q, v = before_q.copy(), before_v.copy()
     project(forces.model, q, v, 0.3, forces.work)
     # The change is orthogonal in the mass metric to every motion that the constraints allow.
-    gradients = [forces.work.rows]
+    gradients = [forces.constraint_rows()]
     for k in range(3):
         d = q[4 * k + 2 : 4 * k + 4] - q[4 * k : 4 * k + 2]
         row = np.zeros((1, q.size))
@@ -207,8 +240,7 @@ def test_projection_is_the_smallest_change_in_the_mass_metric() -> None:
     _, singular, right = np.linalg.svd(jacobian)
     allowed = right[np.count_nonzero(singular > 1e-9) :]
     for change in (q - before_q, v - before_v):
-        weighted = np.zeros_like(q)
-        add_mass_product(forces.model.bodies, change, weighted)
+        weighted = forces.mass_product(change)
         # To first order in the disturbance, 1e-6.
         assert allowed @ weighted[:12] == pytest.approx(0.0, abs=1e-5 * np.abs(weighted).max())
 
@@ -220,7 +252,7 @@ def test_stored_energies_are_those_of_the_textbook() -> None:
     height = 0.6 * math.sin(angle) + 0.1 * math.cos(angle)
     assert energies["gravity"] == pytest.approx(2.0 * 9.81 * height, rel=1e-13)
     assert energies["spring"] == pytest.approx(0.5 * 0.7 * (angle + 0.4) ** 2, rel=1e-13)
-    assert [energies[name] for name in ("kinetic", "cable", "latch", "contact")] == [0.0] * 4
+    assert [energies[name] for name in ("kinetic", "cable", "latch", "contact", "elastic")] == [0.0] * 5
 
 
 def test_a_pressed_contact_stores_its_elastic_work() -> None:
@@ -259,30 +291,7 @@ def test_the_ground_has_no_compliance() -> None:
 
 def test_a_free_mechanism_has_no_constraints() -> None:
     simulation = Simulation(floating_pair())
-    assert len(simulation.model.constraint_value) == 0
-
-
-@pytest.mark.parametrize("size", [1, 2, 5, 12])
-def test_lu_solves(size: int) -> None:
-    rng = np.random.default_rng(size)
-    matrix, solution = rng.normal(size=(size, size)), rng.normal(size=size)
-    factor, right, pivots = matrix.copy(), matrix @ solution, np.zeros(size, dtype=np.int64)
-    assert lu_factor(factor, size, pivots)
-    lu_solve(factor, size, pivots, right)
-    assert right == pytest.approx(solution, abs=1e-14 * size * np.linalg.cond(matrix))
-
-
-def test_lu_exchanges_rows_rather_than_divide_by_zero() -> None:
-    matrix, right, pivots = np.array([[0.0, 2.0], [3.0, 0.0]]), np.array([4.0, 9.0]), np.zeros(2, dtype=np.int64)
-    assert lu_factor(matrix, 2, pivots)
-    lu_solve(matrix, 2, pivots, right)
-    assert right.tolist() == [3.0, 2.0]
-
-
-@pytest.mark.parametrize("bad", [0.0, math.nan, math.inf])
-def test_lu_refuses_a_matrix_that_is_singular_or_not_finite(bad: float) -> None:
-    matrix = np.array([[1.0, 2.0], [1.0, 2.0]]) if bad == 0.0 else np.array([[bad, 1.0], [1.0, 1.0]])
-    assert not lu_factor(matrix, 2, np.zeros(2, dtype=np.int64))
+    assert simulation.model.constraints.size.size == 0
 
 
 @pytest.mark.parametrize("size", [1, 3, 8])

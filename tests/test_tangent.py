@@ -7,28 +7,47 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers import ROUND_BEARING, ROUND_STOP, Forces, Vector, central_difference, chain, pendulum
+from helpers import ROUND_BEARING, ROUND_SPRING, ROUND_STOP, Forces, Vector, central_difference, chain, pendulum
 
 from solar_env.mechanics import joint as columns
-from solar_env.mechanics.alpha_step import make_tangent_scratch
+from solar_env.mechanics.alpha_step import fill_matrix, fill_residual, make_iteration
 from solar_env.mechanics.contact import normal_force
-from solar_env.mechanics.description import Bearing, CableLoop, Spring, Stop
-from solar_env.mechanics.tangent import subtract_force_tangents
+from solar_env.mechanics.description import (
+    Bearing,
+    Body,
+    CableLoop,
+    Drive,
+    FlexibleBody,
+    Guide,
+    Joint,
+    Load,
+    Mechanism,
+    Spring,
+    Stop,
+)
+from solar_env.mechanics.profile import dense, make_profile_matrix
+from solar_env.mechanics.tangent import make_tangent_scratch, subtract_force_tangents
 
 SEEDS = range(4)
 LOOP = CableLoop("joint 0", "joint 1", 1.7, 2.0, 1.0)
+
+
+def subtracted(forces: Forces, stiffness_weight: float, damping_weight: float, fill: float = 0.0) -> Vector:
+    """What weighted tangents leave of a matrix that has ``fill`` everywhere in its profile; by coordinates."""
+    model, state = forces.model, forces.state
+    matrix = make_profile_matrix(model.elimination)
+    for part in matrix:
+        part[:] = fill
+    scratch = make_tangent_scratch(forces.work)
+    subtract_force_tangents(model, state.joints, state.q, state.v, scratch, stiffness_weight, damping_weight, matrix)
+    return dense(model.elimination, matrix)[: state.q.size, : state.q.size]
 
 
 def tangents(forces: Forces) -> tuple[Vector, Vector]:
     """dQ/dq and dQ/dv at the state of ``forces``."""
     q, v = forces.state.q, forces.state.v
     forces.force(q, v)
-    scratch = make_tangent_scratch(forces.work)
-    found = []
-    for weights in ((-1.0, 0.0), (0.0, -1.0)):
-        matrix = np.zeros((q.size, q.size))
-        subtract_force_tangents(forces.model, forces.state.joints, q, v, scratch, *weights, matrix)
-        found.append(matrix)
+    found = [subtracted(forces, *weights) for weights in ((-1.0, 0.0), (0.0, -1.0))]
     return found[0], found[1]
 
 
@@ -40,7 +59,10 @@ def check(forces: Forces) -> None:
         central_difference(lambda x: forces.force(x, v), q),
         central_difference(lambda x: forces.force(q, x), v),
     )
-    for found, expected in zip((by_q, by_v), differences, strict=True):
+    # Those of fixed bodies are no unknowns.
+    moving = np.flatnonzero(forces.model.elimination.position[: q.size] >= 0)
+    for found, difference in zip((by_q, by_v), differences, strict=True):
+        found, expected = (x[np.ix_(moving, moving)] for x in (found, difference))
         assert found == pytest.approx(expected, abs=1e-8 * max(np.abs(by_q).max(), np.abs(by_v).max(), 1.0))
 
 
@@ -177,13 +199,10 @@ def test_everything_at_once(seed: int) -> None:
 def test_tangents_are_weighted_and_subtracted() -> None:
     forces = scene(0, depths=(0.02, 0.06), spring=Spring(1.3, 0.7))
     by_q, by_v = tangents(forces)
-    matrix = np.ones_like(by_q)
-    scratch = make_tangent_scratch(forces.work)
-    subtract_force_tangents(
-        forces.model, forces.state.joints, forces.state.q, forces.state.v, scratch, 2.0, 3.0, matrix
-    )
+    before, after = subtracted(forces, 0.0, 0.0, fill=1.0), subtracted(forces, 2.0, 3.0, fill=1.0)
+    assert before.any()
     scale = max(np.abs(by_q).max(), np.abs(by_v).max())
-    assert matrix == pytest.approx(1.0 - 2.0 * by_q - 3.0 * by_v, abs=1e-13 * scale)
+    assert after == pytest.approx(before - 2.0 * by_q - 3.0 * by_v, abs=1e-13 * scale)
 
 
 def test_a_joint_of_the_ground() -> None:
@@ -195,3 +214,69 @@ def test_the_tangents_of_conservative_forces_are_symmetric() -> None:
     forces = scene(1, spring=Spring(1.3, 0.7), cables=(replace(LOOP, torque_ratio=2.0),))
     by_q, _ = tangents(forces)
     assert by_q == pytest.approx(by_q.T, abs=1e-13 * np.abs(by_q).max())
+
+
+def everything() -> Mechanism:
+    """Rigid and flexible bodies, fixed ones, and every kind of part that acts on them."""
+    bearing = replace(ROUND_BEARING, damping_factor=0.05, friction_speeds=(0.0, 50.0))
+    beam = FlexibleBody("beam", 1.2, 3, 0.8, axial_stiffness=4.0, bending_stiffness=0.6, damping=0.3)
+    bodies = (
+        Body("fixed", 1.0, 1.0, 1.0, (0.0, 0.0), fixed=True),
+        Body("arm", 1.5, 0.2, 0.9, (0.4, 0.1)),
+        beam,
+        replace(beam, name="other", elements=1),
+        Body("last", 0.7, 0.1, 0.8, (0.3, -0.1)),
+    )
+    joints = (
+        Joint("joint 0", "fixed", "arm", (0.3, 0.2), (0.0, 0.1), spring=ROUND_SPRING, stop=ROUND_STOP, stow_angle=4.0),
+        Joint("joint 1", "arm", "beam", (0.9, 0.0), (0.4, 0.0), sign=-1, spring=ROUND_SPRING),
+        Joint("joint 2", "other", "beam", (0.0, 0.0), (1.2, 0.0), bearing=bearing),
+        Joint("joint 3", "other", "last", (1.2, 0.0), (0.1, 0.2), bearing=bearing, spring=ROUND_SPRING),
+    )
+    cables = (replace(LOOP, joint_a="joint 1", joint_b="joint 2"), replace(LOOP, joint_a="joint 2", joint_b="joint 3"))
+    return Mechanism(
+        bodies,
+        joints,
+        cables,
+        (Guide("beam", (0.8, 0.0), (0.6, 0.8)), Guide("last", (0.3, 0.1), (0.0, 1.0))),
+        (Drive("arm", 0.1, 1.2, 0.5), Drive("other", -0.3, 0.4, point=(1.2, 0.0))),
+        (Load("beam", (0.4, 0.0), (1.0, -2.0), 0.7), Load("last", (0.2, 0.3), torque=-0.4)),
+        gravity=(0.2, -1.0),
+    )
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_newtons_matrix_is_the_slope_of_the_residual(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    forces = Forces(everything(), impact_speed=0.5)
+    model, state = forces.model, forces.state
+    state.joints["motor_torque"] = rng.normal(size=4)
+    state.joints["stop_engaged"] = 1
+    n, unknowns, time, scale = state.q.size, state.q.size + state.multipliers.size, 0.3, 0.7
+    mass_weight, damping_weight = 1.3, 0.4
+    it = make_iteration(model, state)
+    moving = np.flatnonzero(model.elimination.position >= 0)
+    free = moving[moving < n]
+    start = [state.q.copy(), state.v.copy(), np.zeros(n), np.zeros(unknowns - n)]
+    start[0][free] += 0.15 * rng.normal(size=free.size)
+    for x in start[1:3]:
+        x[free] = 0.1 * rng.normal(size=free.size)
+    start[3][:] = rng.normal(size=unknowns - n)
+
+    def residual(x: Vector) -> Vector:
+        it.q[:], it.v[:], it.a[:], it.multipliers[:] = start
+        it.q[:] += x[:n]
+        it.v[:] += damping_weight * x[:n]
+        it.a[:] += mass_weight * x[:n]
+        it.multipliers[:] += x[n:] / scale
+        fill_residual(model, state, it, forces.work, time, scale)
+        return -it.rhs.copy()
+
+    expected = central_difference(residual, np.zeros(unknowns))[np.ix_(moving, moving)]
+    residual(np.zeros(unknowns))
+    assert np.all(forces.work.loads[2:, columns.NORMAL] > 0.0)
+    assert forces.work.loads[0, columns.STOP_TORQUE] != 0.0
+    scratch = make_tangent_scratch(forces.work)
+    fill_matrix(model, state, it, forces.work, scratch, mass_weight, damping_weight, scale)
+    found = dense(model.elimination, it.matrix)[np.ix_(moving, moving)]
+    assert found == pytest.approx(expected, abs=1e-8 * np.abs(expected).max())

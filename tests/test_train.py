@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 
+from agents import evaluate as evaluate_module
 from agents import learn, runs
 from agents.arguments import parse_arguments
 from agents.environments import make_env
 from agents.evaluate import evaluate
+from solar_env.array import MODELS
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 import train
@@ -33,6 +35,20 @@ def run(*arguments):
 def finished(tmp_path_factory):
     folder = tmp_path_factory.mktemp("runs") / "ppo"
     return run("--timesteps", 600, "--out", folder, *SMALL["ppo"])
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_a_run_keeps_its_model_and_elements_and_is_resumed_and_evaluated_on_them(tmp_path, model):
+    quick = ["--env-kwargs", "deadline=0.5", "postlock_window=0.2", "--n-envs", "1"]
+    small = ["--timesteps", 20, "--hyperparams", "n_steps=10", "batch_size=10"]
+    first = run("--model", model, "--elements", 1, *quick, *small, "--out", tmp_path / "first")
+    config = runs.read_config(first)
+    assert (config["env_kwargs"]["model"], config["env_kwargs"]["elements"]) == (model, 1)
+    assert evaluate_module.common_env_kwargs([str(first)])["model"] == model
+    second = run("--resume", first, "--model", model, "--timesteps", 10, "--out", tmp_path / "second")
+    assert runs.read_config(second)["env_kwargs"] == config["env_kwargs"]
+    with pytest.raises(ValueError, match="--elements 2 contradicts the run to resume, which has 1"):
+        run("--resume", first, "--elements", 2, "--out", tmp_path / "third")
 
 
 def policy_weights(folder):
@@ -146,6 +162,8 @@ def test_the_discount_reaches_over_a_whole_episode(algo):
         (["--timesteps", "0"], "timesteps is 0; give a positive number"),
         (["--env-id", "solar_env/Fold-v0"], "no hyperparameters for 'solar_env/Fold-v0'"),
         (["--env-kwargs", "torque_limits=0.3"], "torque_limits"),
+        (["--model", "flexible"], "model 'flexible' is unknown; choose from rigid-ideal"),
+        (["--elements", "0"], "elements = 0"),
         (["--seed", "-1"], "seed is -1; choose one from 0"),
     ],
 )
@@ -162,6 +180,10 @@ def test_a_folder_with_a_run_is_not_overwritten(finished):
 def test_resuming_refuses_arguments_that_contradict_the_run(finished, tmp_path):
     with pytest.raises(ValueError, match="--algo sac contradicts the run to resume, which has ppo"):
         run("--resume", finished, "--algo", "sac", "--out", tmp_path / "run")
+    with pytest.raises(
+        ValueError, match="--model rigid-ideal contradicts the run to resume, which has rigid-clearance"
+    ):
+        run("--resume", finished, "--model", "rigid-ideal", "--out", tmp_path / "run")
 
 
 def test_resuming_from_something_else_than_a_run_is_refused(tmp_path):

@@ -66,8 +66,8 @@ def test_a_sample_is_consistent_in_itself(run: Trajectory) -> None:
 
 def test_the_energies_are_the_documented_ones_and_sum_up(run: Trajectory) -> None:
     stored = set(ENERGY_NAMES)
-    put_in = {"motor_work", "cable_work", "drive_work"}
-    lost = {"contact_dissipation", "friction_dissipation", "latch_dissipation"}
+    put_in = {"motor_work", "cable_work", "external_work"}
+    lost = {"contact_dissipation", "friction_dissipation", "latch_dissipation", "material_dissipation"}
     assert set(run.energies) == stored | put_in | lost | {"residual"}
     kept = np.sum([run.energies[name] for name in stored | lost], axis=0)
     total = kept - np.sum([run.energies[name] for name in put_in], axis=0)

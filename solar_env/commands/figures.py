@@ -11,6 +11,8 @@ from rich.progress import track
 FOLDER = Path(__file__).resolve().parent.parent / "figures"
 # A moment after latching, with the journals in flight.
 FRAME_TIME = 13.6  # s
+# Latching and the three seconds that follow it.
+COMPARED_TIME = 16.0  # s
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -38,10 +40,23 @@ def draw_deployment(path: Path) -> None:
     plot_deployment(simulate(), path)
 
 
+def draw_flexible(path: Path) -> None:
+    """Rigid beside flexible panels: angles, contact forces after latching and deflections."""
+    from ..deployment import panel_deflections, simulate
+    from ..plots import plot_comparison
+
+    models = ("rigid-clearance", "flexible-clearance")
+    runs = [simulate(model=model, duration=COMPARED_TIME, output_step=1e-3) for model in models]
+    plot_comparison(runs, [panel_deflections(run) for run in runs], path)
+
+
+PICTURES = {"frame.png": draw_frame, "deployment.png": draw_deployment, "flexible.png": draw_flexible}
+
+
 def run_command(args: argparse.Namespace) -> int:
     """Draw every picture."""
     args.out.mkdir(parents=True, exist_ok=True)
-    for draw, name in track([(draw_frame, "frame.png"), (draw_deployment, "deployment.png")], description="drawing"):
+    for name, draw in track(PICTURES.items(), description="drawing"):
         draw(args.out / name)
         print(args.out / name)
     return 0

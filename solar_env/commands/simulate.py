@@ -13,13 +13,17 @@ from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
-from ..array import MODELS, PRESETS, ArrayParameters, check_model
+from ..array import DEFAULT_ELEMENTS, MODELS, PRESETS, ArrayParameters, check_elements, check_model
 from ..integrators import INTEGRATORS, make_integrator
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("--model", default="rigid-clearance", help=f"one of {', '.join(MODELS)}")
+    parser.add_argument(
+        "--elements", type=int, default=DEFAULT_ELEMENTS, metavar="N",
+        help="beam elements of each panel of a flexible model (%(default)s)",
+    )  # fmt: skip
     parser.add_argument("--duration", type=float, default=30.0, metavar="S", help="simulated time [s]")
     parser.add_argument("--preset", default="default", help=f"parameter set: {', '.join(PRESETS)}")
     parser.add_argument(
@@ -57,13 +61,14 @@ def run_command(args: argparse.Namespace) -> int:
     """Simulate, report, write what was asked for."""
     # Wrong input is refused before the compiler is loaded.
     check_model(args.model)
+    check_elements(args.elements)
     parameters = ArrayParameters.preset(args.preset).with_changes(parse_changes(args.set))
     for path in (args.plot, args.out, args.json):
         if path is not None and str(path) != "-" and not path.parent.is_dir():
             raise ValueError(f"the folder of {path} does not exist")
     name = args.integrator or "runge-kutta"
     integrator = make_integrator(name, args.model, args.step, args.rtol)
-    from ..deployment import simulate
+    from ..deployment import panel_deflections, simulate
     from .warmup import warm_up
 
     console = Console(stderr=True)
@@ -73,6 +78,7 @@ def run_command(args: argparse.Namespace) -> int:
         trajectory = simulate(
             parameters,
             model=args.model,
+            elements=args.elements,
             duration=args.duration,
             integrator=integrator,
             output_step=args.output_step,
@@ -91,7 +97,8 @@ def run_command(args: argparse.Namespace) -> int:
     if args.plot:
         from ..plots import plot_deployment
 
-        plot_deployment(trajectory, args.plot)
+        flexible = args.model.startswith("flexible")
+        plot_deployment(trajectory, args.plot, panel_deflections(trajectory) if flexible else None)
     return 0
 
 

@@ -20,7 +20,7 @@ def warm_up(console: Console, model: str, integrator: str) -> float:
     from ..mechanics.simulation import Simulation
 
     start = time.perf_counter()
-    with console.status(f"loading kernels of {model}, {integrator} (the first time compiles them: up to a minute)"):
+    with console.status(f"loading kernels of {model}, {integrator} (the first time compiles them: a minute or two)"):
         chosen = make_integrator(integrator, model)
         Simulation(build(ArrayParameters(), model), chosen).advance(1e-3)
     return time.perf_counter() - start

@@ -52,7 +52,7 @@ def _compile(function: Callable[..., Any], **options: bool) -> Any:
     previous = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = _CACHE_DIRECTORY
     try:
-        return numba.njit(cache=True, nogil=True, error_model="numpy", **options)(function)
+        return numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, **options)(function)
     finally:
         numba.config.CACHE_DIR = previous
 

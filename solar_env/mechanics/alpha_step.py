@@ -18,11 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._jit import njit, njit_allocating
-from .joint import joint_forces
-from .linear import copy_into, lu_factor, lu_solve
-from .model import FIXED
-from .rigid import add_mass_product
-from .system import accelerations, constraint_drift, project
+from .flexible import add_body_mass
+from .linear import copy_into
+from .model import ENERGIES, FLEXIBLE, RIGID
+from .profile import ProfileMatrix, add_entry, clear, make_profile_matrix, profile_factor, profile_solve
+from .rigid import add_body_matrix
+from .system import accelerations, add_mass_products, add_row, applied_forces, constraint_drift, project
 from .tangent import subtract_force_tangents
 
 _MOST_ITERATIONS = 60
@@ -54,9 +55,9 @@ class Iteration(NamedTuple):
     a: NDArray[np.float64]  # accelerations q''
     auxiliary: NDArray[np.float64]  # algorithmic accelerations
     multipliers: NDArray[np.float64]  # unscaled
-    matrix: NDArray[np.float64]  # (n + m + bodies, same)
-    rhs: NDArray[np.float64]
-    pivots: NDArray[np.int64]
+    matrix: ProfileMatrix
+    rhs: NDArray[np.float64]  # (n + m + bodies,)
+    solution: NDArray[np.float64]  # (places,) the same in the order of elimination
     power: NDArray[np.float64]  # at the step's start
     depth: NDArray[np.float64]  # (joints,) at the step's start
     depth_rate: NDArray[np.float64]
@@ -70,20 +71,6 @@ class Iteration(NamedTuple):
     energies: NDArray[np.float64]
 
 
-class TangentScratch(NamedTuple):
-    """Arrays of :func:`tangent.subtract_force_tangents`; loads and impact speeds are the workspace's own."""
-
-    loads: NDArray[np.float64]
-    impact_speeds: NDArray[np.float64]
-    coordinates: NDArray[np.int64]  # (joints, 8) those that a joint depends on
-    b: NDArray[np.float64]  # (4, 8)
-    spin_slope: NDArray[np.float64]  # (2, 8)
-    stiffness: NDArray[np.float64]  # (4, 4)
-    damping: NDArray[np.float64]  # (4, 4)
-    product: NDArray[np.float64]  # (4, 8)
-    angle_gradient: NDArray[np.float64]  # (joints, 8)
-
-
 @njit_allocating
 def make_iteration(model, state):
     """Allocate the arrays of a step."""
@@ -95,9 +82,9 @@ def make_iteration(model, state):
         np.zeros(n),
         np.zeros(n),
         np.zeros(state.multipliers.size),
-        np.zeros((size, size)),
+        make_profile_matrix(model.elimination),
         np.zeros(size),
-        np.zeros(size, dtype=np.int64),
+        np.zeros(model.elimination.first.size),
         np.zeros(state.power.size),
         np.zeros(joints),
         np.zeros(joints),
@@ -108,54 +95,33 @@ def make_iteration(model, state):
         np.zeros(n),
         np.zeros(state.multipliers.size),
         np.zeros(state.integrals.size),
-        np.zeros(6),
-    )
-
-
-@njit_allocating
-def make_tangent_scratch(work):
-    """Allocate the arrays of a tangent."""
-    joints = work.impact_speeds.size
-    return TangentScratch(
-        work.loads,
-        work.impact_speeds,
-        np.zeros((joints, 8), dtype=np.int64),
-        np.zeros((4, 8)),
-        np.zeros((2, 8)),
-        np.zeros((4, 4)),
-        np.zeros((4, 4)),
-        np.zeros((4, 8)),
-        np.zeros((joints, 8)),
+        np.zeros(ENERGIES),
     )
 
 
 @njit
 def fill_residual(model, state, it, work, time, scale):
     """Right-hand side of Newton's equations: minus the scaled residual of dynamics, minus the constraints."""
-    bodies, rows, rhs, force = model.bodies, work.rows, it.rhs, work.force
+    bodies, rhs, force = model.bodies, it.rhs, work.force
     q, multipliers = it.q, it.multipliers
-    m, n = rows.shape
-    copy_into(force, model.gravity_force)
-    joint_forces(model, state.joints, work.impact_speeds, q, it.v, work.loads, force, work.power)
+    n, m = q.size, work.residual.size
+    applied_forces(model, state.joints, q, it.v, work)
     constraint_drift(model, q, time, work)
     for i in range(n):
         it.scratch_a[i] = 0.0
-    add_mass_product(bodies, it.a, it.scratch_a)
+    add_mass_products(model, it.a, it.scratch_a)
     for i in range(n):
-        total = force[i] - it.scratch_a[i]
-        for r in range(m):
-            total -= rows[r, i] * multipliers[r]
-        rhs[i] = total
+        rhs[i] = force[i] - it.scratch_a[i]
+    for r in range(m):
+        add_row(model, work, r, -multipliers[r], rhs)
     for r in range(m):
         rhs[n + r] = -work.residual[r]
     for b in range(bodies.size):
         body = bodies[b]
-        k = body.offset
-        if body.kind == FIXED:
-            for i in range(k, k + 4):
-                rhs[i] = 0.0
-            rhs[n + m + b] = 0.0
+        rhs[n + m + b] = 0.0
+        if body.kind != RIGID:
             continue
+        k = body.offset
         dx, dy = q[k + 2] - q[k], q[k + 3] - q[k + 1]
         multiplier = multipliers[m + b]
         rhs[k] += dx * multiplier
@@ -170,41 +136,40 @@ def fill_residual(model, state, it, work, time, scale):
 @njit
 def fill_matrix(model, state, it, work, tangent, mass_weight, damping_weight, scale):
     """Newton matrix [[scale (mass_weight M + damping_weight C + K), Phi_q^T], [Phi_q, 0]]."""
-    bodies, rows, matrix = model.bodies, work.rows, it.matrix
-    m, n = rows.shape
-    q, multipliers = it.q, it.multipliers
-    matrix[:] = 0.0
+    bodies, constraints, elimination, matrix = model.bodies, model.constraints, model.elimination, it.matrix
+    q = it.q
+    n, m = q.size, work.residual.size
+    clear(matrix)
     subtract_force_tangents(model, state.joints, q, it.v, tangent, scale, scale * damping_weight, matrix)
     for r in range(m):
-        for i in range(n):
-            matrix[n + r, i] = rows[r, i]
-            matrix[i, n + r] = rows[r, i]
+        for k in range(constraints.size[r]):
+            i, value = constraints.coordinate[r, k], work.row_value[r, k]
+            add_entry(elimination, matrix, n + r, i, value)
+            add_entry(elimination, matrix, i, n + r, value)
     weight = scale * mass_weight
     for b in range(bodies.size):
         body = bodies[b]
-        k = body.offset
-        row = n + m + b
-        if body.kind == FIXED:
-            for i in range(k, k + 4):
-                for c in range(matrix.shape[1]):
-                    matrix[i, c] = 0.0
-                matrix[i, i] = 1.0
-            matrix[row, row] = 1.0
-            continue
-        spring = scale * multipliers[m + b]
-        dx, dy = q[k + 2] - q[k], q[k + 3] - q[k + 1]
-        for axis in range(2):
-            d = dx if axis == 0 else dy
-            turn = -1.0 if axis == 0 else 1.0
-            i, j = k + axis, k + 2 + axis
-            matrix[i, i] += weight * body.m11 + spring
-            matrix[j, j] += weight * body.m22 + spring
-            matrix[i, j] += weight * body.m12 - spring
-            matrix[j, i] += weight * body.m12 - spring
-            matrix[i, k + 3 - axis] += weight * turn * body.n12
-            matrix[j, k + 1 - axis] -= weight * turn * body.n12
-            matrix[row, i], matrix[row, j] = -d, d
-            matrix[i, row], matrix[j, row] = -d, d
+        if body.kind == FLEXIBLE:
+            add_body_mass(body, model.mass_band, weight, elimination, matrix)
+        elif body.kind == RIGID:
+            k = body.offset
+            direct = (q[k + 2] - q[k], q[k + 3] - q[k + 1])
+            add_body_matrix(body, weight, scale * it.multipliers[m + b], direct, n + m + b, elimination, matrix)
+
+
+@njit
+def solve_newton(model, it):
+    """Solve Newton's equations for ``it.rhs`` in place; False if the matrix is singular."""
+    position, rhs, solution = model.elimination.position, it.rhs, it.solution
+    if not profile_factor(model.elimination, it.matrix):
+        return False
+    for i in range(rhs.size):
+        if position[i] >= 0:
+            solution[position[i]] = rhs[i]
+    profile_solve(model.elimination, it.matrix, solution)
+    for i in range(rhs.size):
+        rhs[i] = solution[position[i]] if position[i] >= 0 else 0.0
+    return True
 
 
 @njit
@@ -233,9 +198,8 @@ def attempt_step(model, state, it, work, tangent, settings, h):
         fill_matrix(model, state, it, work, tangent, mass_weight, damping_weight, scale)
         state.clock[0].evaluations += 1
         state.clock[0].factorizations += 1
-        if not lu_factor(it.matrix, size, it.pivots):
+        if not solve_newton(model, it):
             return math.inf
-        lu_solve(it.matrix, size, it.pivots, rhs)
         correction = 0.0
         for i in range(n):
             if not abs(rhs[i]) <= correction:

@@ -67,6 +67,64 @@ class Body:
 
 
 @dataclass(frozen=True)
+class FlexibleBody:
+    """A slender elastic body of equal beam elements (``flexible.py``), straight and unstrained at t = 0.
+
+    The body frame has its origin at the first end and its x axis along the undeformed centreline. Joints, drives,
+    guides and loads attach to nodes: points (x, 0) with x a multiple of length / elements.
+
+    Attributes:
+        name: unique name.
+        length: [m].
+        elements: number of beam elements.
+        linear_density: mass per length [kg/m].
+        axial_stiffness: E A [N].
+        bending_stiffness: E I [N m2].
+        damping: retardation time of the material [s]: stress = modulus * (strain + damping * strain rate).
+        position: of the first end at t = 0 [m].
+        angle: of the centreline at t = 0 [rad].
+        velocity: of the first end at t = 0 [m/s].
+        spin: angular velocity at t = 0 [rad/s].
+    """
+
+    name: str
+    length: float
+    elements: int
+    linear_density: float
+    axial_stiffness: float
+    bending_stiffness: float
+    damping: float = 0.0
+    position: Point = (0.0, 0.0)
+    angle: float = 0.0
+    velocity: Point = (0.0, 0.0)
+    spin: float = 0.0
+
+    def __post_init__(self) -> None:
+        _require_finite(self)
+        _require(self.name != GROUND, self, "name", self.name, "is reserved for the fixed frame")
+        _require(type(self.elements) is int, self, "elements", self.elements, "must be a whole number")
+        _require(1 <= self.elements <= 1000, self, "elements", self.elements, "must lie between 1 and 1000")
+        for name in ("length", "linear_density", "axial_stiffness", "bending_stiffness"):
+            _require(getattr(self, name) > 0.0, self, name, getattr(self, name), "must be positive")
+        _require(self.damping >= 0.0, self, "damping", self.damping, "must not be negative")
+
+    def node(self, point: Point) -> int:
+        """Index of the node at a point of the body frame [m].
+
+        Raises:
+            ValueError: if there is none.
+        """
+        step = self.length / self.elements
+        index = round(point[0] / step)
+        met = math.hypot(point[0] - index * step, point[1]) < 1e-9 * self.length
+        rule = (
+            f"is not a node of flexible body {self.name!r}; its nodes are (k * {step:.6g}, 0), k = 0..{self.elements}"
+        )
+        _require(met and 0 <= index <= self.elements, self, "point", point, rule)
+        return index
+
+
+@dataclass(frozen=True)
 class Spring:
     """Torsion spring: torque = stiffness * (preload_angle - joint angle) [N m] (paper, Eq 1)."""
 
@@ -231,11 +289,46 @@ class Guide:
 
 @dataclass(frozen=True)
 class Drive:
-    """Prescribes a body's angle: angle + rate * t."""
+    """Prescribes a body's direction at a point: angle + rate * t, or a smooth run-up to that rate.
+
+    With a ramp time T the angle is angle + (rate / T) (t^2 / 2 + (T / 2 pi)^2 (cos(2 pi t / T) - 1)) up to T and
+    angle + rate (t - T / 2) from then on: J. C. Simo and L. Vu-Quoc, J. Appl. Mech. 53 (1986) 855,
+    doi:10.1115/1.3171871.
+
+    Attributes:
+        body: name.
+        angle: of the body's direction at t = 0 [rad].
+        rate: final rate [rad/s].
+        ramp_time: T [s]; 0 starts at the full rate.
+        point: of the body's frame [m]; matters for a flexible body.
+    """
 
     body: str
     angle: float
     rate: float
+    ramp_time: float = 0.0
+    point: Point = (0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        _require_finite(self)
+        _require(self.ramp_time >= 0.0, self, "ramp_time", self.ramp_time, "must not be negative")
+
+
+@dataclass(frozen=True)
+class Load:
+    """A constant force (inertial axes) and torque at a point of a body.
+
+    Attributes:
+        body: name.
+        point: of the body's frame [m].
+        force: [N].
+        torque: counter-clockwise [N m].
+    """
+
+    body: str
+    point: Point = (0.0, 0.0)
+    force: Point = (0.0, 0.0)
+    torque: float = 0.0
 
     def __post_init__(self) -> None:
         _require_finite(self)
@@ -243,13 +336,17 @@ class Drive:
 
 @dataclass(frozen=True)
 class Mechanism:
-    """A planar mechanism."""
+    """A planar mechanism.
 
-    bodies: tuple[Body, ...]
+    Neighbours in ``bodies`` should be neighbours in the mechanism: implicit integration eliminates in this order.
+    """
+
+    bodies: tuple[Body | FlexibleBody, ...]
     joints: tuple[Joint, ...] = ()
     cables: tuple[CableLoop, ...] = ()
     guides: tuple[Guide, ...] = ()
     drives: tuple[Drive, ...] = ()
+    loads: tuple[Load, ...] = ()
     gravity: Point = (0.0, 0.0)
     wear_bins: int = field(default=1)
 
@@ -264,7 +361,7 @@ class Mechanism:
         for joint in self.joints:
             for side in (joint.inboard, joint.outboard):
                 _require(side in known, joint, "body", side, f"is not a body of the mechanism {sorted(known)}")
-        attached: list[Guide | Drive] = [*self.guides, *self.drives]
+        attached: list[Guide | Drive | Load] = [*self.guides, *self.drives, *self.loads]
         for part in attached:
             _require(part.body != GROUND, part, "body", part.body, "does not move; attach to a body")
             _require(part.body in known, part, "body", part.body, f"is not a body of the mechanism {sorted(known)}")

@@ -11,10 +11,10 @@ from __future__ import annotations
 import math
 
 from ._jit import njit, njit_allocating
-from .alpha_step import attempt_step, make_iteration, make_tangent_scratch, restart
+from .alpha_step import attempt_step, make_iteration, restart
 from .contact import impact_scales
 from .history import check_state, fail, impact_step_limit, latch, settle_joints, start_contact
-from .joint import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, joint_forces, penetration, relative
+from .joint import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, penetration, relative
 from .linear import copy_into
 from .model import (
     CLEARANCE,
@@ -29,7 +29,8 @@ from .model import (
     TOO_MANY_STEPS,
 )
 from .recording import contacts_full, record_sample, sample_due
-from .system import make_workspace, normal_inverse_mass, store_constraint_loads
+from .system import applied_forces, make_workspace, normal_inverse_mass, store_constraint_loads
+from .tangent import make_tangent_scratch
 
 _SMALLEST_STEP = 1e-12  # s
 
@@ -52,8 +53,7 @@ def prepare(model, state, it, work):
                 work.impact_speeds[j] = joint_states[j].impact_speed
             else:
                 work.impact_speeds[j] = max(it.depth_rate[j], joint.minimum_impact_speed)
-    copy_into(work.force, model.gravity_force)
-    joint_forces(model, joint_states, work.impact_speeds, state.q, state.v, work.loads, work.force, work.power)
+    applied_forces(model, joint_states, state.q, state.v, work)
     store_constraint_loads(model, state.multipliers, state.clock[0].time, state.q, work)
     copy_into(it.power, work.power)
     for j in range(joints.size):

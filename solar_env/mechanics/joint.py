@@ -56,7 +56,7 @@ def point(marker, x):
 
 @njit_inlined
 def direction(marker, x):
-    """Marker's direction vector (its length is the body's) from coordinates, or its rate from velocities."""
+    """Marker's direction vector (as long as the body, or as a beam is stretched there), or its rate from velocities."""
     i, k = marker.i1, marker.i2
     return marker.c1 * x[i] + x[k], marker.c1 * x[i + 1] + x[k + 1]
 
@@ -100,6 +100,14 @@ def add_torque(marker, q, torque, force):
     force[i + 1] += marker.c1 * scale * dx
     force[k] -= scale * dy
     force[k + 1] += scale * dx
+
+
+@njit_inlined
+def spin(marker, q, v):
+    """Angular velocity [rad/s] of the marker's direction."""
+    dx, dy = direction(marker, q)
+    ux, uy = direction(marker, v)
+    return (dx * uy - dy * ux) / (dx * dx + dy * dy)
 
 
 @njit_inlined

@@ -3,9 +3,9 @@
 Elements of one kind are rows of one structured array, so that a kernel reads ``joint.contact_stiffness`` by name
 and the number of arrays that cross from Python to a kernel stays small. All quantities are in SI units.
 
-Generalized coordinates ``q`` hold point positions (x, y, x, y, ...). A rigid body owns two base points, that is
-four natural coordinates (Garcia de Jalon and Bayo, Kinematic and Dynamic Simulation of Multibody Systems,
-Springer 1994, doi:10.1007/978-1-4612-2600-0).
+Generalized coordinates ``q`` come in pairs (x, y). A rigid body owns two base points, that is four natural
+coordinates (Garcia de Jalon and Bayo, Kinematic and Dynamic Simulation of Multibody Systems, Springer 1994,
+doi:10.1007/978-1-4612-2600-0); a flexible one position and slope of every node (``flexible.py``).
 """
 
 from __future__ import annotations
@@ -15,8 +15,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .profile import Elimination
+
 # Body kinds.
-FIXED, RIGID = 0, 1
+FIXED, RIGID, FLEXIBLE = 0, 1, 2
 # Joint kinds.
 IDEAL, CLEARANCE = 0, 1
 # Reading of the sliding speed in the friction law.
@@ -32,8 +34,9 @@ body_type = _record(
     [
         ("kind", np.int64),
         ("offset", np.int64),  # first generalized coordinate
-        ("length", np.float64),  # distance of the base points
-        # Mass matrix [[m11 I, m12 + n12 J], [m12 - n12 J, m22 I]], J the quarter turn, and its inverse (w..).
+        ("coordinates", np.int64),  # number of generalized coordinates
+        ("length", np.float64),  # distance of the base points, or of the ends
+        # Rigid: mass matrix [[m11 I, m12 + n12 J], [m12 - n12 J, m22 I]], J the quarter turn, and its inverse (w..).
         ("m11", np.float64),
         ("m22", np.float64),
         ("m12", np.float64),
@@ -42,6 +45,13 @@ body_type = _record(
         ("w22", np.float64),
         ("w12", np.float64),
         ("x12", np.float64),
+        # Flexible.
+        ("elements", np.int64),
+        ("element_length", np.float64),
+        ("axial_stiffness", np.float64),
+        ("bending_stiffness", np.float64),
+        ("damping", np.float64),
+        ("band", np.int64),  # first row in `mass_band` and `mass_factor`
     ]
 )
 
@@ -109,8 +119,19 @@ cable_type = _record(
     ]
 )
 
-# Prescribed rotation: the direction of a body follows angle + rate * t.
-drive_type = _record([("row", np.int64), ("marker", np.int64), ("angle", np.float64), ("rate", np.float64)])
+# Prescribed rotation of a marker's direction, see `description.Drive`.
+drive_type = _record(
+    [
+        ("row", np.int64),
+        ("marker", np.int64),
+        ("angle", np.float64),
+        ("rate", np.float64),
+        ("ramp_time", np.float64),
+    ]
+)
+
+# Constant torque on a marker's direction.
+load_torque_type = _record([("marker", np.int64), ("torque", np.float64)])
 
 joint_state_type = _record(
     [
@@ -144,6 +165,7 @@ clock_type = _record(
         ("rejected_steps", np.int64),
         ("evaluations", np.int64),
         ("factorizations", np.int64),
+        ("stability_bound_steps", np.int64),  # explicit steps that the flexible bodies' stability limit has bounded
         ("latched_joints", np.int64),
         ("initial_energy", np.float64),
         ("energy_scale", np.float64),  # sum of the magnitudes of the initial energies
@@ -155,13 +177,47 @@ clock_type = _record(
     ]
 )
 
-# Running time integrals of one joint, in this order, are rows of `integrals`; the last entry is the drives' work.
+# Running time integrals: these of every joint, joint by joint, then those of the whole mechanism.
 NORMAL_DISSIPATION, FRICTION_DISSIPATION, SLIDING_WORK, IMPULSE, MOTOR_WORK, STOP_DISSIPATION, CABLE_WORK = range(7)
 INTEGRALS_PER_JOINT = 7
+# Work of drives and load torques; energy that the material damping of flexible bodies took.
+EXTERNAL_WORK, MATERIAL_DISSIPATION = -2, -1
+GLOBAL_INTEGRALS = 2
 
-# Stored energies, in this order.
-KINETIC, SPRING, CABLE, LATCH, CONTACT, GRAVITY = range(6)
-ENERGY_NAMES = ("kinetic", "spring", "cable", "latch", "contact", "gravity")
+
+def joint_integrals(integrals: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(..., joints, INTEGRALS_PER_JOINT) view of the integrals (..., count) by joint."""
+    by_joint = integrals[..., :-GLOBAL_INTEGRALS]
+    return by_joint.reshape(*by_joint.shape[:-1], -1, INTEGRALS_PER_JOINT)
+
+
+# Stored energies, in this order; the last one is the potential of all constant forces.
+KINETIC, SPRING, CABLE, LATCH, CONTACT, ELASTIC, GRAVITY = range(7)
+ENERGY_NAMES = ("kinetic", "spring", "cable", "latch", "contact", "elastic", "gravity")
+ENERGIES = len(ENERGY_NAMES)
+
+# Most coordinates that one linear constraint acts on: two points, of two coordinate pairs each.
+ROW_ENTRIES = 8
+
+
+class Elements(NamedTuple):
+    """The elements of all flexible bodies, in blocks (``flexible.py``)."""
+
+    offset: NDArray[np.int64]  # (blocks, LANES) first coordinate
+    inverse_length: NDArray[np.float64]  # (blocks, LANES)
+    constants: NDArray[np.float64]  # (blocks, 3 * LANES)
+    filled: NDArray[np.int64]  # (blocks,) number of elements
+
+
+class Constraints(NamedTuple):
+    """Linear constraints: row r is the sum over k < size[r] of value[r, k] * q[coordinate[r, k]] = target[r]."""
+
+    size: NDArray[np.int64]  # (m,)
+    coordinate: NDArray[np.int64]  # (m, ROW_ENTRIES)
+    value: NDArray[np.float64]  # (m, ROW_ENTRIES); those of drives are set at run time
+    target: NDArray[np.float64]  # (m,)
+    bodies: NDArray[np.int64]  # (m, 2) the bodies that a row acts on; -1 for none
+    driven: NDArray[np.int64]  # (m,) whether the row belongs to a drive
 
 
 class Model(NamedTuple):
@@ -172,10 +228,16 @@ class Model(NamedTuple):
     joints: NDArray[np.void]
     cables: NDArray[np.void]
     drives: NDArray[np.void]
-    gravity_force: NDArray[np.float64]  # (n,) constant generalized force of the weight
-    constraint_matrix: NDArray[np.float64]  # (m, n); the rows of drives are set at run time
-    constraint_value: NDArray[np.float64]  # (m,)
+    load_torques: NDArray[np.void]
+    constant_force: NDArray[np.float64]  # (n,) generalized force of weight and constant loads
+    constraints: Constraints
+    elements: Elements
+    mass_band: NDArray[np.float64]  # (rows, 4) lower bands of the flexible bodies' mass matrices
+    mass_factor: NDArray[np.float64]  # (rows, 4) their factors
+    elimination: Elimination
+    error_weight: NDArray[np.float64]  # (n,) of a coordinate in error norms: for slopes [m], else 1
     length_scale: float
+    stable_step: float  # largest step [s] with which the explicit method is stable on the free flexible bodies
 
 
 class State(NamedTuple):
@@ -186,7 +248,7 @@ class State(NamedTuple):
     a: NDArray[np.float64]  # (n,) accelerations
     algorithmic_a: NDArray[np.float64]  # (n,) auxiliary accelerations of generalized-alpha
     multipliers: NDArray[np.float64]  # (m + bodies,) of the linear constraints, then of the body lengths
-    integrals: NDArray[np.float64]  # (INTEGRALS_PER_JOINT * joints + 1,)
+    integrals: NDArray[np.float64]  # (INTEGRALS_PER_JOINT * joints + GLOBAL_INTEGRALS,)
     power: NDArray[np.float64]  # time derivatives of the integrals
     joints: NDArray[np.void]
     wear_journal: NDArray[np.float64]  # (joints, bins) depth

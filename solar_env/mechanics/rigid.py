@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from ._jit import njit, njit_inlined
 from .model import RIGID
+from .profile import add_entry
 
 
 def mass_parameters(
@@ -34,16 +35,45 @@ def inverse_mass_parameters(m11: float, m22: float, m12: float, n12: float) -> t
     return m22 / determinant, m11 / determinant, -m12 / determinant, -n12 / determinant
 
 
+@njit_inlined
+def add_mass_product(body, a, out):
+    """Add the body's M a to ``out`` (n,)."""
+    k = body.offset
+    ax, ay, bx, by = a[k], a[k + 1], a[k + 2], a[k + 3]
+    out[k] += body.m11 * ax + body.m12 * bx - body.n12 * by
+    out[k + 1] += body.m11 * ay + body.m12 * by + body.n12 * bx
+    out[k + 2] += body.m22 * bx + body.m12 * ax + body.n12 * ay
+    out[k + 3] += body.m22 * by + body.m12 * ay - body.n12 * ax
+
+
 @njit
-def add_mass_product(bodies, a, out):
-    """Add M a to ``out`` (n,). A fixed body counts as unit mass; its right-hand side is held at zero."""
-    for body in bodies:
-        k = body.offset
-        ax, ay, bx, by = a[k], a[k + 1], a[k + 2], a[k + 3]
-        out[k] += body.m11 * ax + body.m12 * bx - body.n12 * by
-        out[k + 1] += body.m11 * ay + body.m12 * by + body.n12 * bx
-        out[k + 2] += body.m22 * bx + body.m12 * ax + body.n12 * ay
-        out[k + 3] += body.m22 * by + body.m12 * ay - body.n12 * ax
+def add_body_matrix(body, weight, multiplier, direct, row, elimination, matrix):
+    """Add a rigid body's part of Newton's matrix.
+
+    Args:
+        body: of kind RIGID.
+        weight: factor of the mass matrix.
+        multiplier: scaled multiplier of the body's length, whose constraint has a constant second derivative.
+        direct: (x, y) from the first to the second base point [m].
+        row: unknown that stands for the multiplier.
+        elimination, matrix: see ``profile.py``.
+    """
+    k = body.offset
+    for axis in range(2):
+        d = direct[axis]
+        turn = -1.0 if axis == 0 else 1.0
+        i, j = k + axis, k + 2 + axis
+        cross = weight * body.m12 - multiplier
+        add_entry(elimination, matrix, i, i, weight * body.m11 + multiplier)
+        add_entry(elimination, matrix, j, j, weight * body.m22 + multiplier)
+        add_entry(elimination, matrix, i, j, cross)
+        add_entry(elimination, matrix, j, i, cross)
+        add_entry(elimination, matrix, i, k + 3 - axis, weight * turn * body.n12)
+        add_entry(elimination, matrix, j, k + 1 - axis, -weight * turn * body.n12)
+        add_entry(elimination, matrix, row, i, -d)
+        add_entry(elimination, matrix, row, j, d)
+        add_entry(elimination, matrix, i, row, -d)
+        add_entry(elimination, matrix, j, row, d)
 
 
 @njit_inlined
@@ -104,12 +134,9 @@ def project_lengths(bodies, q, v):
 
 
 @njit
-def kinetic_energy(bodies, v):
-    """Kinetic energy [J]; fixed bodies do not move and so have none."""
-    total = 0.0
-    for body in bodies:
-        k = body.offset
-        ax, ay, bx, by = v[k], v[k + 1], v[k + 2], v[k + 3]
-        total += 0.5 * body.m11 * (ax * ax + ay * ay) + 0.5 * body.m22 * (bx * bx + by * by)
-        total += body.m12 * (ax * bx + ay * by) + body.n12 * (ay * bx - ax * by)
-    return total
+def kinetic_energy(body, v):
+    """Kinetic energy [J] of the body."""
+    k = body.offset
+    ax, ay, bx, by = v[k], v[k + 1], v[k + 2], v[k + 3]
+    total = 0.5 * body.m11 * (ax * ax + ay * ay) + 0.5 * body.m22 * (bx * bx + by * by)
+    return total + body.m12 * (ax * bx + ay * by) + body.n12 * (ay * bx - ax * by)

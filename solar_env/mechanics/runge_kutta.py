@@ -10,6 +10,7 @@ velocities the cubic Hermite polynomial through the derivatives that are known t
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -19,12 +20,15 @@ from ._jit import njit, njit_allocating, njit_inlined
 from .linear import copy_into
 from .model import (
     CABLE_WORK,
+    ENERGIES,
     FRICTION_DISSIPATION,
+    GLOBAL_INTEGRALS,
     INTEGRALS_PER_JOINT,
     MOTOR_WORK,
     NORMAL_DISSIPATION,
     STOP_DISSIPATION,
 )
+from .stop_damping import begin_step, correct_stage
 from .system import inlined_accelerations
 
 STAGES = 5
@@ -55,6 +59,21 @@ class ExplicitSettings(NamedTuple):
     max_steps: int  # per call
 
 
+class StopDamping(NamedTuple):
+    """The stiff stops of the step in hand (``stop_damping.py``); the first entries of each array are in use."""
+
+    joint: NDArray[np.int64]  # (joints,) indices
+    coefficient: NDArray[np.float64]  # (joints,) damping coefficients [N m s/rad]
+    response: NDArray[np.float64]  # (joints, n) accelerations by a unit torque
+    coupling: NDArray[np.float64]  # (joints, joints) joint accelerations by a unit torque
+    matrix: NDArray[np.float64]  # (joints, joints) of the stage equations, factored
+    torque: NDArray[np.float64]  # (stages, joints) damping torque's rate of change by stage
+    past: NDArray[np.float64]  # (joints,)
+    start: NDArray[np.float64]  # (n,) accelerations at the step's start
+    end: NDArray[np.float64]  # (n,) and at its end
+    active: NDArray[np.int64]  # (1,) number of entries in use
+
+
 class Stages(NamedTuple):
     """Stage derivatives of the step in hand."""
 
@@ -68,10 +87,12 @@ class Stages(NamedTuple):
     scratch_v: NDArray[np.float64]  # (n,)
     scratch_a: NDArray[np.float64]  # (n,)
     integrals: NDArray[np.float64]  # interpolated integrals
-    energies: NDArray[np.float64]  # (6,)
+    energies: NDArray[np.float64]  # (ENERGIES,)
     depth: NDArray[np.float64]  # (joints,) penetration at the step's start
     depth_rate: NDArray[np.float64]  # (joints,)
     sliding_work: NDArray[np.float64]  # (joints,) of the step
+    ratios: NDArray[np.float64]  # (n,) error by tolerance
+    damping: StopDamping
 
 
 @njit_allocating
@@ -89,10 +110,23 @@ def make_stages(state):
         np.zeros(n),
         np.zeros(n),
         np.zeros(k),
-        np.zeros(6),
+        np.zeros(ENERGIES),
         np.zeros(joints),
         np.zeros(joints),
         np.zeros(joints),
+        np.zeros(n),
+        StopDamping(
+            np.zeros(joints, dtype=np.int64),
+            np.zeros(joints),
+            np.zeros((joints, n)),
+            np.zeros((joints, joints)),
+            np.zeros((joints, joints)),
+            np.zeros((STAGES, joints)),
+            np.zeros(joints),
+            np.zeros(n),
+            np.zeros(n),
+            np.zeros(1, dtype=np.int64),
+        ),
     )
 
 
@@ -104,6 +138,12 @@ def attempt_step(model, state, stages, work, h):
     power, stage_power, gain = work.power, stages.power, stages.gain
     n = q.size
     time = state.clock[0].time
+    damping = stages.damping
+    # Only beams have inertias so small that a stop's damping is stiff.
+    damping.active[0] = begin_step(model, state, work, damping, h) if model.stable_step < math.inf else 0
+    if damping.active[0] > 0:
+        copy_into(damping.start, acceleration[0])
+        correct_stage(model, q0, damping, 0, h, acceleration[0])
     for s in range(1, STAGES):
         c0, c1, c2, c3 = _COUPLING[s]
         for i in range(n):
@@ -117,6 +157,8 @@ def attempt_step(model, state, stages, work, h):
         ):
             return False
         copy_into(stage_power[s], power)
+        if damping.active[0] > 0 and s < STAGES - 1:
+            correct_stage(model, q0, damping, s, h, acceleration[s])
     for k in range(gain.size):
         gain[k] = h * (
             c0 * stage_power[0, k] + c1 * stage_power[1, k] + c2 * stage_power[2, k] + c3 * stage_power[3, k]
@@ -131,8 +173,13 @@ def error_norm(model, state, stages, settings, h):
     v0, v, velocity, acceleration, power = state.v, stages.v, stages.velocity, stages.acceleration, stages.power
     rtol, velocity_scale = settings.rtol, settings.velocity_scale
     e0, e1, e2, e3, e4 = _ERROR
-    worst = 0.0
-    position_tolerance = rtol * model.length_scale
+    damping = stages.damping
+    if damping.active[0] > 0:
+        copy_into(damping.end, acceleration[STAGES - 1])
+        correct_stage(model, state.q, damping, STAGES - 1, h, acceleration[STAGES - 1])
+    weights, ratios = model.error_weight, stages.ratios
+    position_scale = 1.0 / (rtol * model.length_scale)
+    # Without branches, several entries fit into one instruction.
     for i in range(v.size):
         dq = e0 * velocity[0, i] + e1 * velocity[1, i] + e2 * velocity[2, i] + e3 * velocity[3, i] + e4 * velocity[4, i]
         dv = (
@@ -142,16 +189,26 @@ def error_norm(model, state, stages, settings, h):
             + e3 * acceleration[3, i]
             + e4 * acceleration[4, i]
         )
-        scale = rtol * (velocity_scale + max(abs(v0[i]), abs(v[i])))
-        ratio = max(abs(h * dq) / position_tolerance, abs(h * dv) / scale)
-        if not ratio <= worst:  # also true for NaN
-            worst = ratio
+        scale = rtol * (velocity_scale + weights[i] * max(abs(v0[i]), abs(v[i])))
+        ratios[i] = h * weights[i] * max(abs(dq) * position_scale, abs(dv) / scale)
+    worst = 0.0
+    for i in range(v.size):
+        if not ratios[i] <= worst:  # also true for NaN
+            worst = ratios[i]
     energy_tolerance = rtol * state.clock[0].energy_scale
-    for j in range(0, power.shape[1] - 1, INTEGRALS_PER_JOINT):
+    joint_integrals = power.shape[1] - GLOBAL_INTEGRALS
+    for j in range(0, joint_integrals, INTEGRALS_PER_JOINT):
         for k in _ENERGIES:
             i = j + k
             de = e0 * power[0, i] + e1 * power[1, i] + e2 * power[2, i] + e3 * power[3, i] + e4 * power[4, i]
             worst = max(worst, abs(h * de) / energy_tolerance)
+    for i in range(joint_integrals, power.shape[1]):
+        de = e0 * power[0, i] + e1 * power[1, i] + e2 * power[2, i] + e3 * power[3, i] + e4 * power[4, i]
+        worst = max(worst, abs(h * de) / energy_tolerance)
+    if damping.active[0] > 0:
+        # The interpolant takes the accelerations themselves.
+        copy_into(acceleration[0], damping.start)
+        copy_into(acceleration[STAGES - 1], damping.end)
     return worst
 
 

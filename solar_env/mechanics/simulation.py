@@ -143,8 +143,8 @@ class Simulation:
         return self._evaluate().loads[:, :RECORDED_LOADS]
 
     def stored_energies(self) -> NDArray[np.float64]:
-        """(6,) stored energies now [J], in the order of ``model.ENERGY_NAMES``."""
-        energies = np.zeros(len(m.ENERGY_NAMES))
+        """(ENERGIES,) stored energies now [J], in the order of ``model.ENERGY_NAMES``."""
+        energies = np.zeros(m.ENERGIES)
         work = self._evaluate()
         stored_energies(self.model, self.state.joints, self.state.q, self.state.v, work.loads, energies)
         return energies
@@ -152,9 +152,10 @@ class Simulation:
     def energy_residual(self) -> float:
         """Energy now that the books do not account for [J]."""
         integrals = self.state.integrals
-        by_joint = integrals[:-1].reshape(-1, m.INTEGRALS_PER_JOINT).sum(axis=0)
-        put_in = by_joint[m.MOTOR_WORK] + by_joint[m.CABLE_WORK] + integrals[-1]
+        by_joint = m.joint_integrals(integrals).sum(axis=0)
+        put_in = by_joint[m.MOTOR_WORK] + by_joint[m.CABLE_WORK] + integrals[m.EXTERNAL_WORK]
         lost = by_joint[[m.NORMAL_DISSIPATION, m.FRICTION_DISSIPATION, m.STOP_DISSIPATION]].sum()
+        lost += integrals[m.MATERIAL_DISSIPATION]
         return float(self.stored_energies().sum() - self.state.clock["initial_energy"][0] - put_in + lost)
 
 
@@ -215,7 +216,7 @@ def _assemble(
     slices = sample_columns(model, state)
     loads = table[:, slices["loads"]].reshape(len(table), joints, RECORDED_LOADS)
     integrals = table[:, slices["integrals"]]
-    by_joint = integrals[:, :-1].reshape(len(table), joints, m.INTEGRALS_PER_JOINT)
+    by_joint = m.joint_integrals(integrals)
     eccentricity = loads[:, :, [columns.ECCENTRICITY_X, columns.ECCENTRICITY_Y]]
     clearance = model.joints["clearance"].copy()
     energies = {name: table[:, slices["energies"]][:, k] for k, name in enumerate(m.ENERGY_NAMES)}
@@ -224,15 +225,16 @@ def _assemble(
     put_in = {
         "motor_work": totals[:, m.MOTOR_WORK],
         "cable_work": totals[:, m.CABLE_WORK],
-        "drive_work": integrals[:, -1],
+        "external_work": integrals[:, m.EXTERNAL_WORK],
     }
     lost = {
         "contact_dissipation": totals[:, m.NORMAL_DISSIPATION],
         "friction_dissipation": totals[:, m.FRICTION_DISSIPATION],
         "latch_dissipation": totals[:, m.STOP_DISSIPATION],
+        "material_dissipation": integrals[:, m.MATERIAL_DISSIPATION],
     }
     residual = stored - state.clock["initial_energy"][0] - sum(put_in.values()) + sum(lost.values())
-    final = state.integrals[:-1].reshape(joints, m.INTEGRALS_PER_JOINT)
+    final = m.joint_integrals(state.integrals)
     locked = state.clock["latched_joints"][0] > 0
     clock = state.clock[0]
     return Trajectory(
@@ -271,6 +273,7 @@ def _assemble(
             "rejected_steps": int(clock["rejected_steps"]),
             "evaluations": int(clock["evaluations"]),
             "factorizations": int(clock["factorizations"]),
+            "stability_bound_steps": int(clock["stability_bound_steps"]),
         },
     )
 

@@ -2,7 +2,8 @@
 
 The equations of motion are M a + Phi_q^T lambda = Q(q, v, t) with two kinds of constraint: the length of every
 rigid body, eliminated body by body in closed form, and linear rows A(t) q = b for ideal joints, guides and drives,
-solved through the bodies' compliances (the dual Schur complement A P A^T, one row and column a constraint).
+solved through the bodies' compliances (the dual Schur complement A P A^T, one row and column a constraint). Those of
+flexible bodies are constant.
 """
 
 from __future__ import annotations
@@ -13,7 +14,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from . import flexible, rigid
 from ._jit import njit, njit_allocating, njit_inlined
+from .flexible import LANES, TABLE_ROWS, add_elastic_forces, elastic_energy, solve_mass
 from .joint import (
     ANGLE,
     ECCENTRICITY_X,
@@ -24,9 +27,11 @@ from .joint import (
     NORMAL,
     TANGENTIAL,
     add_point_force,
+    add_torque,
     cable_torque,
     direction,
     joint_forces,
+    spin,
     stop_energy,
 )
 from .linear import cholesky_factor, cholesky_solve, copy_into
@@ -34,16 +39,21 @@ from .model import (
     CABLE,
     CLEARANCE,
     CONTACT,
+    ELASTIC,
+    EXTERNAL_WORK,
     FIXED,
+    FLEXIBLE,
     GRAVITY,
     IDEAL,
     IMPULSE,
     INTEGRALS_PER_JOINT,
     KINETIC,
     LATCH,
+    MATERIAL_DISSIPATION,
+    RIGID,
     SPRING,
 )
-from .rigid import kinetic_energy, project_lengths, solve_body
+from .rigid import project_lengths, solve_body
 
 
 class Workspace(NamedTuple):
@@ -53,103 +63,222 @@ class Workspace(NamedTuple):
     loads: NDArray[np.float64]  # (joints, LOAD_COLUMNS)
     power: NDArray[np.float64]  # (integrals,)
     impact_speeds: NDArray[np.float64]  # (joints,)
-    rows: NDArray[np.float64]  # (m, n) linear constraint rows at the present time
+    row_value: NDArray[np.float64]  # (m, ROW_ENTRIES) linear constraint rows at the present time
     columns: NDArray[np.float64]  # (m, n) compliance times rows
     schur: NDArray[np.float64]  # (m, m)
     residual: NDArray[np.float64]  # (m,)
     row_force: NDArray[np.float64]  # (n,)
+    solution: NDArray[np.float64]  # (n,)
+    element_table: NDArray[np.float64]  # (TABLE_ROWS * LANES,)
 
 
 @njit_allocating
 def make_workspace(model, state):
     """Allocate the scratch arrays for a model."""
-    n, m, joints = state.q.size, model.constraint_value.size, model.joints.size
-    return Workspace(
+    n, m, joints = state.q.size, model.constraints.size.size, model.joints.size
+    work = Workspace(
         np.zeros(n),
         np.zeros((joints, LOAD_COLUMNS)),
         np.zeros(state.integrals.size),
         np.zeros(joints),
-        model.constraint_matrix.copy(),
+        model.constraints.value.copy(),
         np.zeros((m, n)),
         np.zeros((m, m)),
         np.zeros(m),
         np.zeros(n),
+        np.zeros(n),
+        np.zeros(TABLE_ROWS * LANES),
     )
+    fill_constant_columns(model, work)
+    return work
+
+
+@njit_inlined
+def solve_any_body(model, b, q, v, force, a, with_velocity):
+    """Acceleration of body ``b`` under a generalized ``force``, see ``rigid.solve_body``; returns its multiplier."""
+    body = model.bodies[b]
+    if body.kind == FLEXIBLE:
+        solve_mass(body, model.mass_factor, force, a)
+        return 0.0
+    return solve_body(body, q, v, force, a, with_velocity)
+
+
+@njit_inlined
+def add_row(model, work, r, weight, x):
+    """Add ``weight`` times constraint row ``r`` to ``x`` (n,)."""
+    coordinate, value = model.constraints.coordinate, work.row_value
+    for k in range(model.constraints.size[r]):
+        x[coordinate[r, k]] += weight * value[r, k]
+
+
+@njit_inlined
+def row_product(model, work, r, x):
+    """Constraint row ``r`` times ``x`` (n,)."""
+    coordinate, value = model.constraints.coordinate, work.row_value
+    total = 0.0
+    for k in range(model.constraints.size[r]):
+        total += value[r, k] * x[coordinate[r, k]]
+    return total
 
 
 @njit
-def set_drive_rows(model, time, rows):
+def fill_column(model, work, q, r, kind):
+    """Compliance of the bodies of one ``kind`` times constraint row ``r``, into its column."""
+    bodies, row_force, column = model.bodies, work.row_force, work.columns[r]
+    for k in range(model.constraints.size[r]):
+        row_force[model.constraints.coordinate[r, k]] = 0.0
+    for side in range(2):
+        b = model.constraints.bodies[r, side]
+        if b >= 0 and bodies[b].kind == kind:
+            body = bodies[b]
+            for i in range(body.offset, body.offset + body.coordinates):
+                row_force[i] = 0.0
+    add_row(model, work, r, 1.0, row_force)
+    for side in range(2):
+        b = model.constraints.bodies[r, side]
+        if b >= 0 and bodies[b].kind == kind:
+            solve_any_body(model, b, q, q, row_force, column, 0.0)
+
+
+@njit
+def fill_constant_columns(model, work):
+    """The columns that do not change: flexible bodies have a constant mass matrix."""
+    for r in range(work.columns.shape[0]):
+        if not model.constraints.driven[r]:
+            fill_column(model, work, work.force, r, FLEXIBLE)
+
+
+@njit
+def drive_angle(drive, time):
+    """Prescribed angle [rad], rate and angular acceleration of a drive."""
+    span = drive.ramp_time
+    if span <= 0.0 or time >= span:
+        return drive.angle + drive.rate * (time - 0.5 * span), drive.rate, 0.0
+    phase = 2.0 * math.pi * time / span
+    angle = 0.5 * time * time + (span / (2.0 * math.pi)) ** 2 * (math.cos(phase) - 1.0)
+    rate = time - span / (2.0 * math.pi) * math.sin(phase)
+    scale = drive.rate / span
+    return drive.angle + scale * angle, scale * rate, scale * (1.0 - math.cos(phase))
+
+
+@njit
+def set_drive_rows(model, time, row_value):
     """Write the rows of prescribed rotations: the body's direction stays parallel to (cos psi, sin psi)."""
     for k in range(model.drives.size):
         drive = model.drives[k]
         marker = model.markers[drive.marker]
-        psi = drive.angle + drive.rate * time
+        psi, _, _ = drive_angle(drive, time)
         c, s = math.cos(psi), math.sin(psi)
-        row = rows[drive.row]
-        row[marker.i1] = -s * marker.c1
-        row[marker.i1 + 1] = c * marker.c1
-        row[marker.i2] = -s
-        row[marker.i2 + 1] = c
+        row = row_value[drive.row]
+        row[0] = -s * marker.c1
+        row[1] = c * marker.c1
+        row[2] = -s
+        row[3] = c
 
 
 @njit
 def drive_motion(model, drive, time, q, v):
     """Explicit time derivatives of a drive's constraint: its rate at fixed q, and the acceleration's bias."""
     marker = model.markers[drive.marker]
-    psi = drive.angle + drive.rate * time
+    psi, spin, spin_up = drive_angle(drive, time)
     c, s = math.cos(psi), math.sin(psi)
     dx, dy = direction(marker, q)
     ux, uy = direction(marker, v)
-    rate = -drive.rate * (s * dy + c * dx)
-    bias = -2.0 * drive.rate * (s * uy + c * ux) + drive.rate * drive.rate * (s * dx - c * dy)
+    rate = -spin * (s * dy + c * dx)
+    bias = -2.0 * spin * (s * uy + c * ux) + spin * spin * (s * dx - c * dy) - spin_up * (c * dx + s * dy)
     return rate, bias
 
 
 @njit
-def build_schur(model, q, v, work):
+def build_schur(model, q, work):
     """Compliance of the linear constraints, factored; False if they are redundant."""
-    bodies, rows, columns, schur, row_force = model.bodies, work.rows, work.columns, work.schur, work.row_force
-    m, n = rows.shape
+    schur, columns = work.schur, work.columns
+    m = schur.shape[0]
     for r in range(m):
-        copy_into(row_force, rows[r])
-        column = columns[r]
-        for b in range(bodies.size):
-            solve_body(bodies[b], q, v, row_force, column, 0.0)
+        if model.constraints.driven[r]:
+            fill_column(model, work, q, r, FLEXIBLE)
+        fill_column(model, work, q, r, RIGID)
     for r in range(m):
         for s in range(r + 1):
-            total = 0.0
-            for i in range(n):
-                total += rows[r, i] * columns[s, i]
-            schur[r, s] = total
+            schur[r, s] = row_product(model, work, r, columns[s])
     return cholesky_factor(schur, m)
+
+
+@njit
+def add_columns(model, work, multipliers, x, kind):
+    """Subtract the columns times ``multipliers`` from ``x`` (n,), for the bodies of one ``kind``."""
+    bodies, columns = model.bodies, work.columns
+    for r in range(columns.shape[0]):
+        for side in range(2):
+            b = model.constraints.bodies[r, side]
+            if b >= 0 and bodies[b].kind == kind:
+                body = bodies[b]
+                for i in range(body.offset, body.offset + body.coordinates):
+                    x[i] -= multipliers[r] * columns[r, i]
 
 
 @njit
 def apply_linear_constraints(model, q, v, time, work, a, multipliers):
     """Correct the accelerations for the linear constraints; False if they are redundant."""
-    bodies, force, rows = model.bodies, work.force, work.rows
-    m, n = rows.shape
+    bodies, force = model.bodies, work.force
+    m = work.schur.shape[0]
     if model.drives.size > 0:
-        set_drive_rows(model, time, work.rows)
-    if not build_schur(model, q, v, work):
+        set_drive_rows(model, time, work.row_value)
+    if not build_schur(model, q, work):
         return False
     for r in range(m):
-        total = 0.0
-        for i in range(n):
-            total += rows[r, i] * a[i]
-        multipliers[r] = total
+        multipliers[r] = row_product(model, work, r, a)
     for k in range(model.drives.size):
         drive = model.drives[k]
         _, bias = drive_motion(model, drive, time, q, v)
         multipliers[drive.row] += bias
     cholesky_solve(work.schur, m, multipliers)
     for r in range(m):
-        for i in range(n):
-            force[i] -= multipliers[r] * rows[r, i]
+        add_row(model, work, r, -multipliers[r], force)
+    add_columns(model, work, multipliers, a, FLEXIBLE)
     for b in range(bodies.size):
-        multipliers[m + b] = solve_body(bodies[b], q, v, force, a, 1.0)
+        if bodies[b].kind != FLEXIBLE:
+            multipliers[m + b] = solve_body(bodies[b], q, v, force, a, 1.0)
     store_constraint_loads(model, multipliers, time, q, work)
     return True
+
+
+@njit
+def prepare_response(model, q, time, work):
+    """Fill what :func:`acceleration_response` needs at a configuration; False if constraints are redundant."""
+    if model.drives.size > 0:
+        set_drive_rows(model, time, work.row_value)
+    return work.schur.shape[0] == 0 or build_schur(model, q, work)
+
+
+@njit
+def acceleration_response(model, q, work, force, a):
+    """Write to ``a`` (n,) what a generalized ``force`` (n,) adds to the accelerations."""
+    m = work.schur.shape[0]
+    for b in range(model.bodies.size):
+        solve_any_body(model, b, q, q, force, a, 0.0)
+    if m == 0:
+        return
+    for r in range(m):
+        work.residual[r] = row_product(model, work, r, a)
+    cholesky_solve(work.schur, m, work.residual)
+    add_columns(model, work, work.residual, a, RIGID)
+    add_columns(model, work, work.residual, a, FLEXIBLE)
+
+
+@njit_inlined
+def applied_forces(model, joint_states, q, v, work):
+    """Fill ``work`` with all generalized forces but the constraints', with loads and powers."""
+    force, power, markers, torques = work.force, work.power, model.markers, model.load_torques
+    copy_into(force, model.constant_force)
+    external = 0.0
+    for k in range(torques.size):
+        marker = markers[torques[k].marker]
+        add_torque(marker, q, torques[k].torque, force)
+        external += torques[k].torque * spin(marker, q, v)
+    power[power.size + EXTERNAL_WORK] = external
+    power[power.size + MATERIAL_DISSIPATION] = add_elastic_forces(model.elements, q, v, force, work.element_table)
+    joint_forces(model, joint_states, work.impact_speeds, q, v, work.loads, force, power)
 
 
 @njit_inlined
@@ -158,12 +287,11 @@ def inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers)
 
     ``multipliers`` receives those of the linear rows, then one per body for its length.
     """
-    bodies, force = model.bodies, work.force
+    force = work.force
     m = work.residual.size
-    copy_into(force, model.gravity_force)
-    joint_forces(model, joint_states, work.impact_speeds, q, v, work.loads, force, work.power)
-    for b in range(bodies.size):
-        multipliers[m + b] = solve_body(bodies[b], q, v, force, a, 1.0)
+    applied_forces(model, joint_states, q, v, work)
+    for b in range(model.bodies.size):
+        multipliers[m + b] = solve_any_body(model, b, q, v, force, a, 1.0)
     if m == 0:
         return True
     return apply_linear_constraints(model, q, v, time, work, a, multipliers)
@@ -177,7 +305,7 @@ def accelerations(model, joint_states, q, v, time, work, a, multipliers):
 
 @njit
 def store_constraint_loads(model, multipliers, time, q, work):
-    """Enter the multipliers of ideal joints as joint forces and the drives' power."""
+    """Enter the multipliers of ideal joints as joint forces, and add the drives' power."""
     for j in range(model.joints.size):
         joint = model.joints[j]
         if joint.kind == IDEAL and joint.row >= 0:
@@ -191,44 +319,37 @@ def store_constraint_loads(model, multipliers, time, q, work):
     for k in range(model.drives.size):
         drive = model.drives[k]
         dx, dy = direction(model.markers[drive.marker], q)
-        psi = drive.angle + drive.rate * time
-        drive_power -= multipliers[drive.row] * (dx * math.cos(psi) + dy * math.sin(psi)) * drive.rate
-    work.power[work.power.size - 1] = drive_power
+        psi, rate, _ = drive_angle(drive, time)
+        drive_power -= multipliers[drive.row] * (dx * math.cos(psi) + dy * math.sin(psi)) * rate
+    work.power[work.power.size + EXTERNAL_WORK] += drive_power
 
 
 @njit
 def constraint_drift(model, q, time, work):
     """Greatest violation [m] of the linear constraints; leaves it by row in ``work.residual``."""
-    m, n = work.rows.shape
     worst = 0.0
     if model.drives.size > 0:
-        set_drive_rows(model, time, work.rows)
-    for r in range(m):
-        total = -model.constraint_value[r]
-        for i in range(n):
-            total += work.rows[r, i] * q[i]
-        work.residual[r] = total
-        worst = max(worst, abs(total))
+        set_drive_rows(model, time, work.row_value)
+    for r in range(work.residual.size):
+        work.residual[r] = row_product(model, work, r, q) - model.constraints.target[r]
+        worst = max(worst, abs(work.residual[r]))
     return worst
 
 
 @njit
 def velocity_drift(model, q, v, time, work):
     """Greatest violation [m/s] of the linear constraints' rates; leaves it by row in ``work.residual``."""
-    rows, residual = work.rows, work.residual
-    m, n = rows.shape
+    residual = work.residual
     if model.drives.size > 0:
-        set_drive_rows(model, time, rows)
+        set_drive_rows(model, time, work.row_value)
     worst = 0.0
-    for r in range(m):
-        residual[r] = 0.0
-        for i in range(n):
-            residual[r] += rows[r, i] * v[i]
+    for r in range(residual.size):
+        residual[r] = row_product(model, work, r, v)
     for k in range(model.drives.size):
         drive = model.drives[k]
         rate, _ = drive_motion(model, drive, time, q, v)
         residual[drive.row] += rate
-    for r in range(m):
+    for r in range(residual.size):
         worst = max(worst, abs(residual[r]))
     return worst
 
@@ -245,32 +366,45 @@ def project(model, q, v, time, work):
 @njit
 def project_linear(model, q, v, time, work):
     """Return positions and velocities to the linear constraints; False if these are redundant."""
-    rows, columns, residual = work.rows, work.columns, work.residual
-    m, n = rows.shape
+    residual = work.residual
     constraint_drift(model, q, time, work)
     # The velocities are corrected with the rows of the same configuration: the position change is tiny.
-    if not build_schur(model, q, v, work):
+    if not build_schur(model, q, work):
         return False
     for kind in range(2):
         if kind == 1:
             velocity_drift(model, q, v, time, work)
-        cholesky_solve(work.schur, m, residual)
+        cholesky_solve(work.schur, residual.size, residual)
         target = q if kind == 0 else v
-        for r in range(m):
-            for i in range(n):
-                target[i] -= residual[r] * columns[r, i]
+        add_columns(model, work, residual, target, RIGID)
+        add_columns(model, work, residual, target, FLEXIBLE)
     # The position change leaves the lengths only to second order.
     project_lengths(model.bodies, q, v)
     return True
 
 
 @njit
+def add_mass_products(model, a, out):
+    """Add M a to ``out`` (n,); nothing for fixed bodies."""
+    for body in model.bodies:
+        if body.kind == FLEXIBLE:
+            flexible.add_mass_product(body, model.mass_band, a, out)
+        elif body.kind == RIGID:
+            rigid.add_mass_product(body, a, out)
+
+
+@njit
 def stored_energies(model, joint_states, q, v, loads, energies):
-    """Fill the six stored energies [J] at a configuration whose ``loads`` are current."""
+    """Fill the stored energies [J] at a configuration whose ``loads`` are current."""
     energies[:] = 0.0
-    energies[KINETIC] = kinetic_energy(model.bodies, v)
+    for body in model.bodies:
+        if body.kind == FLEXIBLE:
+            energies[KINETIC] += flexible.kinetic_energy(body, model.mass_band, v)
+        elif body.kind == RIGID:
+            energies[KINETIC] += rigid.kinetic_energy(body, v)
+    energies[ELASTIC] = elastic_energy(model.bodies, q)
     for i in range(q.size):
-        energies[GRAVITY] -= model.gravity_force[i] * q[i]
+        energies[GRAVITY] -= model.constant_force[i] * q[i]
     for j in range(model.joints.size):
         joint = model.joints[j]
         stretch = joint.spring_preload_angle - loads[j, ANGLE]
@@ -291,22 +425,21 @@ def stored_energies(model, joint_states, q, v, loads, energies):
 def normal_inverse_mass(model, q, v, j, work):
     """Inverse effective mass [1/kg] of joint ``j`` along its line of centres: acceleration per unit normal force."""
     joint = model.joints[j]
-    outboard, inboard = model.markers[joint.outboard], model.markers[joint.inboard]
     total = 0.0
     # Approximated by the two bodies alone: what else hangs on them moves only after the contact's onset.
     dx, dy = work.loads[j, ECCENTRICITY_X], work.loads[j, ECCENTRICITY_Y]
     size = math.hypot(dx, dy)
     nx, ny = (dx / size, dy / size) if size > 0.0 else (1.0, 0.0)
     for side in range(2):
-        marker = outboard if side == 0 else inboard
+        marker = model.markers[joint.outboard if side == 0 else joint.inboard]
         for b in range(model.bodies.size):
             body = model.bodies[b]
-            if body.kind == FIXED or not body.offset <= marker.i1 < body.offset + 4:
+            if body.kind == FIXED or not body.offset <= marker.i1 < body.offset + body.coordinates:
                 continue
-            work.row_force[:] = 0.0
+            for i in range(body.offset, body.offset + body.coordinates):
+                work.row_force[i] = 0.0
             add_point_force(marker, nx, ny, work.row_force)
-            work.force[:] = 0.0
-            solve_body(body, q, v, work.row_force, work.force, 0.0)
-            for i in range(q.size):
-                total += work.row_force[i] * work.force[i]
+            solve_any_body(model, b, q, v, work.row_force, work.solution, 0.0)
+            for i in range(body.offset, body.offset + body.coordinates):
+                total += work.row_force[i] * work.solution[i]
     return total

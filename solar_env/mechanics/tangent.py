@@ -9,9 +9,14 @@ dQ/dq = B^T (dp/dx B + dp/dx' dx'/dq) + torques times the Hessians of the angles
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
-from ._jit import njit
+import numpy as np
+from numpy.typing import NDArray
+
+from ._jit import njit, njit_allocating
 from .contact import friction_ramp, friction_ramp_slope, normal_force, normal_force_slopes
+from .flexible import add_body_tangent
 from .joint import (
     ANGLE,
     CABLE_TORQUE,
@@ -26,7 +31,41 @@ from .joint import (
     relative,
     stop_torque,
 )
-from .model import CLEARANCE, MATERIAL_POINTS
+from .model import CLEARANCE, FLEXIBLE, MATERIAL_POINTS
+from .profile import add_entry
+
+
+class TangentScratch(NamedTuple):
+    """Arrays of :func:`subtract_force_tangents`; loads and impact speeds are the workspace's own."""
+
+    loads: NDArray[np.float64]
+    impact_speeds: NDArray[np.float64]
+    coordinates: NDArray[np.int64]  # (joints, 8) those that a joint depends on
+    b: NDArray[np.float64]  # (4, 8)
+    spin_slope: NDArray[np.float64]  # (2, 8)
+    stiffness: NDArray[np.float64]  # (4, 4)
+    damping: NDArray[np.float64]  # (4, 4)
+    product: NDArray[np.float64]  # (4, 8)
+    angle_gradient: NDArray[np.float64]  # (joints, 8)
+    element: NDArray[np.float64]  # (6, 6)
+
+
+@njit_allocating
+def make_tangent_scratch(work):
+    """Allocate the arrays of a tangent."""
+    joints = work.impact_speeds.size
+    return TangentScratch(
+        work.loads,
+        work.impact_speeds,
+        np.zeros((joints, 8), dtype=np.int64),
+        np.zeros((4, 8)),
+        np.zeros((2, 8)),
+        np.zeros((4, 4)),
+        np.zeros((4, 4)),
+        np.zeros((4, 8)),
+        np.zeros((joints, 8)),
+        np.zeros((6, 6)),
+    )
 
 
 @njit
@@ -65,7 +104,7 @@ def angle_hessian(dx, dy):
 
 
 @njit
-def add_angle_hessian(marker, q, torque, weight, matrix):
+def subtract_angle_hessian(marker, q, torque, weight, elimination, matrix):
     """Subtract weight * torque * Hessian of the marker's angle from ``matrix``."""
     dx, dy = direction(marker, q)
     hxx, hxy = angle_hessian(dx, dy)
@@ -76,10 +115,10 @@ def add_angle_hessian(marker, q, torque, weight, matrix):
         for column in range(2):
             second = marker.i1 if column == 0 else marker.i2
             d = scale * c * (marker.c1 if column == 0 else 1.0)
-            matrix[first, second] += d * hxx
-            matrix[first, second + 1] += d * hxy
-            matrix[first + 1, second] += d * hxy
-            matrix[first + 1, second + 1] -= d * hxx
+            add_entry(elimination, matrix, first, second, d * hxx)
+            add_entry(elimination, matrix, first, second + 1, d * hxy)
+            add_entry(elimination, matrix, first + 1, second, d * hxy)
+            add_entry(elimination, matrix, first + 1, second + 1, -d * hxx)
 
 
 @njit
@@ -141,7 +180,7 @@ def contact_tangent(joint, markers, q, v, outboard_spin, inboard_spin, impact_sp
 
 @njit
 def subtract_force_tangents(model, joint_states, q, v, tangent, stiffness_weight, damping_weight, matrix):
-    """Subtract stiffness_weight * dQ/dq + damping_weight * dQ/dv from ``matrix`` (n, n).
+    """Subtract stiffness_weight * dQ/dq + damping_weight * dQ/dv from ``matrix`` (``profile.py``).
 
     ``tangent.loads`` and ``tangent.impact_speeds`` must be current; the other arrays of ``tangent`` are scratch.
     """
@@ -149,6 +188,7 @@ def subtract_force_tangents(model, joint_states, q, v, tangent, stiffness_weight
     loads, index = tangent.loads, tangent.coordinates
     b, spin_slope = tangent.b, tangent.spin_slope
     stiffness, damping, product = tangent.stiffness, tangent.damping, tangent.product
+    elimination = model.elimination
     for j in range(joints.size):
         joint = joints[j]
         local_map(joint, markers, q, v, index[j], b, spin_slope)
@@ -191,11 +231,12 @@ def subtract_force_tangents(model, joint_states, q, v, tangent, stiffness_weight
                 total = 0.0
                 for k in range(4):
                     total += b[k, r] * product[k, c]
-                matrix[index[j, r], index[j, c]] -= total
+                add_entry(elimination, matrix, index[j, r], index[j, c], -total)
         for c in range(8):
             tangent.angle_gradient[j, c] = joint.sign * (b[2, c] - b[3, c])
-        add_angle_hessian(markers[joint.outboard], q, outboard_torque, stiffness_weight, matrix)
-        add_angle_hessian(markers[joint.inboard], q, inboard_torque, stiffness_weight, matrix)
+        outboard, inboard = markers[joint.outboard], markers[joint.inboard]
+        subtract_angle_hessian(outboard, q, outboard_torque, stiffness_weight, elimination, matrix)
+        subtract_angle_hessian(inboard, q, inboard_torque, stiffness_weight, elimination, matrix)
     for k in range(cables.size):
         cable = cables[k]
         a, o = cable.joint_a, cable.joint_b
@@ -205,7 +246,16 @@ def subtract_force_tangents(model, joint_states, q, v, tangent, stiffness_weight
                 ga, gb = tangent.angle_gradient[a, c], tangent.angle_gradient[o, c]
                 weight_a = -stiffness_weight * cable.torque_ratio * slope * tangent.angle_gradient[a, r]
                 weight_b = stiffness_weight * slope * tangent.angle_gradient[o, r]
-                matrix[index[a, r], index[a, c]] -= weight_a * cable.wheel_ratio * ga
-                matrix[index[a, r], index[o, c]] += weight_a * gb
-                matrix[index[o, r], index[a, c]] -= weight_b * cable.wheel_ratio * ga
-                matrix[index[o, r], index[o, c]] += weight_b * gb
+                add_entry(elimination, matrix, index[a, r], index[a, c], -weight_a * cable.wheel_ratio * ga)
+                add_entry(elimination, matrix, index[a, r], index[o, c], weight_a * gb)
+                add_entry(elimination, matrix, index[o, r], index[a, c], -weight_b * cable.wheel_ratio * ga)
+                add_entry(elimination, matrix, index[o, r], index[o, c], weight_b * gb)
+    for k in range(model.load_torques.size):
+        load = model.load_torques[k]
+        subtract_angle_hessian(markers[load.marker], q, load.torque, stiffness_weight, elimination, matrix)
+    for b in range(model.bodies.size):
+        if model.bodies[b].kind == FLEXIBLE:
+            # Internal forces resist: their slopes enter with the opposite sign.
+            add_body_tangent(
+                model.bodies[b], q, v, stiffness_weight, damping_weight, tangent.element, elimination, matrix
+            )

@@ -42,9 +42,10 @@ class Trajectory:
         joint_force: (nt, nj, 2) force on the outboard body.
         spring_torque, cable_torque, latch_torque, motor_torque: (nt, nj) on the joint angle. The latch torque includes
             the stow stop's.
-        energies: name -> (nt,); stored: kinetic, spring, cable, latch, contact, gravity; put in: motor_work,
-            cable_work (zero for a loop whose torque ratio is its wheel ratio), drive_work; lost: contact_dissipation,
-            friction_dissipation, latch_dissipation; residual: stored - initially stored - put in + lost.
+        energies: name -> (nt,); stored: kinetic, spring, cable, latch, contact, elastic, gravity (of all constant
+            forces); put in: motor_work, cable_work (zero for a loop whose torque ratio is its wheel ratio),
+            external_work (of drives and load torques); lost: contact_dissipation, friction_dissipation,
+            latch_dissipation, material_dissipation; residual: stored - initially stored - put in + lost.
         sliding_work, impulse: (nt, nj) integrals of normal force * |sliding speed| and of the force since t = 0.
         wear_journal, wear_bearing: (nj, bins) depth at the end, by angle in the surface's own body frame.
         contacts: structured array of all contacts in the order of their ends; those still open come last, with
@@ -89,10 +90,12 @@ class Trajectory:
 
     @property
     def energy_put_in(self) -> float:
-        """Energy stored at t = 0 in springs, cables and motion, plus what motor, cable and drives have added [J]."""
-        names = ("kinetic", "spring", "cable", "latch", "contact")
+        """Energy stored at t = 0 in springs, cables and motion, plus what motor, cable, drives and loads added [J]."""
+        names = ("kinetic", "spring", "cable", "latch", "contact", "elastic")
         stored = sum(float(self.energies[name][0]) for name in names)
-        return stored + sum(abs(float(self.energies[name][-1])) for name in ("motor_work", "cable_work", "drive_work"))
+        return stored + sum(
+            abs(float(self.energies[name][-1])) for name in ("motor_work", "cable_work", "external_work")
+        )
 
     @property
     def energy_residual(self) -> float:
@@ -124,6 +127,7 @@ class Trajectory:
             "steps": self.metadata.get("steps"),
             "rejected_steps": self.metadata.get("rejected_steps"),
             "evaluations": self.metadata.get("evaluations"),
+            "stability_bound_steps": self.metadata.get("stability_bound_steps"),
             "wall_time_s": self.metadata.get("wall_time_s"),
         }
 

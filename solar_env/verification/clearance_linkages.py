@@ -58,7 +58,7 @@ def _checks(
     yield Check(
         quantity=f"{label}: energy residual over the crank's greatest work",
         expected=0.0,
-        obtained=motion.energy_residual / float(np.abs(motion.energies["drive_work"]).max()),
+        obtained=motion.energy_residual / float(np.abs(motion.energies["external_work"]).max()),
         tolerance=1e-5,
         source=BOOKS,
     )
@@ -81,7 +81,7 @@ def _work_error(motion: Trajectory, ideal: Sequence[LinkageState], rate: float) 
     power = rate * np.array([state.crank_moment for state in ideal])
     exact = cumulative_simpson(power, x=motion.time, initial=0.0)
     last = slice(len(motion.time) - 1 - SAMPLES, None, SAMPLES // 20)
-    expected, obtained = np.diff(exact[last]), np.diff(motion.energies["drive_work"][last])
+    expected, obtained = np.diff(exact[last]), np.diff(motion.energies["external_work"][last])
     return float(np.abs(obtained - expected).max() / np.abs(expected).max())
 
 

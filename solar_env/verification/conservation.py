@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..array import ArrayParameters, build
-from ..mechanics.description import Mechanism
+from ..mechanics.description import Body, Mechanism
 from ..mechanics.integrators import GeneralizedAlpha, Integrator, RungeKutta
 from ..mechanics.simulation import simulate
 from ..mechanics.trajectory import Trajectory
@@ -26,6 +26,7 @@ def momenta(mechanism: Mechanism, motion: Trajectory) -> tuple[NDArray[np.comple
     linear, angular = [], []
     complex_plane = np.array([1.0, 1j])
     for k, body in enumerate(mechanism.bodies):
+        assert isinstance(body, Body)
         ends = [slice(4 * k, 4 * k + 2), slice(4 * k + 2, 4 * k + 4)]
         p1, p2 = (motion.coordinates[:, s] @ complex_plane for s in ends)
         v1, v2 = (motion.velocities[:, s] @ complex_plane for s in ends)

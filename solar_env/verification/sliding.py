@@ -12,7 +12,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..mechanics.description import Bearing
+from ..mechanics.description import Bearing, Body
 from ..mechanics.integrators import GeneralizedAlpha, Integrator, RungeKutta
 from ..mechanics.joint import NORMAL, RATE, TANGENTIAL
 from ..mechanics.laws import damping_factor
@@ -76,7 +76,9 @@ def sliding_speed_readings() -> Iterator[Check]:
     simulation = Simulation(mechanism, RungeKutta(rtol=1e-8))
     simulation.set_motor_torque(0, torque)
     simulation.advance(duration)
-    inertia = mechanism.bodies[0].inertia
+    journal = mechanism.bodies[0]
+    assert isinstance(journal, Body)
+    inertia = journal.inertia
     yield Check(
         quantity="speed of centres: spin after 0.05 s, without friction [rad/s]",
         expected=torque * duration / inertia,

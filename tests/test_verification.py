@@ -20,7 +20,11 @@ from solar_env.verification.report import make_table, to_json
 ROW = Row(case="made up", quantity="length [m]", expected=2.0, obtained=2.02, tolerance=0.05, source="a ruler")
 
 
-@pytest.mark.parametrize("name", suite.CASES)
+# Longer than a few seconds.
+SLOW = {"panel-counts", "spin-up"}
+
+
+@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow) if n in SLOW else n for n in suite.CASES])
 def test_every_case_of_the_suite_passes(name):
     rows = suite.run(name)
     assert rows

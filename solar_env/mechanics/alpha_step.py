@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ._jit import njit, njit_allocating
+from ._jit import njit, njit_allocating, njit_inner
 from .flexible import add_body_mass
 from .linear import copy_into
 from .model import ENERGIES, FLEXIBLE, RIGID
@@ -157,7 +157,7 @@ def fill_matrix(model, state, it, work, tangent, mass_weight, damping_weight, sc
             add_body_matrix(body, weight, scale * it.multipliers[m + b], direct, n + m + b, elimination, matrix)
 
 
-@njit
+@njit_inner
 def solve_newton(model, it):
     """Solve Newton's equations for ``it.rhs`` in place; False if the matrix is singular."""
     position, rhs, solution = model.elimination.position, it.rhs, it.solution
@@ -221,7 +221,7 @@ def attempt_step(model, state, it, work, tangent, settings, h):
     return correction / tolerance
 
 
-@njit
+@njit_inner
 def restart(model, state, it, work, settings, h):
     """Solve accelerations and multipliers afresh at the accepted state, for steps of size ``h``. False if singular."""
     n = state.q.size

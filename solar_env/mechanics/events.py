@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from ._jit import njit, njit_inlined
+from ._jit import njit_inner, njit_inner_inlined
 from .history import latch, start_contact
 from .joint import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, joint_motion, penetration, relative, stop_depth
 from .model import CLEARANCE
@@ -17,7 +17,7 @@ from .runge_kutta import STAGES, interpolate, quintic_weights
 NONE, CONTACT, LATCH, STOP = range(4)
 
 
-@njit_inlined
+@njit_inner_inlined
 def event_function(model, state, stages, j, kind, h, share):
     """What rises through zero at an event of joint ``j``: a depth, or the angle past the lock."""
     joint, markers = model.joints[j], model.markers
@@ -42,7 +42,7 @@ def event_function(model, state, stages, j, kind, h, share):
     return math.sqrt(ex * ex + ey * ey) - joint.clearance
 
 
-@njit
+@njit_inner
 def locate(model, state, stages, j, kind, h, low, f_low, high, f_high):
     """Share of the step at which the event function rises through zero: Illinois iteration, ending on its far side."""
     for _ in range(60):
@@ -65,7 +65,7 @@ def locate(model, state, stages, j, kind, h, low, f_low, high, f_high):
     return high
 
 
-@njit
+@njit_inner
 def locate_at_end(model, state, stages, j, kind, h, f_high):
     """Share of the step at which an event function that is positive at its end has risen through zero."""
     f_low = event_function(model, state, stages, j, kind, h, 0.0)
@@ -74,7 +74,7 @@ def locate_at_end(model, state, stages, j, kind, h, f_high):
     return locate(model, state, stages, j, kind, h, 0.0, f_low, 1.0, f_high)
 
 
-@njit
+@njit_inner
 def first_touch(model, state, stages, j, h, depth):
     """Share of the step at which the free journal of joint ``j`` meets its bearing; 2 if it does not.
 
@@ -92,7 +92,7 @@ def first_touch(model, state, stages, j, h, depth):
     return 2.0
 
 
-@njit_inlined
+@njit_inner_inlined
 def first_event(model, state, stages, work, h):
     """Earliest contact start, latching or stop engagement inside the step: (share, joint, kind)."""
     joints, joint_states, loads, depths = model.joints, state.joints, work.loads, stages.depth
@@ -119,7 +119,7 @@ def first_event(model, state, stages, work, h):
     return share, which, what
 
 
-@njit
+@njit_inner
 def begin_event(model, state, j, kind, scratch):
     """Latch joint ``j``, engage its stop, or start its contact, at the accepted state."""
     time = state.clock[0].time

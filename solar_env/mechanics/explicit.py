@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 
-from ._jit import njit, njit_allocating, njit_inlined
+from ._jit import njit, njit_allocating, njit_inner, njit_inner_inlined
 from .contact import normal_force
 from .events import NONE, begin_event, first_event
 from .history import check_state, fail, impact_step_limit, note_force, settle_joints
@@ -41,7 +41,7 @@ _STABILITY_MARGIN = 0.95
 _STOP_SHARE = 0.7
 
 
-@njit_inlined
+@njit_inner_inlined
 def any_stop_engaged(joint_states):
     """Whether a latch's or a stow stop's torque acts."""
     engaged = False
@@ -50,7 +50,7 @@ def any_stop_engaged(joint_states):
     return engaged
 
 
-@njit
+@njit_inner
 def refine_peak(model, state, stages, j, h, share):
     """Raise the force maxima of joint ``j`` to the peak inside the step: sampled, then a parabola through the top."""
     joint, own, markers = model.joints[j], state.joints[j], model.markers
@@ -66,7 +66,7 @@ def refine_peak(model, state, stages, j, h, share):
     note_force(own, peak, state.clock[0].latched_joints > 0)
 
 
-@njit_inlined
+@njit_inner_inlined
 def refine_peaks(model, state, stages, h, share):
     """Find the force peaks that lie inside the step: where a penetration has turned from growing to falling."""
     joints, markers, joint_states = model.joints, model.markers, state.joints
@@ -78,7 +78,7 @@ def refine_peaks(model, state, stages, h, share):
                 refine_peak(model, state, stages, j, h, share)
 
 
-@njit
+@njit_inner
 def record_until(model, state, stages, scratch, recorder, h, end):
     """Take the samples that fall inside the accepted part of the step."""
     start = state.clock[0].time
@@ -121,7 +121,7 @@ def refresh(model, state, stages, work):
     return regular
 
 
-@njit_inlined
+@njit_inner_inlined
 def measure_depths(model, state, stages):
     """Penetration and its rate at the accepted state, for every clearance joint."""
     joints, markers, q, v = model.joints, model.markers, state.q, state.v
@@ -132,7 +132,7 @@ def measure_depths(model, state, stages):
             depth[j], depth_rate[j] = penetration(joint, markers, q, v)
 
 
-@njit_inlined
+@njit_inner_inlined
 def move_to(state, stages, h, share):
     """Take over the state at ``share`` of the step, with the integrals up to there."""
     integrals, gain, sliding_work = state.integrals, stages.gain, stages.sliding_work
@@ -153,7 +153,7 @@ def move_to(state, stages, h, share):
     copy_into(state.v, stages.v)
 
 
-@njit_inlined
+@njit_inner_inlined
 def accept(model, state, stages, work, scratch, recorder, h, share, event_joint, kind):
     """Move to ``share`` of the step and book what happened on the way. False if constraints are singular."""
     joint_states, impact_speeds = state.joints, work.impact_speeds

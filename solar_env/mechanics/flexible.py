@@ -17,7 +17,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ._jit import njit, njit_inlined
+from ._jit import njit, njit_inlined, njit_inner
 from .model import FLEXIBLE, Elements
 from .profile import add_entry
 
@@ -233,7 +233,7 @@ def add_bending_point(point, x, bending, damping, f):
     )
 
 
-@njit
+@njit_inner
 def element_forces(lanes, constants, table):
     """Internal forces of a block of elements, several at a time in the processor's vector registers.
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from ._jit import njit, njit_allocating
+from ._jit import njit_allocating, njit_inner
 from .alpha_step import attempt_step, make_iteration, restart
 from .contact import impact_scales
 from .history import check_state, fail, impact_step_limit, latch, settle_joints, start_contact
@@ -35,7 +35,7 @@ from .tangent import make_tangent_scratch
 _SMALLEST_STEP = 1e-12  # s
 
 
-@njit
+@njit_inner
 def prepare(model, state, it, work):
     """Contact modes, depths and powers at the start of a step.
 
@@ -60,7 +60,7 @@ def prepare(model, state, it, work):
         it.angle[j] = work.loads[j, ANGLE]
 
 
-@njit
+@njit_inner
 def error_norm(model, state, it, settings, h):
     """Local error in units of the tolerance, from the change of the accelerations (Zienkiewicz and Xie 1991).
 
@@ -78,7 +78,7 @@ def error_norm(model, state, it, settings, h):
     return worst
 
 
-@njit
+@njit_inner
 def landing_step(model, state, it, scratch, settings, h):
     """A step that ends near the wall if a contact begins inside this one and ``h`` does not resolve it, else ``h``."""
     joints, joint_states, markers = model.joints, state.joints, model.markers
@@ -100,7 +100,7 @@ def landing_step(model, state, it, scratch, settings, h):
     return shorter
 
 
-@njit
+@njit_inner
 def record_until(model, state, it, scratch, recorder, work, h):
     """Take the samples inside the solved step: cubic Hermite for positions, its derivative for velocities."""
     n = state.q.size
@@ -138,7 +138,7 @@ def record_until(model, state, it, scratch, recorder, work, h):
         )
 
 
-@njit
+@njit_inner
 def accept(model, state, it, work, scratch, recorder, h):
     """Move to the end of the solved step and book what happened on the way."""
     joints, joint_states, integrals = model.joints, state.joints, state.integrals
@@ -174,7 +174,7 @@ def accept(model, state, it, work, scratch, recorder, h):
     settle_joints(model, state, work.loads, it.sliding_work, start, it.depth, recorder)
 
 
-@njit
+@njit_inner
 def next_step(state, settings, remaining):
     """Step to try: the fixed one, divided so that a whole number of them ends the call, or the controller's."""
     if settings.rtol == 0.0:
@@ -188,7 +188,7 @@ def next_step(state, settings, remaining):
     return 0.5 * remaining if 2.0 * wanted > remaining else wanted
 
 
-@njit
+@njit_inner
 def judge(model, state, it, scratch, settings, h, convergence):
     """Step to retry with, or 0 to accept. Sets the controller's next step."""
     clock = state.clock[0]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from ._jit import njit, njit_inlined
+from ._jit import njit, njit_inlined, njit_inner_inlined
 from .contact import friction_ramp, normal_force
 from .model import (
     CABLE_WORK,
@@ -197,7 +197,7 @@ def cable_torque(cable, stretch):
     return math.copysign(torque, stretch), 0.5 * cable.stiffness, energy
 
 
-@njit_inlined
+@njit_inner_inlined
 def joint_torques(model, joint_states, q, v, loads, power):
     """Fill angles, rates, spins and the spring, stop, motor and cable torques of every joint; their powers too."""
     joints, markers, cables = model.joints, model.markers, model.cables

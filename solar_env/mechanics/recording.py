@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ._jit import njit
+from ._jit import njit_inner
 from .joint import OUTBOARD_SPIN
 from .linear import copy_into
 from .model import ENERGY_NAMES, IMPULSE, INTEGRALS_PER_JOINT, SLIDING_WORK, Model, State
@@ -55,20 +55,20 @@ def make_recorder(model: Model, state: State, times: NDArray[np.float64], contac
     )
 
 
-@njit
+@njit_inner
 def sample_due(recorder, time):
     """Whether a requested sample time has been reached."""
     return recorder.filled[0] < recorder.times.size and recorder.times[recorder.filled[0]] <= time
 
 
-@njit
+@njit_inner
 def contacts_full(recorder, joints):
     """Whether the next step could run out of room for contacts."""
     capacity = recorder.contacts.shape[0]
     return capacity > 0 and recorder.filled[1] + joints > capacity
 
 
-@njit
+@njit_inner
 def record_sample(recorder, model, joint_states, q, v, time, integrals, work, a, multipliers, energies):
     """Evaluate the loads at an (interpolated) state and store one row."""
     accelerations(model, joint_states, q, v, time, work, a, multipliers)
@@ -87,7 +87,7 @@ def record_sample(recorder, model, joint_states, q, v, time, integrals, work, a,
     recorder.filled[0] += 1
 
 
-@njit
+@njit_inner
 def record_contact(recorder, j, own, integrals, end):
     """Store the line of a contact of joint ``j`` that has just ended."""
     if recorder.contacts.shape[0] == 0:

@@ -7,7 +7,7 @@ With J the quarter turn, every 2 x 2 block has the form a I + b J.
 
 from __future__ import annotations
 
-from ._jit import njit, njit_inlined
+from ._jit import njit, njit_inlined, njit_inner
 from .model import RIGID
 from .profile import add_entry
 
@@ -46,7 +46,7 @@ def add_mass_product(body, a, out):
     out[k + 3] += body.m22 * by + body.m12 * ay - body.n12 * ax
 
 
-@njit
+@njit_inner
 def add_body_matrix(body, weight, multiplier, direct, row, elimination, matrix):
     """Add a rigid body's part of Newton's matrix.
 

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ._jit import njit, njit_allocating, njit_inlined
+from ._jit import njit, njit_allocating, njit_inlined, njit_inner, njit_inner_inlined
 from .linear import copy_into
 from .model import (
     CABLE_WORK,
@@ -167,7 +167,7 @@ def attempt_step(model, state, stages, work, h):
     return True
 
 
-@njit_inlined
+@njit_inner_inlined
 def error_norm(model, state, stages, settings, h):
     """Greatest component of the error estimate in units of the tolerance."""
     v0, v, velocity, acceleration, power = state.v, stages.v, stages.velocity, stages.acceleration, stages.power
@@ -247,7 +247,7 @@ def interpolate(state, stages, h, share):
         v[i] = c0 * v0[i] + c1 * a0 + d0 * v1[i] + d1 * a1
 
 
-@njit
+@njit_inner
 def interpolate_integrals(state, stages, h, share):
     """Integrals at ``share`` of the step, into ``stages.integrals``."""
     integrals, gain, power, base = stages.integrals, stages.gain, stages.power, state.integrals

@@ -12,7 +12,7 @@ with a system of equations of one unknown a joint for every stage. With A = 0 it
 
 from __future__ import annotations
 
-from ._jit import njit, njit_inlined
+from ._jit import njit_inlined, njit_inner
 from .joint import add_torque, joint_motion, spin, stop_torque
 from .linear import cholesky_factor, cholesky_solve
 from .system import acceleration_response, prepare_response
@@ -38,7 +38,7 @@ def joint_rate(joint, markers, q, x):
     return joint.sign * (spin(markers[joint.outboard], q, x) - spin(markers[joint.inboard], q, x))
 
 
-@njit
+@njit_inner
 def begin_step(model, state, work, damping, h):
     """Collect the joints whose stop is stiff over a step ``h``, with their responses; returns their number.
 
@@ -89,7 +89,7 @@ def begin_step(model, state, work, damping, h):
     return count
 
 
-@njit
+@njit_inner
 def correct_stage(model, q, damping, stage, h, k):
     """Turn the accelerations ``k`` of a stage into its derivative; ``q`` are the coordinates at the step's start."""
     joints, markers, count = model.joints, model.markers, damping.active[0]

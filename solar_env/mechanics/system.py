@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import flexible, rigid
-from ._jit import njit, njit_allocating, njit_inlined
+from ._jit import njit, njit_allocating, njit_inlined, njit_inner, njit_inner_inlined
 from .flexible import LANES, TABLE_ROWS, add_elastic_forces, elastic_energy, solve_mass
 from .joint import (
     ANGLE,
@@ -93,7 +93,7 @@ def make_workspace(model, state):
     return work
 
 
-@njit_inlined
+@njit_inner_inlined
 def solve_any_body(model, b, q, v, force, a, with_velocity):
     """Acceleration of body ``b`` under a generalized ``force``, see ``rigid.solve_body``; returns its multiplier."""
     body = model.bodies[b]
@@ -111,7 +111,7 @@ def add_row(model, work, r, weight, x):
         x[coordinate[r, k]] += weight * value[r, k]
 
 
-@njit_inlined
+@njit_inner_inlined
 def row_product(model, work, r, x):
     """Constraint row ``r`` times ``x`` (n,)."""
     coordinate, value = model.constraints.coordinate, work.row_value
@@ -121,7 +121,7 @@ def row_product(model, work, r, x):
     return total
 
 
-@njit
+@njit_inner
 def fill_column(model, work, q, r, kind):
     """Compliance of the bodies of one ``kind`` times constraint row ``r``, into its column."""
     bodies, row_force, column = model.bodies, work.row_force, work.columns[r]
@@ -140,7 +140,7 @@ def fill_column(model, work, q, r, kind):
             solve_any_body(model, b, q, q, row_force, column, 0.0)
 
 
-@njit
+@njit_inner
 def fill_constant_columns(model, work):
     """The columns that do not change: flexible bodies have a constant mass matrix."""
     for r in range(work.columns.shape[0]):
@@ -176,7 +176,7 @@ def set_drive_rows(model, time, row_value):
         row[3] = c
 
 
-@njit
+@njit_inner
 def drive_motion(model, drive, time, q, v):
     """Explicit time derivatives of a drive's constraint: its rate at fixed q, and the acceleration's bias."""
     marker = model.markers[drive.marker]
@@ -189,7 +189,7 @@ def drive_motion(model, drive, time, q, v):
     return rate, bias
 
 
-@njit
+@njit_inner
 def build_schur(model, q, work):
     """Compliance of the linear constraints, factored; False if they are redundant."""
     schur, columns = work.schur, work.columns
@@ -204,7 +204,7 @@ def build_schur(model, q, work):
     return cholesky_factor(schur, m)
 
 
-@njit
+@njit_inner
 def add_columns(model, work, multipliers, x, kind):
     """Subtract the columns times ``multipliers`` from ``x`` (n,), for the bodies of one ``kind``."""
     bodies, columns = model.bodies, work.columns
@@ -217,7 +217,7 @@ def add_columns(model, work, multipliers, x, kind):
                     x[i] -= multipliers[r] * columns[r, i]
 
 
-@njit
+@njit_inner
 def apply_linear_constraints(model, q, v, time, work, a, multipliers):
     """Correct the accelerations for the linear constraints; False if they are redundant."""
     bodies, force = model.bodies, work.force
@@ -243,7 +243,7 @@ def apply_linear_constraints(model, q, v, time, work, a, multipliers):
     return True
 
 
-@njit
+@njit_inner
 def prepare_response(model, q, time, work):
     """Fill what :func:`acceleration_response` needs at a configuration; False if constraints are redundant."""
     if model.drives.size > 0:
@@ -251,7 +251,7 @@ def prepare_response(model, q, time, work):
     return work.schur.shape[0] == 0 or build_schur(model, q, work)
 
 
-@njit
+@njit_inner
 def acceleration_response(model, q, work, force, a):
     """Write to ``a`` (n,) what a generalized ``force`` (n,) adds to the accelerations."""
     m = work.schur.shape[0]
@@ -281,7 +281,7 @@ def applied_forces(model, joint_states, q, v, work):
     joint_forces(model, joint_states, work.impact_speeds, q, v, work.loads, force, power)
 
 
-@njit_inlined
+@njit_inner_inlined
 def inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers):
     """Accelerations (n,) at a configuration, with loads and powers in ``work``; False if constraints are redundant.
 
@@ -303,7 +303,7 @@ def accelerations(model, joint_states, q, v, time, work, a, multipliers):
     return inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers)
 
 
-@njit
+@njit_inner
 def store_constraint_loads(model, multipliers, time, q, work):
     """Enter the multipliers of ideal joints as joint forces, and add the drives' power."""
     for j in range(model.joints.size):
@@ -363,7 +363,7 @@ def project(model, q, v, time, work):
     return project_linear(model, q, v, time, work)
 
 
-@njit
+@njit_inner
 def project_linear(model, q, v, time, work):
     """Return positions and velocities to the linear constraints; False if these are redundant."""
     residual = work.residual

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ._jit import njit, njit_allocating
+from ._jit import njit, njit_allocating, njit_inner
 from .contact import friction_ramp, friction_ramp_slope, normal_force, normal_force_slopes
 from .flexible import add_body_tangent
 from .joint import (
@@ -68,7 +68,7 @@ def make_tangent_scratch(work):
     )
 
 
-@njit
+@njit_inner
 def local_map(joint, markers, q, v, index, b, spin_slope):
     """Fill the joint's 8 coordinate indices, B (4, 8) and d(angular rates)/dq (2, 8)."""
     b[:] = 0.0
@@ -121,7 +121,7 @@ def subtract_angle_hessian(marker, q, torque, weight, elimination, matrix):
             add_entry(elimination, matrix, first + 1, second + 1, -d * hxx)
 
 
-@njit
+@njit_inner
 def contact_tangent(joint, markers, q, v, outboard_spin, inboard_spin, impact_speed, stiffness, damping):
     """Add the slopes of (force x, force y, outboard torque, inboard torque); returns the tangential force and lever.
 

@@ -1,4 +1,4 @@
-"""Verification of the rigid-body engine: cases whose answers are known from theory or literature.
+"""Verification of the engine: cases whose answers are known from theory or literature.
 
 A case yields checks: a number from the engine beside its expected value. Expected values share no code with the
 engine. They are closed forms, quadratures, or other formulations of the same mechanism integrated by SciPy; the longer

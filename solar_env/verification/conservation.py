@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..array import ArrayParameters, build
-from ..mechanics.description import Body, Mechanism
+from ..mechanics.description import FlexibleBody, Mechanism
 from ..mechanics.integrators import GeneralizedAlpha, Integrator, RungeKutta
 from ..mechanics.simulation import simulate
 from ..mechanics.trajectory import Trajectory
+from .beam_fields import as_complex, beam_points
 from .checks import Check
 
 ISOLATED = "no external force or moment acts"
@@ -21,20 +22,26 @@ def momenta(mechanism: Mechanism, motion: Trajectory) -> tuple[NDArray[np.comple
     """Linear (x + i y) [kg m/s] and angular momentum about the origin [kg m2/s] of every body, (times,
     bodies) each.
 
-    Computed from the motion of the base points and the described masses alone.
+    Computed from the motion of base points or nodes and the described masses alone.
     """
     linear, angular = [], []
-    complex_plane = np.array([1.0, 1j])
-    for k, body in enumerate(mechanism.bodies):
-        assert isinstance(body, Body)
-        ends = [slice(4 * k, 4 * k + 2), slice(4 * k + 2, 4 * k + 4)]
-        p1, p2 = (motion.coordinates[:, s] @ complex_plane for s in ends)
-        v1, v2 = (motion.velocities[:, s] @ complex_plane for s in ends)
-        share = complex(*body.centroid) / body.length
-        spin = ((v2 - v1) / (p2 - p1)).imag
-        centre, momentum = p1 + share * (p2 - p1), body.mass * (v1 + share * (v2 - v1))
-        linear.append(momentum)
-        angular.append((centre.conj() * momentum).imag + body.inertia * spin)
+    first = 0
+    for body in mechanism.bodies:
+        if isinstance(body, FlexibleBody):
+            last = first + 4 * (body.elements + 1)
+            place, velocity, mass = beam_points(body, motion.coordinates, motion.velocities, first)
+            linear.append(velocity @ mass)
+            angular.append((place.conj() * velocity).imag @ mass)
+        else:
+            last = first + 4
+            p1, p2 = as_complex(motion.coordinates[:, first:last])
+            v1, v2 = as_complex(motion.velocities[:, first:last])
+            share = complex(*body.centroid) / body.length
+            spin = ((v2 - v1) / (p2 - p1)).imag
+            centre, momentum = p1 + share * (p2 - p1), body.mass * (v1 + share * (v2 - v1))
+            linear.append(momentum)
+            angular.append((centre.conj() * momentum).imag + body.inertia * spin)
+        first = last
     return np.array(linear).T, np.array(angular).T
 
 

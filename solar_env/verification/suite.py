@@ -5,9 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from . import (
+    beam_dynamics,
+    beam_elements,
+    beam_statics,
+    beam_vibration,
     chains,
     clearance_linkages,
     conservation,
+    flexible_array,
     impact,
     latching,
     linkages,
@@ -40,6 +45,26 @@ CASES: dict[str, Callable[[], Iterator[Check]]] = {
     "latch-times": latching.latch_times,
     "paper-latch-time": latching.paper_latch_time,
     "conservation": conservation.free_array,
+    "beam-mass": beam_elements.element_mass,
+    "beam-strains": beam_elements.element_strains,
+    "beam-tangent": beam_elements.element_tangent,
+    "beam-loads": beam_elements.loaded_nodes,
+    "beam-order": beam_elements.convergence,
+    "elastica": beam_statics.tip_load,
+    "rolled-beam": beam_statics.tip_moment,
+    "beam-weight": beam_statics.own_weight,
+    "panel-frequencies": beam_vibration.panel_frequencies,
+    "material-damping": beam_vibration.material_damping,
+    "spin-up": beam_dynamics.spin_up,
+    "flexible-pendulum": beam_dynamics.falling_pendulum,
+    "free-beam": beam_dynamics.free_flight,
+    "flexible-integration-order": beam_dynamics.implicit_order,
+    "rigid-limit": flexible_array.rigid_limit,
+    "mesh-convergence": flexible_array.mesh_convergence,
+    "clearance-limit": flexible_array.clearance_limit,
+    "panel-counts": flexible_array.panel_counts,
+    "flexible-conservation": flexible_array.flexible_clearance,
+    "flexible-integrators": flexible_array.two_integrators,
 }
 
 

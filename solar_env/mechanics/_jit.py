@@ -48,7 +48,7 @@ def _cache_directory() -> str:
 _CACHE_DIRECTORY = _cache_directory()
 
 
-def _compile(function: Callable[..., Any], **options: bool) -> Any:
+def _compile(function: Callable[..., Any], **options: Any) -> Any:
     previous = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = _CACHE_DIRECTORY
     try:
@@ -76,6 +76,14 @@ def njit_inner(function: Callable[..., Any]) -> Any:
 def njit_inner_inlined(function: Callable[..., Any]) -> Any:
     """Like :func:`njit_inlined`, for kernels that only kernels call."""
     return _compile(function, _nrt=False, forceinline=True, no_cpython_wrapper=True)
+
+
+def njit_merged(function: Callable[..., Any]) -> Any:
+    """Like :func:`njit`, for kernels with one caller: they are compiled as a part of it only, which saves time.
+
+    The caller must not be a :func:`njit_allocating` one, or reference counting takes hold of them too.
+    """
+    return _compile(function, _nrt=False, inline="always")
 
 
 def njit_inlined(function: Callable[..., Any]) -> Any:

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ._jit import njit, njit_allocating, njit_inner
+from ._jit import njit_allocating, njit_inner, njit_merged
 from .flexible import add_body_mass
 from .linear import copy_into
 from .model import ENERGIES, FLEXIBLE, RIGID
@@ -99,7 +99,7 @@ def make_iteration(model, state):
     )
 
 
-@njit
+@njit_merged
 def fill_residual(model, state, it, work, time, scale):
     """Right-hand side of Newton's equations: minus the scaled residual of dynamics, minus the constraints."""
     bodies, rhs, force = model.bodies, it.rhs, work.force
@@ -133,7 +133,7 @@ def fill_residual(model, state, it, work, time, scale):
         rhs[i] *= scale
 
 
-@njit
+@njit_merged
 def fill_matrix(model, state, it, work, tangent, mass_weight, damping_weight, scale):
     """Newton matrix [[scale (mass_weight M + damping_weight C + K), Phi_q^T], [Phi_q, 0]]."""
     bodies, constraints, elimination, matrix = model.bodies, model.constraints, model.elimination, it.matrix
@@ -157,7 +157,7 @@ def fill_matrix(model, state, it, work, tangent, mass_weight, damping_weight, sc
             add_body_matrix(body, weight, scale * it.multipliers[m + b], direct, n + m + b, elimination, matrix)
 
 
-@njit_inner
+@njit_merged
 def solve_newton(model, it):
     """Solve Newton's equations for ``it.rhs`` in place; False if the matrix is singular."""
     position, rhs, solution = model.elimination.position, it.rhs, it.solution
@@ -172,7 +172,7 @@ def solve_newton(model, it):
     return True
 
 
-@njit
+@njit_merged
 def attempt_step(model, state, it, work, tangent, settings, h):
     """Solve one step into ``it``; returns the last correction in units of the tolerance (at most 1 if it converged)."""
     n = state.q.size

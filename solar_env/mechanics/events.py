@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from ._jit import njit_inner, njit_inner_inlined
+from ._jit import njit_inner, njit_inner_inlined, njit_merged
 from .history import latch, start_contact
 from .joint import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, joint_motion, penetration, relative, stop_depth
 from .model import CLEARANCE
@@ -92,7 +92,7 @@ def first_touch(model, state, stages, j, h, depth):
     return 2.0
 
 
-@njit_inner_inlined
+@njit_merged
 def first_event(model, state, stages, work, h):
     """Earliest contact start, latching or stop engagement inside the step: (share, joint, kind)."""
     joints, joint_states, loads, depths = model.joints, state.joints, work.loads, stages.depth

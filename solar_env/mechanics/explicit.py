@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 
-from ._jit import njit, njit_allocating, njit_inner, njit_inner_inlined
+from ._jit import njit, njit_allocating, njit_inner, njit_inner_inlined, njit_merged
 from .contact import normal_force
 from .events import NONE, begin_event, first_event
 from .history import check_state, fail, impact_step_limit, note_force, settle_joints
@@ -66,7 +66,7 @@ def refine_peak(model, state, stages, j, h, share):
     note_force(own, peak, state.clock[0].latched_joints > 0)
 
 
-@njit_inner_inlined
+@njit_merged
 def refine_peaks(model, state, stages, h, share):
     """Find the force peaks that lie inside the step: where a penetration has turned from growing to falling."""
     joints, markers, joint_states = model.joints, model.markers, state.joints
@@ -121,7 +121,7 @@ def refresh(model, state, stages, work):
     return regular
 
 
-@njit_inner_inlined
+@njit_merged
 def measure_depths(model, state, stages):
     """Penetration and its rate at the accepted state, for every clearance joint."""
     joints, markers, q, v = model.joints, model.markers, state.q, state.v
@@ -132,7 +132,7 @@ def measure_depths(model, state, stages):
             depth[j], depth_rate[j] = penetration(joint, markers, q, v)
 
 
-@njit_inner_inlined
+@njit_merged
 def move_to(state, stages, h, share):
     """Take over the state at ``share`` of the step, with the integrals up to there."""
     integrals, gain, sliding_work = state.integrals, stages.gain, stages.sliding_work
@@ -153,7 +153,7 @@ def move_to(state, stages, h, share):
     copy_into(state.v, stages.v)
 
 
-@njit_inner_inlined
+@njit_merged
 def accept(model, state, stages, work, scratch, recorder, h, share, event_joint, kind):
     """Move to ``share`` of the step and book what happened on the way. False if constraints are singular."""
     joint_states, impact_speeds = state.joints, work.impact_speeds
@@ -187,9 +187,13 @@ def accept(model, state, stages, work, scratch, recorder, h, share, event_joint,
 @njit_allocating
 def advance_explicit(model, state, settings, recorder, end_time):
     """Advance ``state`` in place to ``end_time`` [s]; returns a status code."""
-    work = make_workspace(model, state)
-    scratch = make_workspace(model, state)
-    stages = make_stages(state)
+    work, scratch, stages = make_workspace(model, state), make_workspace(model, state), make_stages(state)
+    return take_steps(model, state, settings, recorder, end_time, work, scratch, stages)
+
+
+@njit_inner
+def take_steps(model, state, settings, recorder, end_time, work, scratch, stages):
+    """:func:`advance_explicit` with its arrays at hand."""
     clock = state.clock[0]
     for j in range(state.joints.size):
         work.impact_speeds[j] = state.joints[j].impact_speed if state.joints[j].in_contact else 0.0

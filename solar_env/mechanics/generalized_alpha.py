@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from ._jit import njit_allocating, njit_inner
+from ._jit import njit_allocating, njit_inner, njit_merged
 from .alpha_step import attempt_step, make_iteration, restart
 from .contact import impact_scales
 from .history import check_state, fail, impact_step_limit, latch, settle_joints, start_contact
@@ -60,7 +60,7 @@ def prepare(model, state, it, work):
         it.angle[j] = work.loads[j, ANGLE]
 
 
-@njit_inner
+@njit_merged
 def error_norm(model, state, it, settings, h):
     """Local error in units of the tolerance, from the change of the accelerations (Zienkiewicz and Xie 1991).
 
@@ -78,7 +78,7 @@ def error_norm(model, state, it, settings, h):
     return worst
 
 
-@njit_inner
+@njit_merged
 def landing_step(model, state, it, scratch, settings, h):
     """A step that ends near the wall if a contact begins inside this one and ``h`` does not resolve it, else ``h``."""
     joints, joint_states, markers = model.joints, state.joints, model.markers
@@ -138,7 +138,7 @@ def record_until(model, state, it, scratch, recorder, work, h):
         )
 
 
-@njit_inner
+@njit_merged
 def accept(model, state, it, work, scratch, recorder, h):
     """Move to the end of the solved step and book what happened on the way."""
     joints, joint_states, integrals = model.joints, state.joints, state.integrals
@@ -174,7 +174,7 @@ def accept(model, state, it, work, scratch, recorder, h):
     settle_joints(model, state, work.loads, it.sliding_work, start, it.depth, recorder)
 
 
-@njit_inner
+@njit_merged
 def next_step(state, settings, remaining):
     """Step to try: the fixed one, divided so that a whole number of them ends the call, or the controller's."""
     if settings.rtol == 0.0:
@@ -188,7 +188,7 @@ def next_step(state, settings, remaining):
     return 0.5 * remaining if 2.0 * wanted > remaining else wanted
 
 
-@njit_inner
+@njit_merged
 def judge(model, state, it, scratch, settings, h, convergence):
     """Step to retry with, or 0 to accept. Sets the controller's next step."""
     clock = state.clock[0]
@@ -211,10 +211,14 @@ def judge(model, state, it, scratch, settings, h, convergence):
 @njit_allocating
 def advance_alpha(model, state, settings, recorder, end_time):
     """Advance ``state`` in place to ``end_time`` [s]; returns a status code."""
-    work = make_workspace(model, state)
-    scratch = make_workspace(model, state)
-    it = make_iteration(model, state)
-    tangent = make_tangent_scratch(work)
+    work, scratch = make_workspace(model, state), make_workspace(model, state)
+    it, tangent = make_iteration(model, state), make_tangent_scratch(work)
+    return take_steps(model, state, settings, recorder, end_time, work, scratch, it, tangent)
+
+
+@njit_inner
+def take_steps(model, state, settings, recorder, end_time, work, scratch, it, tangent):
+    """:func:`advance_alpha` with its arrays at hand."""
     clock = state.clock[0]
     status = DONE
     taken = 0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ._jit import njit, njit_inner, njit_inner_inlined
+from ._jit import njit, njit_inner, njit_inner_inlined, njit_merged
 from .contact import impact_scales
 from .joint import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, NORMAL, direction, penetration, stop_depth
 from .model import CLEARANCE, CONTACT_TOO_DEEP, DONE, IMPULSE, INTEGRALS_PER_JOINT, JOINT_ANGLE_RANGE, SLIDING_WORK
@@ -63,7 +63,7 @@ def latch(state, j, time):
     state.clock[0].latched_joints += 1
 
 
-@njit_inner_inlined
+@njit_merged
 def wear_contact(joint, markers, q, ex, ey, depth, sliding_work, wear_journal, wear_bearing):
     """Wear both surfaces of a joint by the sliding work [J] of one accepted step."""
     half = pressed_half_angle(max(depth, 0.0), joint.clearance)
@@ -77,7 +77,7 @@ def wear_contact(joint, markers, q, ex, ey, depth, sliding_work, wear_journal, w
     add_wear(wear_bearing, bearing_angle, half, worn_section, joint.journal_radius + joint.clearance)
 
 
-@njit_inner_inlined
+@njit_merged
 def settle_joints(model, state, loads, sliding_work, start_time, start_depth, recorder):
     """Book an accepted step: wear, force maxima, and the ends of contacts and stops that have opened.
 
@@ -112,7 +112,7 @@ def settle_joints(model, state, loads, sliding_work, start_time, start_depth, re
                 end_contact(state, j, start_time + share * (time - start_time), recorder)
 
 
-@njit_inner_inlined
+@njit_merged
 def impact_step_limit(state, time, resolution):
     """Greatest step [s] that resolves the impacts under way with ``resolution`` steps each."""
     joint_states = state.joints
@@ -132,7 +132,7 @@ def fail(state, status, joint, value):
     return status
 
 
-@njit_inner_inlined
+@njit_merged
 def check_state(model, state, loads):
     """Status of an accepted state: contact depths and joint angles within what the model describes."""
     joints, markers = model.joints, model.markers

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ._jit import njit, njit_allocating, njit_inlined, njit_inner, njit_inner_inlined
+from ._jit import njit, njit_allocating, njit_inlined, njit_inner, njit_merged
 from .linear import copy_into
 from .model import (
     CABLE_WORK,
@@ -130,7 +130,7 @@ def make_stages(state):
     )
 
 
-@njit_inlined
+@njit_merged
 def attempt_step(model, state, stages, work, h):
     """Fill the stages of a step ``h``, its end going to ``stages.q``, ``.v`` and ``.gain``. False if singular."""
     q0, v0, joint_states, multipliers = state.q, state.v, state.joints, state.multipliers
@@ -167,7 +167,7 @@ def attempt_step(model, state, stages, work, h):
     return True
 
 
-@njit_inner_inlined
+@njit_merged
 def error_norm(model, state, stages, settings, h):
     """Greatest component of the error estimate in units of the tolerance."""
     v0, v, velocity, acceleration, power = state.v, stages.v, stages.velocity, stages.acceleration, stages.power

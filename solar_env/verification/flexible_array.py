@@ -23,6 +23,7 @@ from .beam_theory import (
 )
 from .checks import Check
 from .conservation import ISOLATED, momenta
+from .latching import PAPER
 
 # The vibrations that the torques' sudden start excites die out within a second: the panels then bend quasi-statically.
 QUIET: dict[str, Any] = {"panel_damping": 0.01}
@@ -211,3 +212,69 @@ def two_integrators() -> Iterator[Check]:
             tolerance=1e-3,  # of vibrations of 1e-3 rad whose phase the step of 1e-3 s shifts
             source="runge-kutta at rtol 1e-8",
         )
+
+
+def two_integrators_tightly() -> Iterator[Check]:
+    """Explicit and implicit integration of the damped array with six elements a panel, at tight tolerances."""
+    mechanism = build(_parameters(cable_stiffness=10.0), "flexible-ideal")
+    before_latch = 12.0
+
+    def angles(integrator: Integrator) -> NDArray[np.float64]:
+        return simulate(mechanism, before_latch, integrator=integrator, output_step=before_latch).angles[-1]
+
+    explicit = angles(RungeKutta(rtol=1e-10))
+    coarse, fine = (angles(GeneralizedAlpha(step=step)) for step in (1e-4, 5e-5))
+    # The implicit method is of order two: extrapolated, its error is of the order of the step's fourth power.
+    extrapolated = (4.0 * fine - coarse) / 3.0
+    for joint in (0, 1):
+        yield Check(
+            quantity=f"angle of joint {joint + 1} at 12 s [rad], generalized-alpha extrapolated from 0.1 and 0.05 ms",
+            expected=float(explicit[joint]),
+            obtained=float(extrapolated[joint]),
+            tolerance=1e-8,
+            source="runge-kutta at rtol 1e-10",
+        )
+
+
+def paper_phenomena() -> Iterator[Check]:
+    """What flexible panels change in the bearings, as the paper reports it: counts and sizes of the contacts."""
+    duration, settled = 19.0, 2.0
+    parameters = ArrayParameters.preset("paper")
+    rigid, flexible = (
+        simulate(build(parameters, model), duration, integrator=RungeKutta(rtol=1e-5), output_step=1e-2)
+        for model in ("rigid-clearance", "flexible-clearance")
+    )
+
+    def at_least(quantity: str, bound: float, obtained: float) -> Check:
+        return Check(
+            quantity=f"{quantity}: {obtained:.3g}, at least {bound:g}",
+            expected=0.0,
+            obtained=max(bound - obtained, 0.0),
+            tolerance=0.0,
+            source=PAPER,
+        )
+
+    for joint in (0, 1):
+        counts, peaks, endings = [], [], []
+        for motion in (rigid, flexible):
+            lock = float(np.min(motion.latch_times))
+            contacts = motion.contacts[motion.contacts["joint"] == joint]
+            start = contacts["start_s"]
+            deploying = start[(start > settled) & (start < lock - 0.3)]
+            counts.append((len(deploying), int(np.sum(start > lock))))
+            peaks.append(float(np.median(contacts["peak_force"][start > lock])))
+            endings.append(float(start[start < lock - 0.3].max()))
+        label = f"joint {joint + 1}, paper preset"
+        yield at_least(f"{label}: last impact before the latch, flexible - rigid [s]", 0.1, endings[1] - endings[0])
+        yield Check(
+            quantity=f"{label}, rigid: impacts from 2 s to the latch",
+            expected=0.0,
+            obtained=counts[0][0],
+            tolerance=0.0,
+            source=PAPER,
+        )
+        yield at_least(f"{label}, flexible: impacts from 2 s to the latch", 20.0, counts[1][0])
+        yield at_least(f"{label}: impacts after the latch, flexible / rigid", 3.0, counts[1][1] / counts[0][1])
+        yield at_least(f"{label}: median peak force after the latch, rigid / flexible", 1.5, peaks[0] / peaks[1])
+        torques = [float(np.abs(motion.latch_torque[:, joint]).max()) for motion in (rigid, flexible)]
+        yield at_least(f"{label}: greatest latch torque, rigid / flexible", 1.0, torques[0] / torques[1])

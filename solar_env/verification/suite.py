@@ -65,6 +65,8 @@ CASES: dict[str, Callable[[], Iterator[Check]]] = {
     "panel-counts": flexible_array.panel_counts,
     "flexible-conservation": flexible_array.flexible_clearance,
     "flexible-integrators": flexible_array.two_integrators,
+    "flexible-agreement": flexible_array.two_integrators_tightly,
+    "flexible-impacts": flexible_array.paper_phenomena,
 }
 
 

@@ -27,8 +27,8 @@ from .system import accelerations, add_mass_products, add_row, applied_forces, c
 from .tangent import subtract_force_tangents
 
 _MOST_ITERATIONS = 60
-# Full corrections at first; where kinks of contact or friction make them cycle, ever smaller shares of them.
-_ITERATIONS_PER_RELAXATION = 12
+# Full corrections at first; where kinks of contact or friction make them cycle for so long, smaller shares of them.
+_PATIENCE = 12
 
 
 class AlphaSettings(NamedTuple):
@@ -192,8 +192,8 @@ def attempt_step(model, state, it, work, tangent, settings, h):
     time = state.clock[0].time + h
     size = rhs.size
     tolerance = settings.newton_tolerance * model.length_scale
-    correction = math.inf
-    for iteration in range(_MOST_ITERATIONS):
+    correction, best, relaxation, stalled = math.inf, math.inf, 1.0, 0
+    for _ in range(_MOST_ITERATIONS):
         fill_residual(model, state, it, work, time, scale)
         fill_matrix(model, state, it, work, tangent, mass_weight, damping_weight, scale)
         state.clock[0].evaluations += 1
@@ -204,7 +204,13 @@ def attempt_step(model, state, it, work, tangent, settings, h):
         for i in range(n):
             if not abs(rhs[i]) <= correction:
                 correction = abs(rhs[i])
-        relaxation = 0.5 ** (iteration // _ITERATIONS_PER_RELAXATION)
+        # A share r of a correction that points the right way leaves 1 - r of it.
+        if correction <= (1.0 - 0.5 * relaxation) * best:
+            best, stalled, relaxation = correction, 0, min(1.0, 2.0 * relaxation)
+        else:
+            stalled += 1
+            if stalled == _PATIENCE:
+                relaxation, stalled = 0.5 * relaxation, 0
         for i in range(size):
             rhs[i] *= relaxation
         for i in range(n):

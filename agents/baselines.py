@@ -2,6 +2,7 @@
 
 import json
 import math
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
@@ -11,6 +12,7 @@ import gymnasium
 import numpy as np
 
 CONFIGS = Path(__file__).parent / "configs"
+FALLBACK_MODEL = "rigid-clearance"  # whose parameters a model without its own gets
 
 
 class Controller(Protocol):
@@ -186,23 +188,32 @@ class VelocityProfileServo(_TorqueLaw):
 Parameters = TypeVar("Parameters", BrakeParameters, ServoParameters)
 
 
-def load_parameters(cls: type[Parameters], name: str, env_id: str) -> Parameters:
-    """Tuned parameters of the baseline `name` for `env_id` from ``agents/configs/<name>.json``.
+def load_parameters(cls: type[Parameters], name: str, env_id: str, model: str) -> Parameters:
+    """Tuned parameters of the baseline `name` for a model of `env_id` from ``agents/configs/<name>.json``.
+
+    Parameters are tuned for one model and any number of elements. A model that has none gets those of
+    `FALLBACK_MODEL`, with a warning: they deploy the array, but are not the best that the baseline can do there.
 
     Raises:
-        ValueError: the file has no entry for `env_id`, or its keys are not those of `cls`.
+        ValueError: the file has no entry for `env_id` that would do, or its keys are not those of `cls`.
     """
     path = CONFIGS / f"{name}.json"
-    entries = json.loads(path.read_text()) if path.exists() else {}
-    if env_id not in entries:
-        raise ValueError(
-            f"{path.name} holds no parameters for {env_id!r}; run: python -m agents.tune --controller {name} "
-            f"--env-id {env_id}"
+    by_model = (json.loads(path.read_text()) if path.exists() else {}).get(env_id, {})
+    command = f"python -m agents.tune --controller {name} --env-id {env_id} --model {model}"
+    source = model if model in by_model else FALLBACK_MODEL
+    if source not in by_model:
+        raise ValueError(f"{path.name} holds no parameters for {env_id!r} with model {model!r}; run: {command}")
+    if source != model:
+        warnings.warn(
+            f"no parameters of {name!r} have been tuned for {model}; it gets those for {source}. To tune: {command}",
+            stacklevel=2,
         )
-    values = entries[env_id]["parameters"]
+    values = by_model[source]["parameters"]
     expected = {f.name for f in fields(cls)}
     if set(values) != expected:
-        raise ValueError(f"{path.name}, {env_id!r}: the keys are {sorted(values)}; expected {sorted(expected)}")
+        raise ValueError(
+            f"{path.name}, {env_id!r}, {source!r}: the keys are {sorted(values)}; expected {sorted(expected)}"
+        )
     return cls(**values)
 
 
@@ -212,22 +223,25 @@ BASELINES = ("passive", "brake", "servo", "servo-untuned")
 def make_baseline(
     name: str, env: gymnasium.Env, parameters: BrakeParameters | ServoParameters | None = None
 ) -> _TorqueLaw:
-    """The baseline `name` for `env`; "brake" and "servo" take `parameters`, by default the tuned ones.
+    """The baseline `name` for `env`; "brake" and "servo" take `parameters`.
+
+    By default these are the ones tuned for the environment's own model or, with a warning, those for the rigid
+    array with clearance where that model has none; see `load_parameters`.
 
     Raises:
         ValueError: the name is not one of `BASELINES`, or there are no tuned parameters for the environment.
     """
     unwrapped: Any = env.unwrapped
     signals = (unwrapped.observation_names, unwrapped.task.torque_limit)
-    env_id = env.spec.id if env.spec else ""
+    tuned_for = (env.spec.id if env.spec else "", unwrapped.model)
     match name:
         case "passive":
             return Passive(*signals)
         case "brake":
-            chosen = parameters or load_parameters(BrakeParameters, "brake", env_id)
+            chosen = parameters or load_parameters(BrakeParameters, "brake", *tuned_for)
             return ConstantBrake(*signals, chosen)  # type: ignore[arg-type]
         case "servo":
-            chosen = parameters or load_parameters(ServoParameters, "servo", env_id)
+            chosen = parameters or load_parameters(ServoParameters, "servo", *tuned_for)
             return VelocityProfileServo(*signals, chosen)  # type: ignore[arg-type]
         case "servo-untuned":
             return VelocityProfileServo(*signals)

@@ -77,7 +77,8 @@ def evaluate(
     """Run every controller on the same evaluation episodes.
 
     Args:
-        controllers: Names of baselines or paths of run folders, optionally as ``NAME=SPEC``.
+        controllers: Names of baselines or paths of run folders, optionally as ``NAME=SPEC``. A tuned baseline has
+            the parameters for the environment's model, see `agents.baselines.load_parameters`.
         episodes: Episodes of each controller.
         seed: Chooses the block of evaluation seeds.
         env_id: Environment id.

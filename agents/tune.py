@@ -5,6 +5,7 @@ import shlex
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field, fields
+from pathlib import Path
 from typing import Any
 
 import cma
@@ -25,7 +26,7 @@ PARAMETERS: dict[str, type[BrakeParameters] | type[ServoParameters]] = {
 
 @dataclass
 class Args:
-    """Tune a baseline by CMA-ES on the mean return and write its parameters to agents/configs."""
+    """Tune a baseline by CMA-ES on the mean return and write its parameters for the model to agents/configs."""
 
     controller: str = "servo"
     """baseline to tune: servo or brake"""
@@ -104,6 +105,15 @@ def tune(
     return [np.asarray(start), search.result.xbest, search.result.xfavorite]
 
 
+def store(controller: str, env_id: str, model: str, entry: dict[str, Any]) -> Path:
+    """Write a tuned baseline to its file in `CONFIGS`, in place of the one for the same environment id and model."""
+    path = CONFIGS / f"{controller}.json"
+    entries = json.loads(path.read_text()) if path.exists() else {}
+    entries.setdefault(env_id, {})[model] = entry
+    runs.write_json(path, entries)
+    return path
+
+
 def main(argv: Sequence[str] | None = None) -> None:
     """The command line; see `Args`."""
     args = parse_arguments(Args, argv, prog="python -m agents.tune")
@@ -123,9 +133,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     validation = episode_seeds("validation", args.seed, args.validation_episodes)
     returns = [-cost(point, validation) for point in candidates]
     best = int(np.argmax(returns))
-    path = CONFIGS / f"{args.controller}.json"
-    entries = json.loads(path.read_text()) if path.exists() else {}
-    entries[args.env_id] = {
+    entry = {
         "parameters": asdict(from_unit(cls, candidates[best])),
         "tuning": {
             "command": shlex.join(["python", "-m", "agents.tune", *(sys.argv[1:] if argv is None else argv)]),
@@ -136,8 +144,9 @@ def main(argv: Sequence[str] | None = None) -> None:
             "validation_return_before_tuning": returns[0],
         },
     }
-    runs.write_json(path, entries)
-    print(json.dumps(entries[args.env_id], indent=2))
+    unwrapped: Any = env.unwrapped
+    path = store(args.controller, args.env_id, unwrapped.model, entry)
+    print(json.dumps(entry, indent=2))
     print(f"written to {path}")
 
 

@@ -1,10 +1,13 @@
 """Baselines, their tuning, seeds, statistics and the parsing of arguments."""
 
-from dataclasses import dataclass, field, replace
+import json
+from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
 import pytest
 
+from agents import baselines
+from agents import tune as tune_module
 from agents.arguments import parse_arguments, parse_assignments
 from agents.baselines import (
     BASELINES,
@@ -144,10 +147,52 @@ def test_unknown_baseline_is_refused(env):
 
 
 def test_environment_without_tuned_parameters_names_the_command():
-    with pytest.raises(ValueError, match=r"agents\.tune --controller servo --env-id other/Env-v0"):
-        load_parameters(ServoParameters, "servo", "other/Env-v0")
+    command = r"agents\.tune --controller servo --env-id other/Env-v0 --model flexible-ideal"
+    with pytest.raises(ValueError, match=command):
+        load_parameters(ServoParameters, "servo", "other/Env-v0", "flexible-ideal")
 
 
+def entry(torque):
+    return {"parameters": {"torque": torque, "onset": 0.0}}
+
+
+@pytest.fixture
+def configs(tmp_path, monkeypatch):
+    """A folder of configurations of its own, with a brake tuned for two of the models."""
+    for module in (baselines, tune_module):
+        monkeypatch.setattr(module, "CONFIGS", tmp_path)
+    tuned = {"rigid-clearance": entry(0.1), "flexible-clearance": entry(0.2)}
+    (tmp_path / "brake.json").write_text(json.dumps({DEFAULT_ENV_ID: tuned}))
+    return tmp_path
+
+
+@pytest.mark.parametrize("keywords", [{}, {"model": "rigid-clearance"}, {"elements": 1}])
+def test_a_baseline_has_the_parameters_tuned_for_the_environments_own_model(configs, keywords):
+    with make_env(env_kwargs=keywords) as made:
+        assert make_baseline("brake", made).parameters.torque == 0.1
+
+
+@pytest.mark.parametrize("elements", [1, 3])
+def test_tuned_parameters_hold_for_any_number_of_elements(configs, elements):
+    with make_env(env_kwargs={"model": "flexible-clearance", "elements": elements}) as made:
+        assert make_baseline("brake", made).parameters.torque == 0.2
+
+
+def test_a_model_that_nothing_was_tuned_for_gets_the_rigid_parameters_and_says_so(configs):
+    with (
+        make_env(env_kwargs={"model": "flexible-ideal"}) as made,
+        pytest.warns(UserWarning, match=r"tuned for flexible-ideal; it gets those for rigid-clearance.*--model flex"),
+    ):
+        assert make_baseline("brake", made).parameters.torque == 0.1
+
+
+def test_without_rigid_parameters_to_fall_back_on_another_model_is_refused(configs):
+    (configs / "brake.json").write_text(json.dumps({DEFAULT_ENV_ID: {"flexible-clearance": entry(0.2)}}))
+    with pytest.raises(ValueError, match=r"no parameters for .* with model 'flexible-ideal'"):
+        load_parameters(BrakeParameters, "brake", DEFAULT_ENV_ID, "flexible-ideal")
+
+
+@pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("name", BASELINES)
 def test_every_baseline_deploys_the_nominal_array(model, name):
@@ -165,6 +210,14 @@ def test_tuned_servo_latches_softer_than_the_springs_alone(env):
     passive, servo = (run_episode(env, make_baseline(name, env), seed=0) for name in ("passive", "servo"))
     assert servo["return"] > passive["return"]
     assert servo["peak_postlock_force_N"] < 0.5 * passive["peak_postlock_force_N"]
+
+
+def test_the_servo_tuned_for_flexible_panels_is_better_there_than_the_one_tuned_for_rigid_ones():
+    with make_env(env_kwargs=with_model({}, "flexible-clearance", 2)) as flexible:
+        rigid = load_parameters(ServoParameters, "servo", DEFAULT_ENV_ID, "rigid-clearance")
+        own, other = (run_episode(flexible, make_baseline("servo", flexible, p), seed=0) for p in (None, rigid))
+    assert own["return"] > 0.5 * other["return"]
+    assert own["peak_postlock_force_N"] < 0.5 * other["peak_postlock_force_N"]
 
 
 def test_a_brake_that_stalls_the_array_misses_the_deadline_and_has_no_postlock_figures(env):
@@ -229,6 +282,27 @@ def test_tuning_gives_all_candidates_of_a_generation_the_same_fresh_episodes():
 def test_tuning_refuses_a_budget_without_a_generation():
     with pytest.raises(ValueError, match="a budget of 3 episodes holds no generation"):
         tune(lambda point, seeds: 0.0, np.full(2, 0.5), 3, 2, seed=0, progress=False)
+
+
+@pytest.mark.parametrize(
+    ("options", "model"),
+    [
+        ([], "rigid-clearance"),
+        (["--model", "flexible-ideal", "--elements", "1"], "flexible-ideal"),
+        (["--model", "flexible-clearance", "--elements", "1"], "flexible-clearance"),
+    ],
+)
+def test_the_command_stores_what_it_tuned_for_a_model_and_keeps_the_other_models(configs, options, model):
+    before = json.loads((configs / "brake.json").read_text())[DEFAULT_ENV_ID]
+    short = ["--env-kwargs", "deadline=0.3", "postlock_window=0.2", "--quiet"]
+    budget = ["--episodes", "6", "--episodes-per-candidate", "1", "--validation-episodes", "1"]
+    tune_module.main(["--controller", "brake", *options, *budget, *short])
+    after = json.loads((configs / "brake.json").read_text())[DEFAULT_ENV_ID]
+    written = after[model]
+    assert written["tuning"]["training_episodes"] == 6
+    assert after == {**before, model: written} != before
+    with make_env(env_kwargs=with_model({}, model)) as made:
+        assert asdict(make_baseline("brake", made).parameters) == written["parameters"]
 
 
 def test_seeds_of_different_purposes_and_run_seeds_never_coincide():

@@ -14,6 +14,7 @@ from solar_env.array import MODELS
 from solar_env.commands import figures
 from solar_env.commands.simulate import parse_changes
 from solar_env.deployment import simulate
+from solar_env.mechanics.integrators import RungeKutta
 
 REQUIRED_KEYS = {
     "model",
@@ -95,6 +96,44 @@ def test_every_model_runs_with_the_other_integrators_too(model, integrator, caps
     # The fixed step of 0.1 ms is coarse for the first impacts of the journals.
     assert summary["theta_end_rad"] == pytest.approx(expected, rel=0.3 if model.endswith("clearance") else 1e-2)
     assert summary["energy_residual_J"] < 1e-4
+
+
+def said_on_the_console(capsys, *options):
+    """What the command writes to standard error, when standard output holds the summary and nothing else."""
+    assert main(["simulate", "--duration", "0.2", "--json", "-", *options]) == 0
+    captured = capsys.readouterr()
+    json.loads(captured.out)
+    return captured.err
+
+
+def test_simulate_says_on_one_line_when_stability_bounds_the_steps(capsys):
+    options = ["--model", "flexible-ideal", "--rtol", "1e-7"]
+    said = said_on_the_console(capsys, *options, "--elements", "6")
+    share = simulate(model="flexible-ideal", duration=0.2, integrator=RungeKutta(rtol=1e-7)).stability_bound_share
+    assert share > 0.1
+    (line,) = (line for line in said.splitlines() if "stability" in line)
+    assert line.startswith(f"{100.0 * share:.0f} % of the steps")
+    assert line.endswith("fewer elements make them longer, a looser tolerance does not")
+    assert "stability" not in said_on_the_console(capsys, *options, "--elements", "1")
+
+
+def test_a_single_element_is_not_told_to_become_fewer(capsys):
+    said = said_on_the_console(capsys, "--model", "flexible-ideal", "--elements", "1")
+    assert "a looser tolerance does not make them longer" in said
+    assert "fewer" not in said
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ["--model", "rigid-ideal"],
+        ["--model", "rigid-clearance"],
+        ["--model", "rigid-clearance", "--rtol", "1e-2"],
+        ["--model", "flexible-ideal", "--integrator", "generalized-alpha"],
+    ],
+)
+def test_without_flexible_panels_or_explicit_steps_simulate_says_nothing_of_stability(capsys, options):
+    assert "stability" not in said_on_the_console(capsys, *options)
 
 
 def test_warmup_names_every_model_and_environment(capsys):

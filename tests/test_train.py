@@ -37,6 +37,7 @@ def finished(tmp_path_factory):
     return run("--timesteps", 600, "--out", folder, *SMALL["ppo"])
 
 
+@pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")
 @pytest.mark.parametrize("model", MODELS)
 def test_a_run_keeps_its_model_and_elements_and_is_resumed_and_evaluated_on_them(tmp_path, model):
     quick = ["--env-kwargs", "deadline=0.5", "postlock_window=0.2", "--n-envs", "1"]

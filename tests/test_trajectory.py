@@ -14,7 +14,7 @@ from helpers import block, pendulum, rotor
 
 from solar_env.deployment import simulate as simulate_deployment
 from solar_env.integrators import default_integrator
-from solar_env.mechanics.integrators import GeneralizedAlpha
+from solar_env.mechanics.integrators import GeneralizedAlpha, Integrator, RungeKutta
 from solar_env.mechanics.model import ENERGY_NAMES
 from solar_env.mechanics.simulation import simulate
 from solar_env.mechanics.trajectory import Trajectory
@@ -74,6 +74,36 @@ def test_the_energies_are_the_documented_ones_and_sum_up(run: Trajectory) -> Non
     assert run.energies["residual"] == pytest.approx(total - total[0], abs=1e-14)
     assert run.energy_residual == np.abs(run.energies["residual"]).max()
     assert run.energy_put_in == pytest.approx(0.5 * 0.1 * (math.pi / 2) ** 2 + 0.5 * 0.075 * math.pi**2, rel=1e-12)
+
+
+def test_the_share_of_steps_that_stability_bounds_grows_with_the_elements() -> None:
+    integrator = RungeKutta(rtol=1e-7)
+    one, six = (
+        simulate_deployment(model="flexible-ideal", elements=elements, duration=0.2, integrator=integrator)
+        for elements in (1, 6)
+    )
+    assert 0.0 < one.stability_bound_share < 0.1 < six.stability_bound_share <= 1.0
+    assert six.stability_bound_share == six.summary()["stability_bound_steps"] / six.summary()["steps"]
+
+
+def test_a_looser_tolerance_leaves_the_steps_that_stability_bounds_as_they_are() -> None:
+    tight, loose = (
+        simulate_deployment(model="flexible-ideal", duration=0.2, integrator=RungeKutta(rtol=rtol))
+        for rtol in (1e-5, 1e-3)
+    )
+    assert min(tight.stability_bound_share, loose.stability_bound_share) > 0.95
+    assert loose.metadata["steps"] == pytest.approx(tight.metadata["steps"], rel=0.01)
+
+
+@pytest.mark.parametrize("integrator", [RungeKutta(rtol=1e-2), GeneralizedAlpha()])
+def test_stability_bounds_no_step_of_rigid_bodies(integrator: Integrator) -> None:
+    for model in ("rigid-ideal", "rigid-clearance"):
+        assert simulate_deployment(model=model, duration=0.2, integrator=integrator).stability_bound_share == 0.0
+
+
+def test_stability_bounds_no_step_of_generalized_alpha() -> None:
+    run = simulate_deployment(model="flexible-ideal", elements=1, duration=0.05, integrator=GeneralizedAlpha())
+    assert run.stability_bound_share == 0.0
 
 
 def test_angles_go_on_through_full_turns() -> None:

@@ -7,7 +7,7 @@ import ast
 import json
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.progress import Progress
@@ -15,6 +15,11 @@ from rich.table import Table
 
 from ..array import DEFAULT_ELEMENTS, MODELS, PRESETS, ArrayParameters, check_elements, check_model
 from ..integrators import INTEGRATORS, make_integrator
+
+if TYPE_CHECKING:
+    from ..mechanics.trajectory import Trajectory
+
+_NOTEWORTHY_SHARE = 0.1  # of steps at the limit of stability, above which the command says so
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -84,6 +89,8 @@ def run_command(args: argparse.Namespace) -> int:
             output_step=args.output_step,
             progress=lambda time: progress.update(task, completed=time),
         )
+    if trajectory.stability_bound_share > _NOTEWORTHY_SHARE:
+        console.print(_stability_note(trajectory), highlight=False, soft_wrap=True)
     summary = trajectory.summary()
     if str(args.json) == "-":
         json.dump(summary, sys.stdout, indent=2)
@@ -100,6 +107,16 @@ def run_command(args: argparse.Namespace) -> int:
         flexible = args.model.startswith("flexible")
         plot_deployment(trajectory, args.plot, panel_deflections(trajectory) if flexible else None)
     return 0
+
+
+def _stability_note(trajectory: Trajectory) -> str:
+    remedy = "fewer elements make them longer, a looser tolerance does not"
+    if trajectory.metadata["elements"] == 1:
+        remedy = "a looser tolerance does not make them longer"
+    return (
+        f"{100.0 * trajectory.stability_bound_share:.0f} % of the steps were as long as the stability of the explicit "
+        f"method on the panels' axial vibration allows; {remedy}"
+    )
 
 
 def _print_summary(summary: dict[str, Any]) -> None:

@@ -13,7 +13,7 @@ from .description import GROUND, Body, FlexibleBody, Joint, Mechanism, Point
 from .flexible import MASS_BAND, element_blocks, factor_band, mass_band
 from .profile import Elimination, make_elimination
 from .rigid import inverse_mass_parameters, mass_parameters
-from .stability import largest_frequencies, stable_step
+from .stability import beam_stable_step
 
 _Row = dict[int, float]
 
@@ -132,14 +132,14 @@ class _Compiler:
     def _stable_step(body: Body | FlexibleBody) -> float:
         if not isinstance(body, FlexibleBody):
             return math.inf
-        frequencies = largest_frequencies(
+        return beam_stable_step(
             body.elements,
             body.length / body.elements,
             body.linear_density,
             body.axial_stiffness,
             body.bending_stiffness,
+            body.damping,
         )
-        return stable_step(frequencies, body.damping)
 
     def _marker(self, body_name: str, point: Point) -> int:
         """Add a marker at a point of a body's frame; returns its index."""

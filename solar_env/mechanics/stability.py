@@ -7,6 +7,7 @@ two eigenvalues times the step must lie where the method's stability function is
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,6 +43,20 @@ def _reach(direction: complex) -> float:
     z = r * direction
     unstable = np.abs(1.0 + z * (1.0 + z / 2.0 * (1.0 + z / 3.0 * (1.0 + z / 4.0)))) > 1.0 + 1e-12
     return float(r[np.argmax(unstable)])
+
+
+@lru_cache(maxsize=256)
+def beam_stable_step(
+    elements: int,
+    element_length: float,
+    linear_density: float,
+    axial_stiffness: float,
+    bending_stiffness: float,
+    damping: float,
+) -> float:
+    """:func:`stable_step` of a free straight beam; kept, since every build of an array asks for the same few beams."""
+    frequencies = largest_frequencies(elements, element_length, linear_density, axial_stiffness, bending_stiffness)
+    return stable_step(frequencies, damping)
 
 
 def stable_step(frequencies: NDArray[np.float64], damping: float) -> float:

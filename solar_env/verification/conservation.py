@@ -45,6 +45,37 @@ def momenta(mechanism: Mechanism, motion: Trajectory) -> tuple[NDArray[np.comple
     return np.array(linear).T, np.array(angular).T
 
 
+def conserved(
+    linear: NDArray[np.complex128], angular: NDArray[np.float64], motion: Trajectory
+) -> tuple[tuple[str, float, float, str], ...]:
+    """Momenta and energy that a free array must keep: what, its relative error, the tolerance, the source.
+
+    Args:
+        linear, angular: of the bodies over time, as :func:`momenta` returns them.
+        motion: of the array.
+    """
+    return (
+        (
+            "linear momentum over the sum of the bodies' ones",
+            np.abs(linear.sum(axis=1)).max() / np.abs(linear).sum(axis=1).max(),
+            1e-8,  # rounding; the tolerance of Newton's iteration
+            ISOLATED,
+        ),
+        (
+            "angular momentum over the sum of the bodies' ones",
+            np.abs(angular.sum(axis=1)).max() / np.abs(angular).sum(axis=1).max(),
+            1e-5,
+            ISOLATED,
+        ),
+        (
+            "energy residual over the energy put in",
+            motion.energy_residual / motion.energy_put_in,
+            1e-5,  # some ten times the local tolerance
+            "conservation of energy: stored + dissipated = put in",
+        ),
+    )
+
+
 def free_array() -> Iterator[Check]:
     """Momentum, energy and wear of a deployment with impacts, friction, latching and a cable loop."""
     parameters = ArrayParameters()
@@ -60,24 +91,7 @@ def free_array() -> Iterator[Check]:
         volume *= (motion.journal_radius + motion.clearance) * parameters.bearing_width
         worn = parameters.wear_coefficient * motion.sliding_work[-1]
         figures = (
-            (
-                "linear momentum over the sum of the bodies' ones",
-                np.abs(linear.sum(axis=1)).max() / np.abs(linear).sum(axis=1).max(),
-                1e-8,  # rounding; the tolerance of Newton's iteration
-                ISOLATED,
-            ),
-            (
-                "angular momentum over the sum of the bodies' ones",
-                np.abs(angular.sum(axis=1)).max() / np.abs(angular).sum(axis=1).max(),
-                1e-5,
-                ISOLATED,
-            ),
-            (
-                "energy residual over the energy put in",
-                motion.energy_residual / motion.energy_put_in,
-                1e-5,
-                "conservation of energy: stored + dissipated = put in",
-            ),
+            *conserved(linear, angular, motion),
             (
                 "worn volume less k * sliding work, relative",
                 np.abs(volume / worn - 1.0).max(),

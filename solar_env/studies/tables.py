@@ -1,0 +1,95 @@
+"""Tables of measured rows: CSV files that say where they come from."""
+
+from __future__ import annotations
+
+import csv
+import os
+import platform
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+Cell = float | int | str
+_PACKAGES = ("solar-env", "numpy", "numba", "scipy")
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows with the same columns, and what is known of their making.
+
+    Attributes:
+        rows: from column name to cell; all with the same names in the same order.
+        provenance: what, with which settings, and on what machine.
+    """
+
+    rows: tuple[Mapping[str, Cell], ...]
+    provenance: Mapping[str, str]
+
+    def where(self, **cells: Cell) -> Table:
+        """The rows that have these cells."""
+        kept = (row for row in self.rows if all(row[name] == value for name, value in cells.items()))
+        return Table(tuple(kept), self.provenance)
+
+    def column(self, name: str) -> NDArray[np.float64]:
+        """(rows,) numbers of one column."""
+        return np.array([row[name] for row in self.rows], dtype=float)
+
+    def values(self, name: str) -> tuple[Cell, ...]:
+        """The different cells of a column, in the order of their first appearance."""
+        return tuple(dict.fromkeys(row[name] for row in self.rows))
+
+
+def provenance(command: str, **settings: object) -> dict[str, str]:
+    """What made a table: the command, its settings, versions and the kind of machine; no names of users or hosts."""
+    return {
+        "command": command,
+        **{name: str(value) for name, value in settings.items()},
+        **{name: version(name) for name in _PACKAGES},
+        "python": platform.python_version(),
+        "machine": f"{platform.machine()}, {os.cpu_count()} cores",
+    }
+
+
+def write_table(path: Path, rows: Sequence[Mapping[str, Cell]], made_by: Mapping[str, str]) -> None:
+    """Write a CSV file whose first lines, each ``# name: value``, are its provenance.
+
+    Raises:
+        ValueError: if there is no row, or rows differ in their columns.
+    """
+    if not rows:
+        raise ValueError(f"no row to write to {path}")
+    columns = list(rows[0])
+    if any(list(row) != columns for row in rows):
+        raise ValueError(f"the rows for {path} differ in their columns")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("w", newline="") as file:
+        for name, value in made_by.items():
+            file.write(f"# {name}: {value}\n")
+        writer = csv.DictWriter(file, columns, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def read_table(path: Path) -> Table:
+    """Read what :func:`write_table` wrote: cells that read as numbers are numbers."""
+    made_by: dict[str, str] = {}
+    with path.open(newline="") as file:
+        lines = list(file)
+    while lines and lines[0].startswith("# "):
+        name, _, value = lines.pop(0)[2:].rstrip("\n").partition(": ")
+        made_by[name] = value
+    rows = [{name: _number(cell) for name, cell in row.items()} for row in csv.DictReader(lines)]
+    return Table(tuple(rows), made_by)
+
+
+def _number(cell: str) -> Cell:
+    for kind in (int, float):
+        try:
+            return kind(cell)
+        except ValueError:
+            continue
+    return cell

@@ -21,7 +21,7 @@ from ._jit import njit_allocating, njit_inner, njit_merged
 from .flexible import add_body_mass
 from .linear import copy_into
 from .model import ENERGIES, FLEXIBLE, RIGID
-from .profile import ProfileMatrix, add_entry, clear, make_profile_matrix, profile_factor, profile_solve
+from .profile import BLOCK, ProfileMatrix, add_entry, clear, make_profile_matrix, profile_factor, profile_solve
 from .rigid import add_body_matrix
 from .system import accelerations, add_mass_products, add_row, applied_forces, constraint_drift, project
 from .tangent import subtract_force_tangents
@@ -84,7 +84,7 @@ def make_iteration(model, state):
         np.zeros(state.multipliers.size),
         make_profile_matrix(model.elimination),
         np.zeros(size),
-        np.zeros(model.elimination.first.size),
+        np.zeros(BLOCK * model.elimination.first.size),
         np.zeros(state.power.size),
         np.zeros(joints),
         np.zeros(joints),
@@ -139,7 +139,7 @@ def fill_matrix(model, state, it, work, tangent, mass_weight, damping_weight, sc
     bodies, constraints, elimination, matrix = model.bodies, model.constraints, model.elimination, it.matrix
     q = it.q
     n, m = q.size, work.residual.size
-    clear(matrix)
+    clear(elimination, matrix)
     subtract_force_tangents(model, state.joints, q, it.v, tangent, scale, scale * damping_weight, matrix)
     for r in range(m):
         for k in range(constraints.size[r]):

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from . import model as m
 from .description import GROUND, Body, FlexibleBody, Joint, Mechanism, Point
 from .flexible import MASS_BAND, element_blocks, factor_band, mass_band
-from .profile import Elimination, make_elimination
+from .profile import BLOCK, Elimination, make_elimination
 from .rigid import inverse_mass_parameters, mass_parameters
 from .stability import beam_stable_step
 
@@ -344,6 +344,8 @@ class _Compiler:
                 for unknown in group:
                     position[unknown] = place
                     place += 1
+                # The next node begins a block of its own.
+                place = -(-place // BLOCK) * BLOCK
         reach = [
             [
                 int(i) + c

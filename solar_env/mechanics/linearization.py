@@ -62,7 +62,7 @@ class NewtonEquations:
     def damping(self) -> Matrix:
         """(n, n) minus the slope of the forces by velocities. Call :meth:`residual` before."""
         it, model, n = self.iteration, self.model, self.iteration.q.size
-        clear(it.matrix)
+        clear(model.elimination, it.matrix)
         subtract_force_tangents(model, self.state.joints, it.q, it.v, self.scratch, 0.0, 1.0, it.matrix)
         return dense(model.elimination, it.matrix)[:n, :n]
 

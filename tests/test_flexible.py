@@ -27,15 +27,14 @@ from solar_env.mechanics.flexible import (
     LANES,
     TABLE_ROWS,
     add_body_mass,
-    add_body_tangent,
     add_elastic_forces,
     add_mass_product,
     elastic_energy,
-    element_tangent,
     kinetic_energy,
     solve_mass,
     stiffness_matrix,
 )
+from solar_env.mechanics.flexible_tangent import add_elastic_tangents, make_element_slopes
 from solar_env.mechanics.joint import direction, point
 from solar_env.mechanics.model import Model
 from solar_env.mechanics.profile import dense, make_profile_matrix
@@ -117,10 +116,13 @@ def mass_matrix(scene: Scene) -> np.ndarray:
 def tangent(scene: Scene, stiffness_weight: float, damping_weight: float) -> np.ndarray:
     """Weighted slopes of the internal force (which resists) of the beam's own coordinates."""
     elimination = scene.model.elimination
-    matrix = make_profile_matrix(elimination)
-    scratch = np.zeros((6, 6))
-    add_body_tangent(scene.beam, scene.q, scene.v, stiffness_weight, damping_weight, scratch, elimination, matrix)
-    return dense(elimination, matrix)[scene.own, scene.own]
+    parts = [make_profile_matrix(elimination) for _ in range(2)]
+    slopes = make_element_slopes()
+    for array in slopes:
+        array[:] = math.nan
+    add_elastic_tangents(scene.model.elements, scene.q, scene.v, slopes, elimination, *parts)
+    stiffness, damping = (dense(elimination, part)[scene.own, scene.own] for part in parts)
+    return stiffness_weight * stiffness + damping_weight * damping
 
 
 def hermite(elements: int, length: float, points: int) -> tuple[Vector, Vector, np.ndarray]:
@@ -149,37 +151,6 @@ def test_the_elastic_force_is_minus_the_slope_of_the_elastic_energy(elements: in
     assert np.abs(slope[scene.own]).max() > 0.1
     assert internal_force(scene) == pytest.approx(-slope[scene.own], abs=1e-9 * np.abs(slope).max())
     assert not slope[: scene.beam.offset].any()
-
-
-@pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize("damping", [0.0, 0.4])
-@pytest.mark.parametrize("weights", [(1.0, 0.0), (0.0, 1.0), (0.7, -1.3)], ids=["stiffness", "damping", "both"])
-def test_the_tangent_of_an_element_is_the_slope_of_its_force(
-    weights: tuple[float, float], damping: float, seed: int
-) -> None:
-    scene = deformed(seed, replace(BEAM, elements=1, damping=damping))
-    beam, first = scene.beam, scene.beam.offset
-    found = np.zeros((6, 6))
-    element_tangent(beam, scene.q, scene.v, first, *weights, found)
-
-    def of_chord_and_slopes(nodes: Vector) -> Vector:
-        chord = (nodes[4:6] - nodes[:2]) / beam.element_length
-        return np.concatenate([chord, nodes[2:4], nodes[6:]])
-
-    def force_on_chord_and_slopes(x: Vector, rate: Vector) -> Vector:
-        q, v = np.zeros_like(scene.q), np.zeros_like(scene.v)
-        for coordinates, given in ((q, x), (v, rate)):
-            coordinates[scene.own] = [0.0, 0.0, *given[2:4], *(beam.element_length * given[:2]), *given[4:]]
-        force = internal_force(scene, q, v)
-        # What resists, by chord and slopes.
-        return np.concatenate([beam.element_length * force[:2], -force[2:4], -force[6:]])
-
-    x, rate = of_chord_and_slopes(scene.q[scene.own]), of_chord_and_slopes(scene.v[scene.own])
-    by_x = central_difference(lambda y: force_on_chord_and_slopes(y, rate), x)
-    by_rate = central_difference(lambda y: force_on_chord_and_slopes(x, y), rate)
-    assert by_rate.any() == (damping > 0.0)
-    expected = weights[0] * by_x + weights[1] * by_rate
-    assert found == pytest.approx(expected, abs=1e-8 * max(np.abs(by_x).max(), np.abs(by_rate).max()))
 
 
 @pytest.mark.parametrize("seed", SEEDS)

@@ -45,7 +45,7 @@ def solved(elimination: Elimination, matrix: np.ndarray, right: np.ndarray) -> n
     free = elimination.position >= 0
     ordered = np.zeros(BLOCK * elimination.first.size)
     ordered[elimination.position[free]] = right[free]
-    profile_solve(elimination, factors, ordered)
+    profile_solve(elimination, factors, ordered.reshape(-1, BLOCK))
     result = np.zeros(len(right))
     result[free] = ordered[elimination.position[free]]
     return result
@@ -104,7 +104,7 @@ def test_the_product_with_a_vector_is_numpys(size: int) -> None:
     blocks = BLOCK * elimination.first.size
     ordered, out = np.zeros(blocks), np.full(blocks, math.nan)
     ordered[elimination.position] = x
-    profile_product(elimination, filled(elimination, matrix), ordered, out)
+    profile_product(elimination, filled(elimination, matrix), ordered.reshape(-1, BLOCK), out.reshape(-1, BLOCK))
     assert out[elimination.position] == pytest.approx(matrix @ x, abs=1e-13)
 
 
@@ -155,7 +155,7 @@ def test_a_matrix_that_is_singular_or_not_finite_is_reported(bad: float) -> None
         profile = filled(elimination, matrix)
         assert profile_factor(elimination, profile)
         profile = filled(elimination, matrix)
-        profile.diagonal[(BLOCK + 1) * place] = bad
+        profile.diagonal[0, (BLOCK + 1) * place] = bad
         assert not profile_factor(elimination, profile)
 
 

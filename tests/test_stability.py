@@ -12,7 +12,8 @@ from scipy.linalg import eigh
 
 from solar_env.mechanics.build import compile_mechanism
 from solar_env.mechanics.description import Body, FlexibleBody, Mechanism
-from solar_env.mechanics.flexible import add_body_tangent, add_mass_product, mass_band
+from solar_env.mechanics.flexible import add_mass_product, mass_band
+from solar_env.mechanics.flexible_tangent import add_elastic_tangents, make_element_slopes
 from solar_env.mechanics.integrators import RungeKutta
 from solar_env.mechanics.profile import dense, make_profile_matrix
 from solar_env.mechanics.simulation import Simulation, simulate
@@ -37,14 +38,13 @@ def matrices(beam: FlexibleBody) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Mass, damping and stiffness of the free straight beam, as the kernels have them."""
     model, state = compile_mechanism(Mechanism((beam,)))
     body, size = model.bodies[0], state.q.size
-    mass, found = np.zeros((size, size)), []
+    mass = np.zeros((size, size))
     for row in range(size):
         add_mass_product(body, model.mass_band, np.eye(size)[row], mass[row])
-    for weights in ((0.0, 1.0), (1.0, 0.0)):
-        matrix = make_profile_matrix(model.elimination)
-        add_body_tangent(body, state.q, state.v, *weights, np.zeros((6, 6)), model.elimination, matrix)
-        found.append(dense(model.elimination, matrix)[:size, :size])
-    return mass, found[0], found[1]
+    parts = [make_profile_matrix(model.elimination) for _ in range(2)]
+    add_elastic_tangents(model.elements, state.q, state.v, make_element_slopes(), model.elimination, *parts)
+    stiffness, damping = (dense(model.elimination, part)[:size, :size] for part in parts)
+    return mass, damping, stiffness
 
 
 def amplification(z: complex | Vector) -> complex | Vector:

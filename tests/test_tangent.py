@@ -10,7 +10,7 @@ import pytest
 from helpers import ROUND_BEARING, ROUND_SPRING, ROUND_STOP, Forces, Vector, central_difference, chain, pendulum
 
 from solar_env.mechanics import joint as columns
-from solar_env.mechanics.alpha_step import fill_matrix, fill_residual, make_iteration
+from solar_env.mechanics.alpha_step import fill_residual, make_iteration
 from solar_env.mechanics.contact import normal_force
 from solar_env.mechanics.description import (
     Bearing,
@@ -25,30 +25,26 @@ from solar_env.mechanics.description import (
     Spring,
     Stop,
 )
+from solar_env.mechanics.newton import assemble, linearize_forces
 from solar_env.mechanics.profile import dense, make_profile_matrix
-from solar_env.mechanics.tangent import make_tangent_scratch, subtract_force_tangents
+from solar_env.mechanics.tangent import fill_tangents, make_tangent_scratch
 
 SEEDS = range(4)
 LOOP = CableLoop("joint 0", "joint 1", 1.7, 2.0, 1.0)
 
 
-def subtracted(forces: Forces, stiffness_weight: float, damping_weight: float, fill: float = 0.0) -> Vector:
-    """What weighted tangents leave of a matrix that has ``fill`` everywhere in its profile; by coordinates."""
-    model, state = forces.model, forces.state
-    matrix = make_profile_matrix(model.elimination)
-    for part in matrix:
-        part[:] = fill
-    scratch = make_tangent_scratch(forces.work)
-    subtract_force_tangents(model, state.joints, state.q, state.v, scratch, stiffness_weight, damping_weight, matrix)
-    return dense(model.elimination, matrix)[: state.q.size, : state.q.size]
-
-
 def tangents(forces: Forces) -> tuple[Vector, Vector]:
     """dQ/dq and dQ/dv at the state of ``forces``."""
-    q, v = forces.state.q, forces.state.v
-    forces.force(q, v)
-    found = [subtracted(forces, *weights) for weights in ((-1.0, 0.0), (0.0, -1.0))]
-    return found[0], found[1]
+    model, state = forces.model, forces.state
+    forces.force(state.q, state.v)
+    parts = [make_profile_matrix(model.elimination) for _ in range(2)]
+    for part in parts:
+        for array in part:
+            array[:] = math.nan  # to be overwritten
+    fill_tangents(model, state.joints, state.q, state.v, make_tangent_scratch(forces.work), *parts)
+    n = state.q.size
+    stiffness, damping = (dense(model.elimination, part)[:n, :n] for part in parts)
+    return -stiffness, -damping
 
 
 def check(forces: Forces) -> None:
@@ -196,15 +192,6 @@ def test_everything_at_once(seed: int) -> None:
     check(forces)
 
 
-def test_tangents_are_weighted_and_subtracted() -> None:
-    forces = scene(0, depths=(0.02, 0.06), spring=Spring(1.3, 0.7))
-    by_q, by_v = tangents(forces)
-    before, after = subtracted(forces, 0.0, 0.0, fill=1.0), subtracted(forces, 2.0, 3.0, fill=1.0)
-    assert before.any()
-    scale = max(np.abs(by_q).max(), np.abs(by_v).max())
-    assert after == pytest.approx(before - 2.0 * by_q - 3.0 * by_v, abs=1e-13 * scale)
-
-
 def test_a_joint_of_the_ground() -> None:
     # At rest in the fixed frame: only the arm's own columns matter, and all must be right.
     check(Forces(pendulum()))
@@ -254,7 +241,7 @@ def test_newtons_matrix_is_the_slope_of_the_residual(seed: int) -> None:
     state.joints["stop_engaged"] = 1
     n, unknowns, time, scale = state.q.size, state.q.size + state.multipliers.size, 0.3, 0.7
     mass_weight, damping_weight = 1.3, 0.4
-    it = make_iteration(model, state)
+    it = make_iteration(model, state, forces.work)
     moving = np.flatnonzero(model.elimination.position >= 0)
     free = moving[moving < n]
     start = [state.q.copy(), state.v.copy(), np.zeros(n), np.zeros(unknowns - n)]
@@ -276,7 +263,8 @@ def test_newtons_matrix_is_the_slope_of_the_residual(seed: int) -> None:
     residual(np.zeros(unknowns))
     assert np.all(forces.work.loads[2:, columns.NORMAL] > 0.0)
     assert forces.work.loads[0, columns.STOP_TORQUE] != 0.0
-    scratch = make_tangent_scratch(forces.work)
-    fill_matrix(model, state, it, forces.work, scratch, mass_weight, damping_weight, scale)
-    found = dense(model.elimination, it.matrix)[np.ix_(moving, moving)]
+    linearize_forces(model, state.joints, it.q, it.v, it.newton)
+    weights = (scale * mass_weight, scale * damping_weight, scale)
+    assemble(model, it.q, it.multipliers, forces.work.row_value, it.newton, weights)
+    found = dense(model.elimination, it.newton.matrix)[np.ix_(moving, moving)]
     assert found == pytest.approx(expected, abs=1e-8 * np.abs(expected).max())

@@ -18,13 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._jit import njit_allocating, njit_inner, njit_merged
-from .flexible import add_body_mass
 from .linear import copy_into
-from .model import ENERGIES, FLEXIBLE, RIGID
-from .profile import BLOCK, ProfileMatrix, add_entry, clear, make_profile_matrix, profile_factor, profile_solve
-from .rigid import add_body_matrix
+from .model import ENERGIES, RIGID
+from .newton import NewtonMatrices, assemble, linearize_forces, make_newton_matrices
+from .profile import BLOCK, enter, profile_factor, profile_solve, taken
 from .system import accelerations, add_mass_products, add_row, applied_forces, constraint_drift, project
-from .tangent import subtract_force_tangents
 
 _MOST_ITERATIONS = 60
 # Full corrections at first; where kinks of contact or friction make them cycle for so long, smaller shares of them.
@@ -55,9 +53,9 @@ class Iteration(NamedTuple):
     a: NDArray[np.float64]  # accelerations q''
     auxiliary: NDArray[np.float64]  # algorithmic accelerations
     multipliers: NDArray[np.float64]  # unscaled
-    matrix: ProfileMatrix
+    newton: NewtonMatrices
     rhs: NDArray[np.float64]  # (n + m + bodies,)
-    solution: NDArray[np.float64]  # (places,) the same in the order of elimination
+    solution: NDArray[np.float64]  # (blocks, BLOCK) the same in the order of elimination
     power: NDArray[np.float64]  # at the step's start
     depth: NDArray[np.float64]  # (joints,) at the step's start
     depth_rate: NDArray[np.float64]
@@ -72,7 +70,7 @@ class Iteration(NamedTuple):
 
 
 @njit_allocating
-def make_iteration(model, state):
+def make_iteration(model, state, work):
     """Allocate the arrays of a step."""
     n, joints = state.q.size, state.joints.size
     size = n + state.multipliers.size
@@ -82,9 +80,9 @@ def make_iteration(model, state):
         np.zeros(n),
         np.zeros(n),
         np.zeros(state.multipliers.size),
-        make_profile_matrix(model.elimination),
+        make_newton_matrices(model, work),
         np.zeros(size),
-        np.zeros(BLOCK * model.elimination.first.size),
+        np.zeros((model.elimination.first.size, BLOCK)),
         np.zeros(state.power.size),
         np.zeros(joints),
         np.zeros(joints),
@@ -134,46 +132,21 @@ def fill_residual(model, state, it, work, time, scale):
 
 
 @njit_merged
-def fill_matrix(model, state, it, work, tangent, mass_weight, damping_weight, scale):
-    """Newton matrix [[scale (mass_weight M + damping_weight C + K), Phi_q^T], [Phi_q, 0]]."""
-    bodies, constraints, elimination, matrix = model.bodies, model.constraints, model.elimination, it.matrix
-    q = it.q
-    n, m = q.size, work.residual.size
-    clear(elimination, matrix)
-    subtract_force_tangents(model, state.joints, q, it.v, tangent, scale, scale * damping_weight, matrix)
-    for r in range(m):
-        for k in range(constraints.size[r]):
-            i, value = constraints.coordinate[r, k], work.row_value[r, k]
-            add_entry(elimination, matrix, n + r, i, value)
-            add_entry(elimination, matrix, i, n + r, value)
-    weight = scale * mass_weight
-    for b in range(bodies.size):
-        body = bodies[b]
-        if body.kind == FLEXIBLE:
-            add_body_mass(body, model.mass_band, weight, elimination, matrix)
-        elif body.kind == RIGID:
-            k = body.offset
-            direct = (q[k + 2] - q[k], q[k + 3] - q[k + 1])
-            add_body_matrix(body, weight, scale * it.multipliers[m + b], direct, n + m + b, elimination, matrix)
-
-
-@njit_merged
 def solve_newton(model, it):
     """Solve Newton's equations for ``it.rhs`` in place; False if the matrix is singular."""
     position, rhs, solution = model.elimination.position, it.rhs, it.solution
-    if not profile_factor(model.elimination, it.matrix):
+    if not profile_factor(model.elimination, it.newton.matrix):
         return False
     for i in range(rhs.size):
-        if position[i] >= 0:
-            solution[position[i]] = rhs[i]
-    profile_solve(model.elimination, it.matrix, solution)
+        enter(solution, position[i], rhs[i])
+    profile_solve(model.elimination, it.newton.matrix, solution)
     for i in range(rhs.size):
-        rhs[i] = solution[position[i]] if position[i] >= 0 else 0.0
+        rhs[i] = taken(solution, position[i])
     return True
 
 
 @njit_merged
-def attempt_step(model, state, it, work, tangent, settings, h):
+def attempt_step(model, state, it, work, settings, h):
     """Solve one step into ``it``; returns the last correction in units of the tolerance (at most 1 if it converged)."""
     n = state.q.size
     alpha_m, alpha_f, beta, gamma = settings.alpha_m, settings.alpha_f, settings.beta, settings.gamma
@@ -195,7 +168,9 @@ def attempt_step(model, state, it, work, tangent, settings, h):
     correction, best, relaxation, stalled = math.inf, math.inf, 1.0, 0
     for _ in range(_MOST_ITERATIONS):
         fill_residual(model, state, it, work, time, scale)
-        fill_matrix(model, state, it, work, tangent, mass_weight, damping_weight, scale)
+        linearize_forces(model, state.joints, q, v, it.newton)
+        weights = (scale * mass_weight, scale * damping_weight, scale)
+        assemble(model, q, multipliers, work.row_value, it.newton, weights)
         state.clock[0].evaluations += 1
         state.clock[0].factorizations += 1
         if not solve_newton(model, it):

@@ -30,6 +30,7 @@ from .model import (
     TOO_MANY_STEPS,
 )
 from .recording import contacts_full, record_sample, sample_due
+from .rosenbrock import attempt_rosenbrock, make_rosenbrock, rosenbrock_error
 from .runge_kutta import STAGES, attempt_step, error_norm, interpolate, interpolate_integrals, make_stages
 from .system import accelerations, make_workspace, project
 
@@ -39,6 +40,11 @@ _SMALLEST_STEP = 1e-13  # s, relative to max(time, 1 s)
 _STABILITY_MARGIN = 0.95
 # And the share of that while a stop acts: order three of its stiff damping is what the energy book shows.
 _STOP_SHARE = 0.7
+# A linearly implicit step is taken if it is so many times as long as the stable explicit one. It costs some five times
+# as much, but the explicit method's estimate sees the stiff vibrations too and promises less than can be had.
+_WORTH = 2.5
+# Its error is dissipation of vibrations that it does not resolve, which no energy book shows: its tolerance is stricter.
+_STRICTER = 5.0
 
 
 @njit_inner_inlined
@@ -188,12 +194,20 @@ def accept(model, state, stages, work, scratch, recorder, h, share, event_joint,
 def advance_explicit(model, state, settings, recorder, end_time):
     """Advance ``state`` in place to ``end_time`` [s]; returns a status code."""
     work, scratch, stages = make_workspace(model, state), make_workspace(model, state), make_stages(state)
-    return take_steps(model, state, settings, recorder, end_time, work, scratch, stages)
+    return take_steps(model, state, settings, recorder, end_time, work, scratch, stages, None)
+
+
+@njit_allocating
+def advance_linearly_implicit(model, state, settings, recorder, end_time):
+    """The same with linearly implicit steps (``rosenbrock.py``) where they are worth their price."""
+    work, scratch, stages = make_workspace(model, state), make_workspace(model, state), make_stages(state)
+    step = make_rosenbrock(model, state, work)
+    return take_steps(model, state, settings, recorder, end_time, work, scratch, stages, step)
 
 
 @njit_inner
-def take_steps(model, state, settings, recorder, end_time, work, scratch, stages):
-    """:func:`advance_explicit` with its arrays at hand."""
+def take_steps(model, state, settings, recorder, end_time, work, scratch, stages, step):
+    """:func:`advance_explicit` with its arrays at hand; without ``step``, all steps are explicit."""
     clock = state.clock[0]
     for j in range(state.joints.size):
         work.impact_speeds[j] = state.joints[j].impact_speed if state.joints[j].in_contact else 0.0
@@ -224,17 +238,29 @@ def take_steps(model, state, settings, recorder, end_time, work, scratch, stages
         stable = _STABILITY_MARGIN * model.stable_step
         if any_stop_engaged(state.joints):
             stable *= _STOP_SHARE
-        bound = stable < min(clock.step_size, limit)
-        wanted = stable if bound else min(clock.step_size, limit)
+        wanted = min(clock.step_size, limit)
+        implicit = step is not None and wanted > _WORTH * stable
+        bound = stable < wanted and not implicit
+        if bound:
+            wanted = stable
         h = wanted
         last = clock.time + h >= end_time
         if last:
             h = end_time - clock.time
         taken += 1
-        if not attempt_step(model, state, stages, work, h):
+        regular = True
+        if step is not None and implicit:
+            regular = attempt_rosenbrock(model, state, stages, step, work, h)
+            error = _STRICTER * rosenbrock_error(model, state, stages, step, settings)
+        else:
+            if step is not None and not step.exact[0]:
+                regular = refresh(model, state, stages, work)
+                step.exact[0] = 1
+            regular = regular and attempt_step(model, state, stages, work, h)
+            error = error_norm(model, state, stages, settings, h)
+        if not regular:
             status = fail(state, SINGULAR_CONSTRAINTS, -1, 0.0)
             break
-        error = error_norm(model, state, stages, settings, h)
         if not error <= 1.0:
             clock.rejected_steps += 1
             shrink = 0.9 * error**-0.25 if error < math.inf else 0.1
@@ -245,18 +271,26 @@ def take_steps(model, state, settings, recorder, end_time, work, scratch, stages
                 break
             continue
         clock.stability_bound_steps += bound
+        if step is not None and implicit:
+            copy_into(state.multipliers, step.multipliers)
         share, event_joint, kind = first_event(model, state, stages, work, h)
         if not accept(model, state, stages, work, scratch, recorder, h, share, event_joint, kind):
             status = fail(state, SINGULAR_CONSTRAINTS, -1, 0.0)
             break
         if last and share == 1.0:
             clock.time = end_time
+        if step is not None:
+            step.linearized[0] = 0
+            step.exact[0] = not implicit or kind != NONE
         error = max(error, 1e-10)
         grow = min(0.9 * error**-0.18 * clock.last_error**0.1, 10.0)
         clock.last_error = max(error, 1e-4)
         # A step that was cut short by the end of the call or by an event says little about the next one.
         if not last:
             clock.step_size = wanted * max(grow, 0.2)
+            if step is not None and bound:
+                # What accuracy alone would allow.
+                clock.step_size = max(clock.step_size, wanted * min(0.9 * error**-0.25, 10.0))
         else:
             clock.step_size = max(wanted, h * grow)
         status = check_state(model, state, work.loads)

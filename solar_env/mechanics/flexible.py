@@ -23,7 +23,7 @@ from .profile import add_entry
 
 # Elements whose forces are worked out together, in blocks of constant length; and how many at least.
 LANES = 64
-_REGISTER = 4
+REGISTER = 4
 TABLE_ROWS = 19
 # Bandwidth of a flexible body's mass matrix, the diagonal included: two neighbouring nodes.
 MASS_BAND = 4
@@ -39,8 +39,9 @@ def _quadrature(points: int) -> tuple[tuple[float, ...], ...]:
     return tuple(tuple(float(x) for x in row) for row in rows)
 
 
-_AXIAL = _quadrature(5)
-_BENDING = _quadrature(3)
+# Points that integrate the axial and the bending part.
+AXIAL = _quadrature(5)
+BENDING = _quadrature(3)
 
 
 def mass_band(elements: int, element_length: float, linear_density: float) -> NDArray[np.float64]:
@@ -81,8 +82,8 @@ def stiffness_matrix(
     element = np.zeros((4, 4))
     chord = 1.0 / element_length
     for points, stiffness, first in (
-        (_AXIAL, axial_stiffness, 0),
-        (_BENDING, bending_stiffness / element_length**2, 3),
+        (AXIAL, axial_stiffness, 0),
+        (BENDING, bending_stiffness / element_length**2, 3),
     ):
         for row in points:
             d, a, b = row[first : first + 3]
@@ -262,14 +263,14 @@ def element_forces(lanes, constants, table):
         )
         axial, bending, damping = constants[i], constants[LANES + i], constants[2 * LANES + i]
         f = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-        f = add_axial_point(_AXIAL[0], x, axial, damping, f)
-        f = add_axial_point(_AXIAL[1], x, axial, damping, f)
-        f = add_axial_point(_AXIAL[2], x, axial, damping, f)
-        f = add_axial_point(_AXIAL[3], x, axial, damping, f)
-        f = add_axial_point(_AXIAL[4], x, axial, damping, f)
-        f = add_bending_point(_BENDING[0], x, bending, damping, f)
-        f = add_bending_point(_BENDING[1], x, bending, damping, f)
-        f = add_bending_point(_BENDING[2], x, bending, damping, f)
+        f = add_axial_point(AXIAL[0], x, axial, damping, f)
+        f = add_axial_point(AXIAL[1], x, axial, damping, f)
+        f = add_axial_point(AXIAL[2], x, axial, damping, f)
+        f = add_axial_point(AXIAL[3], x, axial, damping, f)
+        f = add_axial_point(AXIAL[4], x, axial, damping, f)
+        f = add_bending_point(BENDING[0], x, bending, damping, f)
+        f = add_bending_point(BENDING[1], x, bending, damping, f)
+        f = add_bending_point(BENDING[2], x, bending, damping, f)
         table[12 * LANES + i] = f[0]
         table[13 * LANES + i] = f[1]
         table[14 * LANES + i] = f[2]
@@ -290,7 +291,7 @@ def add_elastic_forces(elements, q, v, force, table):
         offset, inverse_length = elements.offset[block], elements.inverse_length[block]
         filled = elements.filled[block]
         # Whole registers: the columns behind the last element repeat the first one, without stiffness.
-        lanes = (filled + _REGISTER - 1) // _REGISTER * _REGISTER
+        lanes = (filled + REGISTER - 1) // REGISTER * REGISTER
         for i in range(lanes):
             k, inverse = offset[i], inverse_length[i]
             table[i] = (q[k + 4] - q[k]) * inverse
@@ -326,10 +327,10 @@ def elastic_energy(bodies, q):
         for e in range(body.elements):
             k = body.offset + 4 * e
             dx, dy = (q[k + 4] - q[k]) / length, (q[k + 5] - q[k + 1]) / length
-            for d, a, b, _, _, _, w in _AXIAL:
+            for d, a, b, _, _, _, w in AXIAL:
                 rx, ry = d * dx + a * q[k + 2] + b * q[k + 6], d * dy + a * q[k + 3] + b * q[k + 7]
                 total += 0.5 * w * length * body.axial_stiffness * (math.sqrt(rx * rx + ry * ry) - 1.0) ** 2
-            for d, a, b, i, g, h, w in _BENDING:
+            for d, a, b, i, g, h, w in BENDING:
                 rx, ry = d * dx + a * q[k + 2] + b * q[k + 6], d * dy + a * q[k + 3] + b * q[k + 7]
                 cx, cy = i * dx + g * q[k + 2] + h * q[k + 6], i * dy + g * q[k + 3] + h * q[k + 7]
                 turn = (rx * cy - ry * cx) / (rx * rx + ry * ry)
@@ -349,140 +350,6 @@ def kinetic_energy(body, band, v):
             z = x - 2 * (MASS_BAND - 1 - k)
             total += band[body.band + i, k] * (v[x] * v[z] + v[x + 1] * v[z + 1])
     return total
-
-
-@njit
-def element_tangent(body, q, v, k, stiffness_weight, damping_weight, tangent):
-    """Fill (6, 6) stiffness_weight * df/dx + damping_weight * df/dx' of :func:`element_force`, x = (d, a, b).
-
-    ``k`` is the element's first coordinate.
-    """
-    length = body.element_length
-    inverse_length = 1.0 / length
-    damping = body.damping
-    dx, dy = (q[k + 4] - q[k]) * inverse_length, (q[k + 5] - q[k + 1]) * inverse_length
-    ux, uy = (v[k + 4] - v[k]) * inverse_length, (v[k + 5] - v[k + 1]) * inverse_length
-    for i in range(6):
-        for j in range(6):
-            tangent[i, j] = 0.0
-    for point in range(5):
-        d, a, b, _, _, _, w = _AXIAL[point]
-        rx, ry = d * dx + a * q[k + 2] + b * q[k + 6], d * dy + a * q[k + 3] + b * q[k + 7]
-        vx, vy = d * ux + a * v[k + 2] + b * v[k + 6], d * uy + a * v[k + 3] + b * v[k + 7]
-        stretch = math.sqrt(rx * rx + ry * ry)
-        inverse = 1.0 / stretch
-        tx, ty = rx * inverse, ry * inverse
-        rate = tx * vx + ty * vy
-        weight = w * length * body.axial_stiffness
-        geometric = stiffness_weight * weight * (stretch - 1.0 + damping * rate) * inverse
-        # Slopes of the strain plus its weighted rate.
-        sx = stiffness_weight * (tx + damping * (vx - tx * rate) * inverse) + damping_weight * damping * tx
-        sy = stiffness_weight * (ty + damping * (vy - ty * rate) * inverse) + damping_weight * damping * ty
-        hxx = weight * tx * sx + geometric * ty * ty
-        hxy = weight * tx * sy - geometric * tx * ty
-        hyx = weight * ty * sx - geometric * tx * ty
-        hyy = weight * ty * sy + geometric * tx * tx
-        shape = (d, a, b)
-        for i in range(3):
-            for j in range(3):
-                both = shape[i] * shape[j]
-                tangent[2 * i, 2 * j] += both * hxx
-                tangent[2 * i, 2 * j + 1] += both * hxy
-                tangent[2 * i + 1, 2 * j] += both * hyx
-                tangent[2 * i + 1, 2 * j + 1] += both * hyy
-    for point in range(3):
-        d, a, b, e, g, h, w = _BENDING[point]
-        rx, ry = d * dx + a * q[k + 2] + b * q[k + 6], d * dy + a * q[k + 3] + b * q[k + 7]
-        vx, vy = d * ux + a * v[k + 2] + b * v[k + 6], d * uy + a * v[k + 3] + b * v[k + 7]
-        cx, cy = e * dx + g * q[k + 2] + h * q[k + 6], e * dy + g * q[k + 3] + h * q[k + 7]
-        zx, zy = e * ux + g * v[k + 2] + h * v[k + 6], e * uy + g * v[k + 3] + h * v[k + 7]
-        inverse = 1.0 / (rx * rx + ry * ry)
-        turn = (rx * cy - ry * cx) * inverse
-        # Gradient of the turn by r' and by L r''.
-        px, py = (cy - 2.0 * turn * rx) * inverse, (-cx - 2.0 * turn * ry) * inverse
-        mx, my = -ry * inverse, rx * inverse
-        rate = px * vx + py * vy + mx * zx + my * zy
-        weight = w * body.bending_stiffness * inverse_length
-        moment = stiffness_weight * weight * (turn + damping * rate)
-        # Hessian of the turn: by r' twice, and by L r'' and r'; by L r'' twice it vanishes.
-        pxx = -2.0 * inverse * (2.0 * rx * px + turn)
-        pxy = -2.0 * inverse * (rx * py + ry * px)
-        pyy = -2.0 * inverse * (2.0 * ry * py + turn)
-        mxx, mxy = -2.0 * inverse * rx * mx, -inverse - 2.0 * inverse * ry * mx
-        myx, myy = inverse - 2.0 * inverse * rx * my, -2.0 * inverse * ry * my
-        viscous = stiffness_weight * damping
-        direct = stiffness_weight + damping_weight * damping
-        # Slopes of the turn plus its weighted rate.
-        spx = weight * (direct * px + viscous * (pxx * vx + pxy * vy + mxx * zx + myx * zy))
-        spy = weight * (direct * py + viscous * (pxy * vx + pyy * vy + mxy * zx + myy * zy))
-        smx = weight * (direct * mx + viscous * (mxx * vx + mxy * vy))
-        smy = weight * (direct * my + viscous * (myx * vx + myy * vy))
-        slope, bend = (d, a, b), (e, g, h)
-        for i in range(3):
-            for j in range(3):
-                both, left, right, none = (
-                    slope[i] * slope[j],
-                    bend[i] * slope[j],
-                    slope[i] * bend[j],
-                    bend[i] * bend[j],
-                )
-                tangent[2 * i, 2 * j] += (
-                    both * (px * spx + moment * pxx)
-                    + left * (mx * spx + moment * mxx)
-                    + right * (px * smx + moment * mxx)
-                    + none * mx * smx
-                )
-                tangent[2 * i, 2 * j + 1] += (
-                    both * (px * spy + moment * pxy)
-                    + left * (mx * spy + moment * mxy)
-                    + right * (px * smy + moment * myx)
-                    + none * mx * smy
-                )
-                tangent[2 * i + 1, 2 * j] += (
-                    both * (py * spx + moment * pxy)
-                    + left * (my * spx + moment * myx)
-                    + right * (py * smx + moment * mxy)
-                    + none * my * smx
-                )
-                tangent[2 * i + 1, 2 * j + 1] += (
-                    both * (py * spy + moment * pyy)
-                    + left * (my * spy + moment * myy)
-                    + right * (py * smy + moment * myy)
-                    + none * my * smy
-                )
-
-
-@njit
-def add_body_tangent(body, q, v, stiffness_weight, damping_weight, element, elimination, matrix):
-    """Add the body's stiffness_weight * df/dq + damping_weight * df/dv, f its internal force, to ``matrix``.
-
-    ``element`` (6, 6) is scratch.
-    """
-    inverse = 1.0 / body.element_length
-    for e in range(body.elements):
-        k = body.offset + 4 * e
-        element_tangent(body, q, v, k, stiffness_weight, damping_weight, element)
-        for i in range(8):
-            # r_a and r_b enter through the chord alone.
-            row, row_sign = _local(i)
-            row_scale = inverse if i % 4 < 2 else 1.0
-            for j in range(8):
-                column, column_sign = _local(j)
-                column_scale = inverse if j % 4 < 2 else 1.0
-                value = row_sign * row_scale * column_sign * column_scale * element[row, column]
-                add_entry(elimination, matrix, k + i, k + j, value)
-
-
-@njit_inlined
-def _local(i):
-    """Row of (d, a, b) that an element's coordinate enters through, and its sign."""
-    if i < 2:
-        return i, -1.0
-    if i < 4:
-        return i, 1.0
-    if i < 6:
-        return i - 4, 1.0
-    return i - 2, 1.0
 
 
 @njit

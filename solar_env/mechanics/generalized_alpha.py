@@ -30,7 +30,6 @@ from .model import (
 )
 from .recording import contacts_full, record_sample, sample_due
 from .system import applied_forces, make_workspace, normal_inverse_mass, store_constraint_loads
-from .tangent import make_tangent_scratch
 
 _SMALLEST_STEP = 1e-12  # s
 
@@ -212,12 +211,12 @@ def judge(model, state, it, scratch, settings, h, convergence):
 def advance_alpha(model, state, settings, recorder, end_time):
     """Advance ``state`` in place to ``end_time`` [s]; returns a status code."""
     work, scratch = make_workspace(model, state), make_workspace(model, state)
-    it, tangent = make_iteration(model, state), make_tangent_scratch(work)
-    return take_steps(model, state, settings, recorder, end_time, work, scratch, it, tangent)
+    it = make_iteration(model, state, work)
+    return take_steps(model, state, settings, recorder, end_time, work, scratch, it)
 
 
 @njit_inner
-def take_steps(model, state, settings, recorder, end_time, work, scratch, it, tangent):
+def take_steps(model, state, settings, recorder, end_time, work, scratch, it):
     """:func:`advance_alpha` with its arrays at hand."""
     clock = state.clock[0]
     status = DONE
@@ -245,7 +244,7 @@ def take_steps(model, state, settings, recorder, end_time, work, scratch, it, ta
                     return fail(state, SINGULAR_CONSTRAINTS, -1, 0.0)
                 clock.acceleration_current = 1
                 clock.last_step = h
-            convergence = attempt_step(model, state, it, work, tangent, settings, h)
+            convergence = attempt_step(model, state, it, work, settings, h)
             if settings.rtol == 0.0:
                 if not convergence <= 1.0:
                     finite = math.isfinite(convergence)

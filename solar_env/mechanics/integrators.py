@@ -38,6 +38,19 @@ class RungeKutta:
 
 
 @dataclass(frozen=True)
+class Rosenbrock(RungeKutta):
+    """:class:`RungeKutta` with linearly implicit steps where they are worth their price (``rosenbrock.py``).
+
+    The stiff vibrations of flexible bodies then do not bound the steps. In impacts, and wherever accuracy asks for
+    short steps anyway, these remain explicit. Mechanisms with drives are refused.
+    """
+
+    rtol: float = 1e-4
+
+    name = "rosenbrock"
+
+
+@dataclass(frozen=True)
 class GeneralizedAlpha:
     """Generalized-alpha on the index-3 equations (``generalized_alpha.py``).
 

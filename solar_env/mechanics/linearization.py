@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh, null_space
 
-from .alpha_step import Iteration, fill_matrix, fill_residual, make_iteration
+from .alpha_step import Iteration, fill_residual, make_iteration
 from .description import Mechanism
 from .model import Model, State
-from .profile import clear, dense
+from .newton import assemble, linearize_forces
+from .profile import dense
 from .simulation import Simulation
 from .system import Workspace, accelerations, add_mass_products, make_workspace
-from .tangent import TangentScratch, make_tangent_scratch, subtract_force_tangents
 
 Matrix = NDArray[np.float64]
 
@@ -43,8 +43,7 @@ class NewtonEquations:
     def __init__(self, model: Model, state: State) -> None:
         self.model, self.state = model, state
         self.work: Workspace = make_workspace(model, state)
-        self.scratch: TangentScratch = make_tangent_scratch(self.work)
-        self.iteration: Iteration = make_iteration(model, state)
+        self.iteration: Iteration = make_iteration(model, state, self.work)
         self.iteration.q[:] = state.q
         self.iteration.v[:] = state.v
         self.moving = np.flatnonzero(model.elimination.position >= 0)  # unknowns that are not held
@@ -56,15 +55,16 @@ class NewtonEquations:
 
     def matrix(self, model: Model) -> Matrix:
         """(unknowns, unknowns) stiffness, bordered by the constraints. Call :meth:`residual` before."""
-        fill_matrix(model, self.state, self.iteration, self.work, self.scratch, 0.0, 0.0, 1.0)
-        return dense(model.elimination, self.iteration.matrix)
+        it = self.iteration
+        linearize_forces(model, self.state.joints, it.q, it.v, it.newton)
+        assemble(model, it.q, it.multipliers, self.work.row_value, it.newton, (0.0, 0.0, 1.0))
+        return dense(model.elimination, it.newton.matrix)
 
     def damping(self) -> Matrix:
         """(n, n) minus the slope of the forces by velocities. Call :meth:`residual` before."""
         it, model, n = self.iteration, self.model, self.iteration.q.size
-        clear(model.elimination, it.matrix)
-        subtract_force_tangents(model, self.state.joints, it.q, it.v, self.scratch, 0.0, 1.0, it.matrix)
-        return dense(model.elimination, it.matrix)[:n, :n]
+        linearize_forces(model, self.state.joints, it.q, it.v, it.newton)
+        return dense(model.elimination, it.newton.damping)[:n, :n]
 
     def mass(self) -> Matrix:
         """(n, n); zero for the coordinates of fixed bodies."""

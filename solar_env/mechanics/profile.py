@@ -18,10 +18,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ._jit import njit, njit_allocating, njit_inlined, njit_inner_inlined
+from ._jit import njit, njit_allocating, njit_inlined, njit_inner, njit_inner_inlined
 
 BLOCK = 4
 _ENTRIES = BLOCK * BLOCK
+# Block and entry of a place without a division.
+_SHIFT, _REST = 2, 3
 
 
 class Elimination(NamedTuple):
@@ -36,9 +38,9 @@ class Elimination(NamedTuple):
 class ProfileMatrix(NamedTuple):
     """A matrix with a symmetric profile, or its factors, in blocks of BLOCK x BLOCK entries."""
 
-    lower: NDArray[np.float64]  # rows of blocks below the diagonal, one after the other; each block column by column
-    upper: NDArray[np.float64]  # columns of blocks above the diagonal, one after the other; each block row by row
-    diagonal: NDArray[np.float64]  # blocks on the diagonal, row by row
+    lower: NDArray[np.float64]  # (.., 16) rows of blocks below the diagonal, in turn; each block column by column
+    upper: NDArray[np.float64]  # (.., 16) columns of blocks above the diagonal, in turn; each block row by row
+    diagonal: NDArray[np.float64]  # (blocks, 16) blocks on the diagonal, row by row
 
 
 def make_elimination(position: NDArray[np.int64], couplings: list[tuple[int, int]]) -> Elimination:
@@ -65,7 +67,7 @@ def make_profile_matrix(elimination):
     size = 0
     for r in range(blocks):
         size += r - elimination.first[r]
-    matrix = ProfileMatrix(np.zeros(_ENTRIES * size), np.zeros(_ENTRIES * size), np.zeros(_ENTRIES * blocks))
+    matrix = ProfileMatrix(np.zeros((size, _ENTRIES)), np.zeros((size, _ENTRIES)), np.zeros((blocks, _ENTRIES)))
     clear(elimination, matrix)
     return matrix
 
@@ -74,10 +76,11 @@ def make_profile_matrix(elimination):
 def clear(elimination, matrix):
     """Set all entries to zero, but those of empty places on the diagonal to one."""
     for array in (matrix.lower, matrix.upper, matrix.diagonal):
-        for i in range(array.size):
-            array[i] = 0.0
+        for i in range(array.shape[0]):
+            for k in range(_ENTRIES):
+                array[i, k] = 0.0
     for place in elimination.empty:
-        matrix.diagonal[_ENTRIES * (place // BLOCK) + (BLOCK + 1) * (place % BLOCK)] = 1.0
+        matrix.diagonal[place // BLOCK, (BLOCK + 1) * (place % BLOCK)] = 1.0
 
 
 @njit_inlined
@@ -86,14 +89,14 @@ def add_entry(elimination, matrix, i, j, value):
     place, other = elimination.position[i], elimination.position[j]
     if place < 0 or other < 0:
         return
-    row, column = place // BLOCK, other // BLOCK
-    k, c = place % BLOCK, other % BLOCK
+    row, column = place >> _SHIFT, other >> _SHIFT
+    k, c = place & _REST, other & _REST
     if row > column:
-        matrix.lower[_ENTRIES * (elimination.base[row] + column) + BLOCK * c + k] += value
+        matrix.lower[elimination.base[row] + column, BLOCK * c + k] += value
     elif row < column:
-        matrix.upper[_ENTRIES * (elimination.base[column] + row) + BLOCK * k + c] += value
+        matrix.upper[elimination.base[column] + row, BLOCK * k + c] += value
     else:
-        matrix.diagonal[_ENTRIES * row + BLOCK * k + c] += value
+        matrix.diagonal[row, BLOCK * k + c] += value
 
 
 def dense(elimination: Elimination, matrix: ProfileMatrix) -> NDArray[np.float64]:
@@ -113,52 +116,77 @@ def dense(elimination: Elimination, matrix: ProfileMatrix) -> NDArray[np.float64
     return result
 
 
-@njit_inner_inlined
-def _subtract_rows(out, i, left, j, right, k):
-    """Subtract a product of two blocks, left^T right, from the block that begins at ``out[i]``."""
-    for row in range(BLOCK):
-        a, b, c, d = left[j + row], left[j + 4 + row], left[j + 8 + row], left[j + 12 + row]
-        x = i + BLOCK * row
-        y0 = out[x] - a * right[k] - b * right[k + 4] - c * right[k + 8] - d * right[k + 12]
-        y1 = out[x + 1] - a * right[k + 1] - b * right[k + 5] - c * right[k + 9] - d * right[k + 13]
-        y2 = out[x + 2] - a * right[k + 2] - b * right[k + 6] - c * right[k + 10] - d * right[k + 14]
-        y3 = out[x + 3] - a * right[k + 3] - b * right[k + 7] - c * right[k + 11] - d * right[k + 15]
-        out[x], out[x + 1], out[x + 2], out[x + 3] = y0, y1, y2, y3
+@njit_inlined
+def enter(x, place, value):
+    """Set the entry of a vector (blocks, BLOCK); nothing if the unknown is held."""
+    if place >= 0:
+        x[place >> _SHIFT, place & _REST] = value
+
+
+@njit_inlined
+def add_to(x, place, value):
+    """Add to the entry of a vector (blocks, BLOCK); nothing if the unknown is held."""
+    if place >= 0:
+        x[place >> _SHIFT, place & _REST] += value
+
+
+@njit_inlined
+def taken(x, place):
+    """The entry of a vector (blocks, BLOCK); zero if the unknown is held."""
+    return x[place >> _SHIFT, place & _REST] if place >= 0 else 0.0
+
+
+# Blocks are handed on as views: that their indices are constants tells the compiler that no entry overlaps another.
 
 
 @njit_inner_inlined
-def _scale(block, i, inverse, k):
-    """Replace the block B that begins at ``block[i]``, column by column, by B times the one at ``inverse[k]``."""
-    for row in range(BLOCK):
-        b0, b1, b2, b3 = block[i + row], block[i + 4 + row], block[i + 8 + row], block[i + 12 + row]
-        y0 = b0 * inverse[k] + b1 * inverse[k + 4] + b2 * inverse[k + 8] + b3 * inverse[k + 12]
-        y1 = b0 * inverse[k + 1] + b1 * inverse[k + 5] + b2 * inverse[k + 9] + b3 * inverse[k + 13]
-        y2 = b0 * inverse[k + 2] + b1 * inverse[k + 6] + b2 * inverse[k + 10] + b3 * inverse[k + 14]
-        y3 = b0 * inverse[k + 3] + b1 * inverse[k + 7] + b2 * inverse[k + 11] + b3 * inverse[k + 15]
-        block[i + row], block[i + 4 + row], block[i + 8 + row], block[i + 12 + row] = y0, y1, y2, y3
+def _subtract_product(out, left, right):
+    """Subtract left^T right from ``out``, all row by row."""
+    for i in range(BLOCK):
+        a, b, c, d = left[i], left[4 + i], left[8 + i], left[12 + i]
+        y0 = out[4 * i] - a * right[0] - b * right[4] - c * right[8] - d * right[12]
+        y1 = out[4 * i + 1] - a * right[1] - b * right[5] - c * right[9] - d * right[13]
+        y2 = out[4 * i + 2] - a * right[2] - b * right[6] - c * right[10] - d * right[14]
+        y3 = out[4 * i + 3] - a * right[3] - b * right[7] - c * right[11] - d * right[15]
+        out[4 * i], out[4 * i + 1], out[4 * i + 2], out[4 * i + 3] = y0, y1, y2, y3
 
 
 @njit_inner_inlined
-def _invert(block, i, sizes):
-    """Invert the block that begins at ``block[i]``, without exchange of pivots.
+def _scale(block, inverse):
+    """Replace the block B, column by column, by B times ``inverse``."""
+    for i in range(BLOCK):
+        b0, b1, b2, b3 = block[i], block[4 + i], block[8 + i], block[12 + i]
+        y0 = b0 * inverse[0] + b1 * inverse[4] + b2 * inverse[8] + b3 * inverse[12]
+        y1 = b0 * inverse[1] + b1 * inverse[5] + b2 * inverse[9] + b3 * inverse[13]
+        y2 = b0 * inverse[2] + b1 * inverse[6] + b2 * inverse[10] + b3 * inverse[14]
+        y3 = b0 * inverse[3] + b1 * inverse[7] + b2 * inverse[11] + b3 * inverse[15]
+        block[i], block[4 + i], block[8 + i], block[12 + i] = y0, y1, y2, y3
 
-    False if a pivot is not finite, or has lost all its digits: it is tiny beside the entry in ``sizes`` that it was.
+
+@njit_inner
+def _invert(block, s0, s1, s2, s3):
+    """Invert the block without exchange of pivots.
+
+    False if a pivot is not finite, or has lost all its digits: it is tiny beside the entry ``s0`` .. that it was.
     """
+    sizes = (s0, s1, s2, s3)
     for p in range(BLOCK):
-        x = i + BLOCK * p
-        pivot = block[x + p]
+        pivot = block[5 * p]
         if not 1e-14 * abs(sizes[p]) < abs(pivot) < math.inf:
             return False
         inverse = 1.0 / pivot
-        block[x + p] = 1.0
-        for c in range(BLOCK):
-            block[x + c] *= inverse
+        block[5 * p] = 1.0
+        r0, r1 = block[4 * p] * inverse, block[4 * p + 1] * inverse
+        r2, r3 = block[4 * p + 2] * inverse, block[4 * p + 3] * inverse
         for row in range(BLOCK):
             if row != p:
-                factor = block[i + BLOCK * row + p]
-                block[i + BLOCK * row + p] = 0.0
-                for c in range(BLOCK):
-                    block[i + BLOCK * row + c] -= factor * block[x + c]
+                factor = block[4 * row + p]
+                block[4 * row + p] = 0.0
+                block[4 * row] -= factor * r0
+                block[4 * row + 1] -= factor * r1
+                block[4 * row + 2] -= factor * r2
+                block[4 * row + 3] -= factor * r3
+        block[4 * p], block[4 * p + 1], block[4 * p + 2], block[4 * p + 3] = r0, r1, r2, r3
     return True
 
 
@@ -172,73 +200,85 @@ def profile_factor(elimination, matrix):
     lower, upper, diagonal = matrix.lower, matrix.upper, matrix.diagonal
     for r in range(first.size):
         f, row = first[r], base[r]
+        pivot = diagonal[r]
+        s0, s1, s2, s3 = pivot[0], pivot[5], pivot[10], pivot[15]
         for c in range(f, r):
-            above, here = base[c], _ENTRIES * (row + c)
+            above, left, right = base[c], lower[row + c], upper[row + c]
             for k in range(max(f, first[c]), c):
-                _subtract_rows(upper, here, lower, _ENTRIES * (above + k), upper, _ENTRIES * (row + k))
-                _subtract_rows(lower, here, upper, _ENTRIES * (above + k), lower, _ENTRIES * (row + k))
-            _scale(lower, here, diagonal, _ENTRIES * c)
-        here = _ENTRIES * r
-        sizes = (diagonal[here], diagonal[here + 5], diagonal[here + 10], diagonal[here + 15])
-        for c in range(f, r):
-            _subtract_rows(diagonal, here, lower, _ENTRIES * (row + c), upper, _ENTRIES * (row + c))
-        if not _invert(diagonal, here, sizes):
+                _subtract_product(right, lower[above + k], upper[row + k])
+                _subtract_product(left, upper[above + k], lower[row + k])
+            _scale(left, diagonal[c])
+            _subtract_product(pivot, left, right)
+        if not _invert(pivot, s0, s1, s2, s3):
             return False
     return True
 
 
+@njit_inner_inlined
+def _times(block, x0, x1, x2, x3):
+    """A block, row by row, times a vector."""
+    return (
+        block[0] * x0 + block[1] * x1 + block[2] * x2 + block[3] * x3,
+        block[4] * x0 + block[5] * x1 + block[6] * x2 + block[7] * x3,
+        block[8] * x0 + block[9] * x1 + block[10] * x2 + block[11] * x3,
+        block[12] * x0 + block[13] * x1 + block[14] * x2 + block[15] * x3,
+    )
+
+
+@njit_inner_inlined
+def _transposed_times(block, x):
+    """A block, column by column, times a vector (BLOCK,)."""
+    a, b, c, d = x[0], x[1], x[2], x[3]
+    return (
+        block[0] * a + block[4] * b + block[8] * c + block[12] * d,
+        block[1] * a + block[5] * b + block[9] * c + block[13] * d,
+        block[2] * a + block[6] * b + block[10] * c + block[14] * d,
+        block[3] * a + block[7] * b + block[11] * c + block[15] * d,
+    )
+
+
 @njit
 def profile_solve(elimination, matrix, b):
-    """Solve in place for ``b`` (places,), in the order of elimination, with the factors of :func:`profile_factor`."""
+    """Solve in place for ``b`` (blocks, BLOCK), in the order of elimination, with :func:`profile_factor`'s factors."""
     first, base = elimination.first, elimination.base
     lower, upper, diagonal = matrix.lower, matrix.upper, matrix.diagonal
     for r in range(first.size):
-        x = BLOCK * r
-        y0, y1, y2, y3 = b[x], b[x + 1], b[x + 2], b[x + 3]
+        here = b[r]
+        y0, y1, y2, y3 = here[0], here[1], here[2], here[3]
         for c in range(first[r], r):
-            k = _ENTRIES * (base[r] + c)
-            for j in range(BLOCK):
-                value = b[BLOCK * c + j]
-                y0 -= lower[k + 4 * j] * value
-                y1 -= lower[k + 4 * j + 1] * value
-                y2 -= lower[k + 4 * j + 2] * value
-                y3 -= lower[k + 4 * j + 3] * value
-        b[x], b[x + 1], b[x + 2], b[x + 3] = y0, y1, y2, y3
+            x0, x1, x2, x3 = _transposed_times(lower[base[r] + c], b[c])
+            y0, y1, y2, y3 = y0 - x0, y1 - x1, y2 - x2, y3 - x3
+        here[0], here[1], here[2], here[3] = y0, y1, y2, y3
     for r in range(first.size - 1, -1, -1):
-        x, k = BLOCK * r, _ENTRIES * r
-        b0, b1, b2, b3 = b[x], b[x + 1], b[x + 2], b[x + 3]
-        y0 = diagonal[k] * b0 + diagonal[k + 1] * b1 + diagonal[k + 2] * b2 + diagonal[k + 3] * b3
-        y1 = diagonal[k + 4] * b0 + diagonal[k + 5] * b1 + diagonal[k + 6] * b2 + diagonal[k + 7] * b3
-        y2 = diagonal[k + 8] * b0 + diagonal[k + 9] * b1 + diagonal[k + 10] * b2 + diagonal[k + 11] * b3
-        y3 = diagonal[k + 12] * b0 + diagonal[k + 13] * b1 + diagonal[k + 14] * b2 + diagonal[k + 15] * b3
-        b[x], b[x + 1], b[x + 2], b[x + 3] = y0, y1, y2, y3
+        here = b[r]
+        y0, y1, y2, y3 = _times(diagonal[r], here[0], here[1], here[2], here[3])
+        here[0], here[1], here[2], here[3] = y0, y1, y2, y3
         for c in range(first[r], r):
-            k = _ENTRIES * (base[r] + c)
-            for i in range(BLOCK):
-                j = k + BLOCK * i
-                b[BLOCK * c + i] -= upper[j] * y0 + upper[j + 1] * y1 + upper[j + 2] * y2 + upper[j + 3] * y3
+            x0, x1, x2, x3 = _times(upper[base[r] + c], y0, y1, y2, y3)
+            there = b[c]
+            there[0] -= x0
+            there[1] -= x1
+            there[2] -= x2
+            there[3] -= x3
 
 
 @njit
 def profile_product(elimination, matrix, x, out):
-    """Write the matrix times ``x`` to ``out``, both (places,) in the order of elimination."""
+    """Write the matrix times ``x`` to ``out``, both (blocks, BLOCK) in the order of elimination."""
     first, base = elimination.first, elimination.base
     lower, upper, diagonal = matrix.lower, matrix.upper, matrix.diagonal
     for r in range(first.size):
-        here, k = BLOCK * r, _ENTRIES * r
-        x0, x1, x2, x3 = x[here], x[here + 1], x[here + 2], x[here + 3]
-        y0 = diagonal[k] * x0 + diagonal[k + 1] * x1 + diagonal[k + 2] * x2 + diagonal[k + 3] * x3
-        y1 = diagonal[k + 4] * x0 + diagonal[k + 5] * x1 + diagonal[k + 6] * x2 + diagonal[k + 7] * x3
-        y2 = diagonal[k + 8] * x0 + diagonal[k + 9] * x1 + diagonal[k + 10] * x2 + diagonal[k + 11] * x3
-        y3 = diagonal[k + 12] * x0 + diagonal[k + 13] * x1 + diagonal[k + 14] * x2 + diagonal[k + 15] * x3
+        here = x[r]
+        x0, x1, x2, x3 = here[0], here[1], here[2], here[3]
+        y0, y1, y2, y3 = _times(diagonal[r], x0, x1, x2, x3)
         for c in range(first[r], r):
-            k = _ENTRIES * (base[r] + c)
-            for j in range(BLOCK):
-                value = x[BLOCK * c + j]
-                y0 += lower[k + 4 * j] * value
-                y1 += lower[k + 4 * j + 1] * value
-                y2 += lower[k + 4 * j + 2] * value
-                y3 += lower[k + 4 * j + 3] * value
-                i = k + BLOCK * j
-                out[BLOCK * c + j] += upper[i] * x0 + upper[i + 1] * x1 + upper[i + 2] * x2 + upper[i + 3] * x3
-        out[here], out[here + 1], out[here + 2], out[here + 3] = y0, y1, y2, y3
+            z0, z1, z2, z3 = _transposed_times(lower[base[r] + c], x[c])
+            y0, y1, y2, y3 = y0 + z0, y1 + z1, y2 + z2, y3 + z3
+            z0, z1, z2, z3 = _times(upper[base[r] + c], x0, x1, x2, x3)
+            there = out[c]
+            there[0] += z0
+            there[1] += z1
+            there[2] += z2
+            there[3] += z3
+        result = out[r]
+        result[0], result[1], result[2], result[3] = y0, y1, y2, y3

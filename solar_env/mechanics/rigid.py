@@ -47,20 +47,10 @@ def add_mass_product(body, a, out):
 
 
 @njit_inner
-def add_body_matrix(body, weight, multiplier, direct, row, elimination, matrix):
-    """Add a rigid body's part of Newton's matrix.
-
-    Args:
-        body: of kind RIGID.
-        weight: factor of the mass matrix.
-        multiplier: scaled multiplier of the body's length, whose constraint has a constant second derivative.
-        direct: (x, y) from the first to the second base point [m].
-        row: unknown that stands for the multiplier.
-        elimination, matrix: see ``profile.py``.
-    """
+def add_body_matrix(body, weight, multiplier, elimination, matrix):
+    """Add weight * (mass matrix of a rigid body) + multiplier * (second derivative of its length constraint)."""
     k = body.offset
     for axis in range(2):
-        d = direct[axis]
         turn = -1.0 if axis == 0 else 1.0
         i, j = k + axis, k + 2 + axis
         cross = weight * body.m12 - multiplier
@@ -70,10 +60,6 @@ def add_body_matrix(body, weight, multiplier, direct, row, elimination, matrix):
         add_entry(elimination, matrix, j, i, cross)
         add_entry(elimination, matrix, i, k + 3 - axis, weight * turn * body.n12)
         add_entry(elimination, matrix, j, k + 1 - axis, -weight * turn * body.n12)
-        add_entry(elimination, matrix, row, i, -d)
-        add_entry(elimination, matrix, row, j, d)
-        add_entry(elimination, matrix, i, row, -d)
-        add_entry(elimination, matrix, j, row, d)
 
 
 @njit_inlined

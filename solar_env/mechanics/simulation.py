@@ -17,9 +17,9 @@ from .alpha_step import AlphaSettings
 from .build import compile_mechanism
 from .description import Mechanism
 from .errors import raise_for_status
-from .explicit import advance_explicit
+from .explicit import advance_explicit, advance_linearly_implicit
 from .generalized_alpha import advance_alpha
-from .integrators import Integrator, RungeKutta, alpha_coefficients
+from .integrators import Integrator, Rosenbrock, RungeKutta, alpha_coefficients
 from .recording import RECORDED_LOADS, Recorder, make_recorder, sample_columns
 from .runge_kutta import ExplicitSettings
 from .system import accelerations, constraint_drift, make_workspace, stored_energies, velocity_drift
@@ -40,9 +40,12 @@ class Simulation:
         """Compile ``mechanism`` and check that its initial state meets the constraints.
 
         Raises:
-            ValueError: if positions or velocities violate a constraint.
+            ValueError: if positions or velocities violate a constraint, or the integrator takes no drives and the
+                mechanism has some.
         """
         self.integrator: Integrator = integrator or RungeKutta()
+        if isinstance(self.integrator, Rosenbrock) and mechanism.drives:
+            raise ValueError("the integrator 'rosenbrock' takes no drives; use RungeKutta or GeneralizedAlpha")
         self.model, self.state = compile_mechanism(mechanism)
         self._check_initial_state()
         energies = self.stored_energies()
@@ -113,10 +116,11 @@ class Simulation:
     def _advance(self, end_time: float, recorder: Recorder) -> int:
         chosen = self.integrator
         if isinstance(chosen, RungeKutta):
+            advance = advance_linearly_implicit if isinstance(chosen, Rosenbrock) else advance_explicit
             settings = ExplicitSettings(
                 chosen.rtol, chosen.velocity_scale, chosen.max_step, chosen.impact_resolution, chosen.max_steps
             )
-            return int(advance_explicit(self.model, self.state, settings, recorder, float(end_time)))
+            return int(advance(self.model, self.state, settings, recorder, float(end_time)))
         alpha_settings = AlphaSettings(
             *alpha_coefficients(chosen.rho_inf),
             chosen.step,

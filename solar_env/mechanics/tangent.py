@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ._jit import njit, njit_allocating, njit_inner
 from .contact import friction_ramp, friction_ramp_slope, normal_force, normal_force_slopes
-from .flexible import add_body_tangent
+from .flexible_tangent import ElementSlopes, add_elastic_tangents, make_element_slopes
 from .joint import (
     ANGLE,
     CABLE_TORQUE,
@@ -31,12 +31,12 @@ from .joint import (
     relative,
     stop_torque,
 )
-from .model import CLEARANCE, FLEXIBLE, MATERIAL_POINTS
-from .profile import add_entry
+from .model import CLEARANCE, MATERIAL_POINTS
+from .profile import add_entry, clear
 
 
 class TangentScratch(NamedTuple):
-    """Arrays of :func:`subtract_force_tangents`; loads and impact speeds are the workspace's own."""
+    """Arrays of :func:`fill_tangents`; loads and impact speeds are the workspace's own."""
 
     loads: NDArray[np.float64]
     impact_speeds: NDArray[np.float64]
@@ -45,9 +45,10 @@ class TangentScratch(NamedTuple):
     spin_slope: NDArray[np.float64]  # (2, 8)
     stiffness: NDArray[np.float64]  # (4, 4)
     damping: NDArray[np.float64]  # (4, 4)
-    product: NDArray[np.float64]  # (4, 8)
+    stiffness_product: NDArray[np.float64]  # (4, 8)
+    damping_product: NDArray[np.float64]  # (4, 8)
     angle_gradient: NDArray[np.float64]  # (joints, 8)
-    element: NDArray[np.float64]  # (6, 6)
+    elements: ElementSlopes
 
 
 @njit_allocating
@@ -63,8 +64,9 @@ def make_tangent_scratch(work):
         np.zeros((4, 4)),
         np.zeros((4, 4)),
         np.zeros((4, 8)),
+        np.zeros((4, 8)),
         np.zeros((joints, 8)),
-        np.zeros((6, 6)),
+        make_element_slopes(),
     )
 
 
@@ -104,17 +106,16 @@ def angle_hessian(dx, dy):
 
 
 @njit
-def subtract_angle_hessian(marker, q, torque, weight, elimination, matrix):
-    """Subtract weight * torque * Hessian of the marker's angle from ``matrix``."""
+def subtract_angle_hessian(marker, q, torque, elimination, matrix):
+    """Subtract torque * Hessian of the marker's angle from ``matrix``."""
     dx, dy = direction(marker, q)
     hxx, hxy = angle_hessian(dx, dy)
-    scale = -weight * torque
     for row in range(2):
         first = marker.i1 if row == 0 else marker.i2
         c = marker.c1 if row == 0 else 1.0
         for column in range(2):
             second = marker.i1 if column == 0 else marker.i2
-            d = scale * c * (marker.c1 if column == 0 else 1.0)
+            d = -torque * c * (marker.c1 if column == 0 else 1.0)
             add_entry(elimination, matrix, first, second, d * hxx)
             add_entry(elimination, matrix, first, second + 1, d * hxy)
             add_entry(elimination, matrix, first + 1, second, d * hxy)
@@ -179,16 +180,19 @@ def contact_tangent(joint, markers, q, v, outboard_spin, inboard_spin, impact_sp
 
 
 @njit
-def subtract_force_tangents(model, joint_states, q, v, tangent, stiffness_weight, damping_weight, matrix):
-    """Subtract stiffness_weight * dQ/dq + damping_weight * dQ/dv from ``matrix`` (``profile.py``).
+def fill_tangents(model, joint_states, q, v, tangent, by_q, by_v):
+    """Fill the matrices (``profile.py``) -dQ/dq, the stiffness, and -dQ/dv, the damping.
 
     ``tangent.loads`` and ``tangent.impact_speeds`` must be current; the other arrays of ``tangent`` are scratch.
     """
     joints, markers, cables = model.joints, model.markers, model.cables
     loads, index = tangent.loads, tangent.coordinates
     b, spin_slope = tangent.b, tangent.spin_slope
-    stiffness, damping, product = tangent.stiffness, tangent.damping, tangent.product
+    stiffness, damping = tangent.stiffness, tangent.damping
+    stiffness_product, damping_product = tangent.stiffness_product, tangent.damping_product
     elimination = model.elimination
+    clear(elimination, by_q)
+    clear(elimination, by_v)
     for j in range(joints.size):
         joint = joints[j]
         local_map(joint, markers, q, v, index[j], b, spin_slope)
@@ -217,26 +221,31 @@ def subtract_force_tangents(model, joint_states, q, v, tangent, stiffness_weight
             )
             outboard_torque += joint.journal_radius * tangential
             inboard_torque -= lever * tangential
-        # product = (kw dp/dx + dw dp/dx') B + kw dp/dx' dx'/dq, then matrix -= B^T product.
         for r in range(4):
             for c in range(8):
-                total = 0.0
+                by_x, by_rate = 0.0, 0.0
                 for k in range(4):
-                    total += (stiffness_weight * stiffness[r, k] + damping_weight * damping[r, k]) * b[k, c]
-                for k in range(2):
-                    total += stiffness_weight * damping[r, 2 + k] * spin_slope[k, c]
-                product[r, c] = total
+                    by_x += stiffness[r, k] * b[k, c]
+                    by_rate += damping[r, k] * b[k, c]
+                # The angles' rates depend on q too.
+                by_x += damping[r, 2] * spin_slope[0, c] + damping[r, 3] * spin_slope[1, c]
+                stiffness_product[r, c], damping_product[r, c] = by_x, by_rate
         for r in range(8):
             for c in range(8):
-                total = 0.0
+                by_x, by_rate = 0.0, 0.0
                 for k in range(4):
-                    total += b[k, r] * product[k, c]
-                add_entry(elimination, matrix, index[j, r], index[j, c], -total)
+                    by_x += b[k, r] * stiffness_product[k, c]
+                    by_rate += b[k, r] * damping_product[k, c]
+                # Most vanish: angles do not depend on the positions of a beam's nodes, most dampers are idle.
+                if by_x != 0.0:
+                    add_entry(elimination, by_q, index[j, r], index[j, c], -by_x)
+                if by_rate != 0.0:
+                    add_entry(elimination, by_v, index[j, r], index[j, c], -by_rate)
         for c in range(8):
             tangent.angle_gradient[j, c] = joint.sign * (b[2, c] - b[3, c])
         outboard, inboard = markers[joint.outboard], markers[joint.inboard]
-        subtract_angle_hessian(outboard, q, outboard_torque, stiffness_weight, elimination, matrix)
-        subtract_angle_hessian(inboard, q, inboard_torque, stiffness_weight, elimination, matrix)
+        subtract_angle_hessian(outboard, q, outboard_torque, elimination, by_q)
+        subtract_angle_hessian(inboard, q, inboard_torque, elimination, by_q)
     for k in range(cables.size):
         cable = cables[k]
         a, o = cable.joint_a, cable.joint_b
@@ -244,18 +253,14 @@ def subtract_force_tangents(model, joint_states, q, v, tangent, stiffness_weight
         for r in range(8):
             for c in range(8):
                 ga, gb = tangent.angle_gradient[a, c], tangent.angle_gradient[o, c]
-                weight_a = -stiffness_weight * cable.torque_ratio * slope * tangent.angle_gradient[a, r]
-                weight_b = stiffness_weight * slope * tangent.angle_gradient[o, r]
-                add_entry(elimination, matrix, index[a, r], index[a, c], -weight_a * cable.wheel_ratio * ga)
-                add_entry(elimination, matrix, index[a, r], index[o, c], weight_a * gb)
-                add_entry(elimination, matrix, index[o, r], index[a, c], -weight_b * cable.wheel_ratio * ga)
-                add_entry(elimination, matrix, index[o, r], index[o, c], weight_b * gb)
+                weight_a = -cable.torque_ratio * slope * tangent.angle_gradient[a, r]
+                weight_b = slope * tangent.angle_gradient[o, r]
+                add_entry(elimination, by_q, index[a, r], index[a, c], -weight_a * cable.wheel_ratio * ga)
+                add_entry(elimination, by_q, index[a, r], index[o, c], weight_a * gb)
+                add_entry(elimination, by_q, index[o, r], index[a, c], -weight_b * cable.wheel_ratio * ga)
+                add_entry(elimination, by_q, index[o, r], index[o, c], weight_b * gb)
     for k in range(model.load_torques.size):
         load = model.load_torques[k]
-        subtract_angle_hessian(markers[load.marker], q, load.torque, stiffness_weight, elimination, matrix)
-    for b in range(model.bodies.size):
-        if model.bodies[b].kind == FLEXIBLE:
-            # Internal forces resist: their slopes enter with the opposite sign.
-            add_body_tangent(
-                model.bodies[b], q, v, stiffness_weight, damping_weight, tangent.element, elimination, matrix
-            )
+        subtract_angle_hessian(markers[load.marker], q, load.torque, elimination, by_q)
+    # Internal forces resist: their slopes enter as they are.
+    add_elastic_tangents(model.elements, q, v, tangent.elements, elimination, by_q, by_v)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..mechanics.beams import BEAM, PANEL, Beam, cantilever, free_beam
 from ..mechanics.description import Load
-from ..mechanics.flexible import add_body_tangent
+from ..mechanics.flexible_tangent import add_elastic_tangents, make_element_slopes
 from ..mechanics.linearization import linearize, natural_frequencies
 from ..mechanics.model import ELASTIC, KINETIC, MATERIAL_DISSIPATION
 from ..mechanics.profile import dense, make_profile_matrix
@@ -197,9 +197,10 @@ def element_tangent() -> Iterator[Check]:
     shifts = step * np.eye(len(q))[:size]
     gradient = [strain_energy(damped, q + d) - strain_energy(damped, q - d) for d in shifts]
     weight = 0.3  # of df/dv
-    matrix = make_profile_matrix(model.elimination)
-    add_body_tangent(model.bodies[0], q, v, 1.0, weight, np.zeros((6, 6)), model.elimination, matrix)
-    tangent = dense(model.elimination, matrix)[:size, :size]
+    parts = [make_profile_matrix(model.elimination) for _ in range(2)]
+    add_elastic_tangents(model.elements, q, v, make_element_slopes(), model.elimination, *parts)
+    stiffness, damping = (dense(model.elimination, part)[:size, :size] for part in parts)
+    tangent = stiffness + weight * damping
     slopes = [force(q - d, v) - force(q + d, v) + weight * (force(q, v - d) - force(q, v + d)) for d in shifts]
     still = force(q, np.zeros_like(v))
     for name, analytic, differences, source in (

@@ -233,6 +233,7 @@ def test_a_step_depends_on_nothing_but_the_accepted_state_and_its_size() -> None
     def step(*rejected: float) -> tuple[bytes, ...]:
         work, stages = make_workspace(model, state), make_stages(state)
         assert refresh(model, state, stages, work)
+        stages.velocity[0] = state.v
         for tried in (*rejected, h):
             assert attempt_step(model, state, stages, work, tried)
         return tuple(array.tobytes() for array in (stages.q, stages.v, stages.gain, stages.acceleration, stages.power))

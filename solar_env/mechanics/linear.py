@@ -45,3 +45,28 @@ def cholesky_solve(a, n, b):
         for k in range(i + 1, n):
             s -= a[k, i] * b[k]
         b[i] = s / a[i, i]
+
+
+@njit
+def lu_factor(a, n):
+    """Factor a[:n, :n], whose symmetric part is positive definite, in place without pivoting; False if it is not."""
+    for k in range(n):
+        if not a[k, k] > 0.0:
+            return False
+        for i in range(k + 1, n):
+            a[i, k] /= a[k, k]
+            for j in range(k + 1, n):
+                a[i, j] -= a[i, k] * a[k, j]
+    return True
+
+
+@njit
+def lu_solve(a, n, b):
+    """Solve in place for ``b`` (n,) with the factors of :func:`lu_factor`."""
+    for i in range(n):
+        for k in range(i):
+            b[i] -= a[i, k] * b[k]
+    for i in range(n - 1, -1, -1):
+        for k in range(i + 1, n):
+            b[i] -= a[i, k] * b[k]
+        b[i] /= a[i, i]

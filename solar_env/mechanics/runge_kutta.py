@@ -10,7 +10,6 @@ velocities the cubic Hermite polynomial through the derivatives that are known t
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -28,7 +27,7 @@ from .model import (
     NORMAL_DISSIPATION,
     STOP_DISSIPATION,
 )
-from .stop_damping import begin_step, correct_stage
+from .stiff_forces import begin_step, correct_stage
 from .system import inlined_accelerations
 
 STAGES = 5
@@ -59,18 +58,28 @@ class ExplicitSettings(NamedTuple):
     max_steps: int  # per call
 
 
-class StopDamping(NamedTuple):
-    """The stiff stops of the step in hand (``stop_damping.py``); the first entries of each array are in use."""
+class StiffForces(NamedTuple):
+    """The stiff forces of the step in hand (``stiff_forces.py``); the first entries of each array are in use."""
 
     joint: NDArray[np.int64]  # (joints,) indices
-    coefficient: NDArray[np.float64]  # (joints,) damping coefficients [N m s/rad]
-    response: NDArray[np.float64]  # (joints, n) accelerations by a unit torque
-    coupling: NDArray[np.float64]  # (joints, joints) joint accelerations by a unit torque
+    stiffness: NDArray[np.float64]  # (joints,) along the gradient; 0 for a stop, whose damping alone is stiff
+    damping: NDArray[np.float64]  # (joints,)
+    resistance: NDArray[np.float64]  # (joints,) damping with what the stiffness adds to it over a stage
+    gradient: NDArray[np.float64]  # (joints, n) of angle or depth
+    response: NDArray[np.float64]  # (joints, n) accelerations by a unit force
+    motion: NDArray[np.float64]  # (joints, n) motions by 1 along one gradient and by 0 along the others
+    coupling: NDArray[np.float64]  # (joints, joints) accelerations along the gradients by a unit force
     matrix: NDArray[np.float64]  # (joints, joints) of the stage equations, factored
-    torque: NDArray[np.float64]  # (stages, joints) damping torque's rate of change by stage
+    force_rate: NDArray[np.float64]  # (stages, joints) force's rate of change by stage
+    closing: NDArray[np.float64]  # (stages, joints) acceleration along the gradient by stage
     past: NDArray[np.float64]  # (joints,)
+    rest: NDArray[np.float64]  # (n,) rate of change of the accelerations that the stiff forces leave out
+    probe_q: NDArray[np.float64]  # (n,)
+    probe_v: NDArray[np.float64]  # (n,)
     start: NDArray[np.float64]  # (n,) accelerations at the step's start
     end: NDArray[np.float64]  # (n,) and at its end
+    start_power: NDArray[np.float64]  # (integrals,) powers at the step's start
+    end_power: NDArray[np.float64]  # (integrals,) and at its end
     active: NDArray[np.int64]  # (1,) number of entries in use
 
 
@@ -92,7 +101,7 @@ class Stages(NamedTuple):
     depth_rate: NDArray[np.float64]  # (joints,)
     sliding_work: NDArray[np.float64]  # (joints,) of the step
     ratios: NDArray[np.float64]  # (n,) error by tolerance
-    damping: StopDamping
+    stiff: StiffForces
 
 
 @njit_allocating
@@ -115,19 +124,41 @@ def make_stages(state):
         np.zeros(joints),
         np.zeros(joints),
         np.zeros(n),
-        StopDamping(
+        StiffForces(
             np.zeros(joints, dtype=np.int64),
             np.zeros(joints),
+            np.zeros(joints),
+            np.zeros(joints),
+            np.zeros((joints, n)),
+            np.zeros((joints, n)),
             np.zeros((joints, n)),
             np.zeros((joints, joints)),
             np.zeros((joints, joints)),
             np.zeros((STAGES, joints)),
+            np.zeros((STAGES, joints)),
             np.zeros(joints),
             np.zeros(n),
             np.zeros(n),
+            np.zeros(n),
+            np.zeros(n),
+            np.zeros(n),
+            np.zeros(k),
+            np.zeros(k),
             np.zeros(1, dtype=np.int64),
         ),
     )
+
+
+@njit_inlined
+def restore_ends(v0, stages):
+    """Undo the correction for stiff forces at both ends: interpolant and further steps take what holds there itself."""
+    stiff, velocity, acceleration, power = stages.stiff, stages.velocity, stages.acceleration, stages.power
+    copy_into(velocity[0], v0)
+    copy_into(acceleration[0], stiff.start)
+    copy_into(acceleration[STAGES - 1], stiff.end)
+    copy_into(power[0], stiff.start_power)
+    copy_into(power[STAGES - 1], stiff.end_power)
+    stiff.active[0] = 0
 
 
 @njit_merged
@@ -138,12 +169,14 @@ def attempt_step(model, state, stages, work, h):
     power, stage_power, gain = work.power, stages.power, stages.gain
     n = q.size
     time = state.clock[0].time
-    damping = stages.damping
-    # Only beams have inertias so small that a stop's damping is stiff.
-    damping.active[0] = begin_step(model, state, work, damping, h) if model.stable_step < math.inf else 0
-    if damping.active[0] > 0:
-        copy_into(damping.start, acceleration[0])
-        correct_stage(model, q0, damping, 0, h, acceleration[0])
+    stiff = stages.stiff
+    if stiff.active[0] > 0:
+        restore_ends(v0, stages)
+    stiff.active[0] = begin_step(model, state, work, stiff, acceleration[0], h)
+    if stiff.active[0] > 0:
+        copy_into(stiff.start, acceleration[0])
+        copy_into(stiff.start_power, stage_power[0])
+        correct_stage(stiff, 0, h, velocity, acceleration, stage_power)
     for s in range(1, STAGES):
         c0, c1, c2, c3 = _COUPLING[s]
         for i in range(n):
@@ -157,8 +190,8 @@ def attempt_step(model, state, stages, work, h):
         ):
             return False
         copy_into(stage_power[s], power)
-        if damping.active[0] > 0 and s < STAGES - 1:
-            correct_stage(model, q0, damping, s, h, acceleration[s])
+        if stiff.active[0] > 0 and s < STAGES - 1:
+            correct_stage(stiff, s, h, velocity, acceleration, stage_power)
     for k in range(gain.size):
         gain[k] = h * (
             c0 * stage_power[0, k] + c1 * stage_power[1, k] + c2 * stage_power[2, k] + c3 * stage_power[3, k]
@@ -173,10 +206,11 @@ def error_norm(model, state, stages, settings, h):
     v0, v, velocity, acceleration, power = state.v, stages.v, stages.velocity, stages.acceleration, stages.power
     rtol, velocity_scale = settings.rtol, settings.velocity_scale
     e0, e1, e2, e3, e4 = _ERROR
-    damping = stages.damping
-    if damping.active[0] > 0:
-        copy_into(damping.end, acceleration[STAGES - 1])
-        correct_stage(model, state.q, damping, STAGES - 1, h, acceleration[STAGES - 1])
+    stiff = stages.stiff
+    if stiff.active[0] > 0:
+        copy_into(stiff.end, acceleration[STAGES - 1])
+        copy_into(stiff.end_power, power[STAGES - 1])
+        correct_stage(stiff, STAGES - 1, h, velocity, acceleration, power)
     weights, ratios = model.error_weight, stages.ratios
     position_scale = 1.0 / (rtol * model.length_scale)
     # Without branches, several entries fit into one instruction.
@@ -205,10 +239,8 @@ def error_norm(model, state, stages, settings, h):
     for i in range(joint_integrals, power.shape[1]):
         de = e0 * power[0, i] + e1 * power[1, i] + e2 * power[2, i] + e3 * power[3, i] + e4 * power[4, i]
         worst = max(worst, abs(h * de) / energy_tolerance)
-    if damping.active[0] > 0:
-        # The interpolant takes the accelerations themselves.
-        copy_into(acceleration[0], damping.start)
-        copy_into(acceleration[STAGES - 1], damping.end)
+    if stiff.active[0] > 0:
+        restore_ends(v0, stages)
     return worst
 
 

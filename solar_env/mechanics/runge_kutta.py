@@ -27,7 +27,7 @@ from .model import (
     NORMAL_DISSIPATION,
     STOP_DISSIPATION,
 )
-from .stiff_forces import begin_step, correct_stage
+from .stiff_forces import begin_step, correct_stage, may_be_stiff
 from .system import inlined_accelerations
 
 STAGES = 5
@@ -172,7 +172,8 @@ def attempt_step(model, state, stages, work, h):
     stiff = stages.stiff
     if stiff.active[0] > 0:
         restore_ends(v0, stages)
-    stiff.active[0] = begin_step(model, state, work, stiff, acceleration[0], h)
+    if may_be_stiff(model, joint_states, h):
+        stiff.active[0] = begin_step(model, state, work, stiff, acceleration[0], h)
     if stiff.active[0] > 0:
         copy_into(stiff.start, acceleration[0])
         copy_into(stiff.start_power, stage_power[0])

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import math
 
-from ._jit import njit_inlined, njit_inner
+from ._jit import njit_inlined, njit_inner_inlined, njit_merged
 from .contact import friction_ramp, normal_force_slopes
 from .joint import add_point_force, add_torque, joint_motion, penetration, relative, spin, stop_torque
 from .linear import copy_into, lu_factor, lu_solve
@@ -65,7 +65,7 @@ def past_sum(values, stage, i):
     return total
 
 
-@njit_inner
+@njit_inlined
 def contact_directions(joint, markers, q, v, gradient, force):
     """Write the gradient of a contact's depth and the generalized force of a unit opening force with its friction."""
     outboard, inboard = markers[joint.outboard], markers[joint.inboard]
@@ -88,7 +88,19 @@ def contact_directions(joint, markers, q, v, gradient, force):
     add_torque(inboard, q, -friction * lever, force)
 
 
-@njit_inner
+@njit_inner_inlined
+def may_be_stiff(model, joint_states, h):
+    """Whether some force could be stiff over a step ``h``: a look that costs next to nothing."""
+    flexible, found = model.stable_step < math.inf, False
+    for own in joint_states:
+        if flexible:
+            found = found or own.stop_engaged != 0
+        else:
+            found = found or (own.in_contact != 0 and h > _RESOLVED_SHARE * own.contact_duration)
+    return found
+
+
+@njit_merged
 def collect(model, state, work, stiff, h):
     """Enter the forces that are stiff over a step ``h``; returns their number, and whether contacts are among them.
 
@@ -139,7 +151,7 @@ def collect(model, state, work, stiff, h):
     return count, not flexible
 
 
-@njit_inner
+@njit_merged
 def separate_motions(stiff, count):
     """Combine the responses to motions that change one gradient's coordinate each; False if these depend on another."""
     if not lu_factor(stiff.matrix, count):
@@ -157,7 +169,7 @@ def separate_motions(stiff, count):
     return True
 
 
-@njit_inner
+@njit_merged
 def measure_rest(model, state, work, stiff, count, start, h):
     """Rate of change of the accelerations ``start`` (n,) that A leaves out, by a difference along the motion."""
     q, v, time = state.q, state.v, state.clock[0].time
@@ -179,7 +191,7 @@ def measure_rest(model, state, work, stiff, count, start, h):
     return True
 
 
-@njit_inner
+@njit_merged
 def begin_step(model, state, work, stiff, start, h):
     """Prepare the treatment of the forces that are stiff over a step ``h``; returns their number.
 
@@ -207,7 +219,7 @@ def begin_step(model, state, work, stiff, start, h):
     return count if lu_factor(stiff.matrix, count) else 0
 
 
-@njit_inner
+@njit_inner_inlined
 def correct_stage(stiff, stage, h, velocity, acceleration, power):
     """Turn the velocities, accelerations and powers of a stage into its derivatives."""
     count = stiff.active[0]

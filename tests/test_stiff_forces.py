@@ -1,0 +1,65 @@
+"""Linearly implicit stiff forces: order and stability of the coefficients, and a journal at rest in its bearing."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers import block
+
+from solar_env.mechanics import model as m
+from solar_env.mechanics.description import Bearing
+from solar_env.mechanics.integrators import RungeKutta
+from solar_env.mechanics.linear import lu_factor, lu_solve
+from solar_env.mechanics.runge_kutta import _COUPLING, _ERROR
+from solar_env.mechanics.simulation import Simulation
+from solar_env.mechanics.stiff_forces import COUPLING, DIAGONAL
+
+EXPLICIT = np.pad(np.array(_COUPLING), ((0, 0), (0, 1)))
+IMPLICIT = np.pad(np.array(COUPLING), ((0, 0), (0, 1))) + DIAGONAL * np.eye(5)
+WEIGHTS, ESTIMATE, ONES = EXPLICIT[4], np.array(_ERROR), np.ones(5)
+
+
+@pytest.mark.parametrize("weights", [WEIGHTS, ESTIMATE], ids=["method", "estimate"])
+def test_the_coefficients_are_of_order_three_whatever_the_stiff_part(weights: np.ndarray) -> None:
+    # Steihaug and Wolfbrandt's conditions beyond those of the explicit method.
+    for product in (IMPLICIT, EXPLICIT @ IMPLICIT, IMPLICIT @ EXPLICIT, IMPLICIT @ IMPLICIT):
+        assert weights @ product @ ONES == pytest.approx(0.0, abs=1e-15)
+
+
+def test_linear_equations_are_solved_to_order_four_and_vibrations_decay_at_every_step() -> None:
+    whole = EXPLICIT + IMPLICIT
+    assert WEIGHTS @ np.linalg.matrix_power(whole, 3) @ ONES == pytest.approx(1.0 / 24.0, abs=1e-15)
+    for z in 1j * np.logspace(-2, 6, 200):
+        factor = 1.0 + z * WEIGHTS @ np.linalg.solve(np.eye(5) - z * whole, ONES)
+        assert abs(factor) <= 1.0 + 1e-15
+    assert abs(factor) == pytest.approx(1.0 / 3.0, abs=1e-5)
+
+
+def test_factors_without_pivoting_solve() -> None:
+    rng = np.random.default_rng(0)
+    skew = rng.normal(size=(4, 4))
+    matrix = 2.0 * np.eye(4) + 0.5 * (skew - skew.T)
+    factor, right = matrix.copy(), rng.normal(size=4)
+    expected = np.linalg.solve(matrix, right)
+    assert lu_factor(factor, 4)
+    lu_solve(factor, 4, right)
+    np.testing.assert_allclose(right, expected, rtol=1e-13)
+    assert not lu_factor(np.array([[1.0, 2.0], [2.0, 1.0]]), 2)
+    assert not lu_factor(np.full((1, 1), np.nan), 1)
+
+
+def test_a_journal_at_rest_is_stepped_over_and_its_load_booked() -> None:
+    clearance, stiffness, gravity = 1e-3, 1e9, 9.81
+    bearing = Bearing(clearance, 0.01, stiffness, damping_factor=0.1)
+    mechanism = block((0.0, 0.0), bearing=bearing, gravity=(0.0, -gravity), position=(0.0, -clearance - 1e-9))
+    simulation = Simulation(mechanism, RungeKutta(rtol=1e-6))
+    simulation.advance(2.0)
+    steps = simulation.state.clock["steps"][0]
+    before = m.joint_integrals(simulation.state.integrals)[0, m.IMPULSE]
+    simulation.advance(12.0)
+    after = m.joint_integrals(simulation.state.integrals)[0, m.IMPULSE]
+    weight = simulation.joint_loads()[0, 4]
+    # Stability would ask for a step of some 0.4 ms.
+    assert simulation.state.clock["steps"][0] - steps < 500
+    assert after - before == pytest.approx(10.0 * weight, rel=1e-6)
+    assert simulation.state.joints["in_contact"][0]

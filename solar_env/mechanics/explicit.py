@@ -173,7 +173,11 @@ def accept(model, state, stages, work, scratch, recorder, h, share, event_joint,
     move_to(state, stages, h, share)
     clock.time = end
     clock.steps += 1
-    if not project(model, state.q, state.v, end, scratch):
+    # The last stage was evaluated where a whole step ends.
+    if share == 1.0:
+        if not project(model, state.q, state.v, end, work, True):
+            return False
+    elif not project(model, state.q, state.v, end, scratch, False):
         return False
     if kind != NONE:
         begin_event(model, state, event_joint, kind, scratch)

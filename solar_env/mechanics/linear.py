@@ -16,19 +16,23 @@ def copy_into(target, source):
 
 @njit
 def cholesky_factor(a, n):
-    """Factor the symmetric positive definite a[:n, :n] in place into its lower triangle; False if it is singular."""
+    """Factor the symmetric positive definite a[:n, :n] in place into its lower triangle; False if it is singular.
+
+    The diagonal is kept inverted: divisions would take most of the time of small systems.
+    """
     for i in range(n):
-        for j in range(i + 1):
+        for j in range(i):
             s = a[i, j]
             for k in range(j):
                 s -= a[i, k] * a[j, k]
-            if i == j:
-                # A pivot lost to cancellation means a redundant row.
-                if not s > 1e-12 * a[i, i]:
-                    return False
-                a[i, i] = math.sqrt(s)
-            else:
-                a[i, j] = s / a[j, j]
+            a[i, j] = s * a[j, j]
+        s = a[i, i]
+        for k in range(i):
+            s -= a[i, k] * a[i, k]
+        # A pivot lost to cancellation means a redundant row.
+        if not s > 1e-12 * a[i, i]:
+            return False
+        a[i, i] = 1.0 / math.sqrt(s)
     return True
 
 
@@ -39,12 +43,12 @@ def cholesky_solve(a, n, b):
         s = b[i]
         for k in range(i):
             s -= a[i, k] * b[k]
-        b[i] = s / a[i, i]
+        b[i] = s * a[i, i]
     for i in range(n - 1, -1, -1):
         s = b[i]
         for k in range(i + 1, n):
             s -= a[k, i] * b[k]
-        b[i] = s / a[i, i]
+        b[i] = s * a[i, i]
 
 
 @njit

@@ -63,6 +63,20 @@ def add_body_matrix(body, weight, multiplier, elimination, matrix):
 
 
 @njit_inlined
+def solve_free(body, force, a):
+    """Acceleration ``a`` of one body under a generalized ``force`` if its length were free."""
+    k = body.offset
+    if body.kind != RIGID:
+        a[k] = a[k + 1] = a[k + 2] = a[k + 3] = 0.0
+        return
+    fx, fy, gx, gy = force[k], force[k + 1], force[k + 2], force[k + 3]
+    a[k] = body.w11 * fx + body.w12 * gx - body.x12 * gy
+    a[k + 1] = body.w11 * fy + body.w12 * gy + body.x12 * gx
+    a[k + 2] = body.w22 * gx + body.w12 * fx + body.x12 * fy
+    a[k + 3] = body.w22 * gy + body.w12 * fy - body.x12 * fx
+
+
+@njit_inlined
 def solve_body(body, q, v, force, a, with_velocity):
     """Acceleration ``a`` of one body under a generalized ``force`` that keeps its length; returns its multiplier.
 

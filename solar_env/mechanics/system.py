@@ -53,7 +53,7 @@ from .model import (
     RIGID,
     SPRING,
 )
-from .rigid import project_lengths, solve_body
+from .rigid import project_lengths, solve_body, solve_free
 
 
 class Workspace(NamedTuple):
@@ -64,8 +64,11 @@ class Workspace(NamedTuple):
     power: NDArray[np.float64]  # (integrals,)
     impact_speeds: NDArray[np.float64]  # (joints,)
     row_value: NDArray[np.float64]  # (m, ROW_ENTRIES) linear constraint rows at the present time
-    columns: NDArray[np.float64]  # (m, n) compliance times rows
-    schur: NDArray[np.float64]  # (m, m)
+    columns: NDArray[np.float64]  # (m, n) inverse mass matrix times rows
+    free_schur: NDArray[np.float64]  # (m, m) rows times columns
+    stretch: NDArray[np.float64]  # (m, 2, 2) stretch of a row's two bodies by its column
+    pull: NDArray[np.float64]  # (m, 2) that stretch along the body, at the present configuration
+    schur: NDArray[np.float64]  # (m, m) compliance of the rows, factored
     residual: NDArray[np.float64]  # (m,)
     row_force: NDArray[np.float64]  # (n,)
     solution: NDArray[np.float64]  # (n,)
@@ -84,12 +87,15 @@ def make_workspace(model, state):
         model.constraints.value.copy(),
         np.zeros((m, n)),
         np.zeros((m, m)),
+        np.zeros((m, 2, 2)),
+        np.zeros((m, 2)),
+        np.zeros((m, m)),
         np.zeros(m),
         np.zeros(n),
         np.zeros(n),
         np.zeros(TABLE_ROWS * LANES),
     )
-    fill_constant_columns(model, work)
+    fill_columns(model, work, False)
     return work
 
 
@@ -122,30 +128,41 @@ def row_product(model, work, r, x):
 
 
 @njit_inner
-def fill_column(model, work, q, r, kind):
-    """Compliance of the bodies of one ``kind`` times constraint row ``r``, into its column."""
+def fill_column(model, work, r):
+    """Inverse mass matrix times constraint row ``r``, into its column, with the stretch of rigid bodies by it."""
     bodies, row_force, column = model.bodies, work.row_force, work.columns[r]
-    for k in range(model.constraints.size[r]):
-        row_force[model.constraints.coordinate[r, k]] = 0.0
     for side in range(2):
         b = model.constraints.bodies[r, side]
-        if b >= 0 and bodies[b].kind == kind:
-            body = bodies[b]
-            for i in range(body.offset, body.offset + body.coordinates):
+        if b >= 0:
+            for i in range(bodies[b].offset, bodies[b].offset + bodies[b].coordinates):
                 row_force[i] = 0.0
+    for k in range(model.constraints.size[r]):
+        row_force[model.constraints.coordinate[r, k]] = 0.0
     add_row(model, work, r, 1.0, row_force)
     for side in range(2):
         b = model.constraints.bodies[r, side]
-        if b >= 0 and bodies[b].kind == kind:
-            solve_any_body(model, b, q, q, row_force, column, 0.0)
+        if b >= 0:
+            body = bodies[b]
+            if body.kind == FLEXIBLE:
+                solve_mass(body, model.mass_factor, row_force, column)
+            else:
+                solve_free(body, row_force, column)
+                for axis in range(2):
+                    i = body.offset + axis
+                    work.stretch[r, side, axis] = column[i + 2] - column[i]
 
 
 @njit_inner
-def fill_constant_columns(model, work):
-    """The columns that do not change: flexible bodies have a constant mass matrix."""
-    for r in range(work.columns.shape[0]):
-        if not model.constraints.driven[r]:
-            fill_column(model, work, work.force, r, FLEXIBLE)
+def fill_columns(model, work, driven):
+    """Fill the columns of the driven rows, which change, or of all others, with their products."""
+    m = work.columns.shape[0]
+    for r in range(m):
+        if model.constraints.driven[r] == driven:
+            fill_column(model, work, r)
+    for r in range(m):
+        if model.constraints.driven[r] == driven:
+            for s in range(m):
+                work.free_schur[r, s] = work.free_schur[s, r] = row_product(model, work, s, work.columns[r])
 
 
 @njit
@@ -191,30 +208,61 @@ def drive_motion(model, drive, time, q, v):
 
 @njit_inner
 def build_schur(model, q, work):
-    """Compliance of the linear constraints, factored; False if they are redundant."""
-    schur, columns = work.schur, work.columns
+    """Compliance of the linear constraints, factored; False if they are redundant.
+
+    A row's compliance at free lengths is constant; the length of every rigid body takes a rank-one part from it.
+    """
+    schur, free_schur, pull, row_bodies = work.schur, work.free_schur, work.pull, model.constraints.bodies
     m = schur.shape[0]
-    for r in range(m):
-        if model.constraints.driven[r]:
-            fill_column(model, work, q, r, FLEXIBLE)
-        fill_column(model, work, q, r, RIGID)
+    if model.drives.size > 0:
+        fill_columns(model, work, True)
     for r in range(m):
         for s in range(r + 1):
-            schur[r, s] = row_product(model, work, r, columns[s])
+            schur[r, s] = free_schur[r, s]
+        for side in range(2):
+            b = row_bodies[r, side]
+            if b < 0 or model.bodies[b].kind != RIGID:
+                continue
+            body = model.bodies[b]
+            k = body.offset
+            dx, dy = q[k + 2] - q[k], q[k + 3] - q[k + 1]
+            pull[r, side] = dx * work.stretch[r, side, 0] + dy * work.stretch[r, side, 1]
+            weight = pull[r, side] / ((body.w11 + body.w22 - 2.0 * body.w12) * (dx * dx + dy * dy))
+            for s in range(r + 1):
+                for other in range(2):
+                    if row_bodies[s, other] == b and (s < r or other <= side):
+                        schur[r, s] -= weight * pull[s, other]
     return cholesky_factor(schur, m)
 
 
 @njit_inner
-def add_columns(model, work, multipliers, x, kind):
-    """Subtract the columns times ``multipliers`` from ``x`` (n,), for the bodies of one ``kind``."""
+def add_columns(model, work, multipliers, x):
+    """Subtract the columns times ``multipliers`` from ``x`` (n,), for the flexible bodies."""
     bodies, columns = model.bodies, work.columns
     for r in range(columns.shape[0]):
         for side in range(2):
             b = model.constraints.bodies[r, side]
-            if b >= 0 and bodies[b].kind == kind:
+            if b >= 0 and bodies[b].kind == FLEXIBLE:
                 body = bodies[b]
                 for i in range(body.offset, body.offset + body.coordinates):
                     x[i] -= multipliers[r] * columns[r, i]
+
+
+@njit_inner
+def subtract_response(model, q, work, multipliers, x):
+    """Subtract from ``x`` (n,) the accelerations by ``multipliers`` of the linear constraints, lengths kept."""
+    bodies, row_force, solution = model.bodies, work.row_force, work.solution
+    for i in range(row_force.size):
+        row_force[i] = 0.0
+    for r in range(work.residual.size):
+        add_row(model, work, r, multipliers[r], row_force)
+    for b in range(bodies.size):
+        body = bodies[b]
+        if body.kind == RIGID:
+            solve_body(body, q, q, row_force, solution, 0.0)
+            for i in range(body.offset, body.offset + 4):
+                x[i] -= solution[i]
+    add_columns(model, work, multipliers, x)
 
 
 @njit_inner
@@ -235,7 +283,7 @@ def apply_linear_constraints(model, q, v, time, work, a, multipliers):
     cholesky_solve(work.schur, m, multipliers)
     for r in range(m):
         add_row(model, work, r, -multipliers[r], force)
-    add_columns(model, work, multipliers, a, FLEXIBLE)
+    add_columns(model, work, multipliers, a)
     for b in range(bodies.size):
         if bodies[b].kind != FLEXIBLE:
             multipliers[m + b] = solve_body(bodies[b], q, v, force, a, 1.0)
@@ -262,8 +310,7 @@ def acceleration_response(model, q, work, force, a):
     for r in range(m):
         work.residual[r] = row_product(model, work, r, a)
     cholesky_solve(work.schur, m, work.residual)
-    add_columns(model, work, work.residual, a, RIGID)
-    add_columns(model, work, work.residual, a, FLEXIBLE)
+    subtract_response(model, q, work, work.residual, a)
 
 
 @njit_inlined
@@ -355,29 +402,32 @@ def velocity_drift(model, q, v, time, work):
 
 
 @njit_inlined
-def project(model, q, v, time, work):
-    """Return positions and velocities to the constraints by the smallest change in the mass metric."""
+def project(model, q, v, time, work, evaluated=False):
+    """Return positions and velocities to the constraints by the smallest change in the mass metric.
+
+    With ``evaluated``, ``work`` is that of an evaluation of the accelerations at this very state, and its factored
+    compliance of the linear constraints serves. False if these are redundant.
+    """
     project_lengths(model.bodies, q, v)
     if work.residual.size == 0:
         return True
-    return project_linear(model, q, v, time, work)
+    return project_linear(model, q, v, time, work, evaluated)
 
 
 @njit_inner
-def project_linear(model, q, v, time, work):
-    """Return positions and velocities to the linear constraints; False if these are redundant."""
+def project_linear(model, q, v, time, work, evaluated):
+    """:func:`project` for the linear constraints."""
     residual = work.residual
     constraint_drift(model, q, time, work)
     # The velocities are corrected with the rows of the same configuration: the position change is tiny.
-    if not build_schur(model, q, work):
+    if not evaluated and not build_schur(model, q, work):
         return False
     for kind in range(2):
         if kind == 1:
             velocity_drift(model, q, v, time, work)
         cholesky_solve(work.schur, residual.size, residual)
         target = q if kind == 0 else v
-        add_columns(model, work, residual, target, RIGID)
-        add_columns(model, work, residual, target, FLEXIBLE)
+        subtract_response(model, q, work, residual, target)
     # The position change leaves the lengths only to second order.
     project_lengths(model.bodies, q, v)
     return True

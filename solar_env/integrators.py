@@ -17,7 +17,7 @@ def default_integrator(model: str) -> RungeKutta:
     """
     if model.startswith("flexible"):
         return Rosenbrock(rtol=1e-4)
-    return RungeKutta(rtol=1e-8) if model.endswith("ideal") else RungeKutta(rtol=5e-7)
+    return RungeKutta(rtol=5e-7) if model.endswith("ideal") else RungeKutta(rtol=2e-6, impact_resolution=12.0)
 
 
 def _adaptive(name: str, model: str) -> RungeKutta:

@@ -172,7 +172,7 @@ def attempt_step(model, state, stages, work, h):
     stiff = stages.stiff
     if stiff.active[0] > 0:
         restore_ends(v0, stages)
-    if may_be_stiff(model, joint_states, h):
+    if may_be_stiff(model, state):
         stiff.active[0] = begin_step(model, state, work, stiff, acceleration[0], h)
     if stiff.active[0] > 0:
         copy_into(stiff.start, acceleration[0])

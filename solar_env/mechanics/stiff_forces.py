@@ -22,6 +22,7 @@ import math
 
 from ._jit import njit_inlined, njit_inner_inlined, njit_merged
 from .contact import friction_ramp, normal_force_slopes
+from .history import IMPACT_DURATIONS
 from .joint import add_point_force, add_torque, joint_motion, penetration, relative, spin, stop_torque
 from .linear import copy_into, lu_factor, lu_solve
 from .model import FRICTION_DISSIPATION, IMPULSE, INTEGRALS_PER_JOINT, MATERIAL_POINTS, SLIDING_WORK
@@ -40,9 +41,7 @@ COUPLING = (
 )
 # Below this product of step and decay rate, or of step and angular frequency, the explicit method needs no help.
 _STIFF_DAMPING = 0.3
-_STIFF_CONTACT = 1.5
-# A contact that the step resolves so finely needs no look.
-_RESOLVED_SHARE = 0.125
+_STIFF_CONTACT = 2.4
 # Of the step: over it the rate of change is measured.
 _PROBE = 0.1
 
@@ -89,14 +88,19 @@ def contact_directions(joint, markers, q, v, gradient, force):
 
 
 @njit_inner_inlined
-def may_be_stiff(model, joint_states, h):
-    """Whether some force could be stiff over a step ``h``: a look that costs next to nothing."""
-    flexible, found = model.stable_step < math.inf, False
-    for own in joint_states:
-        if flexible:
-            found = found or own.stop_engaged != 0
-        else:
-            found = found or (own.in_contact != 0 and h > _RESOLVED_SHARE * own.contact_duration)
+def lasts(own, time):
+    """Whether a joint is in contact and its impact, which has steps of its own, over."""
+    return own.in_contact != 0 and time - own.contact_start >= IMPACT_DURATIONS * own.contact_duration
+
+
+@njit_inner_inlined
+def may_be_stiff(model, state):
+    """Whether some force could be stiff: a look that costs next to nothing."""
+    flexible, time, found = model.stable_step < math.inf, state.clock[0].time, False
+    joint_states = state.joints
+    for j in range(joint_states.size):
+        own = joint_states[j]
+        found = found or (own.stop_engaged != 0 if flexible else lasts(own, time))
     return found
 
 
@@ -117,7 +121,7 @@ def collect(model, state, work, stiff, h):
             angle, rate, _, _ = joint_motion(joint, markers, q, v)
             _, _, _, by_rate = stop_torque(joint, own, angle, rate)
             damping = -by_rate
-        elif not flexible and own.in_contact and h > _RESOLVED_SHARE * own.contact_duration:
+        elif not flexible and lasts(own, state.clock[0].time):
             depth, rate = penetration(joint, markers, q, v)
             stiffness, damping = normal_force_slopes(
                 depth, rate, joint.contact_stiffness, joint.damping_factor, own.impact_speed
@@ -140,7 +144,7 @@ def collect(model, state, work, stiff, h):
         acceleration_response(model, q, work, work.row_force, response)
         inverse_mass = product(gradient, response)
         if stiffness > 0.0:
-            if h * h * stiffness * inverse_mass < _STIFF_CONTACT * _STIFF_CONTACT:
+            if max(h * h * stiffness * inverse_mass / _STIFF_CONTACT, h * damping * inverse_mass) < _STIFF_CONTACT:
                 continue
         elif h * damping * inverse_mass < _STIFF_DAMPING:
             continue

@@ -9,13 +9,14 @@ import sys
 COMMANDS = {
     "simulate": ("solar_env.commands.simulate", "simulate one deployment"),
     "verify": ("solar_env.verification.command", "run the cases with known answers"),
+    "stability": ("solar_env.commands.stability", "map where methods fail, and check that the library says so"),
     "figures": ("solar_env.commands.figures", "draw the pictures of the README"),
     "warmup": ("solar_env.commands.warmup", "compile all kernels, which later runs load from the cache"),
 }
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run a command; returns the exit status: 0 done, 1 a verification failed, 2 wrong input or a failed run."""
+    """Run a command; returns the exit status: 0 done, 1 a verification or map failed, 2 wrong input or a failed run."""
     arguments = sys.argv[1:] if arguments is None else arguments
     parser = argparse.ArgumentParser(prog="python -m solar_env", description=__doc__)
     subparsers = parser.add_subparsers(dest="command", required=True)

@@ -20,7 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .mechanics.description import Bearing, Body, CableLoop, FlexibleBody, Joint, Mechanism, Point, Spring, Stop
-from .mechanics.laws import damping_factor, hertz_stiffness
+from .mechanics.diagnosis import check_restitution
+from .mechanics.laws import damping_factor, exit_speed_ratio, hertz_stiffness
 
 MODELS = ("rigid-ideal", "rigid-clearance", "flexible-ideal", "flexible-clearance")
 DEFAULT_ELEMENTS = 6
@@ -34,6 +35,8 @@ _OPTIONAL = ("cable_torque_ratio", "contact_stiffness")
 @dataclass(frozen=True)
 class ArrayParameters:
     """Parameters of the array in SI units. Bad values are refused on construction with a ValueError.
+
+    A contact law that turns the restitution into quite another exit speed is accepted with a SimulationWarning.
 
     Quantities by joint or by panel take one number, or a tuple whose last entry also holds for all further joints.
 
@@ -155,7 +158,9 @@ class ArrayParameters:
         self._require(
             "friction_sliding", self.friction_sliding in ("material", "centres"), "must be material or centres"
         )
-        damping_factor(self.contact_law, self.restitution)
+        factor = damping_factor(self.contact_law, self.restitution)
+        if self.contact_law != "hertz":
+            check_restitution(self.contact_law, self.restitution, exit_speed_ratio(factor))
         for joint in range(self.panel_count):
             self._require("contact_stiffness", self.stiffness_of_contact(joint) > 0.0, "must be positive")
         if self.cable_torque_ratio is not None:

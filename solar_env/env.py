@@ -286,6 +286,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     def _figures(self) -> dict[str, Any]:
         simulation = self.simulation
+        simulation.check()
         state = simulation.state
         joints = state.joints
         by_joint = m.joint_integrals(state.integrals)

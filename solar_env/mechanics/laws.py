@@ -27,6 +27,25 @@ def damping_factor(law: str, restitution: float) -> float:
     raise ValueError(f"contact law {law!r} is unknown; choose hertz, lankarani-nikravesh or flores")
 
 
+def exit_speed_ratio(factor: float) -> float:
+    """Exit over entry speed e of an impact under F = K depth^1.5 (1 + d rate / impact speed), for d = ``factor`` >= 0.
+
+    The equation of motion separates: d (1 + e) = ln[(1 + d) / (1 - d e)], whatever mass, speed and stiffness. Solved
+    by bisection.
+    """
+    if factor < 1e-6:
+        return 1.0 - 2.0 / 3.0 * factor  # where rounding would hide it
+    low, high = 0.0, min(1.0, 1.0 / factor)
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        room = 1.0 - factor * middle
+        if room <= 0.0 or math.log1p(factor) - math.log(room) > factor * (1.0 + middle):
+            high = middle
+        else:
+            low = middle
+    return low
+
+
 def hertz_stiffness(
     bearing_radius: float,
     journal_radius: float,

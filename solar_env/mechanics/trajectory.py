@@ -55,7 +55,11 @@ class Trajectory:
         postlock_impulse, postlock_sliding_work: (nj,).
         contact_starts: (nj,).
         clearance, journal_radius: (nj,) zero for ideal joints.
-        metadata: model, integrator, counts of steps and evaluations, wall time, parameters.
+        metadata: model, integrator, counts of steps and evaluations, wall time, parameters; and where the laws of
+            contact and friction were at their limits: ``slow_contacts``, the number of contacts that began below the
+            minimum impact speed and bounce too much; ``creeping_share``, the share of the samples in contact at which
+            the surfaces crept on the friction ramp, where Coulomb's law might stick; ``cut_off_share``, the share at
+            which the contact's damping would have pulled and the force is cut off at zero.
     """
 
     time: Array
@@ -137,6 +141,9 @@ class Trajectory:
             "rejected_steps": self.metadata.get("rejected_steps"),
             "evaluations": self.metadata.get("evaluations"),
             "stability_bound_steps": self.metadata.get("stability_bound_steps"),
+            "slow_contacts": self.metadata.get("slow_contacts"),
+            "creeping_share": self.metadata.get("creeping_share"),
+            "cut_off_share": self.metadata.get("cut_off_share"),
             "wall_time_s": self.metadata.get("wall_time_s"),
         }
 

@@ -1,0 +1,69 @@
+"""``python -m solar_env stability``: maps of where methods fail, as tables and figures."""
+
+from __future__ import annotations
+
+import argparse
+import textwrap
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+_COLUMNS = 100
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("--quick", action="store_true", help="few cells: less than two minutes for all maps")
+    parser.add_argument("--only", metavar="NAME", help="one map; a name that is none lists them")
+    parser.add_argument("--out", type=Path, default=Path("stability"), metavar="DIR", help="folder (%(default)s)")
+    parser.add_argument("--draw", action="store_true", help="draw the figures again from the tables in the folder")
+
+
+def run_command(args: argparse.Namespace) -> int:
+    """Measure the maps, draw them, and print what to do; 1 if the library kept silent about a failure, else 0.
+
+    Raises:
+        ValueError: if the map is unknown.
+        OSError: if a table cannot be read or written.
+    """
+    # The maps need the compiler, --help does not.
+    from ..studies.stability_maps import MAPS
+
+    if args.only is not None and args.only not in MAPS:
+        raise ValueError(f"map {args.only!r} is unknown; choose from {', '.join(MAPS)}")
+    names = list(MAPS) if args.only is None else [args.only]
+    if not args.draw:
+        _measure(names, args.quick, args.out)
+    return max(_report(name, args.out) for name in names)
+
+
+def _measure(names: list[str], quick: bool, folder: Path) -> None:
+    from ..studies.stability_maps import MAPS, measure_map
+
+    cells = sum(1 for name in names for _ in MAPS[name].cells(quick))
+    columns = (BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("{task.description}"))
+    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task("", total=cells)
+        for name in names:
+            progress.update(task, description=f"{name} (compiles kernels the first time: a few minutes at most)")
+            measure_map(name, quick, folder / f"{name}.csv", lambda: progress.advance(task))
+
+
+def _report(name: str, folder: Path) -> int:
+    """Draw a map and print its figures; 1 if a failure passed in silence."""
+    from ..studies.maps import silent_failures
+    from ..studies.stability_plot import draw_map
+    from ..studies.tables import read_table
+
+    path = folder / f"{name}.csv"
+    table = read_table(path)
+    draw_map(path, path.with_suffix(".png"))
+    silent = len(silent_failures(table).rows)
+    counts = {kind: len(table.where(**{"class": kind}).rows) for kind in table.values("class")}
+    print(f"{name}: {', '.join(f'{count} {kind}' for kind, count in counts.items())}")
+    print(f"  {path}, {path.with_suffix('.png')}")
+    print(textwrap.fill(table.provenance["advice"], _COLUMNS, initial_indent="  ", subsequent_indent="  "))
+    if silent:
+        print(f"  {silent} of the failures passed without a word of the library")
+    return 1 if silent else 0

@@ -1,0 +1,97 @@
+"""What a finished run must not keep to itself: warnings that name a quantity, its value, and what to do.
+
+A run that cannot go on raises (``errors.py``). One that went on, but whose result is worse than its numbers look, warns
+with a :class:`SimulationWarning`. Plain Python: describing a mechanism needs no compiler.
+"""
+
+from __future__ import annotations
+
+import warnings
+
+# Of the energy that a run turned over: what the books may fail to account for.
+LARGEST_ENERGY_SHARE = 0.01
+# Of the largest force: what the multipliers may differ from the forces that hold the constraints.
+LARGEST_FORCE_SHARE = 0.1
+# What a contact law's exit over entry speed may differ from the coefficient of restitution that was asked for.
+LARGEST_RESTITUTION_ERROR = 0.05
+
+
+class SimulationWarning(UserWarning):
+    """A run went on, but its result is less accurate than it looks; the message says which, by how much, what to do."""
+
+
+def _warn(text: str) -> None:
+    # The line of the caller says nothing here: what is wrong is in the text.
+    warnings.warn(text, SimulationWarning, stacklevel=2)
+
+
+def check_energy(time: float, residual: float, turnover: float, remedy: str) -> bool:
+    """Warn if the energy book does not close; whether it did warn.
+
+    Args:
+        time: [s].
+        residual: energy that the books do not account for [J].
+        turnover: energy that the run turned over [J].
+        remedy: what to do.
+    """
+    if abs(residual) <= LARGEST_ENERGY_SHARE * turnover:
+        return False
+    verb = "gained" if residual > 0.0 else "lost"
+    _warn(
+        f"by t = {time:.6g} s the integration has {verb} {abs(residual):.3g} J that no force accounts for, "
+        f"{100.0 * abs(residual) / turnover:.2g} % of the {turnover:.3g} J turned over; {remedy}"
+    )
+    return True
+
+
+def check_constraint_forces(time: float, defect: float, largest: float) -> bool:
+    """Warn if multipliers are not the forces that hold the constraints; whether it did warn.
+
+    Args:
+        time: [s].
+        defect: greatest difference of a multiplier from the force that holds its constraint [N].
+        largest: greatest force that acts [N].
+    """
+    if defect <= LARGEST_FORCE_SHARE * largest:
+        return False
+    _warn(
+        f"at t = {time:.6g} s the constraint forces of the integrator are off by {defect:.3g} N where the largest force "
+        f"is {largest:.3g} N: they alternate from step to step; choose rho_inf below 1, or do not use the peak forces "
+        "of ideal joints"
+    )
+    return True
+
+
+def check_impact_steps(steps: float, needed: int, duration: float) -> bool:
+    """Warn if a fixed step does not resolve an impact; whether it did warn.
+
+    Args:
+        steps: per impact.
+        needed: steps that keep the error of its exit speed within 1 %.
+        duration: of the impact [s].
+    """
+    if steps >= needed:
+        return False
+    _warn(
+        f"an impact of {duration:.3g} s got {steps:.2g} steps, and an exit speed good to 1 % needs {needed}; "
+        f"take a fixed step of at most {duration / needed:.2g} s, or give rtol"
+    )
+    return True
+
+
+def check_restitution(law: str, asked: float, given: float) -> bool:
+    """Warn if a contact law does not give the coefficient of restitution that was asked for; whether it did warn.
+
+    The text is rounded, so that Python shows it once for values that are nearly the same.
+
+    Args:
+        law: name of the contact law.
+        asked, given: exit over entry speed (dimensionless).
+    """
+    if abs(given - asked) <= LARGEST_RESTITUTION_ERROR:
+        return False
+    _warn(
+        f"the contact law {law} turns a restitution of {asked:.1f} into an exit over entry speed of {given:.1f}; choose "
+        "contact_law = 'flores', or the restitution that gives the exit speed you want"
+    )
+    return True

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import importlib
 import sys
+import warnings
 
 COMMANDS = {
     "simulate": ("solar_env.commands.simulate", "simulate one deployment"),
@@ -28,11 +29,21 @@ def main(arguments: list[str] | None = None) -> int:
     args = parser.parse_args(arguments)
     from .mechanics.errors import SimulationError
 
+    usual, warnings.formatwarning = warnings.formatwarning, _one_line
     try:
         return int(importlib.import_module(COMMANDS[args.command][0]).run_command(args))
     except (ValueError, SimulationError, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
+    finally:
+        warnings.formatwarning = usual
+
+
+def _one_line(
+    message: Warning | str, category: type[Warning], filename: str, lineno: int, line: str | None = None
+) -> str:
+    """A warning as a command shows it, without the line of code."""
+    return f"warning: {message}\n"
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import subprocess
 import sys
@@ -14,6 +15,7 @@ from solar_env.array import MODELS
 from solar_env.commands import figures
 from solar_env.commands.simulate import parse_changes
 from solar_env.deployment import simulate
+from solar_env.mechanics.diagnosis import SimulationWarning
 from solar_env.mechanics.integrators import RungeKutta
 
 REQUIRED_KEYS = {
@@ -90,7 +92,10 @@ def test_wrong_input_exits_with_2_and_names_the_thing(arguments, words, capsys):
 @pytest.mark.parametrize("model", MODELS)
 def test_every_model_runs_with_the_other_integrators_too(model, integrator, capsys):
     arguments = ["--model", model, "--elements", "1", "--duration", "0.05", "--integrator", integrator]
-    assert main(["simulate", *arguments, "--json", "-"]) == 0
+    # The step does not resolve impacts; the paper's scheme lets the constraint forces of beams alternate.
+    warns = model.endswith("clearance") or (model == "flexible-ideal" and integrator == "paper")
+    with pytest.warns(SimulationWarning) if warns else contextlib.nullcontext():
+        assert main(["simulate", *arguments, "--json", "-"]) == 0
     summary = json.loads(capsys.readouterr().out)
     expected = simulate(model=model, elements=1, duration=0.05).angles[-1]
     # The fixed step of 0.1 ms is coarse for the first impacts of the journals.

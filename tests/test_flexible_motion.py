@@ -23,6 +23,7 @@ from solar_env.mechanics.description import (
     Spring,
     Stop,
 )
+from solar_env.mechanics.diagnosis import SimulationWarning
 from solar_env.mechanics.integrators import GeneralizedAlpha, Integrator, RungeKutta
 from solar_env.mechanics.joint import ANGLE
 from solar_env.mechanics.simulation import Simulation, simulate
@@ -32,6 +33,8 @@ INTEGRATORS: dict[str, Integrator] = {
     "runge-kutta": RungeKutta(rtol=1e-8),
     "generalized-alpha": GeneralizedAlpha(step=1e-3, rho_inf=1.0),
 }
+# With rho_inf = 1, which conserves energy, the constraint forces alternate, as the library tells; motion is what counts here.
+pytestmark = pytest.mark.filterwarnings("ignore:.* the constraint forces of the integrator")
 both_integrators = pytest.mark.parametrize("integrator", INTEGRATORS.values(), ids=INTEGRATORS.keys())
 
 BEAM = FlexibleBody("beam", 1.2, 2, linear_density=0.8, axial_stiffness=400.0, bending_stiffness=0.6)
@@ -277,7 +280,9 @@ def test_an_end_torque_rolls_a_cantilever_into_an_arc() -> None:
         loads=(Load("beam", (beam.length, 0.0), torque=torque),),
     )
     simulation = Simulation(mechanism, GeneralizedAlpha(step=5e-4, rho_inf=0.5))
-    simulation.advance(30.0)
+    # Algorithmic damping takes its share of the vibrations that the load starts.
+    with pytest.warns(SimulationWarning, match="of the .* J turned over; reduce the step"):
+        simulation.advance(30.0)
     tip = simulation.state.q[4 * beam.elements : 4 * beam.elements + 4]
     radius = beam.length / (0.5 * math.pi)
     assert tip[:2] == pytest.approx([radius, radius], rel=2e-3)

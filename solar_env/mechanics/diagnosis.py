@@ -55,9 +55,9 @@ def check_constraint_forces(time: float, defect: float, largest: float) -> bool:
     if defect <= LARGEST_FORCE_SHARE * largest:
         return False
     _warn(
-        f"at t = {time:.6g} s the constraint forces of the integrator are off by {defect:.3g} N where the largest force "
-        f"is {largest:.3g} N: they alternate from step to step; choose rho_inf below 1, or do not use the peak forces "
-        "of ideal joints"
+        f"at t = {time:.6g} s the constraint forces of the integrator are off by {defect:.3g} N where the largest "
+        f"force is {largest:.3g} N: with rho_inf = 1 they alternate from step to step; choose rho_inf below 1 or a "
+        "smaller step, or do not use the peak forces of ideal joints"
     )
     return True
 
@@ -91,7 +91,7 @@ def check_restitution(law: str, asked: float, given: float) -> bool:
     if abs(given - asked) <= LARGEST_RESTITUTION_ERROR:
         return False
     _warn(
-        f"the contact law {law} turns a restitution of {asked:.1f} into an exit over entry speed of {given:.1f}; choose "
-        "contact_law = 'flores', or the restitution that gives the exit speed you want"
+        f"the contact law {law} turns a restitution of {asked:.1f} into an exit over entry speed of {given:.1f}; "
+        "choose contact_law = 'flores', or the restitution that gives the exit speed you want"
     )
     return True

@@ -140,6 +140,6 @@ def amplification_radius(rho_inf: float, phase: float) -> float:
 def _check_resolution(impact_resolution: float, fewest: int) -> None:
     if impact_resolution < fewest:
         raise ValueError(
-            f"impact_resolution = {impact_resolution!r} must be at least {fewest}: with fewer steps the exit speed of an "
-            "impact is off by more than 1 %"
+            f"impact_resolution = {impact_resolution!r} must be at least {fewest}: with fewer steps the exit speed of "
+            "an impact is off by more than 1 %"
         )

@@ -13,21 +13,14 @@ from numpy.typing import NDArray
 
 from . import joint as columns
 from . import model as m
+from .accuracy import AccuracyWatch, limits_of_the_laws
 from .alpha_step import AlphaSettings
 from .build import compile_mechanism
 from .description import Mechanism
-from .diagnosis import check_constraint_forces, check_energy, check_impact_steps
 from .errors import raise_for_status
 from .explicit import advance_explicit, advance_linearly_implicit
 from .generalized_alpha import advance_alpha
-from .integrators import (
-    GeneralizedAlpha,
-    Integrator,
-    Rosenbrock,
-    RungeKutta,
-    alpha_coefficients,
-    steps_per_impact,
-)
+from .integrators import Integrator, Rosenbrock, RungeKutta, alpha_coefficients
 from .recording import RECORDED_LOADS, Recorder, make_recorder, sample_columns
 from .runge_kutta import ExplicitSettings
 from .system import (
@@ -42,8 +35,6 @@ from .trajectory import Trajectory, contact_record
 
 _CONTACTS_PER_DRAIN = 4096
 _SMALLEST_ENERGY_SCALE = 1e-9  # J, for a mechanism that starts without energy
-# Between checks of a run that goes on call by call: they take as long as some fifty steps.
-_STEPS_BETWEEN_CHECKS = 10_000
 
 
 class Simulation:
@@ -69,9 +60,7 @@ class Simulation:
         self.state.clock["initial_energy"] = energies.sum()
         self.state.clock["energy_scale"] = max(np.abs(energies).sum(), _SMALLEST_ENERGY_SCALE)
         self._unrecorded = make_recorder(self.model, self.state, np.zeros(0), 0)
-        self._checked_steps = 0
-        self._checked_integrator: Integrator | None = None
-        self._said: set[str] = set()
+        self._watch = AccuracyWatch(self)
 
     def _check_initial_state(self) -> None:
         work = make_workspace(self.model, self.state)
@@ -120,8 +109,8 @@ class Simulation:
     def advance(self, end_time: float, recorder: Recorder | None = None) -> None:
         """Advance to ``end_time`` [s], landing on it.
 
-        Every 10,000 steps the accuracy is looked at, as :meth:`check` does at any time; constraint forces after the first
-        call with an integrator too.
+        Every 10,000 steps the accuracy is looked at, as :meth:`check` does at any time; with generalized-alpha also the
+        latest impacts in every call, and constraint forces in the first calls.
 
         Raises:
             ValueError: if ``end_time`` is not finite or lies before the present time.
@@ -138,13 +127,7 @@ class Simulation:
         if status != m.DONE:
             clock = self.state.clock[0]
             raise_for_status(status, self.time, int(clock["failure_joint"]), float(clock["failure_value"]))
-        if isinstance(self.integrator, GeneralizedAlpha):
-            self._check_impacts()
-            if self.integrator is not self._checked_integrator:
-                self._checked_integrator = self.integrator
-                self._check_forces()
-        if abs(self.state.clock["steps"][0] - self._checked_steps) >= _STEPS_BETWEEN_CHECKS:
-            self.check()
+        self._watch.after_call()
 
     def check(self) -> None:
         """Look at the accuracy of the run so far; every shortcoming is told once.
@@ -154,42 +137,7 @@ class Simulation:
                 generalized-alpha are off the constraint forces by more than 10 % of the largest force; if its fixed
                 step does not resolve the latest impact of a joint.
         """
-        self._checked_steps = int(self.state.clock["steps"][0])
-        chosen = self.integrator
-        if isinstance(chosen, GeneralizedAlpha):
-            self._check_impacts()
-            self._check_forces()
-        if "energy" not in self._said:
-            remedy = "reduce the step, or give rtol"
-            if isinstance(chosen, RungeKutta) or chosen.rtol is not None:
-                remedy = f"tighten rtol = {chosen.rtol:g}"
-            self._say("energy", check_energy(self.time, *self._energy_book(), remedy))
-
-    def _say(self, what: str, said: bool) -> None:
-        if said:
-            self._said.add(what)
-
-    def _check_forces(self) -> None:
-        if "forces" not in self._said and self.state.clock["steps"][0] > 0:
-            self._say("forces", check_constraint_forces(self.time, *self.constraint_force_defect()))
-
-    def _check_impacts(self, hardest: NDArray[np.float64] | None = None) -> None:
-        """Whether a fixed step resolves the impacts.
-
-        Args:
-            hardest: (joints,) greatest impact speeds over those of the latest contacts; 1 if not given.
-        """
-        chosen = self.integrator
-        if "impacts" in self._said or not isinstance(chosen, GeneralizedAlpha) or chosen.rtol is not None:
-            return
-        durations = self.state.joints["contact_duration"]
-        struck = durations > 0.0
-        if not struck.any():
-            return
-        # An impact is the shorter the harder it is: duration ~ speed^(-1/5).
-        shortest = float((durations if hardest is None else durations * hardest**-0.2)[struck].min())
-        steps = shortest / float(self.state.clock["last_step"][0])
-        self._say("impacts", check_impact_steps(steps, steps_per_impact(chosen.rho_inf), shortest))
+        self._watch.check()
 
     def _advance(self, end_time: float, recorder: Recorder) -> int:
         chosen = self.integrator
@@ -233,17 +181,14 @@ class Simulation:
 
     def energy_residual(self) -> float:
         """Energy now that the books do not account for [J]."""
-        return self._energy_book()[0]
+        return self.energy_book()[0]
 
-    def energy_turnover(self) -> float:
-        """Energy that the run turned over so far [J]: stored at the start, or stored now and lost.
+    def energy_book(self) -> tuple[float, float]:
+        """Energy now that the books do not account for, and the energy that the run turned over so far [J].
 
-        Weight counts with its work over the longest body, so that a pendulum which rests for a moment has turned some
-        over too.
+        The latter is what was stored at the start, or what is stored now and was lost; weight counts with its work over
+        the longest body, so that a pendulum which rests for a moment has turned some over too.
         """
-        return self._energy_book()[1]
-
-    def _energy_book(self) -> tuple[float, float]:
         integrals = self.state.integrals
         by_joint = m.joint_integrals(integrals).sum(axis=0)
         put_in = by_joint[m.MOTOR_WORK] + by_joint[m.CABLE_WORK] + integrals[m.EXTERNAL_WORK]
@@ -274,7 +219,7 @@ class Simulation:
         largest = max(
             np.abs(scale * multipliers).max(initial=0.0),
             np.abs(work.force).max(initial=0.0),
-            self.energy_turnover() / self.model.length_scale,
+            self.energy_book()[1] / self.model.length_scale,
         )
         return float(np.abs(scale * (state.multipliers - multipliers)).max(initial=0.0)), float(largest)
 
@@ -329,18 +274,9 @@ def simulate(
     wall = time.perf_counter() - start
     details = {**(metadata or {}), "integrator": simulation.integrator.name, "wall_time_s": wall}
     table = _contact_table(simulation.state, np.concatenate(contacts))
-    simulation._check_impacts(_hardest_over_latest(table, simulation.model.joints.size))
+    simulation._watch.check_impacts(table)
     simulation.check()
     return _assemble(simulation, recorder, table, details)
-
-
-def _hardest_over_latest(contacts: NDArray[np.void], joints: int) -> NDArray[np.float64]:
-    """(joints,) greatest impact speed over that of the latest contact."""
-    ratios = np.ones(joints)
-    for j in np.unique(contacts["joint"]):
-        speeds = contacts["impact_speed"][contacts["joint"] == j]
-        ratios[j] = speeds.max() / speeds[-1]
-    return ratios
 
 
 def _assemble(
@@ -411,31 +347,9 @@ def _assemble(
             "evaluations": int(clock["evaluations"]),
             "factorizations": int(clock["factorizations"]),
             "stability_bound_steps": int(clock["stability_bound_steps"]),
-            **_limits_of_the_laws(model, contacts, penetration, normal, tangential),
+            **limits_of_the_laws(model.joints, contacts, penetration, normal, tangential),
         },
     )
-
-
-def _limits_of_the_laws(
-    model: m.Model,
-    contacts: NDArray[np.void],
-    penetration: NDArray[np.float64],
-    normal: NDArray[np.float64],
-    tangential: NDArray[np.float64],
-) -> dict[str, Any]:
-    """How often contact and friction left the range in which their laws mean something; see ``Trajectory``."""
-    joints = model.joints
-    slow = contacts["impact_speed"] <= joints["minimum_impact_speed"][contacts["joint"]]
-    loose = joints["kind"] == m.CLEARANCE
-    pressed = normal[:, loose] > 0.0
-    coulomb = joints["friction_coefficient"][loose] * normal[:, loose]
-    sticking = pressed & (np.abs(tangential[:, loose]) < 0.999 * coulomb)
-    cut = (penetration[:, loose] > 0.0) & ~pressed
-    return {
-        "slow_contacts": int(slow.sum()),
-        "creeping_share": float(sticking.sum() / max(pressed.sum(), 1)),
-        "cut_off_share": float(cut.sum() / max(cut.sum() + pressed.sum(), 1)),
-    }
 
 
 def _json_ready(values: dict[str, Any]) -> dict[str, Any]:

@@ -1,7 +1,7 @@
 """Maps of the contact laws: the restitution that they give, and where their damping pulls.
 
-F = K depth^1.5 (1 + d rate / impact speed) with d > 0 is singular as the impact speed vanishes, which the minimum impact
-speed prevents; and it attracts where the surfaces part faster than impact speed / d, which the library cuts off.
+F = K depth^1.5 (1 + d rate / impact speed) with d > 0 is singular as the impact speed vanishes, which the minimum
+impact speed prevents; and it attracts where the surfaces part faster than impact speed / d, which the library cuts off.
 """
 
 from __future__ import annotations
@@ -116,8 +116,8 @@ RESTITUTION = StabilityMap(
     y=Axis("speed_m_s", "impact speed [m/s]", (1e-6, 1e-5, 1e-4, 1e-2, 1.0), log_range(1e-7, 10.0, 17)),
     panels=LAWS,
     quantity="exit over entry speed",
-    advice="Below a restitution of 0.8 take contact_law = 'flores'; and set minimum_impact_speed below the slowest impact that "
-    "matters, for slower ones bounce as if undamped.",
+    advice="Below a restitution of 0.8 take contact_law = 'flores'; and set minimum_impact_speed below the slowest "
+    "impact that matters, for slower ones bounce as if undamped.",
     measure=measure_restitution,
     limit=restitution_limit,
     limit_label="to the left the law in closed form is off by more than 0.05",
@@ -131,10 +131,10 @@ PULL_OFF = StabilityMap(
     ),
     panels=LAWS,
     quantity="speed of leaving over that without damping",
-    advice="Nothing need be done: forces are cut off at zero, so that no law attracts, and cut_off_share of a run tells how often; "
-    "a higher minimum_impact_speed makes it rarer.",
+    advice="Nothing need be done: forces are cut off at zero, so that no law attracts, and cut_off_share of a run "
+    "tells how often; a higher minimum_impact_speed makes it rarer.",
     measure=measure_pull_off,
     limit=pull_off_limit,
-    limit_label="to the left the damping outweighs the elastic force before the surfaces have parted: d > impact speed / rate",
+    limit_label="to the left the damping outweighs the elastic force before the surfaces have parted",
 )
 MAPS = (RESTITUTION, PULL_OFF)

@@ -1,8 +1,8 @@
 """Maps of the friction law's two speeds: how fast a contact creeps that should stick, and the step that it needs.
 
 A loaded journal is turned by a torque of half the friction limit (``mechanisms.loaded_journal``). Coulomb's friction
-would hold it; the ramp between the speeds v0 and v1 lets it creep at v0 + (v1 - v0) / 2 (Li, Wang and Huang, Mech. Syst.
-Signal Process. 117 (2019) 188, Eq 42, solved for the speed).
+would hold it; the ramp between the speeds v0 and v1 lets it creep at v0 + (v1 - v0) / 2 (Y. Li, C. Wang and W. Huang,
+Mech. Syst. Signal Process. 117 (2019) 188, Eq 42, solved for the speed).
 """
 
 from __future__ import annotations
@@ -41,8 +41,8 @@ def creep_speed(speed_zero: float, speed_full: float) -> float:
 def contact_step() -> float:
     """Step [s] to which the bearing bounds four explicit stages of order four: 2.785 over the fastest decay.
 
-    In a contact that lasts, the damping keeps the impact speed of its start, here the minimum one; that makes it stiffer
-    than the elastic force is.
+    In a contact that lasts, the damping keeps the impact speed of its start, here the minimum one; that makes it
+    stiffer than the elastic force is.
     """
     depth = (LOAD / STIFFNESS) ** (2.0 / 3.0)
     stiffness, damping = 1.5 * STIFFNESS * math.sqrt(depth), DAMPING_FACTOR * LOAD / MINIMUM_SPEED
@@ -72,8 +72,8 @@ def _creep(panel: str, speed_zero: float, speed_full: float) -> tuple[float, Tra
     journal = loaded_journal(bearing, LOAD, math.atan(SHARE * FRICTION))
     body = journal.bodies[0]
     assert isinstance(body, Body)
-    # It starts near the steady state: from rest the journal would first roll in its bearing for many seconds.
-    creeping = replace(body, spin=0.9 * creep_speed(speed_zero, speed_full) / RADIUS)
+    # It starts in the steady state: from rest the journal would first roll in its bearing for many seconds.
+    creeping = replace(body, spin=creep_speed(speed_zero, speed_full) / RADIUS)
     settle = INERTIA * (speed_full - speed_zero) / (FRICTION * LOAD * RADIUS**2)
     duration = min(max(10.0 * settle, DURATION), 2.0)
     run = simulate(
@@ -133,8 +133,8 @@ CREEP = StabilityMap(
     y=_ZERO,
     panels=(EXPLICIT, IMPLICIT),
     quantity="sliding speed [m/s]",
-    advice="Where a contact must stick, take v0 = 0 and v1 so small that (v1 - v0) / 2 times the duration does not matter, 0.03 mm/s "
-    "for a millimetre in 30 s: this law has no stiction; creeping_share tells how much of a run crept.",
+    advice="Where a contact must stick, take v0 = 0 and v1 so small that v1 / 2 times the duration does not matter, "
+    "0.03 mm/s for a millimetre in 30 s: this law has no stiction; creeping_share tells how much of a run crept.",
     measure=measure_creep,
     limit=lambda panel, speed_zero: 2.0 * SLOW_CREEP - speed_zero if speed_zero < SLOW_CREEP else math.nan,
     limit_label="law in closed form: a millimetre in 30 s",
@@ -146,8 +146,8 @@ STEP = StabilityMap(
     y=_ZERO,
     panels=(EXPLICIT,),
     quantity="mean step [s]",
-    advice="Take no narrower ramp v1 - v0 than the question asks for, or integrate with generalized-alpha: explicit steps shrink in "
-    "proportion to it, from where friction coefficient times force over mass and ramp outruns the bearing.",
+    advice="Take no narrower ramp v1 - v0 than the question asks for, or integrate with generalized-alpha: where the "
+    "decay rate of sliding, friction force over mass and ramp, exceeds that of the bearing, explicit steps shrink too.",
     measure=measure_step,
     limit=step_limit,
     limit_label="theory: to the left the ramp bounds the step, to the right the bearing",

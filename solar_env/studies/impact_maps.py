@@ -1,7 +1,7 @@
 """Maps of impacts: the step that each method needs in a contact, and what happens below it.
 
-A block bounces between the two walls of its gap (``mechanisms.bouncing_block``). In free flight nothing acts, so that the
-impact speeds of successive contacts are the exit speeds of the ones before: their ratio is the restitution of every
+A block bounces between the two walls of its gap (``mechanisms.bouncing_block``). In free flight nothing acts, so that
+the impact speeds of successive contacts are the exit speeds of the ones before: their ratio is the restitution of every
 bounce, to be compared with the exact one of the law.
 """
 
@@ -93,8 +93,8 @@ IMPLICIT = StabilityMap(
     ),
     panels=(HERTZ, DAMPED),
     quantity="exit speed over the exact one, worst of all bounces",
-    advice="Take eight or more steps in an impact, with rho_inf below 0.5 up to 23, or give rtol, which does it by itself: "
-    "below that generalized-alpha takes energy from every bounce or adds to it, for any rho_inf.",
+    advice="Take eight steps or more in an impact, and up to 23 with rho_inf below 0.5, or give rtol, which does it by "
+    "itself: with fewer, generalized-alpha takes energy from every bounce or adds to it, whatever rho_inf.",
     measure=measure_implicit,
     limit=lambda panel, rho_inf: 1.0 / steps_per_impact(rho_inf),
     limit_label="the library warns to the right of this line: 8 steps, or 1 % of the speed lost to algorithmic damping",
@@ -111,7 +111,7 @@ EXPLICIT = StabilityMap(
     y=Axis("rtol", "tolerance rtol", (1e-6, 1e-3, 1e-1), (1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1)),
     panels=(LIBRARY, UNCHECKED),
     quantity="exit speed over the exact one, worst of all bounces",
-    advice="Leave impact_resolution at its 16 steps, or at 4 or more: with fewer only a tolerance of 1e-4 or less saves the "
+    advice="Leave impact_resolution at its 16 steps, or at 4 or more: with fewer, only a tight tolerance saves the "
     "bounces, and the library refuses them.",
     measure=measure_explicit,
     limit=lambda panel, rtol: float(FEWEST_EXPLICIT_STEPS),

@@ -1,8 +1,8 @@
 """Maps of where methods fail: what a map is, and how its cells are measured.
 
-A map has two axes and one or more panels. Each cell is one small run with a known answer; it is put in a class, and what
-the library said about it (an error, a warning, a figure of the result) is kept beside it. A cell that fails without a
-word is a fault of the library: see :func:`silent_failures`.
+A map has two axes and one or more panels. Each cell is one small run with a known answer; it is put in a class, and
+what the library said about it (an error, a warning, a figure of the result) is kept beside it. A cell that fails
+without a word is a fault of the library: see :func:`silent_failures`.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ SPIKES = "spikes"  # is wrong for a while, then recovers
 WRONG = "wrong value"  # finishes with another answer
 STIFF = "stiff"  # is right, with steps far shorter than the motion asks for
 BLOW_UP = "blow-up"  # ends in nonsense
+NO_END = "does not end"  # takes more steps than it was allowed to
 NO_SOLUTION = "Newton failure"  # ends in an error of the iteration
 LIMITED = "held back"  # the library changed what was asked for, and says so
 CREEPS = "creeps"  # as the law has it, but not as dry friction does
@@ -43,6 +44,7 @@ CLASSES = (
     WRONG,
     SPIKES,
     GROWING,
+    NO_END,
     NO_SOLUTION,
     BLOW_UP,
     REFUSED,
@@ -159,7 +161,7 @@ class Heard(Generic[Result]):
         result: what it returned; None if it raised.
         said: ERROR, WARNING or SILENT.
         message: of the error, or of all warnings.
-        failure: class of the error: NO_SOLUTION, BLOW_UP, STIFF or REFUSED; empty if there was none.
+        failure: class of the error: NO_SOLUTION, NO_END, BLOW_UP or REFUSED; empty if there was none.
     """
 
     result: Result | None
@@ -183,7 +185,7 @@ def listen(run: Callable[[], Result]) -> Heard[Result]:
         try:
             result = run()
         except SimulationError as error:
-            kinds = {"newton": NO_SOLUTION, "step_size": NO_SOLUTION, "steps": STIFF}
+            kinds = {"newton": NO_SOLUTION, "step_size": NO_SOLUTION, "steps": NO_END}
             return Heard(None, ERROR, str(error), kinds.get(error.reason, BLOW_UP))
         except ValueError as error:
             return Heard(None, ERROR, str(error), REFUSED)

@@ -17,6 +17,7 @@ from .maps import (
     FINE,
     GROWING,
     LIMITED,
+    NO_END,
     NO_SOLUTION,
     OVER_DAMPED,
     REFUSED,
@@ -30,7 +31,7 @@ from .tables import Table, read_table
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# After P. Tol, "Colour schemes", SRON technical note 2021 (muted): told apart by colour-blind readers; light ones are fine.
+# After P. Tol, "Colour schemes", SRON technical note 2021 (muted): told apart by colour-blind readers.
 COLOURS = {
     FINE: "#f2f4f6",
     LIMITED: "#a6dcef",
@@ -41,14 +42,18 @@ COLOURS = {
     WRONG: "#44aa99",
     SPIKES: "#e0a0b4",
     GROWING: "#ee8866",
+    NO_END: "#999933",
     NO_SOLUTION: "#aa4499",
     BLOW_UP: "#882255",
     REFUSED: "#9a9fa5",
 }
 _DARK = (NO_SOLUTION, BLOW_UP)
 CELL_WIDTH, CELL_HEIGHT = 0.36, 0.24  # inch
-_LEFT, _BETWEEN, _RIGHT, _TOP, _BOTTOM = 0.95, 0.25, 0.15, 0.55, 1.75  # inch
-_NARROWEST = 7.0  # inch
+_LEFT, _BETWEEN, _RIGHT, _TOP, _TICKS, _LINE = 0.95, 0.25, 0.15, 0.55, 0.85, 0.15  # inch
+_NARROWEST = 7.4  # inch
+_LEAST_PANEL = (1.9, 1.5)  # inch
+_CHARACTERS = 17.0  # an inch of text
+_IN_A_LINE = 6  # classes of the legend
 
 
 def draw_map(table_path: Path, figure_path: Path) -> None:
@@ -72,24 +77,36 @@ def draw_map(table_path: Path, figure_path: Path) -> None:
     about = table.provenance
     panels = table.values("panel")
     columns, rows = len(table.values(about["x"])), len(table.values(about["y"]))
-    grid = (columns * CELL_WIDTH, rows * CELL_HEIGHT)
+    grid = (max(columns * CELL_WIDTH, _LEAST_PANEL[0]), max(rows * CELL_HEIGHT, _LEAST_PANEL[1]))
     wanted = _LEFT + len(panels) * grid[0] + (len(panels) - 1) * _BETWEEN + _RIGHT
-    width, height = max(wanted, _NARROWEST), _TOP + grid[1] + _BOTTOM
+    width = max(wanted, _NARROWEST)
+    foot = _foot(table, int((width - 0.4) * _CHARACTERS))
+    bottom = _TICKS + _LINE * (len(foot) + 2 * (1 + (len(table.values("class")) - 1) // _IN_A_LINE))
+    height = _TOP + grid[1] + bottom
     with mpl.rc_context({**STYLE, "axes.grid": False, "axes.spines.top": True, "axes.spines.right": True}):
         figure = Figure(figsize=(width, height))
         FigureCanvasAgg(figure)
         for k, panel in enumerate(panels):
             left = _LEFT + 0.5 * (width - wanted) + k * (grid[0] + _BETWEEN)
-            axes = figure.add_axes((left / width, _BOTTOM / height, grid[0] / width, grid[1] / height))
+            axes = figure.add_axes((left / width, bottom / height, grid[0] / width, grid[1] / height))
             _draw_panel(axes, table.where(panel=panel), about, first=k == 0)
             axes.set_title(str(panel))
+        figure.axes[0].set_ylabel(textwrap.fill(about["y label"], int(grid[1] * _CHARACTERS)))
+        centre = (_LEFT - _RIGHT + width) / 2.0 / width
+        figure.text(centre, (bottom - _TICKS + 0.22) / height, about["x label"], ha="center", va="bottom")
         figure.text(0.5, 1.0 - 0.18 / height, about["title"], ha="center", va="center", fontsize=9.5, weight="bold")
-        _draw_legend(figure, table, height)
-        characters = int(width * 14.5)
-        figure.text(
-            0.5, 0.08 / height, textwrap.fill(about["advice"], characters), ha="center", va="bottom", style="italic"
-        )
+        _draw_legend(figure, table, (0.5, (_LINE * len(foot) + 0.1) / height))
+        figure.text(0.5, 0.1 / height, "\n".join(foot), ha="center", va="bottom", linespacing=1.2)
         figure.savefig(figure_path, dpi=160)
+
+
+def _foot(table: Table, characters: int) -> list[str]:
+    """Lines under the legend: what numbers, lines and dots mean, and the advice."""
+    about = table.provenance
+    marks = f"Number in a cell: {about['value']}. Dot: the library says so."
+    if about["limit"]:
+        marks += f" Line: {about['limit']}."
+    return [*textwrap.wrap(marks, characters), *textwrap.wrap(about["advice"], characters)]
 
 
 def _draw_panel(axes: Axes, table: Table, about: Any, first: bool) -> None:
@@ -102,22 +119,19 @@ def _draw_panel(axes: Axes, table: Table, about: Any, first: bool) -> None:
         ink = "white" if kind in _DARK else "black"
         value = float(row["value"])
         if math.isfinite(value):
-            axes.text(i, k, short(value), ha="center", va="center", fontsize=4.8, color=ink)
+            axes.text(i, k, short(value), ha="center", va="center", fontsize=5.0, color=ink, zorder=3)
         if row["said"] != SILENT:
             axes.plot(i + 0.4, k + 0.34, ".", color=ink, markersize=2.0)
     for k, y in enumerate(y_ticks):
         limit = float(table.where(**{about["y"]: _own(table, about["y"], y)}).rows[0]["limit"])
         place = _place(limit, x_ticks)
         if math.isfinite(place):
-            axes.plot([place, place], [k - 0.5, k + 0.5], color="black", linewidth=1.6, solid_capstyle="butt")
+            axes.plot([place, place], [k - 0.5, k + 0.5], color="black", linewidth=1.6, solid_capstyle="butt", zorder=2)
     axes.set_xlim(-0.5, len(x_ticks) - 0.5)
     axes.set_ylim(-0.5, len(y_ticks) - 0.5)
     axes.set_xticks(range(len(x_ticks)), [f"{x:.3g}" for x in x_ticks], rotation=90)
     axes.set_yticks(range(len(y_ticks)), [f"{y:.3g}" for y in y_ticks] if first else [""] * len(y_ticks))
     axes.tick_params(length=2.0, labelsize=6.5)
-    axes.set_xlabel(about["x label"])
-    if first:
-        axes.set_ylabel(about["y label"])
 
 
 def _own(table: Table, column: str, number: float) -> Any:
@@ -138,30 +152,16 @@ def _place(limit: float, ticks: Any) -> float:
     return float(places)
 
 
-def _draw_legend(figure: Any, table: Table, height: float) -> None:
-    from matplotlib.lines import Line2D
+def _draw_legend(figure: Any, table: Table, place: tuple[float, float]) -> None:
     from matplotlib.patches import Patch
 
     present = table.values("class")
-    handles: list[Any] = [
+    handles = [
         Patch(facecolor=colour, edgecolor="#7c8896", linewidth=0.4, label=kind)
         for kind, colour in COLOURS.items()
         if kind in present
     ]
-    handles.append(Line2D([], [], color="black", marker=".", markersize=3.0, linestyle="", label="the library says so"))
-    if table.provenance["limit"]:
-        handles.append(Line2D([], [], color="black", linewidth=1.6, label=table.provenance["limit"]))
-    figure.legend(
-        handles=handles,
-        loc="lower center",
-        bbox_to_anchor=(0.5, 0.42 / height),
-        ncols=5,
-        title=f"number in a cell: {table.provenance['value']}",
-        title_fontsize=7.5,
-        fontsize=7,
-        columnspacing=1.2,
-        handlelength=1.4,
-    )
+    figure.legend(handles=handles, loc="lower center", bbox_to_anchor=place, ncols=_IN_A_LINE, columnspacing=1.2)
 
 
 def short(value: float) -> str:

@@ -189,3 +189,46 @@ def test_a_missing_command_is_an_error():
     with pytest.raises(SystemExit) as stop:
         main([])
     assert stop.value.code == 2
+
+
+def test_stability_measures_a_map_draws_it_and_says_what_to_do(tmp_path, capsys):
+    arguments = ["stability", "--only", "pull-off", "--out", str(tmp_path / "new")]
+    assert main([*arguments, "--quick"]) == 0
+    assert {path.name for path in (tmp_path / "new").iterdir()} == {"pull-off.csv", "pull-off.png"}
+    printed = capsys.readouterr().out
+    assert "forces are cut off at zero" in printed
+    assert "cut off" in printed
+    # Drawn again, from the table alone.
+    (tmp_path / "new" / "pull-off.png").unlink()
+    before = (tmp_path / "new" / "pull-off.csv").read_bytes()
+    assert main([*arguments, "--draw"]) == 0
+    assert (tmp_path / "new" / "pull-off.png").stat().st_size > 10_000
+    assert (tmp_path / "new" / "pull-off.csv").read_bytes() == before
+
+
+def test_stability_exits_with_1_if_a_failure_passed_in_silence(tmp_path, capsys):
+    arguments = ["stability", "--only", "friction-step", "--out", str(tmp_path)]
+    assert main([*arguments, "--quick"]) == 0
+    table = tmp_path / "friction-step.csv"
+    table.write_text(table.read_text().replace(",error,", ",,"))
+    assert main([*arguments, "--draw"]) == 1
+    assert "passed without a word" in capsys.readouterr().out
+
+
+def test_an_unknown_map_or_a_missing_table_exits_with_2(tmp_path, capsys):
+    assert main(["stability", "--only", "impacts", "--out", str(tmp_path)]) == 2
+    assert "impact-implicit" in capsys.readouterr().err
+    assert main(["stability", "--draw", "--out", str(tmp_path)]) == 2
+    assert "impact-implicit.csv" in capsys.readouterr().err
+
+
+def test_simulate_shows_a_warning_on_one_line(capsys):
+    program = (
+        "import sys\n"
+        "from solar_env.__main__ import main\n"
+        "sys.exit(main(['simulate', '--integrator', 'paper', '--duration', '0.3', '--json', '-']))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], check=True, capture_output=True, text=True)
+    (line,) = (line for line in done.stderr.splitlines() if "an impact of" in line)
+    assert line.startswith("warning: an impact of")
+    assert "give rtol" in line

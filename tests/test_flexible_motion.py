@@ -33,7 +33,7 @@ INTEGRATORS: dict[str, Integrator] = {
     "runge-kutta": RungeKutta(rtol=1e-8),
     "generalized-alpha": GeneralizedAlpha(step=1e-3, rho_inf=1.0),
 }
-# With rho_inf = 1, which conserves energy, the constraint forces alternate, as the library tells; motion is what counts here.
+# With rho_inf = 1, which conserves energy, the constraint forces alternate, as the library tells; here motion counts.
 pytestmark = pytest.mark.filterwarnings("ignore:.* the constraint forces of the integrator")
 both_integrators = pytest.mark.parametrize("integrator", INTEGRATORS.values(), ids=INTEGRATORS.keys())
 

@@ -34,7 +34,7 @@ def check_energy(time: float, residual: float, turnover: float, remedy: str) -> 
         turnover: energy that the run turned over [J].
         remedy: what to do.
     """
-    if abs(residual) <= LARGEST_ENERGY_SHARE * turnover:
+    if abs(residual) <= LARGEST_ENERGY_SHARE * turnover:  # false for NaN
         return False
     verb = "gained" if residual > 0.0 else "lost"
     _warn(

@@ -137,7 +137,10 @@ CABLE = StabilityMap(
     title="Vibration on a cable whose strands go slack",
     x=_STEPS,
     y=Axis(
-        "stiffness_Nm_rad", "stiffness of the cable [N m/rad]", (1e1, 1e3, 1e5, 1e7), tuple(10.0**k for k in range(10))
+        "stiffness_Nm_rad",
+        "stiffness of the cable [N m/rad]",
+        (1e1, 1e3, 1e5, 1e7),
+        tuple(10.0**k for k in range(1, 10)),
     ),
     panels=METHODS,
     quantity="energy after five vibrations over that at the start",

@@ -46,6 +46,10 @@ def simulate(
     Raises:
         ValueError: for an unknown model, parameter or value, or a refused number of elements.
         SimulationError: if the run cannot go on.
+
+    Warns:
+        SimulationWarning: if the result is less accurate than it looks, see ``Simulation.check``; or if the contact law
+            does not give the restitution that is asked for.
     """
     if not isinstance(parameters, ArrayParameters):
         parameters = ArrayParameters().with_changes(parameters or {})

@@ -222,6 +222,9 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             gymnasium.error.ResetNeeded: before the first reset and after the end of an episode.
             ValueError: if the action has the wrong shape or is not finite.
             SimulationError: if the simulation cannot go on.
+
+        Warns:
+            SimulationWarning: if the episode was less accurate than it looks, see ``Simulation.check``.
         """
         if self._ended:
             raise gymnasium.error.ResetNeeded("the episode has ended, or none was begun: call reset()")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 from rich.progress import track
@@ -50,7 +51,23 @@ def draw_flexible(path: Path) -> None:
     plot_comparison(runs, [panel_deflections(run) for run in runs], path)
 
 
-PICTURES = {"frame.png": draw_frame, "deployment.png": draw_deployment, "flexible.png": draw_flexible}
+def draw_stability(path: Path) -> None:
+    """Bounces under generalized-alpha: where a fixed step fails."""
+    from ..studies.stability_maps import measure_map
+    from ..studies.stability_plot import draw_map
+
+    with TemporaryDirectory() as folder:
+        table = Path(folder) / "map.csv"
+        measure_map("impact-implicit", False, table, lambda: None)
+        draw_map(table, path)
+
+
+PICTURES = {
+    "frame.png": draw_frame,
+    "deployment.png": draw_deployment,
+    "flexible.png": draw_flexible,
+    "stability.png": draw_stability,
+}
 
 
 def run_command(args: argparse.Namespace) -> int:

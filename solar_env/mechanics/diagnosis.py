@@ -56,8 +56,8 @@ def check_constraint_forces(time: float, defect: float, largest: float) -> bool:
         return False
     _warn(
         f"at t = {time:.6g} s the constraint forces of the integrator are off by {defect:.3g} N where the largest "
-        f"force is {largest:.3g} N: with rho_inf = 1 they alternate from step to step; choose rho_inf below 1 or a "
-        "smaller step, or do not use the peak forces of ideal joints"
+        f"force is {largest:.3g} N: with rho_inf near 1 they alternate from step to step, and steps of nanoseconds "
+        "magnify rounding; choose rho_inf = 0.8 or another step, or do not use the peak forces of ideal joints"
     )
     return True
 

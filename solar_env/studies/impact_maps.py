@@ -7,6 +7,7 @@ bounce, to be compared with the exact one of the law.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -53,8 +54,8 @@ def bounce_ratios(factor: float, integrator: Integrator) -> NDArray[np.float64]:
     return speeds[1:] / speeds[:-1] / exact if len(speeds) > 1 else np.zeros(1)
 
 
-def _cell(factor: float, make: type[Integrator], **settings: float) -> Cell:
-    heard = listen(lambda: bounce_ratios(factor, make(**settings)))  # type: ignore[arg-type]
+def _cell(factor: float, make: Callable[[], Integrator]) -> Cell:
+    heard = listen(lambda: bounce_ratios(factor, make()))
     if heard.result is None:
         return heard.failed()
     ratios = heard.result
@@ -64,7 +65,7 @@ def _cell(factor: float, make: type[Integrator], **settings: float) -> Cell:
 
 def measure_implicit(panel: str, share: float, rho_inf: float) -> Cell:
     """Bounces under generalized-alpha with a fixed step of ``share`` of the first impact's duration."""
-    return _cell(_FACTORS[panel], GeneralizedAlpha, step=share * contact_duration(), rho_inf=rho_inf)
+    return _cell(_FACTORS[panel], lambda: GeneralizedAlpha(step=share * contact_duration(), rho_inf=rho_inf))
 
 
 @dataclass(frozen=True)
@@ -76,7 +77,8 @@ class _Unchecked(RungeKutta):
 
 def measure_explicit(panel: str, steps: float, rtol: float) -> Cell:
     """Hertzian bounces under explicit Runge-Kutta with at least ``steps`` steps per predicted duration."""
-    return _cell(0.0, RungeKutta if panel == LIBRARY else _Unchecked, impact_resolution=steps, rtol=rtol)
+    chosen = RungeKutta if panel == LIBRARY else _Unchecked
+    return _cell(0.0, lambda: chosen(rtol=rtol, impact_resolution=steps))
 
 
 IMPLICIT = StabilityMap(

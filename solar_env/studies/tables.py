@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Cell = float | int | str
+Row = dict[str, Cell]
 _PACKAGES = ("solar-env", "numpy", "numba", "scipy")
 
 

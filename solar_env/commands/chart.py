@@ -1,0 +1,43 @@
+"""``python -m solar_env chart``: speed against accuracy, measured into tables, drawn from the tables."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from rich.console import Console
+
+PACKAGE = Path(__file__).resolve().parent.parent
+STUDIES = ("work-precision", "ensembles", "levels", "growth", "side-by-side")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("--quick", action="store_true", help="fewer and shorter runs: under two minutes")
+    parser.add_argument("--only", choices=STUDIES, help="one study instead of all")
+    parser.add_argument("--draw", action="store_true", help="measure nothing, draw the figures from the tables again")
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument("--out", type=Path, default=Path("chart"), help="folder of tables and figures (%(default)s)")
+    where.add_argument(
+        "--readme", action="store_true",
+        help="tables into solar_env/studies/data, figures into solar_env/figures, from which the README takes them",
+    )  # fmt: skip
+
+
+def run_command(args: argparse.Namespace) -> int:
+    """Measure, write the tables, draw the figures.
+
+    Raises:
+        ValueError: if figures are to be drawn of tables that do not exist.
+    """
+    # The studies need the compiler, --help does not.
+    from ..studies.charts import draw, measure
+
+    tables, figures = (PACKAGE / "studies" / "data", PACKAGE / "figures") if args.readme else (args.out, args.out)
+    names = (args.only,) if args.only else STUDIES
+    console = Console(stderr=True)
+    if not args.draw:
+        measure(names, args.quick, tables, console)
+    for path in draw(names, tables, figures):
+        print(path)
+    return 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -34,6 +34,8 @@ from solar_env.mechanics.joint import ANGLE, joint_forces
 from solar_env.mechanics.recording import make_recorder
 from solar_env.mechanics.simulation import Simulation
 from solar_env.mechanics.system import add_mass_products, make_workspace, stored_energies
+from solar_env.mechanics.trajectory import contact_record
+from solar_env.studies.motion import Motion
 
 Vector = NDArray[np.float64]
 
@@ -311,3 +313,23 @@ def in_miniature() -> None:
                 *simulation.stored_energies(),
                 *recorder.samples[-1],
             )
+
+
+MOTION_TIMES = np.linspace(0.0, 1.0, 11)
+
+
+def make_motion(
+    angle: float = 0.0,
+    latch: tuple[float, float] = (0.5, math.nan),
+    impacts: Sequence[tuple[int, float, float]] = (),
+    time: Vector = MOTION_TIMES,
+) -> Motion:
+    """What a study keeps of a run of two joints that turn evenly; impacts are (joint, start, peak force)."""
+    rows = [(joint, start, math.nan, 0.0, peak, 0.0, 0.0) for joint, start, peak in impacts]
+    return Motion(
+        time=time,
+        angles=np.outer(time, [1.0, 2.0]) + angle,
+        latch_times=np.array(latch),
+        contacts=np.array(rows, dtype=contact_record),
+        wall_time=1.0,
+    )

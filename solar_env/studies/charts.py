@@ -79,7 +79,7 @@ def measure(names: Sequence[str], quick: bool, folder: Path, console: Console) -
     """
     plan = QUICK if quick else FULL
     if peer_is_missing():
-        console.print(MISSING_PEER, highlight=False)
+        console.print(MISSING_PEER, highlight=False, markup=False, soft_wrap=True)
     columns = (BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("{task.description}"))
     with Progress(*columns, console=console, transient=True) as progress:
         total = sum(STUDIES[name].count(plan) for name in names)

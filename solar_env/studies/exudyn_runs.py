@@ -39,7 +39,7 @@ def run_exudyn(scene: Scene, solver: str, step: float) -> Motion:
     array = build_peer(scene, implicit=not explicit)
     name = "GeneralizedAlpha" if not explicit else "ExplicitMidpoint" if clearance else "RK44"
     settings = _settings(scene, step)
-    exudyn.SetWriteToConsole(False)
+    printing, exudyn.config.printToConsole = exudyn.config.printToConsole, False
     begin = clock.perf_counter()
     try:
         done = array.system.SolveDynamic(settings, solverType=getattr(exudyn.DynamicSolverType, name))
@@ -47,7 +47,7 @@ def run_exudyn(scene: Scene, solver: str, step: float) -> Motion:
         raise SimulationError(f"Exudyn's {name} at {step:g} s stopped", 0.0, "peer") from error
     finally:
         wall_time = clock.perf_counter() - begin
-        exudyn.SetWriteToConsole(True)
+        exudyn.config.printToConsole = printing
     if not done or not np.isfinite(array.system.systemData.GetODE2Coordinates()).all():
         raise SimulationError(f"Exudyn's {name} at {step:g} s did not reach the end", math.nan, "peer")
     counts = array.system.sys["dynamicSolver"].it
@@ -72,8 +72,6 @@ def _settings(scene: Scene, step: float) -> Any:
     settings = exudyn.SimulationSettings()
     settings.solution.file.write = False
     settings.solution.sensors.writePeriod = step if scene.every_contact else scene.sample_step
-    settings.displayStatistics = False
-    settings.displayComputationTime = False
     settings.parallel.numberOfThreads = 1
     integration = settings.timeIntegration
     integration.verboseMode = 0

@@ -27,7 +27,7 @@ def fitted_exponent(counts: NDArray[np.float64], costs: NDArray[np.float64]) -> 
 
     Small models have a cost of their own that does not grow, which the lower half would mix in.
     """
-    upper = counts >= np.sqrt(counts.min() * counts.max())
+    upper = counts >= min(np.sqrt(counts.min() * counts.max()), np.sort(counts)[-2])
     return float(np.polyfit(np.log(counts[upper]), np.log(costs[upper]), 1)[0])
 
 

@@ -29,7 +29,7 @@ def run_exudyn(scene: Scene, solver: str, step: float) -> Motion:
         scene: what moves; of two panels.
         solver: "generalized-alpha" (index 3), or "explicit": for rigid panels, fourth order on a kinematic tree with
             ideal joints, second order with clearance.
-        step: [s]; with clearance generalized-alpha halves it where Newton's iteration fails.
+        step: [s]; generalized-alpha halves it where Newton's iteration fails.
 
     Raises:
         ValueError: if the scene has what Exudyn's objects cannot express.
@@ -82,8 +82,8 @@ def _settings(scene: Scene, step: float) -> Any:
     integration.newton.useModifiedNewton = True
     integration.newton.relativeTolerance = 1e-8
     integration.newton.absoluteTolerance = 1e-7 if flexible else 1e-10
-    # Without these every model with clearance fails at its first impact.
-    integration.adaptiveStep = clearance
+    # Halve the step where Newton's iteration fails: every model with clearance would do so at its first impact.
+    integration.adaptiveStep = True
     integration.discontinuous.useRecommendedStepSize = False
     return settings
 

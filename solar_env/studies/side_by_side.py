@@ -14,7 +14,7 @@ from .methods import find_method
 from .motion import Motion, Scene, run_own
 from .plans import Plan
 from .tables import Row, Table
-from .timing import measure
+from .timing import Measured, measure
 
 DEFAULT = "default settings"
 _LONG_RUN = 60.0  # s
@@ -64,7 +64,7 @@ def run_side_by_side(plan: Plan, announce: Callable[[str], None]) -> dict[str, l
         announce: called with a description before each run.
 
     Returns:
-        "side_by_side": cost and errors of every run that reached its end.
+        "side_by_side": cost and errors of every run.
     """
     rows: list[Row] = []
     for model in plan.models:
@@ -78,25 +78,34 @@ def run_side_by_side(plan: Plan, announce: Callable[[str], None]) -> dict[str, l
 
         measured = measure(jobs, plan.repeats, _LONG_RUN, say)
         for (method, setting), result in measured.items():
-            if result.motion is None:
-                continue
-            rows.append(
-                {
-                    "model": model,
-                    "duration_s": scene.duration,
-                    "method": method,
-                    "value": setting,
-                    "peer": int(method.startswith("Exudyn")),
-                    "repeats": len(result.walls),
-                    "wall_s": result.wall,
-                    "wall_min_s": min(result.walls),
-                    "wall_max_s": max(result.walls),
-                    "angle_error_rad": angle_error(result.motion, reference, plan.before_latch),
-                    "latch_error_s": latch_error(result.motion, reference),
-                    "energy_residual": result.motion.energy_residual,
-                }
-            )
+            labels: Row = {
+                "model": model,
+                "duration_s": scene.duration,
+                "method": method,
+                "value": setting,
+                "peer": int(method.startswith("Exudyn")),
+                "failure": result.failure,
+            }
+            rows.append(labels | _figures(result, reference, plan))
     return {"side_by_side": rows}
+
+
+def _figures(result: Measured[Entry], reference: Motion, plan: Plan) -> Row:
+    """Times and errors of a run; nan if it did not reach its end."""
+    names = ("repeats", "wall_s", "wall_min_s", "wall_max_s", "angle_error_rad", "latch_error_s", "energy_residual")
+    motion = result.motion
+    if motion is None:
+        return dict.fromkeys(names, math.nan)
+    values = (
+        len(result.walls),
+        result.wall,
+        min(result.walls),
+        max(result.walls),
+        angle_error(motion, reference, plan.before_latch),
+        latch_error(motion, reference),
+        motion.energy_residual,
+    )
+    return dict(zip(names, values, strict=True))
 
 
 def ratio_at_equal_error(rows: Table, peer: Row) -> float:
@@ -121,6 +130,9 @@ def write_side_by_side(rows: Table, folder: Path) -> list[Path]:
     ]
     for row in rows.rows:
         setting = "" if row["method"] == DEFAULT else f"{row['value']:g}"
+        if row["failure"]:
+            lines.append(f"| {row['model']} | {row['method']} | {setting} | failed | | | | |")
+            continue
         ratio = f"{ratio_at_equal_error(rows, dict(row)):.3g}" if row["peer"] else ""
         wall = float(row["wall_s"])
         lines.append(

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ..plots import STYLE
 from .drawing import draw_floor, look_of, make_figure, positive_points, save, use_decades
 from .tables import Table
@@ -72,7 +74,7 @@ def _draw(question: Question, rows: Table, floors: Table, everything: Table, fol
     import matplotlib as mpl
 
     look = look_of([str(name) for name in everything.values("method")])
-    names = [str(name) for name in rows.values("method") if _shows(rows.where(method=name), question.error)]
+    names = [str(name) for name in rows.values("method") if _shows(rows.where(method=name), question)]
     models = rows.values("model")
     figure, axes = make_figure(len(COSTS), len(models), _SIZE, len(names))
     with mpl.rc_context(STYLE):
@@ -91,8 +93,10 @@ def _draw(question: Question, rows: Table, floors: Table, everything: Table, fol
     return path
 
 
-def _shows(rows: Table, error: str) -> bool:
-    return len(positive_points(rows.column(error), rows.column("wall_s"))[0]) > 0
+def _shows(rows: Table, question: Question) -> bool:
+    """Whether a method has a point in the figure."""
+    errors = rows.column(question.error)
+    return bool(np.any(np.isfinite(errors) & ((errors > 0.0) | question.counts)))
 
 
 def _draw_panel(axis: Axes, rows: Table, question: Question, cost: str, look: dict[str, dict[str, Any]]) -> None:
@@ -127,7 +131,7 @@ def _title(rows: Table, floors: Table) -> str:
     first, known = rows.rows[0], floors.rows[0]
     details = [f"{first['elements']} elements"] if first["elements"] else []
     if math.isfinite(float(known["impacts_compared"])):
-        details.append(f"{known['impacts_compared']:g} of {known['impacts_in_horizon']:g} predictable impacts")
+        details.append(f"{known['impacts_compared']:g} of {known['impacts_in_horizon']:g} impacts")
     failed = sum(1 for row in rows.rows if row["failure"])
     if failed:
         details.append(f"{failed} failed")

@@ -42,6 +42,10 @@ def test_the_horizon_ends_at_the_first_impact_that_two_references_tell_different
     assert measures.horizon(make_motion(impacts=IMPACTS), make_motion()) == (0, 0)
 
 
+def test_errors_are_taken_over_a_quarter_of_the_horizon_and_few_impacts():
+    assert measures.compared_impacts((0, 1, 5, 9, 54)) == (0, 1, 2, 3, 3)
+
+
 def test_impact_errors_are_those_of_the_first_impacts_alone():
     motion = make_motion(impacts=[(0, 0.1001, 10.1), (1, 0.15, 20.0), (0, 0.25, 60.0), (0, 0.3, 40.0)])
     reference = make_motion(impacts=IMPACTS)

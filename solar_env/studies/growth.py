@@ -15,6 +15,7 @@ from .tables import Row
 from .timing import measure
 
 ELEMENTS, PANELS = "elements", "panels"
+_REPEATS = 5  # of runs that are short in every plan
 
 
 @dataclass(frozen=True)
@@ -81,7 +82,7 @@ def run_growth(plan: Plan, announce: Callable[[str], None]) -> dict[str, list[Ro
     cases = list(_cases(plan))
     jobs = {case: partial(run_own, _scene(plan, case), _integrator(case)) for case in cases}
     measured = measure(
-        jobs, plan.repeats, plan.long_run, lambda case: announce(f"growth, {case.model}: {case.count} {case.varied}")
+        jobs, _REPEATS, plan.long_run, lambda case: announce(f"growth, {case.model}: {case.count} {case.varied}")
     )
     rows: list[Row] = []
     for case, result in measured.items():

@@ -13,6 +13,8 @@ from .motion import Motion
 SAME_START, SAME_FORCE = 1e-5, 1e-2  # s, relative
 # A method has predicted an impact if the peak force is that of the reference within this share.
 PREDICTED = 1e-2
+# Errors are taken over so many first impacts of a joint.
+FIRST = 3
 
 
 def angle_error(motion: Motion, reference: Motion, until: float) -> float:
@@ -63,10 +65,10 @@ def _alike(first: Motion, second: Motion, joint: int) -> int:
 def compared_impacts(counts: tuple[int, ...]) -> tuple[int, ...]:
     """How many impacts of each joint errors are taken over, out of those within the horizon.
 
-    Errors grow from impact to impact by about the same factor: a quarter of the way to the horizon a reference still
+    Errors grow from impact to impact: over the first few, a quarter of the way to the horizon at most, a reference still
     has most of its digits, and a method with fewer has not lost all of them.
     """
-    return tuple(math.ceil(count / 4) for count in counts)
+    return tuple(min(math.ceil(count / 4), FIRST) for count in counts)
 
 
 def impact_errors(motion: Motion, reference: Motion, counts: tuple[int, ...]) -> tuple[float, float]:

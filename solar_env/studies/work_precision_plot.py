@@ -47,7 +47,7 @@ QUESTIONS = (
     Question("latch", "deployment", "latch_error_s", "error of latch times [s]", _FLOOR_NOTE),
     Question(
         "impacts", "impacts", "impact_force_error", "error of the first impacts' peak forces",
-        f"{_FLOOR_NOTE}; the first quarter of the predictable impacts",
+        f"{_FLOOR_NOTE}; the first impacts of each joint, out of the predictable ones",
     ),
     Question(
         "horizon", "impacts", "impacts_predicted", "impacts with the right peak force (1 %)",

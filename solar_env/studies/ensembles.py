@@ -1,6 +1,6 @@
 """Ensembles: beyond the horizon of prediction, a method is right if the statistics of its runs are.
 
-The runs of an ensemble differ by nanometres in the place of the root hinge; they part after the first impacts.
+The runs of an ensemble differ by tens of nanometres in the place of the root hinge; they part after some impacts.
 """
 
 from __future__ import annotations

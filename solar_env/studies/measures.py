@@ -65,8 +65,8 @@ def _alike(first: Motion, second: Motion, joint: int) -> int:
 def compared_impacts(counts: tuple[int, ...]) -> tuple[int, ...]:
     """How many impacts of each joint errors are taken over, out of those within the horizon.
 
-    Errors grow from impact to impact: over the first few, a quarter of the way to the horizon at most, a reference still
-    has most of its digits, and a method with fewer has not lost all of them.
+    Errors grow from impact to impact: over the first few, a quarter of the way to the horizon at most, a reference
+    still has most of its digits, and a method with fewer has not lost all of them.
     """
     return tuple(min(math.ceil(count / 4), FIRST) for count in counts)
 

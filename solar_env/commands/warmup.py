@@ -12,8 +12,8 @@ from rich.console import Console
 from ..array import MODELS, ArrayParameters, build
 from ..integrators import make_integrator
 
-# The two share few kernels, so that they are compiled side by side. "paper" is a setting of the second.
-_COMPILED_TOGETHER = ("runge-kutta", "generalized-alpha")
+# They share few kernels, so that they are compiled side by side. "paper" is a setting of the last.
+_COMPILED_TOGETHER = ("rosenbrock", "runge-kutta", "generalized-alpha")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

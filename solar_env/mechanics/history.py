@@ -6,7 +6,7 @@ import math
 
 from ._jit import njit, njit_inner, njit_inner_inlined, njit_merged
 from .contact import impact_scales
-from .joint import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, NORMAL, direction, penetration, stop_depth
+from .joint import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, NORMAL, RATE, direction, penetration, stop_depth
 from .model import CLEARANCE, CONTACT_TOO_DEEP, DONE, IMPULSE, INTEGRALS_PER_JOINT, JOINT_ANGLE_RANGE, SLIDING_WORK
 from .recording import record_contact
 from .system import normal_inverse_mass
@@ -95,8 +95,9 @@ def settle_joints(model, state, loads, sliding_work, start_time, start_depth, re
     for j in range(joints.size):
         joint, own = joints[j], joint_states[j]
         if own.stop_engaged:
-            stop, _ = stop_depth(joint, own.latched, loads[j, ANGLE])
-            own.stop_engaged = stop > 0.0
+            stop, sign = stop_depth(joint, own.latched, loads[j, ANGLE])
+            # On the very face it stays engaged while it closes, or the same engagement would be found for ever.
+            own.stop_engaged = stop > 0.0 or (stop > -1e-9 and sign * loads[j, RATE] < 0.0)
         if joint.kind != CLEARANCE:
             note_force(own, loads[j, NORMAL], postlock)
         elif own.in_contact:

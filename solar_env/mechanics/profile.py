@@ -109,10 +109,10 @@ def dense(elimination: Elimination, matrix: ProfileMatrix) -> NDArray[np.float64
         ordered[r, f:r] = lower[b + f : b + r].transpose(0, 2, 1)
         ordered[f:r, r] = upper[b + f : b + r]
         ordered[r, r] = diagonal[r]
-    ordered = ordered.transpose(0, 2, 1, 3).reshape(BLOCK * blocks, BLOCK * blocks)
+    by_place = ordered.transpose(0, 2, 1, 3).reshape(BLOCK * blocks, BLOCK * blocks)
     result = np.zeros((unknowns, unknowns))
     free = np.flatnonzero(elimination.position >= 0)
-    result[np.ix_(free, free)] = ordered[np.ix_(elimination.position[free], elimination.position[free])]
+    result[np.ix_(free, free)] = by_place[np.ix_(elimination.position[free], elimination.position[free])]
     return result
 
 

@@ -64,7 +64,8 @@ CONTESTANTS: dict[str, tuple[Contestant, ...]] = {
     "flexible-clearance": (
         Contestant("runge-kutta", 1e-7),
         Contestant("runge-kutta", 1e-5),
-        Contestant("runge-kutta", 1e-3),
+        Contestant("rosenbrock", 1e-4),
+        Contestant("rosenbrock", 1e-3),
         Contestant("generalized-alpha", 1e-4),
         Contestant("generalized-alpha", 5e-5, dear=True),
         Contestant("Exudyn generalized-alpha", 5e-4, dear=True),

@@ -9,7 +9,7 @@ import importlib.util
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from ..mechanics.integrators import GeneralizedAlpha, Integrator, RungeKutta
+from ..mechanics.integrators import GeneralizedAlpha, Integrator, Rosenbrock, RungeKutta
 from .motion import Motion, Scene, run_own
 from .scipy_methods import run_scipy
 
@@ -94,6 +94,11 @@ METHODS: tuple[Method, ...] = (
         _by_model((1e-4, 1e-6, 1e-8, 1e-10, 1e-11, 1e-12), (1e-4, 1e-5, 5e-7, 1e-8, 1e-10, 1e-11, 1e-12),
                   (1e-3, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9), (1e-3, 1e-5, 1e-6, 1e-8, 1e-9)),
         _impacts((1e-4, 1e-5, 5e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12), (1e-3, 1e-5, 1e-6, 1e-8, 1e-10, 1e-11, 1e-12)),
+    ),
+    Method(
+        "rosenbrock", "rtol", own(lambda rtol: Rosenbrock(rtol=rtol)),
+        _by_model((), (), (1e-2, 1e-3, 1e-4, 1e-5, 1e-6), (1e-2, 1e-3, 1e-4, 1e-5)),
+        _impacts((), (1e-3, 1e-4, 1e-5, 1e-6)),
     ),
     Method(
         "generalized-alpha", "step", own(lambda step: GeneralizedAlpha(step=step)),

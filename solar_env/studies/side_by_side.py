@@ -24,8 +24,8 @@ Entry = tuple[str, float]
 OWN: dict[str, tuple[Entry, ...]] = {
     "rigid-ideal": (("runge-kutta", 1e-6), ("runge-kutta", 1e-10)),
     "rigid-clearance": (("runge-kutta", 1e-5),),
-    "flexible-ideal": (("runge-kutta", 1e-3),),
-    "flexible-clearance": (("runge-kutta", 1e-3),),
+    "flexible-ideal": (("rosenbrock", 1e-3),),
+    "flexible-clearance": (("rosenbrock", 1e-3),),
 }
 PEER: dict[str, tuple[Entry, ...]] = {
     "rigid-ideal": (("Exudyn explicit", 1e-2), ("Exudyn generalized-alpha", 1e-3)),

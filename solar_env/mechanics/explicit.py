@@ -40,10 +40,11 @@ _SMALLEST_STEP = 1e-13  # s, relative to max(time, 1 s)
 _STABILITY_MARGIN = 0.95
 # And the share of that while a stop acts: order three of its stiff damping is what the energy book shows.
 _STOP_SHARE = 0.7
-# A linearly implicit step is taken if it is so many times as long as the stable explicit one. It costs five times
-# as much, but the explicit method's estimate sees the stiff vibrations too and promises less than can be had.
+# A linearly implicit step is taken if it is so many times as long as the stable explicit one. It costs five times as
+# much, but the explicit method's estimate sees the stiff vibrations too and promises less than can be had.
 _WORTH = 2.5
-# Its error is dissipation of vibrations that it does not resolve, which no energy book shows: its tolerance is stricter.
+# Its error is dissipation of vibrations that it does not resolve, which the energy book lacks: hence a stricter
+# tolerance.
 _STRICTER = 5.0
 
 

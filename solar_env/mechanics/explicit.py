@@ -46,6 +46,8 @@ _WORTH = 2.5
 # Its error is dissipation of vibrations that it does not resolve, which the energy book lacks: hence a stricter
 # tolerance.
 _STRICTER = 5.0
+# After a try that has failed the next one waits for twice as many explicit steps, up to so many.
+_LONGEST_WAIT = 256
 
 
 @njit_inner_inlined
@@ -244,7 +246,7 @@ def take_steps(model, state, settings, recorder, end_time, work, scratch, stages
         if any_stop_engaged(state.joints):
             stable *= _STOP_SHARE
         wanted = min(clock.step_size, limit)
-        implicit = step is not None and wanted > _WORTH * stable
+        implicit = step is not None and clock.explicit_wait <= 0 and wanted > _WORTH * stable
         bound = stable < wanted and not implicit
         if bound:
             wanted = stable
@@ -270,12 +272,18 @@ def take_steps(model, state, settings, recorder, end_time, work, scratch, stages
             clock.rejected_steps += 1
             shrink = 0.9 * error**-0.25 if error < math.inf else 0.1
             clock.step_size = h * max(shrink, 0.1)
+            if implicit and clock.step_size <= _WORTH * stable:
+                clock.explicit_patience = min(max(2 * clock.explicit_patience, 4), _LONGEST_WAIT)
+                clock.explicit_wait = clock.explicit_patience
             if not clock.step_size > _SMALLEST_STEP * max(1.0, abs(clock.time)):
                 finite = math.isfinite(error)
                 status = fail(state, STEP_TOO_SMALL if finite else NOT_FINITE, -1, error)
                 break
             continue
         clock.stability_bound_steps += bound
+        clock.explicit_wait -= not implicit
+        if implicit:
+            clock.explicit_patience = 0
         if step is not None and implicit:
             copy_into(state.multipliers, step.multipliers)
         share, event_joint, kind = first_event(model, state, stages, work, h)

@@ -166,6 +166,8 @@ clock_type = _record(
         ("evaluations", np.int64),
         ("factorizations", np.int64),
         ("stability_bound_steps", np.int64),  # explicit steps that the flexible bodies' stability limit has bounded
+        ("explicit_wait", np.int64),  # explicit steps before the next linearly implicit one is tried
+        ("explicit_patience", np.int64),  # how long that was the last time
         ("latched_joints", np.int64),
         ("initial_energy", np.float64),
         ("energy_scale", np.float64),  # sum of the magnitudes of the initial energies

@@ -10,8 +10,9 @@ index 1. Eliminating all but the velocities leaves, for every stage, one system 
 
 [[M + gamma h C + (gamma h)^2 K, Phi_q^T], [Phi_q, 0]],
 
-K and C being the tangents of the forces by coordinates and velocities: factored once a step, in time that grows
-linearly with the length of the chain (``profile.py``). The stiff vibrations of beams then do not bound the step.
+K and C being the tangents of the forces by coordinates and velocities; the rows of the lengths have further terms,
+their own slopes. It is factored once a step, in time that grows linearly with the length of the chain (``profile.py``).
+The stiff vibrations of beams then do not bound the step.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from ._jit import njit_allocating, njit_inner, njit_merged
 from .linear import copy_into
 from .model import RIGID
 from .newton import NewtonMatrices, assemble, linearize_forces, make_newton_matrices
-from .profile import BLOCK, add_to, enter, profile_factor, profile_product, profile_solve, taken
+from .profile import BLOCK, add_entry, add_to, enter, profile_factor, profile_product, profile_solve, taken
 from .runge_kutta import STAGES, interpolate
 from .system import applied_forces, store_constraint_loads
 
@@ -99,6 +100,21 @@ def make_rosenbrock(model, state, work):
 
 
 @njit_merged
+def add_length_slopes(model, state, a, newton, diagonal):
+    """Add the slopes, by coordinates and velocities, of the lengths' acceleration-level rows d.a + u.u = 0."""
+    q, v, elimination = state.q, state.v, model.elimination
+    first = q.size + model.constraints.size.size
+    for b in range(model.bodies.size):
+        if model.bodies[b].kind == RIGID:
+            k = model.bodies[b].offset
+            for axis in range(2):
+                i, j = k + axis, k + 2 + axis
+                slope = diagonal * (2.0 * (v[j] - v[i]) + diagonal * (a[j] - a[i]))
+                add_entry(elimination, newton.matrix, first + b, i, -slope)
+                add_entry(elimination, newton.matrix, first + b, j, slope)
+
+
+@njit_merged
 def set_stage(state, stages, step, s, h):
     """Values of the coordinates, velocities, accelerations and multipliers at stage ``s``, and its past terms."""
     q, v, a, past, rate, multipliers = step.q, step.v, step.a, step.past_velocity, step.rate, step.multipliers
@@ -126,7 +142,7 @@ def set_stage(state, stages, step, s, h):
 
 
 @njit_merged
-def solve_stage(model, state, step, s, force, diagonal):
+def solve_stage(model, state, stages, step, s, force, diagonal):
     """Increments of stage ``s`` for the applied ``force`` (n,) at its values."""
     elimination, position = model.elimination, model.elimination.position
     n, m = state.q.size, model.constraints.size.size
@@ -150,7 +166,7 @@ def solve_stage(model, state, step, s, force, diagonal):
         enter(x, position[n + r], 0.0)
     for b in range(model.bodies.size):
         if model.bodies[b].kind == RIGID:
-            border_length(state, step, model.bodies[b].offset, m + b, position, diagonal)
+            border_length(state, stages.acceleration[0], step, model.bodies[b].offset, m + b, position, diagonal)
     profile_solve(elimination, step.newton.matrix, x)
     uq, uv = step.coordinate_increments[s], step.velocity_increments[s]
     ua, ul = step.acceleration_increments[s], step.multiplier_increments[s]
@@ -165,7 +181,7 @@ def solve_stage(model, state, step, s, force, diagonal):
 
 
 @njit_merged
-def border_length(state, step, k, row, position, diagonal):
+def border_length(state, start_a, step, k, row, position, diagonal):
     """Enter a rigid body's length, and what its multiplier's force is beyond the linear one, in a right-hand side."""
     q, v, a, rate, past, x = step.q, step.v, step.a, step.rate, step.past_velocity, step.unknowns
     multiplier, start = step.multipliers[row], state.multipliers[row]
@@ -174,11 +190,13 @@ def border_length(state, step, k, row, position, diagonal):
     for axis in range(2):
         i, j = k + axis, k + 2 + axis
         d0, d = state.q[j] - state.q[i], q[j] - q[i]
+        relative = start_a[j] - start_a[i]
         pull = diagonal * multiplier * (d - d0) - square * start * (rate[i] - rate[j])
         add_to(x, position[i], pull)
         add_to(x, position[j], -pull)
         u = v[j] - v[i]
         length_row += d0 * (a[j] - a[i] + past[j] - past[i]) - d * (a[j] - a[i]) - u * u
+        length_row -= diagonal * relative * (rate[j] - rate[i])
     enter(x, position[state.q.size + row], diagonal * length_row)
 
 
@@ -195,16 +213,17 @@ def attempt_rosenbrock(model, state, stages, step, work, h):
         state.clock[0].evaluations += 1
     weights = (1.0, diagonal, diagonal * diagonal)
     assemble(model, state.q, state.multipliers, work.row_value, step.newton, weights)
+    add_length_slopes(model, state, stages.acceleration[0], step.newton, diagonal)
     state.clock[0].factorizations += 1
     if not profile_factor(model.elimination, step.newton.matrix):
         return False
     for s in range(ROSENBROCK_STAGES):
         set_stage(state, stages, step, s, h)
         if s == 0:
-            solve_stage(model, state, step, s, step.start_force, diagonal)
+            solve_stage(model, state, stages, step, s, step.start_force, diagonal)
         else:
             applied_forces(model, state.joints, step.q, step.v, work)
-            solve_stage(model, state, step, s, work.force, diagonal)
+            solve_stage(model, state, stages, step, s, work.force, diagonal)
     last = ROSENBROCK_STAGES - 1
     end = stages.acceleration[STAGES - 1]
     for i in range(step.q.size):

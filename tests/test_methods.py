@@ -43,7 +43,9 @@ def test_every_own_and_scipy_method_moves_every_model_that_it_is_listed_for(meth
         assert motion.evaluations > 0
         assert motion.wall_time > 0.0
         ends[model] = motion.angles[-1, 0]
-    assert ends["rigid-ideal"] == pytest.approx(1.15e-8, rel=0.1)
+    # The panels start to open as one; bent or not, hinged with or without clearance.
+    if "rigid-ideal" in ends:
+        assert ends["rigid-ideal"] == pytest.approx(1.15e-8, rel=0.1)
 
 
 def test_without_the_peer_its_methods_are_not_available(monkeypatch):

@@ -167,7 +167,8 @@ def test_a_narrow_ramp_bounds_the_explicit_step_as_theory_has_it() -> None:
     assert narrow["class"] == STIFF
     assert narrow["value"] == pytest.approx(friction_maps.friction_step(0.0, 1e-6), rel=0.1)
     (wide,) = rows("friction-step", speed_zero_m_s=0, speed_full_m_s=1e-3)
-    assert wide["value"] == pytest.approx(friction_maps.contact_step(), rel=0.1)
+    # The bearing's stiffness and damping, linearly implicit in a contact that lasts, do not.
+    assert wide["value"] > 10.0 * friction_maps.SHORT_STEP
 
 
 def test_vibrations_of_a_slack_cable_are_damped_beyond_the_limit_and_told() -> None:

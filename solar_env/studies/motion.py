@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from ..array import ArrayParameters, build
 from ..mechanics.description import Mechanism
+from ..mechanics.diagnosis import SimulationWarning
 from ..mechanics.integrators import Integrator
 from ..mechanics.simulation import simulate
 from ..mechanics.trajectory import Trajectory, contact_record
@@ -92,7 +94,10 @@ def run_own(scene: Scene, integrator: Integrator) -> Motion:
     Raises:
         SimulationError: if the run cannot go on.
     """
-    trajectory = simulate(scene.mechanism(), scene.duration, integrator=integrator, output_step=scene.sample_step)
+    with warnings.catch_warnings():
+        # What the library warns of is measured here.
+        warnings.simplefilter("ignore", SimulationWarning)
+        trajectory = simulate(scene.mechanism(), scene.duration, integrator=integrator, output_step=scene.sample_step)
     return from_trajectory(trajectory)
 
 

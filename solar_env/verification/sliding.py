@@ -83,7 +83,7 @@ def sliding_speed_readings() -> Iterator[Check]:
         quantity="speed of centres: spin after 0.05 s, without friction [rad/s]",
         expected=torque * duration / inertia,
         obtained=float(simulation.joint_loads()[0][RATE]),
-        tolerance=1e-9,
+        tolerance=1e-8,  # that of the integrator, whose treatment of a lasting contact measures a rate of change
         relative=True,
         source="exact: the centres do not slide, so that the torque accelerates the journal freely",
     )

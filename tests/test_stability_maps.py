@@ -113,7 +113,7 @@ def test_the_library_restarts_and_tells_of_what_a_restart_cannot_help() -> None:
     assert rows("step-change", rho_inf=0.8, step_ratio=0.1, panel=multiplier_maps.CARRIED_OVER)[0]["class"] == SPIKES
 
 
-def test_explicit_steps_on_beams_grow_just_beyond_the_limit_which_the_library_keeps() -> None:
+def test_adaptive_steps_on_beams_grow_just_beyond_the_limit_which_the_library_keeps() -> None:
     for row in rows("beam-step"):
         beyond = row["step_s"] / row["limit"]
         if row["panel"] == beam_maps.UNBOUNDED:

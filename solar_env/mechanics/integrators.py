@@ -17,7 +17,7 @@ _HERTZ_PHASE = math.sqrt(15.0 / 8.0) * 2.0 * math.sqrt(math.pi) * math.gamma(1.4
 
 @dataclass(frozen=True)
 class RungeKutta:
-    """Adaptive explicit Runge-Kutta (``explicit.py``).
+    """Adaptive explicit Runge-Kutta (``adaptive.py``).
 
     Attributes:
         rtol: local error of a step, of velocities relative to velocity_scale + |velocity|, of positions to the

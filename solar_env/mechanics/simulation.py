@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from . import joint as columns
 from . import model as m
 from .accuracy import AccuracyWatch, limits_of_the_laws
+from .adaptive import advance_explicit, advance_linearly_implicit
 from .alpha_step import AlphaSettings
 from .build import compile_mechanism
 from .description import Mechanism
 from .errors import raise_for_status
-from .explicit import advance_explicit, advance_linearly_implicit
 from .generalized_alpha import advance_alpha
 from .integrators import Integrator, Rosenbrock, RungeKutta, alpha_coefficients
 from .recording import RECORDED_LOADS, Recorder, make_recorder, sample_columns

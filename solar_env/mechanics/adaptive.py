@@ -1,11 +1,15 @@
-"""Adaptive explicit Runge-Kutta (``runge_kutta.py``) with event location on its own interpolant (``events.py``).
+"""Adaptive steps that land on events: explicit Runge-Kutta ones, and linearly implicit ones where those are worth it.
 
-Constraints are enforced on the acceleration level and by projection of every accepted step.
+Events are roots of a step's own interpolant (``events.py``). Constraints are enforced on the acceleration level and by
+projection of every accepted step.
 
 During a step the contact mode of each joint is frozen, so that a step that runs into a bearing wall sees a smooth
 vector field. The wall is then found as a root of the interpolant, the step is cut there at no further cost, and the
 contact starts with its exact approach speed. Latchings are found in the same way. The steps of an impact are bounded
 by a share of its duration, which impact speed and stiffness give beforehand.
+
+With flexible bodies the explicit method (``runge_kutta.py``) is unstable beyond a known step. Where accuracy would
+allow several times as long a one, a linearly implicit step is tried (``rosenbrock.py``).
 """
 
 from __future__ import annotations

@@ -21,9 +21,9 @@ from helpers import (
 )
 
 from solar_env.array import ArrayParameters, build
+from solar_env.mechanics.adaptive import refresh
 from solar_env.mechanics.description import Bearing, Mechanism, Point
 from solar_env.mechanics.errors import SimulationError
-from solar_env.mechanics.explicit import refresh
 from solar_env.mechanics.integrators import RungeKutta
 from solar_env.mechanics.joint import ANGLE, penetration
 from solar_env.mechanics.runge_kutta import attempt_step, cubic_weights, make_stages, quintic_weights

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from .array import DEFAULT_ELEMENTS, ArrayParameters, build, check_elements, check_model, main_body_corners
 from .integrators import default_integrator
+from .ladder import DEFAULT_QUESTION, DEFAULT_TOLERANCE, cheapest, read_answers
 from .mechanics import model as m
 from .mechanics.geometry import centreline
 from .mechanics.joint import ECCENTRICITY_X, ECCENTRICITY_Y, NORMAL
@@ -101,7 +102,12 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     * `model`: "rigid-clearance" (default), "rigid-ideal", "flexible-clearance" or "flexible-ideal". With ideal joints
       the joint reactions take the place of contact forces and nothing wears. Flexible panels are beams in the absolute
       nodal coordinate formulation.
+      "auto" takes the cheapest model and elements that answer a question, as measured by
+      `python -m solar_env ladder` with the default parameters; the attributes `model` and `elements` then say which.
+      With other parameters, and with `randomize`, take it as a hint.
     * `elements`: number of beam elements of each flexible panel (6), from 1 to 1000; rigid panels do not use it.
+    * `question`, `tolerance`: of `model="auto"`: one of `solar_env.ladder.QUESTIONS` and the error allowed. By default
+      at most a tenth of the pairs of controllers may be ranked wrongly ("controller-ranking", 0.1).
     * `parameters`: an `ArrayParameters`, or a mapping of changes to the default ones.
     * `randomize`: mapping of parameter names to (low, high); each reset draws uniformly, by joint where the
       parameter is by joint.
@@ -127,6 +133,8 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         parameters: ArrayParameters | Mapping[str, Any] | None = None,
         *,
         elements: int = DEFAULT_ELEMENTS,
+        question: str | None = None,
+        tolerance: float | None = None,
         torque_limit: float = 0.5,
         control_period: float = 0.1,
         deadline: float = 20.0,
@@ -140,8 +148,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         Raises:
             ValueError: for an unknown name or a refused value; the message says which.
         """
-        self.model = check_model(model)
-        self.elements = check_elements(elements)
+        self.model, self.elements = _level(model, elements, question, tolerance)
         if not isinstance(parameters, ArrayParameters):
             parameters = ArrayParameters().with_changes(parameters or {})
         self.parameters = parameters
@@ -331,6 +338,22 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
 
 _TERMS = ("peak_impact", "wear", "missed_deadline")
+
+
+def _level(model: str, elements: int, question: str | None, tolerance: float | None) -> tuple[str, int]:
+    """Model and elements as given, or chosen by the ladder."""
+    if model != "auto":
+        if question is not None or tolerance is not None:
+            raise ValueError(f"question and tolerance choose the model: they need model='auto', not {model!r}")
+        return check_model(model), check_elements(elements)
+    if elements != DEFAULT_ELEMENTS:
+        raise ValueError(f"model='auto' chooses the elements too: leave out elements = {elements!r}, or name the model")
+    chosen = cheapest(
+        read_answers(),
+        DEFAULT_QUESTION if question is None else question,
+        DEFAULT_TOLERANCE if tolerance is None else tolerance,
+    )
+    return chosen.model, chosen.elements or DEFAULT_ELEMENTS
 
 
 def _checked_ranges(

@@ -15,20 +15,28 @@ from rich.table import Table
 
 from ..array import DEFAULT_ELEMENTS, MODELS, PRESETS, ArrayParameters, check_elements, check_model
 from ..integrators import INTEGRATORS, make_integrator
+from ..ladder import DEFAULT_TOLERANCE, QUESTIONS, Answer, cheapest, read_answers
 
 if TYPE_CHECKING:
     from ..mechanics.trajectory import Trajectory
 
+DEFAULT_MODEL = "rigid-clearance"
 _NOTEWORTHY_SHARE = 0.1  # of steps at the limit of stability, above which the command says so
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument("--model", default="rigid-clearance", help=f"one of {', '.join(MODELS)}")
+    parser.add_argument("--model", help=f"one of {', '.join(MODELS)}; default: {DEFAULT_MODEL}")
     parser.add_argument(
-        "--elements", type=int, default=DEFAULT_ELEMENTS, metavar="N",
-        help="beam elements of each panel of a flexible model (%(default)s)",
+        "--elements", type=int, metavar="N",
+        help=f"beam elements of each panel of a flexible model ({DEFAULT_ELEMENTS})",
     )  # fmt: skip
+    parser.add_argument(
+        "--question", metavar="NAME",
+        help="take the cheapest model and elements that answer a question, as measured by the command ladder: "
+        f"{', '.join(QUESTIONS)}",
+    )  # fmt: skip
+    parser.add_argument("--tolerance", type=float, metavar="X", help=f"of the answer, relative ({DEFAULT_TOLERANCE:g})")
     parser.add_argument("--duration", type=float, default=30.0, metavar="S", help="simulated time [s]")
     parser.add_argument("--preset", default="default", help=f"parameter set: {', '.join(PRESETS)}")
     parser.add_argument(
@@ -65,25 +73,27 @@ def parse_changes(assignments: list[str]) -> dict[str, Any]:
 def run_command(args: argparse.Namespace) -> int:
     """Simulate, report, write what was asked for."""
     # Wrong input is refused before the compiler is loaded.
-    check_model(args.model)
-    check_elements(args.elements)
+    answer = _chosen_answer(args)
+    model, elements = _level(args, answer)
     parameters = ArrayParameters.preset(args.preset).with_changes(parse_changes(args.set))
     for path in (args.plot, args.out, args.json):
         if path is not None and str(path) != "-" and not path.parent.is_dir():
             raise ValueError(f"the folder of {path} does not exist")
     name = args.integrator or "runge-kutta"
-    integrator = make_integrator(name, args.model, args.step, args.rtol)
+    integrator = make_integrator(name, model, args.step, args.rtol)
     from ..deployment import panel_deflections, simulate
     from .warmup import warm_up
 
     console = Console(stderr=True)
-    warm_up(console, args.model, name)
+    if answer is not None:
+        console.print(_answer_note(answer, parameters), highlight=False, soft_wrap=True)
+    warm_up(console, model, name)
     with Progress(console=console, transient=True) as progress:
         task = progress.add_task("simulating", total=args.duration)
         trajectory = simulate(
             parameters,
-            model=args.model,
-            elements=args.elements,
+            model=model,
+            elements=elements,
             duration=args.duration,
             integrator=integrator,
             output_step=args.output_step,
@@ -104,9 +114,47 @@ def run_command(args: argparse.Namespace) -> int:
     if args.plot:
         from ..plots import plot_deployment
 
-        flexible = args.model.startswith("flexible")
+        flexible = model.startswith("flexible")
         plot_deployment(trajectory, args.plot, panel_deflections(trajectory) if flexible else None)
     return 0
+
+
+def _chosen_answer(args: argparse.Namespace) -> Answer | None:
+    """What the ladder measured of the cheapest level that answers the question; None if none is asked.
+
+    Raises:
+        ValueError: if options contradict each other, or no level is within the tolerance.
+    """
+    if args.question is None:
+        if args.tolerance is not None:
+            raise ValueError("--tolerance says how well a --question is answered; give one, or --rtol for the steps")
+        return None
+    for option in ("model", "elements"):
+        if getattr(args, option) is not None:
+            raise ValueError(f"--question chooses model and elements: leave out --{option}, or the question")
+    return cheapest(read_answers(), args.question, DEFAULT_TOLERANCE if args.tolerance is None else args.tolerance)
+
+
+def _level(args: argparse.Namespace, answer: Answer | None) -> tuple[str, int]:
+    """Model and elements, chosen by the ladder or given.
+
+    Raises:
+        ValueError: if one given is refused.
+    """
+    if answer is not None:
+        return answer.model, answer.elements or DEFAULT_ELEMENTS
+    model = check_model(DEFAULT_MODEL if args.model is None else args.model)
+    return model, check_elements(DEFAULT_ELEMENTS if args.elements is None else args.elements)
+
+
+def _answer_note(answer: Answer, parameters: ArrayParameters) -> str:
+    note = (
+        f"{answer.level}: the cheapest level for {answer.question}, measured error {answer.error:.2g} (sampling "
+        f"{answer.half_width:.2g}), {answer.cost_ratio:.2g} times the cost of the finest level"
+    )
+    if parameters != ArrayParameters():
+        note += "; measured with the default parameters, not with these"
+    return note
 
 
 def _stability_note(trajectory: Trajectory) -> str:

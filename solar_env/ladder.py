@@ -1,0 +1,135 @@
+"""The ladder of model levels: which questions it answers, and the cheapest level that answers one to a tolerance.
+
+What a level errs by and costs is read from a table that ``python -m solar_env ladder`` measured.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+PACKAGED_TABLE = Path(__file__).resolve().parent / "data" / "ladder.csv"
+
+QUESTIONS = {
+    "latch-time": "when each joint latches",
+    "peak-force": "greatest contact force of each joint after the first latching",
+    "wear": "sliding work of each joint after the first latching, to which wear is proportional",
+    "impact-count": "number of impacts of each joint after the first latching",
+    "impulse": "impulse of each joint's contact force after the first latching",
+    "tip-motion": "path of the outermost panel's free end; errors over the length of the array",
+    "controller-ranking": "which of two controllers is softer by peak force and by sliding work; errors are shares of "
+    "pairs in the wrong order",
+}
+DEFAULT_QUESTION = "controller-ranking"  # what a controller that learns needs to be told rightly
+DEFAULT_TOLERANCE = 0.1
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What one level makes of one question.
+
+    Attributes:
+        question: one of QUESTIONS.
+        model: one of ``array.MODELS``.
+        elements: of each flexible panel; 0 with rigid panels.
+        error: of the mean over an ensemble, relative, against the reference: the finest level of the table. Of the
+            worst joint, where there are several.
+        half_width: of the 95 % sampling band of that error. For the reference, of its own mean.
+        cost_ratio: wall time over that of the reference, measured side by side.
+        evaluations: of the right-hand side, mean of the runs.
+        members: runs in the ensemble.
+    """
+
+    question: str
+    model: str
+    elements: int
+    error: float
+    half_width: float
+    cost_ratio: float
+    evaluations: float
+    members: int
+
+    @property
+    def bound(self) -> float:
+        """Error plus half-width: a level answers a question to a tolerance that is no smaller."""
+        return self.error + self.half_width
+
+    @property
+    def level(self) -> str:
+        """The level in words."""
+        if self.elements == 0:
+            return self.model
+        return f"{self.model}, {self.elements} element{'s' * (self.elements > 1)}"
+
+
+def read_answers(path: Path = PACKAGED_TABLE) -> tuple[Answer, ...]:
+    """Read the table of the package, or another one that ``python -m solar_env ladder`` wrote.
+
+    Raises:
+        ValueError: if the file does not exist or is not such a table.
+    """
+    if not path.is_file():
+        raise ValueError(f"{path} does not exist; measure it: python -m solar_env ladder")
+    with path.open(newline="", encoding="utf-8") as file:
+        rows = csv.DictReader(line for line in file if not line.startswith("# "))
+        try:
+            return tuple(
+                Answer(
+                    row["question"],
+                    row["model"],
+                    int(row["elements"]),
+                    float(row["error"]),
+                    float(row["half_width"]),
+                    float(row["cost_ratio"]),
+                    float(row["evaluations"]),
+                    int(row["members"]),
+                )
+                for row in rows
+            )
+        except (KeyError, TypeError, ValueError) as error:
+            raise ValueError(f"{path} is not a table of the ladder: {error!r}") from error
+
+
+def steps(answers: Iterable[Answer], question: str) -> tuple[Answer, ...]:
+    """The levels that :func:`cheapest` chooses for one tolerance or another, from the finest to the cheapest.
+
+    A level is chosen from its ``bound`` on, up to the bound of the next.
+    """
+    chosen: list[Answer] = []
+    for answer in sorted((a for a in answers if a.question == question), key=lambda a: (a.bound, a.cost_ratio)):
+        if not chosen or answer.cost_ratio < chosen[-1].cost_ratio:
+            chosen.append(answer)
+    return tuple(chosen)
+
+
+def cheapest(answers: Iterable[Answer], question: str, tolerance: float) -> Answer:
+    """The answer of the cheapest level whose error, sampling included, is within a tolerance.
+
+    Args:
+        answers: as :func:`read_answers` gives them.
+        question: one of QUESTIONS.
+        tolerance: relative, see QUESTIONS.
+
+    Raises:
+        ValueError: if the question is unknown or was not measured, the tolerance is not a positive finite number, or
+            no level is within it.
+    """
+    if question not in QUESTIONS:
+        raise ValueError(f"question {question!r} is unknown; choose from {', '.join(QUESTIONS)}")
+    if not 0.0 < tolerance < math.inf:
+        raise ValueError(f"tolerance = {tolerance!r} must be a positive finite number")
+    asked = [answer for answer in answers if answer.question == question]
+    if not asked:
+        raise ValueError(f"the table does not tell of {question!r}; measure it: python -m solar_env ladder")
+    within = [answer for answer in asked if answer.bound <= tolerance]
+    if not within:
+        best = min(asked, key=lambda answer: answer.bound)
+        raise ValueError(
+            f"no level answers {question!r} to a tolerance of {tolerance:g}: the best, {best.level}, is known to "
+            f"{best.bound:.3g} (error {best.error:.3g}, sampling {best.half_width:.3g}); allow as much, or choose "
+            "model and elements yourself and compare ensembles"
+        )
+    return min(within, key=lambda answer: answer.cost_ratio)

@@ -107,7 +107,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
       With other parameters, and with `randomize`, take it as a hint.
     * `elements`: number of beam elements of each flexible panel (6), from 1 to 1000; rigid panels do not use it.
     * `question`, `tolerance`: of `model="auto"`: one of `solar_env.ladder.QUESTIONS` and the error allowed. By default
-      at most a tenth of the pairs of controllers may be ranked wrongly ("controller-ranking", 0.1).
+      at most a fifth of the pairs of controllers may be ranked wrongly ("controller-ranking", 0.2).
     * `parameters`: an `ArrayParameters`, or a mapping of changes to the default ones.
     * `randomize`: mapping of parameter names to (low, high); each reset draws uniformly, by joint where the
       parameter is by joint.

@@ -24,7 +24,8 @@ QUESTIONS = {
     "pairs in the wrong order",
 }
 DEFAULT_QUESTION = "controller-ranking"  # what a controller that learns needs to be told rightly
-DEFAULT_TOLERANCE = 0.1
+DEFAULT_TOLERANCE = 0.2
+_ROUNDING = 1.0 + 1e-9  # shares of pairs are compared with tolerances that are such shares
 
 
 @dataclass(frozen=True)
@@ -60,9 +61,12 @@ class Answer:
     @property
     def level(self) -> str:
         """The level in words."""
-        if self.elements == 0:
-            return self.model
-        return f"{self.model}, {self.elements} element{'s' * (self.elements > 1)}"
+        return level_name(self.model, self.elements)
+
+
+def level_name(model: str, elements: int) -> str:
+    """A level in words; no elements with rigid panels."""
+    return f"{model}, {elements} element{'s' * (elements > 1)}" if elements else model
 
 
 def read_answers(path: Path = PACKAGED_TABLE) -> tuple[Answer, ...]:
@@ -124,7 +128,7 @@ def cheapest(answers: Iterable[Answer], question: str, tolerance: float) -> Answ
     asked = [answer for answer in answers if answer.question == question]
     if not asked:
         raise ValueError(f"the table does not tell of {question!r}; measure it: python -m solar_env ladder")
-    within = [answer for answer in asked if answer.bound <= tolerance]
+    within = [answer for answer in asked if answer.bound <= tolerance * _ROUNDING]
     if not within:
         best = min(asked, key=lambda answer: answer.bound)
         raise ValueError(

@@ -50,7 +50,7 @@ def run_command(args: argparse.Namespace) -> int:
 
 def _print_choices(answers: tuple[Answer, ...]) -> None:
     table = Table("question", "from", "level", "cost", box=SIMPLE)
-    table.title = "the cheapest level from a tolerance on; cost: wall time over the finest level's"
+    table.title = "the cheapest level from a tolerance on; cost over the finest level's"
     for question in QUESTIONS:
         for answer in steps(answers, question):
             table.add_row(question, f"{answer.bound:.2g}", answer.level, f"{answer.cost_ratio:.2g}")

@@ -87,12 +87,12 @@ def run_ladder(plan: Plan, announce: Announce) -> list[Row]:
     for member in range(max(plan.members, plan.ideal_members)):
         for level in plan.levels:
             if member < plan.deployments_of(level):
-                announce(f"{name_of(level)}, run {member + 1}")
+                announce(f"{level.name}, run {member + 1}")
                 deployed[level].append(deploy(level, member, plan.duration))
     for member in range(plan.controlled_members):
         for level in plan.levels:
             if member < plan.controlled_runs_of(level):
-                label = f"{name_of(level)}, run {member + 1}, "
+                label = f"{level.name}, run {member + 1}, "
                 controlled[level].append(control(level, member, plan.window, partial(_announce_after, label, announce)))
     return rows_of(deployed, controlled)
 
@@ -108,7 +108,7 @@ def rows_of(deployed: Mapping[Level, Sequence[Run]], controlled: Mapping[Level, 
         runs = controlled if question == RANKING else deployed
         reference = list(runs)[-1]
         for level, own in runs.items():
-            error, half_width = _error(question, own, None if level == reference else runs[reference])
+            error, half_width = error_of(question, own, None if level == reference else runs[reference])
             answer = Answer(
                 question,
                 level.model,
@@ -123,8 +123,15 @@ def rows_of(deployed: Mapping[Level, Sequence[Run]], controlled: Mapping[Level, 
     return rows
 
 
-def _error(question: str, own: Sequence[Run], reference: Sequence[Run] | None) -> tuple[float, float]:
-    """Error and half-width of a level, or of the reference itself (None)."""
+def error_of(question: str, own: Sequence[Run], reference: Sequence[Run] | None) -> tuple[float, float]:
+    """Error of a level and the half-width of its sampling band.
+
+    Args:
+        question: one of ``solar_env.ladder.QUESTIONS``.
+        own: runs of the level.
+        reference: runs of the reference; None if the level is the reference, which then has no error and the half-width
+            of its own mean.
+    """
     level = np.stack([run.answers[question] for run in own])
     other = level if reference is None else np.stack([run.answers[question] for run in reference])
     if question == RANKING:
@@ -134,11 +141,6 @@ def _error(question: str, own: Sequence[Run], reference: Sequence[Run] | None) -
         parameters = ArrayParameters()
         scale = np.full(other.shape[1], parameters.panel_count * parameters.panel_length)
     return (0.0, own_half_width(level, scale)) if reference is None else mean_error(level, other, scale)
-
-
-def name_of(level: Level) -> str:
-    """A level in words."""
-    return f"{level.model}, {level.elements} elements" if level.elements else level.model
 
 
 def measure(quick: bool, folder: Path, console: Console) -> Path:
@@ -157,7 +159,7 @@ def measure(quick: bool, folder: Path, console: Console) -> Path:
         rows = run_ladder(plan, lambda run: progress.update(task, advance=1, description=run))
     made_by = provenance(
         f"python -m solar_env ladder{' --quick' if quick else ''}",
-        reference=f"{name_of(plan.levels[-1])}: the finest level measured, which is not the truth",
+        reference=f"{plan.levels[-1].name}: the finest level measured, which is not the truth",
         parameters="the defaults of ArrayParameters; each member's root hinge moved by 1e-8 m",
         integrators="the default of each model",
         duration_s=plan.duration,

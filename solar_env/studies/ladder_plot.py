@@ -73,5 +73,6 @@ def _draw_steps(axis: Axes, chosen: Sequence[Answer]) -> None:
     """The cost of the cheapest level against the tolerance; none to the left of the finest."""
     bounds = [max(answer.bound, _SMALLEST) for answer in chosen]
     costs = [answer.cost_ratio for answer in chosen]
-    end = axis.get_xlim()[1]
+    start, end = 0.4 * bounds[0], 2.0 * axis.get_xlim()[1]
     axis.step([*bounds, end], [*costs, costs[-1]], where="post", color=_STEPS, linewidth=2.5, alpha=0.5, zorder=1)
+    axis.set_xlim(start, end)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ..array import ArrayParameters, build
 from ..deployment import simulate
 from ..env import SolarArrayEnv
+from ..ladder import level_name
 from ..mechanics.build import compile_mechanism
 from ..mechanics.geometry import centreline
 from ..mechanics.trajectory import Trajectory
@@ -34,6 +35,11 @@ class Level:
 
     model: str
     elements: int = 0
+
+    @property
+    def name(self) -> str:
+        """The level in words."""
+        return level_name(self.model, self.elements)
 
     @property
     def panel_elements(self) -> int:
@@ -110,7 +116,7 @@ def deploy(level: Level, member: int, duration: float) -> Run:
         output_step=SAMPLE_STEP,
     )
     if np.isnan(trajectory.latch_times).any():
-        raise ValueError(f"{level.model} has not latched within {duration:g} s; simulate longer")
+        raise ValueError(f"{level.name} has not latched within {duration:g} s; simulate longer")
     by_joint = {
         "latch-time": trajectory.latch_times,
         "peak-force": trajectory.postlock_peak_force,
@@ -162,7 +168,7 @@ def control(level: Level, member: int, window: float, announce: Callable[[str], 
         wall += time.perf_counter() - start
         evaluations += float(env.simulation.state.clock["evaluations"][0])
         if not figures["latched"]:
-            raise ValueError(f"{profile.name} with {level.model} misses the deadline")
+            raise ValueError(f"{profile.name} with {level.name} misses the deadline")
         measures.append([sum(figures["peak_postlock_force_N"]), sum(figures["postlock_sliding_work_J"])])
     return Run({"controller-ranking": np.array(measures)}, wall, evaluations)
 

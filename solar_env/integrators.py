@@ -16,7 +16,7 @@ def default_integrator(model: str) -> RungeKutta:
     measured errors: angles, latch times and statistics of impacts (``python -m solar_env chart``).
     """
     if model.startswith("flexible"):
-        return Rosenbrock(rtol=2e-4 if model.endswith("ideal") else 1e-4)
+        return Rosenbrock(rtol=1e-4)
     return RungeKutta(rtol=5e-7) if model.endswith("ideal") else RungeKutta(rtol=2e-6, impact_resolution=12.0)
 
 

@@ -39,9 +39,9 @@ def simulate(
         progress: called with the simulated time now and then.
 
     Returns:
-        The trajectory. With flexible panels and an explicit integrator, look at its ``stability_bound_share``: where
-        it is large, the stability of the method on the panels' axial vibration sets the cost of the run, and fewer
-        ``elements`` make it cheaper while a looser tolerance does not.
+        The trajectory. With flexible panels and the explicit integrator, look at its ``stability_bound_share``: where
+        it is large, the stability of the method on the panels' axial vibration sets the cost of the run, and a looser
+        tolerance does not make it cheaper.
 
     Raises:
         ValueError: for an unknown model, parameter or value, or a refused number of elements.

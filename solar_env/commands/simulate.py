@@ -14,8 +14,9 @@ from rich.progress import Progress
 from rich.table import Table
 
 from ..array import DEFAULT_ELEMENTS, MODELS, PRESETS, ArrayParameters, check_elements, check_model
-from ..integrators import INTEGRATORS, make_integrator
+from ..integrators import INTEGRATORS, default_integrator, make_integrator
 from ..ladder import DEFAULT_TOLERANCE, QUESTIONS, Answer, cheapest, read_answers
+from ..mechanics.integrators import Rosenbrock, RungeKutta
 
 if TYPE_CHECKING:
     from ..mechanics.trajectory import Trajectory
@@ -79,7 +80,7 @@ def run_command(args: argparse.Namespace) -> int:
     for path in (args.plot, args.out, args.json):
         if path is not None and str(path) != "-" and not path.parent.is_dir():
             raise ValueError(f"the folder of {path} does not exist")
-    name = args.integrator or "runge-kutta"
+    name = args.integrator or default_integrator(model).name
     integrator = make_integrator(name, model, args.step, args.rtol)
     from ..deployment import panel_deflections, simulate
     from .warmup import warm_up
@@ -99,7 +100,7 @@ def run_command(args: argparse.Namespace) -> int:
             output_step=args.output_step,
             progress=lambda time: progress.update(task, completed=time),
         )
-    if trajectory.stability_bound_share > _NOTEWORTHY_SHARE:
+    if name == RungeKutta.name and trajectory.stability_bound_share > _NOTEWORTHY_SHARE:
         console.print(_stability_note(trajectory), highlight=False, soft_wrap=True)
     summary = trajectory.summary()
     if str(args.json) == "-":
@@ -158,12 +159,10 @@ def _answer_note(answer: Answer, parameters: ArrayParameters) -> str:
 
 
 def _stability_note(trajectory: Trajectory) -> str:
-    remedy = "fewer elements make them longer, a looser tolerance does not"
-    if trajectory.metadata["elements"] == 1:
-        remedy = "a looser tolerance does not make them longer"
     return (
         f"{100.0 * trajectory.stability_bound_share:.0f} % of the steps were as long as the stability of the explicit "
-        f"method on the panels' axial vibration allows; {remedy}"
+        f"method on the panels' axial vibration allows; a looser tolerance does not make them longer, the integrator "
+        f"'{Rosenbrock.name}' does"
     )
 
 

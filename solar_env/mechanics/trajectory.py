@@ -124,6 +124,8 @@ class Trajectory:
         wear = np.maximum(self.wear_journal.max(axis=1), self.wear_bearing.max(axis=1))
         return {
             "model": self.metadata.get("model"),
+            "elements": self.metadata.get("elements"),
+            "integrator": self.metadata.get("integrator"),
             "status": "completed",
             "duration_s": float(self.time[-1] - self.time[0]),
             "latch_times_s": plain(self.latch_times),
@@ -140,6 +142,7 @@ class Trajectory:
             "steps": self.metadata.get("steps"),
             "rejected_steps": self.metadata.get("rejected_steps"),
             "evaluations": self.metadata.get("evaluations"),
+            "factorizations": self.metadata.get("factorizations"),
             "stability_bound_steps": self.metadata.get("stability_bound_steps"),
             "slow_contacts": self.metadata.get("slow_contacts"),
             "creeping_share": self.metadata.get("creeping_share"),

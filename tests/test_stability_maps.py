@@ -183,9 +183,7 @@ def test_vibrations_of_a_slack_cable_are_damped_beyond_the_limit_and_told() -> N
 def test_a_latch_is_resolved_by_eight_steps_whatever_its_stiffness() -> None:
     for name in ("latch", "latch-depth"):
         for row in rows(name):
-            if row["panel"] == stop_maps.EXPLICIT:
-                assert row["class"] == FINE or row["said"] == ERROR
-            elif row["step_s"] < 0.5 * row["limit"]:
+            if row["panel"] == stop_maps.EXPLICIT or row["step_s"] < 0.5 * row["limit"]:
                 assert row["class"] == FINE
     rigid = rows("latch", stiffness_Nm_rad=1e8, step_s=0.01, panel=stop_maps.DAMPED)[0]
     assert rigid["class"] == BLOW_UP

@@ -23,9 +23,11 @@ from .history import check_state, fail, impact_step_limit, note_force, settle_jo
 from .joint import penetration
 from .linear import copy_into
 from .model import (
+    APPROXIMATE,
     CLEARANCE,
     CONTACT_BUFFER_FULL,
     DONE,
+    EXACT,
     INTEGRALS_PER_JOINT,
     NOT_FINITE,
     SINGULAR_CONSTRAINTS,
@@ -202,15 +204,8 @@ def accept(model, state, stages, work, scratch, recorder, h, share, event_joint,
 
 
 @njit_allocating
-def advance_explicit(model, state, settings, recorder, end_time):
+def advance_adaptive(model, state, settings, recorder, end_time):
     """Advance ``state`` in place to ``end_time`` [s]; returns a status code."""
-    work, scratch, stages = make_workspace(model, state), make_workspace(model, state), make_stages(state)
-    return take_steps(model, state, settings, recorder, end_time, work, scratch, stages, None)
-
-
-@njit_allocating
-def advance_linearly_implicit(model, state, settings, recorder, end_time):
-    """The same with linearly implicit steps (``rosenbrock.py``) where they are worth their price."""
     work, scratch, stages = make_workspace(model, state), make_workspace(model, state), make_stages(state)
     step = make_rosenbrock(model, state, work)
     return take_steps(model, state, settings, recorder, end_time, work, scratch, stages, step)
@@ -218,13 +213,14 @@ def advance_linearly_implicit(model, state, settings, recorder, end_time):
 
 @njit_inner
 def take_steps(model, state, settings, recorder, end_time, work, scratch, stages, step):
-    """:func:`advance_explicit` with its arrays at hand; without ``step``, all steps are explicit."""
+    """:func:`advance_adaptive` with its arrays at hand."""
     clock = state.clock[0]
     for j in range(state.joints.size):
         work.impact_speeds[j] = state.joints[j].impact_speed if state.joints[j].in_contact else 0.0
     if clock.acceleration_current:
         copy_into(stages.acceleration[0], state.a)
         copy_into(stages.power[0], state.power)
+        step.exact[0] = clock.acceleration_current == EXACT
     elif not refresh(model, state, stages, work):
         return fail(state, SINGULAR_CONSTRAINTS, -1, 0.0)
     copy_into(stages.velocity[0], state.v)
@@ -250,7 +246,7 @@ def take_steps(model, state, settings, recorder, end_time, work, scratch, stages
         if any_stop_engaged(state.joints):
             stable *= _STOP_SHARE
         wanted = min(clock.step_size, limit)
-        implicit = step is not None and clock.explicit_wait <= 0 and wanted > _WORTH * stable
+        implicit = settings.linearly_implicit and clock.explicit_wait <= 0 and wanted > _WORTH * stable
         bound = stable < wanted and not implicit
         if bound:
             wanted = stable
@@ -260,11 +256,11 @@ def take_steps(model, state, settings, recorder, end_time, work, scratch, stages
             h = end_time - clock.time
         taken += 1
         regular = True
-        if step is not None and implicit:
+        if implicit:
             regular = attempt_rosenbrock(model, state, stages, step, work, h)
             error = _STRICTER * rosenbrock_error(model, state, stages, step, settings)
         else:
-            if step is not None and not step.exact[0]:
+            if not step.exact[0]:
                 regular = refresh(model, state, stages, work)
                 step.exact[0] = 1
             regular = regular and attempt_step(model, state, stages, work, h)
@@ -288,7 +284,7 @@ def take_steps(model, state, settings, recorder, end_time, work, scratch, stages
         clock.explicit_wait -= not implicit
         if implicit:
             clock.explicit_patience = 0
-        if step is not None and implicit:
+        if implicit:
             copy_into(state.multipliers, step.multipliers)
         share, event_joint, kind = first_event(model, state, stages, work, h)
         if not accept(model, state, stages, work, scratch, recorder, h, share, event_joint, kind):
@@ -296,16 +292,15 @@ def take_steps(model, state, settings, recorder, end_time, work, scratch, stages
             break
         if last and share == 1.0:
             clock.time = end_time
-        if step is not None:
-            step.linearized[0] = 0
-            step.exact[0] = not implicit or kind != NONE
+        step.linearized[0] = 0
+        step.exact[0] = not implicit or kind != NONE
         error = max(error, 1e-10)
         grow = min(0.9 * error**-0.18 * clock.last_error**0.1, 10.0)
         clock.last_error = max(error, 1e-4)
         # A step that was cut short by the end of the call or by an event says little about the next one.
         if not last:
             clock.step_size = wanted * max(grow, 0.2)
-            if step is not None and bound:
+            if bound and settings.linearly_implicit:
                 # What accuracy alone would allow.
                 clock.step_size = max(clock.step_size, wanted * min(0.9 * error**-0.25, 10.0))
         else:
@@ -315,5 +310,5 @@ def take_steps(model, state, settings, recorder, end_time, work, scratch, stages
             break
     copy_into(state.a, stages.acceleration[0])
     copy_into(state.power, stages.power[0])
-    clock.acceleration_current = 1
+    clock.acceleration_current = EXACT if step.exact[0] else APPROXIMATE
     return status

@@ -19,6 +19,8 @@ from .profile import Elimination
 
 # Body kinds.
 FIXED, RIGID, FLEXIBLE = 0, 1, 2
+# Accelerations that solve the equations of motion, or do so to a step's tolerance.
+EXACT, APPROXIMATE = 1, 2
 # Joint kinds.
 IDEAL, CLEARANCE = 0, 1
 # Reading of the sliding speed in the friction law.
@@ -171,7 +173,7 @@ clock_type = _record(
         ("latched_joints", np.int64),
         ("initial_energy", np.float64),
         ("energy_scale", np.float64),  # sum of the magnitudes of the initial energies
-        ("acceleration_current", np.int64),  # whether State.a belongs to the present q, v and inputs
+        ("acceleration_current", np.int64),  # whether State.a belongs to the present q, v and inputs: 0, or one below
         # Where and with what value a failed call stopped.
         ("failure_time", np.float64),
         ("failure_joint", np.int64),

@@ -95,7 +95,7 @@ def make_rosenbrock(model, state, work):
         np.zeros((blocks, BLOCK)),
         np.zeros((blocks, BLOCK)),
         np.zeros(1, dtype=np.int64),
-        np.zeros(1, dtype=np.int64),
+        np.ones(1, dtype=np.int64),
     )
 
 
@@ -201,12 +201,18 @@ def border_length(state, start_a, step, k, row, position, diagonal):
 
 
 @njit_inner
+def evaluate_forces(model, joint_states, q, v, work):
+    """``system.applied_forces`` as a call: inlined at every place it would take long to compile."""
+    applied_forces(model, joint_states, q, v, work)
+
+
+@njit_inner
 def attempt_rosenbrock(model, state, stages, step, work, h):
     """Fill a step ``h``, its end going to ``stages`` as in ``runge_kutta.attempt_step``. False if singular."""
     time = state.clock[0].time
     diagonal = GAMMA * h
     if not step.linearized[0]:
-        applied_forces(model, state.joints, state.q, state.v, work)
+        evaluate_forces(model, state.joints, state.q, state.v, work)
         copy_into(step.start_force, work.force)
         linearize_forces(model, state.joints, state.q, state.v, step.newton)
         step.linearized[0] = 1
@@ -222,7 +228,7 @@ def attempt_rosenbrock(model, state, stages, step, work, h):
         if s == 0:
             solve_stage(model, state, stages, step, s, step.start_force, diagonal)
         else:
-            applied_forces(model, state.joints, step.q, step.v, work)
+            evaluate_forces(model, state.joints, step.q, step.v, work)
             solve_stage(model, state, stages, step, s, work.force, diagonal)
     last = ROSENBROCK_STAGES - 1
     end = stages.acceleration[STAGES - 1]
@@ -233,13 +239,13 @@ def attempt_rosenbrock(model, state, stages, step, work, h):
     # Simpson's rule for the integrals, with the interpolated state in the middle.
     power, middle, gain = stages.power, stages.power[1], stages.gain
     interpolate(state, stages, h, 0.5)
-    applied_forces(model, state.joints, stages.scratch_q, stages.scratch_v, work)
+    evaluate_forces(model, state.joints, stages.scratch_q, stages.scratch_v, work)
     for k in range(step.multipliers.size):
         step.multipliers[k] += step.multiplier_increments[last, k]
         step.multiplier_increments[0, k] = 0.5 * (state.multipliers[k] + step.multipliers[k])
     store_constraint_loads(model, step.multiplier_increments[0], time + 0.5 * h, stages.scratch_q, work)
     copy_into(middle, work.power)
-    applied_forces(model, state.joints, stages.q, stages.v, work)
+    evaluate_forces(model, state.joints, stages.q, stages.v, work)
     store_constraint_loads(model, step.multipliers, time + h, stages.q, work)
     copy_into(power[STAGES - 1], work.power)
     for k in range(gain.size):

@@ -48,14 +48,15 @@ _ERROR = tuple(weight / 40.0 for weight in (-1.0, 3.0, -3.0, -3.0, 4.0))
 _ENERGIES = (NORMAL_DISSIPATION, FRICTION_DISSIPATION, MOTOR_WORK, STOP_DISSIPATION, CABLE_WORK)
 
 
-class ExplicitSettings(NamedTuple):
-    """Settings of :func:`advance_explicit`."""
+class AdaptiveSettings(NamedTuple):
+    """Settings of ``adaptive.advance_adaptive``."""
 
     rtol: float  # local error of velocities relative to (velocity_scale + |velocity|), of positions to the length scale
     velocity_scale: float  # [m/s]
     max_step: float  # [s]
     impact_resolution: float  # steps per predicted impact duration
     max_steps: int  # per call
+    linearly_implicit: int  # whether such steps are taken where they are worth their price
 
 
 class StiffForces(NamedTuple):

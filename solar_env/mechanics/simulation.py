@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from . import joint as columns
 from . import model as m
 from .accuracy import AccuracyWatch, limits_of_the_laws
-from .adaptive import advance_explicit, advance_linearly_implicit
+from .adaptive import advance_adaptive
 from .alpha_step import AlphaSettings
 from .build import compile_mechanism
 from .description import Mechanism
@@ -22,7 +22,7 @@ from .errors import raise_for_status
 from .generalized_alpha import advance_alpha
 from .integrators import Integrator, Rosenbrock, RungeKutta, alpha_coefficients
 from .recording import RECORDED_LOADS, Recorder, make_recorder, sample_columns
-from .runge_kutta import ExplicitSettings
+from .runge_kutta import AdaptiveSettings
 from .system import (
     accelerations,
     applied_forces,
@@ -142,11 +142,15 @@ class Simulation:
     def _advance(self, end_time: float, recorder: Recorder) -> int:
         chosen = self.integrator
         if isinstance(chosen, RungeKutta):
-            advance = advance_linearly_implicit if isinstance(chosen, Rosenbrock) else advance_explicit
-            settings = ExplicitSettings(
-                chosen.rtol, chosen.velocity_scale, chosen.max_step, chosen.impact_resolution, chosen.max_steps
+            settings = AdaptiveSettings(
+                chosen.rtol,
+                chosen.velocity_scale,
+                chosen.max_step,
+                chosen.impact_resolution,
+                chosen.max_steps,
+                int(isinstance(chosen, Rosenbrock)),
             )
-            return int(advance(self.model, self.state, settings, recorder, float(end_time)))
+            return int(advance_adaptive(self.model, self.state, settings, recorder, float(end_time)))
         alpha_settings = AlphaSettings(
             *alpha_coefficients(chosen.rho_inf),
             chosen.step,

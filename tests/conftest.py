@@ -18,7 +18,7 @@ PACKAGE_PARENT = Path(solar_env.__file__).resolve().parent.parent
 
 @pytest.fixture(scope="session", autouse=True)
 def kernels(request: pytest.FixtureRequest) -> None:
-    """Compile the kernels once, or load them from the cache, and say so: it can take one to two minutes."""
+    """Compile the kernels once, or load them from the cache, and say so: it can take three minutes."""
     reporter = request.config.pluginmanager.get_plugin("terminalreporter")
     capture = request.config.pluginmanager.get_plugin("capturemanager")
 
@@ -28,7 +28,7 @@ def kernels(request: pytest.FixtureRequest) -> None:
                 reporter.ensure_newline()
                 reporter.write_line(text)
 
-    say("loading the compiled kernels (the first time compiles them, which takes one to two minutes) ...")
+    say("loading the compiled kernels (the first time compiles them, which takes two to three minutes) ...")
     start = time.perf_counter()
     from solar_env.mechanics.integrators import GeneralizedAlpha, Rosenbrock
     from solar_env.mechanics.simulation import simulate

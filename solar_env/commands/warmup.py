@@ -37,7 +37,7 @@ def load_all_models(integrator: str) -> list[float]:
 
 def warm_up(console: Console, model: str, integrator: str) -> None:
     """Compile or load the kernels of a model, saying so."""
-    with console.status(f"loading kernels of {model}, {integrator} (the first time compiles them: up to a minute)"):
+    with console.status(f"loading kernels of {model}, {integrator} (the first time compiles them: one to three minutes)"):
         load_kernels(model, integrator)
 
 
@@ -50,7 +50,7 @@ def run_command(args: argparse.Namespace) -> int:
     console = Console()
     start = time.perf_counter()
     with (
-        console.status("compiling the kernels of all models (up to a minute; later runs load them)"),
+        console.status("compiling the kernels of all models (one to three minutes; later runs load them)"),
         ProcessPoolExecutor(len(_COMPILED_TOGETHER), multiprocessing.get_context("spawn")) as pool,
     ):
         jobs = {pool.submit(load_all_models, integrator): integrator for integrator in _COMPILED_TOGETHER}

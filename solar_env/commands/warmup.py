@@ -37,7 +37,7 @@ def load_all_models(integrator: str) -> list[float]:
 
 def warm_up(console: Console, model: str, integrator: str) -> None:
     """Compile or load the kernels of a model, saying so."""
-    with console.status(f"loading kernels of {model}, {integrator} (the first time compiles them: one to three minutes)"):
+    with console.status(f"loading kernels of {model}, {integrator} (compiled the first time: up to three minutes)"):
         load_kernels(model, integrator)
 
 

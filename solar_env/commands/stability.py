@@ -7,7 +7,8 @@ import textwrap
 from pathlib import Path
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+from ..progress import counting_bar
 
 _COLUMNS = 100
 
@@ -42,8 +43,7 @@ def _measure(names: list[str], quick: bool, folder: Path) -> None:
     from ..studies.stability_maps import MAPS, measure_map
 
     cells = sum(1 for name in names for _ in MAPS[name].cells(quick))
-    columns = (BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("{task.description}"))
-    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+    with counting_bar(Console(stderr=True)) as progress:
         task = progress.add_task("", total=cells)
         for name in names:
             progress.update(task, description=f"{name} (compiles kernels the first time: a few minutes at most)")

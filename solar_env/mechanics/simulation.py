@@ -163,23 +163,23 @@ class Simulation:
         )
         return int(advance_alpha(self.model, self.state, alpha_settings, recorder, float(end_time)))
 
-    def _evaluate(self) -> Any:
-        """Workspace with loads and powers at the present state."""
+    def _evaluate(self) -> tuple[Any, NDArray[np.float64]]:
+        """Workspace with loads and powers at the present state, and the multipliers that hold its constraints."""
         state = self.state
         work = make_workspace(self.model, state)
         work.impact_speeds[:] = np.where(state.joints["in_contact"], state.joints["impact_speed"], 0.0)
         scratch, multipliers = np.zeros_like(state.a), np.zeros_like(state.multipliers)
         accelerations(self.model, state.joints, state.q, state.v, self.time, work, scratch, multipliers)
-        return work
+        return work, multipliers
 
     def joint_loads(self) -> NDArray[np.float64]:
         """(joints, columns) table of angles, rates, forces and torques now; columns are named in ``joint.py``."""
-        return self._evaluate().loads[:, :RECORDED_LOADS]
+        return self._evaluate()[0].loads[:, :RECORDED_LOADS]
 
     def stored_energies(self) -> NDArray[np.float64]:
         """(ENERGIES,) stored energies now [J], in the order of ``model.ENERGY_NAMES``."""
         energies = np.zeros(m.ENERGIES)
-        work = self._evaluate()
+        work, _ = self._evaluate()
         stored_energies(self.model, self.state.joints, self.state.q, self.state.v, work.loads, energies)
         return energies
 
@@ -214,9 +214,7 @@ class Simulation:
         over the run's energy within the longest body, lest rounding be measured by rounding.
         """
         state = self.state
-        work = self._evaluate()
-        accelerated, multipliers = np.zeros_like(state.a), np.zeros_like(state.multipliers)
-        accelerations(self.model, state.joints, state.q, state.v, self.time, work, accelerated, multipliers)
+        work, multipliers = self._evaluate()
         scale = np.ones_like(multipliers)
         scale[self.model.constraints.target.size :] = self.model.bodies["length"]
         applied_forces(self.model, state.joints, state.q, state.v, work)

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
+from ..progress import counting_bar
 from .ensembles import count_ensembles, run_ensembles
 from .ensembles_plot import draw_ensembles
 from .growth import count_growth, run_growth
@@ -80,8 +80,7 @@ def measure(names: Sequence[str], quick: bool, folder: Path, console: Console) -
     plan = QUICK if quick else FULL
     if peer_is_missing():
         console.print(MISSING_PEER, highlight=False, markup=False, soft_wrap=True)
-    columns = (BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("{task.description}"))
-    with Progress(*columns, console=console, transient=True) as progress:
+    with counting_bar(console) as progress:
         total = sum(STUDIES[name].count(plan) for name in names)
         task = progress.add_task("loading kernels (the first time compiles them: up to two minutes)", total=total)
         warm_up(plan)

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..array import ArrayParameters
 from ..mechanics.errors import SimulationError
 from .measures import impacts_of
 from .methods import find_method
@@ -73,10 +74,9 @@ CONTESTANTS: dict[str, tuple[Contestant, ...]] = {
 }
 
 
-def perturbed(scene: Scene, member: int) -> Scene:
-    """The scene with its root hinge moved by ``member`` times PERTURBATION."""
-    moved = replace(scene.parameters, hinge_y=scene.parameters.hinge_y + member * PERTURBATION)
-    return replace(scene, parameters=moved)
+def perturbed(parameters: ArrayParameters, member: int) -> ArrayParameters:
+    """The array with its root hinge moved by ``member`` times PERTURBATION."""
+    return replace(parameters, hinge_y=parameters.hinge_y + member * PERTURBATION)
 
 
 def statistics_of(motion: Motion) -> list[dict[str, float]]:
@@ -118,7 +118,7 @@ def _quantile(values: NDArray[np.float64], share: float) -> float:
 def member_rows(scene: Scene, member: int, solve: Callable[[Scene], Motion], labels: Row) -> list[Row]:
     """A row for each joint of one run of an ensemble: labels, then the statistics; none if the run could not go on."""
     try:
-        motion = solve(perturbed(scene, member))
+        motion = solve(replace(scene, parameters=perturbed(scene.parameters, member)))
     except SimulationError:
         return []
     return [

@@ -10,11 +10,11 @@ from pathlib import Path
 
 import numpy as np
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from ..array import ArrayParameters
 from ..env import SolarArrayEnv
 from ..ladder import QUESTIONS, Answer
+from ..progress import counting_bar
 from .ladder_answers import mean_error, own_half_width, own_ranking_half_width, ranking_error
 from .ladder_runs import CONTROLLERS, Level, Run, control, deploy
 from .tables import Row, provenance, write_table
@@ -152,8 +152,7 @@ def measure(quick: bool, folder: Path, console: Console) -> Path:
         console: for what is told on the way.
     """
     plan = QUICK if quick else FULL
-    columns = (BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("{task.description}"))
-    with Progress(*columns, console=console, transient=True) as progress:
+    with counting_bar(console) as progress:
         task = progress.add_task("loading kernels (the first time compiles them)", total=count_runs(plan))
         _warm_up(plan)
         rows = run_ladder(plan, lambda run: progress.update(task, advance=1, description=run))

@@ -17,7 +17,7 @@ from ..ladder import level_name
 from ..mechanics.build import compile_mechanism
 from ..mechanics.geometry import centreline
 from ..mechanics.trajectory import Trajectory
-from .ensembles import PERTURBATION
+from .ensembles import perturbed
 
 Array = NDArray[np.float64]
 
@@ -87,12 +87,6 @@ class Run:
     evaluations: float
 
 
-def perturbed(member: int) -> ArrayParameters:
-    """The default array with its root hinge moved by ``member`` times ``ensembles.PERTURBATION``."""
-    standard = ArrayParameters()
-    return standard.with_changes({"hinge_y": standard.hinge_y + member * PERTURBATION})
-
-
 def deploy(level: Level, member: int, duration: float) -> Run:
     """Deploy on the springs alone.
 
@@ -109,7 +103,7 @@ def deploy(level: Level, member: int, duration: float) -> Run:
         SimulationError: if the run cannot go on.
     """
     trajectory = simulate(
-        perturbed(member),
+        perturbed(ArrayParameters(), member),
         model=level.model,
         elements=level.panel_elements,
         duration=duration,
@@ -159,7 +153,9 @@ def control(level: Level, member: int, window: float, announce: Callable[[str], 
         ValueError: if a controller misses the deadline, so that there is nothing to rank.
         SimulationError: if a run cannot go on.
     """
-    env = SolarArrayEnv(level.model, perturbed(member), elements=level.panel_elements, postlock_window=window)
+    env = SolarArrayEnv(
+        level.model, perturbed(ArrayParameters(), member), elements=level.panel_elements, postlock_window=window
+    )
     measures, evaluations, wall = [], 0.0, 0.0
     for profile in CONTROLLERS:
         announce(profile.name)

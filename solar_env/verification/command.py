@@ -6,8 +6,8 @@ import argparse
 from pathlib import Path
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
+from ..progress import counting_bar
 from .checks import Row
 from .report import make_table, to_json
 
@@ -49,8 +49,7 @@ def run_command(args: argparse.Namespace) -> int:
 def _run_with_progress(only: str | None, count: int) -> list[Row]:
     from .suite import run
 
-    columns = (BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("{task.description}"))
-    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+    with counting_bar(Console(stderr=True)) as progress:
         task = progress.add_task("", total=count)
         started = False
 

@@ -63,7 +63,7 @@ def main(args: Args, command: str) -> Path:
         config = learn.resumed_configuration(args.resume, args.timesteps)
         check_resumable(args, config)
     else:
-        env_kwargs = with_model(args.env_kwargs, args.model, args.elements)
+        env_kwargs = with_model(args.env_kwargs, args.model, args.elements, args.env_id)
         config = learn.configuration(
             args.algo, args.env_id, env_kwargs, args.seed, args.n_envs, args.timesteps, args.hyperparams
         )

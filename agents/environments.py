@@ -28,17 +28,30 @@ def with_randomization(env_kwargs: Mapping[str, Any]) -> dict[str, Any]:
     return {"randomize": dict(DEFAULT_RANDOMIZE), **env_kwargs}
 
 
-def with_model(env_kwargs: Mapping[str, Any], model: str | None = None, elements: int | None = None) -> dict[str, Any]:
+def with_model(
+    env_kwargs: Mapping[str, Any],
+    model: str | None = None,
+    elements: int | None = None,
+    env_id: str = DEFAULT_ENV_ID,
+) -> dict[str, Any]:
     """`env_kwargs` with `model` and `elements`, as the command lines take them, where they are not None.
 
+    `model="auto"` is replaced by the level that it stands for: what is kept then says what was simulated, even after
+    the ladder has been measured anew.
+
     Raises:
-        ValueError: `env_kwargs` hold another value of one of the two.
+        ValueError: `env_kwargs` hold another value of one of the two, or the environment refuses them.
     """
     given = {name: value for name, value in (("model", model), ("elements", elements)) if value is not None}
     for name, value in given.items():
         if env_kwargs.get(name, value) != value:
             raise ValueError(f"--{name} {value} contradicts --env-kwargs {name}={env_kwargs[name]}; give one of them")
-    return {**env_kwargs, **given}
+    chosen = {**env_kwargs, **given}
+    if chosen.get("model") == "auto":
+        with make_env(env_id, chosen) as env:
+            level = {"model": env.unwrapped.model, "elements": env.unwrapped.elements}
+        chosen = {name: value for name, value in chosen.items() if name not in ("question", "tolerance")} | level
+    return chosen
 
 
 def make_env(env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, Any] | None = None) -> gymnasium.Env:

@@ -223,7 +223,7 @@ def _plain(value: Any) -> Any:
 def main(argv: Sequence[str] | None = None) -> None:
     """The command line; see `Args`."""
     args = parse_arguments(Args, argv, prog="python -m agents.evaluate")
-    given = with_model(args.env_kwargs, args.model, args.elements)
+    given = with_model(args.env_kwargs, args.model, args.elements, args.env_id)
     env_kwargs = with_randomization(
         given if args.env_kwargs else {**common_env_kwargs(args.controllers, given), **given}
     )

@@ -120,7 +120,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     if args.controller not in PARAMETERS:
         raise ValueError(f"nothing to tune in {args.controller!r}; choose from {', '.join(PARAMETERS)}")
     cls = PARAMETERS[args.controller]
-    env_kwargs = with_randomization(with_model(args.env_kwargs, args.model, args.elements))
+    env_kwargs = with_randomization(with_model(args.env_kwargs, args.model, args.elements, args.env_id))
     env = make_env(args.env_id, env_kwargs)
 
     def cost(point: np.ndarray, seeds: Sequence[int]) -> float:

@@ -18,7 +18,7 @@ PACKAGE_PARENT = Path(solar_env.__file__).resolve().parent.parent
 
 @pytest.fixture(scope="session", autouse=True)
 def kernels(request: pytest.FixtureRequest) -> None:
-    """Compile the kernels once, or load them from the cache, and say so: it can take three minutes."""
+    """Compile the kernels once, or load them from the cache, and say so: it can take two minutes."""
     reporter = request.config.pluginmanager.get_plugin("terminalreporter")
     capture = request.config.pluginmanager.get_plugin("capturemanager")
 
@@ -28,15 +28,14 @@ def kernels(request: pytest.FixtureRequest) -> None:
                 reporter.ensure_newline()
                 reporter.write_line(text)
 
-    say("loading the compiled kernels (the first time compiles them, which takes two to three minutes) ...")
+    say("loading the compiled kernels (the first time compiles them, which takes one to two minutes) ...")
     start = time.perf_counter()
-    from solar_env.mechanics.integrators import GeneralizedAlpha, Rosenbrock
-    from solar_env.mechanics.simulation import simulate
+    from solar_env.commands.warmup import compile_side_by_side, kernels_are_compiled, load_all_models
 
-    for model in solar_env.MODELS:
-        for integrator in (Rosenbrock(), GeneralizedAlpha()):
-            mechanism = solar_env.build(solar_env.ArrayParameters(), model)
-            simulate(mechanism, 1e-3, integrator=integrator)
+    if not kernels_are_compiled():
+        list(compile_side_by_side())
+    for integrator in ("rosenbrock", "generalized-alpha"):
+        load_all_models(integrator)
     say(f"kernels loaded in {time.perf_counter() - start:.1f} s")
 
 

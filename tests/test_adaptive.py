@@ -26,7 +26,7 @@ from solar_env.mechanics.description import Bearing, Mechanism, Point
 from solar_env.mechanics.errors import SimulationError
 from solar_env.mechanics.integrators import RungeKutta
 from solar_env.mechanics.joint import ANGLE, penetration
-from solar_env.mechanics.runge_kutta import attempt_step, cubic_weights, make_stages, quintic_weights
+from solar_env.mechanics.runge_kutta import attempt_step, cubic_weights, make_stages, make_stiff_forces, quintic_weights
 from solar_env.mechanics.simulation import Simulation, simulate
 from solar_env.mechanics.system import make_workspace
 
@@ -231,11 +231,11 @@ def test_a_step_depends_on_nothing_but_the_accepted_state_and_its_size() -> None
     h = 1e-5
 
     def step(*rejected: float) -> tuple[bytes, ...]:
-        work, stages = make_workspace(model, state), make_stages(state)
+        work, stages, stiff = make_workspace(model, state), make_stages(state), make_stiff_forces(state)
         assert refresh(model, state, stages, work)
         stages.velocity[0] = state.v
         for tried in (*rejected, h):
-            assert attempt_step(model, state, stages, work, tried)
+            assert attempt_step(model, state, stages, stiff, work, tried)
         return tuple(array.tobytes() for array in (stages.q, stages.v, stages.gain, stages.acceleration, stages.power))
 
     before = fingerprint(state, skip=("clock", "multipliers"))

@@ -333,6 +333,13 @@ def test_model_and_elements_join_the_environments_keywords():
         assert (made.unwrapped.model, made.unwrapped.elements) == ("flexible-ideal", 2)
 
 
+def test_an_automatic_model_is_kept_as_the_level_that_it_stands_for():
+    keywords = {"question": "wear", "tolerance": 0.2, "torque_limit": 0.3}
+    with make_env(env_kwargs={"model": "auto", **keywords}) as automatic:
+        level = {"model": automatic.unwrapped.model, "elements": automatic.unwrapped.elements}
+    assert with_model(keywords, "auto") == {"torque_limit": 0.3, **level}
+
+
 @pytest.mark.parametrize(
     ("keywords", "option", "message"),
     [

@@ -20,6 +20,7 @@ from solar_env.mechanics.system import (
     constraint_drift,
     drive_angle,
     normal_inverse_mass,
+    prepare_response,
     project,
     velocity_drift,
 )
@@ -195,10 +196,15 @@ def disturbed(size: float) -> tuple[Forces, Vector, Vector]:
     return forces, q, v
 
 
+def project_onto_constraints(forces: Forces, q: Vector, v: Vector) -> None:
+    assert prepare_response(forces.model, q, 0.3, forces.work)
+    project(forces.model, q, v, 0.3, forces.work)
+
+
 def test_projection_leaves_a_second_order_error() -> None:
     def remainder(size: float) -> float:
         forces, q, v = disturbed(size)
-        assert project(forces.model, q, v, 0.3, forces.work)
+        project_onto_constraints(forces, q, v)
         lengths = [np.hypot(*(q[k + 2 : k + 4] - q[k : k + 2])) for k in (0, 4, 8)]
         stretch = np.abs(np.array(lengths) - forces.model.bodies["length"][:3]).max()
         return max(constraint_drift(forces.model, q, 0.3, forces.work), stretch)
@@ -210,16 +216,16 @@ def test_projection_leaves_a_second_order_error() -> None:
 def test_projected_velocities_meet_the_constraints_rates() -> None:
     forces, q, v = disturbed(1e-10)
     v[:12] += np.random.default_rng(1).normal(size=12)
-    assert project(forces.model, q, v, 0.3, forces.work)
+    project_onto_constraints(forces, q, v)
     # Rates are met with the rows and directions of positions 1e-10 off.
     assert velocity_drift(forces.model, q, v, 0.3, forces.work) < 1e-8
 
 
 def test_projecting_twice_changes_nothing() -> None:
     forces, q, v = disturbed(1e-12)
-    project(forces.model, q, v, 0.3, forces.work)
+    project_onto_constraints(forces, q, v)
     again_q, again_v = q.copy(), v.copy()
-    project(forces.model, again_q, again_v, 0.3, forces.work)
+    project_onto_constraints(forces, again_q, again_v)
     assert again_q == pytest.approx(q, abs=1e-14)
     # Velocities were projected with the directions of positions some 1e-12 off.
     assert again_v == pytest.approx(v, abs=1e-11)
@@ -228,7 +234,7 @@ def test_projecting_twice_changes_nothing() -> None:
 def test_projection_is_the_smallest_change_in_the_mass_metric() -> None:
     forces, before_q, before_v = disturbed(1e-6)
     q, v = before_q.copy(), before_v.copy()
-    project(forces.model, q, v, 0.3, forces.work)
+    project_onto_constraints(forces, q, v)
     # The change is orthogonal in the mass metric to every motion that the constraints allow.
     gradients = [forces.constraint_rows()]
     for k in range(3):

@@ -79,18 +79,10 @@ def njit_inner_inlined(function: Callable[..., Any]) -> Any:
 
 
 def njit_merged(function: Callable[..., Any]) -> Any:
-    """Like :func:`njit`, for kernels with one caller: they are compiled as a part of it only, which saves time.
-
-    The caller must not be a :func:`njit_allocating` one, or reference counting takes hold of them too.
-    """
+    """Like :func:`njit`, for kernels with one caller: they are compiled as a part of it only, which saves time."""
     return _compile(function, _nrt=False, inline="always")
 
 
 def njit_inlined(function: Callable[..., Any]) -> Any:
     """Like :func:`njit`, for the innermost functions: LLVM inlines them, which spares passing tuples of arrays."""
     return _compile(function, _nrt=False, forceinline=True)
-
-
-def njit_allocating(function: Callable[..., Any]) -> Any:
-    """Like :func:`njit`, for the few kernels that make arrays: they do so once per call and hand them down."""
-    return _compile(function)

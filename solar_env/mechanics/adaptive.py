@@ -15,8 +15,9 @@ allow several times as long a one, a linearly implicit step is tried (``rosenbro
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
-from ._jit import njit, njit_allocating, njit_inner, njit_inner_inlined, njit_merged
+from ._jit import njit, njit_inner, njit_inner_inlined, njit_merged
 from .contact import normal_force
 from .events import NONE, begin_event, first_event
 from .history import check_state, fail, impact_step_limit, note_force, settle_joints
@@ -34,11 +35,23 @@ from .model import (
     SLIDING_WORK,
     STEP_TOO_SMALL,
     TOO_MANY_STEPS,
+    Model,
+    State,
 )
 from .recording import contacts_full, record_sample, sample_due
-from .rosenbrock import attempt_rosenbrock, make_rosenbrock, rosenbrock_error
-from .runge_kutta import STAGES, attempt_step, error_norm, interpolate, interpolate_integrals, make_stages
-from .system import accelerations, make_workspace, project
+from .rosenbrock import NEVER, Rosenbrock, attempt_rosenbrock, make_rosenbrock
+from .runge_kutta import (
+    STAGES,
+    Stages,
+    StiffForces,
+    attempt_step,
+    error_norm,
+    interpolate,
+    interpolate_integrals,
+    make_stages,
+    make_stiff_forces,
+)
+from .system import Workspace, accelerations, make_workspace, prepare_response, project
 
 _PEAK_SAMPLES = 8
 _SMALLEST_STEP = 1e-13  # s, relative to max(time, 1 s)
@@ -54,6 +67,28 @@ _WORTH = 2.5
 _STRICTER = 5.0
 # After a try that has failed the next one waits for twice as many explicit steps, up to so many.
 _LONGEST_WAIT = 256
+
+
+class AdaptiveArrays(NamedTuple):
+    """Scratch arrays of :func:`advance_adaptive`; nothing in them outlives a call."""
+
+    work: Workspace
+    scratch: Workspace  # for evaluations that leave the other as it is
+    stages: Stages
+    stiff: StiffForces
+    step: Rosenbrock
+
+
+def make_adaptive_arrays(model: Model, state: State) -> AdaptiveArrays:
+    """Allocate the arrays for a mechanism."""
+    work = make_workspace(model, state)
+    return AdaptiveArrays(
+        work,
+        make_workspace(model, state),
+        make_stages(state),
+        make_stiff_forces(state),
+        make_rosenbrock(model, state, work),
+    )
 
 
 @njit_inner_inlined
@@ -169,8 +204,15 @@ def move_to(state, stages, h, share):
 
 
 @njit_merged
-def accept(model, state, stages, work, scratch, recorder, h, share, event_joint, kind):
-    """Move to ``share`` of the step and book what happened on the way. False if constraints are singular."""
+def accept(model, state, stages, work, scratch, recorder, h, share, event_joint, kind, evaluated):
+    """Move to ``share`` of the step and book what happened on the way.
+
+    Args:
+        evaluated: whether ``work`` is that of an evaluation of the accelerations there.
+
+    Returns:
+        False if the constraints are singular.
+    """
     joint_states, impact_speeds = state.joints, work.impact_speeds
     clock = state.clock[0]
     start = clock.time
@@ -182,12 +224,9 @@ def accept(model, state, stages, work, scratch, recorder, h, share, event_joint,
     move_to(state, stages, h, share)
     clock.time = end
     clock.steps += 1
-    # The last stage was evaluated where a whole step ends.
-    if share == 1.0:
-        if not project(model, state.q, state.v, end, work, True):
-            return False
-    elif not project(model, state.q, state.v, end, scratch, False):
+    if not evaluated and not prepare_response(model, state.q, end, work):
         return False
+    project(model, state.q, state.v, end, work)
     if kind != NONE:
         begin_event(model, state, event_joint, kind, scratch)
         if not refresh(model, state, stages, work):
@@ -203,24 +242,21 @@ def accept(model, state, stages, work, scratch, recorder, h, share, event_joint,
     return True
 
 
-@njit_allocating
-def advance_adaptive(model, state, settings, recorder, end_time):
+@njit
+def advance_adaptive(model, state, settings, recorder, end_time, arrays):
     """Advance ``state`` in place to ``end_time`` [s]; returns a status code."""
-    work, scratch, stages = make_workspace(model, state), make_workspace(model, state), make_stages(state)
-    step = make_rosenbrock(model, state, work)
-    return take_steps(model, state, settings, recorder, end_time, work, scratch, stages, step)
-
-
-@njit_inner
-def take_steps(model, state, settings, recorder, end_time, work, scratch, stages, step):
-    """:func:`advance_adaptive` with its arrays at hand."""
+    work, scratch, stages, stiff, step = arrays
     clock = state.clock[0]
+    stiff.active[0] = 0
+    step.linearized[0] = NEVER
+    # Whether the accelerations solve the equations, not only to a step's tolerance.
+    exact = True
     for j in range(state.joints.size):
         work.impact_speeds[j] = state.joints[j].impact_speed if state.joints[j].in_contact else 0.0
     if clock.acceleration_current:
         copy_into(stages.acceleration[0], state.a)
         copy_into(stages.power[0], state.power)
-        step.exact[0] = clock.acceleration_current == EXACT
+        exact = clock.acceleration_current == EXACT
     elif not refresh(model, state, stages, work):
         return fail(state, SINGULAR_CONSTRAINTS, -1, 0.0)
     copy_into(stages.velocity[0], state.v)
@@ -255,17 +291,15 @@ def take_steps(model, state, settings, recorder, end_time, work, scratch, stages
         if last:
             h = end_time - clock.time
         taken += 1
-        regular = True
         if implicit:
-            regular = attempt_rosenbrock(model, state, stages, step, work, h)
-            error = _STRICTER * rosenbrock_error(model, state, stages, step, settings)
+            error = _STRICTER * attempt_rosenbrock(model, state, stages, step, work, settings, h)
         else:
-            if not step.exact[0]:
-                regular = refresh(model, state, stages, work)
-                step.exact[0] = 1
-            regular = regular and attempt_step(model, state, stages, work, h)
-            error = error_norm(model, state, stages, settings, h)
-        if not regular:
+            if not exact:
+                exact = refresh(model, state, stages, work)
+            error = -1.0
+            if exact and attempt_step(model, state, stages, stiff, work, h):
+                error = error_norm(model, state, stages, stiff, settings, h)
+        if error < 0.0:
             status = fail(state, SINGULAR_CONSTRAINTS, -1, 0.0)
             break
         if not error <= 1.0:
@@ -284,16 +318,15 @@ def take_steps(model, state, settings, recorder, end_time, work, scratch, stages
         clock.explicit_wait -= not implicit
         if implicit:
             clock.explicit_patience = 0
-        if implicit:
-            copy_into(state.multipliers, step.multipliers)
+            copy_into(state.multipliers, stages.multipliers)
         share, event_joint, kind = first_event(model, state, stages, work, h)
-        if not accept(model, state, stages, work, scratch, recorder, h, share, event_joint, kind):
+        evaluated = share == 1.0 and not implicit
+        if not accept(model, state, stages, work, scratch, recorder, h, share, event_joint, kind, evaluated):
             status = fail(state, SINGULAR_CONSTRAINTS, -1, 0.0)
             break
         if last and share == 1.0:
             clock.time = end_time
-        step.linearized[0] = 0
-        step.exact[0] = not implicit or kind != NONE
+        exact = not implicit or kind != NONE
         error = max(error, 1e-10)
         grow = min(0.9 * error**-0.18 * clock.last_error**0.1, 10.0)
         clock.last_error = max(error, 1e-4)
@@ -310,5 +343,5 @@ def take_steps(model, state, settings, recorder, end_time, work, scratch, stages
             break
     copy_into(state.a, stages.acceleration[0])
     copy_into(state.power, stages.power[0])
-    clock.acceleration_current = EXACT if step.exact[0] else APPROXIMATE
+    clock.acceleration_current = EXACT if exact else APPROXIMATE
     return status

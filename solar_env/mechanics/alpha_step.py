@@ -17,12 +17,21 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ._jit import njit_allocating, njit_inner, njit_merged
+from ._jit import njit_inner, njit_merged
 from .linear import copy_into
-from .model import ENERGIES, RIGID
+from .model import ENERGIES, RIGID, Model, State
 from .newton import NewtonMatrices, assemble, linearize_forces, make_newton_matrices
 from .profile import BLOCK, enter, profile_factor, profile_solve, taken
-from .system import accelerations, add_mass_products, add_row, applied_forces, constraint_drift, project
+from .system import (
+    Workspace,
+    accelerations,
+    add_mass_products,
+    add_row,
+    applied_forces,
+    constraint_drift,
+    prepare_response,
+    project,
+)
 
 _MOST_ITERATIONS = 60
 # Full corrections at first; where kinks of contact or friction make them cycle for so long, smaller shares of them.
@@ -69,8 +78,7 @@ class Iteration(NamedTuple):
     energies: NDArray[np.float64]
 
 
-@njit_allocating
-def make_iteration(model, state, work):
+def make_iteration(model: Model, state: State, work: Workspace) -> Iteration:
     """Allocate the arrays of a step."""
     n, joints = state.q.size, state.joints.size
     size = n + state.multipliers.size
@@ -145,7 +153,7 @@ def solve_newton(model, it):
     return True
 
 
-@njit_merged
+@njit_inner
 def attempt_step(model, state, it, work, settings, h):
     """Solve one step into ``it``; returns the last correction in units of the tolerance (at most 1 if it converged)."""
     n = state.q.size
@@ -207,8 +215,9 @@ def restart(model, state, it, work, settings, h):
     """Solve accelerations and multipliers afresh at the accepted state, for steps of size ``h``. False if singular."""
     n = state.q.size
     # Velocities are O(h^2) off the constraints, which a shorter step would answer with forces of O(h^2 / new step).
-    if not project(model, state.q, state.v, state.clock[0].time, work):
+    if not prepare_response(model, state.q, state.clock[0].time, work):
         return False
+    project(model, state.q, state.v, state.clock[0].time, work)
     if not accelerations(model, state.joints, state.q, state.v, state.clock[0].time, work, state.a, state.multipliers):
         return False
     shift = (settings.alpha_m - settings.alpha_f) * h

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from ._jit import njit_inner, njit_inner_inlined, njit_merged
 from .history import latch, start_contact
 from .joint import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, joint_motion, penetration, relative, stop_depth
@@ -14,7 +16,8 @@ from .model import CLEARANCE
 from .runge_kutta import STAGES, interpolate, quintic_weights
 
 # Kinds of event inside a step.
-NONE, CONTACT, LATCH, STOP = range(4)
+# Typed: Numba would compile the functions that take a literal for each one anew.
+NONE, CONTACT, LATCH, STOP = (np.int64(kind) for kind in range(4))
 
 
 @njit_inner_inlined
@@ -96,26 +99,25 @@ def first_touch(model, state, stages, j, h, depth):
 def first_event(model, state, stages, work, h):
     """Earliest contact start, latching or stop engagement inside the step: (share, joint, kind)."""
     joints, joint_states, loads, depths = model.joints, state.joints, work.loads, stages.depth
-    share, which, what = 1.0, -1, NONE
+    share, which, what = 1.0, np.int64(-1), NONE
     for j in range(joints.size):
-        joint = joints[j]
-        own = joint_states[j]
+        joint, own, number = joints[j], joint_states[j], np.int64(j)
         root, kind = 2.0, NONE
         if joint.kind == CLEARANCE and not own.in_contact:
             root, kind = first_touch(model, state, stages, j, h, depths[j]), CONTACT
             if root < share or (root == share and what == NONE):
-                share, which, what = root, j, kind
+                share, which, what = root, number, kind
         angle = loads[j, ANGLE]
         if joint.has_latch and not own.latched and angle >= joint.lock_angle:
             root, kind = locate_at_end(model, state, stages, j, LATCH, h, angle - joint.lock_angle), LATCH
             if root < share or what == NONE:
-                share, which, what = root, j, kind
+                share, which, what = root, number, kind
         if not own.stop_engaged:
             depth, _ = stop_depth(joint, own.latched, angle)
             if depth > 0.0:
                 root, kind = locate_at_end(model, state, stages, j, STOP, h, depth), STOP
                 if root < share or what == NONE:
-                    share, which, what = root, j, kind
+                    share, which, what = root, number, kind
     return share, which, what
 
 

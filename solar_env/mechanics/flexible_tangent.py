@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ._jit import njit, njit_allocating, njit_inner
+from ._jit import njit, njit_inner
 from .flexible import AXIAL, BENDING, LANES, REGISTER
 from .profile import BLOCK
 
@@ -35,8 +35,7 @@ class ElementSlopes(NamedTuple):
     damping: NDArray[np.float64]
 
 
-@njit_allocating
-def make_element_slopes():
+def make_element_slopes() -> ElementSlopes:
     """Allocate the arrays."""
     return ElementSlopes(
         np.zeros(12 * COLUMNS),

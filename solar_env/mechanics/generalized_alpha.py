@@ -9,9 +9,10 @@ bearing wall when a contact begins that they would not resolve.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
-from ._jit import njit_allocating, njit_inner, njit_merged
-from .alpha_step import attempt_step, make_iteration, restart
+from ._jit import njit, njit_inner, njit_merged
+from .alpha_step import Iteration, attempt_step, make_iteration, restart
 from .contact import impact_scales
 from .history import check_state, fail, impact_step_limit, latch, settle_joints, start_contact
 from .joint import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, penetration, relative
@@ -27,11 +28,27 @@ from .model import (
     SLIDING_WORK,
     STEP_TOO_SMALL,
     TOO_MANY_STEPS,
+    Model,
+    State,
 )
 from .recording import contacts_full, record_sample, sample_due
-from .system import applied_forces, make_workspace, normal_inverse_mass, store_constraint_loads
+from .system import Workspace, applied_forces, make_workspace, normal_inverse_mass, store_constraint_loads
 
 _SMALLEST_STEP = 1e-12  # s
+
+
+class AlphaArrays(NamedTuple):
+    """Scratch arrays of :func:`advance_alpha`; nothing in them outlives a call."""
+
+    work: Workspace
+    scratch: Workspace  # for evaluations that leave the other as it is
+    iteration: Iteration
+
+
+def make_alpha_arrays(model: Model, state: State) -> AlphaArrays:
+    """Allocate the arrays for a mechanism."""
+    work = make_workspace(model, state)
+    return AlphaArrays(work, make_workspace(model, state), make_iteration(model, state, work))
 
 
 @njit_inner
@@ -207,17 +224,10 @@ def judge(model, state, it, scratch, settings, h, convergence):
     return 0.0
 
 
-@njit_allocating
-def advance_alpha(model, state, settings, recorder, end_time):
+@njit
+def advance_alpha(model, state, settings, recorder, end_time, arrays):
     """Advance ``state`` in place to ``end_time`` [s]; returns a status code."""
-    work, scratch = make_workspace(model, state), make_workspace(model, state)
-    it = make_iteration(model, state, work)
-    return take_steps(model, state, settings, recorder, end_time, work, scratch, it)
-
-
-@njit_inner
-def take_steps(model, state, settings, recorder, end_time, work, scratch, it):
-    """:func:`advance_alpha` with its arrays at hand."""
+    work, scratch, it = arrays
     clock = state.clock[0]
     status = DONE
     taken = 0

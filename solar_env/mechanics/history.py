@@ -77,7 +77,7 @@ def wear_contact(joint, markers, q, ex, ey, depth, sliding_work, wear_journal, w
     add_wear(wear_bearing, bearing_angle, half, worn_section, joint.journal_radius + joint.clearance)
 
 
-@njit_merged
+@njit_inner
 def settle_joints(model, state, loads, sliding_work, start_time, start_depth, recorder):
     """Book an accepted step: wear, force maxima, and the ends of contacts and stops that have opened.
 

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ._jit import njit, njit_allocating, njit_inner
+from ._jit import njit, njit_inner
 from .flexible import add_body_mass
-from .model import FLEXIBLE, RIGID
+from .model import FLEXIBLE, RIGID, Model
 from .profile import ProfileMatrix, add_entry, make_profile_matrix
 from .rigid import add_body_matrix
+from .system import Workspace
 from .tangent import TangentScratch, fill_tangents, make_tangent_scratch
 
 
@@ -26,8 +27,7 @@ class NewtonMatrices(NamedTuple):
     tangent: TangentScratch
 
 
-@njit_allocating
-def make_newton_matrices(model, work):
+def make_newton_matrices(model: Model, work: Workspace) -> NewtonMatrices:
     """Allocate the matrices and fill the mass matrix."""
     mass = make_profile_matrix(model.elimination)
     fill_mass(model, mass)
@@ -40,7 +40,7 @@ def make_newton_matrices(model, work):
     )
 
 
-@njit_inner
+@njit
 def fill_mass(model, matrix):
     """Add the bodies' mass matrices to ``matrix``."""
     for b in range(model.bodies.size):

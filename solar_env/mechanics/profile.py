@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ._jit import njit, njit_allocating, njit_inlined, njit_inner, njit_inner_inlined
+from ._jit import njit, njit_inlined, njit_inner, njit_inner_inlined
 
 BLOCK = 4
 _ENTRIES = BLOCK * BLOCK
@@ -60,13 +60,10 @@ def make_elimination(position: NDArray[np.int64], couplings: list[tuple[int, int
     )
 
 
-@njit_allocating
-def make_profile_matrix(elimination):
+def make_profile_matrix(elimination: Elimination) -> ProfileMatrix:
     """Allocate a matrix of zeros, see :func:`clear`."""
     blocks = elimination.first.size
-    size = 0
-    for r in range(blocks):
-        size += r - elimination.first[r]
+    size = int((np.arange(blocks) - elimination.first).sum())
     matrix = ProfileMatrix(np.zeros((size, _ENTRIES)), np.zeros((size, _ENTRIES)), np.zeros((blocks, _ENTRIES)))
     clear(elimination, matrix)
     return matrix

@@ -22,15 +22,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ._jit import njit_allocating, njit_inner, njit_merged
+from ._jit import njit_inner, njit_merged
 from .linear import copy_into
-from .model import RIGID
+from .model import RIGID, Model, State
 from .newton import NewtonMatrices, assemble, linearize_forces, make_newton_matrices
 from .profile import BLOCK, add_entry, add_to, enter, profile_factor, profile_product, profile_solve, taken
 from .runge_kutta import STAGES, interpolate
-from .system import applied_forces, store_constraint_loads
+from .system import Workspace, applied_forces, store_constraint_loads
 
 ROSENBROCK_STAGES = 6
+NEVER = -1
 GAMMA = 0.25
 # a_ij and c_ij of stage i; the sixth stage adds the fifth's increment, and the end adds the sixth's.
 _A = (
@@ -69,12 +70,10 @@ class Rosenbrock(NamedTuple):
     unknowns: NDArray[np.float64]  # (blocks, BLOCK)
     factor: NDArray[np.float64]  # (blocks, BLOCK) of a product
     product: NDArray[np.float64]  # (blocks, BLOCK)
-    linearized: NDArray[np.int64]  # (1,) whether the tangents belong to the accepted state
-    exact: NDArray[np.int64]  # (1,) whether its accelerations solve the equations, not only to a step's tolerance
+    linearized: NDArray[np.int64]  # (1,) number of the accepted step whose end the tangents belong to, or NEVER
 
 
-@njit_allocating
-def make_rosenbrock(model, state, work):
+def make_rosenbrock(model: Model, state: State, work: Workspace) -> Rosenbrock:
     """Allocate the arrays of a step and fill the constant ones."""
     n, k = state.q.size, state.multipliers.size
     blocks = model.elimination.first.size
@@ -95,7 +94,6 @@ def make_rosenbrock(model, state, work):
         np.zeros((blocks, BLOCK)),
         np.zeros((blocks, BLOCK)),
         np.zeros(1, dtype=np.int64),
-        np.ones(1, dtype=np.int64),
     )
 
 
@@ -206,23 +204,45 @@ def evaluate_forces(model, joint_states, q, v, work):
     applied_forces(model, joint_states, q, v, work)
 
 
+@njit_merged
+def estimate_error(model, state, stages, step, settings):
+    """Greatest component of the error estimate, which is the last increment, in units of the tolerance."""
+    last = ROSENBROCK_STAGES - 1
+    uq, uv = step.coordinate_increments[last], step.velocity_increments[last]
+    v0, v, weights, ratios = state.v, stages.v, model.error_weight, stages.ratios
+    rtol, velocity_scale = settings.rtol, settings.velocity_scale
+    position_scale = 1.0 / (rtol * model.length_scale)
+    for i in range(v.size):
+        scale = rtol * (velocity_scale + weights[i] * max(abs(v0[i]), abs(v[i])))
+        ratios[i] = weights[i] * max(abs(uq[i]) * position_scale, abs(uv[i]) / scale)
+    worst = 0.0
+    for i in range(v.size):
+        if not ratios[i] <= worst:  # also true for NaN
+            worst = ratios[i]
+    return worst
+
+
 @njit_inner
-def attempt_rosenbrock(model, state, stages, step, work, h):
-    """Fill a step ``h``, its end going to ``stages`` as in ``runge_kutta.attempt_step``. False if singular."""
+def attempt_rosenbrock(model, state, stages, step, work, settings, h):
+    """Fill a step ``h``, its end going to ``stages`` as in ``runge_kutta.attempt_step``.
+
+    Returns:
+        The error in units of the tolerance; negative if the constraints are singular.
+    """
     time = state.clock[0].time
     diagonal = GAMMA * h
-    if not step.linearized[0]:
+    if step.linearized[0] != state.clock[0].steps:
+        step.linearized[0] = state.clock[0].steps
         evaluate_forces(model, state.joints, state.q, state.v, work)
         copy_into(step.start_force, work.force)
         linearize_forces(model, state.joints, state.q, state.v, step.newton)
-        step.linearized[0] = 1
         state.clock[0].evaluations += 1
     weights = (1.0, diagonal, diagonal * diagonal)
     assemble(model, state.q, state.multipliers, work.row_value, step.newton, weights)
     add_length_slopes(model, state, stages.acceleration[0], step.newton, diagonal)
     state.clock[0].factorizations += 1
     if not profile_factor(model.elimination, step.newton.matrix):
-        return False
+        return -1.0
     for s in range(ROSENBROCK_STAGES):
         set_stage(state, stages, step, s, h)
         if s == 0:
@@ -240,33 +260,16 @@ def attempt_rosenbrock(model, state, stages, step, work, h):
     power, middle, gain = stages.power, stages.power[1], stages.gain
     interpolate(state, stages, h, 0.5)
     evaluate_forces(model, state.joints, stages.scratch_q, stages.scratch_v, work)
-    for k in range(step.multipliers.size):
-        step.multipliers[k] += step.multiplier_increments[last, k]
-        step.multiplier_increments[0, k] = 0.5 * (state.multipliers[k] + step.multipliers[k])
-    store_constraint_loads(model, step.multiplier_increments[0], time + 0.5 * h, stages.scratch_q, work)
+    multipliers, halfway = stages.multipliers, step.multipliers
+    for k in range(multipliers.size):
+        multipliers[k] = step.multipliers[k] + step.multiplier_increments[last, k]
+        halfway[k] = 0.5 * (state.multipliers[k] + multipliers[k])
+    store_constraint_loads(model, halfway, time + 0.5 * h, stages.scratch_q, work)
     copy_into(middle, work.power)
     evaluate_forces(model, state.joints, stages.q, stages.v, work)
-    store_constraint_loads(model, step.multipliers, time + h, stages.q, work)
+    store_constraint_loads(model, multipliers, time + h, stages.q, work)
     copy_into(power[STAGES - 1], work.power)
     for k in range(gain.size):
         gain[k] = h / 6.0 * (power[0, k] + 4.0 * middle[k] + power[STAGES - 1, k])
     state.clock[0].evaluations += ROSENBROCK_STAGES + 1
-    return True
-
-
-@njit_merged
-def rosenbrock_error(model, state, stages, step, settings):
-    """Greatest component of the error estimate, which is the last increment, in units of the tolerance."""
-    last = ROSENBROCK_STAGES - 1
-    uq, uv = step.coordinate_increments[last], step.velocity_increments[last]
-    v0, v, weights, ratios = state.v, stages.v, model.error_weight, stages.ratios
-    rtol, velocity_scale = settings.rtol, settings.velocity_scale
-    position_scale = 1.0 / (rtol * model.length_scale)
-    for i in range(v.size):
-        scale = rtol * (velocity_scale + weights[i] * max(abs(v0[i]), abs(v[i])))
-        ratios[i] = weights[i] * max(abs(uq[i]) * position_scale, abs(uv[i]) / scale)
-    worst = 0.0
-    for i in range(v.size):
-        if not ratios[i] <= worst:  # also true for NaN
-            worst = ratios[i]
-    return worst
+    return estimate_error(model, state, stages, step, settings)

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ._jit import njit, njit_allocating, njit_inlined, njit_inner, njit_merged
+from ._jit import njit, njit_inlined, njit_inner, njit_merged
 from .linear import copy_into
 from .model import (
     CABLE_WORK,
@@ -26,6 +26,7 @@ from .model import (
     MOTOR_WORK,
     NORMAL_DISSIPATION,
     STOP_DISSIPATION,
+    State,
 )
 from .stiff_forces import begin_step, correct_stage, may_be_stiff
 from .system import inlined_accelerations
@@ -102,11 +103,10 @@ class Stages(NamedTuple):
     depth_rate: NDArray[np.float64]  # (joints,)
     sliding_work: NDArray[np.float64]  # (joints,) of the step
     ratios: NDArray[np.float64]  # (n,) error by tolerance
-    stiff: StiffForces
+    multipliers: NDArray[np.float64]  # (m + bodies,) at the end of a linearly implicit step
 
 
-@njit_allocating
-def make_stages(state):
+def make_stages(state: State) -> Stages:
     """Allocate the arrays of a step."""
     n, k, joints = state.q.size, state.integrals.size, state.joints.size
     return Stages(
@@ -125,35 +125,41 @@ def make_stages(state):
         np.zeros(joints),
         np.zeros(joints),
         np.zeros(n),
-        StiffForces(
-            np.zeros(joints, dtype=np.int64),
-            np.zeros(joints),
-            np.zeros(joints),
-            np.zeros(joints),
-            np.zeros((joints, n)),
-            np.zeros((joints, n)),
-            np.zeros((joints, n)),
-            np.zeros((joints, joints)),
-            np.zeros((joints, joints)),
-            np.zeros((STAGES, joints)),
-            np.zeros((STAGES, joints)),
-            np.zeros(joints),
-            np.zeros(n),
-            np.zeros(n),
-            np.zeros(n),
-            np.zeros(n),
-            np.zeros(n),
-            np.zeros(k),
-            np.zeros(k),
-            np.zeros(1, dtype=np.int64),
-        ),
+        np.zeros(state.multipliers.size),
+    )
+
+
+def make_stiff_forces(state: State) -> StiffForces:
+    """Allocate the arrays of the stiff forces."""
+    n, k, joints = state.q.size, state.integrals.size, state.joints.size
+    return StiffForces(
+        np.zeros(joints, dtype=np.int64),
+        np.zeros(joints),
+        np.zeros(joints),
+        np.zeros(joints),
+        np.zeros((joints, n)),
+        np.zeros((joints, n)),
+        np.zeros((joints, n)),
+        np.zeros((joints, joints)),
+        np.zeros((joints, joints)),
+        np.zeros((STAGES, joints)),
+        np.zeros((STAGES, joints)),
+        np.zeros(joints),
+        np.zeros(n),
+        np.zeros(n),
+        np.zeros(n),
+        np.zeros(n),
+        np.zeros(n),
+        np.zeros(k),
+        np.zeros(k),
+        np.zeros(1, dtype=np.int64),
     )
 
 
 @njit_inlined
-def restore_ends(v0, stages):
+def restore_ends(v0, stages, stiff):
     """Undo the correction for stiff forces at both ends: interpolant and further steps take what holds there itself."""
-    stiff, velocity, acceleration, power = stages.stiff, stages.velocity, stages.acceleration, stages.power
+    velocity, acceleration, power = stages.velocity, stages.acceleration, stages.power
     copy_into(velocity[0], v0)
     copy_into(acceleration[0], stiff.start)
     copy_into(acceleration[STAGES - 1], stiff.end)
@@ -163,35 +169,39 @@ def restore_ends(v0, stages):
 
 
 @njit_merged
-def attempt_step(model, state, stages, work, h):
+def attempt_step(model, state, stages, stiff, work, h):
     """Fill the stages of a step ``h``, its end going to ``stages.q``, ``.v`` and ``.gain``. False if singular."""
     q0, v0, joint_states, multipliers = state.q, state.v, state.joints, state.multipliers
     q, v, velocity, acceleration = stages.q, stages.v, stages.velocity, stages.acceleration
     power, stage_power, gain = work.power, stages.power, stages.gain
     n = q.size
     time = state.clock[0].time
-    stiff = stages.stiff
     if stiff.active[0] > 0:
-        restore_ends(v0, stages)
+        restore_ends(v0, stages, stiff)
     if may_be_stiff(model, state):
         stiff.active[0] = begin_step(model, state, work, stiff, acceleration[0], h)
     if stiff.active[0] > 0:
         copy_into(stiff.start, acceleration[0])
         copy_into(stiff.start_power, stage_power[0])
-        correct_stage(stiff, 0, h, velocity, acceleration, stage_power)
-    for s in range(1, STAGES):
+    for s in range(STAGES):
         c0, c1, c2, c3 = _COUPLING[s]
-        for i in range(n):
-            q[i] = q0[i] + h * (c0 * velocity[0, i] + c1 * velocity[1, i] + c2 * velocity[2, i] + c3 * velocity[3, i])
-            v[i] = v0[i] + h * (
-                c0 * acceleration[0, i] + c1 * acceleration[1, i] + c2 * acceleration[2, i] + c3 * acceleration[3, i]
-            )
-        copy_into(velocity[s], v)
-        if not inlined_accelerations(
-            model, joint_states, q, v, time + _NODES[s] * h, work, acceleration[s], multipliers
-        ):
-            return False
-        copy_into(stage_power[s], power)
+        if s > 0:
+            for i in range(n):
+                q[i] = q0[i] + h * (
+                    c0 * velocity[0, i] + c1 * velocity[1, i] + c2 * velocity[2, i] + c3 * velocity[3, i]
+                )
+                v[i] = v0[i] + h * (
+                    c0 * acceleration[0, i]
+                    + c1 * acceleration[1, i]
+                    + c2 * acceleration[2, i]
+                    + c3 * acceleration[3, i]
+                )
+            copy_into(velocity[s], v)
+            if not inlined_accelerations(
+                model, joint_states, q, v, time + _NODES[s] * h, work, acceleration[s], multipliers
+            ):
+                return False
+            copy_into(stage_power[s], power)
         if stiff.active[0] > 0 and s < STAGES - 1:
             correct_stage(stiff, s, h, velocity, acceleration, stage_power)
     for k in range(gain.size):
@@ -203,12 +213,11 @@ def attempt_step(model, state, stages, work, h):
 
 
 @njit_merged
-def error_norm(model, state, stages, settings, h):
+def error_norm(model, state, stages, stiff, settings, h):
     """Greatest component of the error estimate in units of the tolerance."""
     v0, v, velocity, acceleration, power = state.v, stages.v, stages.velocity, stages.acceleration, stages.power
     rtol, velocity_scale = settings.rtol, settings.velocity_scale
     e0, e1, e2, e3, e4 = _ERROR
-    stiff = stages.stiff
     if stiff.active[0] > 0:
         copy_into(stiff.end, acceleration[STAGES - 1])
         copy_into(stiff.end_power, power[STAGES - 1])
@@ -242,7 +251,7 @@ def error_norm(model, state, stages, settings, h):
         de = e0 * power[0, i] + e1 * power[1, i] + e2 * power[2, i] + e3 * power[3, i] + e4 * power[4, i]
         worst = max(worst, abs(h * de) / energy_tolerance)
     if stiff.active[0] > 0:
-        restore_ends(v0, stages)
+        restore_ends(v0, stages, stiff)
     return worst
 
 

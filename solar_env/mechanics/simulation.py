@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import asdict
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -14,12 +15,12 @@ from numpy.typing import NDArray
 from . import joint as columns
 from . import model as m
 from .accuracy import AccuracyWatch, limits_of_the_laws
-from .adaptive import advance_adaptive
+from .adaptive import AdaptiveArrays, advance_adaptive, make_adaptive_arrays
 from .alpha_step import AlphaSettings
 from .build import compile_mechanism
 from .description import Mechanism
 from .errors import raise_for_status
-from .generalized_alpha import advance_alpha
+from .generalized_alpha import AlphaArrays, advance_alpha, make_alpha_arrays
 from .integrators import Integrator, Rosenbrock, RungeKutta, alpha_coefficients
 from .recording import RECORDED_LOADS, Recorder, make_recorder, sample_columns
 from .runge_kutta import AdaptiveSettings
@@ -139,6 +140,14 @@ class Simulation:
         """
         self._watch.check()
 
+    @cached_property
+    def _adaptive_arrays(self) -> AdaptiveArrays:
+        return make_adaptive_arrays(self.model, self.state)
+
+    @cached_property
+    def _alpha_arrays(self) -> AlphaArrays:
+        return make_alpha_arrays(self.model, self.state)
+
     def _advance(self, end_time: float, recorder: Recorder) -> int:
         chosen = self.integrator
         if isinstance(chosen, RungeKutta):
@@ -150,7 +159,9 @@ class Simulation:
                 chosen.max_steps,
                 int(isinstance(chosen, Rosenbrock)),
             )
-            return int(advance_adaptive(self.model, self.state, settings, recorder, float(end_time)))
+            return int(
+                advance_adaptive(self.model, self.state, settings, recorder, float(end_time), self._adaptive_arrays)
+            )
         alpha_settings = AlphaSettings(
             *alpha_coefficients(chosen.rho_inf),
             chosen.step,
@@ -161,7 +172,7 @@ class Simulation:
             chosen.newton_tolerance,
             chosen.max_steps,
         )
-        return int(advance_alpha(self.model, self.state, alpha_settings, recorder, float(end_time)))
+        return int(advance_alpha(self.model, self.state, alpha_settings, recorder, float(end_time), self._alpha_arrays))
 
     def _evaluate(self) -> tuple[Any, NDArray[np.float64]]:
         """Workspace with loads and powers at the present state, and the multipliers that hold its constraints."""

@@ -20,7 +20,9 @@ from __future__ import annotations
 
 import math
 
-from ._jit import njit_inlined, njit_inner_inlined, njit_merged
+import numpy as np
+
+from ._jit import njit_inlined, njit_inner, njit_inner_inlined, njit_merged
 from .contact import friction_ramp, normal_force_slopes
 from .history import IMPACT_DURATIONS
 from .joint import add_point_force, add_torque, joint_motion, penetration, relative, spin, stop_torque
@@ -113,7 +115,8 @@ def collect(model, state, work, stiff, h):
     """
     joints, markers, q, v = model.joints, model.markers, state.q, state.v
     flexible = model.stable_step < math.inf
-    count, prepared = 0, False
+    # Typed: a literal would have Numba compile the functions that take it twice.
+    count, prepared = np.int64(0), False
     for j in range(joints.size):
         joint, own = joints[j], state.joints[j]
         stiffness, damping = 0.0, 0.0
@@ -130,7 +133,7 @@ def collect(model, state, work, stiff, h):
             continue
         if not prepared:
             if not prepare_response(model, q, state.clock[0].time, work):
-                return 0, False
+                return count, False
             prepared = True
         gradient, response = stiff.gradient[count], stiff.response[count]
         for i in range(q.size):
@@ -195,7 +198,7 @@ def measure_rest(model, state, work, stiff, count, start, h):
     return True
 
 
-@njit_merged
+@njit_inner
 def begin_step(model, state, work, stiff, start, h):
     """Prepare the treatment of the forces that are stiff over a step ``h``; returns their number.
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import flexible, rigid
-from ._jit import njit, njit_allocating, njit_inlined, njit_inner, njit_inner_inlined
+from ._jit import njit, njit_inlined, njit_inner, njit_inner_inlined
 from .flexible import LANES, TABLE_ROWS, add_elastic_forces, elastic_energy, solve_mass
 from .joint import (
     ANGLE,
@@ -52,6 +52,8 @@ from .model import (
     MATERIAL_DISSIPATION,
     RIGID,
     SPRING,
+    Model,
+    State,
 )
 from .rigid import project_lengths, solve_body, solve_free
 
@@ -75,8 +77,7 @@ class Workspace(NamedTuple):
     element_table: NDArray[np.float64]  # (TABLE_ROWS * LANES,)
 
 
-@njit_allocating
-def make_workspace(model, state):
+def make_workspace(model: Model, state: State) -> Workspace:
     """Allocate the scratch arrays for a model."""
     n, m, joints = state.q.size, model.constraints.size.size, model.joints.size
     work = Workspace(
@@ -152,7 +153,7 @@ def fill_column(model, work, r):
                     work.stretch[r, side, axis] = column[i + 2] - column[i]
 
 
-@njit_inner
+@njit
 def fill_columns(model, work, driven):
     """Fill the columns of the driven rows, which change, or of all others, with their products."""
     m = work.columns.shape[0]
@@ -214,8 +215,9 @@ def build_schur(model, q, work):
     """
     schur, free_schur, pull, row_bodies = work.schur, work.free_schur, work.pull, model.constraints.bodies
     m = schur.shape[0]
-    if model.drives.size > 0:
-        fill_columns(model, work, True)
+    driven = model.drives.size > 0
+    if driven:
+        fill_columns(model, work, driven)
     for r in range(m):
         for s in range(r + 1):
             schur[r, s] = free_schur[r, s]
@@ -291,9 +293,9 @@ def apply_linear_constraints(model, q, v, time, work, a, multipliers):
     return True
 
 
-@njit_inner
+@njit
 def prepare_response(model, q, time, work):
-    """Fill what :func:`acceleration_response` needs at a configuration; False if constraints are redundant."""
+    """Fill the compliance of the linear constraints at a configuration; False if they are redundant."""
     if model.drives.size > 0:
         set_drive_rows(model, time, work.row_value)
     return work.schur.shape[0] == 0 or build_schur(model, q, work)
@@ -402,26 +404,23 @@ def velocity_drift(model, q, v, time, work):
 
 
 @njit_inlined
-def project(model, q, v, time, work, evaluated=False):
+def project(model, q, v, time, work):
     """Return positions and velocities to the constraints by the smallest change in the mass metric.
 
-    With ``evaluated``, ``work`` is that of an evaluation of the accelerations at this very state, and its factored
-    compliance of the linear constraints serves. False if these are redundant.
+    ``work`` must hold the compliance of the linear constraints hereabouts, from :func:`prepare_response` or from an
+    evaluation of the accelerations.
     """
     project_lengths(model.bodies, q, v)
-    if work.residual.size == 0:
-        return True
-    return project_linear(model, q, v, time, work, evaluated)
+    if work.residual.size > 0:
+        project_linear(model, q, v, time, work)
 
 
 @njit_inner
-def project_linear(model, q, v, time, work, evaluated):
+def project_linear(model, q, v, time, work):
     """:func:`project` for the linear constraints."""
     residual = work.residual
     constraint_drift(model, q, time, work)
     # The velocities are corrected with the rows of the same configuration: the position change is tiny.
-    if not evaluated and not build_schur(model, q, work):
-        return False
     for kind in range(2):
         if kind == 1:
             velocity_drift(model, q, v, time, work)
@@ -430,7 +429,6 @@ def project_linear(model, q, v, time, work, evaluated):
         subtract_response(model, q, work, residual, target)
     # The position change leaves the lengths only to second order.
     project_lengths(model.bodies, q, v)
-    return True
 
 
 @njit

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ._jit import njit, njit_allocating, njit_inner
+from ._jit import njit, njit_inner
 from .contact import friction_ramp, friction_ramp_slope, normal_force, normal_force_slopes
 from .flexible_tangent import ElementSlopes, add_elastic_tangents, make_element_slopes
 from .joint import (
@@ -33,6 +33,7 @@ from .joint import (
 )
 from .model import CLEARANCE, MATERIAL_POINTS
 from .profile import add_entry, clear
+from .system import Workspace
 
 
 class TangentScratch(NamedTuple):
@@ -51,8 +52,7 @@ class TangentScratch(NamedTuple):
     elements: ElementSlopes
 
 
-@njit_allocating
-def make_tangent_scratch(work):
+def make_tangent_scratch(work: Workspace) -> TangentScratch:
     """Allocate the arrays of a tangent."""
     joints = work.impact_speeds.size
     return TangentScratch(

@@ -49,7 +49,7 @@ def with_model(
     chosen = {**env_kwargs, **given}
     if chosen.get("model") == "auto":
         with make_env(env_id, chosen) as env:
-            level = {"model": env.unwrapped.model, "elements": env.unwrapped.elements}
+            level = {name: env.get_wrapper_attr(name) for name in ("model", "elements")}
         chosen = {name: value for name, value in chosen.items() if name not in ("question", "tolerance")} | level
     return chosen
 

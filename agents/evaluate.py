@@ -50,7 +50,8 @@ class Args:
     env_id: str = DEFAULT_ENV_ID
     """environment id"""
     model: str | None = None
-    """one of rigid-ideal, rigid-clearance, flexible-ideal, flexible-clearance; None: that of the run folders
+    """rigid-ideal, rigid-clearance, flexible-ideal, flexible-clearance, or auto (see the environment); None: that of
+    the run folders
     given, else rigid-clearance"""
     elements: int | None = None
     """beam elements of each panel of a flexible model; None: that of the run folders, else 6"""

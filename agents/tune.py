@@ -41,7 +41,8 @@ class Args:
     env_id: str = DEFAULT_ENV_ID
     """environment id"""
     model: str | None = None
-    """one of rigid-ideal, rigid-clearance, flexible-ideal, flexible-clearance; None: rigid-clearance"""
+    """rigid-ideal, rigid-clearance, flexible-ideal, flexible-clearance, or auto (see the environment); None:
+    rigid-clearance"""
     elements: int | None = None
     """beam elements of each panel of a flexible model; None: 6"""
     env_kwargs: dict[str, Any] = field(default_factory=dict)

@@ -21,7 +21,14 @@ ROW = Row(case="made up", quantity="length [m]", expected=2.0, obtained=2.02, to
 
 
 # Longer than a few seconds.
-SLOW = {"panel-counts", "spin-up", "flexible-agreement", "flexible-impacts"}
+SLOW = {
+    "panel-counts",
+    "spin-up",
+    "flexible-agreement",
+    "flexible-impacts",
+    "array-impacts",
+    "flexible-array-impacts",
+}
 
 
 @pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow) if n in SLOW else n for n in suite.CASES])

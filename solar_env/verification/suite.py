@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from . import (
+    array_impacts,
     beam_dynamics,
     beam_elements,
     beam_statics,
@@ -67,6 +68,8 @@ CASES: dict[str, Callable[[], Iterator[Check]]] = {
     "flexible-integrators": flexible_array.two_integrators,
     "flexible-agreement": flexible_array.two_integrators_tightly,
     "flexible-impacts": flexible_array.paper_phenomena,
+    "array-impacts": array_impacts.rigid_array_impacts,
+    "flexible-array-impacts": array_impacts.flexible_array_impacts,
 }
 
 

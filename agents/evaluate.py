@@ -51,8 +51,7 @@ class Args:
     """environment id"""
     model: str | None = None
     """rigid-ideal, rigid-clearance, flexible-ideal, flexible-clearance, or auto (see the environment); None: that of
-    the run folders
-    given, else rigid-clearance"""
+    the run folders given, else rigid-clearance"""
     elements: int | None = None
     """beam elements of each panel of a flexible model; None: that of the run folders, else 6"""
     env_kwargs: dict[str, Any] = field(default_factory=dict)

@@ -93,8 +93,10 @@ def test_steps_are_what_is_chosen_as_the_tolerance_grows(question):
     assert [step.bound for step in chosen] == sorted(step.bound for step in chosen)
     for step in chosen:
         assert cheapest(answers, question, step.bound * (1.0 + 1e-12) + 1e-15) == step
-    with pytest.raises(ValueError, match="no level"):
-        cheapest(answers, question, 0.999 * chosen[0].bound)
+    # All resamples of the finest level may rank controllers alike: then it meets every tolerance.
+    if chosen[0].bound > 0.0:
+        with pytest.raises(ValueError, match="no level"):
+            cheapest(answers, question, 0.999 * chosen[0].bound)
 
 
 @pytest.mark.parametrize("text", ["", "question,model\nwear,rigid-ideal\n", "# command: none\nquestion\nwear\n"])
@@ -119,7 +121,9 @@ def test_the_table_of_the_package_answers_every_question_at_every_level_and_says
         (reference,) = (a for a in own if a.error == 0.0)
         assert (reference.model, reference.cost_ratio) == ("flexible-clearance", 1.0)
         assert reference.elements == max(a.elements for a in own)
-        assert all(a.half_width > 0.0 and a.evaluations > 0 for a in own)
+        # Unlike a mean, a ranking can come out the same in all resamples.
+        assert all(a.half_width > 0.0 or question == "controller-ranking" for a in own)
+        assert all(a.half_width >= 0.0 and a.evaluations > 0 for a in own)
     made_by = read_table(PACKAGED_TABLE).provenance
     assert made_by["command"] == "python -m solar_env ladder"
     assert "not the truth" in made_by["reference"]

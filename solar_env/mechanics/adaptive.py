@@ -83,11 +83,11 @@ def make_adaptive_arrays(model: Model, state: State) -> AdaptiveArrays:
     """Allocate the arrays for a mechanism."""
     work = make_workspace(model, state)
     return AdaptiveArrays(
-        work,
-        make_workspace(model, state),
-        make_stages(state),
-        make_stiff_forces(state),
-        make_rosenbrock(model, state, work),
+        work=work,
+        scratch=make_workspace(model, state),
+        stages=make_stages(state),
+        stiff=make_stiff_forces(state),
+        step=make_rosenbrock(model, state, work),
     )
 
 

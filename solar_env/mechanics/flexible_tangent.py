@@ -38,11 +38,11 @@ class ElementSlopes(NamedTuple):
 def make_element_slopes() -> ElementSlopes:
     """Allocate the arrays."""
     return ElementSlopes(
-        np.zeros(12 * COLUMNS),
-        np.zeros(4 * _POINTS * COLUMNS),
-        np.zeros(4 * _POINTS * COLUMNS),
-        np.zeros(36 * COLUMNS),
-        np.zeros(36 * COLUMNS),
+        motion=np.zeros(12 * COLUMNS),
+        local_stiffness=np.zeros(4 * _POINTS * COLUMNS),
+        local_damping=np.zeros(4 * _POINTS * COLUMNS),
+        stiffness=np.zeros(36 * COLUMNS),
+        damping=np.zeros(36 * COLUMNS),
     )
 
 

@@ -32,11 +32,11 @@ def make_newton_matrices(model: Model, work: Workspace) -> NewtonMatrices:
     mass = make_profile_matrix(model.elimination)
     fill_mass(model, mass)
     return NewtonMatrices(
-        mass,
-        make_profile_matrix(model.elimination),
-        make_profile_matrix(model.elimination),
-        make_profile_matrix(model.elimination),
-        make_tangent_scratch(work),
+        mass=mass,
+        stiffness=make_profile_matrix(model.elimination),
+        damping=make_profile_matrix(model.elimination),
+        matrix=make_profile_matrix(model.elimination),
+        tangent=make_tangent_scratch(work),
     )
 
 

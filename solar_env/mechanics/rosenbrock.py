@@ -78,22 +78,22 @@ def make_rosenbrock(model: Model, state: State, work: Workspace) -> Rosenbrock:
     n, k = state.q.size, state.multipliers.size
     blocks = model.elimination.first.size
     return Rosenbrock(
-        make_newton_matrices(model, work),
-        np.zeros((ROSENBROCK_STAGES, n)),
-        np.zeros((ROSENBROCK_STAGES, n)),
-        np.zeros((ROSENBROCK_STAGES, n)),
-        np.zeros((ROSENBROCK_STAGES, k)),
-        np.zeros(n),
-        np.zeros(n),
-        np.zeros(n),
-        np.zeros(n),
-        np.zeros(n),
-        np.zeros(n),
-        np.zeros(k),
-        np.zeros((blocks, BLOCK)),
-        np.zeros((blocks, BLOCK)),
-        np.zeros((blocks, BLOCK)),
-        np.zeros(1, dtype=np.int64),
+        newton=make_newton_matrices(model, work),
+        coordinate_increments=np.zeros((ROSENBROCK_STAGES, n)),
+        velocity_increments=np.zeros((ROSENBROCK_STAGES, n)),
+        acceleration_increments=np.zeros((ROSENBROCK_STAGES, n)),
+        multiplier_increments=np.zeros((ROSENBROCK_STAGES, k)),
+        start_force=np.zeros(n),
+        q=np.zeros(n),
+        v=np.zeros(n),
+        a=np.zeros(n),
+        past_velocity=np.zeros(n),
+        rate=np.zeros(n),
+        multipliers=np.zeros(k),
+        unknowns=np.zeros((blocks, BLOCK)),
+        factor=np.zeros((blocks, BLOCK)),
+        product=np.zeros((blocks, BLOCK)),
+        linearized=np.zeros(1, dtype=np.int64),
     )
 
 

@@ -81,20 +81,20 @@ def make_workspace(model: Model, state: State) -> Workspace:
     """Allocate the scratch arrays for a model."""
     n, m, joints = state.q.size, model.constraints.size.size, model.joints.size
     work = Workspace(
-        np.zeros(n),
-        np.zeros((joints, LOAD_COLUMNS)),
-        np.zeros(state.integrals.size),
-        np.zeros(joints),
-        model.constraints.value.copy(),
-        np.zeros((m, n)),
-        np.zeros((m, m)),
-        np.zeros((m, 2, 2)),
-        np.zeros((m, 2)),
-        np.zeros((m, m)),
-        np.zeros(m),
-        np.zeros(n),
-        np.zeros(n),
-        np.zeros(TABLE_ROWS * LANES),
+        force=np.zeros(n),
+        loads=np.zeros((joints, LOAD_COLUMNS)),
+        power=np.zeros(state.integrals.size),
+        impact_speeds=np.zeros(joints),
+        row_value=model.constraints.value.copy(),
+        columns=np.zeros((m, n)),
+        free_schur=np.zeros((m, m)),
+        stretch=np.zeros((m, 2, 2)),
+        pull=np.zeros((m, 2)),
+        schur=np.zeros((m, m)),
+        residual=np.zeros(m),
+        row_force=np.zeros(n),
+        solution=np.zeros(n),
+        element_table=np.zeros(TABLE_ROWS * LANES),
     )
     fill_columns(model, work, False)
     return work

@@ -56,17 +56,17 @@ def make_tangent_scratch(work: Workspace) -> TangentScratch:
     """Allocate the arrays of a tangent."""
     joints = work.impact_speeds.size
     return TangentScratch(
-        work.loads,
-        work.impact_speeds,
-        np.zeros((joints, 8), dtype=np.int64),
-        np.zeros((4, 8)),
-        np.zeros((2, 8)),
-        np.zeros((4, 4)),
-        np.zeros((4, 4)),
-        np.zeros((4, 8)),
-        np.zeros((4, 8)),
-        np.zeros((joints, 8)),
-        make_element_slopes(),
+        loads=work.loads,
+        impact_speeds=work.impact_speeds,
+        coordinates=np.zeros((joints, 8), dtype=np.int64),
+        b=np.zeros((4, 8)),
+        spin_slope=np.zeros((2, 8)),
+        stiffness=np.zeros((4, 4)),
+        damping=np.zeros((4, 4)),
+        stiffness_product=np.zeros((4, 8)),
+        damping_product=np.zeros((4, 8)),
+        angle_gradient=np.zeros((joints, 8)),
+        elements=make_element_slopes(),
     )
 
 

@@ -26,6 +26,8 @@ LABELS = {
     "energy_lost": "energy dissipated",
 }
 
+_WIDE = 2.5  # a method that is so far off is shown on a logarithmic axis, lest it hide the others' differences
+
 
 def draw_ensembles(rows: Table, folder: Path) -> list[Path]:
     """Draw means over the reference's against wall time: a column for each joint of each model; returns the file."""
@@ -69,4 +71,7 @@ def _draw_panel(axis: Axes, rows: Table, statistic: str, look: dict[str, dict[st
                 reach = [[middle - bottom], [top - middle]]
                 axis.errorbar([wall], [middle], yerr=reach, markersize=3.5, linewidth=0.8, **look[str(method)])
         use_decades(axis, "x")
-        axis.ticklabel_format(axis="y", useOffset=False)
+        if axis.get_ylim()[1] > _WIDE:
+            axis.set_yscale("log")
+        else:
+            axis.ticklabel_format(axis="y", useOffset=False)

@@ -41,17 +41,17 @@ class Question:
     counts: bool = False
 
 
-_FLOOR_NOTE = "grey: what two independent reference methods disagree by"
+_FLOOR_NOTE = "grey: what two independent methods disagree by"
 QUESTIONS = (
     Question("angles", "deployment", "angle_error_rad", "error of angles before the latch [rad]", _FLOOR_NOTE),
     Question("latch", "deployment", "latch_error_s", "error of latch times [s]", _FLOOR_NOTE),
     Question(
         "impacts", "impacts", "impact_force_error", "error of the first impacts' peak forces",
-        f"{_FLOOR_NOTE}; the first impacts of each joint, out of the predictable ones",
+        f"{_FLOOR_NOTE}; first impacts of each joint",
     ),
     Question(
         "horizon", "impacts", "impacts_predicted", "impacts with the right peak force (1 %)",
-        "up to the horizon, beyond which two independent reference methods disagree: more is better", counts=True,
+        "more is better; beyond the horizon two independent methods disagree", counts=True,
     ),
     Question(
         "energy", "deployment", "energy_residual", "energy not in the books / energy put in",

@@ -32,9 +32,10 @@ def kernels(request: pytest.FixtureRequest) -> None:
     start = time.perf_counter()
     from solar_env.commands.warmup import compile_side_by_side, kernels_are_compiled, load_all_models
 
-    if not kernels_are_compiled():
-        list(compile_side_by_side())
-    for integrator in ("rosenbrock", "generalized-alpha"):
+    integrators = ("rosenbrock", "generalized-alpha")
+    if not all(kernels_are_compiled(integrator) for integrator in integrators):
+        list(compile_side_by_side(integrators))
+    for integrator in integrators:
         load_all_models(integrator)
     say(f"kernels loaded in {time.perf_counter() - start:.1f} s")
 

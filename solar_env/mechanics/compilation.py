@@ -3,21 +3,27 @@
 from __future__ import annotations
 
 import numba
+import numpy as np
 
-from .adaptive import make_adaptive_arrays, refresh
+from .adaptive import make_adaptive_arrays, record_until, refresh
 from .build import compile_mechanism
 from .description import Mechanism
+from .events import NONE, begin_event
+from .recording import make_recorder
 from .rosenbrock import attempt_rosenbrock
 from .runge_kutta import AdaptiveSettings
 from .stiff_forces import begin_step
 
 
 def compile_evaluation(mechanism: Mechanism) -> None:
-    """Compile, or load, the evaluation of the equations of motion, and the treatment of stiff forces."""
+    """Compile, or load, the evaluation of the equations of motion, and what a step does before and after it."""
     model, state = compile_mechanism(mechanism)
     arrays = make_adaptive_arrays(model, state)
     refresh(model, state, arrays.stages, arrays.work)
     _compile(begin_step, model, state, arrays.work, arrays.stiff, state.a, 1e-3)
+    _compile(begin_event, model, state, NONE, NONE, arrays.scratch)
+    recorder = make_recorder(model, state, np.zeros(0), 0)
+    _compile(record_until, model, state, arrays.stages, arrays.scratch, recorder, 1e-3, 1e-3)
 
 
 def compile_linear_step(mechanism: Mechanism) -> None:

@@ -60,12 +60,16 @@ def compile_side_by_side(integrators: Sequence[str] = (_ADAPTIVE, _ALPHA)) -> It
 
 
 def kernels_are_compiled(integrator: str) -> bool:
-    """Whether the cache holds the kernels of an integrator for these very sources."""
+    """Whether the cache holds the kernels of an integrator for these very sources, or none are to be compiled."""
+    import numba
+
     from ..mechanics.adaptive import advance_adaptive
     from ..mechanics.generalized_alpha import advance_alpha
 
     kernel = advance_alpha if _family(integrator) == _ALPHA else advance_adaptive
-    return any(Path(kernel.stats.cache_path).glob(f"*.{kernel.py_func.__name__}-*.nbi"))
+    return bool(numba.config.DISABLE_JIT) or any(
+        Path(kernel.stats.cache_path).glob(f"*.{kernel.py_func.__name__}-*.nbi")
+    )
 
 
 def _family(integrator: str) -> str:

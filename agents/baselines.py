@@ -3,6 +3,7 @@
 import json
 import math
 import warnings
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
@@ -29,7 +30,7 @@ class Controller(Protocol):
         ...
 
 
-class _TorqueLaw:
+class _TorqueLaw(ABC):
     """A memoryless torque law over named observation entries.
 
     Args:
@@ -54,9 +55,9 @@ class _TorqueLaw:
         self._latch_columns = [column for column, name in enumerate(names) if name.startswith("latched_")]
         self._torque_limit = torque_limit
 
+    @abstractmethod
     def _torque(self, entries: Mapping[str, np.ndarray], all_latched: np.ndarray) -> np.ndarray:
         """Torque (n,) [N m] from named entries (n,); `all_latched` (n,): where every joint has."""
-        raise NotImplementedError
 
     def predict(
         self,

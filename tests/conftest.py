@@ -30,12 +30,11 @@ def kernels(request: pytest.FixtureRequest) -> None:
 
     say("loading the compiled kernels (the first time compiles them, which takes one to two minutes) ...")
     start = time.perf_counter()
-    from solar_env.commands.warmup import compile_side_by_side, kernels_are_compiled, load_all_models
+    from solar_env.commands.warmup import INTEGRATORS, compile_side_by_side, kernels_are_compiled, load_all_models
 
-    integrators = ("rosenbrock", "generalized-alpha")
-    if not all(kernels_are_compiled(integrator) for integrator in integrators):
-        list(compile_side_by_side(integrators))
-    for integrator in integrators:
+    if not all(kernels_are_compiled(integrator) for integrator in INTEGRATORS):
+        list(compile_side_by_side())
+    for integrator in INTEGRATORS:
         load_all_models(integrator)
     say(f"kernels loaded in {time.perf_counter() - start:.1f} s")
 

@@ -16,6 +16,7 @@ from ..integrators import make_integrator
 
 # All models run with the kernels of the first by default, which "runge-kutta" shares; "paper" has those of the second.
 _ADAPTIVE, _ALPHA = "rosenbrock", "generalized-alpha"
+INTEGRATORS = (_ADAPTIVE, _ALPHA)
 # Functions of ``compilation.py``: what everything calls, and the longest of the rest.
 PARTS = ("compile_evaluation", "compile_linear_step")
 
@@ -45,7 +46,7 @@ def compile_part(part: str) -> None:
     getattr(compilation, part)(build(ArrayParameters(), MODELS[0]))
 
 
-def compile_side_by_side(integrators: Sequence[str] = (_ADAPTIVE, _ALPHA)) -> Iterator[tuple[str, list[float]]]:
+def compile_side_by_side(integrators: Sequence[str] = INTEGRATORS) -> Iterator[tuple[str, list[float]]]:
     """Compile in two processes: the parts, then the integrators, which share them.
 
     Yields:

@@ -151,11 +151,17 @@ def record_until(model, state, stages, scratch, recorder, h, end):
         )
 
 
+@njit_inner_inlined
+def set_impact_speeds(joint_states, impact_speeds):
+    """Fill (joints,) with the impact speeds of the contacts under way, and zeros for free journals."""
+    for j in range(joint_states.size):
+        impact_speeds[j] = joint_states[j].impact_speed if joint_states[j].in_contact else 0.0
+
+
 @njit
 def refresh(model, state, stages, work):
     """Evaluate the first stage at the accepted state, with its contact modes. False if constraints are singular."""
-    for j in range(state.joints.size):
-        work.impact_speeds[j] = state.joints[j].impact_speed if state.joints[j].in_contact else 0.0
+    set_impact_speeds(state.joints, work.impact_speeds)
     regular = accelerations(
         model,
         state.joints,
@@ -213,7 +219,7 @@ def accept(model, state, stages, work, scratch, recorder, h, share, event_joint,
     Returns:
         False if the constraints are singular.
     """
-    joint_states, impact_speeds = state.joints, work.impact_speeds
+    impact_speeds = work.impact_speeds
     clock = state.clock[0]
     start = clock.time
     end = start + share * h
@@ -235,8 +241,7 @@ def accept(model, state, stages, work, scratch, recorder, h, share, event_joint,
         copy_into(stages.acceleration[0], stages.acceleration[STAGES - 1])
         copy_into(stages.power[0], stages.power[STAGES - 1])
     settle_joints(model, state, work.loads, stages.sliding_work, start, stages.depth, recorder)
-    for j in range(joint_states.size):
-        impact_speeds[j] = joint_states[j].impact_speed if joint_states[j].in_contact else 0.0
+    set_impact_speeds(state.joints, impact_speeds)
     copy_into(stages.velocity[0], state.v)
     measure_depths(model, state, stages)
     return True
@@ -251,8 +256,7 @@ def advance_adaptive(model, state, settings, recorder, end_time, arrays):
     step.linearized[0] = NEVER
     # Whether the accelerations solve the equations, not only to a step's tolerance.
     exact = True
-    for j in range(state.joints.size):
-        work.impact_speeds[j] = state.joints[j].impact_speed if state.joints[j].in_contact else 0.0
+    set_impact_speeds(state.joints, work.impact_speeds)
     if clock.acceleration_current:
         copy_into(stages.acceleration[0], state.a)
         copy_into(stages.power[0], state.power)
@@ -262,8 +266,7 @@ def advance_adaptive(model, state, settings, recorder, end_time, arrays):
     copy_into(stages.velocity[0], state.v)
     measure_depths(model, state, stages)
     if recorder.times.size > 0:
-        for j in range(state.joints.size):
-            scratch.impact_speeds[j] = work.impact_speeds[j]
+        copy_into(scratch.impact_speeds, work.impact_speeds)
         record_until(model, state, stages, scratch, recorder, 0.0, clock.time)
     if clock.step_size <= 0.0:
         clock.step_size = 1e-6

@@ -122,8 +122,7 @@ def record_until(model, state, it, scratch, recorder, work, h):
     n = state.q.size
     start = state.clock[0].time
     end = start + h
-    for j in range(state.joints.size):
-        scratch.impact_speeds[j] = work.impact_speeds[j]
+    copy_into(scratch.impact_speeds, work.impact_speeds)
     while sample_due(recorder, end):
         s = min(max((recorder.times[recorder.filled[0]] - start) / h, 0.0), 1.0) if h > 0.0 else 0.0
         for i in range(n):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
@@ -42,7 +43,7 @@ class PeerArray:
     kept_alive: list[Any] = field(default_factory=list)
 
 
-class Builder:
+class Builder(ABC):
     """Steps that all three builds share."""
 
     def __init__(self, array: PeerArray) -> None:
@@ -53,9 +54,9 @@ class Builder:
         ground = self.system.AddNode(items.NodePointGround(referenceCoordinates=[0, 0, 0]))
         self.ground = self.system.AddMarker(items.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0))
 
+    @abstractmethod
     def build(self) -> None:
         """Add everything to the system and assemble it."""
-        raise NotImplementedError
 
     def base(self) -> tuple[int, int]:
         """Node and body of the main body."""

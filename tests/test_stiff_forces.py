@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from helpers import block
 
+from solar_env.array import ArrayParameters, build
 from solar_env.mechanics import model as m
 from solar_env.mechanics.description import Bearing
-from solar_env.mechanics.integrators import RungeKutta
+from solar_env.mechanics.integrators import Rosenbrock, RungeKutta
 from solar_env.mechanics.linear import lu_factor, lu_solve
 from solar_env.mechanics.runge_kutta import _COUPLING, _ERROR
 from solar_env.mechanics.simulation import Simulation
@@ -46,6 +47,22 @@ def test_factors_without_pivoting_solve() -> None:
     np.testing.assert_allclose(right, expected, rtol=1e-13)
     assert not lu_factor(np.array([[1.0, 2.0], [2.0, 1.0]]), 2)
     assert not lu_factor(np.full((1, 1), np.nan), 1)
+
+
+def test_what_stiff_stops_take_is_booked_to_order_three() -> None:
+    # Beam ends have next to no inertia: the latches' dampers slow them within microseconds.
+    fast = ArrayParameters(spring_stiffness=(2.5, 1.875), cable_preload_force=1250.0)
+    residuals = []
+    for step in (4e-5, 2e-5):
+        simulation = Simulation(build(fast, "flexible-ideal", elements=6), Rosenbrock())
+        simulation.advance(2.3)
+        simulation.integrator = RungeKutta(rtol=1e-3, max_step=step)
+        before = simulation.energy_residual()
+        simulation.advance(2.5)
+        assert simulation.state.joints["stop_engaged"].all()
+        residuals.append(abs(simulation.energy_residual() - before) / simulation.state.clock["energy_scale"][0])
+    assert residuals[0] < 3e-7
+    assert residuals[0] / residuals[1] > 2.0**2.5
 
 
 def test_a_journal_at_rest_is_stepped_over_and_its_load_booked() -> None:

@@ -57,14 +57,12 @@ _PEAK_SAMPLES = 8
 _SMALLEST_STEP = 1e-13  # s, relative to max(time, 1 s)
 # Share of the flexible bodies' stable step that is used: on its very limit their highest mode would not decay.
 _STABILITY_MARGIN = 0.95
-# And the share of that while a stop acts: order three of its stiff damping is what the energy book shows.
-_STOP_SHARE = 0.7
 # A linearly implicit step is taken if it is so many times as long as the stable explicit one. It costs five times as
 # much, but the explicit method's estimate sees the stiff vibrations too and promises less than can be had.
 _WORTH = 2.5
 # Its error is dissipation of vibrations that it does not resolve, which the energy book lacks: hence a stricter
 # tolerance.
-_STRICTER = 5.0
+_STRICTER = 2.0
 # After a try that has failed the next one waits for twice as many explicit steps, up to so many.
 _LONGEST_WAIT = 256
 
@@ -89,15 +87,6 @@ def make_adaptive_arrays(model: Model, state: State) -> AdaptiveArrays:
         stiff=make_stiff_forces(state),
         step=make_rosenbrock(model, state, work),
     )
-
-
-@njit_inner_inlined
-def any_stop_engaged(joint_states):
-    """Whether a latch's or a stow stop's torque acts."""
-    engaged = False
-    for own in joint_states:
-        engaged = engaged or own.stop_engaged != 0
-    return engaged
 
 
 @njit_inner
@@ -282,8 +271,6 @@ def advance_adaptive(model, state, settings, recorder, end_time, arrays):
             break
         limit = min(settings.max_step, impact_step_limit(state, clock.time, settings.impact_resolution))
         stable = _STABILITY_MARGIN * model.stable_step
-        if any_stop_engaged(state.joints):
-            stable *= _STOP_SHARE
         wanted = min(clock.step_size, limit)
         implicit = settings.linearly_implicit and clock.explicit_wait <= 0 and wanted > _WORTH * stable
         bound = stable < wanted and not implicit

@@ -24,7 +24,17 @@ from numpy.typing import NDArray
 
 from ._jit import njit_inner, njit_merged
 from .linear import copy_into
-from .model import RIGID, Model, State
+from .model import (
+    CLEARANCE,
+    FRICTION_DISSIPATION,
+    IMPULSE,
+    INTEGRALS_PER_JOINT,
+    NORMAL_DISSIPATION,
+    RIGID,
+    SLIDING_WORK,
+    Model,
+    State,
+)
 from .newton import NewtonMatrices, assemble, linearize_forces, make_newton_matrices
 from .profile import BLOCK, add_entry, add_to, enter, profile_factor, profile_product, profile_solve, taken
 from .runge_kutta import STAGES, interpolate
@@ -205,6 +215,20 @@ def evaluate_forces(model, joint_states, q, v, work):
 
 
 @njit_merged
+def take_contacts_from_ends(joints, power, gain, h):
+    """Put the trapezoidal rule in place of Simpson's for the integrals of contacts.
+
+    The depth of a lasting contact, some nanometres, is a difference of positions that move by millimetres in a step:
+    the solution has it at its ends, but not its interpolant in between.
+    """
+    for j in range(joints.size):
+        if joints[j].kind == CLEARANCE:
+            for integral in (NORMAL_DISSIPATION, FRICTION_DISSIPATION, SLIDING_WORK, IMPULSE):
+                k = INTEGRALS_PER_JOINT * j + integral
+                gain[k] = 0.5 * h * (power[0, k] + power[STAGES - 1, k])
+
+
+@njit_merged
 def estimate_error(model, state, stages, step, settings):
     """Greatest component of the error estimate, which is the last increment, in units of the tolerance."""
     last = ROSENBROCK_STAGES - 1
@@ -271,5 +295,6 @@ def attempt_rosenbrock(model, state, stages, step, work, settings, h):
     copy_into(power[STAGES - 1], work.power)
     for k in range(gain.size):
         gain[k] = h / 6.0 * (power[0, k] + 4.0 * middle[k] + power[STAGES - 1, k])
+    take_contacts_from_ends(model.joints, power, gain, h)
     state.clock[0].evaluations += ROSENBROCK_STAGES + 1
     return estimate_error(model, state, stages, step, settings)

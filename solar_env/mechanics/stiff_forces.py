@@ -27,7 +27,14 @@ from .contact import friction_ramp, normal_force_slopes
 from .history import IMPACT_DURATIONS
 from .joint import add_point_force, add_torque, joint_motion, penetration, relative, spin, stop_torque
 from .linear import copy_into, lu_factor, lu_solve
-from .model import FRICTION_DISSIPATION, IMPULSE, INTEGRALS_PER_JOINT, MATERIAL_POINTS, SLIDING_WORK
+from .model import (
+    FRICTION_DISSIPATION,
+    IMPULSE,
+    INTEGRALS_PER_JOINT,
+    MATERIAL_POINTS,
+    SLIDING_WORK,
+    STOP_DISSIPATION,
+)
 from .system import acceleration_response, accelerations, prepare_response
 
 # gamma_ij on and below the diagonal, for the stages of Kutta's 3/8 rule and for the one that only the error estimate
@@ -251,8 +258,12 @@ def correct_stage(stiff, stage, h, velocity, acceleration, power):
         force = h * (DIAGONAL * right[i] + stiff.past[i])
         for x in range(a.size):
             a[x] -= force * stiff.response[i, x]
+        first = INTEGRALS_PER_JOINT * stiff.joint[i]
         if stiff.stiffness[i] > 0.0:
-            add_force_to_powers(power[stage], INTEGRALS_PER_JOINT * stiff.joint[i], force)
+            add_force_to_powers(power[stage], first, force)
+        else:
+            # What the stop takes with the torque that the step goes by, not the one that the stage's speed would give.
+            power[stage, first + STOP_DISSIPATION] += force * product(stiff.gradient[i], velocity[stage])
     for i in range(count):
         if stiff.stiffness[i] > 0.0:
             stiff.closing[stage, i] = product(stiff.gradient[i], a)

@@ -1,0 +1,90 @@
+"""``python -m solar_env paper``: the paper, figure by figure and claim by claim."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from pathlib import Path
+
+from rich.console import Console
+
+from ..progress import counting_bar
+
+PACKAGE = Path(__file__).resolve().parent.parent
+README = PACKAGE.parent / "README.md"
+BEGIN, END = "<!-- claims: written by `python -m solar_env paper --readme` -->", "<!-- end of claims -->"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument(
+        "--figure", type=int, nargs="+", metavar="N", help="these figures of the paper (5 to 23), without the claims"
+    )
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes (%(default)s)")
+    parser.add_argument("--json", action="store_true", help="print the claims as JSON")
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument("--out", type=Path, default=Path("paper"), help="folder of all files (%(default)s)")
+    where.add_argument(
+        "--readme", action="store_true",
+        help="pictures into solar_env/figures/paper, claims into solar_env/paper and README; tables into ./paper",
+    )  # fmt: skip
+
+
+def run_command(args: argparse.Namespace) -> int:
+    """Simulate, write the tables, draw the figures, and judge the claims.
+
+    Raises:
+        ValueError: if a figure's number is unknown, or there are no processes to run on.
+        OSError: if a file cannot be written.
+    """
+    # The engine needs the compiler, --help does not.
+    from ..paper.cases import Run, simulate_runs
+    from ..paper.claims import CLAIMS
+    from ..paper.drawings import draw_figure
+    from ..paper.figures import FIGURES
+    from ..paper.survey import as_json, as_markdown, judge, planned_runs
+    from ..studies.tables import provenance, read_table, write_table
+
+    unknown = [number for number in args.figure or () if number not in FIGURES]
+    if unknown:
+        raise ValueError(f"the paper has no figure {unknown[0]} that is drawn here; choose from {min(FIGURES)} to 23")
+    if args.jobs < 1:
+        raise ValueError(f"jobs = {args.jobs} must be at least 1")
+    figures = [FIGURES[number] for number in args.figure or FIGURES]
+    runs = [] if args.figure else planned_runs()
+    runs += [run for f in figures for run in map(Run, f.cases) if run not in runs]
+    pictures = PACKAGE / "figures" / "paper" if args.readme else args.out
+    for folder in (pictures, args.out):
+        folder.mkdir(parents=True, exist_ok=True)
+    console = Console(stderr=True)
+    motions = {}
+    with counting_bar(console) as bar:
+        task = bar.add_task("deployments", total=len(dict.fromkeys(runs)))
+        for run, motion in simulate_runs(dict.fromkeys(runs), args.jobs):
+            motions[run] = motion
+            bar.advance(task)
+        first = {run.case: motion for run, motion in motions.items() if run.member == 0 and not run.parameter}
+        task = bar.add_task("figures", total=len(figures))
+        for figure in figures:
+            table = args.out / f"{figure.stem}.csv"
+            write_table(table, figure.rows(first), provenance("paper", figure=figure.number, title=figure.title))
+            title = f"Fig. {figure.number}: {figure.title}"
+            draw_figure(read_table(table), figure.kind, title, pictures / f"{figure.stem}.png")
+            bar.advance(task)
+    if args.figure:
+        return 0
+    findings = [judge(claim, motions) for claim in CLAIMS]
+    text = as_json(findings)
+    claims = PACKAGE / "paper" / "claims.json" if args.readme else args.out / "claims.json"
+    claims.write_text(text + "\n", encoding="utf-8")
+    if args.readme:
+        before, rest = README.read_text(encoding="utf-8").split(BEGIN)
+        README.write_text(f"{before}{BEGIN}\n\n{as_markdown(findings)}\n{END}{rest.split(END)[1]}", encoding="utf-8")
+    else:
+        (args.out / "claims.md").write_text(as_markdown(findings), encoding="utf-8")
+    if args.json:
+        print(text)
+    else:
+        agreeing = sum(finding.agrees for finding in findings)
+        console.print(f"{agreeing} of {len(findings)} claims agree; tables, pictures and claims in {args.out}")
+    return 0

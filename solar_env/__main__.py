@@ -13,6 +13,8 @@ COMMANDS = {
     "chart": ("solar_env.commands.chart", "measure speed against accuracy and draw it"),
     "stability": ("solar_env.commands.stability", "map where methods fail, and check that the library says so"),
     "paper": ("solar_env.commands.paper", "draw the figures of the paper and judge what it says"),
+    "design": ("solar_env.commands.design", "map peak force and wear over clearances and stiffnesses"),
+    "ground-test": ("solar_env.commands.ground_test", "repeat deployments with the worn clearance fed back"),
     "ladder": ("solar_env.commands.ladder", "measure which model level answers which question, and at what cost"),
     "figures": ("solar_env.commands.figures", "draw the pictures of the README"),
     "warmup": ("solar_env.commands.warmup", "compile all kernels, which later runs load from the cache"),

@@ -54,12 +54,16 @@ class ArrayParameters:
             (chosen: it damps kilohertz modes and leaves bending below 100 Hz alone; the paper has none).
         spring_stiffness: torsion springs, by joint [N m/rad].
         spring_preload_angle: angle at which a spring is relaxed, by joint [rad].
-        cable_stiffness: closed cable loops between neighbouring joints [N m/rad] (chosen).
+        cable_stiffness: closed cable loops between neighbouring joints [N m/rad] (chosen: keeps the joint angles at
+            1 : 2 within a degree up to the latching).
         cable_torque_ratio: torque on the inner over that on the outer joint of a loop; None takes the wheel ratio
             (2 at the root), which conserves energy; 1 is the couple that the paper's latch time points to.
-        cable_preload_force: of a strand [N]; a strand's tension is never negative (chosen).
-        cable_wheel_radius: of the outer joint's wheel [m] (chosen).
-        latch_gap: free play of latch and stow stop to either side [rad] (chosen, like the four below).
+        cable_preload_force: of a strand [N]; a strand's tension is never negative (chosen: no strand goes
+            slack).
+        cable_wheel_radius: of the outer joint's wheel [m] (chosen: it sets only the torque at which a strand
+            goes slack).
+        latch_gap: free play of latch and stow stop to either side [rad] (chosen, like the four below: together they
+            give contact forces of some hundred newtons after latching, like the paper's Fig. 10).
         latch_stiffness: [N m/rad^exponent].
         latch_exponent: of the stop's elastic torque.
         latch_ramp_depth: depth over which the stop's damping is ramped in [rad].
@@ -72,9 +76,11 @@ class ArrayParameters:
             follow, by joint; it then rises as the clearance shrinks.
         journal_young, journal_poisson, bearing_young, bearing_poisson: moduli [Pa] and Poisson's ratios, used only
             for Eq 40; a steel journal in a brass bearing.
-        minimum_impact_speed: lower bound of the impact speed in the damping term [m/s] (chosen).
+        minimum_impact_speed: lower bound of the impact speed in the damping term [m/s] (chosen: a hundredth of the
+            slower impacts').
         friction_coefficient: Coulomb's.
-        friction_speed_zero, friction_speed_full: sliding speeds between which friction sets in [m/s] (chosen).
+        friction_speed_zero, friction_speed_full: sliding speeds between which friction sets in [m/s] (chosen: below
+            those of impacts, which see all of Coulomb's friction).
         friction_sliding: "material" for the speed of the material points in contact; "centres" for the paper's Eq 35,
             which leaves the bodies' rotation out.
         wear_coefficient: Archard's k = K_W/H [m2/N] (chosen so that the deepest bin of one deployment comes to the

@@ -38,7 +38,8 @@ def run_command(args: argparse.Namespace) -> int:
         OSError: if a file cannot be written.
     """
     # The engine needs the compiler, --help does not.
-    from ..paper.cases import Run, simulate_runs
+    from ..campaigns import each_done
+    from ..paper.cases import Run, simulate_run
     from ..paper.claims import CLAIMS
     from ..paper.drawings import draw_figure
     from ..paper.figures import FIGURES
@@ -48,8 +49,6 @@ def run_command(args: argparse.Namespace) -> int:
     unknown = [number for number in args.figure or () if number not in FIGURES]
     if unknown:
         raise ValueError(f"the paper has no figure {unknown[0]} that is drawn here; choose from {min(FIGURES)} to 23")
-    if args.jobs < 1:
-        raise ValueError(f"jobs = {args.jobs} must be at least 1")
     figures = [FIGURES[number] for number in args.figure or FIGURES]
     runs = [] if args.figure else planned_runs()
     runs += [run for f in figures for run in map(Run, f.cases) if run not in runs]
@@ -60,7 +59,7 @@ def run_command(args: argparse.Namespace) -> int:
     motions = {}
     with counting_bar(console) as bar:
         task = bar.add_task("deployments", total=len(dict.fromkeys(runs)))
-        for run, motion in simulate_runs(dict.fromkeys(runs), args.jobs):
+        for run, motion in each_done(simulate_run, dict.fromkeys(runs), args.jobs):
             motions[run] = motion
             bar.advance(task)
         first = {run.case: motion for run, motion in motions.items() if run.member == 0 and not run.parameter}

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
-
-from joblib import Parallel, delayed
 
 from ..array import MODELS, ArrayParameters
 from ..deployment import simulate
@@ -73,14 +71,9 @@ class Run:
         return {self.parameter: self.value} if self.parameter else {}
 
 
-def simulate_runs(runs: Iterable[Run], jobs: int, duration: float = DURATION) -> Iterator[tuple[Run, Trajectory]]:
-    """Simulate on ``jobs`` processes, and yield each run with its trajectory as it is done."""
-    tasks = (delayed(_simulate_run)(run, duration) for run in runs)
-    yield from Parallel(n_jobs=jobs, return_as="generator_unordered")(tasks)
-
-
-def _simulate_run(run: Run, duration: float) -> tuple[Run, Trajectory]:
-    return run, simulate_case(run.case, run.member, run.changes, duration)
+def simulate_run(run: Run) -> Trajectory:
+    """Simulate a run over DURATION."""
+    return simulate_case(run.case, run.member, run.changes)
 
 
 # The four-bar linkage: the paper's data are not all published. Links of the default crank-rocker, 1 kg a metre; the

@@ -57,12 +57,11 @@ class Finding:
     why: str
 
 
-def planned_runs(claims: Sequence[Claim] = CLAIMS, members: int = MEMBERS, ranges: bool = True) -> list[Run]:
+def planned_runs(claims: Sequence[Claim] = CLAIMS, members: int = MEMBERS) -> list[Run]:
     """All runs that the claims need, the longest first."""
     cases = dict.fromkeys(case for claim in claims for case in claim.cases)
     runs = {Run(case, member) for case in cases for member in range(members)}
-    if ranges:
-        runs |= {run for claim in claims for run in _range_runs(claim)}
+    runs |= {run for claim in claims for run in _range_runs(claim)}
     order = {case: number for number, case in enumerate(cases)}
     return sorted(runs, key=lambda run: (not run.case.startswith("flexible"), order[run.case], _where(run)))
 
@@ -86,7 +85,7 @@ def _range_runs(claim: Claim) -> Iterator[Run]:
 def judge(claim: Claim, motions: Mapping[Run, Trajectory]) -> Finding:
     """Measure a claim on the runs that :func:`planned_runs` lists."""
     members = sorted({run.member for run in motions if run.case == claim.cases[0] and not run.parameter})
-    figures = np.array([_figure(claim, motions, Run("", member)) for member in members])
+    figures = np.array([_figure(claim, motions, member) for member in members])
     median = float(np.median(figures))
     holds: dict[str, tuple[Value, ...]] = {}
     fails: dict[str, tuple[Value, ...]] = {}
@@ -94,7 +93,7 @@ def judge(claim: Claim, motions: Mapping[Run, Trajectory]) -> Finding:
         own = {run.value for run in motions if run.parameter == parameter and run.case == claim.cases[0]}
         figure_at: dict[Any, float] = {getattr(ArrayParameters.preset("paper"), parameter): median}
         for value in own:
-            found = [_figure(claim, motions, Run("", member, parameter, value)) for member in _range_members(claim)]
+            found = [_figure(claim, motions, member, parameter, value) for member in _range_members(claim)]
             figure_at[value] = float(np.median(found))
         holds[parameter] = tuple(value for value in sorted(figure_at) if claim.holds(figure_at[value]))
         fails[parameter] = tuple(value for value in sorted(figure_at) if not claim.holds(figure_at[value]))
@@ -115,8 +114,10 @@ def judge(claim: Claim, motions: Mapping[Run, Trajectory]) -> Finding:
     )
 
 
-def _figure(claim: Claim, motions: Mapping[Run, Trajectory], at: Run) -> float:
-    return claim.measure({case: motions[Run(case, at.member, at.parameter, at.value)] for case in claim.cases})
+def _figure(
+    claim: Claim, motions: Mapping[Run, Trajectory], member: int, parameter: str = "", value: Value = 0.0
+) -> float:
+    return claim.measure({case: motions[Run(case, member, parameter, value)] for case in claim.cases})
 
 
 def as_json(findings: Iterable[Finding]) -> str:

@@ -1,0 +1,46 @@
+"""``python -m solar_env design``: peak force and wear over clearances and over latch and cable stiffness."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from pathlib import Path
+
+from rich.console import Console
+
+from ..array import PRESETS
+
+FIGURES = Path(__file__).resolve().parent.parent / "figures"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("--preset", choices=sorted(PRESETS), default="default", help="parameters (%(default)s)")
+    parser.add_argument("--members", type=int, default=8, help="runs of the ensemble in each cell (%(default)s)")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes (%(default)s)")
+    parser.add_argument("--draw", action="store_true", help="measure nothing, draw the picture from the table again")
+    parser.add_argument(
+        "--out", type=Path, default=Path("design"),
+        help="folder of the table and of the finished cells, with which an interrupted run goes on (%(default)s)",
+    )  # fmt: skip
+    parser.add_argument("--readme", action="store_true", help="picture into solar_env/figures")
+
+
+def run_command(args: argparse.Namespace) -> int:
+    """Measure what is missing, write the table and draw the maps.
+
+    Raises:
+        ValueError: if there are no runs or processes, or the folder holds cells of other settings.
+        OSError: if a file cannot be read or written.
+    """
+    # The studies need the compiler, --help does not.
+    from ..studies.design_map import FILE, measure
+    from ..studies.design_plot import draw_design
+    from ..studies.tables import read_table
+
+    if args.members < 1:
+        raise ValueError(f"members = {args.members} must be at least 1")
+    if not args.draw:
+        print(measure(args.preset, args.members, args.jobs, args.out, Console(stderr=True)))
+    print(draw_design(read_table(args.out / FILE), FIGURES if args.readme else args.out))
+    return 0

@@ -1,19 +1,19 @@
 """Many independent simulations: on several processes, and resumed where they were interrupted.
 
-Everything that runs in parallel goes through :func:`each_done`, which hands tasks to joblib; a campaign is a set of
-tasks whose results are kept in a file as they come.
+:func:`each_done` hands simulations to joblib; a campaign is a set of them whose results a file keeps as they come.
 """
 
 from __future__ import annotations
 
+import hashlib
 import json
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import cache
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any, TypeVar
 
 from joblib import Parallel, delayed
-
-from .mechanics._jit import kernel_digest
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
@@ -34,6 +34,7 @@ def each_done(
 
     Raises:
         ValueError: if ``jobs`` is not positive.
+        Exception: whatever ``function`` raises.
     """
     if jobs < 1:
         raise ValueError(f"jobs = {jobs!r} must be at least 1")
@@ -48,8 +49,8 @@ def _with_task(function: Callable[[Task], Result], task: Task) -> tuple[Task, Re
 class Campaign:
     """Cells of a map or of an ensemble, whose results are kept in a file of JSON lines.
 
-    The first line of the file says what made it: the function, its settings and the engine's version. A campaign that
-    was made by anything else is refused, not mixed.
+    The first line of the file says what made it: the function, its settings and a hash of the package's code. Results
+    that were made by anything else are refused, not mixed.
 
     Args:
         function: from a cell to a result that JSON keeps; at the top of a module.
@@ -75,9 +76,9 @@ class Campaign:
         if len(set(keys)) < len(keys):
             raise ValueError("two cells of the campaign are alike")
         name = f"{function.__module__}.{function.__qualname__}"
-        self._made_by = {"function": name, "kernels": kernel_digest(), "settings": dict(settings or {})}
-        self._results: dict[Hashable, Any] = {}
-        if store.exists():
+        self._made_by = {"function": name, "code": _code_digest(), "settings": dict(settings or {})}
+        self._results: dict[str, Any] = {}
+        if store.exists() and "\n" in store.read_text(encoding="utf-8"):
             self._load(set(keys))
         else:
             store.parent.mkdir(parents=True, exist_ok=True)
@@ -85,7 +86,7 @@ class Campaign:
 
     def _load(self, keys: set[str]) -> None:
         lines = self._store.read_text(encoding="utf-8").splitlines(keepends=True)
-        if not lines or json.loads(lines[0]) != json.loads(json.dumps(self._made_by)):
+        if json.loads(lines[0]) != json.loads(json.dumps(self._made_by)):
             raise ValueError(
                 f"{self._store} was made by other code or with other settings; delete it or choose another"
             )
@@ -122,6 +123,17 @@ class Campaign:
         if self.missing:
             raise ValueError(f"{len(self.missing)} of {len(self.cells)} cells are not done; run the campaign first")
         return [self._results[_key(cell)] for cell in self.cells]
+
+
+@cache
+def _code_digest() -> str:
+    """Hash of the package's sources and of the versions of what computes for it."""
+    digest = hashlib.sha256()
+    for path in sorted(Path(__file__).parent.rglob("*.py")):
+        digest.update(path.read_bytes())
+    for package in ("numba", "numpy", "scipy"):
+        digest.update(version(package).encode())
+    return digest.hexdigest()[:16]
 
 
 def _key(cell: Cell) -> str:

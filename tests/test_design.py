@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 from typing import Any
 
@@ -36,7 +37,8 @@ def test_a_cell_holds_every_member_of_its_ensemble(monkeypatch: pytest.MonkeyPat
     assert result["wear_m"] != design_map.measure_cell({**cell, "x": 3e-4})["wear_m"]
 
 
-def test_both_stiffnesses_are_varied() -> None:
+def test_both_axes_of_both_maps_are_varied() -> None:
+    assert design_map.changes("clearances", 1e-4, 3e-4) == {"clearance": (1e-4, 3e-4)}
     changes = design_map.changes("stiffnesses", 300.0, 40.0)
     parameters = ArrayParameters().with_changes(changes)
     assert (parameters.latch_stiffness, parameters.cable_stiffness) == (300.0, 40.0)
@@ -76,6 +78,8 @@ def test_extrapolated_wear_is_that_of_ten_direct_deployments() -> None:
     campaigns = [list(wear_campaign(parameters, 10, growth, members=4)) for growth in (0.06, 0.0)]
     assert len(campaigns[0]) <= 4
     assert len(campaigns[1]) == 10
+    for before, after in itertools.pairwise(campaigns[1]):
+        assert after.clearance == pytest.approx(before.clearance + before.wear, rel=1e-15)
     (extrapolated, error), (direct, other) = (clearances_after(campaign, 10) for campaign in campaigns)
     initial = campaigns[0][0].clearance
     assert np.all(direct > 1.03 * initial)

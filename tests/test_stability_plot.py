@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from solar_env.studies.drawing import short
 from solar_env.studies.maps import CLASSES
-from solar_env.studies.stability_plot import COLOURS, draw_map, short
+from solar_env.studies.stability_plot import COLOURS, draw_map
 from solar_env.studies.tables import write_table
 
 ABOUT = {

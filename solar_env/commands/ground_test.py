@@ -28,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="share of a clearance that may be worn before the next deployment is simulated (%(default)s)",
     )  # fmt: skip
     parser.add_argument("--members", type=int, default=4, help="runs that stand for a deployment (%(default)s)")
-    parser.add_argument("--check", type=int, default=10, help="simulate so many directly, too (%(default)s)")
+    parser.add_argument("--check", type=int, help="simulate so many directly, too (10, or all)")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes (%(default)s)")
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--out", type=Path, default=Path("ground_test"), help="folder of all files (%(default)s)")
@@ -48,12 +48,13 @@ def run_command(args: argparse.Namespace) -> int:
     from ..studies.ground_test_plot import draw_ground_test
     from ..studies.tables import provenance, read_table, write_table
 
-    if not 0 <= args.check <= args.deployments:
-        raise ValueError(f"check = {args.check} must lie between 0 and the {args.deployments} deployments")
+    check = min(10, args.deployments) if args.check is None else args.check
+    if not 0 <= check <= args.deployments:
+        raise ValueError(f"check = {check} must lie between 0 and the {args.deployments} deployments")
     parameters = replace(ArrayParameters.preset(args.preset), wear_coefficient=args.wear_coefficient)
     console = Console(stderr=True)
     campaigns: dict[str, list[Deployment]] = {}
-    plans = {"extrapolated": (args.deployments, args.growth)} | ({"direct": (args.check, 0.0)} if args.check else {})
+    plans = {"extrapolated": (args.deployments, args.growth)} | ({"direct": (check, 0.0)} if check else {})
     with counting_bar(console) as bar:
         for kind, (deployments, growth) in plans.items():
             task = bar.add_task(f"{kind} deployments", total=deployments)
@@ -62,12 +63,15 @@ def run_command(args: argparse.Namespace) -> int:
                 campaigns[kind].append(deployment)
                 bar.advance(task, deployment.repeated)
     rows = [row for kind, campaign in campaigns.items() for row in as_rows(campaign, kind)]
-    made_by = provenance("ground-test", preset=args.preset, wear_coefficient=args.wear_coefficient, growth=args.growth)
+    made_by = provenance(
+        "ground-test", preset=args.preset, wear_coefficient=args.wear_coefficient, deployments=args.deployments,
+        growth=args.growth, members=args.members, check=check,
+    )  # fmt: skip
     write_table(args.out / FILE, rows, made_by)
     print(args.out / FILE)
     print(draw_ground_test(read_table(args.out / FILE), FIGURES if args.readme else args.out))
     for kind, campaign in campaigns.items():
-        after = args.check or args.deployments
+        after = check or args.deployments
         clearance, error = clearances_after(campaign, after)
         listed = ", ".join(f"{1e6 * c:.3f} +- {1e6 * e:.3f}" for c, e in zip(clearance, error, strict=True))
         print(f"clearances after {after} deployments, {kind}, {len(campaign)} of them simulated [µm]: {listed}")

@@ -48,18 +48,23 @@ def run_command(args: argparse.Namespace) -> int:
 
     unknown = [number for number in args.figure or () if number not in FIGURES]
     if unknown:
-        raise ValueError(f"the paper has no figure {unknown[0]} that is drawn here; choose from {min(FIGURES)} to 23")
+        known = f"{min(FIGURES)} to {max(FIGURES)}"
+        raise ValueError(f"the paper has no figure {unknown[0]} that is drawn here; choose from {known}")
+    if args.figure and args.json:
+        raise ValueError("--json prints the claims, which --figure leaves out; give one of the two")
+    if args.readme and README.read_text(encoding="utf-8").count(BEGIN) != 1:
+        raise ValueError(f"{README} has no place for the claims, which begins with {BEGIN}")
     figures = [FIGURES[number] for number in args.figure or FIGURES]
-    runs = [] if args.figure else planned_runs()
-    runs += [run for f in figures for run in map(Run, f.cases) if run not in runs]
+    wanted = [] if args.figure else planned_runs()
+    runs = dict.fromkeys([*wanted, *(Run(case) for figure in figures for case in figure.cases)])
     pictures = PACKAGE / "figures" / "paper" if args.readme else args.out
     for folder in (pictures, args.out):
         folder.mkdir(parents=True, exist_ok=True)
     console = Console(stderr=True)
     motions = {}
     with counting_bar(console) as bar:
-        task = bar.add_task("deployments", total=len(dict.fromkeys(runs)))
-        for run, motion in each_done(simulate_run, dict.fromkeys(runs), args.jobs):
+        task = bar.add_task("deployments", total=len(runs))
+        for run, motion in each_done(simulate_run, runs, args.jobs):
             motions[run] = motion
             bar.advance(task)
         first = {run.case: motion for run, motion in motions.items() if run.member == 0 and not run.parameter}
@@ -85,5 +90,5 @@ def run_command(args: argparse.Namespace) -> int:
         print(text)
     else:
         agreeing = sum(finding.agrees for finding in findings)
-        console.print(f"{agreeing} of {len(findings)} claims agree; tables, pictures and claims in {args.out}")
+        print(f"{agreeing} of {len(findings)} claims agree; tables, pictures and claims in {args.out}")
     return 0

@@ -25,20 +25,15 @@ def _kernel_sources() -> list[Path]:
     return [path for path in candidates if path.name == "model.py" or "njit" in path.read_text(encoding="utf-8")]
 
 
-def kernel_digest() -> str:
-    """Hash of all kernel sources: what a result of theirs hangs on."""
+def _cache_directory() -> str:
     digest = hashlib.sha256()
     for source in _kernel_sources():
         digest.update(source.name.encode())
         digest.update(source.read_bytes())
-    return digest.hexdigest()[:16]
-
-
-def _cache_directory() -> str:
     base = os.environ.get("NUMBA_CACHE_DIR") or os.path.join(
         os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache"), "solar_env"
     )
-    name = kernel_digest()
+    name = digest.hexdigest()[:16]
     for root in (base, os.path.join(tempfile.gettempdir(), "solar_env")):
         folder = os.path.join(root, name)
         try:

@@ -107,6 +107,11 @@ class Trajectory:
         return float(np.max(np.abs(self.energies["residual"])))
 
     @property
+    def wear_depth(self) -> Array:
+        """(nj,) deepest wear of journal or bearing [m]."""
+        return np.maximum(self.wear_journal.max(axis=1), self.wear_bearing.max(axis=1))
+
+    @property
     def stability_bound_share(self) -> float:
         """Fraction of the steps that were bounded by the stability of the explicit method on the flexible bodies'
         axial vibration; zero with rigid bodies alone and with generalized-alpha, which has no such bound.
@@ -121,7 +126,6 @@ class Trajectory:
         def plain(values: NDArray[Any]) -> list[Any]:
             return [None if isinstance(x, float) and math.isnan(x) else x for x in values.tolist()]
 
-        wear = np.maximum(self.wear_journal.max(axis=1), self.wear_bearing.max(axis=1))
         return {
             "model": self.metadata.get("model"),
             "elements": self.metadata.get("elements"),
@@ -135,7 +139,7 @@ class Trajectory:
             "postlock_sliding_work_J": plain(self.postlock_sliding_work),
             "contact_starts": plain(self.contact_starts),
             "sliding_work_J": plain(self.sliding_work[-1]),
-            "wear_depth_max_m": plain(wear),
+            "wear_depth_max_m": plain(self.wear_depth),
             "theta_end_rad": plain(self.angles[-1]),
             "energy_residual_J": self.energy_residual,
             "energy_put_in_J": self.energy_put_in,

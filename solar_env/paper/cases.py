@@ -13,6 +13,7 @@ from ..mechanics.integrators import RungeKutta
 from ..mechanics.mechanisms import four_bar
 from ..mechanics.simulation import simulate as simulate_mechanism
 from ..mechanics.trajectory import Trajectory
+from ..studies.ensembles import perturbed
 
 DURATION = 30.0  # s, of the deployments
 OUTPUT_STEP = 5e-3  # s
@@ -39,21 +40,23 @@ CASES: Mapping[str, Case] = {
 Member = Mapping[str, Trajectory]
 
 
-def simulate_case(
-    name: str, member: int = 0, changes: Mapping[str, Any] | None = None, duration: float = DURATION
-) -> Trajectory:
+def simulate_case(name: str, member: int = 0, changes: Mapping[str, Any] | None = None) -> Trajectory:
     """Simulate one of CASES with default settings.
 
     Args:
         name: of the case.
-        member: of an ensemble; its root hinge lies ``member`` times PERTURBATION further out.
+        member: of an ensemble; its root hinge is moved by ``member`` times PERTURBATION.
         changes: further parameters that differ from the ``paper`` preset.
-        duration: [s].
+
+    Raises:
+        KeyError: if there is no such case.
+        ValueError: if a change is refused.
+        SimulationError: if the run cannot go on.
     """
     case = CASES[name]
     parameters = ArrayParameters.preset("paper").with_changes({**case.changes, **(changes or {})})
-    parameters = replace(parameters, hinge_x=parameters.hinge_x + member * PERTURBATION)
-    return simulate(parameters, model=case.model, duration=duration, output_step=OUTPUT_STEP)
+    parameters = perturbed(parameters, member, PERTURBATION)
+    return simulate(parameters, model=case.model, duration=DURATION, output_step=OUTPUT_STEP)
 
 
 @dataclass(frozen=True)
@@ -72,7 +75,7 @@ class Run:
 
 
 def simulate_run(run: Run) -> Trajectory:
-    """Simulate a run over DURATION."""
+    """Simulate a run; raises what :func:`simulate_case` raises."""
     return simulate_case(run.case, run.member, run.changes)
 
 
@@ -89,7 +92,7 @@ SAMPLES_PER_TURN = 720
 
 
 def simulate_four_bar(turns: int, with_clearance: bool) -> Trajectory:
-    """Simulate the linkage from rest of its play for a number of crank turns; the pin is joint 1, counted from 0."""
+    """Simulate the linkage for a number of crank turns from centred journals; the pin is joint 1, counted from 0."""
     bearing = replace(ArrayParameters().bearing(0), width=FOUR_BAR_WIDTH)
     mechanism = four_bar(crank_rate=FOUR_BAR_RATE, clearances={FOUR_BAR_PIN: bearing} if with_clearance else None)
     mechanism = replace(mechanism, wear_bins=WEAR_BINS)

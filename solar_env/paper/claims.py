@@ -13,22 +13,24 @@ from .cases import Member
 from .figures import JOINTS
 from .phases import (
     contacts_of,
-    correlation,
     find_phases,
     greatest_force,
     greatest_torque,
     journal_angle,
     lag,
     phase_of,
+    rank_correlation,
     slide_at_latching,
     time_of_turning,
     vibration,
     windows_after_latching,
 )
 
-RIGID, FLEXIBLE, LOOSE = "rigid-clearance", "flexible-clearance", 1e-6
+RIGID, FLEXIBLE = "rigid-clearance", "flexible-clearance"
+TOUCH_TOLERANCE = 1e-6  # m; a journal that comes so near the wall touches it
 # s; the first peak of a latch torque comes within this time of the latching.
 FIRST_PEAK = 0.4
+LATE = 20.0  # s
 # s; of the deployment in which vibrations are compared, clear of the start and of the latching.
 QUIET = (2.0, 12.5)
 
@@ -93,13 +95,13 @@ def _decay(member: Member) -> float:
     ranks = []
     for joint in JOINTS:
         impacts = _contacts_in(member[RIGID], joint, 1)
-        ranks.append(correlation(impacts["start_s"], impacts["impact_speed"]))
+        ranks.append(rank_correlation(impacts["start_s"], impacts["impact_speed"]))
     return max(ranks)
 
 
 def _one_sidedness(motion: Trajectory, joint: int, phase: int) -> float:
     """Length of the mean of the directions in which the journal touches: 1 for one side, 0 for both alike."""
-    touching = (phase_of(motion, joint) == phase) & (motion.penetration[:, joint] > -LOOSE)
+    touching = (phase_of(motion, joint) == phase) & (motion.penetration[:, joint] > -TOUCH_TOLERANCE)
     return float(np.abs(np.exp(1j * journal_angle(motion, joint)[touching]).mean()))
 
 
@@ -125,15 +127,14 @@ def _forces_by_window(motion: Trajectory) -> tuple[np.ndarray, np.ndarray]:
     return forces, np.stack([greatest_torque(motion, joint, edges) for joint in JOINTS])
 
 
-def _burst_torque(member: Member) -> float:
+def _bursts(member: Member) -> float:
     forces, torques = _forces_by_window(member[RIGID])
-    hard = forces.max(axis=0) >= np.quantile(forces.max(axis=0), 0.9)
-    return float(torques.sum(axis=0)[hard].mean() / torques.sum(axis=0).mean())
+    return rank_correlation(forces.max(axis=0), torques.sum(axis=0))
 
 
 def _synchrony(member: Member) -> float:
     forces, _ = _forces_by_window(member[RIGID])
-    return correlation(*forces)
+    return rank_correlation(*forces)
 
 
 def _impacts_after_latching(motion: Trajectory) -> float:
@@ -156,8 +157,8 @@ def _first_latch_torque(motion: Trajectory) -> float:
     return float(max(peaks))
 
 
-def _cable_amplitude(motion: Trajectory) -> float:
-    return float(np.abs(motion.cable_torque).max())
+def _cable_amplitude(since: float) -> Callable[[Trajectory], float]:
+    return lambda motion: float(np.abs(motion.cable_torque[motion.time >= since]).max())
 
 
 def _lag(ideal: str, loose: str) -> Callable[[Member], float]:
@@ -171,23 +172,20 @@ def _density(member: Member) -> float:
     return float(min(np.divide(small, large)))
 
 
-def _size(member: Member) -> float:
-    small = [_median_peak(member[f"distribution-{joint + 1}"], joint) for joint in JOINTS]
-    large = [_median_peak(member[f"distribution-{2 - joint}"], joint) for joint in JOINTS]
-    return float(min(np.divide(large, small)))
+def _size(joint: int) -> Callable[[Member], float]:
+    def ratio(member: Member) -> float:
+        large, small = (_median_peak(member[f"distribution-{number}"], joint) for number in (2 - joint, joint + 1))
+        return large / small
 
-
-def _depths(motion: Trajectory) -> np.ndarray:
-    """(2,) deepest wear of each joint [m]."""
-    return np.maximum(motion.wear_bearing.max(axis=1), motion.wear_journal.max(axis=1))
+    return ratio
 
 
 def _worst_wear(motion: Trajectory) -> float:
-    return float(_depths(motion).max())
+    return float(motion.wear_depth.max())
 
 
 def _unevenness(motion: Trajectory) -> float:
-    return float(_depths(motion).max() / _depths(motion).min())
+    return float(motion.wear_depth.max() / motion.wear_depth.min())
 
 
 DISTRIBUTIONS = ("distribution-1", "distribution-2")
@@ -236,6 +234,7 @@ def _claims() -> Iterator[Claim]:
     yield Claim(
         "two-sided", "post-lock impacts are two-sided: length of the mean direction", "both sides", (RIGID,),
         lambda member: max(_one_sidedness(member[RIGID], joint, 3) for joint in JOINTS), 0.0, 0.3,
+        open_parameters=_OPEN,
     )  # fmt: skip
     yield Claim(
         "peak", "rigid panels: greatest post-lock contact force, within a factor of 2", "about 800 N", (RIGID,),
@@ -243,12 +242,12 @@ def _claims() -> Iterator[Claim]:
         open_parameters=_OPEN,
     )  # fmt: skip
     yield Claim(
-        "bursts", "impacts come in bursts with the latch torque: torque in the hardest tenth of 0.1 s windows over its "
-        "mean", "together", (RIGID,), _burst_torque, 1.5, math.inf,
+        "bursts", "impacts come in bursts with the latch torque: rank correlation of both by windows of 0.25 s",
+        "together", (RIGID,), _bursts, 0.3, 1.0, open_parameters=_OPEN,
     )  # fmt: skip
     yield Claim(
         "synchrony", "... and at both joints at once: rank correlation of their forces by window", "synchronous",
-        (RIGID,), _synchrony, 0.5, 1.0,
+        (RIGID,), _synchrony, 0.5, 1.0, open_parameters=_OPEN,
     )  # fmt: skip
     for joint, settled in enumerate((1.143, 1.34)):
         yield Claim(
@@ -267,21 +266,27 @@ def _claims() -> Iterator[Claim]:
     )  # fmt: skip
     yield Claim(
         "denser", "flexible panels: post-lock impacts are much denser (ratio)", "above 1", BOTH,
-        _ratio(_impacts_after_latching, FLEXIBLE, RIGID), 2.0, math.inf,
+        _ratio(_impacts_after_latching, FLEXIBLE, RIGID), 2.0, math.inf, open_parameters=_OPEN,
     )  # fmt: skip
     yield Claim(
         "smaller", "... but smaller (ratio of median peak forces, both joints)", "below 1", BOTH,
         lambda member: max(_median_peak(member[FLEXIBLE], j) / _median_peak(member[RIGID], j) for j in JOINTS),
-        0.0, 1.0,
+        0.0, 1.0, open_parameters=_OPEN,
     )  # fmt: skip
     yield Claim(
         "latch-torque", "flexible panels: the first peak of the latch torque is smaller (ratio)", "below 1", BOTH,
-        _ratio(_first_latch_torque, FLEXIBLE, RIGID), 0.0, 1.0,
+        _ratio(_first_latch_torque, FLEXIBLE, RIGID), 0.0, 1.0, open_parameters=_OPEN,
     )  # fmt: skip
     yield Claim(
         "cable-torque", "flexible panels: the cable torque's amplitude is much larger (ratio)", "above 1", BOTH,
-        _ratio(_cable_amplitude, FLEXIBLE, RIGID), 1.5, math.inf, open_parameters=("cable_stiffness",),
-        why="panels bend instead of winding up the loop: it takes up what they do not",
+        _ratio(_cable_amplitude(0.0), FLEXIBLE, RIGID), 1.5, math.inf, open_parameters=_OPEN,
+        why="the greatest comes right after latching, when a part of the energy goes into bending; later on flexible "
+        "panels swing further, for until 20 s the latches take 0.22 J from rigid ones and 0.12 J from them",
+    )  # fmt: skip
+    yield Claim(
+        "cable-torque-late", "... after 20 s", "above 1", BOTH,
+        _ratio(_cable_amplitude(LATE), FLEXIBLE, RIGID), 1.0, math.inf,
+        open_parameters=_OPEN,
     )  # fmt: skip
     yield Claim(
         "vibration", "ideal joints let flexible panels vibrate more in deployment than clearance (ratio of rates)",
@@ -293,19 +298,22 @@ def _claims() -> Iterator[Claim]:
         yield Claim(
             f"lag-{panels}", f"clearance makes the oscillation of {panels} panels after latching lag (least of both "
             "joints over 10 s)", "above 0", pair, _lag(*pair), 1e-9, math.inf, unit="s",
+            open_parameters=_OPEN,
         )  # fmt: skip
     yield Claim(
         "distribution-density", "clearances of 0.1 against 0.2 mm: more impacts (least ratio of both joints)",
-        "above 1", DISTRIBUTIONS, _density, 1.0, math.inf,
+        "above 1", DISTRIBUTIONS, _density, 1.0, math.inf, open_parameters=_OPEN,
     )  # fmt: skip
-    yield Claim(
-        "distribution-size", "clearances of 0.2 against 0.1 mm: larger impacts (least ratio of both joints' medians)",
-        "above 1", DISTRIBUTIONS, _size, 1.0, math.inf, open_parameters=_OPEN,
-        why="holds at joint 1; joint 2 is struck by what joint 1 passes on, which grows with the clearance there",
-    )  # fmt: skip
+    for joint in JOINTS:
+        yield Claim(
+            f"distribution-size-{joint + 1}",
+            f"clearances of 0.2 against 0.1 mm: larger impacts (ratio of median peak forces), joint {joint + 1}",
+            "above 1", DISTRIBUTIONS, _size(joint), 1.0, math.inf, open_parameters=_OPEN,
+            why="where joint 2 has the small clearance joint 1 has the large one, and passes harder impacts on",
+        )  # fmt: skip
     yield Claim(
         "distribution-wear", "model 2 wears much less at its worst joint than model 1 (ratio of deepest bins)",
-        "below 1", DISTRIBUTIONS, _ratio(_worst_wear, *reversed(DISTRIBUTIONS)), 0.0, 1.0,
+        "below 1", DISTRIBUTIONS, _ratio(_worst_wear, *reversed(DISTRIBUTIONS)), 0.0, 0.9,
         open_parameters=("friction_sliding", *_OPEN),
         why="with the sliding speed of Eq 35 turning wears nothing; the points in contact slide most at joint 2, which "
         "turns by pi, and to it model 2 gives the small clearance",
@@ -313,7 +321,7 @@ def _claims() -> Iterator[Claim]:
     yield Claim(
         "distribution-evenness", "... and more evenly (ratio of deeper to shallower joint, model 2 over model 1)",
         "below 1", DISTRIBUTIONS, _ratio(_unevenness, *reversed(DISTRIBUTIONS)), 0.0, 1.0,
-        open_parameters=("friction_sliding", *_OPEN), why="as above",
+        open_parameters=("friction_sliding", *_OPEN), why="as for the wear of the worst joint",
     )  # fmt: skip
     yield Claim(
         "wear-depth", "wear after 30 s is of the order of 1e-14 m; Archard's coefficient is chosen so", "1e-14 m",

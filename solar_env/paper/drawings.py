@@ -10,7 +10,6 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from ..array import MODELS
 from ..plots import BEARING, COLOURS, FAINT, STYLE
@@ -19,14 +18,19 @@ from ..studies.tables import Table
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Array = NDArray[np.float64]
-
-JOINTS = (1, 2)
+JOINTS = (1, 2)  # as the columns of the tables count them
 PHASES = ("initial", "deployment", "after latching")
 
 
 def draw_figure(table: Table, kind: str, title: str, path: Path) -> None:
-    """Draw the table of a figure of the given kind to a PNG file; the same table gives the same file."""
+    """Draw a table to a PNG file; the same table gives the same file.
+
+    Args:
+        table: of a figure.
+        kind: of the figure, a key of DRAWERS.
+        title: above the drawing.
+        path: of the picture, in a folder that exists.
+    """
     with mpl.rc_context(STYLE):
         figure = Figure(layout="constrained")
         FigureCanvasAgg(figure)

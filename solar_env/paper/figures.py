@@ -171,7 +171,9 @@ def _all() -> Iterator[PaperFigure]:
     yield PaperFigure(
         18, "joint angles of the four models and their differences", "models", MODELS, _four_models("angles", "deg")
     )
-    yield PaperFigure(19, "joint rates of the four models", "models", MODELS, _four_models("rates", "deg_s"))
+    yield PaperFigure(
+        19, "joint rates of the four models and their differences", "models", MODELS, _four_models("rates", "deg_s")
+    )
     for model in (1, 2):
         case = f"distribution-{model}"
         sizes = "0.1 and 0.2 mm" if model == 1 else "0.2 and 0.1 mm"

@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 # s; a contact that lasts so long is no impact. Impacts last a millisecond, flights between them some milliseconds.
 LASTING = 0.05
 # s; of the windows in which impacts and latch torques are compared.
-WINDOW = 0.1
+WINDOW = 0.25
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ def windows_after_latching(trajectory: Trajectory) -> Array:
     return np.arange(float(np.nanmax(trajectory.latch_times)), trajectory.time[-1], WINDOW)
 
 
-def correlation(a: Array, b: Array) -> float:
+def rank_correlation(a: Array, b: Array) -> float:
     """Spearman's rank correlation of two signals: forces span decades."""
     return float(spearmanr(a, b).statistic)
 
@@ -114,17 +114,22 @@ def lag(reference: Trajectory, trajectory: Trajectory, joint: int, span: float =
     """Time [s] by which the oscillation of a joint after latching lags that of a reference.
 
     The shift, within +- ``longest``, with the greatest cross-correlation of the angles over ``span`` from either one's
-    own latching.
+    own last latching; a parabola through the maximum and its neighbours places it between samples.
     """
     step = float(trajectory.time[1] - trajectory.time[0])
-    signals = []
+    signals, late = [], []
     for motion in (trajectory, reference):
-        start = int(np.searchsorted(motion.time, np.nanmax(motion.latch_times)))
+        latched = float(np.nanmax(motion.latch_times))
+        start = int(np.searchsorted(motion.time, latched))
+        late.append(float(motion.time[start]) - latched)
         angles = motion.angles[start : start + round(span / step), joint]
         signals.append(angles - angles.mean())
     shifts = correlation_lags(len(signals[0]), len(signals[1]))
     products = correlate(*signals) / (len(signals[0]) - np.abs(shifts))
-    return step * float(shifts[np.where(np.abs(shifts) * step <= longest, products, -np.inf).argmax()])
+    top = int(np.where(np.abs(shifts) * step <= longest, products, -np.inf).argmax())
+    before, here, after = products[top - 1 : top + 2]
+    between = 0.5 * (before - after) / (before - 2.0 * here + after)
+    return step * (float(shifts[top]) + float(between)) + late[0] - late[1]
 
 
 def _maxima(time: Array, values: Array, edges: Array) -> Array:

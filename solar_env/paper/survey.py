@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -17,7 +18,7 @@ from .claims import CLAIMS, Claim
 Value = float | str
 
 MEMBERS = 6
-# Of every parameter that the paper leaves open, besides its default.
+# Of parameters that the paper leaves open, besides their defaults; and of the sliding speed, which wear hangs on.
 RANGES: Mapping[str, tuple[Value, ...]] = {
     "friction_sliding": ("material",),
     "cable_stiffness": (5.0, 10.0, 40.0, 80.0),
@@ -35,6 +36,7 @@ class Finding:
 
     Attributes:
         key, statement, paper, unit: of the claim.
+        low, high: where it agrees.
         median, least, greatest: of the figure over the ensemble.
         agreeing: share of the members in which the claim holds.
         agrees: whether it holds for the median.
@@ -47,6 +49,8 @@ class Finding:
     statement: str
     paper: str
     unit: str
+    low: float
+    high: float
     median: float
     least: float
     greatest: float
@@ -83,16 +87,19 @@ def _range_runs(claim: Claim) -> Iterator[Run]:
 
 
 def judge(claim: Claim, motions: Mapping[Run, Trajectory]) -> Finding:
-    """Measure a claim on the runs that :func:`planned_runs` lists."""
+    """Measure a claim on the runs that :func:`planned_runs` lists.
+
+    Raises:
+        KeyError: if one of them is missing.
+    """
     members = sorted({run.member for run in motions if run.case == claim.cases[0] and not run.parameter})
     figures = np.array([_figure(claim, motions, member) for member in members])
     median = float(np.median(figures))
     holds: dict[str, tuple[Value, ...]] = {}
     fails: dict[str, tuple[Value, ...]] = {}
     for parameter in claim.open_parameters:
-        own = {run.value for run in motions if run.parameter == parameter and run.case == claim.cases[0]}
         figure_at: dict[Any, float] = {getattr(ArrayParameters.preset("paper"), parameter): median}
-        for value in own:
+        for value in RANGES[parameter]:
             found = [_figure(claim, motions, member, parameter, value) for member in _range_members(claim)]
             figure_at[value] = float(np.median(found))
         holds[parameter] = tuple(value for value in sorted(figure_at) if claim.holds(figure_at[value]))
@@ -103,6 +110,8 @@ def judge(claim: Claim, motions: Mapping[Run, Trajectory]) -> Finding:
         statement=claim.statement,
         paper=claim.paper,
         unit=claim.unit,
+        low=claim.low,
+        high=claim.high,
         median=median,
         least=float(figures.min()),
         greatest=float(figures.max()),
@@ -121,41 +130,49 @@ def _figure(
 
 
 def as_json(findings: Iterable[Finding]) -> str:
-    """The findings as JSON text."""
-    return json.dumps([asdict(finding) for finding in findings], indent=1)
+    """The findings as JSON text; what is not finite becomes null."""
 
+    def plain(value: Any) -> Any:
+        return None if isinstance(value, float) and not math.isfinite(value) else value
 
-def from_json(text: str) -> list[Finding]:
-    """The findings that :func:`as_json` wrote."""
-
-    def ranges(values: Mapping[str, Sequence[Value]]) -> dict[str, tuple[Value, ...]]:
-        return {parameter: tuple(own) for parameter, own in values.items()}
-
-    rows: list[dict[str, Any]] = json.loads(text)
-    return [
-        Finding(**{**row, "holds_for": ranges(row["holds_for"]), "fails_for": ranges(row["fails_for"])}) for row in rows
-    ]
+    rows = [{name: plain(value) for name, value in asdict(finding).items()} for finding in findings]
+    return json.dumps(rows, indent=1)
 
 
 def as_markdown(findings: Iterable[Finding]) -> str:
     """The findings as a table in Markdown."""
-    lines = ["| the paper says | there | here: median [least, greatest] | |", "|---|---|---|---|"]
+    lines = ["| the paper says | there | here: median [least, greatest] | agrees from, to | |", "|---|---|---|---|---|"]
     for finding in findings:
         values = f"{_number(finding.median)} [{_number(finding.least)}, {_number(finding.greatest)}] {finding.unit}"
-        lines.append(f"| {finding.statement} | {finding.paper} | {values.strip()} | {_verdict(finding)} |")
+        lines.append(
+            f"| {finding.statement} | {finding.paper} | {values.strip()} | {_interval(finding)} | {_verdict(finding)} |"
+        )
     return "\n".join(lines) + "\n"
+
+
+def _interval(finding: Finding) -> str:
+    if math.isinf(finding.high):
+        return f"from {_number(finding.low)}"
+    if math.isinf(finding.low):
+        return f"to {_number(finding.high)}"
+    return f"{_number(finding.low)} to {_number(finding.high)}"
 
 
 def _verdict(finding: Finding) -> str:
     words = "agrees" if finding.agrees else f"**differs**: {finding.why}"
     if 0.0 < finding.agreeing < 1.0:
         words += f" ({finding.agreeing:.0%} of the runs agree)"
-    for parameter in finding.holds_for:
-        held, failed = finding.holds_for[parameter], finding.fails_for[parameter]
+    everywhere, nowhere = [], []
+    for parameter, held in finding.holds_for.items():
+        failed = finding.fails_for[parameter]
         if held and failed:
             words += f"; holds for `{parameter}` {_listed(held)}, not {_listed(failed)}"
-        elif held or failed:
-            words += f"; {'holds' if held else 'not'} for any `{parameter}` of {_listed((*held, *failed))}"
+        else:
+            (everywhere if held else nowhere).append(f"`{parameter}`")
+    if everywhere:
+        words += f"; holds for every tested {', '.join(everywhere)}"
+    if nowhere:
+        words += f"; for no tested {', '.join(nowhere)}"
     return words
 
 

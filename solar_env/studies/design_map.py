@@ -67,14 +67,17 @@ def measure_cell(cell: Cell) -> dict[str, list[list[float]]]:
         cell: preset, map, x, y and number of members.
 
     Returns:
-        By member, a figure for each joint: deepest wear of bearing or journal [m], greatest contact force after the
-        first latching [N].
+        (members, joints) lists: deepest wear of bearing or journal [m], greatest contact force after the first
+        latching [N].
+
+    Raises:
+        SimulationError: if a run cannot go on.
     """
     parameters = ArrayParameters.preset(cell["preset"]).with_changes(changes(cell["map"], cell["x"], cell["y"]))
     wear, force = [], []
     for member in range(cell["members"]):
         motion = simulate(perturbed(parameters, member), model=MODEL, duration=DURATION, output_step=DURATION)
-        wear.append(np.maximum(motion.wear_bearing.max(axis=1), motion.wear_journal.max(axis=1)).tolist())
+        wear.append(motion.wear_depth.tolist())
         force.append(motion.postlock_peak_force.tolist())
     return {"wear_m": wear, "force_N": force}
 
@@ -83,7 +86,8 @@ def measure(preset: str, members: int, jobs: int, folder: Path, console: Console
     """Measure both maps, going on where an earlier run of the same maps stopped; returns the table's file.
 
     Raises:
-        ValueError: if the folder holds unfinished maps of other settings.
+        ValueError: if the folder holds maps of other settings or code.
+        SimulationError: if a run cannot go on.
     """
     cells = [
         {"preset": preset, "map": name, "x": x, "y": y, "members": members}

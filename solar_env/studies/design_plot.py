@@ -13,12 +13,13 @@ from matplotlib.figure import Figure
 
 from ..plots import STYLE
 from .design_map import MAPS, DesignMap
+from .drawing import short
 from .tables import Table
 
 PICTURE = "design.png"
 QUANTITIES = {
     "wear_m": ("deepest wear of the worse joint [1e-14 m]", 1e14),
-    "force_N": ("peak post-lock force [N]", 1.0),
+    "force_N": ("peak post-lock force [kN]", 1e-3),
 }
 
 
@@ -44,7 +45,7 @@ def _draw_map(axis: Axes, table: Table, design: DesignMap, quantity: str, unit: 
     norm = LogNorm(median.min(), median.max())
     axis.imshow(median, origin="lower", aspect="auto", cmap="YlOrRd", norm=norm)
     for (i, k), value in np.ndenumerate(median):
-        text = f"{_short(value)}\n±{_short(float(high[i, k] - low[i, k]) / 2.0)}"
+        text = f"{short(value)}\n±{short(float(high[i, k] - low[i, k]) / 2.0)}"
         axis.text(k, i, text, ha="center", va="center", fontsize=7, color="white" if norm(value) > 0.6 else "black")
     for x, y in design.marked:
         place = (design.x_values.index(x) - 0.46, design.y_values.index(y) - 0.46)
@@ -52,7 +53,3 @@ def _draw_map(axis: Axes, table: Table, design: DesignMap, quantity: str, unit: 
     axis.set_xticks(range(shape[1]), [f"{value:g}" for value in design.x_values])
     axis.set_yticks(range(shape[0]), [f"{value:g}" for value in design.y_values])
     axis.set(xlabel=design.x, ylabel=design.y)
-
-
-def _short(value: float) -> str:
-    return f"{value:.0f}" if value >= 100.0 else f"{value:.2g}"

@@ -104,3 +104,11 @@ def save(figure: Figure, path: Path, names: Sequence[str], look: dict[str, dict[
             figure.text(0.5, 0.04 / figure.get_figheight(), note, ha="center", va="bottom", fontsize=7)
         path.parent.mkdir(parents=True, exist_ok=True)
         figure.savefig(path, dpi=160)
+
+
+def short(value: float) -> str:
+    """A number in five characters or so."""
+    if value == 0.0 or 0.01 <= abs(value) < 1000.0:
+        return f"{value:.3g}"
+    mantissa, exponent = f"{value:.0e}".split("e")
+    return f"{mantissa}e{int(exponent)}"

@@ -74,9 +74,9 @@ CONTESTANTS: dict[str, tuple[Contestant, ...]] = {
 }
 
 
-def perturbed(parameters: ArrayParameters, member: int) -> ArrayParameters:
-    """The array with its root hinge moved by ``member`` times PERTURBATION."""
-    return replace(parameters, hinge_y=parameters.hinge_y + member * PERTURBATION)
+def perturbed(parameters: ArrayParameters, member: int, distance: float = PERTURBATION) -> ArrayParameters:
+    """The array with its root hinge moved by ``member`` times ``distance`` [m]."""
+    return replace(parameters, hinge_y=parameters.hinge_y + member * distance)
 
 
 def statistics_of(motion: Motion) -> list[dict[str, float]]:

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from ..array import ArrayParameters
 from ..campaigns import each_done
 from ..deployment import simulate
+from .ensembles import perturbed
 from .tables import Row
 
 Array = NDArray[np.float64]
@@ -74,15 +75,16 @@ def wear_campaign(
     if not growth >= 0.0:
         raise ValueError(f"growth = {growth!r} must not be negative")
     clearance = np.array([parameters.by_joint("clearance", joint) for joint in range(parameters.panel_count)])
-    number, repeated, before = 0, 0, np.zeros_like(clearance)
+    number, repeated, simulated, before = 0, 0, 0, np.zeros_like(clearance)
     while number < deployments:
         worn = replace(parameters, clearance=tuple(clearance.tolist()))
-        runs = [(worn, number * members + member) for member in range(members)]
+        runs = [(worn, simulated * members + member) for member in range(members)]
+        simulated += 1
         done = {own: figure for (_, own), figure in each_done(_deploy, runs, jobs)}
         figures = np.array([done[own] for _, own in runs])
         wear, peak_force = figures.mean(axis=0)
         wear_error, force_error = figures.std(axis=0, ddof=1) / math.sqrt(members)
-        corrected = clearance + 0.5 * repeated * (wear - before)
+        corrected = clearance + 0.5 * max(repeated - 1, 0) * (wear - before)
         longest = deployments - number
         fastest = float(np.max(wear / clearance))
         repeated = min(longest, max(1, int(growth / fastest))) if fastest > 0.0 else longest
@@ -99,9 +101,14 @@ def clearances_after(campaign: Sequence[Deployment], deployments: int) -> tuple[
     """
     if campaign[-1].number + campaign[-1].repeated < deployments:
         raise ValueError(f"the campaign ends before deployment {deployments}")
-    numbers = [deployment.number for deployment in campaign]
     # How often each simulated deployment counts, wear being linear in between.
-    weights = np.array([np.interp(np.arange(deployments), numbers, unit).sum() for unit in np.eye(len(numbers))])
+    weights = np.zeros(len(campaign))
+    for k, deployment in enumerate(campaign):
+        counted = min(deployment.repeated, max(0, deployments - deployment.number))
+        passed_on = 0.5 * counted * (counted - 1) / deployment.repeated if k + 1 < len(campaign) else 0.0
+        weights[k] += counted - passed_on
+        if passed_on:
+            weights[k + 1] += passed_on
     wear = np.array([deployment.wear for deployment in campaign])
     errors = np.array([deployment.wear_error for deployment in campaign])
     return campaign[0].clearance + weights @ wear, np.sqrt(weights**2 @ errors**2)
@@ -125,7 +132,6 @@ def as_rows(campaign: Iterable[Deployment], kind: str) -> Iterator[Row]:
 def _deploy(run: tuple[ArrayParameters, int]) -> list[list[float]]:
     """Growth of the clearances [m] and peak forces [N] of one deployment."""
     parameters, number = run
-    scattered = replace(parameters, hinge_y=parameters.hinge_y + number * SCATTER)
-    motion = simulate(scattered, model=MODEL, duration=DURATION, output_step=DURATION)
+    motion = simulate(perturbed(parameters, number, SCATTER), model=MODEL, duration=DURATION, output_step=DURATION)
     growth = motion.wear_bearing.mean(axis=1) + motion.wear_journal.mean(axis=1)
     return [growth.tolist(), motion.postlock_peak_force.tolist()]

@@ -103,7 +103,6 @@ def run_own(scene: Scene, integrator: Integrator) -> Motion:
 
 def from_trajectory(trajectory: Trajectory) -> Motion:
     """What is kept of the project's own run."""
-    wear = np.maximum(trajectory.wear_journal.max(axis=1), trajectory.wear_bearing.max(axis=1))
     energies = trajectory.energies
     lost = sum(
         float(energies[name][-1])
@@ -123,8 +122,8 @@ def from_trajectory(trajectory: Trajectory) -> Motion:
         totals={
             "impulse": trajectory.postlock_impulse,
             "sliding_work": trajectory.postlock_sliding_work,
-            "wear_depth": wear,
+            "wear_depth": trajectory.wear_depth,
             "peak_force": trajectory.postlock_peak_force,
-            "energy_lost": np.full(len(wear), lost / put_in),
+            "energy_lost": np.full(len(trajectory.wear_depth), lost / put_in),
         },
     )

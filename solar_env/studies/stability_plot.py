@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..plots import STYLE
+from .drawing import short
 from .maps import (
     BLOW_UP,
     CREEPS,
@@ -162,11 +163,3 @@ def _draw_legend(figure: Any, table: Table, place: tuple[float, float]) -> None:
         if kind in present
     ]
     figure.legend(handles=handles, loc="lower center", bbox_to_anchor=place, ncols=_IN_A_LINE, columnspacing=1.2)
-
-
-def short(value: float) -> str:
-    """A number in five characters or so."""
-    if value == 0.0 or 0.01 <= abs(value) < 1000.0:
-        return f"{value:.3g}"
-    mantissa, exponent = f"{value:.0e}".split("e")
-    return f"{mantissa}e{int(exponent)}"

@@ -162,7 +162,8 @@ def _verdict(finding: Finding) -> str:
     words = "agrees" if finding.agrees else f"**differs**: {finding.why}"
     if 0.0 < finding.agreeing < 1.0:
         words += f" ({finding.agreeing:.0%} of the runs agree)"
-    everywhere, nowhere = [], []
+    everywhere: list[str] = []
+    nowhere: list[str] = []
     for parameter, held in finding.holds_for.items():
         failed = finding.fails_for[parameter]
         if held and failed:

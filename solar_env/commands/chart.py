@@ -7,7 +7,8 @@ from pathlib import Path
 
 from rich.console import Console
 
-PACKAGE = Path(__file__).resolve().parent.parent
+from ._folders import FIGURE_FOLDER, PACKAGE
+
 STUDIES = ("work-precision", "ensembles", "levels", "growth", "side-by-side")
 
 
@@ -33,7 +34,7 @@ def run_command(args: argparse.Namespace) -> int:
     # The studies need the compiler, --help does not.
     from ..studies.charts import draw, measure
 
-    tables, figures = (PACKAGE / "studies" / "data", PACKAGE / "figures") if args.readme else (args.out, args.out)
+    tables, figures = (PACKAGE / "studies" / "data", FIGURE_FOLDER) if args.readme else (args.out, args.out)
     names = (args.only,) if args.only else STUDIES
     console = Console(stderr=True)
     if not args.draw:

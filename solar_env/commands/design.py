@@ -9,8 +9,7 @@ from pathlib import Path
 from rich.console import Console
 
 from ..array import PRESETS
-
-FIGURES = Path(__file__).resolve().parent.parent / "figures"
+from ._folders import FIGURE_FOLDER
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -42,5 +41,5 @@ def run_command(args: argparse.Namespace) -> int:
         raise ValueError(f"members = {args.members} must be at least 1")
     if not args.draw:
         print(measure(args.preset, args.members, args.jobs, args.out, Console(stderr=True)))
-    print(draw_design(read_table(args.out / FILE), FIGURES if args.readme else args.out))
+    print(draw_design(read_table(args.out / FILE), FIGURE_FOLDER if args.readme else args.out))
     return 0

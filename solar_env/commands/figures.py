@@ -9,7 +9,8 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from rich.progress import track
 
-FOLDER = Path(__file__).resolve().parent.parent / "figures"
+from ._folders import FIGURE_FOLDER
+
 # A moment after latching, with the journals in flight.
 FRAME_TIME = 13.6  # s
 # Latching and the three seconds that follow it.
@@ -18,7 +19,7 @@ COMPARED_TIME = 16.0  # s
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument("--out", type=Path, default=FOLDER, help="folder for the pictures")
+    parser.add_argument("--out", type=Path, default=FIGURE_FOLDER, help="folder for the pictures")
 
 
 def draw_frame(path: Path) -> None:

@@ -11,8 +11,7 @@ from rich.console import Console
 
 from ..array import PRESETS, ArrayParameters
 from ..progress import counting_bar
-
-FIGURES = Path(__file__).resolve().parent.parent / "figures"
+from ._folders import FIGURE_FOLDER
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -69,7 +68,7 @@ def run_command(args: argparse.Namespace) -> int:
     )  # fmt: skip
     write_table(args.out / FILE, rows, made_by)
     print(args.out / FILE)
-    print(draw_ground_test(read_table(args.out / FILE), FIGURES if args.readme else args.out))
+    print(draw_ground_test(read_table(args.out / FILE), FIGURE_FOLDER if args.readme else args.out))
     for kind, campaign in campaigns.items():
         after = check or args.deployments
         clearance, error = clearances_after(campaign, after)

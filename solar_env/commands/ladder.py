@@ -10,8 +10,7 @@ from rich.console import Console
 from rich.table import Table
 
 from ..ladder import PACKAGED_TABLE, QUESTIONS, Answer, read_answers, steps
-
-FIGURES = Path(__file__).resolve().parent.parent / "figures"
+from ._folders import FIGURE_FOLDER
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -38,7 +37,7 @@ def run_command(args: argparse.Namespace) -> int:
     from ..studies.ladder import FILE, measure
     from ..studies.ladder_plot import draw_ladder
 
-    tables, figures = (PACKAGED_TABLE.parent, FIGURES) if args.readme else (args.out, args.out)
+    tables, figures = (PACKAGED_TABLE.parent, FIGURE_FOLDER) if args.readme else (args.out, args.out)
     if not args.draw:
         measure(args.quick, tables, Console(stderr=True))
     answers = read_answers(tables / FILE)

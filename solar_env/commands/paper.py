@@ -9,9 +9,8 @@ from pathlib import Path
 from rich.console import Console
 
 from ..progress import counting_bar
+from ._folders import FIGURE_FOLDER, PACKAGE, README
 
-PACKAGE = Path(__file__).resolve().parent.parent
-README = PACKAGE.parent / "README.md"
 BEGIN, END = "<!-- claims: written by `python -m solar_env paper --readme` -->", "<!-- end of claims -->"
 
 
@@ -57,7 +56,7 @@ def run_command(args: argparse.Namespace) -> int:
     figures = [FIGURES[number] for number in args.figure or FIGURES]
     wanted = [] if args.figure else planned_runs()
     runs = dict.fromkeys([*wanted, *(Run(case) for figure in figures for case in figure.cases)])
-    pictures = PACKAGE / "figures" / "paper" if args.readme else args.out
+    pictures = FIGURE_FOLDER / "paper" if args.readme else args.out
     for folder in (pictures, args.out):
         folder.mkdir(parents=True, exist_ok=True)
     console = Console(stderr=True)

@@ -121,6 +121,10 @@ def ratio_at_equal_error(rows: Table, peer: Row) -> float:
     return float(peer["wall_s"]) / cheapest
 
 
+def _ratio_text(ratio: float) -> str:
+    return "none of ours is as accurate" if math.isnan(ratio) else f"{ratio:.3g}"
+
+
 def write_side_by_side(rows: Table, folder: Path) -> list[Path]:
     """Write the table in Markdown, from the measured table alone; returns the file."""
     lines = [
@@ -133,7 +137,7 @@ def write_side_by_side(rows: Table, folder: Path) -> list[Path]:
         if row["failure"]:
             lines.append(f"| {row['model']} | {row['method']} | {setting} | failed | | | | |")
             continue
-        ratio = f"{ratio_at_equal_error(rows, dict(row)):.3g}" if row["peer"] else ""
+        ratio = _ratio_text(ratio_at_equal_error(rows, dict(row))) if row["peer"] else ""
         wall = float(row["wall_s"])
         lines.append(
             f"| {row['model']} | {row['method']} | {setting} | {wall:.3g} | {float(row['duration_s']) / wall:.3g} "

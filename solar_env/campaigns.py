@@ -78,23 +78,23 @@ class Campaign:
         name = f"{function.__module__}.{function.__qualname__}"
         self._made_by = {"function": name, "code": _code_digest(), "settings": dict(settings or {})}
         self._results: dict[str, Any] = {}
-        if store.exists() and "\n" in store.read_text(encoding="utf-8"):
-            self._load(set(keys))
+        kept = store.read_text(encoding="utf-8").splitlines(keepends=True) if store.exists() else []
+        # An interruption may have cut the last line short: then its cell is done again.
+        whole = [line for line in kept if line.endswith("\n")]
+        if whole:
+            self._load(whole, set(keys))
+            if len(whole) < len(kept):
+                store.write_text("".join(whole), encoding="utf-8")
         else:
             store.parent.mkdir(parents=True, exist_ok=True)
             store.write_text(json.dumps(self._made_by, sort_keys=True) + "\n", encoding="utf-8")
 
-    def _load(self, keys: set[str]) -> None:
-        lines = self._store.read_text(encoding="utf-8").splitlines(keepends=True)
+    def _load(self, lines: Sequence[str], keys: set[str]) -> None:
         if json.loads(lines[0]) != json.loads(json.dumps(self._made_by)):
             raise ValueError(
                 f"{self._store} was made by other code or with other settings; delete it or choose another"
             )
-        # An interruption may have cut the last line short: then its cell is done again.
-        whole = [line for line in lines if line.endswith("\n")]
-        if len(whole) < len(lines):
-            self._store.write_text("".join(whole), encoding="utf-8")
-        for line in whole[1:]:
+        for line in lines[1:]:
             row = json.loads(line)
             key = _key(row["cell"])
             if key in keys:

@@ -87,15 +87,15 @@ FOUR_BAR_PIN = "crank-coupler"
 FOUR_BAR_RATE = 2.0 * math.pi * 25.0 / 2.08  # rad/s
 FOUR_BAR_TURNS = (5, 15, 25)
 FOUR_BAR_WIDTH = 0.02  # m, of the bearing
-WEAR_BINS = 360
 SAMPLES_PER_TURN = 720
 
 
 def simulate_four_bar(turns: int, with_clearance: bool) -> Trajectory:
     """Simulate the linkage for a number of crank turns from centred journals; the pin is joint 1, counted from 0."""
-    bearing = replace(ArrayParameters().bearing(0), width=FOUR_BAR_WIDTH)
+    array = ArrayParameters()
+    bearing = replace(array.bearing(0), width=FOUR_BAR_WIDTH)
     mechanism = four_bar(crank_rate=FOUR_BAR_RATE, clearances={FOUR_BAR_PIN: bearing} if with_clearance else None)
-    mechanism = replace(mechanism, wear_bins=WEAR_BINS)
+    mechanism = replace(mechanism, wear_bins=array.wear_bins)
     turn = 2.0 * math.pi / FOUR_BAR_RATE
     return simulate_mechanism(
         mechanism, turns * turn, integrator=RungeKutta(rtol=1e-6), output_step=turn / SAMPLES_PER_TURN

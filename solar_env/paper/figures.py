@@ -126,9 +126,9 @@ def _wear(case: str) -> Callable[[Member], list[Row]]:
 def _four_bar(member: Member) -> list[Row]:
     """Crank moment in the last of 5, 15 and 25 turns, and of the ideal linkage (0 turns), and the wear by then."""
     rows: list[Row] = []
-    ideal = simulate_four_bar(1, with_clearance=False)
-    for turns in (0, *FOUR_BAR_TURNS):
-        motion = simulate_four_bar(turns, with_clearance=True) if turns else ideal
+    motions = {0: simulate_four_bar(1, with_clearance=False)}
+    motions |= {turns: simulate_four_bar(turns, with_clearance=True) for turns in FOUR_BAR_TURNS}
+    for turns, motion in motions.items():
         rows += [
             {"quantity": "crank moment [N m]", "turns": turns, "angle_deg": angle, "value": value}
             for angle, value in _moment_of_last_turn(motion)

@@ -103,7 +103,7 @@ def judge(claim: Claim, motions: Mapping[Run, Trajectory]) -> Finding:
             found = [_figure(claim, motions, member, parameter, value) for member in _range_members(claim)]
             figure_at[value] = float(np.median(found))
         holds[parameter] = tuple(value for value in sorted(figure_at) if claim.holds(figure_at[value]))
-        fails[parameter] = tuple(value for value in sorted(figure_at) if not claim.holds(figure_at[value]))
+        fails[parameter] = tuple(sorted(figure_at.keys() - holds[parameter]))
     agrees = claim.holds(median)
     return Finding(
         key=claim.key,

@@ -45,6 +45,11 @@ _COUPLING = (
 # integrals, to which estimates from the last two stages alone are blind.
 _ERROR = tuple(weight / 40.0 for weight in (-1.0, 3.0, -3.0, -3.0, 4.0))
 
+# While a flexible mechanism moves more slowly than its velocity scale over _SLOW, the scale shrinks with the square of
+# its speed, to _LEAST_SCALE at most: impacts amplify errors, and those of the first, slow impacts grow for longest.
+_SLOW = 0.5
+_LEAST_SCALE = 1e-3
+
 # Integrals that enter the energy book, and with it the error norm.
 _ENERGIES = (NORMAL_DISSIPATION, FRICTION_DISSIPATION, MOTOR_WORK, STOP_DISSIPATION, CABLE_WORK)
 
@@ -213,6 +218,15 @@ def attempt_step(model, state, stages, stiff, work, h):
 
 
 @njit_merged
+def present_velocity_scale(velocity_scale, weights, v0, v):
+    """Velocity scale [m/s] for the present speed of a flexible mechanism."""
+    top = 0.0
+    for i in range(v.size):
+        top = max(top, weights[i] * max(abs(v0[i]), abs(v[i])))
+    return velocity_scale * min(1.0, max((_SLOW * top / velocity_scale) ** 2, _LEAST_SCALE))
+
+
+@njit_merged
 def error_norm(model, state, stages, stiff, settings, h):
     """Greatest component of the error estimate in units of the tolerance."""
     v0, v, velocity, acceleration, power = state.v, stages.v, stages.velocity, stages.acceleration, stages.power
@@ -223,6 +237,8 @@ def error_norm(model, state, stages, stiff, settings, h):
         copy_into(stiff.end_power, power[STAGES - 1])
         correct_stage(stiff, STAGES - 1, h, velocity, acceleration, power)
     weights, ratios = model.error_weight, stages.ratios
+    if settings.linearly_implicit:
+        velocity_scale = present_velocity_scale(velocity_scale, weights, v0, v)
     position_scale = 1.0 / (rtol * model.length_scale)
     # Without branches, several entries fit into one instruction.
     for i in range(v.size):

@@ -1,11 +1,10 @@
 """Callbacks of a training run: physical figures in the log, validation on fixed episodes, checkpoints."""
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import gymnasium
 import numpy as np
 from stable_baselines3.common.callbacks import BaseCallback, EvalCallback
 from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
@@ -47,21 +46,6 @@ class DeploymentLogger(BaseCallback):
         for name in LOGGED:
             if name in figures and np.isfinite(figures[name]):
                 self.logger.record_mean(f"deployment/{name}", float(figures[name]))
-
-
-class FixedSeeds(gymnasium.Wrapper):
-    """Resets to the given seeds in turn, so that any ``len(seeds)`` episodes in a row are the same set."""
-
-    def __init__(self, env: gymnasium.Env, seeds: Sequence[int]) -> None:
-        super().__init__(env)
-        self._seeds = list(seeds)
-        self._next = 0
-
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        """Reset to the next of the fixed seeds; `seed` is ignored."""
-        chosen = self._seeds[self._next % len(self._seeds)]
-        self._next += 1
-        return self.env.reset(seed=chosen, options=options)
 
 
 class SavePolicy(BaseCallback):

@@ -1,6 +1,7 @@
 """Making the environments that controllers are tuned, trained and evaluated on, and their seeds."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any, Literal
 
 import gymnasium
@@ -60,8 +61,23 @@ def make_env(env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, Any] | None 
     Raises:
         ValueError: the id is not registered, or the environment refuses a keyword or its value.
     """
+    return _made(partial(gymnasium.make, env_id), env_id, env_kwargs)
+
+
+def make_vector_env(
+    num_envs: int, env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, Any] | None = None
+) -> gymnasium.vector.VectorEnv:
+    """`gymnasium.make_vec` of the native vector environment, with a message that says what to do.
+
+    Raises:
+        ValueError: as `make_env`.
+    """
+    return _made(partial(gymnasium.make_vec, env_id, num_envs), env_id, env_kwargs)
+
+
+def _made(make: Callable[..., Any], env_id: str, env_kwargs: Mapping[str, Any] | None) -> Any:
     try:
-        return gymnasium.make(env_id, **dict(env_kwargs or {}))
+        return make(**dict(env_kwargs or {}))
     except gymnasium.error.UnregisteredEnv as error:
         known = ", ".join(sorted(name for name in gymnasium.registry if name.startswith("solar_env/")))
         raise ValueError(f"no environment {env_id!r} is registered; available: {known}") from error

@@ -10,14 +10,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from tqdm import tqdm
 
 from agents import runs
 from agents.arguments import parse_arguments
-from agents.baselines import BASELINES, make_baseline
-from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_randomization
-from agents.rollout import run_episode
+from agents.baselines import BASELINES
+from agents.environments import DEFAULT_ENV_ID, episode_seeds, with_model, with_randomization
+from agents.episodes import episode_cell, run_cells
 from agents.statistics import Estimate, estimate
+from solar_env.campaigns import ONE, Cell, Workers
 
 # Figure -> (heading, factor to the heading's unit); the tables show these, the CSV file has all.
 TABLE: dict[str, tuple[str, float]] = {
@@ -29,6 +29,7 @@ TABLE: dict[str, tuple[str, float]] = {
     "latch_times_s": ("last latch [s]", 1.0),
     "motor_work_J": ("motor work [J]", 1.0),
 }
+STORE = "episodes.jsonl"
 HIGHER_IS_BETTER = frozenset({"return"})
 
 Row = dict[str, Any]
@@ -46,7 +47,12 @@ class Args:
     seed: int = 0
     """chooses the evaluation episodes; they are never training or validation episodes"""
     out: str = "evaluation"
-    """folder for episodes.csv, metrics.json and comparison.md"""
+    """folder for episodes.csv, metrics.json and comparison.md, and for the finished episodes, with which an interrupted
+    evaluation goes on"""
+    jobs: int | None = None
+    """processes; None: one a processor"""
+    cluster: str | None = None
+    """ray: run on the Ray cluster that this machine belongs to"""
     env_id: str = DEFAULT_ENV_ID
     """environment id"""
     model: str | None = None
@@ -73,6 +79,8 @@ def evaluate(
     env_id: str = DEFAULT_ENV_ID,
     env_kwargs: Mapping[str, Any] | None = None,
     progress: bool = True,
+    workers: Workers = ONE,
+    store: Path | None = None,
 ) -> list[Row]:
     """Run every controller on the same evaluation episodes.
 
@@ -85,27 +93,26 @@ def evaluate(
         env_kwargs: Environment keywords; without "randomize", the documented default ranges apply. The key
             "observation" of a run's own configuration takes precedence for that run.
         progress: Show a progress bar.
+        workers: Where the episodes run.
+        store: File that keeps their figures, so that an interrupted evaluation goes on.
 
     Returns:
         One row a controller and episode: controller, spec, episode, and the figures of `run_episode`.
     """
     seeds = episode_seeds("evaluation", seed, episodes)
-    rows: list[Row] = []
-    with tqdm(total=len(controllers) * episodes, desc="evaluate", unit="episode", disable=not progress) as bar:
-        for text in controllers:
-            name, spec = split_controller(text)
-            keywords = with_randomization(env_kwargs or {})
-            if spec not in BASELINES:
-                trained_on = runs.read_config(spec)["env_kwargs"]
-                keywords |= {key: trained_on[key] for key in ("observation",) if key in trained_on}
-            env = make_env(env_id, keywords)
-            controller = make_baseline(spec, env) if spec in BASELINES else runs.load_policy(spec, env)
-            for episode, episode_seed in enumerate(seeds):
-                figures = run_episode(env, controller, episode_seed)
-                rows.append({"controller": name, "spec": spec, "episode": episode, **figures})
-                bar.update()
-            env.close()
-    return rows
+    labels: list[Row] = []
+    cells: list[Cell] = []
+    for text in controllers:
+        name, spec = split_controller(text)
+        keywords = with_randomization(env_kwargs or {})
+        if spec not in BASELINES:
+            trained_on = runs.read_config(spec)["env_kwargs"]
+            keywords |= {key: trained_on[key] for key in ("observation",) if key in trained_on}
+        for episode, episode_seed in enumerate(seeds):
+            labels.append({"controller": name, "spec": spec, "episode": episode})
+            cells.append(episode_cell(spec, env_id, keywords, episode_seed))
+    figures = run_cells(cells, workers, store, progress)
+    return [{**label, **figure} for label, figure in zip(labels, figures, strict=True)]
 
 
 def common_env_kwargs(controllers: Sequence[str], given: Collection[str] = ()) -> dict[str, Any]:
@@ -227,7 +234,16 @@ def main(argv: Sequence[str] | None = None) -> None:
     env_kwargs = with_randomization(
         given if args.env_kwargs else {**common_env_kwargs(args.controllers, given), **given}
     )
-    rows = evaluate(args.controllers, args.episodes, args.seed, args.env_id, env_kwargs, progress=not args.quiet)
+    rows = evaluate(
+        args.controllers,
+        args.episodes,
+        args.seed,
+        args.env_id,
+        env_kwargs,
+        progress=not args.quiet,
+        workers=Workers(args.jobs, args.cluster),
+        store=Path(args.out) / STORE,
+    )
     command = shlex.join(["python", "-m", "agents.evaluate", *(sys.argv[1:] if argv is None else argv)])
     write_comparison(Path(args.out), rows, {"command": command, **asdict(args), "env_kwargs": env_kwargs})
     print(markdown(rows))

@@ -5,7 +5,6 @@ import json
 import shutil
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,19 +15,19 @@ from stable_baselines3.common.callbacks import CallbackList
 from stable_baselines3.common.logger import configure
 from stable_baselines3.common.noise import NormalActionNoise
 from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
-from stable_baselines3.common.vec_env import DummyVecEnv, VecEnv, VecMonitor, VecNormalize
+from stable_baselines3.common.vec_env import VecEnv, VecMonitor, VecNormalize
 
 from agents import runs
 from agents.baselines import CONFIGS
 from agents.callbacks import (
     DeploymentLogger,
-    FixedSeeds,
     SaveCheckpoint,
     SavePolicy,
     Validation,
     save_checkpoint,
 )
 from agents.environments import episode_seeds, make_env, with_randomization
+from agents.vec_env import FixedSeeds, NativeVecEnv
 
 VALIDATION_EPISODES = 6
 VALIDATIONS = 15
@@ -113,15 +112,14 @@ def resumed_configuration(folder: str | Path, timesteps: int | None = None) -> C
 
 def make_training_env(config: Configuration, monitor: Path | None) -> VecEnv:
     """`n_envs` environments, with finished episodes written to the CSV file `monitor`."""
-    make = partial(make_env, config.env_id, config.env_kwargs)
-    return VecMonitor(DummyVecEnv([make] * config.n_envs), str(monitor) if monitor else None)
+    return VecMonitor(NativeVecEnv(config.n_envs, config.env_id, config.env_kwargs), str(monitor) if monitor else None)
 
 
 def make_validation_env(config: Configuration) -> VecNormalize:
-    """One environment that goes round the validation episodes, with unnormalised rewards."""
-    seeds = episode_seeds("validation", config.seed, VALIDATION_EPISODES)
-    venv = VecMonitor(DummyVecEnv([lambda: FixedSeeds(make_env(config.env_id, config.env_kwargs), seeds)]))
-    return VecNormalize(venv, training=False, norm_obs=False, norm_reward=False)
+    """An environment for every validation episode, the same ones at every reset, with unnormalised rewards."""
+    first = episode_seeds("validation", config.seed, VALIDATION_EPISODES)[0]
+    lanes = NativeVecEnv(VALIDATION_EPISODES, config.env_id, config.env_kwargs)
+    return VecNormalize(VecMonitor(FixedSeeds(lanes, first)), training=False, norm_obs=False, norm_reward=False)
 
 
 def make_model(config: Configuration, venv: VecEnv, device: str = "cpu") -> BaseAlgorithm:

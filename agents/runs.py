@@ -62,6 +62,19 @@ def read_config(folder: str | Path) -> dict[str, Any]:
     return json.loads(path.read_text())
 
 
+def policy_path(folder: str | Path) -> Path:
+    """The file of the best policy of the run in `folder`.
+
+    Raises:
+        FileNotFoundError: there is no run, or it was interrupted before its first validation.
+    """
+    read_config(folder)
+    path = Path(folder) / POLICY
+    if not path.is_file():
+        raise FileNotFoundError(f"{folder} has no {POLICY}; the run ended before its first validation, resume it")
+    return path
+
+
 def load_policy(folder: str | Path, env: gymnasium.Env) -> BaseAlgorithm:
     """The best policy of the run in `folder`, for use on `env`. Load only runs you trust: it is a pickle.
 
@@ -69,10 +82,7 @@ def load_policy(folder: str | Path, env: gymnasium.Env) -> BaseAlgorithm:
         FileNotFoundError: there is no run, or it was interrupted before its first validation.
         ValueError: the policy was trained on other observations or actions than those of `env`.
     """
-    config = read_config(folder)
-    path = Path(folder) / POLICY
-    if not path.is_file():
-        raise FileNotFoundError(f"{folder} has no {POLICY}; the run ended before its first validation, resume it")
+    path, config = policy_path(folder), read_config(folder)
     model = algorithm(config["algo"]).load(path, device="cpu")
     for kind in ("observation_space", "action_space"):
         if getattr(model, kind) != getattr(env, kind):

@@ -14,9 +14,10 @@ from tqdm import tqdm
 
 from agents import runs
 from agents.arguments import parse_arguments
-from agents.baselines import CONFIGS, BrakeParameters, ServoParameters, make_baseline
+from agents.baselines import CONFIGS, BrakeParameters, ServoParameters
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_randomization
-from agents.rollout import run_episode
+from agents.episodes import mean_returns
+from solar_env.campaigns import Workers
 
 PARAMETERS: dict[str, type[BrakeParameters] | type[ServoParameters]] = {
     "brake": BrakeParameters,
@@ -47,6 +48,10 @@ class Args:
     """beam elements of each panel of a flexible model; None: 6"""
     env_kwargs: dict[str, Any] = field(default_factory=dict)
     """environment keywords"""
+    jobs: int | None = None
+    """processes; None: one a processor"""
+    cluster: str | None = None
+    """ray: run on the Ray cluster that this machine belongs to"""
     quiet: bool = False
     """no progress bar"""
 
@@ -66,7 +71,7 @@ def to_unit(parameters: BrakeParameters | ServoParameters) -> np.ndarray:
 
 
 def tune(
-    objective: Callable[[np.ndarray, Sequence[int]], float],
+    objective: Callable[[Sequence[np.ndarray], Sequence[int]], Sequence[float]],
     start: np.ndarray,
     episodes: int,
     episodes_per_candidate: int,
@@ -76,7 +81,7 @@ def tune(
     """Minimise a noisy objective over the unit cube by CMA-ES with common random numbers in each generation.
 
     Args:
-        objective: (point (n,) in [0, 1], episode seeds) -> cost.
+        objective: (points, each (n,) in [0, 1], episode seeds) -> costs of the points.
         start: Point (n,) to start from.
         episodes: Budget of episodes; the last generation may be cut short of it, never beyond.
         episodes_per_candidate: Seeds handed to each call of `objective`.
@@ -97,10 +102,8 @@ def tune(
         for generation in range(generations):
             first = generation * episodes_per_candidate
             points = search.ask()
-            costs = []
-            for point in points:
-                costs.append(objective(point, seeds[first : first + episodes_per_candidate]))
-                bar.update(episodes_per_candidate)
+            costs = list(objective(points, seeds[first : first + episodes_per_candidate]))
+            bar.update(per_generation)
             search.tell(points, costs)
             bar.set_postfix(best=f"{min(costs):.4g}")
     return [np.asarray(start), search.result.xbest, search.result.xfavorite]
@@ -122,17 +125,17 @@ def main(argv: Sequence[str] | None = None) -> None:
         raise ValueError(f"nothing to tune in {args.controller!r}; choose from {', '.join(PARAMETERS)}")
     cls = PARAMETERS[args.controller]
     env_kwargs = with_randomization(with_model(args.env_kwargs, args.model, args.elements, args.env_id))
-    env = make_env(args.env_id, env_kwargs)
+    workers = Workers(args.jobs, args.cluster)
 
-    def cost(point: np.ndarray, seeds: Sequence[int]) -> float:
-        controller = make_baseline(args.controller, env, from_unit(cls, np.clip(point, 0.0, 1.0)))
-        return -float(np.mean([run_episode(env, controller, seed)["return"] for seed in seeds]))
+    def costs(points: Sequence[np.ndarray], seeds: Sequence[int]) -> list[float]:
+        parameters = [from_unit(cls, np.clip(point, 0.0, 1.0)) for point in points]
+        return [-value for value in mean_returns(args.controller, parameters, args.env_id, env_kwargs, seeds, workers)]
 
     candidates = tune(
-        cost, to_unit(cls()), args.episodes, args.episodes_per_candidate, args.seed, progress=not args.quiet
+        costs, to_unit(cls()), args.episodes, args.episodes_per_candidate, args.seed, progress=not args.quiet
     )
     validation = episode_seeds("validation", args.seed, args.validation_episodes)
-    returns = [-cost(point, validation) for point in candidates]
+    returns = [-cost for cost in costs(candidates, validation)]
     best = int(np.argmax(returns))
     entry = {
         "parameters": asdict(from_unit(cls, candidates[best])),
@@ -145,8 +148,8 @@ def main(argv: Sequence[str] | None = None) -> None:
             "validation_return_before_tuning": returns[0],
         },
     }
-    unwrapped: Any = env.unwrapped
-    path = store(args.controller, args.env_id, unwrapped.model, entry)
+    with make_env(args.env_id, env_kwargs) as env:
+        path = store(args.controller, args.env_id, env.get_wrapper_attr("model"), entry)
     print(json.dumps(entry, indent=2))
     print(f"written to {path}")
 

@@ -16,6 +16,7 @@ COMMANDS = {
     "design": ("solar_env.commands.design", "map peak force and wear over clearances and stiffnesses"),
     "ground-test": ("solar_env.commands.ground_test", "repeat deployments with the worn clearance fed back"),
     "ladder": ("solar_env.commands.ladder", "measure which model level answers which question, and at what cost"),
+    "bench": ("solar_env.commands.bench", "measure environment steps a second, and what they cost"),
     "figures": ("solar_env.commands.figures", "draw the pictures of the README"),
     "warmup": ("solar_env.commands.warmup", "compile all kernels, which later runs load from the cache"),
 }

@@ -1,4 +1,4 @@
-"""Many independent simulations: on several processes, and resumed where they were interrupted.
+"""Many independent simulations: on several processes or machines, and resumed where they were interrupted.
 
 :func:`each_done` hands simulations to joblib; a campaign is a set of them whose results a file keeps as they come.
 """
@@ -8,8 +8,10 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import version
+from itertools import islice
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -20,26 +22,74 @@ Result = TypeVar("Result")
 Cell = Mapping[str, Any]
 
 
-def each_done(
-    function: Callable[[Task], Result], tasks: Iterable[Task], jobs: int = 1
-) -> Iterator[tuple[Task, Result]]:
-    """Call ``function`` for every task on ``jobs`` processes, and yield each task with its result as it is done.
+CLUSTERS = ("ray",)
+# Of each processor of a cluster; the last of them leave the others waiting, an interruption costs so many.
+_TASKS_AT_A_TIME = 4
 
-    With one job everything happens in this process and in order.
+
+@dataclass(frozen=True)
+class Workers:
+    """Where tasks run.
+
+    Attributes:
+        jobs: number of processes, 1 or more; None for one a processor, of this machine or of the cluster.
+        cluster: "ray" for the Ray cluster that this machine belongs to (``ray start``), whose machines must have the
+            package installed too; None for this machine alone.
+    """
+
+    jobs: int | None = 1
+    cluster: str | None = None
+
+    def __post_init__(self) -> None:
+        if self.jobs is not None and self.jobs < 1:
+            raise ValueError(f"jobs = {self.jobs!r} must be at least 1")
+        if self.cluster not in (None, *CLUSTERS):
+            raise ValueError(f"cluster {self.cluster!r} is unknown; choose from {', '.join(CLUSTERS)}")
+
+
+def _join_ray() -> int:
+    """Connect to the cluster; returns how many processors it has."""
+    try:
+        import ray
+        from ray.util.joblib import register_ray
+    except ImportError as error:
+        raise ValueError("Ray is not installed; pip install 'solar-env[cluster]'") from error
+    if not ray.is_initialized():
+        ray.init(address="auto", log_to_driver=False)
+    register_ray()
+    return int(ray.cluster_resources()["CPU"])
+
+
+ONE = Workers()
+
+
+def each_done(
+    function: Callable[[Task], Result], tasks: Iterable[Task], workers: Workers = ONE
+) -> Iterator[tuple[Task, Result]]:
+    """Call ``function`` for every task, and yield each task with its result as it is done.
+
+    With one job everything happens in this process and in order. On a cluster results come some at a time.
 
     Args:
         function: at the top of a module, like its results something that can be pickled.
         tasks: its arguments.
-        jobs: number of processes, 1 or more.
+        workers: where.
 
     Raises:
-        ValueError: if ``jobs`` is not positive.
+        ValueError: if Ray is asked for and not installed.
+        ConnectionError: if there is no cluster.
         Exception: whatever ``function`` raises.
     """
-    if jobs < 1:
-        raise ValueError(f"jobs = {jobs!r} must be at least 1")
     calls = (delayed(_with_task)(function, task) for task in tasks)
-    yield from Parallel(n_jobs=jobs, return_as="generator_unordered")(calls)
+    if workers.cluster is None:
+        yield from Parallel(n_jobs=workers.jobs or -1, return_as="generator_unordered")(calls)
+        return
+    # Joblib's way to Ray hands results over only when all are there: hence some at a time.
+    processors = _join_ray()
+    jobs = workers.jobs or processors
+    with Parallel(n_jobs=jobs, backend=workers.cluster) as parallel:
+        while some := list(islice(calls, _TASKS_AT_A_TIME * jobs)):
+            yield from parallel(some)
 
 
 def _with_task(function: Callable[[Task], Result], task: Task) -> tuple[Task, Result]:
@@ -105,10 +155,10 @@ class Campaign:
         """The cells that are not done, in their order."""
         return tuple(cell for cell in self.cells if _key(cell) not in self._results)
 
-    def run(self, jobs: int = 1) -> Iterator[Cell]:
+    def run(self, workers: Workers = ONE) -> Iterator[Cell]:
         """Do what is missing, and yield each cell when its result is in the file."""
         with self._store.open("a", encoding="utf-8") as file:
-            for cell, result in each_done(self._function, self.missing, jobs):
+            for cell, result in each_done(self._function, self.missing, workers):
                 file.write(json.dumps({"cell": dict(cell), "result": result}) + "\n")
                 file.flush()
                 self._results[_key(cell)] = json.loads(json.dumps(result))

@@ -9,17 +9,13 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from .array import DEFAULT_ELEMENTS, ArrayParameters, build, check_elements, check_model, main_body_corners
-from .integrators import default_integrator
-from .ladder import DEFAULT_QUESTION, DEFAULT_TOLERANCE, cheapest, read_answers
-from .mechanics import model as m
-from .mechanics.geometry import centreline
-from .mechanics.joint import ECCENTRICITY_X, ECCENTRICITY_Y, NORMAL
+from .array import DEFAULT_ELEMENTS, ArrayParameters
+from .episodes import Episodes, Setup
 from .mechanics.simulation import Simulation
-from .render import Renderer, Scene
-from .task import Task, charges, last_latch, observation_entries, observe, wear_depths
+from .task import REWARD_TERMS, Task
 
 Observation = NDArray[np.float32]
+RESET_OPTIONS = frozenset({"parameters"})
 
 
 class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
@@ -148,28 +144,17 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         Raises:
             ValueError: for an unknown name or a refused value; the message says which.
         """
-        self.model, self.elements = _level(model, elements, question, tolerance)
-        if not isinstance(parameters, ArrayParameters):
-            parameters = ArrayParameters().with_changes(parameters or {})
-        self.parameters = parameters
-        self.task = Task(torque_limit, control_period, deadline, postlock_window)
-        self.randomize = _checked_ranges(parameters, randomize or {})
-        if render_mode not in (None, *self.metadata["render_modes"]):
-            raise ValueError(f"render_mode {render_mode!r} is unknown; choose rgb_array or None")
-        self.render_mode = render_mode
-        entries = observation_entries(parameters.panel_count, observation)
-        self.observation_names = tuple(entry.name for entry in entries)
-        self._privileged = observation == "privileged"
-        self._low = np.array([entry.low for entry in entries], dtype=np.float32)
-        self._high = np.array([entry.high for entry in entries], dtype=np.float32)
-        self.observation_space = gymnasium.spaces.Box(self._low, self._high, dtype=np.float32)
-        self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (1,), dtype=np.float32)
-        self._simulation: Simulation | None = None
-        self._charged = (0.0, 0.0)
-        self._ended = True
-        self._renderer: Renderer | None = None
-        self._peaks: list[NDArray[np.float64]] = []
-        self._times: list[float] = []
+        task = Task(torque_limit, control_period, deadline, postlock_window)
+        self._setup = Setup(model, parameters, elements, question, tolerance, task, observation, randomize)
+        self.render_mode = checked_render_mode(render_mode)
+        self.model, self.elements = self._setup.model, self._setup.elements
+        self.parameters, self.randomize = self._setup.parameters, self._setup.randomize
+        self.task, self.observation_names = task, self._setup.observation_names
+        self.observation_space = self._setup.observation_space()
+        self.action_space = self._setup.action_space()
+        self._episodes = Episodes(self._setup, [self.parameters], recorded=render_mode is not None)
+        self._lane = np.zeros(1, dtype=np.int64)
+        self._action = np.zeros(1)
 
     @property
     def simulation(self) -> Simulation:
@@ -178,9 +163,12 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         Raises:
             gymnasium.error.ResetNeeded: before the first reset.
         """
-        if self._simulation is None:
-            raise gymnasium.error.ResetNeeded("call reset() before using the simulation")
-        return self._simulation
+        return self._episodes.batch.simulations[0]
+
+    @property
+    def episode_parameters(self) -> ArrayParameters:
+        """Parameters of the present episode."""
+        return self._episodes.parameters[0]
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -195,29 +183,11 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             ValueError: for unknown options, parameters or refused values.
         """
         super().reset(seed=seed)
-        unknown = set(options or {}) - {"parameters"}
+        unknown = set(options or {}) - RESET_OPTIONS
         if unknown:
             raise ValueError(f"reset options {sorted(unknown)} are unknown; the one option is 'parameters'")
-        changes = {**self._draw(), **((options or {}).get("parameters") or {})}
-        if changes.get("panel_count", self.parameters.panel_count) != self.parameters.panel_count:
-            raise ValueError("panel_count shapes the observation space; set it when the environment is made")
-        self.episode_parameters = self.parameters.with_changes(changes)
-        mechanism = build(self.episode_parameters, self.model, self.elements)
-        self._simulation = Simulation(mechanism, default_integrator(self.model))
-        self._charged = (0.0, 0.0)
-        self._ended = False
-        self._renderer = None
-        self._peaks, self._times = [np.zeros(self.episode_parameters.panel_count)], [0.0]
-        return self._observe(), {"time_s": 0.0, "reward_terms": dict.fromkeys(_TERMS, 0.0)}
-
-    def _draw(self) -> dict[str, Any]:
-        drawn: dict[str, Any] = {}
-        for name, (low, high) in self.randomize.items():
-            if name in ArrayParameters.BY_JOINT:
-                drawn[name] = tuple(self.np_random.uniform(low, high, self.parameters.panel_count).tolist())
-            else:
-                drawn[name] = float(self.np_random.uniform(low, high))
-        return drawn
+        self._episodes.reset(self._lane, [self.np_random], [(options or {}).get("parameters") or {}])
+        return self._episodes.observations[0].copy(), first_info()
 
     def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Hold a motor torque for one control period.
@@ -233,88 +203,22 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         Warns:
             SimulationWarning: if the episode was less accurate than it looks, see ``Simulation.check``.
         """
-        if self._ended:
-            raise gymnasium.error.ResetNeeded("the episode has ended, or none was begun: call reset()")
+        episodes = self._episodes
+        if episodes.terminated[0]:
+            raise gymnasium.error.ResetNeeded(f"the episode ended at {self.simulation.time:g} s: call reset()")
         values = np.asarray(action, dtype=np.float64)
         if values.shape != self.action_space.shape:
             raise ValueError(f"action has shape {values.shape}, expected {self.action_space.shape}")
         if not np.isfinite(values[0]):
             raise ValueError(f"action = {values!r} is not finite")
-        simulation, task = self.simulation, self.task
-        state = simulation.state
-        simulation.set_motor_torque(0, task.torque_limit * float(np.clip(values[0], -1.0, 1.0)))
-        state.joints["recent_peak_force"] = 0.0
-        simulation.advance(self._end_of_step())
-        terms, terminated = self._score(state)
-        self._ended = terminated
-        info: dict[str, Any] = {"time_s": simulation.time, "reward_terms": terms}
+        self._action[0] = values[0]
+        episodes.step(self._lane, self._action)
+        terms = dict(zip(REWARD_TERMS, episodes.terms[0].tolist(), strict=True))
+        terminated = bool(episodes.terminated[0])
+        info: dict[str, Any] = {"time_s": self.simulation.time, "reward_terms": terms}
         if terminated:
-            info["deployment"] = self._figures()
-        if self.render_mode is not None:
-            self._peaks.append(state.joints["recent_peak_force"].copy())
-            self._times.append(simulation.time)
-        return self._observe(), sum(terms.values()), terminated, False, info
-
-    def _end_of_step(self) -> float:
-        """End of the control period, or of the episode if that comes first [s]."""
-        simulation, task = self.simulation, self.task
-        # Counted in whole periods, so that rounding does not build up.
-        end = (round(simulation.time / task.control_period) + 1) * task.control_period
-        latched_at = float(last_latch(simulation.state.joints))
-        return min(end, task.deadline if np.isnan(latched_at) else latched_at + task.postlock_window)
-
-    def _score(self, state: m.State) -> tuple[dict[str, float], bool]:
-        task = self.task
-        peak, wear = charges(state, task.force_scale, task.work_scale, task.largest_charge)
-        terms = {
-            "peak_impact": self._charged[0] - peak,
-            "wear": self._charged[1] - wear,
-            "missed_deadline": 0.0,
-        }
-        self._charged = (peak, wear)
-        time, latched_at = self.simulation.time, float(last_latch(state.joints))
-        if np.isnan(latched_at):
-            missed = time >= task.deadline
-            if missed:
-                terms["missed_deadline"] = -task.missed_deadline_cost
-            return terms, missed
-        return terms, time >= latched_at + task.postlock_window
-
-    def _observe(self) -> Observation:
-        values = np.empty(len(self.observation_names))
-        simulation, task = self.simulation, self.task
-        observe(
-            simulation.model,
-            simulation.state,
-            task.torque_limit,
-            task.deadline,
-            task.postlock_window,
-            self._privileged,
-            values,
-        )
-        return np.clip(values.astype(np.float32), self._low, self._high)
-
-    def _figures(self) -> dict[str, Any]:
-        simulation = self.simulation
-        simulation.check()
-        state = simulation.state
-        joints = state.joints
-        by_joint = m.joint_integrals(state.integrals)
-        locked = float(state.clock["latched_joints"][0] > 0)
-        return {
-            "latched": bool(joints["latched"].all()),
-            "latch_times_s": [
-                float(t) if own else None for t, own in zip(joints["latch_time"], joints["latched"], strict=True)
-            ],
-            "peak_postlock_force_N": joints["postlock_peak_force"].tolist(),
-            "postlock_impulse_Ns": ((by_joint[:, m.IMPULSE] - joints["lock_impulse"]) * locked).tolist(),
-            "postlock_sliding_work_J": ((by_joint[:, m.SLIDING_WORK] - joints["lock_sliding_work"]) * locked).tolist(),
-            "wear_depth_max_m": wear_depths(state).tolist(),
-            "contact_starts": joints["contact_starts"].tolist(),
-            "motor_work_J": float(by_joint[0, m.MOTOR_WORK]),
-            "energy_residual_J": simulation.energy_residual(),
-            "duration_s": simulation.time,
-        }
+            info["deployment"] = episodes.figures(0)
+        return episodes.observations[0].copy(), sum(terms.values()), terminated, False, info
 
     def render(self) -> NDArray[np.uint8] | None:
         """Draw the present state; (540, 960, 3) uint8, or None without a render mode."""
@@ -323,75 +227,20 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
                 'render() does nothing without a render mode; make the environment with render_mode="rgb_array"'
             )
             return None
-        scene = self._scene()
-        if self._renderer is None:
-            task = self.task
-            self._renderer = Renderer(self._folded_scene(), task.deadline + task.postlock_window)
-        return self._renderer.draw(scene)
-
-    def _folded_scene(self) -> Scene:
-        folded = Simulation(build(self.episode_parameters, self.model, self.elements))
-        return _scene(folded, self.episode_parameters, [0.0], [np.zeros(self.episode_parameters.panel_count)])
-
-    def _scene(self) -> Scene:
-        return _scene(self.simulation, self.episode_parameters, self._times, self._peaks)
+        return self._episodes.render(0)
 
 
-_TERMS = ("peak_impact", "wear", "missed_deadline")
+def checked_render_mode(render_mode: str | None) -> str | None:
+    """Return ``render_mode`` if it is one of the environment's.
+
+    Raises:
+        ValueError: otherwise.
+    """
+    if render_mode not in (None, *SolarArrayEnv.metadata["render_modes"]):
+        raise ValueError(f"render_mode {render_mode!r} is unknown; choose rgb_array or None")
+    return render_mode
 
 
-def _level(model: str, elements: int, question: str | None, tolerance: float | None) -> tuple[str, int]:
-    """Model and elements as given, or chosen by the ladder."""
-    if model != "auto":
-        if question is not None or tolerance is not None:
-            raise ValueError(f"question and tolerance choose the model: they need model='auto', not {model!r}")
-        return check_model(model), check_elements(elements)
-    if elements != DEFAULT_ELEMENTS:
-        raise ValueError(f"model='auto' chooses the elements too: leave out elements = {elements!r}, or name the model")
-    chosen = cheapest(
-        read_answers(),
-        DEFAULT_QUESTION if question is None else question,
-        DEFAULT_TOLERANCE if tolerance is None else tolerance,
-    )
-    return chosen.model, chosen.elements or DEFAULT_ELEMENTS
-
-
-def _checked_ranges(
-    parameters: ArrayParameters, ranges: Mapping[str, tuple[float, float]]
-) -> dict[str, tuple[float, float]]:
-    """The ranges with both ends shown to be acceptable values."""
-    checked = {}
-    for name, bounds in ranges.items():
-        if np.shape(bounds) != (2,):
-            raise ValueError(f"randomize[{name!r}] = {bounds!r} must be a pair (low, high)")
-        low, high = float(bounds[0]), float(bounds[1])
-        if not low <= high:
-            raise ValueError(f"randomize[{name!r}] = {bounds!r} must satisfy low <= high")
-        for end in (low, high):
-            parameters.with_changes({name: end})
-        checked[name] = (low, high)
-    return checked
-
-
-def _scene(
-    simulation: Simulation, parameters: ArrayParameters, times: list[float], peaks: list[NDArray[np.float64]]
-) -> Scene:
-    model, state = simulation.model, simulation.state
-    loads = simulation.joint_loads()
-    axes = [centreline(model, state.q, body) for body in range(parameters.panel_count + 1)]
-    eccentricity = loads[:, [ECCENTRICITY_X, ECCENTRICITY_Y]]
-    return Scene(
-        time=simulation.time,
-        main_body=main_body_corners(parameters, axes[0]),
-        panels=tuple(axes[1:]),
-        hinges=np.array([panel[0] for panel in axes[1:]]) - eccentricity,
-        eccentricity=eccentricity,
-        clearance=model.joints["clearance"].copy(),
-        journal_radius=model.joints["journal_radius"].copy(),
-        in_contact=state.joints["in_contact"].astype(np.bool_),
-        normal_force=loads[:, NORMAL].copy(),
-        latched=state.joints["latched"].astype(np.bool_),
-        motor_torque=float(state.joints["motor_torque"][0]),
-        force_times=np.array(times),
-        force_history=np.array(peaks),
-    )
+def first_info() -> dict[str, Any]:
+    """What a reset tells."""
+    return {"time_s": 0.0, "reward_terms": dict.fromkeys(REWARD_TERMS, 0.0)}

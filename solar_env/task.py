@@ -1,6 +1,6 @@
 """The control task on a deploying array: what is observed, what is charged, when an episode ends.
 
-The kernels work on the arrays of one simulation, so that a single environment and a batch share them.
+The kernels work on lanes (``mechanics/lanes.py``): a single environment is a batch of one.
 """
 
 from __future__ import annotations
@@ -13,10 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .mechanics import model as m
-from .mechanics._jit import njit
+from .mechanics._jit import njit, njit_merged
 from .mechanics.joint import joint_motion, relative
+from .mechanics.lanes import lane_model, lane_state
 
 OBSERVATIONS = ("drive", "privileged")
+# What the reward is the sum of.
+REWARD_TERMS = ("peak_impact", "wear", "missed_deadline")
 
 
 @dataclass(frozen=True)
@@ -60,6 +63,23 @@ class Task:
                 f"{self.largest_charge!r}, or not deploying would pay"
             )
 
+    def numbers(self) -> TaskNumbers:
+        """The same as the kernels take it."""
+        return TaskNumbers(*(float(value) for value in vars(self).values()))
+
+
+class TaskNumbers(NamedTuple):
+    """A :class:`Task` for kernels."""
+
+    torque_limit: float
+    control_period: float
+    deadline: float
+    postlock_window: float
+    force_scale: float
+    work_scale: float
+    largest_charge: float
+    missed_deadline_cost: float
+
 
 class Entry(NamedTuple):
     """One entry of an observation: its name, its unit as observed, and its bounds."""
@@ -98,7 +118,7 @@ def observation_entries(joints: int, observation: str) -> tuple[Entry, ...]:
     return tuple(entries)
 
 
-@njit
+@njit_merged
 def last_latch(joint_states):
     """Time of the last latching [s], or nan while a joint is open."""
     latest = -math.inf
@@ -109,9 +129,17 @@ def last_latch(joint_states):
     return latest
 
 
-@njit
-def observe(model, state, torque_limit, deadline, window, privileged, out):
-    """Write the observation of the present state to ``out``, unclipped, in the order of :func:`observation_entries`."""
+@njit_merged
+def observe(model, state, task, privileged, low, high, out):
+    """Write the observation of the present state to ``out``, within its bounds, as :func:`observation_entries` lists.
+
+    Args:
+        model, state: of the array.
+        task: TaskNumbers.
+        privileged: whether what only a simulator knows is observed too.
+        low, high: (entries,) bounds.
+        out: (entries,) float32.
+    """
     joints, joint_states, markers = model.joints, state.joints, model.markers
     count = joints.size
     time = state.clock[0].time
@@ -129,24 +157,96 @@ def observe(model, state, torque_limit, deadline, window, privileged, out):
             ex, ey = relative(joint, markers, state.q)
             scale = 1.0 / joint.clearance if joint.kind == m.CLEARANCE else 0.0
             out[k], out[k + 1], out[k + 2] = ex * scale, ey * scale, own.in_contact
-    out[3 * count] = joint_states[0].motor_torque / torque_limit
-    out[3 * count + 1] = (deadline - time) / deadline
+    out[3 * count] = joint_states[0].motor_torque / task.torque_limit
+    out[3 * count + 1] = (task.deadline - time) / task.deadline
     latched_at = last_latch(joint_states)
-    out[3 * count + 2] = (time - latched_at) / window if latched_at == latched_at else 0.0
+    out[3 * count + 2] = (time - latched_at) / task.postlock_window if latched_at == latched_at else 0.0
     if privileged:
         out[6 * count + 3] = spin
+    for k in range(out.size):
+        out[k] = min(max(out[k], low[k]), high[k])
 
 
-@njit
-def charges(state, force_scale, work_scale, largest_charge):
-    """Cost so far of the peak force and of the wear since the first latching."""
+@njit_merged
+def charge(state, task, charged, terms):
+    """Write to ``terms`` what peak force and wear since the first latching cost beyond ``charged``, and raise that."""
     peak, work = 0.0, 0.0
     if state.clock[0].latched_joints > 0:
         for j in range(state.joints.size):
             own = state.joints[j]
             peak += own.postlock_peak_force
             work += state.integrals[m.INTEGRALS_PER_JOINT * j + m.SLIDING_WORK] - own.lock_sliding_work
-    return min(peak / force_scale, largest_charge), min(work / work_scale, largest_charge)
+    peak = min(peak / task.force_scale, task.largest_charge)
+    work = min(work / task.work_scale, task.largest_charge)
+    terms[0], terms[1] = charged[0] - peak, charged[1] - work
+    charged[0], charged[1] = peak, work
+
+
+@njit_merged
+def begin_period(state, task, action):
+    """Set the motor torque for an action, and return when its period ends [s].
+
+    That is after a whole number of control periods, which are counted so that rounding does not build up, or with the
+    episode if that ends before.
+    """
+    own, clock = state.joints[0], state.clock[0]
+    torque = task.torque_limit * min(max(action, -1.0), 1.0)
+    if own.motor_torque != torque:
+        own.motor_torque = torque
+        clock.acceleration_current = 0
+    for j in range(state.joints.size):
+        state.joints[j].recent_peak_force = 0.0
+    end = (round(clock.time / task.control_period) + 1) * task.control_period
+    latched_at = last_latch(state.joints)
+    return min(end, latched_at + task.postlock_window if latched_at == latched_at else task.deadline)
+
+
+@njit_merged
+def end_period(model, state, task, privileged, low, high, charged, terms, observation):
+    """Write reward terms and observation of a period that has ended; returns whether the episode has, too.
+
+    Args:
+        model, state: of the array.
+        task: TaskNumbers.
+        privileged, low, high: of :func:`observe`.
+        charged: (2,) what peak force and wear have cost so far; raised.
+        terms: (3,) the terms of the reward, in the order of REWARD_TERMS.
+        observation: (entries,) float32.
+    """
+    charge(state, task, charged, terms)
+    time, latched_at = state.clock[0].time, last_latch(state.joints)
+    if latched_at == latched_at:
+        missed, terminated = False, time >= latched_at + task.postlock_window
+    else:
+        missed = terminated = time >= task.deadline
+    terms[2] = -task.missed_deadline_cost if missed else 0.0
+    observe(model, state, task, privileged, low, high, observation)
+    return terminated
+
+
+@njit
+def begin_periods(states, task, lanes, actions, end_times):
+    """:func:`begin_period` for the lanes (k,) named; actions and ends of the periods are by lane."""
+    for lane in lanes:
+        end_times[lane] = begin_period(lane_state(states, lane), task, actions[lane])
+
+
+@njit
+def end_periods(models, states, task, privileged, low, high, lanes, charged, terms, observations, terminated):
+    """:func:`end_period` for the lanes (k,) named; what it writes is by lane."""
+    for lane in lanes:
+        model, state = lane_model(models, lane), lane_state(states, lane)
+        terminated[lane] = end_period(
+            model, state, task, privileged, low, high, charged[lane], terms[lane], observations[lane]
+        )
+
+
+@njit
+def observe_lanes(models, states, task, privileged, low, high, lanes, observations):
+    """:func:`observe` for the lanes (k,) named; observations are by lane."""
+    for lane in lanes:
+        model, state = lane_model(models, lane), lane_state(states, lane)
+        observe(model, state, task, privileged, low, high, observations[lane])
 
 
 def wear_depths(state: m.State) -> NDArray[np.float64]:

@@ -255,23 +255,23 @@ def test_tuning_finds_a_minimum_within_its_budget_and_repeats_itself():
     target = np.array([0.2, 0.7, 0.5])
     calls = []
 
-    def distance(point, seeds):
-        calls.append(tuple(seeds))
-        return float(np.sum((point - target) ** 2))
+    def distances(points, seeds):
+        calls.extend([tuple(seeds)] * len(points))
+        return [float(np.sum((point - target) ** 2)) for point in points]
 
-    first = tune(distance, np.full(3, 0.5), 1200, 2, seed=3, progress=False)
+    first = tune(distances, np.full(3, 0.5), 1200, 2, seed=3, progress=False)
     assert sum(map(len, calls)) <= 1200
     np.testing.assert_allclose(first[-1], target, atol=1e-3)
-    second = tune(distance, np.full(3, 0.5), 1200, 2, seed=3, progress=False)
+    second = tune(distances, np.full(3, 0.5), 1200, 2, seed=3, progress=False)
     np.testing.assert_array_equal(first[-1], second[-1])
 
 
 def test_tuning_gives_all_candidates_of_a_generation_the_same_fresh_episodes():
     calls = []
 
-    def record(point, seeds):
-        calls.append(tuple(seeds))
-        return float(point[0])
+    def record(points, seeds):
+        calls.extend([tuple(seeds)] * len(points))
+        return [float(point[0]) for point in points]
 
     tune(record, np.full(2, 0.5), 60, 2, seed=0, progress=False)
     generations = list(dict.fromkeys(calls))

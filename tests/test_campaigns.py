@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from solar_env.campaigns import Campaign, each_done
+from solar_env.campaigns import Campaign, Workers, each_done
 
 CELLS = [{"x": x} for x in range(4)]
 CALLS: list[int] = []
@@ -30,14 +30,14 @@ def fresh() -> None:
 
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_every_task_comes_with_its_own_result(jobs: int) -> None:
-    assert sorted((cell["x"], result) for cell, result in each_done(cube, CELLS, jobs)) == [
+    assert sorted((cell["x"], result) for cell, result in each_done(cube, CELLS, Workers(jobs))) == [
         (0, 0), (1, 1), (2, 8), (3, 27),
     ]  # fmt: skip
 
 
 def test_no_process_is_refused() -> None:
     with pytest.raises(ValueError, match="jobs = 0"):
-        list(each_done(cube, CELLS, 0))
+        Workers(0)
 
 
 def test_an_interrupted_campaign_does_only_what_is_missing(tmp_path: Path) -> None:

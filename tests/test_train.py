@@ -143,7 +143,7 @@ def test_a_resumed_run_sees_other_training_episodes_than_the_first(finished, tmp
     for venv in (first, resumed):
         venv.reset()
     clearances = [
-        {env.unwrapped.np_random.bit_generator.state["state"]["state"] for env in venv.unwrapped.envs}
+        {random.bit_generator.state["state"]["state"] for random in venv.get_attr("np_random")}
         for venv in (first, resumed)
     ]
     assert clearances[0].isdisjoint(clearances[1])

@@ -17,6 +17,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--quick", action="store_true", help="fewer and shorter runs: under two minutes")
     parser.add_argument("--only", choices=STUDIES, help="one study instead of all")
     parser.add_argument("--draw", action="store_true", help="measure nothing, draw the figures from the tables again")
+    parser.add_argument(
+        "--jobs", type=int, default=1,
+        help="processes for the ensembles (%(default)s); everything else is timed, run by run",
+    )  # fmt: skip
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--out", type=Path, default=Path("chart"), help="folder of tables and figures (%(default)s)")
     where.add_argument(
@@ -32,13 +36,14 @@ def run_command(args: argparse.Namespace) -> int:
         ValueError: if figures are to be drawn of tables that do not exist.
     """
     # The studies need the compiler, --help does not.
+    from ..campaigns import Workers
     from ..studies.charts import draw, measure
 
     tables, figures = (PACKAGE / "studies" / "data", FIGURE_FOLDER) if args.readme else (args.out, args.out)
     names = (args.only,) if args.only else STUDIES
     console = Console(stderr=True)
     if not args.draw:
-        measure(names, args.quick, tables, console)
+        measure(names, args.quick, tables, console, Workers(args.jobs))
     for path in draw(names, tables, figures):
         print(path)
     return 0

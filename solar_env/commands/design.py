@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import argparse
-import os
 from pathlib import Path
 
 from rich.console import Console
 
 from ..array import PRESETS
 from ._folders import FIGURE_FOLDER
+from ._workers import add_worker_arguments, chosen_workers
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("--preset", choices=sorted(PRESETS), default="default", help="parameters (%(default)s)")
     parser.add_argument("--members", type=int, default=8, help="runs of the ensemble in each cell (%(default)s)")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes (%(default)s)")
+    add_worker_arguments(parser)
     parser.add_argument("--draw", action="store_true", help="measure nothing, draw the picture from the table again")
     parser.add_argument(
         "--out", type=Path, default=Path("design"),
@@ -40,6 +40,6 @@ def run_command(args: argparse.Namespace) -> int:
     if args.members < 1:
         raise ValueError(f"members = {args.members} must be at least 1")
     if not args.draw:
-        print(measure(args.preset, args.members, args.jobs, args.out, Console(stderr=True)))
+        print(measure(args.preset, args.members, chosen_workers(args), args.out, Console(stderr=True)))
     print(draw_design(read_table(args.out / FILE), FIGURE_FOLDER if args.readme else args.out))
     return 0

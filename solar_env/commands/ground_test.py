@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,6 +11,7 @@ from rich.console import Console
 from ..array import PRESETS, ArrayParameters
 from ..progress import counting_bar
 from ._folders import FIGURE_FOLDER
+from ._workers import add_worker_arguments, chosen_workers
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -28,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument("--members", type=int, default=4, help="runs that stand for a deployment (%(default)s)")
     parser.add_argument("--check", type=int, help="simulate so many directly, too (10, or all)")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes (%(default)s)")
+    add_worker_arguments(parser)
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--out", type=Path, default=Path("ground_test"), help="folder of all files (%(default)s)")
     where.add_argument("--readme", action="store_true", help="picture into solar_env/figures, table into ./ground_test")
@@ -58,7 +58,7 @@ def run_command(args: argparse.Namespace) -> int:
         for kind, (deployments, growth) in plans.items():
             task = bar.add_task(f"{kind} deployments", total=deployments)
             campaigns[kind] = []
-            for deployment in wear_campaign(parameters, deployments, growth, args.members, args.jobs):
+            for deployment in wear_campaign(parameters, deployments, growth, args.members, chosen_workers(args)):
                 campaigns[kind].append(deployment)
                 bar.advance(task, deployment.repeated)
     rows = [row for kind, campaign in campaigns.items() for row in as_rows(campaign, kind)]

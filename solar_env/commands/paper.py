@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import os
 from pathlib import Path
 
 from rich.console import Console
 
 from ..progress import counting_bar
 from ._folders import FIGURE_FOLDER, PACKAGE, README
+from ._workers import add_worker_arguments, chosen_workers
 
 BEGIN, END = "<!-- claims: written by `python -m solar_env paper --readme` -->", "<!-- end of claims -->"
 
@@ -19,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--figure", type=int, nargs="+", metavar="N", help="these figures of the paper (5 to 23), without the claims"
     )
-    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes (%(default)s)")
+    add_worker_arguments(parser)
     parser.add_argument("--json", action="store_true", help="print the claims as JSON")
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--out", type=Path, default=Path("paper"), help="folder of all files (%(default)s)")
@@ -63,7 +63,7 @@ def run_command(args: argparse.Namespace) -> int:
     motions = {}
     with counting_bar(console) as bar:
         task = bar.add_task("deployments", total=len(runs))
-        for run, motion in each_done(simulate_run, runs, args.jobs):
+        for run, motion in each_done(simulate_run, runs, chosen_workers(args)):
             motions[run] = motion
             bar.advance(task)
         first = {run.case: motion for run, motion in motions.items() if run.member == 0 and not run.parameter}

@@ -64,10 +64,10 @@ def kernels_are_compiled(integrator: str) -> bool:
     """Whether the cache holds the kernels of an integrator for these very sources, or none are to be compiled."""
     import numba
 
-    from ..mechanics.adaptive import advance_adaptive
+    from ..mechanics.adaptive import advance_lanes
     from ..mechanics.generalized_alpha import advance_alpha
 
-    kernel = advance_alpha if _family(integrator) == _ALPHA else advance_adaptive
+    kernel = advance_alpha if _family(integrator) == _ALPHA else advance_lanes
     return bool(numba.config.DISABLE_JIT) or any(
         Path(kernel.stats.cache_path).glob(f"*.{kernel.py_func.__name__}-*.nbi")
     )

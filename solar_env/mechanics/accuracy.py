@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from .simulation import Simulation
 
 # Between looks at a run that goes on call by call: a look takes as long as some hundred steps.
-_STEPS_BETWEEN_LOOKS = 10_000
+STEPS_BETWEEN_LOOKS = 10_000
 # After a change of integrator or step, while multipliers settle, constraint forces are looked at in every call.
 _SETTLING_CALLS = 30
 
@@ -40,7 +40,7 @@ class AccuracyWatch:
             if self._settling > 0:
                 self._settling -= 1
                 self._check_forces()
-        if abs(simulation.state.clock["steps"][0] - self._steps) >= _STEPS_BETWEEN_LOOKS:
+        if abs(simulation.state.clock["steps"][0] - self._steps) >= STEPS_BETWEEN_LOOKS:
             self.check()
 
     def check(self) -> None:

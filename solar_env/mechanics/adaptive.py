@@ -22,6 +22,7 @@ from .contact import normal_force
 from .events import NONE, begin_event, first_event
 from .history import check_state, fail, impact_step_limit, note_force, settle_joints
 from .joint import penetration
+from .lanes import lane_model, lane_state, take_ticket
 from .linear import copy_into
 from .model import (
     APPROXIMATE,
@@ -38,6 +39,8 @@ from .model import (
     Model,
     State,
 )
+from .newton import fill_mass
+from .profile import clear
 from .recording import contacts_full, record_sample, sample_due
 from .rosenbrock import NEVER, Rosenbrock, attempt_rosenbrock, make_rosenbrock
 from .runge_kutta import (
@@ -51,7 +54,7 @@ from .runge_kutta import (
     make_stages,
     make_stiff_forces,
 )
-from .system import Workspace, accelerations, make_workspace, prepare_response, project
+from .system import Workspace, accelerations, fill_columns, make_workspace, prepare_response, project
 
 _PEAK_SAMPLES = 8
 _SMALLEST_STEP = 1e-13  # s, relative to max(time, 1 s)
@@ -68,7 +71,7 @@ _LONGEST_WAIT = 256
 
 
 class AdaptiveArrays(NamedTuple):
-    """Scratch arrays of :func:`advance_adaptive`; nothing in them outlives a call."""
+    """Scratch arrays of :func:`advance_lanes`, of one thread; nothing in them outlives a lane's turn."""
 
     work: Workspace
     scratch: Workspace  # for evaluations that leave the other as it is
@@ -236,7 +239,27 @@ def accept(model, state, stages, work, scratch, recorder, h, share, event_joint,
     return True
 
 
-@njit
+@njit_merged
+def prepare_arrays(model, settings, arrays):
+    """Fill what the scratch arrays hold of a model.
+
+    Stages are cleared too: those that a step has not come to yet enter with the weight zero, which does not take away
+    what is not finite.
+    """
+    for stage in range(STAGES):
+        for array in (arrays.stages.velocity, arrays.stages.acceleration, arrays.stages.power):
+            for i in range(array.shape[1]):
+                array[stage, i] = 0.0
+    for work in (arrays.work, arrays.scratch):
+        for r in range(work.row_value.shape[0]):
+            copy_into(work.row_value[r], model.constraints.value[r])
+        fill_columns(model, work, False)
+    if settings.linearly_implicit:
+        clear(model.elimination, arrays.step.newton.mass)
+        fill_mass(model, arrays.step.newton.mass)
+
+
+@njit_merged
 def advance_adaptive(model, state, settings, recorder, end_time, arrays):
     """Advance ``state`` in place to ``end_time`` [s]; returns a status code."""
     work, scratch, stages, stiff, step = arrays
@@ -335,3 +358,27 @@ def advance_adaptive(model, state, settings, recorder, end_time, arrays):
     copy_into(state.power, stages.power[0])
     clock.acceleration_current = EXACT if exact else APPROXIMATE
     return status
+
+
+@njit
+def advance_lanes(models, states, settings, recorder, queue, counter, end_times, statuses, arrays):
+    """Advance lanes one after the other, next to other threads that do the same.
+
+    Args:
+        models, states: of all lanes (``lanes.py``).
+        settings: of the integrator.
+        recorder: takes samples and contacts of every lane.
+        queue: (k,) indices of the lanes to advance, in this order.
+        counter: (1,) number of lanes in the queue that some thread has begun with.
+        end_times: (lanes,) [s].
+        statuses: (lanes,) status codes; written.
+        arrays: the thread's own.
+    """
+    while True:
+        ticket = take_ticket(counter)
+        if ticket >= queue.size:
+            break
+        lane = queue[ticket]
+        model, state = lane_model(models, lane), lane_state(states, lane)
+        prepare_arrays(model, settings, arrays)
+        statuses[lane] = advance_adaptive(model, state, settings, recorder, end_times[lane], arrays)

@@ -52,8 +52,8 @@ class Rosenbrock(RungeKutta):
     """:class:`RungeKutta` with linearly implicit steps where they are worth their price (``rosenbrock.py``).
 
     The stiff vibrations of flexible bodies then do not bound the steps. In impacts, and wherever accuracy asks for
-    short steps anyway, these remain explicit; their velocity scale shrinks while the whole mechanism is slow, because
-    impacts amplify the errors of those before them. Mechanisms with drives are refused.
+    short steps anyway, these remain explicit; with flexible bodies their velocity scale shrinks while the whole
+    mechanism is slow, because impacts amplify the errors of those before them. Mechanisms with drives are refused.
     """
 
     rtol: float = 1e-4

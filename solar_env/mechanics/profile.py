@@ -47,10 +47,9 @@ def make_elimination(position: NDArray[np.int64], couplings: list[tuple[int, int
     """Profile for an order of elimination, which may leave places empty, and the pairs of unknowns that are coupled."""
     blocks = int(position.max()) // BLOCK + 1 if position.size else 0
     first = np.arange(blocks)
-    for i, j in couplings:
-        low, high = sorted((int(position[i]), int(position[j])))
-        if low >= 0:
-            first[high // BLOCK] = min(first[high // BLOCK], low // BLOCK)
+    places = np.sort(position[np.array(couplings, dtype=np.int64).reshape(-1, 2)], axis=1)
+    low, high = places[places[:, 0] >= 0].T // BLOCK
+    np.minimum.at(first, high, low)
     begin = np.concatenate(([0], np.cumsum(np.arange(blocks) - first)[:-1])) if blocks else np.zeros(0, dtype=np.int64)
     return Elimination(
         position.astype(np.int64),

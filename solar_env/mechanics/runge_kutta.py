@@ -55,7 +55,7 @@ _ENERGIES = (NORMAL_DISSIPATION, FRICTION_DISSIPATION, MOTOR_WORK, STOP_DISSIPAT
 
 
 class AdaptiveSettings(NamedTuple):
-    """Settings of ``adaptive.advance_adaptive``."""
+    """Settings of ``adaptive.advance_lanes``."""
 
     rtol: float  # local error of velocities relative to (velocity_scale + |velocity|), of positions to the length scale
     velocity_scale: float  # [m/s]
@@ -237,7 +237,7 @@ def error_norm(model, state, stages, stiff, settings, h):
         copy_into(stiff.end_power, power[STAGES - 1])
         correct_stage(stiff, STAGES - 1, h, velocity, acceleration, power)
     weights, ratios = model.error_weight, stages.ratios
-    if settings.linearly_implicit:
+    if settings.linearly_implicit and model.elements.filled.size > 0:
         velocity_scale = present_velocity_scale(velocity_scale, weights, v0, v)
     position_scale = 1.0 / (rtol * model.length_scale)
     # Without branches, several entries fit into one instruction.

@@ -15,13 +15,14 @@ from numpy.typing import NDArray
 from . import joint as columns
 from . import model as m
 from .accuracy import AccuracyWatch, limits_of_the_laws
-from .adaptive import AdaptiveArrays, advance_adaptive, make_adaptive_arrays
+from .adaptive import AdaptiveArrays, advance_lanes, make_adaptive_arrays
 from .alpha_step import AlphaSettings
 from .build import compile_mechanism
 from .description import Mechanism
 from .errors import raise_for_status
 from .generalized_alpha import AlphaArrays, advance_alpha, make_alpha_arrays
 from .integrators import Integrator, Rosenbrock, RungeKutta, alpha_coefficients
+from .lanes import with_lane_axis
 from .recording import RECORDED_LOADS, Recorder, make_recorder, sample_columns
 from .runge_kutta import AdaptiveSettings
 from .system import (
@@ -36,6 +37,18 @@ from .trajectory import Trajectory, contact_record
 
 _CONTACTS_PER_DRAIN = 4096
 _SMALLEST_ENERGY_SCALE = 1e-9  # J, for a mechanism that starts without energy
+
+
+def adaptive_settings(integrator: RungeKutta) -> AdaptiveSettings:
+    """The settings as the kernels take them."""
+    return AdaptiveSettings(
+        integrator.rtol,
+        integrator.velocity_scale,
+        integrator.max_step,
+        integrator.impact_resolution,
+        integrator.max_steps,
+        int(isinstance(integrator, Rosenbrock)),
+    )
 
 
 class Simulation:
@@ -95,6 +108,11 @@ class Simulation:
                 raise ValueError(f"snapshot.{name} has shape {theirs.shape}, this mechanism needs {mine.shape}")
             mine[...] = theirs
 
+    def move_to(self, model: m.Model, state: m.State) -> None:
+        """Go on with other arrays, which hold the same values."""
+        self.model, self.state = model, state
+        self.__dict__.pop("_single_lane", None)
+
     def set_motor_torque(self, joint: int, torque: float) -> None:
         """Set the motor torque on a joint's angle [N m], held until it is set again.
 
@@ -124,11 +142,14 @@ class Simulation:
             raise ValueError(
                 f"end_time = {end_time!r} s must be finite and not before the present time {self.time!r} s"
             )
-        status = self._advance(end_time, recorder or self._unrecorded)
+        self.raise_unless_done(self._advance(end_time, recorder or self._unrecorded))
+        self._watch.after_call()
+
+    def raise_unless_done(self, status: int) -> None:
+        """Raise the :class:`SimulationError` of a status code with which a kernel has left this state, if any."""
         if status != m.DONE:
             clock = self.state.clock[0]
             raise_for_status(status, self.time, int(clock["failure_joint"]), float(clock["failure_value"]))
-        self._watch.after_call()
 
     def check(self) -> None:
         """Look at the accuracy of the run so far; every shortcoming is told once.
@@ -141,8 +162,8 @@ class Simulation:
         self._watch.check()
 
     @cached_property
-    def _adaptive_arrays(self) -> AdaptiveArrays:
-        return make_adaptive_arrays(self.model, self.state)
+    def _single_lane(self) -> tuple[m.Model, m.State, AdaptiveArrays]:
+        return with_lane_axis(self.model), with_lane_axis(self.state), make_adaptive_arrays(self.model, self.state)
 
     @cached_property
     def _alpha_arrays(self) -> AlphaArrays:
@@ -151,17 +172,11 @@ class Simulation:
     def _advance(self, end_time: float, recorder: Recorder) -> int:
         chosen = self.integrator
         if isinstance(chosen, RungeKutta):
-            settings = AdaptiveSettings(
-                chosen.rtol,
-                chosen.velocity_scale,
-                chosen.max_step,
-                chosen.impact_resolution,
-                chosen.max_steps,
-                int(isinstance(chosen, Rosenbrock)),
-            )
-            return int(
-                advance_adaptive(self.model, self.state, settings, recorder, float(end_time), self._adaptive_arrays)
-            )
+            models, states, arrays = self._single_lane
+            queue, counter, status = np.zeros(1, np.int64), np.zeros(1, np.int64), np.zeros(1, np.int64)
+            settings, end_times = adaptive_settings(chosen), np.array([end_time], np.float64)
+            advance_lanes(models, states, settings, recorder, queue, counter, end_times, status, arrays)
+            return int(status[0])
         alpha_settings = AlphaSettings(
             *alpha_coefficients(chosen.rho_inf),
             chosen.step,
@@ -279,9 +294,7 @@ def simulate(
             recorder.filled[1] = 0
             if status != m.CONTACT_BUFFER_FULL:
                 break
-        if status != m.DONE:
-            clock = simulation.state.clock[0]
-            raise_for_status(status, simulation.time, int(clock["failure_joint"]), float(clock["failure_value"]))
+        simulation.raise_unless_done(status)
         if progress:
             progress(float(stop))
     wall = time.perf_counter() - start

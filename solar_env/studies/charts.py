@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from rich.console import Console
 
+from ..campaigns import ONE, Workers
 from ..progress import counting_bar
 from .ensembles import count_ensembles, run_ensembles
 from .ensembles_plot import draw_ensembles
@@ -68,7 +70,7 @@ STUDIES = {
 }
 
 
-def measure(names: Sequence[str], quick: bool, folder: Path, console: Console) -> None:
+def measure(names: Sequence[str], quick: bool, folder: Path, console: Console, workers: Workers = ONE) -> None:
     """Measure studies and write their tables.
 
     Args:
@@ -76,6 +78,7 @@ def measure(names: Sequence[str], quick: bool, folder: Path, console: Console) -
         quick: whether to take two minutes instead of about an hour.
         folder: for the tables.
         console: for what is told on the way.
+        workers: where the ensembles run; everything else is timed and runs here, one after the other.
     """
     plan = QUICK if quick else FULL
     if peer_is_missing():
@@ -85,7 +88,8 @@ def measure(names: Sequence[str], quick: bool, folder: Path, console: Console) -
         task = progress.add_task("loading kernels (the first time compiles them: up to two minutes)", total=total)
         warm_up(plan)
         for name in names:
-            rows = STUDIES[name].run(plan, lambda run: progress.update(task, advance=1, description=run))
+            run = partial(run_ensembles, workers=workers) if name == "ensembles" else STUDIES[name].run
+            rows = run(plan, lambda done: progress.update(task, advance=1, description=done))
             for table, measured in rows.items():
                 made_by = provenance(f"python -m solar_env chart --only {name}{' --quick' if quick else ''}")
                 write_table(folder / f"{table}.csv", measured, made_by)

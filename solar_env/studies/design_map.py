@@ -11,7 +11,7 @@ import numpy as np
 from rich.console import Console
 
 from ..array import ArrayParameters
-from ..campaigns import Campaign, Cell
+from ..campaigns import Campaign, Cell, Workers
 from ..deployment import simulate
 from ..progress import counting_bar
 from .ensembles import perturbed
@@ -82,7 +82,7 @@ def measure_cell(cell: Cell) -> dict[str, list[list[float]]]:
     return {"wear_m": wear, "force_N": force}
 
 
-def measure(preset: str, members: int, jobs: int, folder: Path, console: Console) -> Path:
+def measure(preset: str, members: int, workers: Workers, folder: Path, console: Console) -> Path:
     """Measure both maps, going on where an earlier run of the same maps stopped; returns the table's file.
 
     Raises:
@@ -99,7 +99,7 @@ def measure(preset: str, members: int, jobs: int, folder: Path, console: Console
     campaign = Campaign(measure_cell, cells, folder / STORE, settings)
     with counting_bar(console) as bar:
         task = bar.add_task("cells of the maps", total=len(cells), completed=len(cells) - len(campaign.missing))
-        for _ in campaign.run(jobs):
+        for _ in campaign.run(workers):
             bar.advance(task)
     rows = [_row(cell, result) for cell, result in zip(cells, campaign.results(), strict=True)]
     table = folder / FILE

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..array import ArrayParameters
+from ..campaigns import ONE, Workers, each_done
 from ..mechanics.errors import SimulationError
 from .measures import impacts_of
 from .methods import find_method
@@ -127,7 +128,22 @@ def member_rows(scene: Scene, member: int, solve: Callable[[Scene], Motion], lab
     ]
 
 
-def _chosen(plan: Plan) -> Iterator[tuple[Scene, Contestant, int]]:
+@dataclass(frozen=True)
+class Run:
+    """One run of an ensemble: of a scene, with a method at a setting, and the number of its perturbation."""
+
+    scene: Scene
+    contestant: Contestant
+    member: int
+
+    @property
+    def name(self) -> str:
+        """In words."""
+        chosen = self.contestant
+        return f"ensembles, {self.scene.model}: {chosen.method}, {chosen.value:g}, run {self.member + 1}"
+
+
+def _chosen(plan: Plan) -> Iterator[Run]:
     """Member by member, so that what disturbs the machine meets all methods alike."""
     for model in plan.models:
         duration = plan.ensemble_duration[model.partition("-")[0]]
@@ -136,7 +152,7 @@ def _chosen(plan: Plan) -> Iterator[tuple[Scene, Contestant, int]]:
             for contestant in CONTESTANTS.get(model, ()):
                 left_out = contestant.dear and (not plan.dear or member >= FEW)
                 if find_method(contestant.method).available and not left_out:
-                    yield scene, contestant, member
+                    yield Run(scene, contestant, member)
 
 
 def count_ensembles(plan: Plan) -> int:
@@ -144,29 +160,37 @@ def count_ensembles(plan: Plan) -> int:
     return sum(1 for _ in _chosen(plan))
 
 
-def run_ensembles(plan: Plan, announce: Callable[[str], None]) -> dict[str, list[Row]]:
+def run_ensembles(plan: Plan, announce: Callable[[str], None], workers: Workers = ONE) -> dict[str, list[Row]]:
     """Run every ensemble.
 
     Args:
         plan: what and how often.
-        announce: called with a description before each run.
+        announce: called with a description of each run, before it where runs follow each other.
+        workers: where. Wall times mean something only if the runs follow each other.
 
     Returns:
         "ensembles": a row for every joint of every run that reached its end.
     """
-    rows: list[Row] = []
-    for scene, contestant, member in _chosen(plan):
-        method = find_method(contestant.method)
-        announce(f"ensembles, {scene.model}: {method.name}, {contestant.value:g}, run {member + 1}")
-        labels: Row = {
-            "model": scene.model,
-            "method": method.name,
-            "setting": method.setting,
-            "value": contestant.value,
-        }
+    rows: dict[Run, list[Row]] = {}
+    chosen = list(_chosen(plan))
+    if workers == ONE:
+        for run in chosen:
+            announce(run.name)
+            rows[run] = run_rows(run)
+    else:
+        for run, found in each_done(run_rows, chosen, workers):
+            announce(run.name)
+            rows[run] = found
+    return {"ensembles": [row for run in chosen for row in rows[run]]}
 
-        def solve(scene: Scene, contestant: Contestant = contestant) -> Motion:
-            return find_method(contestant.method).solve(scene, contestant.value)
 
-        rows += member_rows(scene, member, solve, labels)
-    return {"ensembles": rows}
+def run_rows(run: Run) -> list[Row]:
+    """The rows of one run."""
+    contestant, method = run.contestant, find_method(run.contestant.method)
+    labels: Row = {
+        "model": run.scene.model,
+        "method": method.name,
+        "setting": method.setting,
+        "value": contestant.value,
+    }
+    return member_rows(run.scene, run.member, lambda scene: method.solve(scene, contestant.value), labels)

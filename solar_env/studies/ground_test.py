@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..array import ArrayParameters
-from ..campaigns import each_done
+from ..campaigns import ONE, Workers, each_done
 from ..deployment import simulate
 from .ensembles import perturbed
 from .tables import Row
@@ -55,7 +55,7 @@ class Deployment:
 
 
 def wear_campaign(
-    parameters: ArrayParameters, deployments: int, growth: float, members: int, jobs: int = 1
+    parameters: ArrayParameters, deployments: int, growth: float, members: int, workers: Workers = ONE
 ) -> Iterator[Deployment]:
     """Simulate a campaign, and yield every simulated deployment.
 
@@ -64,7 +64,7 @@ def wear_campaign(
         deployments: number of deployments in the campaign.
         growth: share of a clearance that may be worn before the next deployment is simulated; 0 simulates every one.
         members: runs of the ensemble that stands for a deployment, 2 or more.
-        jobs: processes.
+        workers: where the simulations run.
 
     Raises:
         ValueError: if a number is too small, or ``growth`` is negative.
@@ -80,7 +80,7 @@ def wear_campaign(
         worn = replace(parameters, clearance=tuple(clearance.tolist()))
         runs = [(worn, simulated * members + member) for member in range(members)]
         simulated += 1
-        done = {own: figure for (_, own), figure in each_done(_deploy, runs, jobs)}
+        done = {own: figure for (_, own), figure in each_done(_deploy, runs, workers)}
         figures = np.array([done[own] for _, own in runs])
         wear, peak_force = figures.mean(axis=0)
         wear_error, force_error = figures.std(axis=0, ddof=1) / math.sqrt(members)

@@ -1,0 +1,142 @@
+"""Episodes that can run anywhere: those of an evaluation, as cells of a campaign, and those of a tuning."""
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache, lru_cache
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+from tqdm import tqdm
+
+from agents import runs
+from agents.baselines import BASELINES, BrakeParameters, Controller, ServoParameters, make_baseline
+from agents.environments import make_env
+from agents.rollout import run_episode
+from solar_env.campaigns import ONE, Campaign, Cell, Workers, each_done
+
+Figures = dict[str, float | int | bool]
+
+
+def episode_cell(spec: str, env_id: str, env_kwargs: Mapping[str, Any], seed: int) -> Cell:
+    """The cell of one episode.
+
+    Args:
+        spec: Name of a baseline, or a run folder.
+        env_id: Environment id.
+        env_kwargs: Environment keywords that JSON keeps.
+        seed: Of the episode.
+    """
+    policy = None if spec in BASELINES else _digest([runs.policy_path(spec)])
+    return {
+        "spec": spec if policy is None else str(Path(spec).resolve()),
+        "policy": policy,
+        "env_id": env_id,
+        "env_kwargs": runs.jsonable(env_kwargs),
+        "seed": seed,
+    }
+
+
+def run_cell(cell: Cell) -> Figures:
+    """Run the episode of a cell and return its figures, see `agents.rollout.run_episode`."""
+    keywords = json.dumps(cell["env_kwargs"], sort_keys=True)
+    env, controller = _prepared(cell["spec"], cell["policy"], cell["env_id"], keywords)
+    return run_episode(env, controller, cell["seed"])
+
+
+@lru_cache(maxsize=4)
+def _prepared(spec: str, policy: str | None, env_id: str, keywords: str) -> tuple[gymnasium.Env, Controller]:
+    """Environment and controller, kept from episode to episode; `policy` tells a changed file from the former."""
+    env = make_env(env_id, json.loads(keywords))
+    return env, make_baseline(spec, env) if policy is None else runs.load_policy(spec, env)
+
+
+def run_cells(
+    cells: Sequence[Cell], workers: Workers = ONE, store: Path | None = None, progress: bool = True
+) -> list[Figures]:
+    """The figures of all cells, in their order; of cells that are alike one is run.
+
+    Args:
+        cells: What to run.
+        workers: Where.
+        store: File that keeps the figures, so that an interrupted evaluation goes on; None keeps none.
+        progress: Show a progress bar.
+
+    Raises:
+        ValueError: the file was written by other code or with other baselines.
+    """
+    keys = [json.dumps(cell, sort_keys=True) for cell in cells]
+    different = dict(zip(keys, cells, strict=True))
+    with tqdm(total=len(different), desc="evaluate", unit="episode", disable=not progress) as bar:
+        if store is None:
+            done: dict[str, Figures] = {}
+            for cell, figures in each_done(run_cell, different.values(), workers):
+                done[json.dumps(cell, sort_keys=True)] = figures
+                bar.update()
+        else:
+            campaign = Campaign(run_cell, tuple(different.values()), store, {"agents": _agents_digest()})
+            bar.update(len(different) - len(campaign.missing))
+            for _ in campaign.run(workers):
+                bar.update()
+            done = dict(zip(different, campaign.results(), strict=True))
+    return [done[key] for key in keys]
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One episode of one candidate: what, where, and at which place among the candidates."""
+
+    controller: str
+    env_id: str
+    keywords: str
+    parameters: BrakeParameters | ServoParameters
+    candidate: int
+    seed: int
+
+
+def trial_return(trial: Trial) -> float:
+    """The return of a trial's episode."""
+    env = _environment(trial.env_id, trial.keywords)
+    return float(run_episode(env, make_baseline(trial.controller, env, trial.parameters), trial.seed)["return"])
+
+
+@lru_cache(maxsize=1)
+def _environment(env_id: str, keywords: str) -> gymnasium.Env:
+    return make_env(env_id, json.loads(keywords))
+
+
+def mean_returns(
+    controller: str,
+    candidates: Sequence[BrakeParameters | ServoParameters],
+    env_id: str,
+    env_kwargs: Mapping[str, Any],
+    seeds: Sequence[int],
+    workers: Workers,
+) -> list[float]:
+    """Mean return of each candidate for the parameters of a baseline, over the same episodes."""
+    keywords = json.dumps(env_kwargs, sort_keys=True)
+    trials = [
+        Trial(controller, env_id, keywords, parameters, k, seed)
+        for k, parameters in enumerate(candidates)
+        for seed in seeds
+    ]
+    returns = dict(each_done(trial_return, trials, workers))
+    # Added up in one order, whichever was done first.
+    by_candidate = np.array([returns[trial] for trial in trials]).reshape(len(candidates), len(seeds))
+    return by_candidate.mean(axis=1).tolist()
+
+
+@cache
+def _agents_digest() -> str:
+    folder = Path(__file__).parent
+    return _digest(sorted([*folder.glob("*.py"), *folder.glob("configs/*.json")]))
+
+
+def _digest(paths: Sequence[Path]) -> str:
+    digest = hashlib.sha256()
+    for path in paths:
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]

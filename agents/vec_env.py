@@ -1,0 +1,122 @@
+"""The native vector environment behind Stable-Baselines3's interface."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.vector import AutoresetMode
+from gymnasium.wrappers.vector import DictInfoToList
+from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper
+from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvObs, VecEnvStepReturn
+
+from agents.environments import DEFAULT_ENV_ID, make_vector_env
+
+
+class NativeVecEnv(VecEnv):
+    """All environments of a Stable-Baselines3 algorithm in one process and one compiled call a thread.
+
+    What ends an episode is told as `DummyVecEnv` tells it: `terminal_observation` and `TimeLimit.truncated` in its
+    last info, while the observation is already the next episode's first. Episodes, seeds and actions being equal,
+    everything returned equals that of `DummyVecEnv`, bit for bit.
+
+    Args:
+        num_envs: Number of lanes.
+        env_id: Environment id.
+        env_kwargs: Keywords of the vector environment, such as `num_threads` and those of the single one.
+    """
+
+    def __init__(
+        self, num_envs: int, env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, Any] | None = None
+    ) -> None:
+        keywords = {**(env_kwargs or {}), "autoreset_mode": AutoresetMode.SAME_STEP}
+        self.env: Any = make_vector_env(num_envs, env_id, keywords)
+        self._with_lists = DictInfoToList(self.env)
+        self._actions: np.ndarray | None = None
+        super().__init__(num_envs, self.env.single_observation_space, self.env.single_action_space)
+        self.spec = self.env.spec
+
+    def reset(self) -> VecEnvObs:
+        """Begin new episodes with the seeds and options given before, which are used once."""
+        changes = [options.get("parameters") or {} for options in self._options]
+        for options in self._options:
+            if set(options) - {"parameters"}:
+                raise ValueError(f"reset options {sorted(options)} are unknown; the one option is 'parameters'")
+        seeds: Any = self._seeds
+        observations, infos = self._with_lists.reset(seed=seeds, options={"parameters": changes})
+        self.reset_infos = list(infos)
+        self._reset_seeds()
+        self._reset_options()
+        return observations
+
+    def step_async(self, actions: np.ndarray) -> None:
+        """Take the actions (num_envs, 1) of the next step."""
+        self._actions = actions
+
+    def step_wait(self) -> VecEnvStepReturn:
+        """Advance all lanes; (observations, rewards as float32, dones, infos)."""
+        observations, rewards, terminations, truncations, infos = self._with_lists.step(self._actions)
+        dones = terminations | truncations
+        told: list[dict[str, Any]] = list(infos)
+        for lane in np.flatnonzero(dones):
+            last = told[lane]
+            self.reset_infos[lane] = {key: last[key] for key in last if key not in ("final_obs", "final_info")}
+            told[lane] = {**last["final_info"], "terminal_observation": last["final_obs"]}
+        for info, terminated, truncated in zip(told, terminations.tolist(), truncations.tolist(), strict=True):
+            info["TimeLimit.truncated"] = truncated and not terminated
+        return observations, rewards.astype(np.float32), dones, told
+
+    def close(self) -> None:
+        """End the threads."""
+        self.env.close()
+
+    def get_images(self) -> Sequence[np.ndarray | None]:
+        """A frame of every lane."""
+        return self.env.render()
+
+    def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
+        """An attribute of the lanes, such as `simulation`, or of the vector environment."""
+        return [getattr(self.env.unwrapped.lane(lane), attr_name) for lane in self._get_indices(indices)]
+
+    def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:
+        """Nothing can be set.
+
+        Raises:
+            AttributeError: always; says what to do instead.
+        """
+        raise AttributeError(
+            f"{attr_name!r} cannot be set in a lane; pass keywords when the environment is made, or reset options"
+        )
+
+    def env_method(
+        self, method_name: str, *method_args: Any, indices: VecEnvIndices = None, **kwargs: Any
+    ) -> list[Any]:
+        """Call a method of the lanes, such as `render`, or of the vector environment."""
+        lanes = [self.env.unwrapped.lane(lane) for lane in self._get_indices(indices)]
+        return [getattr(lane, method_name)(*method_args, **kwargs) for lane in lanes]
+
+    def env_is_wrapped(self, wrapper_class: type[gymnasium.Wrapper], indices: VecEnvIndices = None) -> list[bool]:
+        """Lanes have no wrappers."""
+        return [False for _ in self._get_indices(indices)]
+
+
+class FixedSeeds(VecEnvWrapper):
+    """Begins every reset with the same seeds, so that every evaluation has the same episodes.
+
+    Args:
+        venv: What to wrap.
+        first: Seed of lane 0; the others have those that follow.
+    """
+
+    def __init__(self, venv: VecEnv, first: int) -> None:
+        super().__init__(venv)
+        self._first = first
+
+    def reset(self) -> VecEnvObs:
+        """Begin the fixed episodes."""
+        self.venv.seed(self._first)
+        return self.venv.reset()
+
+    def step_wait(self) -> VecEnvStepReturn:
+        """As the environment's."""
+        return self.venv.step_wait()

@@ -1,0 +1,51 @@
+"""``python -m solar_env bench``: how many environment steps a second, and what they cost."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from rich.console import Console
+
+from ..array import MODELS
+from ..progress import counting_bar
+from ._folders import FIGURE_FOLDER
+
+FILE = "bench.md"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("--models", nargs="+", choices=MODELS, default=list(MODELS), help="models (all)")
+    parser.add_argument(
+        "--quick", action="store_true", help="leave out what compiles the kernels anew, which takes two minutes"
+    )
+    parser.add_argument("--out", type=Path, help="folder to write the tables to")
+    parser.add_argument("--readme", action="store_true", help="tables into solar_env/figures")
+
+
+def run_command(args: argparse.Namespace) -> int:
+    """Measure and print.
+
+    Raises:
+        OSError: if the tables cannot be written.
+    """
+    # The measurements need the compiler, --help does not.
+    from ..studies.throughput import measurements, tables
+
+    console = Console(stderr=True)
+    plan = measurements(args.models, cold=not args.quick)
+    results = {}
+    with counting_bar(console) as bar:
+        task = bar.add_task("", total=len(plan))
+        for key, measure in plan.items():
+            bar.update(task, description=" ".join(map(str, key)))
+            results[key] = measure()
+            bar.advance(task)
+    text = tables(results)
+    print(text)
+    folder = FIGURE_FOLDER if args.readme else args.out
+    if folder is not None:
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / FILE).write_text(text + "\n", encoding="utf-8")
+    return 0

@@ -1,0 +1,321 @@
+"""How many environment steps a second: by model and number of lanes, and what a step's time goes into.
+
+Episodes cost most after latching, hundreds of times as much as in free flight. Lanes are therefore put at moments
+spread evenly over one passive deployment, so that a few steps stand for whole episodes.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache, partial
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+
+from ..mechanics.batch import available_processors
+from ..mechanics.model import State
+from ..vector_env import SolarArrayVectorEnv
+
+ID = "solar_env/Deploy-v0"
+LANES = (1, 2, 16, 64, 256)
+SCALED_LANES = 64
+COMPARED_LANES = 16
+KINDS = ("native", "SyncVectorEnv", "SubprocVecEnv")
+# Ratios are medians over so many rounds.
+ROUNDS = 3
+MOMENTS = 32
+# A measurement goes on until it has taken so long [s], and for no fewer steps than FEWEST.
+ENOUGH, FEWEST = 1.0, 3
+
+
+@dataclass(frozen=True)
+class Split:
+    """What the time of the steps of a batch went into [s].
+
+    Attributes:
+        steps: environment steps, of all lanes.
+        wall: altogether.
+        physics: in ``Batch.advance``.
+        observation: in setting torques, in charging and in observing.
+    """
+
+    steps: int
+    wall: float
+    physics: float
+    observation: float
+
+    @property
+    def rate(self) -> float:
+        """Environment steps a second."""
+        return self.steps / self.wall
+
+    @property
+    def python(self) -> float:
+        """The rest [s]."""
+        return self.wall - self.physics - self.observation
+
+
+@cache
+def moments(model: str) -> tuple[State, ...]:
+    """Saved states of one passive deployment, MOMENTS of them, evenly spread over its control periods."""
+    env: Any = gymnasium.make(ID, model=model).unwrapped
+    env.reset(seed=0)
+    states, terminated = [env.simulation.snapshot()], False
+    while not terminated:
+        terminated = env.step(np.zeros(1))[2]
+        states.append(env.simulation.snapshot())
+    # The last control period is cut short, and after it the episode would be over.
+    return tuple(states[k] for k in np.linspace(0, len(states) - 3, MOMENTS).astype(int))
+
+
+class FromMoment(gymnasium.Wrapper):
+    """An environment whose episodes begin at a saved state."""
+
+    def __init__(self, env: gymnasium.Env, moment: State) -> None:
+        super().__init__(env)
+        self._moment = moment
+
+    def reset(self, **keywords: Any) -> tuple[Any, dict[str, Any]]:
+        """Reset, and go to the moment."""
+        result = self.env.reset(**keywords)
+        self.get_wrapper_attr("simulation").restore(self._moment)
+        return result
+
+
+def make_from_moment(model: str, moment: State) -> gymnasium.Env:
+    """A single environment that begins at a saved state."""
+    return FromMoment(gymnasium.make(ID, model=model), moment)
+
+
+def make_native(model: str, lanes: int, threads: int | None = None) -> SolarArrayVectorEnv:
+    """A native vector environment that has been reset."""
+    env: Any = gymnasium.make_vec(ID, lanes, model=model, num_threads=threads).unwrapped
+    env.reset(seed=0)
+    return env
+
+
+def place(env: SolarArrayVectorEnv, chosen: Sequence[State]) -> None:
+    """Put every lane at a moment."""
+    for simulation, moment in zip(env.episodes.batch.simulations, chosen, strict=True):
+        simulation.restore(moment)
+
+
+def measure_native(model: str, lanes: int, threads: int | None = None) -> Split:
+    """Time the steps of a native vector environment, whose lanes go through all moments again and again."""
+    env = make_native(model, lanes, threads)
+    clock = _Clock()
+    episodes = env.episodes
+    for owner, name in ((episodes.batch, "advance"), (episodes, "begin"), (episodes, "end")):
+        setattr(owner, name, clock.timed(name, getattr(owner, name)))
+    actions = np.zeros((lanes, 1), dtype=np.float32)
+    env.step(actions)
+    clock.clear()
+    steps, wall = 0, 0.0
+    while wall < ENOUGH or steps < FEWEST * lanes:
+        for first in range(0, MOMENTS, lanes):
+            place(env, [moments(model)[(first + lane) % MOMENTS] for lane in range(lanes)])
+            start = time.perf_counter()
+            env.step(actions)
+            wall += time.perf_counter() - start
+            steps += lanes
+    env.close()
+    return Split(steps, wall, clock.total("advance"), clock.total("begin") + clock.total("end"))
+
+
+class _Clock:
+    def __init__(self) -> None:
+        self._times: dict[str, float] = {}
+
+    def timed(self, name: str, function: Callable[..., Any]) -> Callable[..., Any]:
+        def call(*arguments: Any) -> Any:
+            start = time.perf_counter()
+            try:
+                return function(*arguments)
+            finally:
+                self._times[name] = self.total(name) + time.perf_counter() - start
+
+        return call
+
+    def total(self, name: str) -> float:
+        return self._times.get(name, 0.0)
+
+    def clear(self) -> None:
+        self._times.clear()
+
+
+def measure_compared(model: str, kind: str, lanes: int = COMPARED_LANES) -> float:
+    """Environment steps a second of lanes spread over an episode; all kinds are stepped alike.
+
+    Args:
+        model: one of MODELS.
+        kind: "native", "SyncVectorEnv" (Gymnasium's) or "SubprocVecEnv" (Stable-Baselines3's, a process a lane).
+        lanes: number of environments.
+
+    Raises:
+        ImportError: for "SubprocVecEnv" without Stable-Baselines3.
+    """
+    chosen = [moments(model)[(lane * MOMENTS) // lanes] for lane in range(lanes)]
+    makers = [partial(make_from_moment, model, moment) for moment in chosen]
+    vector: Any
+    if kind == "native":
+        vector = make_native(model, lanes)
+        begin: Callable[[], Any] = partial(place, vector, chosen)
+    elif kind == "SyncVectorEnv":
+        vector = gymnasium.vector.SyncVectorEnv(makers)
+        begin = partial(vector.reset, seed=0)
+    else:
+        from stable_baselines3.common.vec_env import SubprocVecEnv
+
+        vector = SubprocVecEnv(makers)  # type: ignore[arg-type]
+        begin = vector.reset
+    actions = np.zeros((lanes, 1), dtype=np.float32)
+    steps, wall = 0, 0.0
+    begin()
+    vector.step(actions)
+    while wall < ENOUGH or steps < FEWEST * lanes:
+        begin()
+        start = time.perf_counter()
+        vector.step(actions)
+        wall += time.perf_counter() - start
+        steps += lanes
+    vector.close()
+    return steps / wall
+
+
+_STARTUP = """
+import time
+start = time.perf_counter()
+import gymnasium, numpy, solar_env
+env = gymnasium.make_vec({id!r}, 2, model={model!r})
+env.reset(seed=0)
+env.step(numpy.zeros((2, 1)))
+print(time.perf_counter() - start)
+"""
+
+
+def measure_startup(model: str, cold: bool) -> float:
+    """Seconds from a fresh interpreter to the first step, with the kernels in the cache or, ``cold``, without."""
+    with tempfile.TemporaryDirectory() as folder:
+        changed = {"NUMBA_CACHE_DIR": folder} if cold else {}
+        return float(_run(_STARTUP.format(id=ID, model=model), changed))
+
+
+_MEMORY = """
+import resource, sys
+import gymnasium, numpy, solar_env
+def peak():
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
+small = gymnasium.make_vec({id!r}, 2, model={model!r})
+small.reset(seed=0)
+small.step(numpy.zeros((2, 1)))
+before = peak()
+many = gymnasium.make_vec({id!r}, {lanes}, model={model!r})
+many.reset(seed=0)
+many.step(numpy.zeros(({lanes}, 1)))
+print((peak() - before) / {lanes})
+"""
+
+
+def measure_memory(model: str, lanes: int = 1000) -> float:
+    """Bytes of memory that each further lane takes at most, its reset and step included."""
+    return float(_run(_MEMORY.format(id=ID, model=model, lanes=lanes), {}))
+
+
+def _run(program: str, changed: dict[str, str]) -> str:
+    parent = str(Path(__file__).resolve().parent.parent.parent)
+    path = os.pathsep.join(filter(None, (parent, os.environ.get("PYTHONPATH"))))
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        env={**os.environ, "PYTHONPATH": path, **changed},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return done.stdout
+
+
+Key = tuple[str, str, int | str]
+
+
+def measurements(models: Sequence[str], cold: bool) -> dict[Key, Callable[[], Any]]:
+    """What is to be measured: (what, model, of what) -> measurement; ``cold``: with kernels compiled anew."""
+    plan: dict[Key, Callable[[], Any]] = {}
+    for model in models:
+        for lanes in LANES:
+            plan["lanes", model, lanes] = partial(measure_native, model, lanes)
+        # In turn, so that what disturbs the machine meets both alike.
+        for round_ in range(ROUNDS):
+            for threads in (1, available_processors()):
+                plan[f"threads {round_}", model, threads] = partial(measure_native, model, SCALED_LANES, threads)
+            for kind in KINDS:
+                plan[f"kinds {round_}", model, kind] = partial(measure_compared, model, kind)
+        plan["memory", model, 1000] = partial(measure_memory, model)
+        plan["startup", model, "cached"] = partial(measure_startup, model, cold=False)
+    if cold:
+        plan["startup", models[0], "cold"] = partial(measure_startup, models[0], cold=True)
+    return plan
+
+
+def tables(results: Mapping[Key, Any]) -> str:
+    """The results as Markdown."""
+    models = list(dict.fromkeys(model for _, model, _ in results))
+    threads = available_processors()
+    head = " | ".join(str(lanes) for lanes in LANES)
+    lines = [
+        f"Environment steps (0.1 s) a second, {threads} threads, by number of lanes:",
+        "",
+        f"| model | {head} | {threads} threads over 1 ({SCALED_LANES} lanes) |",
+        "|---" * (len(LANES) + 2) + "|",
+    ]
+    for model in models:
+        rates = " | ".join(f"{results['lanes', model, lanes].rate:,.0f}" for lanes in LANES)
+        scaling = _ratio(results, "threads", model, threads, 1, lambda split: split.rate)
+        lines.append(f"| {model} | {rates} | {scaling:.2f} |")
+    lines += [
+        "",
+        f"Where a step's time goes, {SCALED_LANES} lanes:",
+        "",
+        "| model | a lane's step [us] | physics | observation and reward | Python |",
+        "|---|---|---|---|---|",
+    ]
+    for model in models:
+        split = results["lanes", model, SCALED_LANES]
+        shares = (split.physics, split.observation, split.python)
+        lines.append(
+            f"| {model} | {split.wall / split.steps * 1e6:,.0f} | "
+            + " | ".join(f"{share / split.wall:.1%}" for share in shares)
+            + " |"
+        )
+    lines += [
+        "",
+        f"Against other vectors of {COMPARED_LANES} environments (ratio of steps a second), memory and start-up:",
+        "",
+        "| model | over SyncVectorEnv | over SubprocVecEnv | memory a lane [kB] | start-up, cached [s] |",
+        "|---|---|---|---|---|",
+    ]
+    for model in models:
+        ratios = [_ratio(results, "kinds", model, "native", kind, lambda rate: rate) for kind in KINDS[1:]]
+        lines.append(
+            f"| {model} | {ratios[0]:.2f} | {ratios[1]:.2f} | {results['memory', model, 1000] / 1e3:,.0f} "
+            f"| {results['startup', model, 'cached']:.1f} |"
+        )
+    cold = [value for (what, _, of), value in results.items() if (what, of) == ("startup", "cold")]
+    if cold:
+        lines += ["", f"Start-up with an empty cache, which compiles the kernels: {cold[0]:.0f} s."]
+    return "\n".join(lines)
+
+
+def _ratio(
+    results: Mapping[Key, Any], what: str, model: str, one: int | str, other: int | str, rate: Callable[[Any], float]
+) -> float:
+    """Median over the rounds of the ratio of two rates."""
+    rounds = [f"{what} {k}" for k in range(ROUNDS)]
+    return float(np.median([rate(results[name, model, one]) / rate(results[name, model, other]) for name in rounds]))

@@ -87,7 +87,9 @@ def each_done(
     # Joblib's way to Ray hands results over only when all are there: hence some at a time.
     processors = _join_ray()
     jobs = workers.jobs or processors
-    with Parallel(n_jobs=jobs, backend=workers.cluster) as parallel:
+    # A processor for every process: else Ray may put them all on one machine.
+    placed = {"ray_remote_args": {"num_cpus": 1}}
+    with Parallel(n_jobs=jobs, backend=workers.cluster, batch_size=1, **placed) as parallel:
         while some := list(islice(calls, _TASKS_AT_A_TIME * jobs)):
             yield from parallel(some)
 

@@ -7,9 +7,12 @@ compares runs.
 
 import shlex
 import sys
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
+
+from tqdm import tqdm
 
 from agents import learn, runs
 from agents.arguments import parse_arguments
@@ -19,6 +22,7 @@ from agents.evaluate import evaluate, markdown, summarize, write_comparison
 from agents.figures import run_figure
 from agents.rollout import Step, run_episode
 from solar_env.array import DEFAULT_ELEMENTS
+from solar_env.campaigns import Workers, each_done
 
 BASELINES = ("passive", "brake", "servo")
 
@@ -33,6 +37,13 @@ class Args:
     """environment steps to train for; None: the number in agents/configs"""
     seed: int = 0
     """seed of networks, exploration and training episodes"""
+    seeds: list[int] = field(default_factory=list)
+    """train a run for each of these seeds, side by side, and compare them with the baselines as one controller; runs
+    that are complete are not trained again"""
+    jobs: int | None = None
+    """processes, for several seeds and for the comparison; None: one a processor"""
+    cluster: str | None = None
+    """ray: several seeds and the comparison on the Ray cluster that this machine belongs to"""
     env_id: str = DEFAULT_ENV_ID
     """environment id"""
     model: str | None = None
@@ -60,6 +71,8 @@ class Args:
 
 def main(args: Args, command: str) -> Path:
     """Train, compare, and return the run folder."""
+    if args.seeds:
+        return train_seeds(args, command)
     if args.resume:
         config = learn.resumed_configuration(args.resume, args.timesteps)
         check_resumable(args, config)
@@ -72,20 +85,62 @@ def main(args: Args, command: str) -> Path:
     print(f"{config.algo} on {config.env_id}, {config.timesteps} steps -> {folder}")
     learn.train(config, folder, args.resume, command, args.device, progress=not args.quiet)
 
-    learned = f"{config.algo}={folder}"
-    rows = evaluate(
-        [*BASELINES, learned],
-        args.eval_episodes,
-        config.seed,
-        config.env_id,
-        config.env_kwargs,
-        not args.quiet,
-    )
-    write_comparison(folder, rows, {"command": command, "eval_episodes": args.eval_episodes, "seed": config.seed})
+    rows = compare(args, config, [folder], folder, command)
     draw(folder, config, {name: summary["return"].mean for name, summary in summarize(rows).items()})
     print(markdown(rows))
     print(f"written to {folder}")
     return folder
+
+
+def train_seeds(args: Args, command: str) -> Path:
+    """Train a run for every seed that has none yet, compare them together, and return the folder of all runs.
+
+    Raises:
+        ValueError: a run was to be resumed, a seed is given twice, or there is no folder to come back to.
+    """
+    if args.resume or args.out is None or len(set(args.seeds)) < len(args.seeds):
+        raise ValueError(
+            "--seeds takes different seeds and --out, the folder of their runs, and does not go with --resume"
+        )
+    env_kwargs = with_model(args.env_kwargs, args.model, args.elements, args.env_id)
+    out = Path(args.out)
+    runs_to_do = []
+    folders = [out / f"seed-{seed}" for seed in args.seeds]
+    for seed, folder in zip(args.seeds, folders, strict=True):
+        config = learn.configuration(
+            args.algo, args.env_id, env_kwargs, seed, args.n_envs, args.timesteps, args.hyperparams
+        )
+        if not runs.is_complete(folder):
+            runs.discard_incomplete(folder)
+            runs.new_run_folder(folder, config.env_id, config.algo, seed)
+            runs_to_do.append(learn.Training(config, folder, command, args.device))
+        elif learn.resumed_configuration(folder, config.timesteps) != replace(config, segments=1):
+            raise ValueError(f"{folder} holds a run with another configuration; choose another --out")
+    with tqdm(total=len(folders), desc="train", unit="run", disable=args.quiet) as bar:
+        bar.update(len(folders) - len(runs_to_do))
+        for _ in each_done(learn.train_one, runs_to_do, Workers(args.jobs, args.cluster)):
+            bar.update()
+    rows = compare(args, config, folders, out, command)
+    print(markdown(rows))
+    print(f"written to {out}")
+    return out
+
+
+def compare(
+    args: Args, config: learn.Configuration, folders: Sequence[Path], out: Path, command: str
+) -> list[dict[str, Any]]:
+    """Compare runs, as training seeds of one controller, with the baselines; writes tables to `out`."""
+    rows = evaluate(
+        [*BASELINES, *(f"{config.algo}={folder}" for folder in folders)],
+        args.eval_episodes,
+        args.seed if args.seeds else config.seed,
+        config.env_id,
+        config.env_kwargs,
+        not args.quiet,
+        Workers(args.jobs, args.cluster),
+    )
+    write_comparison(out, rows, {"command": command, "eval_episodes": args.eval_episodes, "seed": config.seed})
+    return rows
 
 
 def check_resumable(args: Args, config: learn.Configuration) -> None:

@@ -1,5 +1,6 @@
 """Callbacks of a training run: physical figures in the log, validation on fixed episodes, checkpoints."""
 
+import time
 from collections import defaultdict
 from collections.abc import Mapping
 from pathlib import Path
@@ -83,7 +84,19 @@ def save_checkpoint(model: Any, folder: Path) -> None:
 
 
 class Validation(EvalCallback):
-    """Stable-Baselines3's `EvalCallback`, able to go on from the validations of an earlier run."""
+    """Stable-Baselines3's `EvalCallback`, able to go on from the validations of an earlier run.
+
+    Attributes:
+        wall_time: Of all validations so far [s].
+    """
+
+    wall_time = 0.0
+
+    def _on_step(self) -> bool:
+        start = time.perf_counter()
+        goes_on = super()._on_step()
+        self.wall_time += time.perf_counter() - start
+        return goes_on
 
     def restore(self, log: Path) -> None:
         """Continue the history in `log`, an ``evaluations.npz``, and its best mean return."""

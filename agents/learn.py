@@ -3,6 +3,7 @@
 import inspect
 import json
 import shutil
+import time
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -110,15 +111,16 @@ def resumed_configuration(folder: str | Path, timesteps: int | None = None) -> C
     return replace(previous, timesteps=timesteps or previous.timesteps, segments=previous.segments + 1)
 
 
-def make_training_env(config: Configuration, monitor: Path | None) -> VecEnv:
-    """`n_envs` environments, with finished episodes written to the CSV file `monitor`."""
-    return VecMonitor(NativeVecEnv(config.n_envs, config.env_id, config.env_kwargs), str(monitor) if monitor else None)
+def make_training_env(config: Configuration, monitor: Path | None, threads: int | None = None) -> VecEnv:
+    """`n_envs` environments, with finished episodes written to the CSV file `monitor`; `threads`: one a processor."""
+    lanes = NativeVecEnv(config.n_envs, config.env_id, {**config.env_kwargs, "num_threads": threads})
+    return VecMonitor(lanes, str(monitor) if monitor else None)
 
 
-def make_validation_env(config: Configuration) -> VecNormalize:
+def make_validation_env(config: Configuration, threads: int | None = None) -> VecNormalize:
     """An environment for every validation episode, the same ones at every reset, with unnormalised rewards."""
     first = episode_seeds("validation", config.seed, VALIDATION_EPISODES)[0]
-    lanes = NativeVecEnv(VALIDATION_EPISODES, config.env_id, config.env_kwargs)
+    lanes = NativeVecEnv(VALIDATION_EPISODES, config.env_id, {**config.env_kwargs, "num_threads": threads})
     return VecNormalize(VecMonitor(FixedSeeds(lanes, first)), training=False, norm_obs=False, norm_reward=False)
 
 
@@ -165,6 +167,7 @@ def train(
     command: str = "",
     device: str = "cpu",
     progress: bool = True,
+    threads: int | None = None,
 ) -> None:
     """Train and fill the run folder with policy, checkpoint, configuration and logs.
 
@@ -177,9 +180,10 @@ def train(
         command: Command line to record.
         device: Torch device.
         progress: Show a progress bar.
+        threads: Most threads that step environments; by default one a processor.
     """
     torch.set_num_threads(1)  # small networks: more threads only contend
-    venv = make_training_env(config, folder / "monitor.csv")
+    venv = make_training_env(config, folder / "monitor.csv", threads)
     model = load_checkpoint(config, resume, venv, device) if resume else make_model(config, venv, device)
     before = model.num_timesteps
     record = {**asdict(config), "resumed_from": str(resume) if resume else None, "timesteps_before": before}
@@ -188,7 +192,7 @@ def train(
 
     interval = max(config.timesteps // VALIDATIONS, min(config.timesteps, SHORTEST_VALIDATION_INTERVAL))
     validation = Validation(
-        make_validation_env(config),
+        make_validation_env(config, threads),
         callback_on_new_best=SavePolicy(folder),
         callback_after_eval=SaveCheckpoint(folder),
         n_eval_episodes=VALIDATION_EPISODES,
@@ -199,6 +203,7 @@ def train(
     if resume and (Path(resume) / runs.POLICY).is_file():
         shutil.copy(Path(resume) / runs.POLICY, folder / runs.POLICY)
         validation.restore(Path(resume) / "evaluations.npz")
+    start = time.perf_counter()
     try:
         model.learn(
             config.timesteps,
@@ -211,3 +216,33 @@ def train(
         model.logger.close()
         validation.eval_env.close()
         venv.close()
+    wall, stepping = time.perf_counter() - start, venv.unwrapped.stepping_time  # type: ignore[attr-defined]
+    timing = {
+        "wall_time_s": wall,
+        "stepping_s": stepping,
+        "validation_s": validation.wall_time,
+        "learning_s": wall - stepping - validation.wall_time,
+    }
+    runs.write_json(folder / runs.TIMING, timing)
+
+
+@dataclass(frozen=True)
+class Training:
+    """One run of several: what to train, and where to."""
+
+    config: Configuration
+    folder: Path
+    command: str
+    device: str
+
+
+def train_one(training: Training) -> None:
+    """Train without a progress bar and with one thread: several of these run side by side."""
+    train(
+        training.config,
+        training.folder,
+        command=training.command,
+        device=training.device,
+        progress=False,
+        threads=1,
+    )

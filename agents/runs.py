@@ -3,6 +3,7 @@
 import json
 import platform
 import re
+import shutil
 from collections.abc import Mapping
 from datetime import datetime
 from importlib import metadata
@@ -18,6 +19,7 @@ ALGORITHMS: dict[str, type[BaseAlgorithm]] = {"ppo": PPO, "sac": SAC, "td3": TD3
 CONFIG = "config.json"
 POLICY = "policy.zip"
 CHECKPOINT = "checkpoint"
+TIMING = "timing.json"  # written last: the run is complete
 
 
 def algorithm(name: str) -> type[BaseAlgorithm]:
@@ -60,6 +62,17 @@ def read_config(folder: str | Path) -> dict[str, Any]:
     if not path.is_file():
         raise FileNotFoundError(f"{folder} is not a run folder: it has no {CONFIG}; train.py writes such folders")
     return json.loads(path.read_text())
+
+
+def is_complete(folder: str | Path) -> bool:
+    """Whether the training in `folder` has run to its end."""
+    return (Path(folder) / TIMING).is_file()
+
+
+def discard_incomplete(folder: str | Path) -> None:
+    """Remove the run in `folder` that was interrupted, if there is one; anything else is left alone."""
+    if (Path(folder) / CONFIG).is_file() and not is_complete(folder):
+        shutil.rmtree(folder)
 
 
 def policy_path(folder: str | Path) -> Path:

@@ -69,6 +69,7 @@ def test_a_run_folder_holds_all_that_describes_the_run(finished):
         "metrics.json",
         "comparison.md",
         "figure.png",
+        "timing.json",
     }
     assert {path.name for path in finished.iterdir()} == expected
     config = json.loads((finished / "config.json").read_text())
@@ -103,6 +104,29 @@ def test_the_same_seed_trains_the_same_policy_and_another_seed_another(finished,
     other = run("--timesteps", 600, "--out", tmp_path / "other", "--seed", 1, *SMALL["ppo"])
     np.testing.assert_array_equal(policy_weights(finished), policy_weights(same))
     assert not np.array_equal(policy_weights(finished), policy_weights(other))
+
+
+def test_several_seeds_are_trained_side_by_side_each_as_alone_and_only_once(finished, tmp_path):
+    arguments = ["--timesteps", 600, "--seeds", 0, 1, "--jobs", 2, "--out", tmp_path, *SMALL["ppo"]]
+    assert run(*arguments) == tmp_path
+    np.testing.assert_array_equal(policy_weights(tmp_path / "seed-0"), policy_weights(finished))
+    assert not np.array_equal(policy_weights(tmp_path / "seed-1"), policy_weights(finished))
+    metrics = json.loads((tmp_path / "metrics.json").read_text())
+    assert metrics["controllers"]["ppo"]["runs"] == 2
+    written = (tmp_path / "seed-1" / "timing.json").stat().st_mtime_ns
+    (tmp_path / "seed-0" / "timing.json").unlink()  # as if it had been interrupted
+    run(*arguments)
+    assert (tmp_path / "seed-0" / "timing.json").is_file()
+    assert (tmp_path / "seed-1" / "timing.json").stat().st_mtime_ns == written
+    with pytest.raises(ValueError, match="seed-0 holds a run with another configuration"):
+        run("--timesteps", 600, "--seeds", 0, "--out", tmp_path, *SMALL["ppo"], "learning_rate=0.5")
+
+
+def test_the_time_of_a_run_is_told_apart(finished):
+    timing = json.loads((finished / "timing.json").read_text())
+    parts = [timing[name] for name in ("stepping_s", "validation_s", "learning_s")]
+    assert min(parts) > 0.0
+    assert sum(parts) == pytest.approx(timing["wall_time_s"])
 
 
 def test_resuming_continues_step_count_normalisation_and_validation_history(finished, tmp_path):

@@ -29,6 +29,7 @@ from .model import (
     CLEARANCE,
     CONTACT_BUFFER_FULL,
     DONE,
+    EVENTS_PILE_UP,
     EXACT,
     INTEGRALS_PER_JOINT,
     NOT_FINITE,
@@ -68,6 +69,8 @@ _WORTH = 2.5
 _STRICTER = 2.0
 # After a try that has failed the next one waits for twice as many explicit steps, up to so many.
 _LONGEST_WAIT = 256
+# Events may follow each other without time between them, but not for ever.
+_MOST_EVENTS_AT_ONCE = 1000
 
 
 class AdaptiveArrays(NamedTuple):
@@ -285,6 +288,7 @@ def advance_adaptive(model, state, settings, recorder, end_time, arrays):
         clock.last_error = 1.0
     status = DONE
     taken = 0
+    at_once = 0
     while clock.time < end_time:
         if contacts_full(recorder, model.joints.size):
             status = CONTACT_BUFFER_FULL
@@ -333,6 +337,10 @@ def advance_adaptive(model, state, settings, recorder, end_time, arrays):
             clock.explicit_patience = 0
             copy_into(state.multipliers, stages.multipliers)
         share, event_joint, kind = first_event(model, state, stages, work, h)
+        at_once = 0 if clock.time + share * h > clock.time else at_once + 1
+        if at_once > _MOST_EVENTS_AT_ONCE:
+            status = fail(state, EVENTS_PILE_UP, event_joint, float(at_once))
+            break
         evaluated = share == 1.0 and not implicit
         if not accept(model, state, stages, work, scratch, recorder, h, share, event_joint, kind, evaluated):
             status = fail(state, SINGULAR_CONSTRAINTS, -1, 0.0)

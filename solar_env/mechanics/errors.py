@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from .model import (
     CONTACT_TOO_DEEP,
+    EVENTS_PILE_UP,
     JOINT_ANGLE_RANGE,
     NEWTON_FAILED,
     NOT_FINITE,
@@ -54,6 +55,11 @@ _CAUSES = {
         "penetration",
         "the journal of joint {joint} sank {value:.3g} m into its bearing, more than its radius; reduce the step, or "
         "check the contact stiffness",
+    ),
+    EVENTS_PILE_UP: (
+        "events",
+        "joint {joint} strikes, latches or meets its stop for ever without time going on ({value:.0f} times); tighten "
+        "rtol, or check its angles and clearance",
     ),
     TOO_MANY_STEPS: (
         "steps",

@@ -106,9 +106,10 @@ def settle_joints(model, state, loads, sliding_work, start_time, start_depth, re
             if joint.wear_coefficient > 0.0 and sliding_work[j] > 0.0:
                 ex, ey = loads[j, ECCENTRICITY_X], loads[j, ECCENTRICITY_Y]
                 wear_contact(joint, markers, q, ex, ey, depth, sliding_work[j], wear_journal[j], wear_bearing[j])
-            if depth <= 0.0 and rate < 0.0:
+            time = state.clock[0].time
+            # One that has begun just now, on the very wall, may not end at once: time would stand still.
+            if depth <= 0.0 and rate < 0.0 and own.contact_start < time:
                 # Linear estimate of when the surfaces parted inside the step.
-                time = state.clock[0].time
                 share = start_depth[j] / (start_depth[j] - depth) if start_depth[j] > 0.0 else 1.0
                 end_contact(state, j, start_time + share * (time - start_time), recorder)
 

@@ -276,4 +276,5 @@ def copy_state(state: State) -> State:
     CONTACT_TOO_DEEP,
     TOO_MANY_STEPS,
     CONTACT_BUFFER_FULL,
-) = range(9)
+    EVENTS_PILE_UP,
+) = range(10)

@@ -27,13 +27,11 @@ from ..vector_env import SolarArrayVectorEnv
 ID = "solar_env/Deploy-v0"
 LANES = (1, 2, 16, 64, 256)
 SCALED_LANES = 64
-COMPARED_LANES = 16
-KINDS = ("native", "SyncVectorEnv", "SubprocVecEnv")
-# Ratios are medians over so many rounds.
-ROUNDS = 3
+COMPARED_LANES = 8
+PEERS = ("SyncVectorEnv", "SubprocVecEnv")
 MOMENTS = 32
-# A measurement goes on until it has taken so long [s], and for no fewer steps than FEWEST.
-ENOUGH, FEWEST = 1.0, 3
+# A measurement goes on until it has taken so long [s], one of several contestants longer, and for no fewer rounds.
+ENOUGH, LONG_ENOUGH, FEWEST = 1.0, 5.0, 3
 
 
 @dataclass(frozen=True)
@@ -108,9 +106,9 @@ def place(env: SolarArrayVectorEnv, chosen: Sequence[State]) -> None:
         simulation.restore(moment)
 
 
-def measure_native(model: str, lanes: int, threads: int | None = None) -> Split:
+def measure_native(model: str, lanes: int) -> Split:
     """Time the steps of a native vector environment, whose lanes go through all moments again and again."""
-    env = make_native(model, lanes, threads)
+    env = make_native(model, lanes)
     clock = _Clock()
     episodes = env.episodes
     for owner, name in ((episodes.batch, "advance"), (episodes, "begin"), (episodes, "end")):
@@ -151,43 +149,60 @@ class _Clock:
         self._times.clear()
 
 
-def measure_compared(model: str, kind: str, lanes: int = COMPARED_LANES) -> float:
-    """Environment steps a second of lanes spread over an episode; all kinds are stepped alike.
+def compare(contestants: Mapping[str, tuple[Any, Callable[[], Any]]], lanes: int) -> dict[str, float]:
+    """Steps a second of vector environments that are stepped in turn, so that what disturbs one disturbs all.
 
     Args:
-        model: one of MODELS.
-        kind: "native", "SyncVectorEnv" (Gymnasium's) or "SubprocVecEnv" (Stable-Baselines3's, a process a lane).
-        lanes: number of environments.
+        contestants: name -> environment, and what puts its lanes to their moments.
+        lanes: of each.
+
+    Returns:
+        Median over the rounds.
+    """
+    actions = np.zeros((lanes, 1), dtype=np.float32)
+    walls: dict[str, list[float]] = {name: [] for name in contestants}
+    start = time.perf_counter()
+    while time.perf_counter() - start < LONG_ENOUGH or len(next(iter(walls.values()))) < FEWEST:
+        for name, (env, begin) in contestants.items():
+            begin()
+            before = time.perf_counter()
+            env.step(actions)
+            walls[name].append(time.perf_counter() - before)
+    for env, _ in contestants.values():
+        env.close()
+    # The first round warms up.
+    return {name: lanes / float(np.median(times[1:])) for name, times in walls.items()}
+
+
+def measure_scaling(model: str) -> float:
+    """Throughput of SCALED_LANES native lanes with all threads, over that with one."""
+    chosen = [moments(model)[lane % MOMENTS] for lane in range(SCALED_LANES)]
+    envs = {str(threads): make_native(model, SCALED_LANES, threads) for threads in (1, available_processors())}
+    rates = compare({name: (env, partial(place, env, chosen)) for name, env in envs.items()}, SCALED_LANES)
+    return rates[str(available_processors())] / rates["1"]
+
+
+def measure_peers(model: str) -> dict[str, float]:
+    """Throughput of COMPARED_LANES native lanes over that of Gymnasium's and Stable-Baselines3's vectors.
 
     Raises:
-        ImportError: for "SubprocVecEnv" without Stable-Baselines3.
+        ImportError: without Stable-Baselines3.
     """
-    chosen = [moments(model)[(lane * MOMENTS) // lanes] for lane in range(lanes)]
-    makers = [partial(make_from_moment, model, moment) for moment in chosen]
-    vector: Any
-    if kind == "native":
-        vector = make_native(model, lanes)
-        begin: Callable[[], Any] = partial(place, vector, chosen)
-    elif kind == "SyncVectorEnv":
-        vector = gymnasium.vector.SyncVectorEnv(makers)
-        begin = partial(vector.reset, seed=0)
-    else:
-        from stable_baselines3.common.vec_env import SubprocVecEnv
+    from stable_baselines3.common.vec_env import SubprocVecEnv
 
-        vector = SubprocVecEnv(makers)  # type: ignore[arg-type]
-        begin = vector.reset
-    actions = np.zeros((lanes, 1), dtype=np.float32)
-    steps, wall = 0, 0.0
-    begin()
-    vector.step(actions)
-    while wall < ENOUGH or steps < FEWEST * lanes:
-        begin()
-        start = time.perf_counter()
-        vector.step(actions)
-        wall += time.perf_counter() - start
-        steps += lanes
-    vector.close()
-    return steps / wall
+    chosen = [moments(model)[(lane * MOMENTS) // COMPARED_LANES] for lane in range(COMPARED_LANES)]
+    makers = [partial(make_from_moment, model, moment) for moment in chosen]
+    native, sync = make_native(model, COMPARED_LANES), gymnasium.vector.SyncVectorEnv(makers)
+    processes = SubprocVecEnv(makers)  # type: ignore[arg-type]
+    rates = compare(
+        {
+            "native": (native, partial(place, native, chosen)),
+            "SyncVectorEnv": (sync, partial(sync.reset, seed=0)),
+            "SubprocVecEnv": (processes, processes.reset),
+        },
+        COMPARED_LANES,
+    )
+    return {name: rates["native"] / rates[name] for name in PEERS}
 
 
 _STARTUP = """
@@ -211,21 +226,26 @@ def measure_startup(model: str, cold: bool) -> float:
 _MEMORY = """
 import resource, sys
 import gymnasium, numpy, solar_env
-def peak():
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
-small = gymnasium.make_vec({id!r}, 2, model={model!r})
-small.reset(seed=0)
-small.step(numpy.zeros((2, 1)))
-before = peak()
-many = gymnasium.make_vec({id!r}, {lanes}, model={model!r})
-many.reset(seed=0)
-many.step(numpy.zeros(({lanes}, 1)))
-print((peak() - before) / {lanes})
+def used():
+    try:
+        with open("/proc/self/statm") as file:
+            return int(file.read().split()[1]) * resource.getpagesize()
+    except OSError:  # not Linux: the peak so far
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
+def run(lanes):
+    env = gymnasium.make_vec({id!r}, lanes, model={model!r})
+    env.reset(seed=0)
+    env.step(numpy.zeros((lanes, 1)))
+    return env
+few = run(2)
+before = used()
+many = run({lanes})
+print((used() - before) / {lanes})
 """
 
 
 def measure_memory(model: str, lanes: int = 1000) -> float:
-    """Bytes of memory that each further lane takes at most, its reset and step included."""
+    """Bytes of memory that each further lane takes."""
     return float(_run(_MEMORY.format(id=ID, model=model, lanes=lanes), {}))
 
 
@@ -251,13 +271,9 @@ def measurements(models: Sequence[str], cold: bool) -> dict[Key, Callable[[], An
     for model in models:
         for lanes in LANES:
             plan["lanes", model, lanes] = partial(measure_native, model, lanes)
-        # In turn, so that what disturbs the machine meets both alike.
-        for round_ in range(ROUNDS):
-            for threads in (1, available_processors()):
-                plan[f"threads {round_}", model, threads] = partial(measure_native, model, SCALED_LANES, threads)
-            for kind in KINDS:
-                plan[f"kinds {round_}", model, kind] = partial(measure_compared, model, kind)
-        plan["memory", model, 1000] = partial(measure_memory, model)
+        plan["threads", model, ""] = partial(measure_scaling, model)
+        plan["peers", model, ""] = partial(measure_peers, model)
+        plan["memory", model, ""] = partial(measure_memory, model)
         plan["startup", model, "cached"] = partial(measure_startup, model, cold=False)
     if cold:
         plan["startup", models[0], "cold"] = partial(measure_startup, models[0], cold=True)
@@ -277,8 +293,7 @@ def tables(results: Mapping[Key, Any]) -> str:
     ]
     for model in models:
         rates = " | ".join(f"{results['lanes', model, lanes].rate:,.0f}" for lanes in LANES)
-        scaling = _ratio(results, "threads", model, threads, 1, lambda split: split.rate)
-        lines.append(f"| {model} | {rates} | {scaling:.2f} |")
+        lines.append(f"| {model} | {rates} | {results['threads', model, '']:.2f} |")
     lines += [
         "",
         f"Where a step's time goes, {SCALED_LANES} lanes:",
@@ -302,20 +317,13 @@ def tables(results: Mapping[Key, Any]) -> str:
         "|---|---|---|---|---|",
     ]
     for model in models:
-        ratios = [_ratio(results, "kinds", model, "native", kind, lambda rate: rate) for kind in KINDS[1:]]
+        ratios = results["peers", model, ""]
         lines.append(
-            f"| {model} | {ratios[0]:.2f} | {ratios[1]:.2f} | {results['memory', model, 1000] / 1e3:,.0f} "
+            f"| {model} | {ratios[PEERS[0]]:.2f} | {ratios[PEERS[1]]:.2f} "
+            f"| {results['memory', model, ''] / 1e3:,.0f} "
             f"| {results['startup', model, 'cached']:.1f} |"
         )
     cold = [value for (what, _, of), value in results.items() if (what, of) == ("startup", "cold")]
     if cold:
         lines += ["", f"Start-up with an empty cache, which compiles the kernels: {cold[0]:.0f} s."]
     return "\n".join(lines)
-
-
-def _ratio(
-    results: Mapping[Key, Any], what: str, model: str, one: int | str, other: int | str, rate: Callable[[Any], float]
-) -> float:
-    """Median over the rounds of the ratio of two rates."""
-    rounds = [f"{what} {k}" for k in range(ROUNDS)]
-    return float(np.median([rate(results[name, model, one]) / rate(results[name, model, other]) for name in rounds]))

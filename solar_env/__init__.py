@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from .mechanics.errors import SimulationError
     from .mechanics.simulation import Simulation
     from .mechanics.trajectory import Trajectory
+    from .vector_env import SolarArrayVectorEnv
 
 __version__ = "0.1.0"
 
@@ -26,6 +27,7 @@ __version__ = "0.1.0"
 _LAZY = {
     "simulate": ".deployment",
     "SolarArrayEnv": ".env",
+    "SolarArrayVectorEnv": ".vector_env",
     "SimulationError": ".mechanics.errors",
     "Simulation": ".mechanics.simulation",
     "Trajectory": ".mechanics.trajectory",
@@ -40,6 +42,7 @@ __all__ = [
     "SimulationError",
     "SimulationWarning",
     "SolarArrayEnv",
+    "SolarArrayVectorEnv",
     "Trajectory",
     "build",
     "simulate",

@@ -327,3 +327,18 @@ def test_settings_without_sense_are_refused_by_name_and_value(changes: dict[str,
     ((name, value),) = changes.items()
     with pytest.raises(ValueError, match=f"{name} = {value!r}"):
         RungeKutta(**changes)
+
+
+def test_a_journal_that_leaves_the_very_wall_and_comes_back_in_one_step_does_not_stop_time() -> None:
+    # Powers of two keep it on the wall to the last bit; gravity brings it back within the first, long step.
+    clearance = 2.0**-12
+    parameters = ArrayParameters(panel_count=1, body_fixed=True, clearance=clearance, spring_stiffness=0.0)
+    mechanism = replace(build(parameters, "rigid-clearance"), gravity=(1.0, 0.0))
+    simulation = Simulation(mechanism, RungeKutta(rtol=1e-4, max_steps=500))
+    state = simulation.state
+    state.q[4::2] += clearance
+    state.v[4::2] = -1e-6
+    state.clock["step_size"], state.clock["last_error"] = 1e-2, 1.0
+    simulation.advance(0.01)
+    assert simulation.time == 0.01
+    assert state.joints["contact_starts"][0] < 10

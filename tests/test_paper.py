@@ -13,6 +13,7 @@ import pytest
 
 from solar_env.__main__ import main
 from solar_env.commands import paper
+from solar_env.commands._folders import README
 from solar_env.mechanics.trajectory import Trajectory, contact_record
 from solar_env.paper import cases, phases, survey
 from solar_env.paper.claims import CLAIMS
@@ -179,7 +180,7 @@ def test_the_readme_holds_the_claims_as_measured() -> None:
         assert row["agrees"] == own.holds(row["median"])
         assert row["agrees"] or row["why"] == own.why != ""
         row["low"], row["high"] = own.low, own.high
-    block = paper.README.read_text(encoding="utf-8").split(paper.BEGIN)[1].split(paper.END)[0]
+    block = README.read_text(encoding="utf-8").split(paper.BEGIN)[1].split(paper.END)[0]
     assert block.strip() == survey.as_markdown(survey.Finding(**row) for row in rows).strip()
 
 

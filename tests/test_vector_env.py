@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import ctypes
+import gc
 import os
+import platform
 from functools import partial
 
 import gymnasium
@@ -291,3 +294,35 @@ def test_closing_twice_is_fine():
     env.close()
     env.close()
     assert solar_env.__name__ == "solar_env"
+
+
+def used_memory():
+    """Pages in memory without those that the allocator keeps for later."""
+    gc.collect()
+    ctypes.CDLL("libc.so.6").malloc_trim(0)
+    with open("/proc/self/statm") as file:
+        return int(file.read().split()[1])
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="another allocator")
+@pytest.mark.parametrize(("model", "steps"), [("rigid-ideal", 1_000_000), ("rigid-clearance", 200_000)])
+def test_very_many_random_steps_stay_finite_keep_their_energy_book_and_leak_nothing(model, steps):
+    lanes = 128
+    ranges = {**RANGES, "cable_stiffness": (18.0, 22.0), "latch_damping": (5.0, 20.0), "panel_density": (180.0, 220.0)}
+    env = make_vector(lanes, model=model, randomize=ranges, autoreset_mode=AutoresetMode.SAME_STEP)
+    env.reset(seed=0)
+    random = np.random.default_rng(0)
+    memory, worst, ended = [], 0.0, 0
+    for step in range(steps // lanes):
+        observations, rewards, terminations, _, infos = env.step(random.uniform(-1.0, 1.0, (lanes, 1)))
+        assert np.isfinite(observations).all()
+        assert np.isfinite(rewards).all()
+        if step % (steps // lanes // 8) == 0:
+            memory.append(used_memory())
+        if terminations.any():
+            ended += terminations.sum()
+            worst = max(worst, np.abs(infos["final_info"]["deployment"]["energy_residual_J"][terminations]).max())
+    assert ended > steps / 300
+    assert worst < 1e-4
+    assert max(memory[2:]) < 1.01 * max(memory[:2])

@@ -9,9 +9,10 @@ from rich.console import Console
 
 from ..array import MODELS
 from ..progress import counting_bar
-from ._folders import FIGURE_FOLDER
+from ._folders import check_readme, replace_in_readme
 
 FILE = "bench.md"
+BEGIN, END = "<!-- bench: written by `python -m solar_env bench --readme` -->", "<!-- end of bench -->"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -21,18 +22,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--quick", action="store_true", help="leave out what compiles the kernels anew, which takes two minutes"
     )
     parser.add_argument("--out", type=Path, help="folder to write the tables to")
-    parser.add_argument("--readme", action="store_true", help="tables into solar_env/figures")
+    parser.add_argument("--readme", action="store_true", help="tables into the README")
 
 
 def run_command(args: argparse.Namespace) -> int:
     """Measure and print.
 
     Raises:
+        ValueError: if the README has no place for the tables.
         OSError: if the tables cannot be written.
     """
     # The measurements need the compiler, --help does not.
     from ..studies.throughput import measurements, tables
 
+    if args.readme:
+        check_readme(BEGIN)
     console = Console(stderr=True)
     plan = measurements(args.models, cold=not args.quick)
     results = {}
@@ -44,8 +48,9 @@ def run_command(args: argparse.Namespace) -> int:
             bar.advance(task)
     text = tables(results)
     print(text)
-    folder = FIGURE_FOLDER if args.readme else args.out
-    if folder is not None:
-        folder.mkdir(parents=True, exist_ok=True)
-        (folder / FILE).write_text(text + "\n", encoding="utf-8")
+    if args.out is not None:
+        args.out.mkdir(parents=True, exist_ok=True)
+        (args.out / FILE).write_text(text + "\n", encoding="utf-8")
+    if args.readme:
+        replace_in_readme(BEGIN, END, text)
     return 0

@@ -8,7 +8,7 @@ from pathlib import Path
 from rich.console import Console
 
 from ..progress import counting_bar
-from ._folders import FIGURE_FOLDER, PACKAGE, README
+from ._folders import FIGURE_FOLDER, PACKAGE, check_readme, replace_in_readme
 from ._workers import add_worker_arguments, chosen_workers
 
 BEGIN, END = "<!-- claims: written by `python -m solar_env paper --readme` -->", "<!-- end of claims -->"
@@ -51,8 +51,8 @@ def run_command(args: argparse.Namespace) -> int:
         raise ValueError(f"the paper has no figure {unknown[0]} that is drawn here; choose from {known}")
     if args.figure and args.json:
         raise ValueError("--json prints the claims, which --figure leaves out; give one of the two")
-    if args.readme and README.read_text(encoding="utf-8").count(BEGIN) != 1:
-        raise ValueError(f"{README} has no place for the claims, which begins with {BEGIN}")
+    if args.readme:
+        check_readme(BEGIN)
     figures = [FIGURES[number] for number in args.figure or FIGURES]
     wanted = [] if args.figure else planned_runs()
     runs = dict.fromkeys([*wanted, *(Run(case) for figure in figures for case in figure.cases)])
@@ -81,8 +81,7 @@ def run_command(args: argparse.Namespace) -> int:
     claims = PACKAGE / "paper" / "claims.json" if args.readme else args.out / "claims.json"
     claims.write_text(text + "\n", encoding="utf-8")
     if args.readme:
-        before, rest = README.read_text(encoding="utf-8").split(BEGIN)
-        README.write_text(f"{before}{BEGIN}\n\n{as_markdown(findings)}\n{END}{rest.split(END)[1]}", encoding="utf-8")
+        replace_in_readme(BEGIN, END, as_markdown(findings).rstrip("\n"))
     else:
         (args.out / "claims.md").write_text(as_markdown(findings), encoding="utf-8")
     if args.json:

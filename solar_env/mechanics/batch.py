@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import os
+import time
 from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property
 
@@ -17,6 +19,9 @@ from .integrators import RungeKutta
 from .lanes import allocate_lanes, copied, fill_lane, lane_view, same_structure
 from .recording import make_recorder
 from .simulation import Simulation, adaptive_settings
+
+# Time that a further thread must save [s]: waking one takes about as long.
+_WORK_FOR_A_THREAD = 1e-4
 
 
 class Batch:
@@ -61,6 +66,7 @@ class Batch:
         self._arrays = [make_adaptive_arrays(first.model, first.state) for _ in range(self.threads)]
         self._statuses, self._counter = np.zeros(count, dtype=np.int64), np.zeros(1, dtype=np.int64)
         self._steps, self._last_steps, self._steps_looked = (np.zeros(count, dtype=np.int64) for _ in range(3))
+        self._work_expected = math.inf
         self._process = os.getpid()
         self.simulations = list(simulations)
         for lane, simulation in enumerate(simulations):
@@ -104,10 +110,14 @@ class Batch:
         """
         queue = lanes[np.argsort(-self._last_steps[lanes], kind="stable")]
         self._counter[0] = 0
-        helpers = [self._pool.submit(self._work, k, queue, end_times) for k in range(1, min(self.threads, queue.size))]
+        worth = self._work_expected / _WORK_FOR_A_THREAD
+        threads = max(1, int(min(self.threads, queue.size, worth)))
+        start = time.perf_counter()
+        helpers = [self._pool.submit(self._work, k, queue, end_times) for k in range(1, threads)]
         self._work(0, queue, end_times)
         for helper in helpers:
             helper.result()
+        self._work_expected = threads * (time.perf_counter() - start)
         steps = self.states.clock["steps"][:, 0]
         np.subtract(steps, self._steps, out=self._last_steps)
         self._steps[:] = steps

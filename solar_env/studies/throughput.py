@@ -29,7 +29,7 @@ LANES = (1, 2, 16, 64, 256)
 SCALED_LANES = 64
 COMPARED_LANES = 8
 PEERS = ("SyncVectorEnv", "SubprocVecEnv")
-MOMENTS = 32
+MOMENTS = 128
 # A measurement goes on until it has taken so long [s], one of several contestants longer, and for no fewer rounds.
 ENOUGH, LONG_ENOUGH, FEWEST = 1.0, 5.0, 3
 
@@ -72,6 +72,11 @@ def moments(model: str) -> tuple[State, ...]:
         states.append(env.simulation.snapshot())
     # The last control period is cut short, and after it the episode would be over.
     return tuple(states[k] for k in np.linspace(0, len(states) - 3, MOMENTS).astype(int))
+
+
+def spread(model: str, lanes: int) -> list[State]:
+    """A moment for every lane, spread over the deployment."""
+    return [moments(model)[(lane * MOMENTS) // lanes] for lane in range(lanes)]
 
 
 class FromMoment(gymnasium.Wrapper):
@@ -176,7 +181,7 @@ def compare(contestants: Mapping[str, tuple[Any, Callable[[], Any]]], lanes: int
 
 def measure_scaling(model: str) -> float:
     """Throughput of SCALED_LANES native lanes with all threads, over that with one."""
-    chosen = [moments(model)[lane % MOMENTS] for lane in range(SCALED_LANES)]
+    chosen = spread(model, SCALED_LANES)
     envs = {str(threads): make_native(model, SCALED_LANES, threads) for threads in (1, available_processors())}
     rates = compare({name: (env, partial(place, env, chosen)) for name, env in envs.items()}, SCALED_LANES)
     return rates[str(available_processors())] / rates["1"]
@@ -190,7 +195,7 @@ def measure_peers(model: str) -> dict[str, float]:
     """
     from stable_baselines3.common.vec_env import SubprocVecEnv
 
-    chosen = [moments(model)[(lane * MOMENTS) // COMPARED_LANES] for lane in range(COMPARED_LANES)]
+    chosen = spread(model, COMPARED_LANES)
     makers = [partial(make_from_moment, model, moment) for moment in chosen]
     native, sync = make_native(model, COMPARED_LANES), gymnasium.vector.SyncVectorEnv(makers)
     processes = SubprocVecEnv(makers)  # type: ignore[arg-type]

@@ -187,7 +187,6 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
             lane = int(np.argmin(np.isfinite(self._actions[:, 0])))
             raise ValueError(f"action = {self._actions[lane]!r} of lane {lane} is not finite")
         episodes = self.episodes
-        folded = np.zeros(0, dtype=np.int64)
         lanes = self._all_lanes
         if self._ended.any():
             folded = np.flatnonzero(self._ended)

@@ -32,7 +32,8 @@ class Workers:
     """Where tasks run.
 
     Attributes:
-        jobs: number of processes, 1 or more; None for one a processor, of this machine or of the cluster.
+        jobs: number of processes, 1 or more; None for one a processor, of this machine or of the cluster. A cluster
+            starts no more.
         cluster: "ray" for the Ray cluster that this machine belongs to (``ray start``), whose machines must have the
             package installed too; None for this machine alone.
     """
@@ -86,7 +87,7 @@ def each_done(
         return
     # Joblib's way to Ray hands results over only when all are there: hence some at a time.
     processors = _join_ray()
-    jobs = workers.jobs or processors
+    jobs = min(workers.jobs or processors, processors)
     # A processor for every process: else Ray may put them all on one machine.
     placed = {"ray_remote_args": {"num_cpus": 1}}
     with Parallel(n_jobs=jobs, backend=workers.cluster, batch_size=1, **placed) as parallel:

@@ -69,7 +69,7 @@ def test_an_interrupted_campaign_goes_on(cluster: Any, tmp_path: Path) -> None:
 
 def test_a_task_that_fails_says_so_here(cluster: Any) -> None:
     with pytest.raises(ValueError, match="clearance"):
-        list(each_done(deploy, [{"clearance": -1.0}], Workers(None, "ray")))
+        list(each_done(deploy, [{"clearance": -1.0}], Workers(9, "ray")))
 
 
 def _alive() -> list[dict[str, Any]]:

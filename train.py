@@ -130,16 +130,17 @@ def compare(
     args: Args, config: learn.Configuration, folders: Sequence[Path], out: Path, command: str
 ) -> list[dict[str, Any]]:
     """Compare runs, as training seeds of one controller, with the baselines; writes tables to `out`."""
+    seed = args.seed if args.seeds else config.seed
     rows = evaluate(
         [*BASELINES, *(f"{config.algo}={folder}" for folder in folders)],
         args.eval_episodes,
-        args.seed if args.seeds else config.seed,
+        seed,
         config.env_id,
         config.env_kwargs,
         not args.quiet,
         Workers(args.jobs, args.cluster),
     )
-    write_comparison(out, rows, {"command": command, "eval_episodes": args.eval_episodes, "seed": config.seed})
+    write_comparison(out, rows, {"command": command, "eval_episodes": args.eval_episodes, "seed": seed})
     return rows
 
 

@@ -126,7 +126,9 @@ class Episodes:
         self.terminated = np.zeros(lanes, dtype=np.bool_)
         self._charged = np.zeros((lanes, 2))
         self._end_times = np.zeros(lanes)
+        # What the kernels need to know of the task and of what is observed.
         self._numbers = setup.task.numbers()
+        self._observed = (setup.privileged, setup.low, setup.high)
         self._threads = threads
         self._batch: Batch | None = None
         self._histories: list[_History] | None = [_History(setup) for _ in range(lanes)] if recorded else None
@@ -181,17 +183,8 @@ class Episodes:
         self.terminated[lanes] = False
         self.terms[lanes] = 0.0
         self._charged[lanes] = 0.0
-        setup, batch = self.setup, self._batch
-        observe_lanes(
-            batch.models,
-            batch.states,
-            self._numbers,
-            setup.privileged,
-            setup.low,
-            setup.high,
-            lanes,
-            self.observations,
-        )
+        batch = self._batch
+        observe_lanes(batch.models, batch.states, self._numbers, *self._observed, lanes, self.observations)
 
     def step(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> None:
         """Hold motor torques for one control period.
@@ -216,14 +209,12 @@ class Episodes:
 
     def end(self, lanes: NDArray[np.int64]) -> None:
         """Charge and observe a control period."""
-        setup, batch = self.setup, self.batch
+        batch = self.batch
         end_periods(
             batch.models,
             batch.states,
             self._numbers,
-            setup.privileged,
-            setup.low,
-            setup.high,
+            *self._observed,
             lanes,
             self._charged,
             self.terms,

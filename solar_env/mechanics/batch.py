@@ -145,7 +145,8 @@ class Batch:
         try:
             self.simulations[failed[0]].raise_unless_done(int(self._statuses[failed[0]]))
         except Exception as error:
-            error.add_note(f"in lane {failed[0]} of the batch" + (f", and others in {failed[1:]}" * (len(failed) > 1)))
+            others = f", and others in {failed[1:]}" if len(failed) > 1 else ""
+            error.add_note(f"in lane {failed[0]} of the batch{others}")
             raise
 
     @property

@@ -9,6 +9,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 from .array import MODELS, ArrayParameters, build
+from .hardware import Hardware
 from .mechanics.diagnosis import SimulationWarning
 from .mechanics.integrators import GeneralizedAlpha, RungeKutta
 from .registration import register_environments
@@ -37,6 +38,7 @@ __all__ = [
     "MODELS",
     "ArrayParameters",
     "GeneralizedAlpha",
+    "Hardware",
     "RungeKutta",
     "Simulation",
     "SimulationError",

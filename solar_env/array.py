@@ -5,7 +5,8 @@ array system with multiple revolute clearance joints", Mech. Syst. Signal Proces
 (below: the paper), Table 1. What the paper leaves open is marked "chosen".
 
 A free-floating main body carries a chain of N panels, folded like an accordion: joint 1 opens from 0 to pi/2 and every
-further joint from 0 to pi, in alternating senses. At t = 0 everything is at rest with the journals centred.
+further joint from 0 to pi, in alternating senses. At t = 0 the journals are centred and, by default, everything is at
+rest.
 """
 
 from __future__ import annotations
@@ -87,10 +88,12 @@ class ArrayParameters:
             order of 1e-14 to 1e-13 m, as the paper reports).
         bearing_width: axial length of the bearings [m] (chosen: the hinge line spans the panel).
         wear_bins: circumferential bins of each surface.
+        initial_spin: angular velocity of the main body about its centroid at t = 0 [rad/s].
+        initial_rate: rate of the joint angles at t = 0, by joint, positive opens [rad/s].
     """
 
     # Quantities that may differ from joint to joint.
-    BY_JOINT: ClassVar[tuple[str, ...]] = ("spring_stiffness", "spring_preload_angle", "clearance")
+    BY_JOINT: ClassVar[tuple[str, ...]] = ("spring_stiffness", "spring_preload_angle", "clearance", "initial_rate")
 
     panel_count: int = 2
     body_mass: float = 1500.0
@@ -133,6 +136,8 @@ class ArrayParameters:
     wear_coefficient: float = 1e-14
     bearing_width: float = 1.0
     wear_bins: int = 360
+    initial_spin: float = 0.0
+    initial_rate: float | tuple[float, ...] = 0.0
 
     def __post_init__(self) -> None:
         for item in fields(self):
@@ -164,6 +169,7 @@ class ArrayParameters:
         self._require(
             "friction_sliding", self.friction_sliding in ("material", "centres"), "must be material or centres"
         )
+        self._require("initial_spin", self.initial_spin == 0.0 or not self.body_fixed, "needs a body that is not fixed")
         factor = damping_factor(self.contact_law, self.restitution)
         if self.contact_law != "hertz":
             check_restitution(self.contact_law, self.restitution, exit_speed_ratio(factor))
@@ -303,14 +309,22 @@ def check_elements(elements: int) -> int:
     return elements
 
 
-def _panel(parameters: ArrayParameters, name: str, elements: int | None, hinge: Point, angle: float) -> AnyBody:
-    """A panel as a rigid body (``elements`` None) or as a beam."""
+def _panel(
+    parameters: ArrayParameters,
+    name: str,
+    elements: int | None,
+    hinge: Point,
+    angle: float,
+    velocity: Point,
+    spin: float,
+) -> AnyBody:
+    """A panel as a rigid body (``elements`` None) or as a beam; ``velocity`` is that of its hinge."""
     p = parameters
     section = p.panel_width * p.panel_thickness
     if elements is None:
         mass = p.panel_density * section * p.panel_length
         inertia = mass * (p.panel_length**2 + p.panel_thickness**2) / 12.0
-        return Body(name, mass, inertia, p.panel_length, (p.panel_length / 2, 0.0), hinge, angle)
+        return Body(name, mass, inertia, p.panel_length, (p.panel_length / 2, 0.0), hinge, angle, velocity, spin)
     return FlexibleBody(
         name,
         p.panel_length,
@@ -321,11 +335,18 @@ def _panel(parameters: ArrayParameters, name: str, elements: int | None, hinge: 
         damping=p.panel_damping,
         position=hinge,
         angle=angle,
+        velocity=velocity,
+        spin=spin,
     )
 
 
+def _turning(spin: float, arm: Point) -> Point:
+    """Velocity of the end of an arm that turns about its other end."""
+    return (-spin * arm[1], spin * arm[0])
+
+
 def build(parameters: ArrayParameters, model: str = "rigid-clearance", elements: int = DEFAULT_ELEMENTS) -> Mechanism:
-    """Describe the array as a mechanism, folded and at rest.
+    """Describe the array as a mechanism, folded, with its initial rates.
 
     Args:
         parameters: of the array.
@@ -349,16 +370,20 @@ def build(parameters: ArrayParameters, model: str = "rigid-clearance", elements:
             centroid=(0.0, -p.hinge_y) if p.hinge_x >= 0.0 else (0.0, p.hinge_y),
             position=(0.0, p.hinge_y),
             angle=0.0 if p.hinge_x >= 0.0 else math.pi,
+            velocity=_turning(p.initial_spin, (0.0, p.hinge_y)),
+            spin=p.initial_spin,
             fixed=p.body_fixed,
         )
     ]
     joints, cables = [], []
     stop = p.stop()
     hinge = (p.hinge_x, p.hinge_y)
+    velocity, spin = _turning(p.initial_spin, hinge), p.initial_spin
     for k in range(p.panel_count):
         sign = 1 if k % 2 == 0 else -1
         angle = -sign * math.pi / 2
-        bodies.append(_panel(p, f"panel {k + 1}", panel_elements, hinge, angle))
+        spin += sign * p.by_joint("initial_rate", k)
+        bodies.append(_panel(p, f"panel {k + 1}", panel_elements, hinge, angle, velocity, spin))
         lock = p.lock_angle(k)
         joints.append(
             Joint(
@@ -389,7 +414,11 @@ def build(parameters: ArrayParameters, model: str = "rigid-clearance", elements:
                     preload_torque=p.cable_preload_force * p.cable_wheel_radius,
                 )
             )
-        hinge = (hinge[0], hinge[1] + p.panel_length * math.sin(angle))
+        # Folded, a panel lies along the y axis.
+        panel = (0.0, p.panel_length * math.sin(angle))
+        turning = _turning(spin, panel)
+        hinge = (hinge[0], hinge[1] + panel[1])
+        velocity = (velocity[0] + turning[0], velocity[1])
     return Mechanism(tuple(bodies), tuple(joints), tuple(cables), wear_bins=p.wear_bins)
 
 

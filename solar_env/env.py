@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 from .array import DEFAULT_ELEMENTS, ArrayParameters
 from .episodes import Episodes, Setup
+from .hardware import Hardware
 from .mechanics.simulation import Simulation
+from .scenarios import Ranges
 from .task import REWARD_TERMS, Task
 
 Observation = NDArray[np.float32]
@@ -27,7 +29,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     The physics is that of Li, Wang and Huang, Mech. Syst. Signal Process. 117 (2019) 188-209, simulated with adaptive
     steps between two actions: of 1e-5 to 1e-2 s with rigid panels, of about 1e-5 to 1e-4 s with flexible ones.
-    Everything is deterministic; `reset(seed=...)` fixes the draws of `randomize`.
+    Everything is deterministic; `reset(seed=...)` fixes the draws of `randomize` and the noise.
 
     ## Action Space
 
@@ -50,6 +52,9 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     | 3N   | `motor_torque`, applied in the last period | -1 | 1 | `torque_limit` |
     | 3N+1 | `time_to_deadline` | 0 | 1 | `deadline` (20 s) |
     | 3N+2 | `time_since_latch`, since the last joint latched | 0 | 1 | `postlock_window` (10 s) |
+
+    `observation="history"` appends angles, rates and motor torque as they were observed one, two and three periods ago
+    (`theta_1_1_ago`, ...); before the first step they are the first ones.
 
     `observation="privileged"` appends what only a simulator knows, for analysis and bounds:
 
@@ -74,7 +79,17 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     ## Starting State
 
-    Folded, at rest, journals centred. Parameters are drawn anew from `randomize` at every reset.
+    Folded, at rest unless the parameters say otherwise, journals centred. Parameters are drawn anew from `randomize` at
+    every reset.
+
+    ## Scenarios
+
+    * "nominal" (`solar_env/Deploy-v0`): nothing is drawn, sensors and motor are perfect.
+    * "randomised" (`solar_env/DeployRandomised-v0`): clearances of 0.05 to 0.5 mm each, friction of 0.05 to 0.3,
+      restitution of 0.7 to 0.95 (law of Flores et al.), springs, cable and panels 10 % softer or stiffer, joints that
+      open by up to 0.01 rad/s and a main body that turns by up to 0.005 rad/s at release; noise of 5e-4 rad and
+      1e-3 rad/s, an encoder of 13 bits, observations of angles, rates and latches a control period late; a motor that
+      lags by 0.1 s and changes its torque by 1 N m/s at most. `solar_env.scenarios` has the numbers.
 
     ## Episode End
 
@@ -104,10 +119,13 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     * `elements`: number of beam elements of each flexible panel (6), from 1 to 1000; rigid panels do not use it.
     * `question`, `tolerance`: of `model="auto"`: one of `solar_env.ladder.QUESTIONS` and the error allowed. By default
       at most a fifth of the pairs of controllers may be ranked wrongly ("controller-ranking", 0.2).
-    * `parameters`: an `ArrayParameters`, or a mapping of changes to the default ones.
-    * `randomize`: mapping of parameter names to (low, high); each reset draws uniformly, by joint where the
-      parameter is by joint.
-    * `observation`: "drive" (default) or "privileged".
+    * `parameters`: an `ArrayParameters`, or a mapping of changes to those of the scenario.
+    * `scenario`: "nominal" (default) or "randomised"; the two keywords that follow change it.
+    * `randomize`: mapping of parameter names to (low, high), in place of the scenario's; each reset draws uniformly,
+      by joint where the parameter is by joint, and there each bound may be one by joint.
+    * `hardware`: a `solar_env.Hardware`, or a mapping of changes to the scenario's: `angle_noise`, `rate_noise`,
+      `encoder_resolution`, `sensor_delay`, `motor_lag`, `torque_rate_limit`.
+    * `observation`: "drive" (default), "history" or "privileged".
     * `torque_limit`, `control_period`, `deadline`, `postlock_window`: see `solar_env.task.Task`.
     * `render_mode`: "rgb_array" or None.
 
@@ -136,7 +154,9 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         deadline: float = 20.0,
         postlock_window: float = 10.0,
         observation: str = "drive",
-        randomize: Mapping[str, tuple[float, float]] | None = None,
+        scenario: str = "nominal",
+        randomize: Ranges | None = None,
+        hardware: Hardware | Mapping[str, Any] | None = None,
         render_mode: str | None = None,
     ) -> None:
         """See the class.
@@ -145,9 +165,12 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             ValueError: for an unknown name or a refused value; the message says which.
         """
         task = Task(torque_limit, control_period, deadline, postlock_window)
-        self._setup = Setup(model, parameters, elements, question, tolerance, task, observation, randomize)
+        self._setup = Setup(
+            model, parameters, elements, question, tolerance, task, observation, scenario, randomize, hardware
+        )
         self.render_mode = checked_render_mode(render_mode)
         self.model, self.elements = self._setup.model, self._setup.elements
+        self.scenario, self.hardware = scenario, self._setup.hardware
         self.parameters, self.randomize = self._setup.parameters, self._setup.randomize
         self.task, self.observation_names = task, self._setup.observation_names
         self.observation_space = self._setup.observation_space()
@@ -176,7 +199,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         """Fold the array and draw its parameters.
 
         Args:
-            seed: of the draws; None continues the sequence.
+            seed: of the draws and the noise; None continues the sequence.
             options: {"parameters": {name: value}} changes parameters for this episode.
 
         Raises:

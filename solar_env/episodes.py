@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .array import DEFAULT_ELEMENTS, ArrayParameters, build, check_elements, check_model, main_body_corners
+from .hardware import Hardware
 from .integrators import default_integrator
 from .ladder import DEFAULT_QUESTION, DEFAULT_TOLERANCE, cheapest, read_answers
 from .mechanics import model as m
@@ -18,6 +19,8 @@ from .mechanics.geometry import centreline
 from .mechanics.joint import ECCENTRICITY_X, ECCENTRICITY_Y, NORMAL
 from .mechanics.simulation import Simulation
 from .render import Renderer, Scene
+from .scenarios import Bound, Ranges, scenario_named
+from .sensors import Sensors
 from .task import REWARD_TERMS, Task, begin_periods, end_periods, observation_entries, observe_lanes, wear_depths
 
 Changes = Mapping[str, Any]
@@ -28,12 +31,13 @@ class Setup:
 
     Attributes:
         model, elements: of the array; "auto" has been replaced by what it stands for.
+        scenario: its name.
         parameters: before anything is drawn.
-        randomize: parameter -> (low, high).
+        randomize: parameter -> (low, high), by joint where the parameter is.
+        hardware: sensors and motor.
         task: limits, durations and prices.
+        observation: kind of observation.
         observation_names: of the entries, in order.
-        low, high: (entries,) bounds of an observation.
-        privileged: whether what only a simulator knows is observed too.
     """
 
     def __init__(
@@ -45,7 +49,9 @@ class Setup:
         tolerance: float | None,
         task: Task,
         observation: str,
-        randomize: Mapping[str, tuple[float, float]] | None,
+        scenario: str,
+        randomize: Ranges | None,
+        hardware: Hardware | Changes | None,
     ) -> None:
         """Check everything; for the arguments see ``env.SolarArrayEnv``.
 
@@ -53,20 +59,24 @@ class Setup:
             ValueError: for an unknown name or a refused value; the message says which.
         """
         self.model, self.elements = _level(model, elements, question, tolerance)
-        if not isinstance(parameters, ArrayParameters):
-            parameters = ArrayParameters().with_changes(parameters or {})
-        self.parameters = parameters
+        self.scenario, named = scenario, scenario_named(scenario)
+        self.parameters = named.design(parameters)
         self.task = task
-        self.randomize = _checked_ranges(parameters, randomize or {})
-        entries = observation_entries(parameters.panel_count, observation)
+        self.randomize = _checked_ranges(self.parameters, named.randomize if randomize is None else randomize)
+        self.hardware = named.drive(hardware)
+        self.observation = observation
+        entries = observation_entries(self.parameters.panel_count, observation)
         self.observation_names = tuple(entry.name for entry in entries)
-        self.low = np.array([entry.low for entry in entries], dtype=np.float32)
-        self.high = np.array([entry.high for entry in entries], dtype=np.float32)
-        self.privileged = observation == "privileged"
+
+    def sensors(self, lanes: int) -> Sensors:
+        """The sensors of several arrays."""
+        joints = range(self.parameters.panel_count)
+        return Sensors(lanes, [self.parameters.lock_angle(j) for j in joints], self.observation, self.hardware)
 
     def observation_space(self) -> gymnasium.Space[Any]:
         """Space of one observation."""
-        return gymnasium.spaces.Box(self.low, self.high, dtype=np.float32)
+        sensors = self.sensors(0)
+        return gymnasium.spaces.Box(sensors.low, sensors.high, dtype=np.float32)
 
     def action_space(self) -> gymnasium.Space[Any]:
         """Space of one action."""
@@ -81,7 +91,7 @@ class Setup:
         drawn: dict[str, Any] = {}
         for name, (low, high) in self.randomize.items():
             if name in ArrayParameters.BY_JOINT:
-                drawn[name] = tuple(generator.uniform(low, high, self.parameters.panel_count).tolist())
+                drawn[name] = tuple(generator.uniform(low, high).tolist())
             else:
                 drawn[name] = float(generator.uniform(low, high))
         changed = design.with_changes({**drawn, **changes})
@@ -101,7 +111,7 @@ class Episodes:
         setup: what they share.
         designs: parameters by lane, before anything is drawn.
         parameters: by lane, of the present episode.
-        observations: (lanes, entries) float32, the latest.
+        observations: (lanes, entries) float32, the latest, as the sensors show them.
         terms: (lanes, 3) of the latest reward, in the order of REWARD_TERMS.
         terminated: (lanes,) whether the present episode has ended.
     """
@@ -121,14 +131,17 @@ class Episodes:
         self.designs = tuple(designs)
         self.parameters = list(designs)
         lanes = len(designs)
-        self.observations = np.zeros((lanes, setup.low.size), dtype=np.float32)
+        self._sensors = setup.sensors(lanes)
+        self.observations = self._sensors.observed
         self.terms = np.zeros((lanes, len(REWARD_TERMS)))
         self.terminated = np.zeros(lanes, dtype=np.bool_)
         self._charged = np.zeros((lanes, 2))
         self._end_times = np.zeros(lanes)
         # What the kernels need to know of the task and of what is observed.
-        self._numbers = setup.task.numbers()
-        self._observed = (setup.privileged, setup.low, setup.high)
+        self._numbers = setup.task.numbers(setup.hardware)
+        present = self._sensors.present
+        bounds = (self._sensors.low[:present], self._sensors.high[:present])
+        self._observed = (setup.observation == "privileged", *bounds)
         self._threads = threads
         self._batch: Batch | None = None
         self._histories: list[_History] | None = [_History(setup) for _ in range(lanes)] if recorded else None
@@ -184,7 +197,8 @@ class Episodes:
         self.terms[lanes] = 0.0
         self._charged[lanes] = 0.0
         batch = self._batch
-        observe_lanes(batch.models, batch.states, self._numbers, *self._observed, lanes, self.observations)
+        observe_lanes(batch.models, batch.states, self._numbers, *self._observed, lanes, self._sensors.exact)
+        self._sensors.begin(lanes, generators)
 
     def step(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> None:
         """Hold motor torques for one control period.
@@ -218,9 +232,10 @@ class Episodes:
             lanes,
             self._charged,
             self.terms,
-            self.observations,
+            self._sensors.exact,
             self.terminated,
         )
+        self._sensors.measure(lanes)
         if self._histories is not None:
             for lane in lanes:
                 self._histories[lane].add(batch.simulations[lane].state)
@@ -301,21 +316,27 @@ def _level(model: str, elements: int, question: str | None, tolerance: float | N
     return chosen.model, chosen.elements or DEFAULT_ELEMENTS
 
 
-def _checked_ranges(
-    parameters: ArrayParameters, ranges: Mapping[str, tuple[float, float]]
-) -> dict[str, tuple[float, float]]:
-    """The ranges with both ends shown to be acceptable values."""
-    checked = {}
+def _checked_ranges(parameters: ArrayParameters, ranges: Ranges) -> Ranges:
+    """The ranges with both ends shown to be acceptable values, by joint where the parameter is."""
+    checked: dict[str, tuple[Bound, Bound]] = {}
     for name, bounds in ranges.items():
-        if np.shape(bounds) != (2,):
+        by_joint = name in ArrayParameters.BY_JOINT
+        pair: Any = bounds
+        if not hasattr(pair, "__len__") or len(pair) != 2:
             raise ValueError(f"randomize[{name!r}] = {bounds!r} must be a pair (low, high)")
-        low, high = float(bounds[0]), float(bounds[1])
-        if not low <= high:
+        low, high = (_by_joint(bound, parameters.panel_count) if by_joint else bound for bound in pair)
+        if not np.all(np.less_equal(low, high)):
             raise ValueError(f"randomize[{name!r}] = {bounds!r} must satisfy low <= high")
         for end in (low, high):
             parameters.with_changes({name: end})
         checked[name] = (low, high)
     return checked
+
+
+def _by_joint(bound: Bound, joints: int) -> tuple[float, ...]:
+    """An entry for every joint; the last one given holds for all further ones."""
+    entries = np.atleast_1d(bound)
+    return tuple(float(entries[min(j, len(entries) - 1)]) for j in range(joints))
 
 
 def _scene(

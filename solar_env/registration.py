@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import gymnasium
 
-# Id -> entry points of the single and of the vector environment.
-ENVIRONMENTS = {"solar_env/Deploy-v0": ("solar_env.env:SolarArrayEnv", "solar_env.vector_env:SolarArrayVectorEnv")}
+# Id -> scenario.
+ENVIRONMENTS = {"solar_env/Deploy-v0": "nominal", "solar_env/DeployRandomised-v0": "randomised"}
 
 
 def register_environments() -> None:
     """Register every id once."""
-    for name, (single, vector) in ENVIRONMENTS.items():
+    for name, scenario in ENVIRONMENTS.items():
         if name not in gymnasium.registry:
-            gymnasium.register(id=name, entry_point=single, vector_entry_point=vector)
+            gymnasium.register(
+                id=name,
+                entry_point="solar_env.env:SolarArrayEnv",
+                vector_entry_point="solar_env.vector_env:SolarArrayVectorEnv",
+                kwargs={"scenario": scenario},
+            )

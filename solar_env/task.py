@@ -12,12 +12,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .hardware import Hardware
 from .mechanics import model as m
 from .mechanics._jit import njit, njit_merged
 from .mechanics.joint import joint_motion, relative
 from .mechanics.lanes import lane_model, lane_state
 
-OBSERVATIONS = ("drive", "privileged")
+OBSERVATIONS = ("drive", "history", "privileged")
+# Control periods that the observation "history" looks back.
+HISTORY = 3
 # What the reward is the sum of.
 REWARD_TERMS = ("peak_impact", "wear", "missed_deadline")
 
@@ -63,13 +66,18 @@ class Task:
                 f"{self.largest_charge!r}, or not deploying would pay"
             )
 
-    def numbers(self) -> TaskNumbers:
-        """The same as the kernels take it."""
-        return TaskNumbers(*(float(value) for value in vars(self).values()))
+    def numbers(self, hardware: Hardware) -> TaskNumbers:
+        """The task, with the motor that it is done with, as the kernels take it."""
+        values = {
+            **vars(self),
+            "motor_response": hardware.motor_response(self.control_period),
+            "largest_torque_change": hardware.torque_rate_limit * self.control_period,
+        }
+        return TaskNumbers(**{name: float(value) for name, value in values.items()})
 
 
 class TaskNumbers(NamedTuple):
-    """A :class:`Task` for kernels."""
+    """A :class:`Task` for kernels, with what the motor can do in a period: share of the way, and greatest change."""
 
     torque_limit: float
     control_period: float
@@ -79,6 +87,8 @@ class TaskNumbers(NamedTuple):
     work_scale: float
     largest_charge: float
     missed_deadline_cost: float
+    motor_response: float
+    largest_torque_change: float
 
 
 class Entry(NamedTuple):
@@ -115,6 +125,10 @@ def observation_entries(joints: int, observation: str) -> tuple[Entry, ...]:
                 Entry(f"in_contact_{k}", "0 or 1", 0.0, 1.0),
             ]
         entries.append(Entry("main_body_spin", "rad/s", -1.0, 1.0))
+    if observation == "history":
+        remembered = [*entries[: 2 * joints], entries[3 * joints]]
+        for back in range(1, HISTORY + 1):
+            entries += [entry._replace(name=f"{entry.name}_{back}_ago") for entry in remembered]
     return tuple(entries)
 
 
@@ -186,11 +200,16 @@ def charge(state, task, charged, terms):
 def begin_period(state, task, action):
     """Set the motor torque for an action, and return when its period ends [s].
 
-    That is after a whole number of control periods, which are counted so that rounding does not build up, or with the
-    episode if that ends before.
+    The torque is the one that the motor, with its lag and its rate limit, reaches in the period. The period ends after
+    a whole number of control periods, which are counted so that rounding does not build up, or with the episode if that
+    ends before.
     """
     own, clock = state.joints[0], state.clock[0]
     torque = task.torque_limit * min(max(action, -1.0), 1.0)
+    if task.motor_response < 1.0:
+        torque = own.motor_torque + task.motor_response * (torque - own.motor_torque)
+    change = task.largest_torque_change
+    torque = min(max(torque, own.motor_torque - change), own.motor_torque + change)
     if own.motor_torque != torque:
         own.motor_torque = torque
         clock.acceleration_current = 0

@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 from .array import DEFAULT_ELEMENTS, ArrayParameters
 from .env import RESET_OPTIONS, Observation, SolarArrayEnv, checked_render_mode, first_info
 from .episodes import Episodes, Setup
+from .hardware import Hardware
 from .mechanics.simulation import Simulation
+from .scenarios import Ranges, Scenario, scenario_named
 from .task import REWARD_TERMS, Task
 
 Actions = NDArray[np.float32]
@@ -42,7 +44,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         num_threads: most threads; by default as many as there are processors for this process.
         parameters: as for the single environment, or a sequence with an entry for every lane.
         model, elements, question, tolerance, torque_limit, control_period, deadline, postlock_window, observation,
-        randomize, render_mode: as for the single environment.
+        scenario, randomize, hardware, render_mode: as for the single environment.
     """
 
     def __init__(
@@ -62,7 +64,9 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         deadline: float = 20.0,
         postlock_window: float = 10.0,
         observation: str = "drive",
-        randomize: Mapping[str, tuple[float, float]] | None = None,
+        scenario: str = "nominal",
+        randomize: Ranges | None = None,
+        hardware: Hardware | Mapping[str, Any] | None = None,
         render_mode: str | None = None,
     ) -> None:
         """See the class.
@@ -81,10 +85,22 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         self.render_mode = checked_render_mode(render_mode)
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.metadata = {**SolarArrayEnv.metadata, "autoreset_mode": self.autoreset_mode}
-        designs = _designs(parameters, num_envs)
+        designs = _designs(parameters, num_envs, scenario_named(scenario))
         self.task = Task(torque_limit, control_period, deadline, postlock_window)
-        self._setup = Setup(model, designs[0], elements, question, tolerance, self.task, observation, randomize)
+        self._setup = Setup(
+            model,
+            designs[0],
+            elements,
+            question,
+            tolerance,
+            self.task,
+            observation,
+            scenario,
+            randomize,
+            hardware,
+        )
         self.model, self.elements = self._setup.model, self._setup.elements
+        self.scenario, self.hardware = scenario, self._setup.hardware
         self.parameters, self.randomize = designs, self._setup.randomize
         self.observation_names = self._setup.observation_names
         self.single_observation_space = self._setup.observation_space()
@@ -318,14 +334,12 @@ def _by_lane(seed: int | Sequence[int | None] | None, lanes: int) -> list[int | 
 
 
 def _designs(
-    parameters: ArrayParameters | Mapping[str, Any] | Sequence[ArrayParameters | Mapping[str, Any]] | None, lanes: int
+    parameters: ArrayParameters | Mapping[str, Any] | Sequence[ArrayParameters | Mapping[str, Any]] | None,
+    lanes: int,
+    scenario: Scenario,
 ) -> list[ArrayParameters]:
     """The parameters by lane."""
-    several = isinstance(parameters, Sequence)
-    entries = list(parameters) if several else [parameters or {}] * lanes  # type: ignore[arg-type]
+    entries = list(parameters) if isinstance(parameters, Sequence) else [parameters] * lanes
     if len(entries) != lanes:
         raise ValueError(f"parameters has {len(entries)} entries for num_envs = {lanes} lanes; give one for each")
-    return [
-        entry if isinstance(entry, ArrayParameters) else ArrayParameters().with_changes(entry)  # type: ignore[arg-type]
-        for entry in entries
-    ]
+    return [scenario.design(entry) for entry in entries]

@@ -28,11 +28,11 @@ from solar_env.mechanics.build import compile_mechanism
 from solar_env.mechanics.description import FlexibleBody
 from solar_env.mechanics.geometry import centreline
 from solar_env.mechanics.integrators import GeneralizedAlpha, Rosenbrock, RungeKutta
-from solar_env.mechanics.joint import ANGLE, point
+from solar_env.mechanics.joint import ANGLE, RATE, point
 from solar_env.mechanics.simulation import Simulation
 
 NUMBERS = [f.name for f in fields(ArrayParameters) if not isinstance(f.default, (str, bool))]
-PER_JOINT = ("spring_stiffness", "spring_preload_angle", "clearance")
+PER_JOINT = ("spring_stiffness", "spring_preload_angle", "clearance", "initial_rate")
 
 
 def refused(changes: dict[str, Any], message: str) -> None:
@@ -404,3 +404,38 @@ def test_a_flexible_deployment_has_the_coordinates_of_its_nodes_and_repeats_to_t
     assert first.metadata["elements"] == 3
     assert first.energies["elastic"].max() > 0.0
     assert first.energy_residual < 1e-4 * first.energy_put_in
+
+
+@pytest.mark.parametrize("hinge", [(0.5, 0.0), (0.5, -0.5), (-0.5, 0.3)])
+@pytest.mark.parametrize("model", MODELS)
+def test_initial_rates_are_those_asked_for_and_strain_nothing(model: str, hinge: tuple[float, float]) -> None:
+    """Joint rates and spin as given; the hinges' two sides move alike, and panels turn as rigid bodies."""
+    rates, spin = (0.02, -0.03, 0.01), 0.04
+    p = ArrayParameters(panel_count=3, initial_rate=rates, initial_spin=spin, hinge_x=hinge[0], hinge_y=hinge[1])
+    simulation = Simulation(build(p, model, 3))
+    loads, state, compiled = simulation.joint_loads(), simulation.state, simulation.model
+    assert loads[:, RATE] == pytest.approx(rates, abs=1e-14)
+    for joint in compiled.joints:
+        sides = [point(compiled.markers[joint[side]], state.v) for side in ("inboard", "outboard")]
+        assert sides[0] == pytest.approx(sides[1], abs=1e-15)
+    # Main body: at rest at its centroid; panels: every point turns about the hinge.
+    velocity, turn, expected = np.zeros(2), spin, []
+    arm = np.array(hinge)
+    for k in range(3):
+        velocity = velocity + turn * np.array([-arm[1], arm[0]])
+        turn += (-1) ** k * rates[k]
+        arm = np.array([0.0, -((-1) ** k) * p.panel_length])
+        middle = velocity + turn * 0.5 * np.array([-arm[1], arm[0]])
+        mass = p.panel_density * p.panel_length * p.panel_width * p.panel_thickness
+        inertia = mass * p.panel_length**2 / 12.0
+        if model.startswith("rigid"):
+            inertia += mass * p.panel_thickness**2 / 12.0
+        expected.append(0.5 * mass * middle @ middle + 0.5 * inertia * turn**2)
+    energies = dict(zip(m.ENERGY_NAMES, simulation.stored_energies(), strict=True))
+    assert energies["kinetic"] == pytest.approx(0.5 * p.body_inertia * spin**2 + sum(expected), rel=1e-12)
+    assert energies["elastic"] == pytest.approx(0.0, abs=1e-20)
+
+
+def test_a_body_that_is_held_cannot_turn() -> None:
+    with pytest.raises(ValueError, match="initial_spin = 0.1 needs a body that is not fixed"):
+        ArrayParameters(body_fixed=True, initial_spin=0.1)

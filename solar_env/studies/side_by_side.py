@@ -23,9 +23,9 @@ Entry = tuple[str, float]
 # Method and setting: own looser and tighter tolerances; the peer at its leanest, the first of which short plans take.
 OWN: dict[str, tuple[Entry, ...]] = {
     "rigid-ideal": (("runge-kutta", 1e-6), ("runge-kutta", 1e-10)),
-    "rigid-clearance": (("runge-kutta", 1e-5),),
+    "rigid-clearance": (("runge-kutta", 1e-5), ("runge-kutta", 1e-7)),
     "flexible-ideal": (("rosenbrock", 1e-3),),
-    "flexible-clearance": (("rosenbrock", 1e-3),),
+    "flexible-clearance": (("rosenbrock", 1e-3), ("rosenbrock", 3e-5)),
 }
 PEER: dict[str, tuple[Entry, ...]] = {
     "rigid-ideal": (("Exudyn explicit", 1e-2), ("Exudyn generalized-alpha", 1e-3)),

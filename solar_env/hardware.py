@@ -1,0 +1,65 @@
+"""What stands between the array and whoever controls it: sensors and motor."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Hardware:
+    """Imperfections of the sensors and the motor of the hinge drives; by default there are none.
+
+    Attributes:
+        angle_noise: standard deviation of the noise of a measured joint angle [rad].
+        rate_noise: standard deviation of the noise of a measured joint rate [rad/s].
+        encoder_resolution: step of a measured joint angle [rad]; 0 for none.
+        sensor_delay: control periods from a measurement to the observation that shows it.
+        motor_lag: time constant with which the motor torque follows the action [s]; 0 for none.
+        torque_rate_limit: greatest rate of change of the motor torque [N m/s].
+
+    Raises:
+        ValueError: on construction, for a value out of range.
+    """
+
+    angle_noise: float = 0.0
+    rate_noise: float = 0.0
+    encoder_resolution: float = 0.0
+    sensor_delay: int = 0
+    motor_lag: float = 0.0
+    torque_rate_limit: float = math.inf
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if isinstance(value, bool) or not isinstance(value, (int, float)):
+                raise ValueError(f"{name} = {value!r} must be a number")
+        for name in ("angle_noise", "rate_noise", "encoder_resolution", "motor_lag"):
+            if not 0.0 <= getattr(self, name) < math.inf:
+                raise ValueError(f"{name} = {getattr(self, name)!r} must be finite and not negative")
+        if self.sensor_delay not in range(101):
+            raise ValueError(f"sensor_delay = {self.sensor_delay!r} must be a whole number of periods from 0 to 100")
+        if not self.torque_rate_limit > 0.0:
+            raise ValueError(f"torque_rate_limit = {self.torque_rate_limit!r} must be positive")
+
+    @property
+    def ideal_sensors(self) -> bool:
+        """Whether what is observed is what is."""
+        return not (self.angle_noise or self.rate_noise or self.encoder_resolution or self.sensor_delay)
+
+    def with_changes(self, changes: Mapping[str, Any]) -> Hardware:
+        """A copy with some values changed.
+
+        Raises:
+            ValueError: if a name is unknown or a value is refused.
+        """
+        known = [item.name for item in fields(self)]
+        for name in changes:
+            if name not in known:
+                raise ValueError(f"hardware has no {name!r}; it has {', '.join(known)}")
+        return replace(self, **changes)
+
+    def motor_response(self, period: float) -> float:
+        """Share of the way to a new torque that the motor goes within a control period [s]."""
+        return -math.expm1(-period / self.motor_lag) if self.motor_lag > 0.0 else 1.0

@@ -437,5 +437,5 @@ def test_initial_rates_are_those_asked_for_and_strain_nothing(model: str, hinge:
 
 
 def test_a_body_that_is_held_cannot_turn() -> None:
-    with pytest.raises(ValueError, match="initial_spin = 0.1 needs a body that is not fixed"):
+    with pytest.raises(ValueError, match=r"initial_spin = 0\.1 needs a body that is not fixed"):
         ArrayParameters(body_fixed=True, initial_spin=0.1)

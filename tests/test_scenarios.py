@@ -39,7 +39,7 @@ def test_every_scenario_is_made_by_its_id_or_by_the_keyword():
         by_id, by_keyword = make(name), make(scenario=scenario)
         assert by_id.scenario == scenario
         assert np.array_equal(watch(by_id, [0.1, -0.2, 0.3]), watch(by_keyword, [0.1, -0.2, 0.3]))
-    with pytest.raises(ValueError, match="calm.*nominal, randomised"):
+    with pytest.raises(ValueError, match=r"calm.*nominal, randomised"):
         make(scenario="calm")
 
 

@@ -8,21 +8,20 @@ compares runs.
 import shlex
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
-
-from tqdm import tqdm
 
 from agents import learn, runs
 from agents.arguments import parse_arguments
 from agents.baselines import make_baseline
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model
-from agents.evaluate import evaluate, markdown, summarize, write_comparison
+from agents.evaluate import evaluate
 from agents.figures import run_figure
+from agents.report import markdown, summarize, write_comparison
 from agents.rollout import Step, run_episode
 from solar_env.array import DEFAULT_ELEMENTS
-from solar_env.campaigns import Workers, each_done
+from solar_env.campaigns import Workers
 
 BASELINES = ("passive", "brake", "servo")
 
@@ -57,6 +56,9 @@ class Args:
     """hyperparameters in place of those in agents/configs, for example learning_rate=1e-3"""
     n_envs: int | None = None
     """environments stepped together; None: the number in agents/configs"""
+    residual: float | None = None
+    """the agent adds up to this share of the torque limit to the torque of the tuned servo; 0: it commands the whole
+    torque; None: as in agents/configs"""
     resume: str | None = None
     """run folder to go on from, with its algorithm, environment, seed and hyperparameters"""
     out: str | None = None
@@ -79,7 +81,7 @@ def main(args: Args, command: str) -> Path:
     else:
         env_kwargs = with_model(args.env_kwargs, args.model, args.elements, args.env_id)
         config = learn.configuration(
-            args.algo, args.env_id, env_kwargs, args.seed, args.n_envs, args.timesteps, args.hyperparams
+            args.algo, args.env_id, env_kwargs, args.seed, args.n_envs, args.timesteps, args.hyperparams, args.residual
         )
     folder = runs.new_run_folder(args.out, config.env_id, config.algo, config.seed)
     print(f"{config.algo} on {config.env_id}, {config.timesteps} steps -> {folder}")
@@ -104,23 +106,14 @@ def train_seeds(args: Args, command: str) -> Path:
         )
     env_kwargs = with_model(args.env_kwargs, args.model, args.elements, args.env_id)
     out = Path(args.out)
-    runs_to_do = []
-    folders = [out / f"seed-{seed}" for seed in args.seeds]
-    for seed, folder in zip(args.seeds, folders, strict=True):
-        config = learn.configuration(
-            args.algo, args.env_id, env_kwargs, seed, args.n_envs, args.timesteps, args.hyperparams
+    wanted = {
+        out / f"seed-{seed}": learn.configuration(
+            args.algo, args.env_id, env_kwargs, seed, args.n_envs, args.timesteps, args.hyperparams, args.residual
         )
-        if not runs.is_complete(folder):
-            runs.discard_incomplete(folder)
-            runs.new_run_folder(folder, config.env_id, config.algo, seed)
-            runs_to_do.append(learn.Training(config, folder, command, args.device))
-        elif learn.resumed_configuration(folder, config.timesteps) != replace(config, segments=1):
-            raise ValueError(f"{folder} holds a run with another configuration; choose another --out")
-    with tqdm(total=len(folders), desc="train", unit="run", disable=args.quiet) as bar:
-        bar.update(len(folders) - len(runs_to_do))
-        for _ in each_done(learn.train_one, runs_to_do, Workers(args.jobs, args.cluster)):
-            bar.update()
-    rows = compare(args, config, folders, out, command)
+        for seed in args.seeds
+    }
+    learn.train_missing(wanted, command, args.device, Workers(args.jobs, args.cluster), not args.quiet)
+    rows = compare(args, wanted[out / f"seed-{args.seeds[-1]}"], list(wanted), out, command)
     print(markdown(rows))
     print(f"written to {out}")
     return out
@@ -155,8 +148,9 @@ def check_resumable(args: Args, config: learn.Configuration) -> None:
         "hyperparams": config.hyperparameters,
         "model": config.env_kwargs.get("model", "rigid-clearance"),
         "elements": config.env_kwargs.get("elements", DEFAULT_ELEMENTS),
+        "residual": config.residual["scale"] if config.residual else 0.0,
     }
-    for name in ("algo", "env_id", "model", "elements", "env_kwargs", "seed", "hyperparams", "n_envs"):
+    for name in ("algo", "env_id", "model", "elements", "env_kwargs", "seed", "hyperparams", "n_envs", "residual"):
         given, fixed = getattr(args, name), fixed_values[name]
         if given != getattr(Args(), name) and given != fixed:
             raise ValueError(

@@ -13,9 +13,11 @@ import numpy as np
 from tqdm import tqdm
 
 from agents import runs
-from agents.baselines import BASELINES, BrakeParameters, Controller, ServoParameters, make_baseline
+from agents.baselines import Parameters, make_baseline
+from agents.controllers import load_controller, policy_files
 from agents.environments import make_env
 from agents.rollout import run_episode
+from agents.torque_laws import Controller
 from solar_env.campaigns import ONE, Campaign, Cell, Workers, each_done
 
 Figures = dict[str, float | int | bool]
@@ -25,15 +27,15 @@ def episode_cell(spec: str, env_id: str, env_kwargs: Mapping[str, Any], seed: in
     """The cell of one episode.
 
     Args:
-        spec: Name of a baseline, or a run folder.
+        spec: A controller, see `agents.controllers.load_controller`.
         env_id: Environment id.
         env_kwargs: Environment keywords that JSON keeps.
         seed: Of the episode.
     """
-    policy = None if spec in BASELINES else _digest([runs.policy_path(spec)])
+    files = policy_files(spec)
     return {
-        "spec": spec if policy is None else str(Path(spec).resolve()),
-        "policy": policy,
+        "spec": str(Path(spec).resolve()) if Path(spec).is_dir() and files else spec,
+        "policy": _digest(files) if files else None,
         "env_id": env_id,
         "env_kwargs": runs.jsonable(env_kwargs),
         "seed": seed,
@@ -51,7 +53,7 @@ def run_cell(cell: Cell) -> Figures:
 def _prepared(spec: str, policy: str | None, env_id: str, keywords: str) -> tuple[gymnasium.Env, Controller]:
     """Environment and controller, kept from episode to episode; `policy` tells a changed file from the former."""
     env = make_env(env_id, json.loads(keywords))
-    return env, make_baseline(spec, env) if policy is None else runs.load_policy(spec, env)
+    return env, load_controller(spec, env)
 
 
 def run_cells(
@@ -92,7 +94,7 @@ class Trial:
     controller: str
     env_id: str
     keywords: str
-    parameters: BrakeParameters | ServoParameters
+    parameters: Parameters
     candidate: int
     seed: int
 
@@ -110,7 +112,7 @@ def _environment(env_id: str, keywords: str) -> gymnasium.Env:
 
 def mean_returns(
     controller: str,
-    candidates: Sequence[BrakeParameters | ServoParameters],
+    candidates: Sequence[Parameters],
     env_id: str,
     env_kwargs: Mapping[str, Any],
     seeds: Sequence[int],

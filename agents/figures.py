@@ -1,13 +1,15 @@
-"""The figure of a training run: learning curve, and the learned deployment beside the passive one."""
+"""Figures: of a training run, with the learned deployment beside the passive one, and of a comparison."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from agents import runs
+from agents.report import HIGHER_IS_BETTER
 from agents.rollout import Step
 
 
@@ -78,3 +80,56 @@ def run_figure(
     path = folder / "figure.png"
     figure.savefig(path, dpi=150)
     return path
+
+
+def comparison_figure(summary: Mapping[str, Mapping[str, Any]], path: Path) -> None:
+    """Draw what a comparison says of every controller: interquartile means with their intervals, and the worst episode.
+
+    Args:
+        summary: As `agents.report.summarize` returns it.
+        path: File to write.
+    """
+    panels = (
+        ("return", "minus return", -1.0),
+        ("peak_postlock_force_N", "peak post-lock force [N]", 1.0),
+        ("postlock_sliding_work_J", "post-lock sliding work [mJ]", 1e3),
+    )
+    names = list(summary)[::-1]
+    figure = Figure(figsize=(11, 0.6 + 0.32 * len(names)), layout="constrained")
+    for axes, (key, label, factor) in zip(figure.subplots(1, len(panels), sharey=True), panels, strict=True):
+        for row, name in enumerate(names):
+            value = summary[name][key]
+            if value.count == 0:
+                continue
+            ends = sorted((factor * value.lower, factor * value.upper))
+            worst = factor * (value.minimum if key in HIGHER_IS_BETTER else value.maximum)
+            axes.plot(ends, [row, row], "-", color="C0", lw=4, solid_capstyle="butt", alpha=0.6)
+            axes.plot(factor * value.mean, row, "o", color="C0", ms=5)
+            axes.plot(worst, row, "x", color="C1", ms=5)
+        axes.set_xscale("log")
+        axes.set_yticks(range(len(names)), names)
+        axes.set_xlabel(label)
+        axes.grid(axis="x", alpha=0.3)
+    figure.suptitle("interquartile mean with 95 % interval; x: worst episode", fontsize=9)
+    figure.savefig(path, dpi=130)
+
+
+def transfer_figure(returns: Mapping[str, Mapping[str, float]], path: Path) -> None:
+    """Draw a matrix of returns: what was trained on downwards, what it is judged on across.
+
+    Args:
+        returns: Judged on -> trained on -> return.
+        path: File to write.
+    """
+    across, down = list(returns), list(next(iter(returns.values())))
+    cost = np.array([[-returns[column][row] for column in across] for row in down])
+    figure = Figure(figsize=(1.8 + 1.2 * len(across), 1.2 + 0.5 * len(down)), layout="constrained")
+    axes = figure.subplots()
+    image = axes.imshow(np.log10(cost), aspect="auto", cmap="viridis_r")
+    for i, j in np.ndindex(*cost.shape):
+        axes.text(j, i, f"{-cost[i, j]:.3g}", ha="center", va="center", color="w", fontsize=9)
+    axes.set_xticks(range(len(across)), across)
+    axes.set_yticks(range(len(down)), down)
+    axes.set(xlabel="judged on", ylabel="trained on")
+    figure.colorbar(image, label="log10 of minus the return")
+    figure.savefig(path, dpi=130)

@@ -17,6 +17,7 @@ from stable_baselines3.common.logger import configure
 from stable_baselines3.common.noise import NormalActionNoise
 from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from stable_baselines3.common.vec_env import VecEnv, VecMonitor, VecNormalize
+from tqdm import tqdm
 
 from agents import runs
 from agents.baselines import CONFIGS
@@ -27,8 +28,10 @@ from agents.callbacks import (
     Validation,
     save_checkpoint,
 )
-from agents.environments import episode_seeds, make_env, with_randomization
-from agents.vec_env import FixedSeeds, NativeVecEnv
+from agents.environments import episode_seeds, make_env, with_sampling
+from agents.residual import residual_on
+from agents.vec_env import FixedSeeds, NativeVecEnv, ResidualVecEnv
+from solar_env.campaigns import Workers, each_done
 
 VALIDATION_EPISODES = 6
 VALIDATIONS = 15
@@ -48,6 +51,7 @@ class Configuration:
         timesteps: Environment steps to train for; those of a resumed run come on top of earlier ones.
         hyperparameters: Keywords of the Stable-Baselines3 class, and `exploration_noise`, the standard
             deviation of TD3's action noise.
+        residual: What the agent adds to, see `agents.residual.residual_on`; None if it commands the whole torque.
         segments: Number of times that training has been resumed.
     """
 
@@ -58,6 +62,7 @@ class Configuration:
     n_envs: int
     timesteps: int
     hyperparameters: dict[str, Any]
+    residual: dict[str, Any] | None = None
     segments: int = 0
 
 
@@ -69,6 +74,7 @@ def configuration(
     n_envs: int | None = None,
     timesteps: int | None = None,
     hyperparameters: Mapping[str, Any] | None = None,
+    residual: float | None = None,
 ) -> Configuration:
     """The configuration in ``agents/configs/<algo>.json`` for `env_id`, with what is given here in its place.
 
@@ -91,37 +97,49 @@ def configuration(
             raise ValueError(f"{name} is {number}; give a positive number")
     # Refuse a wrong seed or environment keyword now, not once a run folder exists.
     episode_seeds("training", seed, n_envs)
-    make_env(env_id, env_kwargs).close()
+    with make_env(env_id, env_kwargs) as env:
+        model = env.get_wrapper_attr("model")
+    scale = entry["residual"] if residual is None else residual
     return Configuration(
         algo=algo,
         env_id=env_id,
-        env_kwargs=runs.jsonable(with_randomization(env_kwargs)),
+        env_kwargs=runs.jsonable(with_sampling(env_kwargs, env_id)),
         seed=seed,
         n_envs=n_envs,
         timesteps=timesteps,
         hyperparameters={**entry["hyperparameters"], **(hyperparameters or {})},
+        residual=residual_on(scale, env_id, model) if scale else None,
     )
+
+
+def stored_configuration(folder: str | Path) -> Configuration:
+    """The configuration of the run in `folder`."""
+    stored = runs.read_config(folder)
+    return Configuration(**{name: stored[name] for name in inspect.signature(Configuration).parameters})
 
 
 def resumed_configuration(folder: str | Path, timesteps: int | None = None) -> Configuration:
     """The configuration of the run in `folder`, to train on for `timesteps`, by default as many as before."""
-    stored = runs.read_config(folder)
-    names = inspect.signature(Configuration).parameters
-    previous = Configuration(**{name: stored[name] for name in names})
+    previous = stored_configuration(folder)
     return replace(previous, timesteps=timesteps or previous.timesteps, segments=previous.segments + 1)
 
 
 def make_training_env(config: Configuration, monitor: Path | None, threads: int | None = None) -> VecEnv:
     """`n_envs` environments, with finished episodes written to the CSV file `monitor`; `threads`: one a processor."""
     lanes = NativeVecEnv(config.n_envs, config.env_id, {**config.env_kwargs, "num_threads": threads})
-    return VecMonitor(lanes, str(monitor) if monitor else None)
+    return VecMonitor(_with_law(lanes, config), str(monitor) if monitor else None)
 
 
 def make_validation_env(config: Configuration, threads: int | None = None) -> VecNormalize:
     """An environment for every validation episode, the same ones at every reset, with unnormalised rewards."""
     first = episode_seeds("validation", config.seed, VALIDATION_EPISODES)[0]
     lanes = NativeVecEnv(VALIDATION_EPISODES, config.env_id, {**config.env_kwargs, "num_threads": threads})
-    return VecNormalize(VecMonitor(FixedSeeds(lanes, first)), training=False, norm_obs=False, norm_reward=False)
+    venv = VecMonitor(_with_law(FixedSeeds(lanes, first), config))
+    return VecNormalize(venv, training=False, norm_obs=False, norm_reward=False)
+
+
+def _with_law(venv: VecEnv, config: Configuration) -> VecEnv:
+    return ResidualVecEnv(venv, config.residual) if config.residual else venv
 
 
 def make_model(config: Configuration, venv: VecEnv, device: str = "cpu") -> BaseAlgorithm:
@@ -246,3 +264,32 @@ def train_one(training: Training) -> None:
         progress=False,
         threads=1,
     )
+
+
+def train_missing(
+    wanted: Mapping[Path, Configuration], command: str, device: str, workers: Workers, progress: bool = True
+) -> None:
+    """Train those runs that are not complete, side by side.
+
+    Args:
+        wanted: Run folder -> what is to be in it.
+        command: Command line to record.
+        device: Torch device.
+        workers: Where.
+        progress: Show a progress bar.
+
+    Raises:
+        ValueError: a complete run has another configuration.
+    """
+    missing = []
+    for folder, config in wanted.items():
+        if not runs.is_complete(folder):
+            runs.discard_incomplete(folder)
+            runs.new_run_folder(folder, config.env_id, config.algo, config.seed)
+            missing.append(Training(config, folder, command, device))
+        elif asdict(stored_configuration(folder)) != runs.jsonable(asdict(config)):
+            raise ValueError(f"{folder} holds a run with another configuration; choose another --out")
+    with tqdm(total=len(wanted), desc="train", unit="run", disable=not progress) as bar:
+        bar.update(len(wanted) - len(missing))
+        for _ in each_done(train_one, missing, workers):
+            bar.update()

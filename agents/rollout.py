@@ -9,7 +9,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 
-from agents.baselines import Controller
+from agents.torque_laws import Controller
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,9 @@ import gymnasium
 from stable_baselines3 import PPO, SAC, TD3
 from stable_baselines3.common.base_class import BaseAlgorithm
 
+from agents.residual import ResidualController
+from agents.torque_laws import Controller, Signals
+
 ALGORITHMS: dict[str, type[BaseAlgorithm]] = {"ppo": PPO, "sac": SAC, "td3": TD3}
 
 CONFIG = "config.json"
@@ -88,8 +91,18 @@ def policy_path(folder: str | Path) -> Path:
     return path
 
 
-def load_policy(folder: str | Path, env: gymnasium.Env) -> BaseAlgorithm:
-    """The best policy of the run in `folder`, for use on `env`. Load only runs you trust: it is a pickle.
+def load_policy(folder: str | Path, env: gymnasium.Env) -> Controller:
+    """The best policy of the run in `folder`, with the law that it adds to if there is one, for use on `env`.
+
+    Raises:
+        FileNotFoundError, ValueError: as `load_model`.
+    """
+    residual, model = read_config(folder)["residual"], load_model(folder, env)
+    return ResidualController(model, residual, Signals.of(env)) if residual else model
+
+
+def load_model(folder: str | Path, env: gymnasium.Env) -> BaseAlgorithm:
+    """The best policy of the run in `folder`, for observations of `env`. Load only runs you trust: it is a pickle.
 
     Raises:
         FileNotFoundError: there is no run, or it was interrupted before its first validation.

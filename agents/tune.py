@@ -1,4 +1,4 @@
-"""Tune the servo and the brake by CMA-ES on the environment's return: `python -m agents.tune`."""
+"""Tune the baselines by CMA-ES on the environment's return: `python -m agents.tune`."""
 
 import json
 import shlex
@@ -14,15 +14,10 @@ from tqdm import tqdm
 
 from agents import runs
 from agents.arguments import parse_arguments
-from agents.baselines import CONFIGS, BrakeParameters, ServoParameters
-from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_randomization
+from agents.baselines import CONFIGS, TUNABLE, Parameters, load_parameters
+from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_sampling
 from agents.episodes import mean_returns
 from solar_env.campaigns import Workers
-
-PARAMETERS: dict[str, type[BrakeParameters] | type[ServoParameters]] = {
-    "brake": BrakeParameters,
-    "servo": ServoParameters,
-}
 
 
 @dataclass
@@ -30,13 +25,15 @@ class Args:
     """Tune a baseline by CMA-ES on the mean return and write its parameters for the model to agents/configs."""
 
     controller: str = "servo"
-    """baseline to tune: servo or brake"""
+    """baseline to tune: brake, damper, servo, shaped or open-loop"""
     episodes: int = 1600
     """budget of training episodes"""
     episodes_per_candidate: int = 4
     """episodes a candidate is judged by, the same for all of a generation"""
     validation_episodes: int = 20
     """episodes that decide between the candidates left at the end"""
+    refine: bool = False
+    """start from the parameters that the model has already instead of the default ones, and search closer to them"""
     seed: int = 0
     """seed of the search and of its episodes"""
     env_id: str = DEFAULT_ENV_ID
@@ -56,18 +53,32 @@ class Args:
     """no progress bar"""
 
 
-def from_unit(cls: type[BrakeParameters] | type[ServoParameters], unit: np.ndarray) -> Any:
+def bounds(cls: type[Parameters]) -> np.ndarray:
+    """(numbers, 2) least and greatest value of every number among the parameters, field by field."""
+    numbers: list[tuple[float, float]] = []
+    for f in fields(cls):
+        default: Any = f.default
+        numbers += [f.metadata["bounds"]] * np.size(default)
+    return np.array(numbers)
+
+
+def from_unit(cls: type[Parameters], unit: np.ndarray) -> Parameters:
     """Parameters of class `cls` from numbers in [0, 1], linearly within each field's bounds."""
-    bounds = [f.metadata["bounds"] for f in fields(cls)]
-    values = [float(low + u * (high - low)) for (low, high), u in zip(bounds, unit, strict=True)]
+    low, high = bounds(cls).T
+    numbers = iter((low + np.asarray(unit) * (high - low)).tolist())
+    values: list[Any] = []
+    for f in fields(cls):
+        default: Any = f.default
+        several = isinstance(default, tuple)
+        values.append(tuple(next(numbers) for _ in default) if several else next(numbers))
     return cls(*values)
 
 
-def to_unit(parameters: BrakeParameters | ServoParameters) -> np.ndarray:
+def to_unit(parameters: Parameters) -> np.ndarray:
     """Inverse of `from_unit`."""
-    bounds = [f.metadata["bounds"] for f in fields(parameters)]
-    values = asdict(parameters).values()
-    return np.array([(value - low) / (high - low) for value, (low, high) in zip(values, bounds, strict=True)])
+    low, high = bounds(type(parameters)).T
+    values = np.concatenate([np.atleast_1d(value) for value in vars(parameters).values()])
+    return (values - low) / (high - low)
 
 
 def tune(
@@ -77,6 +88,7 @@ def tune(
     episodes_per_candidate: int,
     seed: int,
     progress: bool = True,
+    spread: float = 0.25,
 ) -> list[np.ndarray]:
     """Minimise a noisy objective over the unit cube by CMA-ES with common random numbers in each generation.
 
@@ -87,12 +99,13 @@ def tune(
         episodes_per_candidate: Seeds handed to each call of `objective`.
         seed: Seed of the search; the episodes come from the training seeds of the same number.
         progress: Show a progress bar.
+        spread: Standard deviation of the first generation in each direction.
 
     Returns:
         The start, the best point seen, and the final mean of the search distribution.
     """
     options = {"bounds": [0, 1], "seed": seed + 1, "verbose": -9}  # pycma takes seed 0 for "from the clock"
-    search = cma.CMAEvolutionStrategy(start, 0.25, options)
+    search = cma.CMAEvolutionStrategy(start, spread, options)
     per_generation = search.popsize * episodes_per_candidate
     generations = episodes // per_generation
     if generations < 1:
@@ -121,18 +134,27 @@ def store(controller: str, env_id: str, model: str, entry: dict[str, Any]) -> Pa
 def main(argv: Sequence[str] | None = None) -> None:
     """The command line; see `Args`."""
     args = parse_arguments(Args, argv, prog="python -m agents.tune")
-    if args.controller not in PARAMETERS:
-        raise ValueError(f"nothing to tune in {args.controller!r}; choose from {', '.join(PARAMETERS)}")
-    cls = PARAMETERS[args.controller]
-    env_kwargs = with_randomization(with_model(args.env_kwargs, args.model, args.elements, args.env_id))
+    if args.controller not in TUNABLE:
+        raise ValueError(f"nothing to tune in {args.controller!r}; choose from {', '.join(TUNABLE)}")
+    cls = TUNABLE[args.controller][1]
+    env_kwargs = with_sampling(with_model(args.env_kwargs, args.model, args.elements, args.env_id), args.env_id)
     workers = Workers(args.jobs, args.cluster)
 
     def costs(points: Sequence[np.ndarray], seeds: Sequence[int]) -> list[float]:
         parameters = [from_unit(cls, np.clip(point, 0.0, 1.0)) for point in points]
         return [-value for value in mean_returns(args.controller, parameters, args.env_id, env_kwargs, seeds, workers)]
 
+    with make_env(args.env_id, env_kwargs) as env:
+        model = env.get_wrapper_attr("model")
+    start = load_parameters(args.controller, args.env_id, model) if args.refine else cls()
     candidates = tune(
-        costs, to_unit(cls()), args.episodes, args.episodes_per_candidate, args.seed, progress=not args.quiet
+        costs,
+        to_unit(start),
+        args.episodes,
+        args.episodes_per_candidate,
+        args.seed,
+        progress=not args.quiet,
+        spread=0.08 if args.refine else 0.25,
     )
     validation = episode_seeds("validation", args.seed, args.validation_episodes)
     returns = [-cost for cost in costs(candidates, validation)]
@@ -142,14 +164,14 @@ def main(argv: Sequence[str] | None = None) -> None:
         "tuning": {
             "command": shlex.join(["python", "-m", "agents.tune", *(sys.argv[1:] if argv is None else argv)]),
             "env_kwargs": runs.jsonable(env_kwargs),
+            "start": asdict(start),
             "training_episodes": args.episodes,
             "seed": args.seed,
             "validation_return": returns[best],
             "validation_return_before_tuning": returns[0],
         },
     }
-    with make_env(args.env_id, env_kwargs) as env:
-        path = store(args.controller, args.env_id, env.get_wrapper_attr("model"), entry)
+    path = store(args.controller, args.env_id, model, entry)
     print(json.dumps(entry, indent=2))
     print(f"written to {path}")
 

@@ -12,6 +12,8 @@ from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvObs, VecEnvStepReturn
 
 from agents.environments import DEFAULT_ENV_ID, make_vector_env
+from agents.residual import added, base_law
+from agents.torque_laws import Signals
 
 
 class NativeVecEnv(VecEnv):
@@ -127,3 +129,36 @@ class FixedSeeds(VecEnvWrapper):
     def step_wait(self) -> VecEnvStepReturn:
         """As the environment's."""
         return self.venv.step_wait()
+
+
+class ResidualVecEnv(VecEnvWrapper):
+    """Takes the agent's actions as additions to those of a torque law, which sees the same observations.
+
+    Args:
+        venv: What to wrap.
+        residual: As `residual_on` describes it.
+    """
+
+    def __init__(self, venv: VecEnv, residual: Mapping[str, Any]) -> None:
+        super().__init__(venv)
+        names, task = (venv.get_attr(name, 0)[0] for name in ("observation_names", "task"))
+        self._law = base_law(residual, Signals(tuple(names), task.torque_limit, task.deadline))
+        self._scale = residual["scale"]
+        self._base = np.zeros(0, dtype=np.float32)
+
+    def reset(self) -> VecEnvObs:
+        """Begin new episodes."""
+        return self._seen(self.venv.reset())
+
+    def step_async(self, actions: np.ndarray) -> None:
+        """Take what the agent adds (num_envs, 1)."""
+        self.venv.step_async(added(self._base, actions, self._scale))
+
+    def step_wait(self) -> VecEnvStepReturn:
+        """As the environment's."""
+        observations, *told = self.venv.step_wait()
+        return self._seen(observations), *told
+
+    def _seen(self, observations: Any) -> Any:
+        self._base = self._law.predict(observations)[0]
+        return observations

@@ -193,6 +193,22 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         """Parameters of the present episode."""
         return self._episodes.parameters[0]
 
+    def futures(self, lanes: int, threads: int | None = None) -> Episodes:
+        """Copies of the present episode to try its futures with, lane by lane, while it stays as it is.
+
+        They go on from the exact state with the parameters of the episode, and observe the entries of "drive" with
+        perfect sensors; see ``Episodes.futures``.
+
+        Args:
+            lanes: number of copies.
+            threads: most threads that advance them; by default as many as there are processors for this process.
+
+        Raises:
+            gymnasium.error.ResetNeeded: before the first reset.
+            ValueError: if ``lanes`` or ``threads`` is not positive.
+        """
+        return self._episodes.futures(0, lanes, threads)
+
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:

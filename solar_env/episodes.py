@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from typing import Any
 
 import gymnasium
@@ -81,6 +82,15 @@ class Setup:
     def action_space(self) -> gymnasium.Space[Any]:
         """Space of one action."""
         return gymnasium.spaces.Box(-1.0, 1.0, (1,), dtype=np.float32)
+
+    def with_exact_observations(self) -> Setup:
+        """The same with perfect sensors that show the entries of the observation "drive"; the motor stays as it is."""
+        exact = copy(self)
+        exact.hardware = Hardware(motor_lag=self.hardware.motor_lag, torque_rate_limit=self.hardware.torque_rate_limit)
+        exact.observation = "drive"
+        entries = observation_entries(self.parameters.panel_count, exact.observation)
+        exact.observation_names = tuple(entry.name for entry in entries)
+        return exact
 
     def draw(self, design: ArrayParameters, generator: np.random.Generator, changes: Changes) -> ArrayParameters:
         """Parameters of one episode: those of a design, with some drawn from the ranges, then some changed.
@@ -196,9 +206,13 @@ class Episodes:
         self.terminated[lanes] = False
         self.terms[lanes] = 0.0
         self._charged[lanes] = 0.0
-        batch = self._batch
-        observe_lanes(batch.models, batch.states, self._numbers, *self._observed, lanes, self._sensors.exact)
+        self._observe(lanes)
         self._sensors.begin(lanes, generators)
+
+    def _observe(self, lanes: NDArray[np.int64]) -> None:
+        """Write what ideal sensors see of the present states."""
+        batch = self.batch
+        observe_lanes(batch.models, batch.states, self._numbers, *self._observed, lanes, self._sensors.exact)
 
     def step(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> None:
         """Hold motor torques for one control period.
@@ -239,6 +253,34 @@ class Episodes:
         if self._histories is not None:
             for lane in lanes:
                 self._histories[lane].add(batch.simulations[lane].state)
+
+    def futures(self, lane: int, count: int, threads: int | None = None) -> Episodes:
+        """Copies of the present episode of a lane, which go on without touching it.
+
+        Each has the original's whole state, mid-contact included, its parameters, its charges so far and its motor, and
+        goes on to the same bits under the same actions. They observe the entries of "drive" with perfect sensors: no
+        random number is drawn.
+
+        Args:
+            lane: of the original.
+            count: number of copies, the lanes of what is returned.
+            threads: see ``Batch``.
+
+        Raises:
+            gymnasium.error.ResetNeeded: before the first reset.
+            ValueError: if ``count`` or ``threads`` is not positive.
+        """
+        state, parameters = self.batch.simulations[lane].state, self.parameters[lane]
+        simulations = [self.setup.simulation(parameters) for _ in range(count)]
+        for simulation in simulations:
+            simulation.restore(state)
+        copies = Episodes(self.setup.with_exact_observations(), [parameters] * count, threads)
+        copies._batch = Batch(simulations, threads)
+        copies.terms[:] = self.terms[lane]
+        copies.terminated[:] = self.terminated[lane]
+        copies._charged[:] = self._charged[lane]
+        copies._observe(np.arange(count))
+        return copies
 
     def figures(self, lane: int) -> dict[str, Any]:
         """The physical figures of an episode, after a look at its accuracy.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
@@ -55,3 +56,17 @@ def run_python() -> Callable[..., str]:
         return done.stdout
 
     return run
+
+
+@pytest.fixture
+def configs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder of configurations of its own, with a brake tuned for two of the models."""
+    from agents import baselines, tune
+    from agents.environments import DEFAULT_ENV_ID
+
+    for module in (baselines, tune):
+        monkeypatch.setattr(module, "CONFIGS", tmp_path)
+    torques = {"rigid-clearance": 0.1, "flexible-clearance": 0.2}
+    tuned = {model: {"parameters": {"torque": torque, "onset": 0.0}} for model, torque in torques.items()}
+    (tmp_path / "brake.json").write_text(json.dumps({DEFAULT_ENV_ID: tuned}))
+    return tmp_path

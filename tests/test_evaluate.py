@@ -6,8 +6,11 @@ import json
 import numpy as np
 import pytest
 
-from agents.environments import episode_seeds
-from agents.evaluate import common_env_kwargs, evaluate, main, markdown, split_controller, summarize
+from agents.baselines import TUNABLE
+from agents.environments import DEFAULT_ENV_ID, SAMPLING, episode_seeds
+from agents.evaluate import common_env_kwargs, evaluate, main, split_controller, suite_named
+from agents.report import markdown, references, summarize
+from agents.shipped import load_shipped
 from solar_env.array import MODELS
 
 
@@ -42,6 +45,20 @@ def test_paired_differences_vanish_between_equal_controllers(rows):
     assert (difference.lower, difference.mean, difference.upper) == (0.0, 0.0, 0.0)
 
 
+def test_controllers_are_compared_with_the_first_and_with_the_best_baseline(rows):
+    assert references(rows) == ["passive", "servo-untuned"]
+    learned = [
+        {**row, "controller": "learned", "spec": "runs/learned", "return": row["return"] + 0.1}
+        for row in rows
+        if row["controller"] == "servo-untuned"
+    ]
+    assert references([*rows, *learned]) == ["passive", "servo-untuned"], "the best of those that do not learn"
+    entry = summarize([*rows, *learned])["learned"]
+    assert entry["return - servo-untuned"].mean == pytest.approx(0.1)
+    assert entry["better than servo-untuned"].mean == 1.0
+    assert "Difference from servo-untuned" in markdown([*rows, *learned])
+
+
 def test_the_command_writes_what_it_prints(tmp_path, capsys):
     main(["--controllers", "passive", "brake", "--episodes", "2", "--quiet", "--out", str(tmp_path)])
     assert (tmp_path / "comparison.md").read_text() in capsys.readouterr().out
@@ -49,7 +66,7 @@ def test_the_command_writes_what_it_prints(tmp_path, capsys):
         written = list(csv.DictReader(file))
     assert [row["controller"] for row in written] == ["passive", "passive", "brake", "brake"]
     metrics = json.loads((tmp_path / "metrics.json").read_text())
-    assert metrics["settings"]["env_kwargs"]["randomize"]["clearance"] == [0.15e-3, 0.25e-3]
+    assert metrics["settings"]["env_kwargs"]["randomize"] == {"hinge_x": list(SAMPLING["hinge_x"])}
     forces = [float(row["peak_postlock_force_N"]) for row in written if row["controller"] == "passive"]
     summary = metrics["controllers"]["passive"]["peak_postlock_force_N"]
     assert summary["mean"] == pytest.approx(np.mean(forces))
@@ -145,3 +162,30 @@ def test_a_run_without_policy_says_so(tmp_path):
     (tmp_path / "config.json").write_text(json.dumps({"algo": "ppo", "env_kwargs": {}}))
     with pytest.raises(FileNotFoundError, match=r"has no policy\.zip"):
         evaluate([str(tmp_path)], episodes=1, seed=0, progress=False)
+
+
+@pytest.mark.parametrize(("name", "env_id"), [("paper", DEFAULT_ENV_ID), ("robust", "solar_env/DeployRandomised-v0")])
+def test_a_suite_is_a_scenario_with_all_that_was_tuned_and_trained_for_it_on_six_elements(name, env_id):
+    found, controllers, env_kwargs = suite_named(name, DEFAULT_ENV_ID, [], {})
+    assert found == env_id
+    assert env_kwargs == {"model": "flexible-clearance", "elements": 6}
+    assert controllers[: 1 + len(TUNABLE)] == ["passive", *TUNABLE]
+    for shipped in controllers[1 + len(TUNABLE) :]:
+        assert load_shipped(shipped).description.env_id == env_id
+
+
+def test_what_is_given_takes_the_place_of_a_suites_parts():
+    _, controllers, env_kwargs = suite_named("paper", DEFAULT_ENV_ID, ["servo"], {"elements": 1})
+    assert (controllers, env_kwargs["elements"]) == (["servo"], 1)
+    with pytest.raises(ValueError, match="no suite 'fast'; available: paper, robust"):
+        suite_named("fast", DEFAULT_ENV_ID, [], {})
+    with pytest.raises(ValueError, match="--suite paper is about solar_env/Deploy-v0"):
+        suite_named("paper", "solar_env/DeployRandomised-v0", [], {})
+
+
+def test_the_command_runs_a_suite_in_a_folder_of_its_own(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    main(["--suite", "robust", "--controllers", "passive", "--elements", "1", "--episodes", "1", "--quiet"])
+    settings = json.loads((tmp_path / "evaluation" / "robust" / "metrics.json").read_text())["settings"]
+    assert settings["env_id"] == "solar_env/DeployRandomised-v0"
+    assert settings["env_kwargs"] == {"model": "flexible-clearance", "elements": 1}

@@ -13,11 +13,11 @@ import pytest
 
 from solar_env.__main__ import main
 from solar_env.commands import paper
-from solar_env.commands._folders import README
 from solar_env.mechanics.trajectory import Trajectory, contact_record
 from solar_env.paper import cases, phases, survey
 from solar_env.paper.claims import CLAIMS
 from solar_env.paper.figures import FIGURES
+from solar_env.readme import README
 from solar_env.studies.tables import read_table, write_table
 
 TIME = np.linspace(0.0, 30.0, 3001)

@@ -3,6 +3,7 @@
 import csv
 import json
 import sys
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from tensorboard.backend.event_processing.event_accumulator import EventAccumula
 from agents import evaluate as evaluate_module
 from agents import learn, runs
 from agents.arguments import parse_arguments
+from agents.baselines import load_parameters, make_baseline
 from agents.environments import make_env
 from agents.evaluate import evaluate
 from solar_env.array import MODELS
@@ -52,8 +54,46 @@ def test_a_run_keeps_its_model_and_elements_and_is_resumed_and_evaluated_on_them
         run("--resume", first, "--elements", 2, "--out", tmp_path / "third")
 
 
+def test_a_residual_agent_starts_as_the_law_it_adds_to_and_the_run_keeps_that_law(tmp_path):
+    small = ["--timesteps", 20, "--n-envs", 1, "--hyperparams", "n_steps=10", "batch_size=10", "learning_rate=0.0"]
+    folder = run("--residual", 0.3, *small, "--out", tmp_path / "run")
+    residual = runs.read_config(folder)["residual"]
+    env = make_env()
+    assert residual["scale"] == 0.3
+    assert residual["parameters"] == asdict(load_parameters("servo", "solar_env/Deploy-v0", "rigid-clearance"))
+    observations = env.observation_space.sample()[None] * np.linspace(0.0, 1.0, 20)[:, None].astype(np.float32)
+    policy, law = runs.load_policy(folder, env), make_baseline("servo", env)
+    network = runs.load_model(folder, env)
+    base, action = law.predict(observations)[0], network.predict(observations, deterministic=True)[0]
+    together = policy.predict(observations, deterministic=True)[0]
+    np.testing.assert_allclose(together, np.clip(base + 0.3 * action, -1.0, 1.0), atol=1e-6)
+    assert np.max(np.abs(action)) < 0.1, "an untrained network adds next to nothing"
+
+
+def test_training_takes_the_agents_action_as_an_addition_to_the_law(tmp_path):
+    config = learn.configuration("ppo", "solar_env/Deploy-v0", {}, seed=0, n_envs=2, residual=0.2)
+    venv = learn.make_training_env(config, None, threads=1)
+    plain = learn.make_training_env(replace(config, residual=None), None, threads=1)
+    law = make_baseline("servo", make_env())
+    venv.seed(3)
+    plain.seed(3)
+    observations = venv.reset()
+    assert np.array_equal(observations, plain.reset())
+    for k in range(12):
+        added = np.full((2, 1), np.sin(k), dtype=np.float32)
+        whole = np.clip(law.predict(observations)[0] + np.float32(0.2) * added, -1.0, 1.0)
+        observations, *_ = venv.step(added)
+        assert np.array_equal(observations, plain.step(whole)[0])
+
+
+@pytest.mark.parametrize("scale", [-0.1, 1.5])
+def test_a_residual_beyond_the_torque_limit_is_refused(tmp_path, scale):
+    with pytest.raises(ValueError, match=f"residual = {scale}"):
+        run("--residual", scale, "--out", tmp_path / "run")
+
+
 def policy_weights(folder):
-    model = runs.load_policy(folder, make_env())
+    model = runs.load_model(folder, make_env())
     return np.concatenate([weights.detach().numpy().ravel() for weights in model.policy.parameters()])
 
 

@@ -9,7 +9,7 @@ from rich.console import Console
 
 from ..array import MODELS
 from ..progress import counting_bar
-from ._folders import check_readme, replace_in_readme
+from ..readme import check_readme, replace_in_readme
 
 FILE = "bench.md"
 BEGIN, END = "<!-- bench: written by `python -m solar_env bench --readme` -->", "<!-- end of bench -->"

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from ._folders import FIGURE_FOLDER, PACKAGE
+from ..readme import FIGURE_FOLDER, PACKAGE
 
 STUDIES = ("work-precision", "ensembles", "levels", "growth", "side-by-side")
 

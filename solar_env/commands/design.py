@@ -8,7 +8,7 @@ from pathlib import Path
 from rich.console import Console
 
 from ..array import PRESETS
-from ._folders import FIGURE_FOLDER
+from ..readme import FIGURE_FOLDER
 from ._workers import add_worker_arguments, chosen_workers
 
 

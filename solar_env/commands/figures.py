@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from rich.progress import track
 
-from ._folders import FIGURE_FOLDER
+from ..readme import FIGURE_FOLDER
 
 # A moment after latching, with the journals in flight.
 FRAME_TIME = 13.6  # s

@@ -10,7 +10,7 @@ from rich.console import Console
 
 from ..array import PRESETS, ArrayParameters
 from ..progress import counting_bar
-from ._folders import FIGURE_FOLDER
+from ..readme import FIGURE_FOLDER
 from ._workers import add_worker_arguments, chosen_workers
 
 

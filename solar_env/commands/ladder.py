@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.table import Table
 
 from ..ladder import PACKAGED_TABLE, QUESTIONS, Answer, read_answers, steps
-from ._folders import FIGURE_FOLDER
+from ..readme import FIGURE_FOLDER
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

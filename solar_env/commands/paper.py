@@ -8,7 +8,7 @@ from pathlib import Path
 from rich.console import Console
 
 from ..progress import counting_bar
-from ._folders import FIGURE_FOLDER, PACKAGE, check_readme, replace_in_readme
+from ..readme import FIGURE_FOLDER, PACKAGE, check_readme, replace_in_readme
 from ._workers import add_worker_arguments, chosen_workers
 
 BEGIN, END = "<!-- claims: written by `python -m solar_env paper --readme` -->", "<!-- end of claims -->"

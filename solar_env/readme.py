@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-PACKAGE = Path(__file__).resolve().parent.parent
+PACKAGE = Path(__file__).resolve().parent
 FIGURE_FOLDER = PACKAGE / "figures"
 README = PACKAGE.parent / "README.md"
 

@@ -1,0 +1,62 @@
+"""Controllers by name: baselines, the receding-horizon search, shipped policies, run folders."""
+
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+
+from agents import runs, shipped
+from agents.baselines import BASELINES, make_baseline
+from agents.receding_horizon import RecedingHorizon
+from agents.torque_laws import Controller
+
+SEARCH = "receding-horizon"
+UNTRAINED = (*BASELINES, SEARCH)
+
+
+def load_controller(spec: str, env: gymnasium.Env) -> Controller:
+    """The controller that `spec` names, for use on `env`.
+
+    Args:
+        spec: One of `UNTRAINED`, a shipped policy, or a run folder. Load only runs you trust: they are pickles.
+        env: Environment of this project.
+
+    Raises:
+        FileNotFoundError: it is none of these.
+        ValueError: it does not fit the environment.
+    """
+    if spec == SEARCH:
+        return RecedingHorizon(env, make_baseline("servo", env))
+    if spec in BASELINES:
+        return make_baseline(spec, env)
+    if spec in shipped.available():
+        policy = shipped.load_shipped(spec)
+        policy.check(env)
+        return policy
+    return runs.load_policy(spec, env)
+
+
+def policy_files(spec: str) -> list[Path]:
+    """The files that determine a trained controller; none for the others.
+
+    Raises:
+        FileNotFoundError: `spec` names no controller.
+    """
+    if spec in UNTRAINED:
+        return []
+    if spec in shipped.available():
+        return [shipped.SHIPPED / spec / name for name in (shipped.ARRAYS, shipped.DESCRIPTION)]
+    return [runs.policy_path(spec), Path(spec) / runs.CONFIG]
+
+
+def trained_on(spec: str) -> dict[str, Any] | None:
+    """Environment keywords that a controller was trained with; None if it was not trained.
+
+    Raises:
+        FileNotFoundError: `spec` names no controller.
+    """
+    if spec in UNTRAINED:
+        return None
+    if spec in shipped.available():
+        return shipped.load_shipped(spec).description.env_kwargs
+    return runs.read_config(spec)["env_kwargs"]

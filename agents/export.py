@@ -1,0 +1,341 @@
+"""Ship a trained policy as plain arrays and as ONNX, with a card: `python -m agents.export runs/<run> --name NAME`."""
+
+import csv
+import json
+import re
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.policies import ActorCriticPolicy
+from stable_baselines3.common.torch_layers import FlattenExtractor
+from stable_baselines3.sac.policies import SACPolicy
+from torch import nn
+
+from agents import runs, shipped
+from agents.arguments import parse_arguments
+from agents.baselines import BASELINES
+from agents.environments import make_env
+from agents.report import Row, markdown
+from agents.shipped import Description, Layer, PolicyNetwork, ShippedPolicy
+from solar_env.hardware import Hardware
+
+OPSET = 17
+IR_VERSION = 8  # the one that came with the opset, so that runtimes as old as the opset read the file
+TOLERANCE = 1e-5  # of actions, between the network and Stable-Baselines3
+
+ACTIVATIONS: dict[type[nn.Module], str] = {nn.ReLU: "relu", nn.Tanh: "tanh"}
+ONNX_OPERATORS = {"relu": "Relu", "tanh": "Tanh"}
+
+
+@dataclass
+class Args:
+    """Write the best policy of a run to agents/policies as arrays and as ONNX, with a card."""
+
+    run: str | None = None
+    """run folder; may be named first, without --run"""
+    name: str | None = None
+    """name of the policy: letters, digits, dots, dashes and underscores"""
+
+
+def network_of(model: BaseAlgorithm) -> PolicyNetwork:
+    """The deterministic action of a Stable-Baselines3 model.
+
+    Raises:
+        ValueError: it is computed by something else than what `PolicyNetwork` has.
+    """
+    policy: Any = model.policy
+    if isinstance(policy, ActorCriticPolicy):
+        parts: list[nn.Module] = [policy.pi_features_extractor, policy.mlp_extractor.policy_net, policy.action_net]
+    elif isinstance(policy, SACPolicy):
+        parts = [policy.actor.features_extractor, policy.actor.latent_pi, policy.actor.mu]
+    else:
+        parts = [policy.actor.features_extractor, policy.actor.mu]
+    leaves = [leaf for part in parts[1:] for leaf in part.modules() if not isinstance(leaf, nn.Sequential)]
+    mean = max(index for index, leaf in enumerate(leaves) if isinstance(leaf, nn.Linear))
+    linear, between, after = leaves[: mean + 1 : 2], leaves[1:mean:2], leaves[mean + 1 :]
+    fits = (
+        type(parts[0]) is FlattenExtractor
+        and all(type(leaf) is nn.Linear for leaf in linear)
+        and all(type(leaf) in ACTIVATIONS and type(leaf) is type(between[0]) for leaf in between)
+        and [type(leaf) for leaf in after] in ([], [nn.Tanh], [nn.Hardtanh])
+    )
+    if not fits:
+        raise ValueError(
+            f"the policy computes {', '.join(type(leaf).__name__ for leaf in [parts[0], *leaves])}; exported can be "
+            "fully connected layers on the flat observation with one activation, Tanh or ReLU, between them"
+        )
+    layers: list[Layer] = []
+    for leaf in linear:
+        assert isinstance(leaf, nn.Linear)
+        layers.append(Layer(leaf.weight.detach().cpu().numpy().copy(), leaf.bias.detach().cpu().numpy().copy()))
+    return PolicyNetwork(
+        tuple(layers),
+        activation=ACTIVATIONS[type(between[0])] if between else "tanh",
+        # TD3's actor ends with the Tanh that the others leave to the distribution.
+        output="tanh" if policy.squash_output else "clip",
+        # SAC with state-dependent exploration keeps the mean away from where tanh is flat.
+        mean_limit=next((float(leaf.max_val) for leaf in after if isinstance(leaf, nn.Hardtanh)), None),
+    )
+
+
+def difference(network: PolicyNetwork, model: BaseAlgorithm, env: gymnasium.Env, count: int = 1000) -> float:
+    """Greatest difference between the actions of a network and of the model it comes from.
+
+    Args:
+        network: From `network_of`.
+        model: What it comes from.
+        env: Bounds the observations.
+        count: Number of observations, drawn uniformly.
+    """
+    space: Any = env.observation_space
+    observations = np.random.default_rng(0).uniform(space.low, space.high, (count, *space.shape)).astype(np.float32)
+    expected, _ = model.predict(observations, deterministic=True)
+    return float(np.max(np.abs(network.predict(observations)[0] - expected)))
+
+
+def onnx_model(network: PolicyNetwork) -> Any:
+    """The network as an ``onnx.ModelProto``: "observation" (n, inputs) to "action" (n, outputs), both float32.
+
+    Raises:
+        ValueError: ONNX is not installed.
+    """
+    try:
+        from onnx import TensorProto, checker, helper, numpy_helper
+    except ImportError as error:
+        raise ValueError("ONNX is not installed; pip install 'solar-env[onnx]'") from error
+
+    nodes, constants = [], []
+
+    def constant(name: str, value: Any) -> str:
+        constants.append(numpy_helper.from_array(np.asarray(value, dtype=np.float32), name))
+        return name
+
+    def node(operator: str, inputs: list[str], output: str, **attributes: Any) -> str:
+        nodes.append(helper.make_node(operator, inputs, [output], **attributes))
+        return output
+
+    values = "observation"
+    for number, layer in enumerate(network.layers, start=1):
+        weights, biases = constant(f"weights_{number}", layer.weights), constant(f"biases_{number}", layer.biases)
+        values = node("Gemm", [values, weights, biases], f"sum_{number}", transB=1)
+        if number < len(network.layers):
+            values = node(ONNX_OPERATORS[network.activation], [values], f"hidden_{number}")
+    if network.mean_limit is not None:
+        limits = [constant("least_mean", -network.mean_limit), constant("greatest_mean", network.mean_limit)]
+        values = node("Clip", [values, *limits], "limited_mean")
+    if network.output == "tanh":
+        node("Tanh", [values], "action")
+    else:
+        node("Clip", [values, constant("least_action", -1.0), constant("greatest_action", 1.0)], "action")
+
+    graph = helper.make_graph(
+        nodes,
+        "policy",
+        [helper.make_tensor_value_info("observation", TensorProto.FLOAT, ["n", network.inputs])],
+        [helper.make_tensor_value_info("action", TensorProto.FLOAT, ["n", network.outputs])],
+        constants,
+    )
+    model = helper.make_model(
+        graph, opset_imports=[helper.make_opsetid("", OPSET)], ir_version=IR_VERSION, producer_name="solar-env"
+    )
+    checker.check_model(model, full_check=True)
+    return model
+
+
+def export(run: str | Path, folder: Path) -> ShippedPolicy:
+    """Write the best policy of a run, its ONNX form and its card to `folder`. Export only runs you trust: it unpickles.
+
+    Raises:
+        FileExistsError: `folder` exists.
+        FileNotFoundError: there is no run, or it has no policy.
+        ValueError: the policy is none that can be exported, or ONNX is not installed.
+    """
+    if folder.exists():
+        raise FileExistsError(f"{folder} exists; choose another --name, or remove it")
+    run = Path(run)
+    config = runs.read_config(run)
+    with make_env(config["env_id"], config["env_kwargs"]) as env:
+        model = runs.load_model(run, env)
+        network = network_of(model)
+        unwrapped: Any = env.unwrapped
+        description = Description(
+            algorithm=config["algo"],
+            activation=network.activation,
+            output=network.output,
+            mean_limit=network.mean_limit,
+            env_id=config["env_id"],
+            env_kwargs=config["env_kwargs"],
+            observation=config["env_kwargs"].get("observation", "drive"),
+            observation_names=tuple(unwrapped.observation_names),
+            torque_limit=unwrapped.task.torque_limit,
+            deadline=unwrapped.task.deadline,
+            residual=config.get("residual"),
+        )
+        policy = ShippedPolicy(network, description)
+        found = difference(network, model, env)
+        if not found <= TOLERANCE:
+            raise ValueError(f"the exported network differs from the run's policy by {found:.1e}; it is not written")
+        card = _card(folder.name, run, config, policy, unwrapped, found)
+    onnx_bytes = onnx_model(network).SerializeToString()
+    folder.mkdir(parents=True)
+    shipped.save(folder, policy)
+    (folder / shipped.ONNX).write_bytes(onnx_bytes)
+    (folder / shipped.CARD).write_text(card)
+    return policy
+
+
+def _card(name: str, run: Path, config: dict[str, Any], policy: ShippedPolicy, env: Any, found: float) -> str:
+    """The card of a policy; `env` is the environment that it was trained on, `found` its `difference`."""
+    parts = [
+        f"# {name}\n\nA controller of the root hinge's motor for `{config['env_id']}`, trained by "
+        f"{config['algo'].upper()} from Stable-Baselines3.",
+        _training(config, policy, env),
+        f"## Scores\n\n{_scores(run)}",
+        _limits(policy, env),
+        _use(name, policy, found),
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def _training(config: dict[str, Any], policy: ShippedPolicy, env: Any) -> str:
+    sizes = [policy.network.inputs, *(layer.biases.size for layer in policy.network.layers)]
+    steps = f"{config['timesteps']:,}"
+    if config["resumed_from"]:
+        steps += f", on top of {config['timesteps_before']:,} of `{config['resumed_from']}`"
+    facts = {
+        "algorithm": config["algo"],
+        "environment": f"`{config['env_id']}` with `{json.dumps(config['env_kwargs'])}`",
+        "model": env.model + (f", {env.elements} elements a panel" if env.model.startswith("flexible") else ""),
+        "scenario": f"{env.scenario}; drawn for every episode: {_ranges(env.randomize)}",
+        "sensors and motor": _imperfections(env.hardware),
+        "environment steps": steps,
+        "environments together": config["n_envs"],
+        "seed": config["seed"],
+        "network": f"{' - '.join(map(str, sizes))}, {policy.network.activation} between layers",
+        "action": _formula(policy.description.residual),
+        "versions": ", ".join(f"{package} {version}" for package, version in config["versions"].items()),
+    }
+    rows = "\n".join(f"| {fact} | {value} |" for fact, value in facts.items())
+    return (
+        f"## Training\n\n| | |\n|---|---|\n{rows}\n\nCommand:\n\n```\n{config['command']}\n```\n\n"
+        f"Hyperparameters:\n\n```json\n{json.dumps(config['hyperparameters'], indent=2)}\n```\n\n"
+        "Kept is the policy that did best in the validations along the way."
+    )
+
+
+def _ranges(ranges: Mapping[str, Any]) -> str:
+    return ", ".join(f"`{name}` from {low} to {high}" for name, (low, high) in ranges.items()) or "nothing"
+
+
+def _imperfections(hardware: Hardware) -> str:
+    ideal = vars(Hardware())
+    return ", ".join(f"`{name}` {value}" for name, value in vars(hardware).items() if value != ideal[name]) or "ideal"
+
+
+def _formula(residual: Mapping[str, Any] | None) -> str:
+    if residual is None:
+        return "the network's"
+    return (
+        f"clip({residual['law']} + {residual['scale']} network, -1, 1); the law's parameters, which this policy keeps: "
+        f"`{json.dumps(residual['parameters'])}`"
+    )
+
+
+def _scores(run: Path) -> str:
+    """The comparison in which a run was measured: its own, or that of all the seeds it was trained with."""
+    for folder in (run, run.parent):
+        if not (folder / "episodes.csv").is_file() or not (folder / "metrics.json").is_file():
+            continue
+        with (folder / "episodes.csv").open() as file:
+            rows = [_numbers(row) for row in csv.DictReader(file)]
+        own = [row for row in rows if Path(row["spec"]).name == run.name and row["spec"] not in BASELINES]
+        if own:
+            settings = json.loads((folder / "metrics.json").read_text())["settings"]
+            table = markdown([row for row in rows if row["spec"] in BASELINES] + own)
+            return f"`{own[0]['controller']}` is this policy. Measured by `{settings['command']}`.\n\n{table.strip()}"
+    return "None were measured."
+
+
+def _numbers(row: Mapping[str, str]) -> Row:
+    """A row of ``episodes.csv`` as `evaluate` returns it."""
+    plain = {"True": True, "False": False}
+    return {
+        key: text if key in ("controller", "spec") else plain[text] if text in plain else float(text)
+        for key, text in row.items()
+        if text
+    }
+
+
+def _limits(policy: ShippedPolicy, env: Any) -> str:
+    task, names = env.task, policy.description.observation_names
+    lines = [
+        "Trained on the model, scenario, draws, sensors and motor above, with a control period of "
+        f"{task.control_period} s, a deadline of {task.deadline} s and {task.postlock_window} s after the last latch. "
+        "Do not trust it with other models, parameters, initial states, sensors, motors or periods: this card "
+        "measures nothing there.",
+        f"It expects these {len(names)} entries in this order, in the units of the environment: "
+        f"{', '.join(f'`{name}`' for name in names)}. An action of 1 is a motor torque of {task.torque_limit} N m.",
+        "It is one training seed of one algorithm, which says little about the algorithm, and chosen on simulated "
+        "episodes of a planar array. It has driven no hardware, and nothing about its stability is proved.",
+    ]
+    return "## Limits\n\n" + "\n".join(f"* {line}" for line in lines)
+
+
+def _use(name: str, policy: ShippedPolicy, found: float) -> str:
+    alone = ""
+    if policy.description.residual is not None:
+        alone = (
+            ' **The file holds the network alone**: what drives the motor is the sum with the law, see "action" above, '
+            "which the NumPy form adds up."
+        )
+    return f"""## Use
+
+In NumPy, without PyTorch; nothing is unpickled. Over random observations its network's actions differ by up to
+{found:.1e} from Stable-Baselines3's. With clearance even that changes single impacts: compare means over episodes.
+
+```python
+from agents.environments import make_env
+from agents.rollout import run_episode
+from agents.shipped import load_shipped
+
+policy = load_shipped("{name}")
+env = make_env(policy.description.env_id, policy.description.env_kwargs)
+policy.check(env)
+print(run_episode(env, policy, seed=0))
+```
+
+In ONNX Runtime, from observations (n, {policy.network.inputs}) to actions (n, 1).{alone}
+
+```python
+import numpy
+import onnxruntime
+from agents.shipped import ONNX, SHIPPED
+
+session = onnxruntime.InferenceSession(SHIPPED / "{name}" / ONNX)
+observations = numpy.zeros((1, {policy.network.inputs}), dtype=numpy.float32)
+(actions,) = session.run(["action"], {{"observation": observations}})
+print(actions)
+```"""
+
+
+def main(argv: Sequence[str] | None = None) -> None:
+    """The command line; see `Args`."""
+    given = list(sys.argv[1:] if argv is None else argv)
+    if given and not given[0].startswith("-"):
+        given.insert(0, "--run")
+    args = parse_arguments(Args, given, prog="python -m agents.export")
+    if args.run is None or not re.fullmatch(r"\w[\w.-]*", args.name or ""):
+        raise ValueError(f"run is {args.run!r}, name {args.name!r}; give both: agents.export runs/<run> --name NAME")
+    folder = shipped.SHIPPED / str(args.name)
+    export(args.run, folder)
+    print(f"written to {folder}")
+
+
+if __name__ == "__main__":
+    main()

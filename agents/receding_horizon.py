@@ -1,0 +1,179 @@
+"""A bound that no drive can reach: search by rollouts of the simulator itself, from its own state."""
+
+import math
+from contextlib import closing
+from dataclasses import dataclass
+from typing import Any
+
+import gymnasium
+import numpy as np
+
+from agents.torque_laws import Controller
+
+
+@dataclass(frozen=True)
+class SearchSettings:
+    """How thoroughly `RecedingHorizon` searches.
+
+    Attributes:
+        knots: Number of values of the residual torque, at equal distances from now to the deadline.
+        candidates: Rollouts of an iteration.
+        elites: Best of them, to which the next iteration's distribution is fitted.
+        iterations: Of the cross-entropy method at every replanning.
+        replan_every: Control periods from one replanning to the next.
+        initial_deviation: Standard deviation of the knots in the first iteration [N m].
+        least_deviation: Bound below which it does not shrink [N m].
+
+    Raises:
+        ValueError: on construction, for a value out of range.
+    """
+
+    knots: int = 8
+    candidates: int = 24
+    elites: int = 6
+    iterations: int = 2
+    replan_every: int = 20
+    initial_deviation: float = 0.02
+    least_deviation: float = 0.002
+
+    def __post_init__(self) -> None:
+        for name, least in (("knots", 2), ("elites", 2), ("candidates", 3), ("iterations", 1), ("replan_every", 1)):
+            value = getattr(self, name)
+            if isinstance(value, bool) or not isinstance(value, int) or value < least:
+                raise ValueError(f"{name} = {value!r} must be a whole number of at least {least}")
+        if self.elites >= self.candidates:
+            raise ValueError(f"elites = {self.elites!r} must be fewer than candidates = {self.candidates!r}")
+        if not 0.0 < self.least_deviation <= self.initial_deviation < math.inf:
+            raise ValueError(
+                f"least_deviation = {self.least_deviation!r} must be positive and at most initial_deviation = "
+                f"{self.initial_deviation!r}, which must be finite"
+            )
+
+
+@dataclass(frozen=True)
+class Plan:
+    """An episode as it will be.
+
+    Attributes:
+        start: Control period that it begins with.
+        actions: (periods,) float32, from `start` to the end of the episode.
+        rewards: (periods,) of these actions.
+        knot_times: (knots,) of the residual [s].
+        residual: (knots,) torque on top of that of the base law [N m].
+        predicted_return: Sum of the rewards; -inf where there is no plan yet.
+    """
+
+    start: int
+    actions: np.ndarray
+    rewards: np.ndarray
+    knot_times: np.ndarray
+    residual: np.ndarray
+    predicted_return: float
+
+
+class RecedingHorizon:
+    """The best torques that a search finds which may copy the simulator and try the future out.
+
+    Candidates are torques linear over time on top of those of a base law, to the end of the episode, for the cost comes
+    with latching and after it. They are searched by the cross-entropy method (R. Y. Rubinstein, Methodol. Comput. Appl.
+    Probab. 1 (1999) 127-190, doi:10.1023/A:1010091220143), every now and then anew, around the plan of before. The
+    rollouts start from the exact state, with the true parameters, the true motor, and perfect sensors for the base law.
+
+    What is done are the torques of the best rollout: the simulator is deterministic, so that its return comes to pass,
+    whatever the sensors show. A plan gives way to a better one only: the return to be expected never falls, and is
+    never below that of the base law with perfect sensors.
+
+    Args:
+        env: Environment of this project, not a vector; `predict` must be asked in every period of its episodes, and
+            the answers be taken as they are.
+        base: Controller without a memory that reads entries of the observation "drive".
+        settings: How thorough the search is.
+        seed: Of its random numbers, which begin anew with every episode.
+
+    Attributes:
+        predicted_returns: Of the present episode, after every replanning.
+    """
+
+    def __init__(
+        self, env: gymnasium.Env, base: Controller, settings: SearchSettings = SearchSettings(), seed: int = 0
+    ) -> None:
+        self._env: Any = env.unwrapped
+        self._base, self._settings, self._seed = base, settings, seed
+        self.predicted_returns: list[float] = []
+
+    def predict(
+        self,
+        observation: np.ndarray,
+        state: tuple[np.ndarray, ...] | None = None,
+        episode_start: np.ndarray | None = None,
+        deterministic: bool = False,
+    ) -> tuple[np.ndarray, tuple[np.ndarray, ...] | None]:
+        """The planned action (1,) or (1, 1) for the present period of the environment.
+
+        Of `observation` (n_obs,) or (1, n_obs) only the shape counts. A new episode is told by the environment's clock.
+
+        Raises:
+            gymnasium.error.ResetNeeded: before the environment's first reset.
+        """
+        period = round(self._env.simulation.time / self._env.task.control_period)
+        if period == 0 or not self.predicted_returns:
+            self._begin(period)
+        if period >= self._next_replanning:
+            self._replan(period)
+        action = self._plan.actions[period - self._plan.start]
+        return np.full((1,) * np.ndim(observation), action), state
+
+    def _begin(self, period: int) -> None:
+        """Forget the episode before."""
+        self._generator = np.random.default_rng(self._seed)
+        nothing = np.zeros(0, dtype=np.float32), np.zeros(0), np.zeros(1), np.zeros(1)
+        self._plan = Plan(period, *nothing, predicted_return=-math.inf)
+        self._next_replanning = period
+        self.predicted_returns = []
+
+    def _replan(self, period: int) -> None:
+        """Search from the present state, around the plan so far, for a better one."""
+        settings, task, plan = self._settings, self._env.task, self._plan
+        done = period - plan.start
+        now = self._env.simulation.time
+        knot_times = np.linspace(now, max(task.deadline, now + task.control_period), settings.knots)
+        mean = np.interp(knot_times, plan.knot_times, plan.residual)
+        deviation = np.full(settings.knots, settings.initial_deviation)
+        for iteration in range(settings.iterations):
+            residuals = self._generator.normal(mean, deviation, (settings.candidates, settings.knots))
+            residuals[0] = mean
+            if iteration == 0:
+                residuals[1] = 0.0
+            actions, rewards = self._roll_out(knot_times, residuals)
+            ranking = np.argsort(-rewards.sum(axis=1), kind="stable")
+            best = ranking[0]
+            foreseen = np.concatenate([plan.rewards[:done], rewards[best]])
+            if foreseen.sum() > self._plan.predicted_return:
+                acted = np.concatenate([plan.actions[:done], actions[best]])
+                self._plan = Plan(plan.start, acted, foreseen, knot_times, residuals[best], float(foreseen.sum()))
+            elites = residuals[ranking[: settings.elites]]
+            mean = elites.mean(axis=0)
+            deviation = np.maximum(elites.std(axis=0), settings.least_deviation)
+        self._next_replanning = period + settings.replan_every
+        self.predicted_returns.append(self._plan.predicted_return)
+
+    def _roll_out(self, knot_times: np.ndarray, residuals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Actions, float32, and rewards (n, periods) from now to the end, under residuals (n, knots) [N m].
+
+        After the end of an episode that is shorter than others there are zeros.
+        """
+        task, count = self._env.task, len(residuals)
+        times = np.arange(knot_times[0], task.deadline + task.postlock_window, task.control_period)
+        offsets = np.array([np.interp(times, knot_times, row) for row in residuals]) / task.torque_limit
+        actions, rewards = np.zeros(offsets.shape, dtype=np.float32), np.zeros(offsets.shape)
+        lanes, k = np.arange(count), 0
+        with closing(self._env.futures(count)) as futures:
+            while lanes.size:
+                base, _ = self._base.predict(futures.observations)
+                actions[lanes, k] = np.clip(base[lanes, 0] + offsets[lanes, k], -1.0, 1.0)
+                # Rounded to float32, as the environment will get them.
+                futures.step(lanes, actions[:, k].astype(np.float64))
+                rewards[lanes, k] = futures.terms[lanes].sum(axis=1)
+                lanes = lanes[~futures.terminated[lanes]]
+                k += 1
+        return actions[:, :k], rewards[:, :k]

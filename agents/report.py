@@ -1,0 +1,135 @@
+"""A comparison of controllers as numbers, as tables in Markdown, and as files."""
+
+import csv
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from agents import runs
+from agents.baselines import BASELINES
+from agents.statistics import Estimate, estimate, improvement, interquartile_mean
+
+# Figure -> (heading, factor to the heading's unit); the tables show these, the CSV file has all.
+TABLE: dict[str, tuple[str, float]] = {
+    "return": ("return", 1.0),
+    "peak_postlock_force_N": ("peak post-lock force [N]", 1.0),
+    "postlock_impulse_Ns": ("post-lock impulse [N s]", 1.0),
+    "postlock_sliding_work_J": ("post-lock sliding work [mJ]", 1e3),
+    "wear_depth_max_m": ("largest wear depth [1e-15 m]", 1e15),
+    "latch_times_s": ("last latch [s]", 1.0),
+    "motor_work_J": ("motor work [J]", 1.0),
+}
+HIGHER_IS_BETTER = frozenset({"return"})
+
+Row = dict[str, Any]
+
+
+def summarize(rows: Sequence[Row]) -> dict[str, dict[str, Any]]:
+    """Controller -> latched fraction, an estimate of every figure of `TABLE`, and comparisons with the references.
+
+    Those are the `references`. With each there are paired differences, episode by episode, for both had the same seed,
+    and the probability of a higher return.
+    """
+    names = list(dict.fromkeys(row["controller"] for row in rows))
+    compared_with = {
+        name: {row["episode"]: row for row in rows if row["controller"] == name} for name in references(rows)
+    }
+    summary: dict[str, dict[str, Any]] = {}
+    for name in names:
+        mine = [row for row in rows if row["controller"] == name]
+        specs = list(dict.fromkeys(row["spec"] for row in mine))
+        by_run = [[row for row in mine if row["spec"] == spec] for spec in specs]
+        entry: dict[str, Any] = {"runs": len(specs), "latched": sum(row["latched"] for row in mine) / len(mine)}
+        for figure in (figure for figure in TABLE if figure in mine[0]):
+            values = [np.array([row[figure] for row in run]) for run in by_run]
+            entry[figure] = estimate(values)
+            for reference, episodes in compared_with.items():
+                base = [np.array([episodes[row["episode"]][figure] for row in run]) for run in by_run]
+                entry[f"{figure} - {reference}"] = estimate([v - b for v, b in zip(values, base, strict=True)])
+                if figure == "return":
+                    entry[f"better than {reference}"] = improvement(values, base)
+        summary[name] = entry
+    return summary
+
+
+def references(rows: Sequence[Row]) -> list[str]:
+    """What the others are compared with: the first controller, and the baseline with the highest mean return."""
+    names = list(dict.fromkeys(row["controller"] for row in rows))
+    returns = {
+        name: float(interquartile_mean(np.array([row["return"] for row in rows if row["controller"] == name])))
+        for name in dict.fromkeys(row["controller"] for row in rows if row["spec"] in BASELINES)
+    }
+    best = max(returns, key=returns.__getitem__, default=names[0])
+    return list(dict.fromkeys([names[0], best]))
+
+
+def markdown(rows: Sequence[Row]) -> str:
+    """The comparison as Markdown tables, with what the numbers are."""
+    summary = summarize(rows)
+    names = list(summary)
+    figures = [figure for figure in TABLE if figure in summary[names[0]]]
+    episodes = len({row["episode"] for row in rows})
+    head = ["controller", "latched", *(TABLE[figure][0] for figure in figures)]
+    lines = [
+        f"Interquartile mean over {episodes} evaluation episodes, the same for every controller, with a 95 % "
+        "bootstrap interval, and the worst episode. Post-lock figures are those of deployments that latched.",
+        "",
+        "| " + " | ".join(head) + " |",
+        "|" + " --- |" * len(head),
+    ]
+    for name, entry in summary.items():
+        label = f"{name} ({entry['runs']} runs)" if entry["runs"] > 1 else name
+        cells = [_cell(entry[figure], figure) for figure in figures]
+        lines.append(f"| {label} | {entry['latched']:.0%} | " + " | ".join(cells) + " |")
+    for reference in references(rows) if len(names) > 1 else []:
+        head = ["controller", *(TABLE[figure][0] for figure in figures), "better in"]
+        lines += [
+            "",
+            f"Difference from {reference}, episode by episode, and share of the episodes with a higher return:",
+            "",
+            "| " + " | ".join(head) + " |",
+            "|" + " --- |" * len(head),
+        ]
+        for name in names:
+            if name != reference:
+                cells = [_cell(summary[name][f"{figure} - {reference}"], figure, worst=False) for figure in figures]
+                better = summary[name][f"better than {reference}"]
+                share = f"{better.mean:.0%} [{better.lower:.0%}, {better.upper:.0%}]"
+                lines.append(f"| {name} | " + " | ".join([*cells, share]) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def _cell(value: Estimate, figure: str, worst: bool = True) -> str:
+    if value.count == 0:
+        return "-"
+    factor = TABLE[figure][1]
+    text = f"{value.mean * factor:.4g} [{value.lower * factor:.4g}, {value.upper * factor:.4g}]"
+    extreme = value.minimum if figure in HIGHER_IS_BETTER else value.maximum
+    return text + (f"; worst {extreme * factor:.4g}" if worst else "")
+
+
+def write_comparison(folder: Path, rows: Sequence[Row], settings: Mapping[str, Any]) -> None:
+    """Write ``episodes.csv``, ``metrics.json`` and ``comparison.md`` into `folder`."""
+    folder.mkdir(parents=True, exist_ok=True)
+    columns = list(dict.fromkeys(column for row in rows for column in row))
+    with (folder / "episodes.csv").open("w", newline="") as file:
+        writer = csv.DictWriter(file, columns)
+        writer.writeheader()
+        writer.writerows(rows)
+    controllers = {
+        name: {key: _plain(value) for key, value in entry.items()} for name, entry in summarize(rows).items()
+    }
+    content = {"settings": settings, "versions": runs.versions(), "controllers": controllers}
+    runs.write_json(folder / "metrics.json", content)
+    (folder / "comparison.md").write_text(markdown(rows))
+
+
+def _plain(value: Any) -> Any:
+    """Estimates as dictionaries; NaN, which JSON lacks, as null."""
+    if isinstance(value, Estimate):
+        return {key: _plain(v) for key, v in asdict(value).items()}
+    return None if isinstance(value, float) and math.isnan(value) else value

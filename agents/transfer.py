@@ -1,0 +1,144 @@
+"""Which model to train on: agents of every level, judged on every level: `python -m agents.transfer`."""
+
+import shlex
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from agents import learn, runs
+from agents.arguments import parse_arguments
+from agents.environments import DEFAULT_ENV_ID
+from agents.evaluate import STORE, evaluate
+from agents.figures import transfer_figure
+from agents.statistics import Estimate, estimate
+from solar_env.campaigns import Workers
+
+# Name -> keywords, from the cheapest to the one that counts.
+LEVELS: dict[str, dict[str, Any]] = {
+    "rigid": {"model": "rigid-clearance"},
+    "1 element": {"model": "flexible-clearance", "elements": 1},
+    "2 elements": {"model": "flexible-clearance", "elements": 2},
+    "6 elements": {"model": "flexible-clearance", "elements": 6},
+}
+
+
+@dataclass
+class Args:
+    """Train an agent on every level of the model and judge each on all of them."""
+
+    algo: str = "ppo"
+    """algorithm: ppo, sac or td3"""
+    timesteps: int = 40_000
+    """environment steps of every training"""
+    seeds: list[int] = field(default_factory=lambda: [0])
+    """training seeds; those of a level are pooled"""
+    residual: float | None = None
+    """as for train.py"""
+    episodes: int = 20
+    """evaluation episodes of every agent on every level"""
+    env_id: str = DEFAULT_ENV_ID
+    """environment id"""
+    env_kwargs: dict[str, Any] = field(default_factory=dict)
+    """environment keywords"""
+    hyperparams: dict[str, Any] = field(default_factory=dict)
+    """hyperparameters in place of those in agents/configs"""
+    out: str = "transfer"
+    """folder of runs, table and figure; what is complete there is not done again"""
+    jobs: int | None = None
+    """processes; None: one a processor"""
+    cluster: str | None = None
+    """ray: run on the Ray cluster that this machine belongs to"""
+    quiet: bool = False
+    """no progress bars"""
+
+
+def train_all(args: Args, command: str) -> dict[str, list[Path]]:
+    """Level -> run folders, trained where they are not complete.
+
+    Raises:
+        ValueError: a complete run there has another configuration.
+    """
+    wanted: dict[str, dict[Path, learn.Configuration]] = {}
+    for level, keywords in LEVELS.items():
+        wanted[level] = {
+            Path(args.out) / f"{level.replace(' ', '-')}-{seed}": learn.configuration(
+                args.algo,
+                args.env_id,
+                {**args.env_kwargs, **keywords},
+                seed,
+                timesteps=args.timesteps,
+                hyperparameters=args.hyperparams,
+                residual=args.residual,
+            )
+            for seed in args.seeds
+        }
+    everything = {folder: config for runs_of_level in wanted.values() for folder, config in runs_of_level.items()}
+    learn.train_missing(everything, command, "cpu", Workers(args.jobs, args.cluster), not args.quiet)
+    return {level: list(runs_of_level) for level, runs_of_level in wanted.items()}
+
+
+def judge_all(args: Args, folders: Mapping[str, Sequence[Path]]) -> dict[str, dict[str, Estimate]]:
+    """Level of the evaluation -> level of the training, and "passive" and "servo" -> interquartile mean return."""
+    returns: dict[str, dict[str, Estimate]] = {}
+    for level, keywords in LEVELS.items():
+        names = ["passive", "servo", *(f"{name}={folder}" for name in folders for folder in folders[name])]
+        rows = evaluate(
+            names,
+            args.episodes,
+            0,
+            args.env_id,
+            {**args.env_kwargs, **keywords},
+            not args.quiet,
+            Workers(args.jobs, args.cluster),
+            Path(args.out) / f"{level.replace(' ', '-')}-{STORE}",
+        )
+        returns[level] = {}
+        for name in ("passive", "servo", *folders):
+            specs = list(dict.fromkeys(row["spec"] for row in rows if row["controller"] == name))
+            by_run = [
+                np.array([row["return"] for row in rows if (row["controller"], row["spec"]) == (name, spec)])
+                for spec in specs
+            ]
+            returns[level][name] = estimate(by_run)
+    return returns
+
+
+def markdown(returns: Mapping[str, Mapping[str, Estimate]]) -> str:
+    """The matrix as a table: a row for what was trained on, a column for what it is judged on."""
+    lines = [
+        "Interquartile mean return with its 95 % interval.",
+        "",
+        "| trained on | " + " | ".join(f"judged on {level}" for level in returns) + " |",
+        "|" + " --- |" * (1 + len(returns)),
+    ]
+    for name in next(iter(returns.values())):
+        cells = [
+            f"{value.mean:.3g} [{value.lower:.3g}, {value.upper:.3g}]" for value in (r[name] for r in returns.values())
+        ]
+        lines.append(f"| {name} | " + " | ".join(cells) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def main(argv: Sequence[str] | None = None) -> None:
+    """The command line; see `Args`."""
+    args = parse_arguments(Args, argv, prog="python -m agents.transfer")
+    command = shlex.join(["python", "-m", "agents.transfer", *(sys.argv[1:] if argv is None else argv)])
+    returns = judge_all(args, train_all(args, command))
+    out = Path(args.out)
+    (out / "transfer.md").write_text(markdown(returns))
+    runs.write_json(
+        out / "transfer.json", {level: {k: vars(v) for k, v in row.items()} for level, row in returns.items()}
+    )
+    transfer_figure(
+        {level: {k: v.mean for k, v in row.items()} for level, row in returns.items()}, out / "transfer.png"
+    )
+    print(markdown(returns))
+    print(f"written to {out}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,355 @@
+"""Trained policies as plain arrays and as ONNX: that they act as the run's own, and that nothing is unpickled."""
+
+import json
+import pickle
+import re
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import onnxruntime
+import pytest
+from stable_baselines3 import PPO, SAC, TD3
+from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
+from torch import nn
+
+from agents import baselines, export, learn, runs, shipped
+from agents.baselines import make_baseline, read_parameters
+from agents.environments import DEFAULT_ENV_ID, make_env
+from agents.evaluate import evaluate
+from agents.report import write_comparison
+from agents.rollout import run_episode
+from agents.shipped import Layer, PolicyNetwork, load_shipped
+
+# The law that a residual is added to has not been tuned for the model that is quickest to train on.
+pytestmark = pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")
+
+COMMAND = "python train.py --seed 7"
+QUICK = {"model": "rigid-ideal", "control_period": 0.5, "postlock_window": 2.0}
+ON_POLICY = {"n_steps": 50, "batch_size": 50}
+OFF_POLICY = {"learning_starts": 60, "buffer_size": 500, "batch_size": 16}
+# Name -> algorithm, hyperparameters, scale of the residual.
+TRAINED = {
+    "ppo": ("ppo", ON_POLICY, 0.0),
+    "sac": ("sac", OFF_POLICY, 0.0),
+    "td3": ("td3", OFF_POLICY, 0.0),
+    "residual": ("ppo", ON_POLICY, 0.3),
+}
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    """Name -> run, and folder of what was exported of it; the residual has scores."""
+    folder = tmp_path_factory.mktemp("export")
+    made = {}
+    for name, (algo, hyperparameters, residual) in TRAINED.items():
+        config = learn.configuration(algo, DEFAULT_ENV_ID, QUICK, 7, 1, 100, hyperparameters, residual)
+        run = runs.new_run_folder(folder / "runs" / name, config.env_id, algo, config.seed)
+        learn.train(config, run, command=COMMAND, progress=False, threads=1)
+        if name == "residual":
+            rows = evaluate(["passive", f"ppo={run}"], 2, 7, config.env_id, config.env_kwargs, progress=False)
+            write_comparison(run, rows, {"command": COMMAND})
+        made[name] = run, folder / "policies" / name
+        export.export(*made[name])
+    return made
+
+
+@pytest.fixture
+def own(finished, tmp_path):
+    """A copy of an exported policy that a test may spoil."""
+    for path in finished["ppo"][1].iterdir():
+        (tmp_path / path.name).write_bytes(path.read_bytes())
+    return tmp_path
+
+
+def spoil_description(folder, **changes):
+    content = json.loads((folder / shipped.DESCRIPTION).read_text())
+    (folder / shipped.DESCRIPTION).write_text(json.dumps({**content, **changes}))
+
+
+def spoil_arrays(folder, **changes):
+    with np.load(folder / shipped.ARRAYS) as file:
+        arrays = dict(file)
+    np.savez(folder / shipped.ARRAYS, **{**arrays, **changes})
+
+
+def random_observations(count, entries=9, seed=1):
+    return np.random.default_rng(seed).uniform(-2.0, 2.0, (count, entries)).astype(np.float32)
+
+
+@pytest.mark.parametrize("name", TRAINED)
+def test_a_shipped_network_acts_as_stable_baselines3_in_numpy_and_in_onnx(finished, name):
+    run, folder = finished[name]
+    observations = random_observations(500)
+    network, env = load_shipped(folder).network, make_env(env_kwargs=QUICK)
+    expected, _ = runs.load_model(run, env).predict(observations, deterministic=True)
+    actions, _ = network.predict(observations)
+    assert (actions.shape, actions.dtype) == ((500, 1), np.float32)
+    np.testing.assert_allclose(actions, expected, rtol=0.0, atol=1e-6)
+    one, _ = network.predict(observations[3])
+    assert one.shape == (1,)
+    np.testing.assert_allclose(one, expected[3], rtol=0.0, atol=1e-6)
+    session = onnxruntime.InferenceSession(folder / shipped.ONNX)
+    for batch in (observations, observations[:1]):
+        (found,) = session.run(["action"], {"observation": batch})
+        np.testing.assert_allclose(found, network.predict(batch)[0], rtol=0.0, atol=1e-6)
+
+
+def untrained(cls, **keywords):
+    env = make_env(env_kwargs={"model": "rigid-ideal"})
+    kwargs = {"net_arch": [32, 16], **keywords.pop("policy_kwargs", {})}
+    return cls("MlpPolicy", env, policy_kwargs=kwargs, seed=3, device="cpu", **keywords)
+
+
+def last_linear(model):
+    policy = model.policy
+    output = policy.action_net if isinstance(model, PPO) else policy.actor.mu
+    return [module for module in output.modules() if isinstance(module, nn.Linear)][-1]
+
+
+KINDS = [
+    (PPO, {}, "tanh", "clip", None),
+    (PPO, {"use_sde": True}, "tanh", "clip", None),
+    (PPO, {"use_sde": True, "policy_kwargs": {"squash_output": True}}, "tanh", "tanh", None),
+    (PPO, {"policy_kwargs": {"activation_fn": nn.ReLU, "net_arch": []}}, "tanh", "clip", None),
+    (SAC, {}, "relu", "tanh", None),
+    (SAC, {"use_sde": True}, "relu", "tanh", 2.0),
+    (SAC, {"use_sde": True, "policy_kwargs": {"clip_mean": 0.7}}, "relu", "tanh", 0.7),
+    (TD3, {}, "relu", "tanh", None),
+    (TD3, {"policy_kwargs": {"activation_fn": nn.Tanh}}, "tanh", "tanh", None),
+]
+
+
+@pytest.mark.parametrize(("cls", "keywords", "activation", "output", "mean_limit"), KINDS)
+def test_means_beyond_the_limits_are_handled_as_the_algorithm_does(cls, keywords, activation, output, mean_limit):
+    model = untrained(cls, **keywords)
+    last = last_linear(model)
+    last.weight.data *= 2.0 / last.weight.data.norm()
+    last.bias.data += 1.5
+    network = export.network_of(model)
+    assert (network.activation, network.output) == (activation, output)
+    assert network.mean_limit == mean_limit
+    observations = random_observations(2000)
+    expected, _ = model.predict(observations, deterministic=True)
+    greatest = 1.0 if output == "clip" else np.tanh(mean_limit or 9.0)
+    assert expected.max() == pytest.approx(greatest, abs=0.05)
+    assert expected.min() < 0.9 * greatest
+    actions, _ = network.predict(observations)
+    np.testing.assert_allclose(actions, expected, rtol=0.0, atol=1e-6)
+    session = onnxruntime.InferenceSession(export.onnx_model(network).SerializeToString())
+    np.testing.assert_allclose(session.run(None, {"observation": observations})[0], actions, rtol=0.0, atol=1e-6)
+
+
+class Doubling(BaseFeaturesExtractor):
+    def __init__(self, observation_space):
+        super().__init__(observation_space, observation_space.shape[0])
+
+    def forward(self, observations):
+        return 2.0 * observations
+
+
+@pytest.mark.parametrize(
+    ("keywords", "message"),
+    [
+        ({"activation_fn": nn.ELU}, "computes FlattenExtractor, Linear, ELU, Linear, ELU, Linear; exported can be"),
+        ({"features_extractor_class": Doubling}, "computes Doubling, Linear"),
+    ],
+)
+def test_policies_of_another_kind_are_refused(keywords, message):
+    with pytest.raises(ValueError, match=message):
+        export.network_of(untrained(PPO, policy_kwargs=keywords))
+
+
+@pytest.mark.parametrize("name", TRAINED)
+def test_a_shipped_policy_deploys_the_array_as_the_run_does(finished, name):
+    run, folder = finished[name]
+    policy = load_shipped(folder)
+    env = make_env(policy.description.env_id, policy.description.env_kwargs)
+    policy.check(env)
+    expected, figures = (run_episode(env, controller, seed=5) for controller in (runs.load_policy(run, env), policy))
+    assert figures == pytest.approx(expected, rel=1e-3, abs=1e-6, nan_ok=True)
+
+
+def test_a_residual_is_added_to_its_law_with_the_parameters_that_it_was_shipped_with(finished, monkeypatch):
+    policy = load_shipped(finished["residual"][1])
+    residual = policy.description.residual
+    assert residual == runs.read_config(finished["residual"][0])["residual"]
+    env = make_env(policy.description.env_id, policy.description.env_kwargs)
+    servo = make_baseline("servo", env, read_parameters("servo", residual["parameters"]))
+    observations = random_observations(100)
+    expected = servo.predict(observations)[0] + residual["scale"] * policy.network.predict(observations)[0]
+    np.testing.assert_allclose(policy.predict(observations)[0], np.clip(expected, -1.0, 1.0), rtol=0.0, atol=1e-6)
+    monkeypatch.setattr(baselines, "CONFIGS", Path("retuned"))
+    again = load_shipped(finished["residual"][1])
+    np.testing.assert_array_equal(again.predict(observations)[0], policy.predict(observations)[0])
+
+
+def test_loading_needs_neither_pickle_nor_learning_libraries(finished, run_python):
+    program = """
+import pickle, sys
+pickle.load = pickle.loads = pickle.Unpickler = None
+from agents.shipped import load_shipped
+print(load_shipped(sys.argv[1]).predict([0.0] * 9)[0].shape)
+print([name for name in ("torch", "stable_baselines3", "onnx") if name in sys.modules])
+"""
+    assert run_python(program, str(finished["sac"][1])).splitlines() == ["(1,)", "[]"]
+
+
+class Payload:
+    """What runs when it is unpickled."""
+
+    def __reduce__(self):
+        return pytest.fail, ("unpickled",)
+
+
+def test_pickled_content_is_refused_and_not_run(own):
+    objects = np.array([Payload()], dtype=object)
+    spoil_arrays(own, weights_1=objects)
+    with pytest.raises(ValueError, match=r"policy\.npz cannot be read as plain arrays, and is not unpickled: Object"):
+        load_shipped(own)
+    (own / shipped.ARRAYS).write_bytes(pickle.dumps(Payload()))
+    with pytest.raises(ValueError, match=r"policy\.npz cannot be read as plain arrays, and is not unpickled"):
+        load_shipped(own)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"weights_2": np.zeros((64, 63), np.float32)}, r"layer 2: weights have shape \(64, 63\), but layer 1 has 64"),
+        ({"biases_2": np.zeros(63, np.float32)}, r"layer 2: biases have shape \(63,\), but weights have .*\(64, 64\)"),
+        (
+            {"weights_1": np.zeros((64, 8), np.float32)},
+            r"layer 1: weights have shape \(64, 8\); expected 9 inputs.*theta",
+        ),
+        ({"weights_1": np.zeros((64, 9))}, "layer 1: weights are of type float64; expected float32"),
+        ({"biases_1": np.full(64, np.nan, np.float32)}, "layer 1: biases hold nan"),
+        ({"biases_3": np.zeros((1, 1), np.float32)}, r"layer 3: biases have shape \(1, 1\); expected 1 dimension"),
+        ({"weights_9": np.zeros((1, 1), np.float32)}, r"policy\.npz holds \['biases_1', .*expected weights_1"),
+    ],
+)
+def test_arrays_that_do_not_fit_are_named(own, changes, message):
+    spoil_arrays(own, **changes)
+    with pytest.raises(ValueError, match=f"{own}.*{message}"):
+        load_shipped(own)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"format": 2}, r"policy\.json has format 2; this version reads format 1"),
+        ({"colour": "red"}, r"policy\.json has the keys .*'colour'.*; expected"),
+        ({"activation": "elu"}, "activation is 'elu'; choose from relu, tanh"),
+        ({"output": "none"}, "output is 'none'; choose from clip, tanh"),
+        ({"mean_limit": -1.0}, "mean_limit is -1.0; give a positive"),
+        ({"mean_limit": "two"}, "'<' not supported"),
+        ({"residual": {"law": "servo"}}, r"residual has the keys \['law'\]; expected law, parameters and scale"),
+        ({"residual": {"law": "serve", "parameters": {}, "scale": 0.2}}, "residual law is 'serve'; available: brake"),
+        (
+            {"residual": {"law": "servo", "parameters": {}, "scale": 0.2}},
+            r"the keys are \[\]; expected \['cruise_rate'",
+        ),
+        (
+            {"residual": {"law": "brake", "parameters": {"torque": 0.1, "onset": 0.0}, "scale": 2}},
+            "residual = 2; give a share",
+        ),
+    ],
+)
+def test_descriptions_that_do_not_fit_are_named(own, changes, message):
+    spoil_description(own, **changes)
+    with pytest.raises(ValueError, match=f"{own}.*{message}"):
+        load_shipped(own)
+
+
+def test_an_unknown_policy_is_answered_with_those_that_there_are(finished, monkeypatch):
+    monkeypatch.setattr(shipped, "SHIPPED", finished["ppo"][1].parent)
+    with pytest.raises(FileNotFoundError, match=r"no shipped policy 'nobody'.*available: ppo, residual, sac, td3"):
+        load_shipped("nobody")
+    assert load_shipped("td3").description.algorithm == "td3"
+
+
+def test_observations_and_environments_of_another_kind_are_refused(finished):
+    policy = load_shipped(finished["ppo"][1])
+    with pytest.raises(ValueError, match=r"the observation has shape \(3, 8\); expected \(9,\) or \(n, 9\)"):
+        policy.predict(np.zeros((3, 8)))
+    for keywords, message in [
+        ({"torque_limit": 0.3}, r"torque_limit is 0\.3; the policy was trained with 0\.5"),
+        ({"observation": "history"}, r"names is .*theta_1_1_ago"),
+    ]:
+        with make_env(env_kwargs=keywords) as env, pytest.raises(ValueError, match=message):
+            policy.check(env)
+
+
+@pytest.mark.parametrize(
+    ("layers", "message"),
+    [
+        ((), "needs at least one layer"),
+        ((Layer(np.zeros((0, 2), np.float32), np.zeros(0, np.float32)),), r"layer 1: weights have shape \(0, 2\)"),
+    ],
+)
+def test_empty_networks_are_refused(layers, message):
+    with pytest.raises(ValueError, match=message):
+        PolicyNetwork(layers, "relu", "tanh")
+
+
+def test_the_card_tells_how_the_policy_came_about_and_its_snippets_run(finished, monkeypatch, capsys):
+    folder = finished["residual"][1]
+    monkeypatch.setattr(shipped, "SHIPPED", folder.parent)
+    card = (folder / shipped.CARD).read_text()
+    assert COMMAND in card
+    assert "| seed | 7 |" in card
+    assert '"n_steps": 50' in card
+    assert "model | rigid-ideal" in card
+    assert "`ppo` is this policy" in card
+    assert "| passive | " in card
+    assert "The file holds the network alone" in card
+    snippets = re.findall(r"```python\n(.*?)```", card, re.DOTALL)
+    assert len(snippets) == 2
+    for snippet in snippets:
+        exec(snippet, {})
+    assert "'return'" in capsys.readouterr().out
+
+
+def test_the_card_of_one_of_several_seeds_has_its_scores_alone_and_without_any_it_says_so(finished, tmp_path):
+    assert "None were measured." in (finished["ppo"][1] / shipped.CARD).read_text()
+    measured, folder = finished["residual"]
+    run = tmp_path / "residual"
+    run.mkdir()
+    for name in (runs.CONFIG, runs.POLICY):
+        (run / name).write_bytes((measured / name).read_bytes())
+    (tmp_path / "metrics.json").write_bytes((measured / "metrics.json").read_bytes())
+    rows = (measured / "episodes.csv").read_text()
+    other = "".join(line.replace(str(measured), "another") for line in rows.splitlines(True) if line.startswith("ppo,"))
+    (tmp_path / "episodes.csv").write_text(rows + other)
+    export.export(run, tmp_path / "shipped")
+    alone, together = ((place / shipped.CARD).read_text() for place in (folder, tmp_path / "shipped"))
+    assert re.findall(r"^\| ppo .*", together, re.MULTILINE) == re.findall(r"^\| ppo .*", alone, re.MULTILINE)
+
+
+def test_the_command_writes_below_the_shipped_policies_and_overwrites_nothing(finished, tmp_path, monkeypatch):
+    monkeypatch.setattr(shipped, "SHIPPED", tmp_path / "policies")
+    run = str(finished["td3"][0])
+    export.main([run, "--name", "soft"])
+    names = {path.name for path in (tmp_path / "policies" / "soft").iterdir()}
+    assert names == {"policy.npz", "policy.json", "policy.onnx", "card.md"}
+    assert shipped.available() == ["soft"]
+    with pytest.raises(FileExistsError, match="soft exists; choose another --name"):
+        export.main(["--run", run, "--name", "soft"])
+    for arguments in ([run], [run, "--name", "../soft"], ["--name", "soft"]):
+        with pytest.raises(ValueError, match=r"give both: agents\.export runs/<run> --name NAME"):
+            export.main(arguments)
+
+
+def test_without_onnx_it_says_what_to_install_and_writes_nothing(finished, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "onnx", None)
+    with pytest.raises(ValueError, match=r"ONNX is not installed; pip install 'solar-env\[onnx\]'"):
+        export.export(finished["ppo"][0], tmp_path / "policy")
+    assert not (tmp_path / "policy").exists()
+
+
+def test_a_network_that_acts_otherwise_than_the_run_is_not_written(finished, tmp_path, monkeypatch):
+    right = export.network_of
+    monkeypatch.setattr(export, "network_of", lambda model: replace(right(model), activation="relu"))
+    with pytest.raises(ValueError, match=r"differs from the run's policy by .*; it is not written"):
+        export.export(finished["ppo"][0], tmp_path / "policy")
+    assert not (tmp_path / "policy").exists()

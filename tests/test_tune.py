@@ -1,0 +1,94 @@
+"""Tuning finds what it looks for within its budget, repeats itself, and keeps what it found."""
+
+import json
+from dataclasses import asdict, fields
+
+import numpy as np
+import pytest
+
+from agents import tune as tune_module
+from agents.baselines import TUNABLE, make_baseline
+from agents.environments import DEFAULT_ENV_ID, make_env, with_model
+from agents.tune import from_unit, to_unit, tune
+
+
+@pytest.mark.parametrize("name", TUNABLE)
+def test_parameters_survive_the_way_to_the_unit_cube_and_back(name):
+    cls = TUNABLE[name][1]
+    count = to_unit(cls()).size
+    inside = from_unit(cls, np.random.default_rng(0).random(count))
+    assert to_unit(inside) == pytest.approx(to_unit(from_unit(cls, to_unit(inside))))
+    for value, default in zip(vars(inside).values(), vars(cls()).values(), strict=True):
+        assert type(value) is type(default)
+    low, high = from_unit(cls, np.zeros(count)), from_unit(cls, np.ones(count))
+    for f in fields(cls):
+        assert np.all(f.metadata["bounds"] == np.array([getattr(low, f.name), getattr(high, f.name)]).T)
+
+
+def test_tuning_finds_a_minimum_within_its_budget_and_repeats_itself():
+    target = np.array([0.2, 0.7, 0.5])
+    calls = []
+
+    def distances(points, seeds):
+        calls.extend([tuple(seeds)] * len(points))
+        return [float(np.sum((point - target) ** 2)) for point in points]
+
+    first = tune(distances, np.full(3, 0.5), 1200, 2, seed=3, progress=False)
+    assert sum(map(len, calls)) <= 1200
+    np.testing.assert_allclose(first[-1], target, atol=1e-3)
+    second = tune(distances, np.full(3, 0.5), 1200, 2, seed=3, progress=False)
+    np.testing.assert_array_equal(first[-1], second[-1])
+
+
+def test_tuning_gives_all_candidates_of_a_generation_the_same_fresh_episodes():
+    calls = []
+
+    def record(points, seeds):
+        calls.extend([tuple(seeds)] * len(points))
+        return [float(point[0]) for point in points]
+
+    tune(record, np.full(2, 0.5), 60, 2, seed=0, progress=False)
+    generations = list(dict.fromkeys(calls))
+    assert calls == [seeds for seeds in generations for _ in range(len(calls) // len(generations))]
+    assert len({seed for seeds in generations for seed in seeds}) == 2 * len(generations)
+
+
+def test_tuning_refuses_a_budget_without_a_generation():
+    with pytest.raises(ValueError, match="a budget of 3 episodes holds no generation"):
+        tune(lambda point, seeds: 0.0, np.full(2, 0.5), 3, 2, seed=0, progress=False)
+
+
+def test_refining_starts_from_what_the_model_has_and_stays_closer(configs):
+    short = ["--env-kwargs", "deadline=0.3", "postlock_window=0.2", "--quiet"]
+    budget = ["--episodes", "6", "--episodes-per-candidate", "1", "--validation-episodes", "1"]
+    found = {}
+    for options in ([], ["--refine"]):
+        (configs / "brake.json").write_text(
+            json.dumps({DEFAULT_ENV_ID: {"rigid-clearance": {"parameters": {"torque": 0.4, "onset": 0.9}}}})
+        )
+        tune_module.main(["--controller", "brake", *options, *budget, *short])
+        found[bool(options)] = json.loads((configs / "brake.json").read_text())[DEFAULT_ENV_ID]["rigid-clearance"]
+    assert found[False]["tuning"]["start"] == asdict(TUNABLE["brake"][1]())
+    assert found[True]["tuning"]["start"] == {"torque": 0.4, "onset": 0.9}
+    assert found[True]["parameters"]["onset"] > 0.5
+
+
+@pytest.mark.parametrize(
+    ("options", "model"),
+    [
+        ([], "rigid-clearance"),
+        (["--model", "flexible-ideal", "--elements", "1"], "flexible-ideal"),
+        (["--model", "flexible-clearance", "--elements", "1"], "flexible-clearance"),
+    ],
+)
+def test_the_command_stores_what_it_tuned_for_a_model_and_keeps_the_other_models(configs, options, model):
+    before = json.loads((configs / "brake.json").read_text())[DEFAULT_ENV_ID]
+    short = ["--env-kwargs", "deadline=0.3", "postlock_window=0.2", "--quiet"]
+    budget = ["--episodes", "6", "--episodes-per-candidate", "1", "--validation-episodes", "1"]
+    tune_module.main(["--controller", "brake", *options, *budget, *short])
+    after = json.loads((configs / "brake.json").read_text())[DEFAULT_ENV_ID]
+    written = after[model]
+    assert written["tuning"]["training_episodes"] == 6
+    assert after == {**before, model: written} != before
+    with make_env(env_kwargs=with_model({}, model)) as made:
+        assert asdict(make_baseline("brake", made).parameters) == written["parameters"]

@@ -133,3 +133,50 @@ def transfer_figure(returns: Mapping[str, Mapping[str, float]], path: Path) -> N
     axes.set(xlabel="judged on", ylabel="trained on")
     figure.colorbar(image, label="log10 of minus the return")
     figure.savefig(path, dpi=130)
+
+
+def deployments_figure(
+    episodes: Mapping[str, Sequence[Step]], names: Sequence[str], torque_limit: float, path: Path
+) -> None:
+    """Draw what controllers do and what comes of it, one below the other over time: torque, rates, forces, charges.
+
+    Args:
+        episodes: Controller -> steps of one episode.
+        names: Names of the observation entries.
+        torque_limit: Motor torque of a unit action [N m].
+        path: File to write.
+    """
+    figure = Figure(figsize=(10, 9), layout="constrained")
+    torque, rates, forces, charges = figure.subplots(4, 1, sharex=True)
+    columns = [i for i, name in enumerate(names) if name in ("rate_1", "rate_2")]
+    applied = list(names).index("motor_torque")
+    for color, (controller, steps) in enumerate(episodes.items()):
+        style: dict[str, Any] = {"color": f"C{color}", "lw": 1}
+        time = [step.time_s for step in steps]
+        torque.step(
+            time, [step.observation[applied] * torque_limit for step in steps], where="pre", label=controller, **style
+        )
+        for line, column in zip(("-", "--"), columns, strict=False):
+            rates.plot(
+                time,
+                [step.observation[column] for step in steps],
+                line,
+                label=f"{controller}, {names[column]}",
+                **style,
+            )
+        forces.step(time, [step.peak_forces.max() for step in steps], where="pre", label=controller, **style)
+        cost = -np.cumsum([step.reward_terms["peak_impact"] + step.reward_terms["wear"] for step in steps])
+        charges.step(time, cost, where="post", label=controller, **style)
+    forces.set_yscale("symlog", linthresh=1.0)
+    charges.set_yscale("symlog", linthresh=1e-3)
+    for axes, label in (
+        (torque, "motor torque [N m]"),
+        (rates, "joint rates [rad/s]"),
+        (forces, "peak force in a period [N]"),
+        (charges, "charged so far"),
+    ):
+        axes.set_ylabel(label)
+        axes.grid(alpha=0.3)
+        axes.legend(fontsize=7, loc="upper left")
+    charges.set_xlabel("time [s]")
+    figure.savefig(path, dpi=130)

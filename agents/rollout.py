@@ -19,6 +19,7 @@ class Step:
     time_s: float
     observation: np.ndarray
     action: np.ndarray
+    peak_forces: np.ndarray  # (joints,) greatest contact force of the period [N]; with ideal joints the reaction
     reward_terms: dict[str, float]
 
 
@@ -40,7 +41,8 @@ def run_episode(
         for name, value in info["reward_terms"].items():
             terms[name] += value
         if record is not None:
-            record(Step(info["time_s"], observation, action, info["reward_terms"]))
+            forces = env.get_wrapper_attr("simulation").state.joints["recent_peak_force"].copy()
+            record(Step(info["time_s"], observation, action, forces, info["reward_terms"]))
         if terminated or truncated:
             return {"seed": seed, **episode_figures(info["deployment"], terms)}
 

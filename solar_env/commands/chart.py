@@ -7,8 +7,9 @@ from pathlib import Path
 
 from rich.console import Console
 
-from ..readme import FIGURE_FOLDER, PACKAGE
+from ..readme import FIGURE_FOLDER, PACKAGE, check_readme, replace_in_readme
 
+BEGIN, END = "<!-- side by side: written by `python -m solar_env chart --readme` -->", "<!-- end of side by side -->"
 STUDIES = ("work-precision", "ensembles", "levels", "growth", "side-by-side")
 
 
@@ -25,7 +26,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     where.add_argument("--out", type=Path, default=Path("chart"), help="folder of tables and figures (%(default)s)")
     where.add_argument(
         "--readme", action="store_true",
-        help="tables into solar_env/studies/data, figures into solar_env/figures, from which the README takes them",
+        help="tables into solar_env/studies/data, figures into solar_env/figures, from which the README takes them; "
+        "the table of deployments side by side into the README itself",
     )  # fmt: skip
 
 
@@ -41,9 +43,13 @@ def run_command(args: argparse.Namespace) -> int:
 
     tables, figures = (PACKAGE / "studies" / "data", FIGURE_FOLDER) if args.readme else (args.out, args.out)
     names = (args.only,) if args.only else STUDIES
+    if args.readme:
+        check_readme(BEGIN)
     console = Console(stderr=True)
     if not args.draw:
         measure(names, args.quick, tables, console, Workers(args.jobs))
     for path in draw(names, tables, figures):
         print(path)
+        if args.readme and path.suffix == ".md":
+            replace_in_readme(BEGIN, END, path.read_text(encoding="utf-8").strip())
     return 0

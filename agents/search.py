@@ -1,0 +1,191 @@
+"""Search hyperparameters of an agent by CMA-ES on its validation return: `python -m agents.search`."""
+
+import json
+import math
+import shlex
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from agents import learn, runs
+from agents.arguments import parse_arguments
+from agents.baselines import CONFIGS
+from agents.environments import DEFAULT_ENV_ID, with_model
+from agents.tune import tune
+from solar_env.campaigns import Workers
+
+SIGNIFICANT_DIGITS = 3
+
+
+@dataclass(frozen=True)
+class Range:
+    """Values of a hyperparameter that are searched, evenly or, if `logarithmic`, evenly in its logarithm."""
+
+    low: float
+    high: float
+    logarithmic: bool = False
+
+    def value(self, unit: float) -> float:
+        """The value at a share of the way from `low` to `high`, to three digits."""
+        if self.logarithmic:
+            value = self.low * (self.high / self.low) ** unit
+        else:
+            value = self.low + unit * (self.high - self.low)
+        return float(f"{value:.{SIGNIFICANT_DIGITS}g}")
+
+    def share(self, value: float) -> float:
+        """Inverse of `value`, within [0, 1]."""
+        if self.logarithmic:
+            unit = math.log(value / self.low) / math.log(self.high / self.low)
+        else:
+            unit = (value - self.low) / (self.high - self.low)
+        return min(max(unit, 0.0), 1.0)
+
+
+_LOG_STD = Range(-4.0, -0.5)
+# "residual" and what is inside "policy_kwargs" are searched beside the keywords of the Stable-Baselines3 classes.
+SPACES: dict[str, dict[str, Range]] = {
+    "ppo": {
+        "residual": Range(0.02, 0.5, logarithmic=True),
+        "learning_rate": Range(3e-5, 1e-3, logarithmic=True),
+        "log_std_init": _LOG_STD,
+        "gae_lambda": Range(0.9, 1.0),
+    },
+    "sac": {
+        "residual": Range(0.02, 0.5, logarithmic=True),
+        "learning_rate": Range(1e-4, 3e-3, logarithmic=True),
+        "log_std_init": _LOG_STD,
+        "tau": Range(0.002, 0.05, logarithmic=True),
+    },
+    "td3": {
+        "residual": Range(0.02, 0.5, logarithmic=True),
+        "learning_rate": Range(1e-4, 3e-3, logarithmic=True),
+        "exploration_noise": Range(0.02, 0.5, logarithmic=True),
+        "tau": Range(0.002, 0.05, logarithmic=True),
+    },
+}
+
+
+@dataclass
+class Args:
+    """Search hyperparameters of a residual agent and write the best to agents/configs."""
+
+    algo: str = "ppo"
+    """algorithm: ppo, sac or td3"""
+    trials: int = 24
+    """training runs"""
+    timesteps: int = 40_000
+    """environment steps of every run"""
+    seed: int = 0
+    """seed of the search and of the runs"""
+    env_id: str = DEFAULT_ENV_ID
+    """environment id"""
+    model: str | None = None
+    """rigid-ideal, rigid-clearance, flexible-ideal or flexible-clearance; None: rigid-clearance"""
+    elements: int | None = None
+    """beam elements of each panel of a flexible model; None: 6"""
+    env_kwargs: dict[str, Any] = field(default_factory=dict)
+    """environment keywords"""
+    out: str = "search"
+    """folder of the runs; those that are complete are not trained again"""
+    jobs: int | None = None
+    """processes; None: one a processor"""
+    cluster: str | None = None
+    """ray: run on the Ray cluster that this machine belongs to"""
+    quiet: bool = False
+    """no progress bar"""
+
+
+def trial(args: Args, env_kwargs: dict[str, Any], unit: np.ndarray) -> learn.Configuration:
+    """The run of a point (n,) in [0, 1]."""
+    entry = json.loads((CONFIGS / f"{args.algo}.json").read_text())[args.env_id]["hyperparameters"]
+    chosen = {name: r.value(float(u)) for (name, r), u in zip(SPACES[args.algo].items(), unit, strict=True)}
+    return learn.configuration(
+        args.algo,
+        args.env_id,
+        env_kwargs,
+        args.seed,
+        timesteps=args.timesteps,
+        residual=chosen.pop("residual"),
+        hyperparameters=_nested(entry, chosen),
+    )
+
+
+def _nested(entry: dict[str, Any], chosen: dict[str, float]) -> dict[str, Any]:
+    """What was chosen, with what belongs to the policy in its place."""
+    outer: dict[str, Any] = {name: value for name, value in chosen.items() if name != "log_std_init"}
+    if "log_std_init" in chosen:
+        outer["policy_kwargs"] = {**entry["policy_kwargs"], "log_std_init": chosen["log_std_init"]}
+    return outer
+
+
+def start(algo: str, env_id: str) -> np.ndarray:
+    """The point (n,) of the configuration as it is."""
+    entry = json.loads((CONFIGS / f"{algo}.json").read_text())[env_id]
+    values = {**entry["hyperparameters"], **entry["hyperparameters"].get("policy_kwargs", {})}
+    values["residual"] = entry["residual"]
+    return np.array([r.share(values[name]) for name, r in SPACES[algo].items()])
+
+
+def score(folder: Path) -> float:
+    """Mean return of a run's validation episodes at the best of its validations."""
+    with np.load(folder / "evaluations.npz") as history:
+        return float(history["results"].mean(axis=1).max())
+
+
+def store(algo: str, env_id: str, config: learn.Configuration, record: dict[str, Any]) -> Path:
+    """Write the best hyperparameters to their file in `CONFIGS`, with what is known of the search."""
+    path = CONFIGS / f"{algo}.json"
+    entries = json.loads(path.read_text())
+    assert config.residual is not None
+    entries[env_id] |= {
+        "residual": config.residual["scale"],
+        "hyperparameters": config.hyperparameters,
+        "search": record,
+    }
+    runs.write_json(path, entries)
+    return path
+
+
+def main(argv: Sequence[str] | None = None) -> None:
+    """The command line; see `Args`."""
+    args = parse_arguments(Args, argv, prog="python -m agents.search")
+    if args.algo not in SPACES:
+        raise ValueError(f"nothing to search for {args.algo!r}; choose from {', '.join(SPACES)}")
+    env_kwargs = with_model(args.env_kwargs, args.model, args.elements, args.env_id)
+    command = shlex.join(["python", "-m", "agents.search", *(sys.argv[1:] if argv is None else argv)])
+    scores: dict[Path, float] = {}
+    configs: dict[Path, learn.Configuration] = {}
+
+    def costs(points: Sequence[np.ndarray], seeds: Sequence[int]) -> list[float]:
+        generation = [trial(args, env_kwargs, np.clip(point, 0.0, 1.0)) for point in points]
+        folders = [Path(args.out) / f"trial-{len(configs) + k}" for k in range(len(generation))]
+        wanted = dict(zip(folders, generation, strict=True))
+        learn.train_missing(wanted, command, "cpu", Workers(args.jobs, args.cluster), progress=False)
+        configs.update(wanted)
+        scores.update({folder: score(folder) for folder in folders})
+        return [-scores[folder] for folder in folders]
+
+    first = start(args.algo, args.env_id)
+    before = -costs([first], [])[0]
+    tune(costs, first, args.trials, 1, args.seed, progress=not args.quiet)
+    best = max(scores, key=scores.__getitem__)
+    record = {
+        "command": command,
+        "env_kwargs": configs[best].env_kwargs,
+        "trials": len(scores),
+        "timesteps": args.timesteps,
+        "validation_return": scores[best],
+        "validation_return_before": before,
+    }
+    path = store(args.algo, args.env_id, configs[best], record)
+    print(json.dumps({**record, "residual": configs[best].residual, **configs[best].hyperparameters}, indent=2))
+    print(f"written to {path}")
+
+
+if __name__ == "__main__":
+    main()

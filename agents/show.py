@@ -1,0 +1,97 @@
+"""What a controller does beside the passive deployment, as a figure and as an animation: `python -m agents.show`."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from PIL import Image
+from tqdm import tqdm
+
+from agents.arguments import parse_arguments
+from agents.controllers import load_controller, trained_on
+from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_sampling
+from agents.figures import deployments_figure
+from agents.rollout import Step, run_episode
+
+FIGURE, ANIMATION = "deployments.png", "deployments.gif"
+WIDTH = 640  # of the animation [pixels]
+FRAME_EVERY = 3  # control periods
+FRAMES_PER_SECOND = 10
+
+
+@dataclass
+class Args:
+    """Draw one episode of several controllers, the same for all, and animate them one above the other."""
+
+    controllers: list[str] = field(default_factory=lambda: ["passive", "servo"])
+    """see python -m agents.evaluate --help"""
+    seed: int = 0
+    """chooses the evaluation episode"""
+    env_id: str = DEFAULT_ENV_ID
+    """environment id"""
+    model: str | None = None
+    """rigid-ideal, rigid-clearance, flexible-ideal or flexible-clearance; None: flexible-clearance"""
+    elements: int | None = None
+    """beam elements of each panel of a flexible model; None: 6"""
+    env_kwargs: dict[str, Any] = field(default_factory=dict)
+    """environment keywords"""
+    out: str = "show"
+    """folder of the figure and the animation"""
+    quiet: bool = False
+    """no progress bar"""
+
+
+def main(argv: Sequence[str] | None = None) -> None:
+    """The command line; see `Args`."""
+    args = parse_arguments(Args, argv, prog="python -m agents.show")
+    keywords = with_model(args.env_kwargs, args.model or "flexible-clearance", args.elements, args.env_id)
+    seed = episode_seeds("evaluation", args.seed, 1)[0]
+    episodes: dict[str, list[Step]] = {}
+    films: list[list[Image.Image]] = []
+    for name in tqdm(args.controllers, desc="show", unit="episode", disable=args.quiet):
+        trained = trained_on(name) or {}
+        observed = {key: trained[key] for key in ("observation",) if key in trained}
+        env = make_env(args.env_id, with_sampling({**keywords, **observed, "render_mode": "rgb_array"}, args.env_id))
+        signals: Any = env.unwrapped
+        steps: list[Step] = []
+        film: list[Image.Image] = []
+
+        def record(step: Step, steps: list[Step] = steps, film: list[Image.Image] = film, env: Any = signals) -> None:
+            if len(steps) % FRAME_EVERY == 0:
+                film.append(_scaled(env.render()))
+            steps.append(step)
+
+        run_episode(env, load_controller(name, env), seed, record)
+        film.append(_scaled(signals.render()))
+        episodes[Path(name).name] = steps
+        films.append(film)
+    out = Path(args.out)
+    out.mkdir(parents=True, exist_ok=True)
+    deployments_figure(episodes, signals.observation_names, signals.task.torque_limit, out / FIGURE)
+    animate(films, out / ANIMATION)
+    print(f"written to {out}")
+
+
+def _scaled(frame: np.ndarray) -> Image.Image:
+    image = Image.fromarray(frame)
+    return image.resize((WIDTH, round(WIDTH * image.height / image.width)), Image.Resampling.LANCZOS)
+
+
+def animate(films: Sequence[Sequence[Image.Image]], path: Path) -> None:
+    """Write films as one GIF, one above the other; those that end first stay on their last frame."""
+    width, height = films[0][0].size
+    frames = []
+    for k in range(max(map(len, films))):
+        frame = Image.new("RGB", (width, height * len(films)))
+        for row, film in enumerate(films):
+            frame.paste(film[min(k, len(film) - 1)], (0, height * row))
+        frames.append(frame.quantize(64, dither=Image.Dither.NONE))
+    frames[0].save(
+        path, save_all=True, append_images=frames[1:], duration=1000 // FRAMES_PER_SECOND, loop=0, optimize=True
+    )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,68 @@
+"""The search for hyperparameters stays within its ranges, keeps the best, and does not train twice."""
+
+import json
+
+import numpy as np
+import pytest
+
+from agents import learn, search
+from agents.baselines import CONFIGS
+from agents.environments import DEFAULT_ENV_ID
+
+
+@pytest.mark.parametrize("algo", search.SPACES)
+def test_the_point_of_a_configuration_gives_that_configuration_back(algo):
+    entry = json.loads((CONFIGS / f"{algo}.json").read_text())[DEFAULT_ENV_ID]
+    config = search.trial(search.Args(algo=algo), {}, search.start(algo, DEFAULT_ENV_ID))
+    assert config.residual["scale"] == pytest.approx(entry["residual"], rel=1e-2)
+    found, expected = dict(config.hyperparameters), dict(entry["hyperparameters"])
+    inner, outer = found.pop("policy_kwargs"), expected.pop("policy_kwargs")
+    assert inner["net_arch"] == outer["net_arch"]
+    assert inner.get("log_std_init") == pytest.approx(outer.get("log_std_init"), abs=0.02)
+    assert {k: v for k, v in found.items() if k not in search.SPACES[algo]} == {
+        k: v for k, v in expected.items() if k not in search.SPACES[algo]
+    }
+    for name in set(expected) & set(search.SPACES[algo]):
+        assert found[name] == pytest.approx(expected[name], rel=1e-2)
+
+
+@pytest.mark.parametrize("algo", search.SPACES)
+def test_points_stay_within_the_ranges(algo):
+    for name, r in search.SPACES[algo].items():
+        values = [r.value(unit) for unit in np.linspace(0.0, 1.0, 11)]
+        assert (values[0], values[-1]) == (r.low, r.high), name
+        assert values == sorted(values)
+        assert [r.value(r.share(value)) for value in values] == values
+
+
+def test_the_best_trial_is_kept_and_none_is_trained_twice(tmp_path, monkeypatch):
+    """The training is replaced by one whose return is highest at a residual of 0.1."""
+    (tmp_path / "ppo.json").write_text((CONFIGS / "ppo.json").read_text())
+    monkeypatch.setattr(search, "CONFIGS", tmp_path)
+    trained = []
+
+    def pretend(wanted, command, device, workers, progress):
+        for folder, config in wanted.items():
+            if not folder.exists():
+                trained.append(folder)
+                folder.mkdir(parents=True)
+                value = -abs(np.log(config.residual["scale"] / 0.1))
+                np.savez(folder / "evaluations.npz", results=np.array([[value - 1.0], [value]]))
+
+    monkeypatch.setattr(learn, "train_missing", pretend)
+    options = ["--trials", "24", "--out", str(tmp_path / "search"), "--quiet"]
+    search.main(options)
+    entry = json.loads((tmp_path / "ppo.json").read_text())[DEFAULT_ENV_ID]
+    assert entry["residual"] == pytest.approx(0.1, rel=0.3)
+    assert entry["search"]["validation_return"] >= entry["search"]["validation_return_before"]
+    assert entry["search"]["trials"] == len(trained) <= 25
+    count = len(trained)
+    (tmp_path / "ppo.json").write_text((CONFIGS / "ppo.json").read_text())
+    search.main(options)
+    assert len(trained) == count
+    assert json.loads((tmp_path / "ppo.json").read_text())[DEFAULT_ENV_ID] == entry
+
+
+def test_what_cannot_be_searched_is_refused():
+    with pytest.raises(ValueError, match="nothing to search for 'dqn'; choose from ppo, sac, td3"):
+        search.main(["--algo", "dqn"])

@@ -1,0 +1,16 @@
+"""A controller's deployment is shown beside the passive one, from the same episode."""
+
+from PIL import Image
+
+from agents import show
+
+
+def test_the_command_draws_and_animates_the_same_episode_of_every_controller(tmp_path, capsys):
+    short = ["--env-kwargs", "parameters={'spring_stiffness': 2.0}", "postlock_window=1.0"]
+    show.main(["--model", "rigid-clearance", "--out", str(tmp_path), "--quiet", *short])
+    assert str(tmp_path) in capsys.readouterr().out
+    with Image.open(tmp_path / show.FIGURE) as figure:
+        assert min(figure.size) > 500
+    with Image.open(tmp_path / show.ANIMATION) as animation:
+        assert animation.size == (show.WIDTH, 2 * round(show.WIDTH * 540 / 960))
+        assert animation.n_frames > 5

@@ -6,7 +6,8 @@ import gymnasium
 import numpy as np
 import pytest
 
-from agents.baselines import BASELINES, TUNABLE, make_baseline
+from agents.baselines import BASELINES, make_baseline
+from agents.controllers import SEARCH, load_controller
 from agents.environments import DEFAULT_ENV_ID, make_env
 from agents.receding_horizon import RecedingHorizon, SearchSettings
 from agents.rollout import run_episode
@@ -174,11 +175,11 @@ def test_actions_have_the_shape_of_the_observation_and_the_bounds_of_the_action_
     np.testing.assert_array_equal(row, [one])
 
 
-def test_it_is_a_baseline_on_the_tuned_servo_but_there_is_nothing_to_tune():
-    assert "receding-horizon" in BASELINES
-    assert "receding-horizon" not in TUNABLE
+def test_it_is_a_controller_on_the_tuned_servo_but_no_baseline_that_others_are_measured_by():
+    assert SEARCH not in BASELINES
     env = make_env()
-    controller = make_baseline("receding-horizon", env)
+    controller = load_controller(SEARCH, env)
+    assert isinstance(controller, RecedingHorizon)
     assert controller._base.parameters == make_baseline("servo", env).parameters
 
 

@@ -1,0 +1,68 @@
+"""Controllers of every kind are found by name, and a name that is none says so."""
+
+import numpy as np
+import pytest
+
+from agents import shipped
+from agents.baselines import BASELINES, make_baseline
+from agents.controllers import SEARCH, load_controller, policy_files, trained_on
+from agents.environments import make_env
+from agents.shipped import Description, Layer, PolicyNetwork, ShippedPolicy
+from agents.torque_laws import Signals
+
+
+@pytest.fixture
+def env():
+    return make_env(env_kwargs={"model": "rigid-clearance"})
+
+
+@pytest.fixture
+def policy(env, tmp_path, monkeypatch):
+    """A shipped policy that pulls with a third of the limit."""
+    signals = Signals.of(env)
+    layer = Layer(np.zeros((1, len(signals.names)), np.float32), np.full(1, -1.0 / 3.0, np.float32))
+    description = Description(
+        algorithm="ppo",
+        activation="tanh",
+        output="clip",
+        mean_limit=None,
+        env_id="solar_env/Deploy-v0",
+        env_kwargs={"model": "rigid-clearance", "observation": "drive"},
+        observation="drive",
+        observation_names=signals.names,
+        torque_limit=signals.torque_limit,
+        deadline=signals.deadline,
+        residual=None,
+    )
+    (tmp_path / "third").mkdir()
+    shipped.save(tmp_path / "third", ShippedPolicy(PolicyNetwork((layer,), "tanh", "clip"), description))
+    monkeypatch.setattr(shipped, "SHIPPED", tmp_path)
+    return description
+
+
+def test_a_shipped_policy_is_a_controller_by_its_name(env, policy):
+    observation, _ = env.reset(seed=0)
+    assert load_controller("third", env).predict(observation)[0] == pytest.approx([-1.0 / 3.0])
+    assert trained_on("third") == policy.env_kwargs
+    assert [path.name for path in policy_files("third")] == ["policy.npz", "policy.json"]
+
+
+def test_a_shipped_policy_is_not_used_where_its_actions_mean_something_else(policy):
+    with pytest.raises(ValueError, match=r"torque_limit is 0\.3; the policy was trained with 0\.5"):
+        load_controller("third", make_env(env_kwargs={"torque_limit": 0.3}))
+
+
+@pytest.mark.parametrize("name", [*BASELINES, SEARCH])
+def test_what_was_not_trained_has_neither_files_nor_training_data(name):
+    assert policy_files(name) == []
+    assert trained_on(name) is None
+
+
+def test_a_baseline_is_the_one_of_its_name(env):
+    observation, _ = env.reset(seed=0)
+    assert load_controller("servo", env).predict(observation) == make_baseline("servo", env).predict(observation)
+
+
+def test_a_name_of_nothing_says_what_there_is(env):
+    with pytest.raises(FileNotFoundError, match="runs/nothing is not a run folder"):
+        load_controller("runs/nothing", env)

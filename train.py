@@ -18,7 +18,7 @@ from agents.baselines import make_baseline
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model
 from agents.evaluate import evaluate
 from agents.figures import run_figure
-from agents.report import markdown, summarize, write_comparison
+from agents.report import Summary, write_comparison
 from agents.rollout import Step, run_episode
 from solar_env.array import DEFAULT_ELEMENTS
 from solar_env.campaigns import Workers
@@ -87,9 +87,9 @@ def main(args: Args, command: str) -> Path:
     print(f"{config.algo} on {config.env_id}, {config.timesteps} steps -> {folder}")
     learn.train(config, folder, args.resume, command, args.device, progress=not args.quiet)
 
-    rows = compare(args, config, [folder], folder, command)
-    draw(folder, config, {name: summary["return"].mean for name, summary in summarize(rows).items()})
-    print(markdown(rows))
+    summary, tables = compare(args, config, [folder], folder, command)
+    draw(folder, config, {name: entry["return"].mean for name, entry in summary.items()})
+    print(tables)
     print(f"written to {folder}")
     return folder
 
@@ -113,16 +113,16 @@ def train_seeds(args: Args, command: str) -> Path:
         for seed in args.seeds
     }
     learn.train_missing(wanted, command, args.device, Workers(args.jobs, args.cluster), not args.quiet)
-    rows = compare(args, wanted[out / f"seed-{args.seeds[-1]}"], list(wanted), out, command)
-    print(markdown(rows))
+    _, tables = compare(args, wanted[out / f"seed-{args.seeds[-1]}"], list(wanted), out, command)
+    print(tables)
     print(f"written to {out}")
     return out
 
 
 def compare(
     args: Args, config: learn.Configuration, folders: Sequence[Path], out: Path, command: str
-) -> list[dict[str, Any]]:
-    """Compare runs, as training seeds of one controller, with the baselines; writes tables to `out`."""
+) -> tuple[Summary, str]:
+    """Compare runs, as training seeds of one controller, with the baselines; for the rest see `write_comparison`."""
     seed = args.seed if args.seeds else config.seed
     rows = evaluate(
         [*BASELINES, *(f"{config.algo}={folder}" for folder in folders)],
@@ -133,8 +133,8 @@ def compare(
         not args.quiet,
         Workers(args.jobs, args.cluster),
     )
-    write_comparison(out, rows, {"command": command, "eval_episodes": args.eval_episodes, "seed": seed})
-    return rows
+    settings = {"command": command, "eval_episodes": args.eval_episodes, "seed": seed}
+    return write_comparison(out, rows, settings)
 
 
 def check_resumable(args: Args, config: learn.Configuration) -> None:

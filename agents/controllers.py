@@ -36,6 +36,11 @@ def load_controller(spec: str, env: gymnasium.Env) -> Controller:
     return runs.load_policy(spec, env)
 
 
+def resolved(spec: str) -> str:
+    """The same controller from any working directory: a name as it is, a run folder as an absolute path."""
+    return spec if spec in UNTRAINED or spec in shipped.available() else str(Path(spec).resolve())
+
+
 def policy_files(spec: str) -> list[Path]:
     """The files that determine a trained controller; none for the others.
 

@@ -14,7 +14,7 @@ from tqdm import tqdm
 
 from agents import runs
 from agents.baselines import Parameters, make_baseline
-from agents.controllers import load_controller, policy_files
+from agents.controllers import load_controller, policy_files, resolved
 from agents.environments import make_env
 from agents.rollout import run_episode
 from agents.torque_laws import Controller
@@ -34,7 +34,7 @@ def episode_cell(spec: str, env_id: str, env_kwargs: Mapping[str, Any], seed: in
     """
     files = policy_files(spec)
     return {
-        "spec": str(Path(spec).resolve()) if Path(spec).is_dir() and files else spec,
+        "spec": resolved(spec),
         "policy": _digest(files) if files else None,
         "env_id": env_id,
         "env_kwargs": runs.jsonable(env_kwargs),

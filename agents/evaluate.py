@@ -13,8 +13,8 @@ from agents.controllers import trained_on
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, with_model, with_sampling
 from agents.episodes import episode_cell, run_cells
 from agents.figures import comparison_figure
-from agents.report import Row, markdown, summarize, write_comparison
-from agents.suites import MODEL, SUITES
+from agents.report import Row, write_comparison
+from agents.suites import MODEL, SUITES, suite_controllers
 from solar_env.campaigns import ONE, Cell, Workers
 from solar_env.readme import FIGURE_FOLDER, check_readme, replace_in_readme
 
@@ -93,13 +93,13 @@ def evaluate(
         One row a controller and episode: controller, spec, episode, and the figures of `run_episode`.
     """
     seeds = episode_seeds("evaluation", seed, episodes)
+    sampled = with_sampling(env_kwargs or {}, env_id)
     labels: list[Row] = []
     cells: list[Cell] = []
     for text in controllers:
         name, spec = split_controller(text)
-        keywords = with_sampling(env_kwargs or {}, env_id)
         trained = trained_on(spec) or {}
-        keywords |= {key: trained[key] for key in ("observation",) if key in trained}
+        keywords = sampled | {key: trained[key] for key in ("observation",) if key in trained}
         for episode, episode_seed in enumerate(seeds):
             labels.append({"controller": name, "spec": spec, "episode": episode})
             cells.append(episode_cell(spec, env_id, keywords, episode_seed))
@@ -154,12 +154,12 @@ def main(argv: Sequence[str] | None = None) -> None:
     )
     command = shlex.join(["python", "-m", "agents.evaluate", *(sys.argv[1:] if argv is None else argv)])
     settings = {"command": command, **asdict(args), "env_id": env_id, "env_kwargs": env_kwargs}
-    write_comparison(out, rows, settings)
-    comparison_figure(summarize(rows), out / FIGURE)
+    summary, tables = write_comparison(out, rows, settings)
+    comparison_figure(summary, out / FIGURE)
     if args.readme:
         shutil.copy(out / FIGURE, FIGURE_FOLDER / f"suite-{args.suite}.png")
-        replace_in_readme(_place(args.suite), f"<!-- end of suite {args.suite} -->", markdown(rows).strip())
-    print(markdown(rows))
+        replace_in_readme(_place(args.suite), f"<!-- end of suite {args.suite} -->", tables.strip())
+    print(tables)
     print(f"written to {out}")
 
 
@@ -180,10 +180,10 @@ def suite_named(
     """
     if name not in SUITES:
         raise ValueError(f"no suite {name!r}; available: {', '.join(SUITES)}")
-    suite = SUITES[name]
-    if env_id not in (DEFAULT_ENV_ID, suite.env_id):
-        raise ValueError(f"--suite {name} is about {suite.env_id}, not about {env_id}; leave --env-id out")
-    return suite.env_id, list(controllers) or suite.controllers(), {**MODEL, **given}
+    scenario = SUITES[name]
+    if env_id not in (DEFAULT_ENV_ID, scenario):
+        raise ValueError(f"--suite {name} is about {scenario}, not about {env_id}; leave --env-id out")
+    return scenario, list(controllers) or suite_controllers(scenario), {**MODEL, **given}
 
 
 if __name__ == "__main__":

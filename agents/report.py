@@ -26,9 +26,10 @@ TABLE: dict[str, tuple[str, float]] = {
 HIGHER_IS_BETTER = frozenset({"return"})
 
 Row = dict[str, Any]
+Summary = dict[str, dict[str, Any]]
 
 
-def summarize(rows: Sequence[Row]) -> dict[str, dict[str, Any]]:
+def summarize(rows: Sequence[Row]) -> Summary:
     """Controller -> latched fraction, an estimate of every figure of `TABLE`, and comparisons with the references.
 
     Those are the `references`. With each there are paired differences, episode by episode, for both had the same seed,
@@ -38,7 +39,7 @@ def summarize(rows: Sequence[Row]) -> dict[str, dict[str, Any]]:
     compared_with = {
         name: {row["episode"]: row for row in rows if row["controller"] == name} for name in references(rows)
     }
-    summary: dict[str, dict[str, Any]] = {}
+    summary: Summary = {}
     for name in names:
         mine = [row for row in rows if row["controller"] == name]
         specs = list(dict.fromkeys(row["spec"] for row in mine))
@@ -69,7 +70,10 @@ def references(rows: Sequence[Row]) -> list[str]:
 
 def markdown(rows: Sequence[Row]) -> str:
     """The comparison as Markdown tables, with what the numbers are."""
-    summary = summarize(rows)
+    return _tables(rows, summarize(rows))
+
+
+def _tables(rows: Sequence[Row], summary: Summary) -> str:
     names = list(summary)
     figures = [figure for figure in TABLE if figure in summary[names[0]]]
     episodes = len({row["episode"] for row in rows})
@@ -112,20 +116,21 @@ def _cell(value: Estimate, figure: str, worst: bool = True) -> str:
     return text + (f"; worst {extreme * factor:.4g}" if worst else "")
 
 
-def write_comparison(folder: Path, rows: Sequence[Row], settings: Mapping[str, Any]) -> None:
-    """Write ``episodes.csv``, ``metrics.json`` and ``comparison.md`` into `folder`."""
+def write_comparison(folder: Path, rows: Sequence[Row], settings: Mapping[str, Any]) -> tuple[Summary, str]:
+    """Write ``episodes.csv``, ``metrics.json`` and ``comparison.md`` into `folder`; returns summary and tables."""
     folder.mkdir(parents=True, exist_ok=True)
     columns = list(dict.fromkeys(column for row in rows for column in row))
     with (folder / "episodes.csv").open("w", newline="") as file:
         writer = csv.DictWriter(file, columns)
         writer.writeheader()
         writer.writerows(rows)
-    controllers = {
-        name: {key: _plain(value) for key, value in entry.items()} for name, entry in summarize(rows).items()
-    }
+    summary = summarize(rows)
+    tables = _tables(rows, summary)
+    controllers = {name: {key: _plain(value) for key, value in entry.items()} for name, entry in summary.items()}
     content = {"settings": settings, "versions": runs.versions(), "controllers": controllers}
     runs.write_json(folder / "metrics.json", content)
-    (folder / "comparison.md").write_text(markdown(rows))
+    (folder / "comparison.md").write_text(tables)
+    return summary, tables
 
 
 def _plain(value: Any) -> Any:

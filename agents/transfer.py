@@ -7,14 +7,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from agents import learn, runs
 from agents.arguments import parse_arguments
 from agents.environments import DEFAULT_ENV_ID
 from agents.evaluate import STORE, evaluate
 from agents.figures import transfer_figure
-from agents.statistics import Estimate, estimate
+from agents.report import summarize
+from agents.statistics import Estimate
 from solar_env.campaigns import Workers
 
 # Name -> keywords, from the cheapest to the one that counts.
@@ -96,14 +95,7 @@ def judge_all(args: Args, folders: Mapping[str, Sequence[Path]]) -> dict[str, di
             Workers(args.jobs, args.cluster),
             Path(args.out) / f"{level.replace(' ', '-')}-{STORE}",
         )
-        returns[level] = {}
-        for name in ("passive", "servo", *folders):
-            specs = list(dict.fromkeys(row["spec"] for row in rows if row["controller"] == name))
-            by_run = [
-                np.array([row["return"] for row in rows if (row["controller"], row["spec"]) == (name, spec)])
-                for spec in specs
-            ]
-            returns[level][name] = estimate(by_run)
+        returns[level] = {name: entry["return"] for name, entry in summarize(rows).items()}
     return returns
 
 

@@ -38,7 +38,6 @@ class Setup:
         hardware: sensors and motor.
         task: limits, durations and prices.
         observation: kind of observation.
-        observation_names: of the entries, in order.
     """
 
     def __init__(
@@ -66,8 +65,15 @@ class Setup:
         self.randomize = _checked_ranges(self.parameters, named.randomize if randomize is None else randomize)
         self.hardware = named.drive(hardware)
         self.observation = observation
-        entries = observation_entries(self.parameters.panel_count, observation)
-        self.observation_names = tuple(entry.name for entry in entries)
+
+    @property
+    def observation_names(self) -> tuple[str, ...]:
+        """Names of the entries of an observation, in order.
+
+        Raises:
+            ValueError: if the kind of observation is unknown.
+        """
+        return tuple(entry.name for entry in observation_entries(self.parameters.panel_count, self.observation))
 
     def sensors(self, lanes: int) -> Sensors:
         """The sensors of several arrays."""
@@ -88,8 +94,6 @@ class Setup:
         exact = copy(self)
         exact.hardware = Hardware(motor_lag=self.hardware.motor_lag, torque_rate_limit=self.hardware.torque_rate_limit)
         exact.observation = "drive"
-        entries = observation_entries(self.parameters.panel_count, exact.observation)
-        exact.observation_names = tuple(entry.name for entry in entries)
         return exact
 
     def draw(self, design: ArrayParameters, generator: np.random.Generator, changes: Changes) -> ArrayParameters:

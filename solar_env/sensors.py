@@ -69,10 +69,11 @@ class Sensors:
         pipeline = np.concatenate([measured[:, np.newaxis, self._late], self._pipeline[lanes, :-1]], axis=1)
         self._pipeline[lanes] = pipeline
         measured[:, self._late] = pipeline[:, -1]
-        before = self.observed[lanes]
-        kept = before[:, self.present : before.shape[1] - self._remembered.size] if self._history else before[:, :0]
-        newest = before[:, self._remembered] if self._history else before[:, :0]
-        self.observed[lanes] = np.hstack([measured, newest, kept])
+        shown = [measured]
+        if self._history:
+            before = self.observed[lanes]
+            shown += [before[:, self._remembered], before[:, self.present : -self._remembered.size]]
+        self.observed[lanes] = np.hstack(shown)
 
     def _measured(self, lanes: NDArray[np.int64]) -> NDArray[np.float32]:
         """(k, first entries) what noise and encoder make of the exact values."""

@@ -5,8 +5,9 @@ import pytest
 
 from agents import shipped
 from agents.baselines import BASELINES, make_baseline
-from agents.controllers import SEARCH, load_controller, policy_files, trained_on
+from agents.controllers import SEARCH, load_controller, policy_files, resolved, trained_on
 from agents.environments import make_env
+from agents.episodes import episode_cell
 from agents.shipped import Description, Layer, PolicyNetwork, ShippedPolicy
 from agents.torque_laws import Signals
 
@@ -66,3 +67,10 @@ def test_a_baseline_is_the_one_of_its_name(env):
 def test_a_name_of_nothing_says_what_there_is(env):
     with pytest.raises(FileNotFoundError, match="runs/nothing is not a run folder"):
         load_controller("runs/nothing", env)
+
+
+def test_a_shipped_policy_stays_itself_beside_a_folder_of_its_name(policy, tmp_path, monkeypatch):
+    (tmp_path / "elsewhere" / "third").mkdir(parents=True)
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    assert episode_cell("third", policy.env_id, policy.env_kwargs, seed=0)["spec"] == "third"
+    assert resolved("runs/one") == str(tmp_path / "elsewhere" / "runs" / "one")

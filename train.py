@@ -16,7 +16,7 @@ from agents import learn, runs
 from agents.arguments import parse_arguments
 from agents.baselines import make_baseline
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model
-from agents.evaluate import evaluate
+from agents.evaluate import efforts, evaluate
 from agents.figures import run_figure
 from agents.report import Summary, write_comparison
 from agents.rollout import Step, run_episode
@@ -124,8 +124,9 @@ def compare(
 ) -> tuple[Summary, str]:
     """Compare runs, as training seeds of one controller, with the baselines; for the rest see `write_comparison`."""
     seed = args.seed if args.seeds else config.seed
+    controllers = [*BASELINES, *(f"{config.algo}={folder}" for folder in folders)]
     rows = evaluate(
-        [*BASELINES, *(f"{config.algo}={folder}" for folder in folders)],
+        controllers,
         args.eval_episodes,
         seed,
         config.env_id,
@@ -134,7 +135,7 @@ def compare(
         Workers(args.jobs, args.cluster),
     )
     settings = {"command": command, "eval_episodes": args.eval_episodes, "seed": seed}
-    return write_comparison(out, rows, settings)
+    return write_comparison(out, rows, settings, efforts(controllers, config.env_id, config.env_kwargs))
 
 
 def check_resumable(args: Args, config: learn.Configuration) -> None:

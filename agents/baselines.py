@@ -50,21 +50,44 @@ def load_parameters(name: str, env_id: str, model: str) -> Parameters:
     Raises:
         ValueError: the file has no entry for `env_id` that would do, or its keys are not those of the law.
     """
-    path = CONFIGS / f"{name}.json"
-    by_model = (json.loads(path.read_text()) if path.exists() else {}).get(env_id, {})
-    command = f"python -m agents.tune --controller {name} --env-id {env_id} --model {model}"
-    source = model if model in by_model else FALLBACK_MODEL
-    if source not in by_model:
-        raise ValueError(f"{path.name} holds no parameters for {env_id!r} with model {model!r}; run: {command}")
+    entry, source = _entry(name, env_id, model)
     if source != model:
         warnings.warn(
-            f"no parameters of {name!r} have been tuned for {model}; it gets those for {source}. To tune: {command}",
+            f"no parameters of {name!r} have been tuned for {model}; it gets those for {source}. To tune: "
+            + _command(name, env_id, model),
             stacklevel=2,
         )
     try:
-        return read_parameters(name, by_model[source]["parameters"])
+        return read_parameters(name, entry["parameters"])
     except ValueError as error:
-        raise ValueError(f"{path.name}, {env_id!r}, {source!r}: {error}") from error
+        raise ValueError(f"{name}.json, {env_id!r}, {source!r}: {error}") from error
+
+
+def episodes_spent(name: str, env_id: str, model: str) -> int:
+    """Training episodes that the parameters of `load_parameters` have cost, those of what they were refined from too.
+
+    Raises:
+        ValueError: the file has no entry for `env_id` that would do.
+    """
+    tuning = _entry(name, env_id, model)[0]["tuning"]
+    return tuning.get("training_episodes_with_start", tuning["training_episodes"])
+
+
+def _entry(name: str, env_id: str, model: str) -> tuple[dict[str, Any], str]:
+    """What ``agents/configs/<name>.json`` holds, and for which model."""
+    path = CONFIGS / f"{name}.json"
+    by_model = (json.loads(path.read_text()) if path.exists() else {}).get(env_id, {})
+    source = model if model in by_model else FALLBACK_MODEL
+    if source not in by_model:
+        raise ValueError(
+            f"{path.name} holds no parameters for {env_id!r} with model {model!r}; run: "
+            + _command(name, env_id, model)
+        )
+    return by_model[source], source
+
+
+def _command(name: str, env_id: str, model: str) -> str:
+    return f"python -m agents.tune --controller {name} --env-id {env_id} --model {model}"
 
 
 def read_parameters(name: str, values: Mapping[str, Any]) -> Parameters:

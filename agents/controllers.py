@@ -6,7 +6,7 @@ from typing import Any
 import gymnasium
 
 from agents import runs, shipped
-from agents.baselines import BASELINES, make_baseline
+from agents.baselines import BASELINES, TUNABLE, episodes_spent, make_baseline
 from agents.receding_horizon import RecedingHorizon
 from agents.torque_laws import Controller
 
@@ -52,6 +52,21 @@ def policy_files(spec: str) -> list[Path]:
     if spec in shipped.available():
         return [shipped.SHIPPED / spec / name for name in (shipped.ARRAYS, shipped.DESCRIPTION)]
     return [runs.policy_path(spec), Path(spec) / runs.CONFIG]
+
+
+def effort(spec: str, env_id: str, model: str) -> str | None:
+    """What was simulated to tune or train a controller for an environment; None for nothing.
+
+    Raises:
+        FileNotFoundError: `spec` names no controller.
+        ValueError: as `load_parameters`.
+    """
+    if spec in UNTRAINED:
+        return f"{episodes_spent(spec, env_id, model):,} episodes" if spec in TUNABLE else None
+    if spec in shipped.available():
+        return f"{shipped.load_shipped(spec).description.training_steps:,} steps"
+    config = runs.read_config(spec)
+    return f"{config['timesteps_before'] + config['timesteps']:,} steps"
 
 
 def trained_on(spec: str) -> dict[str, Any] | None:

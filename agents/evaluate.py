@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from agents.arguments import parse_arguments
-from agents.controllers import trained_on
-from agents.environments import DEFAULT_ENV_ID, episode_seeds, with_model, with_sampling
+from agents.controllers import effort, trained_on
+from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_sampling
 from agents.episodes import episode_cell, run_cells
 from agents.figures import comparison_figure
 from agents.report import Row, write_comparison
@@ -107,6 +107,14 @@ def evaluate(
     return [{**label, **figure} for label, figure in zip(labels, figures, strict=True)]
 
 
+def efforts(controllers: Sequence[str], env_id: str, env_kwargs: Mapping[str, Any]) -> dict[str, str]:
+    """Controller -> what was simulated to tune or train it, as `agents.controllers.effort`; of several runs, each."""
+    with make_env(env_id, env_kwargs) as env:
+        model = env.get_wrapper_attr("model")
+    found = {name: effort(spec, env_id, model) for name, spec in map(split_controller, controllers)}
+    return {name: what for name, what in found.items() if what}
+
+
 def common_env_kwargs(controllers: Sequence[str], given: Collection[str] = ()) -> dict[str, Any]:
     """The environment keywords on which all trained ones among `controllers` agree.
 
@@ -154,7 +162,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     )
     command = shlex.join(["python", "-m", "agents.evaluate", *(sys.argv[1:] if argv is None else argv)])
     settings = {"command": command, **asdict(args), "env_id": env_id, "env_kwargs": env_kwargs}
-    summary, tables = write_comparison(out, rows, settings)
+    summary, tables = write_comparison(out, rows, settings, efforts(controllers, env_id, env_kwargs))
     comparison_figure(summary, out / FIGURE)
     if args.readme:
         shutil.copy(out / FIGURE, FIGURE_FOLDER / f"suite-{args.suite}.png")

@@ -7,13 +7,13 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import gymnasium
 import numpy as np
+import torch
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.policies import ActorCriticPolicy
-from stable_baselines3.common.torch_layers import FlattenExtractor
 from stable_baselines3.sac.policies import SACPolicy
 from torch import nn
 
@@ -21,6 +21,7 @@ from agents import runs, shipped
 from agents.arguments import parse_arguments
 from agents.baselines import BASELINES
 from agents.environments import make_env
+from agents.features import LIMIT, DriveFeatures
 from agents.report import Row, markdown
 from agents.shipped import Description, Layer, PolicyNetwork, ShippedPolicy
 from solar_env.hardware import Hardware
@@ -60,7 +61,7 @@ def network_of(model: BaseAlgorithm) -> PolicyNetwork:
     mean = max(index for index, leaf in enumerate(leaves) if isinstance(leaf, nn.Linear))
     linear, between, after = leaves[: mean + 1 : 2], leaves[1:mean:2], leaves[mean + 1 :]
     fits = (
-        type(parts[0]) is FlattenExtractor
+        type(parts[0]) is DriveFeatures
         and all(type(leaf) is nn.Linear for leaf in linear)
         and all(type(leaf) in ACTIVATIONS and type(leaf) is type(between[0]) for leaf in between)
         and [type(leaf) for leaf in after] in ([], [nn.Tanh], [nn.Hardtanh])
@@ -68,20 +69,24 @@ def network_of(model: BaseAlgorithm) -> PolicyNetwork:
     if not fits:
         raise ValueError(
             f"the policy computes {', '.join(type(leaf).__name__ for leaf in [parts[0], *leaves])}; exported can be "
-            "fully connected layers on the flat observation with one activation, Tanh or ReLU, between them"
+            "fully connected layers on the features of agents.features with one activation, Tanh or ReLU, between them"
         )
-    layers: list[Layer] = []
-    for leaf in linear:
-        assert isinstance(leaf, nn.Linear)
-        layers.append(Layer(leaf.weight.detach().cpu().numpy().copy(), leaf.bias.detach().cpu().numpy().copy()))
+    features = cast(DriveFeatures, parts[0])
+    layers = [_layer(features.matrix, features.offset)]
+    layers += [_layer(leaf.weight, leaf.bias) for leaf in cast(list[nn.Linear], linear)]
     return PolicyNetwork(
         tuple(layers),
+        feature_limit=LIMIT,
         activation=ACTIVATIONS[type(between[0])] if between else "tanh",
         # TD3's actor ends with the Tanh that the others leave to the distribution.
         output="tanh" if policy.squash_output else "clip",
         # SAC with state-dependent exploration keeps the mean away from where tanh is flat.
         mean_limit=next((float(leaf.max_val) for leaf in after if isinstance(leaf, nn.Hardtanh)), None),
     )
+
+
+def _layer(weights: torch.Tensor, biases: torch.Tensor) -> Layer:
+    return Layer(*(tensor.detach().cpu().numpy().copy() for tensor in (weights, biases)))
 
 
 def difference(network: PolicyNetwork, model: BaseAlgorithm, env: gymnasium.Env, count: int = 1000) -> float:
@@ -124,7 +129,13 @@ def onnx_model(network: PolicyNetwork) -> Any:
     for number, layer in enumerate(network.layers, start=1):
         weights, biases = constant(f"weights_{number}", layer.weights), constant(f"biases_{number}", layer.biases)
         values = node("Gemm", [values, weights, biases], f"sum_{number}", transB=1)
-        if number < len(network.layers):
+        if number == 1:
+            limits = [
+                constant("least_feature", -network.feature_limit),
+                constant("greatest_feature", network.feature_limit),
+            ]
+            values = node("Clip", [values, *limits], "features")
+        elif number < len(network.layers):
             values = node(ONNX_OPERATORS[network.activation], [values], f"hidden_{number}")
     if network.mean_limit is not None:
         limits = [constant("least_mean", -network.mean_limit), constant("greatest_mean", network.mean_limit)]
@@ -166,9 +177,11 @@ def export(run: str | Path, folder: Path) -> ShippedPolicy:
         unwrapped: Any = env.unwrapped
         description = Description(
             algorithm=config["algo"],
+            feature_limit=network.feature_limit,
             activation=network.activation,
             output=network.output,
             mean_limit=network.mean_limit,
+            training_steps=config["timesteps_before"] + config["timesteps"],
             env_id=config["env_id"],
             env_kwargs=config["env_kwargs"],
             observation=config["env_kwargs"].get("observation", "drive"),
@@ -217,7 +230,8 @@ def _training(config: dict[str, Any], policy: ShippedPolicy, env: Any) -> str:
         "environment steps": steps,
         "environments together": config["n_envs"],
         "seed": config["seed"],
-        "network": f"{' - '.join(map(str, sizes))}, {policy.network.activation} between layers",
+        "network": f"{' - '.join(map(str, sizes))}, {policy.network.activation} between layers except after the first, "
+        f"which is not learned: features of the observation, clipped to {policy.network.feature_limit}",
         "action": _formula(policy.description.residual),
         "versions": ", ".join(f"{package} {version}" for package, version in config["versions"].items()),
     }

@@ -29,6 +29,7 @@ from agents.callbacks import (
     save_checkpoint,
 )
 from agents.environments import episode_seeds, make_env, with_sampling
+from agents.features import DriveFeatures
 from agents.residual import residual_on
 from agents.vec_env import FixedSeeds, NativeVecEnv, ResidualVecEnv
 from solar_env.campaigns import Workers, each_done
@@ -36,6 +37,7 @@ from solar_env.campaigns import Workers, each_done
 VALIDATION_EPISODES = 6
 VALIDATIONS = 15
 SHORTEST_VALIDATION_INTERVAL = 2000  # environment steps; a validation takes about as many itself
+FIRST_ACTIONS = 0.01  # what the first actions of a residual agent are multiplied by
 
 
 @dataclass(frozen=True)
@@ -95,6 +97,7 @@ def configuration(
     for name, number in (("n_envs", n_envs), ("timesteps", timesteps)):
         if number < 1:
             raise ValueError(f"{name} is {number}; give a positive number")
+    env_kwargs = {"observation": entry["observation"], **env_kwargs}
     # Refuse a wrong seed or environment keyword now, not once a run folder exists.
     episode_seeds("training", seed, n_envs)
     with make_env(env_id, env_kwargs) as env:
@@ -143,8 +146,17 @@ def _with_law(venv: VecEnv, config: Configuration) -> VecEnv:
 
 
 def make_model(config: Configuration, venv: VecEnv, device: str = "cpu") -> BaseAlgorithm:
-    """A fresh model on `venv` with normalised rewards; the environment scales the observations itself."""
+    """A fresh model on `venv` with normalised rewards and the features of `agents.features`.
+
+    An agent that adds to a law begins with hardly anything to add: the actors of SAC and TD3 get a last layer as small
+    as PPO's has from the start (T. Silver et al., Residual Policy Learning, 2018, arXiv:1812.06298).
+    """
     hyperparameters = dict(config.hyperparameters)
+    hyperparameters["policy_kwargs"] = {
+        **hyperparameters.get("policy_kwargs", {}),
+        "features_extractor_class": DriveFeatures,
+        "features_extractor_kwargs": {"names": venv.get_attr("observation_names", 0)[0]},
+    }
     noise = hyperparameters.pop("exploration_noise", None)
     if noise is not None:
         n_actions = venv.action_space.shape[0]  # type: ignore[index]
@@ -153,7 +165,15 @@ def make_model(config: Configuration, venv: VecEnv, device: str = "cpu") -> Base
     normalized = VecNormalize(venv, norm_obs=False, gamma=gamma)
     seed = episode_seeds("training", config.seed, 1)[0]
     cls: Any = runs.algorithm(config.algo)
-    return cls("MlpPolicy", normalized, seed=seed, device=device, **hyperparameters)
+    model = cls("MlpPolicy", normalized, seed=seed, device=device, **hyperparameters)
+    if config.residual and isinstance(model, OffPolicyAlgorithm):
+        policy: Any = model.policy
+        for actor in filter(None, (policy.actor, getattr(policy, "actor_target", None))):
+            last = [layer for layer in actor.mu.modules() if isinstance(layer, torch.nn.Linear)][-1]
+            with torch.no_grad():
+                last.weight.mul_(FIRST_ACTIONS)
+                last.bias.mul_(FIRST_ACTIONS)
+    return model
 
 
 def load_checkpoint(config: Configuration, folder: str | Path, venv: VecEnv, device: str = "cpu") -> BaseAlgorithm:

@@ -116,8 +116,17 @@ def _cell(value: Estimate, figure: str, worst: bool = True) -> str:
     return text + (f"; worst {extreme * factor:.4g}" if worst else "")
 
 
-def write_comparison(folder: Path, rows: Sequence[Row], settings: Mapping[str, Any]) -> tuple[Summary, str]:
-    """Write ``episodes.csv``, ``metrics.json`` and ``comparison.md`` into `folder`; returns summary and tables."""
+def write_comparison(
+    folder: Path, rows: Sequence[Row], settings: Mapping[str, Any], effort: Mapping[str, str]
+) -> tuple[Summary, str]:
+    """Write ``episodes.csv``, ``metrics.json`` and ``comparison.md`` into `folder`; returns summary and tables.
+
+    Args:
+        folder: Made where it does not exist.
+        rows: As `agents.evaluate.evaluate` returns them.
+        settings: How they came about.
+        effort: Controller -> what was simulated to tune or train it, where anything was.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     columns = list(dict.fromkeys(column for row in rows for column in row))
     with (folder / "episodes.csv").open("w", newline="") as file:
@@ -126,6 +135,8 @@ def write_comparison(folder: Path, rows: Sequence[Row], settings: Mapping[str, A
         writer.writerows(rows)
     summary = summarize(rows)
     tables = _tables(rows, summary)
+    if effort:
+        tables += f"\nSimulated to tune or train: {', '.join(f'{name} {what}' for name, what in effort.items())}.\n"
     controllers = {name: {key: _plain(value) for key, value in entry.items()} for name, entry in summary.items()}
     content = {"settings": settings, "versions": runs.versions(), "controllers": controllers}
     runs.write_json(folder / "metrics.json", content)

@@ -22,7 +22,7 @@ ARRAYS = "policy.npz"
 DESCRIPTION = "policy.json"
 ONNX = "policy.onnx"
 CARD = "card.md"
-FORMAT = 1
+FORMAT = 2
 
 ACTIVATIONS = ("relu", "tanh")
 OUTPUTS = ("clip", "tanh")
@@ -40,8 +40,10 @@ class PolicyNetwork:
     """The deterministic action of a policy, computed in float32.
 
     Attributes:
-        layers: From the observation to the mean of the action.
-        activation: Between the layers: relu or tanh.
+        layers: From the observation to the mean of the action; the first gives features of the observation, see
+            `agents.features`.
+        feature_limit: The features are clipped to plus and minus this.
+        activation: Between the other layers: relu or tanh.
         output: What makes an action in [-1, 1] of the mean: clip or tanh.
         mean_limit: The mean is first clipped to plus and minus this; None: it is not.
 
@@ -51,6 +53,7 @@ class PolicyNetwork:
     """
 
     layers: tuple[Layer, ...]
+    feature_limit: float
     activation: str
     output: str
     mean_limit: float | None = None
@@ -61,8 +64,10 @@ class PolicyNetwork:
                 raise ValueError(f"{name} is {getattr(self, name)!r}; choose from {', '.join(allowed)}")
         if self.mean_limit is not None and not 0.0 < self.mean_limit < np.inf:
             raise ValueError(f"mean_limit is {self.mean_limit!r}; give a positive finite number or None")
-        if not self.layers:
-            raise ValueError("a policy network needs at least one layer")
+        if not 0.0 < self.feature_limit < np.inf:
+            raise ValueError(f"feature_limit is {self.feature_limit!r}; give a positive finite number")
+        if len(self.layers) < 2:
+            raise ValueError(f"there are {len(self.layers)} layers; a policy network needs features and an output")
         for number, layer in enumerate(self.layers, start=1):
             _check_layer(number, layer)
         for number, (before, layer) in enumerate(itertools.pairwise(self.layers), start=2):
@@ -101,7 +106,9 @@ class PolicyNetwork:
             raise ValueError(
                 f"the observation has shape {values.shape}; expected ({self.inputs},) or (n, {self.inputs})"
             )
-        for layer in self.layers[:-1]:
+        features = self.layers[0]
+        values = np.clip(values @ features.weights.T + features.biases, -self.feature_limit, self.feature_limit)
+        for layer in self.layers[1:-1]:
             values = values @ layer.weights.T + layer.biases
             values = np.tanh(values) if self.activation == "tanh" else np.maximum(values, np.float32(0.0))
         mean = values @ self.layers[-1].weights.T + self.layers[-1].biases
@@ -132,9 +139,11 @@ class Description:
 
     Attributes:
         algorithm: ppo, sac or td3.
+        feature_limit: See `PolicyNetwork`.
         activation: See `PolicyNetwork`.
         output: See `PolicyNetwork`.
         mean_limit: See `PolicyNetwork`.
+        training_steps: Environment steps that it was trained for, those of the runs it was resumed from included.
         env_id: Environment that it was trained on.
         env_kwargs: Keywords of that environment.
         observation: Kind of observation, see the environment.
@@ -146,9 +155,11 @@ class Description:
     """
 
     algorithm: str
+    feature_limit: float
     activation: str
     output: str
     mean_limit: float | None
+    training_steps: int
     env_id: str
     env_kwargs: dict[str, Any]
     observation: str
@@ -252,7 +263,9 @@ def load_shipped(name: str | Path) -> ShippedPolicy:
     try:
         description = _read_description(folder / DESCRIPTION)
         layers = _read_layers(folder / ARRAYS)
-        network = PolicyNetwork(layers, description.activation, description.output, description.mean_limit)
+        network = PolicyNetwork(
+            layers, description.feature_limit, description.activation, description.output, description.mean_limit
+        )
         return ShippedPolicy(network, description)
     except (TypeError, ValueError) as error:
         raise ValueError(f"{folder}: {error}") from error

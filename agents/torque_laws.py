@@ -180,6 +180,8 @@ class ServoParameters:
         difference_damping: Torque on joint 1 against the opening-rate difference of the joints, which the
             cable loop makes oscillate [N m s].
         postlock_damping: Torque per rate of joint 1 after the last latch [N m s/rad].
+        postlock_stiffness: Torque from then on per angle of joint 1 off its lock angle [N m/rad]: a latched joint
+            still has play, which the array would swing across.
     """
 
     cruise_rate: float = _bounded(0.08, 0.05, 0.2)
@@ -189,6 +191,7 @@ class ServoParameters:
     joint_2_weight: float = _bounded(0.5, 0.0, 1.0)
     difference_damping: float = _bounded(0.0, 0.0, 40.0)
     postlock_damping: float = _bounded(0.0, 0.0, 10.0)
+    postlock_stiffness: float = _bounded(0.0, 0.0, 20.0)
 
 
 class VelocityProfileServo(TorqueLaw):
@@ -219,7 +222,9 @@ class VelocityProfileServo(TorqueLaw):
         p = self.parameters
         opening, rate, difference = _opening(entries, p.joint_2_weight)
         deploying = p.gain * (self.reference_rate(opening) - rate) - p.difference_damping * difference
-        return np.where(all_latched, -p.postlock_damping * entries["rate_1"], deploying)
+        off_lock = _LOCK_ANGLES[0] * (entries["theta_1"] - 1.0)
+        holding = -p.postlock_damping * entries["rate_1"] - p.postlock_stiffness * off_lock
+        return np.where(all_latched, holding, deploying)
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from tqdm import tqdm
 
 from agents import runs
 from agents.arguments import parse_arguments
-from agents.baselines import CONFIGS, TUNABLE, Parameters, load_parameters
+from agents.baselines import CONFIGS, TUNABLE, Parameters, episodes_spent, load_parameters
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_sampling
 from agents.episodes import mean_returns
 from solar_env.campaigns import Workers
@@ -32,8 +32,9 @@ class Args:
     """episodes a candidate is judged by, the same for all of a generation"""
     validation_episodes: int = 20
     """episodes that decide between the candidates left at the end"""
-    refine: bool = False
-    """start from the parameters that the model has already instead of the default ones, and search closer to them"""
+    refine: str | None = None
+    """environment id whose parameters for the model to start from instead of the default ones, searching closer to
+    them"""
     seed: int = 0
     """seed of the search and of its episodes"""
     env_id: str = DEFAULT_ENV_ID
@@ -146,7 +147,8 @@ def main(argv: Sequence[str] | None = None) -> None:
 
     with make_env(args.env_id, env_kwargs) as env:
         model = env.get_wrapper_attr("model")
-    start = load_parameters(args.controller, args.env_id, model) if args.refine else cls()
+    start = load_parameters(args.controller, args.refine, model) if args.refine else cls()
+    spent = episodes_spent(args.controller, args.refine, model) if args.refine else 0
     candidates = tune(
         costs,
         to_unit(start),
@@ -166,6 +168,7 @@ def main(argv: Sequence[str] | None = None) -> None:
             "env_kwargs": runs.jsonable(env_kwargs),
             "start": asdict(start),
             "training_episodes": args.episodes,
+            "training_episodes_with_start": args.episodes + spent,
             "seed": args.seed,
             "validation_return": returns[best],
             "validation_return_before_tuning": returns[0],

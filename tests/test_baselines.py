@@ -110,6 +110,12 @@ def test_servo_opposes_joint_1_after_the_last_latch():
     assert action == pytest.approx(-SERVO.postlock_damping * 0.02 * np.pi / 2 / LIMIT, rel=1e-5)
 
 
+def test_servo_holds_joint_1_at_its_lock_angle_after_the_last_latch():
+    servo = VelocityProfileServo(SIGNALS, replace(SERVO, postlock_stiffness=4.0))
+    action, _ = servo.predict(observe(1.01, latched=1.0))
+    assert action == pytest.approx(-4.0 * 0.01 * np.pi / 2 / LIMIT, rel=1e-4)
+
+
 def test_brake_acts_between_its_onset_and_the_last_latch():
     brake = ConstantBrake(SIGNALS, BrakeParameters(torque=0.1, onset=0.5))
     openings = np.stack([observe(0.4), observe(0.6), observe(1.0, latched=1.0)])

@@ -5,7 +5,7 @@ import pytest
 
 from agents import shipped
 from agents.baselines import BASELINES, make_baseline
-from agents.controllers import SEARCH, load_controller, policy_files, resolved, trained_on
+from agents.controllers import SEARCH, effort, load_controller, policy_files, resolved, trained_on
 from agents.environments import make_env
 from agents.episodes import episode_cell
 from agents.shipped import Description, Layer, PolicyNetwork, ShippedPolicy
@@ -21,12 +21,15 @@ def env():
 def policy(env, tmp_path, monkeypatch):
     """A shipped policy that pulls with a third of the limit."""
     signals = Signals.of(env)
+    features = Layer(np.eye(len(signals.names), dtype=np.float32), np.zeros(len(signals.names), np.float32))
     layer = Layer(np.zeros((1, len(signals.names)), np.float32), np.full(1, -1.0 / 3.0, np.float32))
     description = Description(
         algorithm="ppo",
+        feature_limit=1.0,
         activation="tanh",
         output="clip",
         mean_limit=None,
+        training_steps=12_000,
         env_id="solar_env/Deploy-v0",
         env_kwargs={"model": "rigid-clearance", "observation": "drive"},
         observation="drive",
@@ -36,7 +39,7 @@ def policy(env, tmp_path, monkeypatch):
         residual=None,
     )
     (tmp_path / "third").mkdir()
-    shipped.save(tmp_path / "third", ShippedPolicy(PolicyNetwork((layer,), "tanh", "clip"), description))
+    shipped.save(tmp_path / "third", ShippedPolicy(PolicyNetwork((features, layer), 1.0, "tanh", "clip"), description))
     monkeypatch.setattr(shipped, "SHIPPED", tmp_path)
     return description
 
@@ -45,6 +48,7 @@ def test_a_shipped_policy_is_a_controller_by_its_name(env, policy):
     observation, _ = env.reset(seed=0)
     assert load_controller("third", env).predict(observation)[0] == pytest.approx([-1.0 / 3.0])
     assert trained_on("third") == policy.env_kwargs
+    assert effort("third", policy.env_id, "rigid-clearance") == "12,000 steps"
     assert [path.name for path in policy_files("third")] == ["policy.npz", "policy.json"]
 
 

@@ -6,7 +6,7 @@ import json
 import numpy as np
 import pytest
 
-from agents.baselines import TUNABLE
+from agents.baselines import TUNABLE, episodes_spent
 from agents.environments import DEFAULT_ENV_ID, SAMPLING, episode_seeds
 from agents.evaluate import common_env_kwargs, evaluate, main, split_controller, suite_named
 from agents.report import markdown, references, summarize
@@ -61,7 +61,10 @@ def test_controllers_are_compared_with_the_first_and_with_the_best_baseline(rows
 
 def test_the_command_writes_what_it_prints(tmp_path, capsys):
     main(["--controllers", "passive", "brake", "--episodes", "2", "--quiet", "--out", str(tmp_path)])
-    assert (tmp_path / "comparison.md").read_text() in capsys.readouterr().out
+    text = (tmp_path / "comparison.md").read_text()
+    assert text in capsys.readouterr().out
+    spent = episodes_spent("brake", DEFAULT_ENV_ID, "rigid-clearance")
+    assert f"Simulated to tune or train: brake {spent:,} episodes." in text
     with (tmp_path / "episodes.csv").open() as file:
         written = list(csv.DictReader(file))
     assert [row["controller"] for row in written] == ["passive", "passive", "brake", "brake"]

@@ -11,13 +11,14 @@ import numpy as np
 import onnxruntime
 import pytest
 from stable_baselines3 import PPO, SAC, TD3
-from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
+from stable_baselines3.common.torch_layers import BaseFeaturesExtractor, FlattenExtractor
 from torch import nn
 
 from agents import baselines, export, learn, runs, shipped
 from agents.baselines import make_baseline, read_parameters
 from agents.environments import DEFAULT_ENV_ID, make_env
 from agents.evaluate import evaluate
+from agents.features import LIMIT, DriveFeatures, affine
 from agents.report import write_comparison
 from agents.rollout import run_episode
 from agents.shipped import Layer, PolicyNetwork, load_shipped
@@ -26,7 +27,7 @@ from agents.shipped import Layer, PolicyNetwork, load_shipped
 pytestmark = pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")
 
 COMMAND = "python train.py --seed 7"
-QUICK = {"model": "rigid-ideal", "control_period": 0.5, "postlock_window": 2.0}
+QUICK = {"model": "rigid-ideal", "control_period": 0.5, "postlock_window": 2.0, "observation": "drive"}
 ON_POLICY = {"n_steps": 50, "batch_size": 50}
 OFF_POLICY = {"learning_starts": 60, "buffer_size": 500, "batch_size": 16}
 # Name -> algorithm, hyperparameters, scale of the residual.
@@ -49,7 +50,7 @@ def finished(tmp_path_factory):
         learn.train(config, run, command=COMMAND, progress=False, threads=1)
         if name == "residual":
             rows = evaluate(["passive", f"ppo={run}"], 2, 7, config.env_id, config.env_kwargs, progress=False)
-            write_comparison(run, rows, {"command": COMMAND})
+            write_comparison(run, rows, {"command": COMMAND}, {})
         made[name] = run, folder / "policies" / name
         export.export(*made[name])
     return made
@@ -74,8 +75,13 @@ def spoil_arrays(folder, **changes):
     np.savez(folder / shipped.ARRAYS, **{**arrays, **changes})
 
 
-def random_observations(count, entries=9, seed=1):
-    return np.random.default_rng(seed).uniform(-2.0, 2.0, (count, entries)).astype(np.float32)
+def random_observations(count, seed=1):
+    """Every other one is of an almost still, latched array, which clips no feature; the others clip most of them."""
+    observations = np.random.default_rng(seed).uniform(-2.0, 2.0, (count, 9))
+    observations[::2, :2] = 1.0 + observations[::2, :2] / 210.0
+    observations[::2, 2:4] /= 21.0
+    observations[::2, 6] /= 3.1
+    return observations.astype(np.float32)
 
 
 @pytest.mark.parametrize("name", TRAINED)
@@ -97,8 +103,12 @@ def test_a_shipped_network_acts_as_stable_baselines3_in_numpy_and_in_onnx(finish
 
 
 def untrained(cls, **keywords):
-    env = make_env(env_kwargs={"model": "rigid-ideal"})
-    kwargs = {"net_arch": [32, 16], **keywords.pop("policy_kwargs", {})}
+    env = make_env(env_kwargs={"model": "rigid-ideal", "observation": "drive"})
+    features = {
+        "features_extractor_class": DriveFeatures,
+        "features_extractor_kwargs": {"names": env.unwrapped.observation_names},
+    }
+    kwargs = {"net_arch": [32, 16], **features, **keywords.pop("policy_kwargs", {})}
     return cls("MlpPolicy", env, policy_kwargs=kwargs, seed=3, device="cpu", **keywords)
 
 
@@ -115,7 +125,7 @@ KINDS = [
     (PPO, {"policy_kwargs": {"activation_fn": nn.ReLU, "net_arch": []}}, "tanh", "clip", None),
     (SAC, {}, "relu", "tanh", None),
     (SAC, {"use_sde": True}, "relu", "tanh", 2.0),
-    (SAC, {"use_sde": True, "policy_kwargs": {"clip_mean": 0.7}}, "relu", "tanh", 0.7),
+    (SAC, {"use_sde": True, "policy_kwargs": {"clip_mean": 1.2}}, "relu", "tanh", 1.2),
     (TD3, {}, "relu", "tanh", None),
     (TD3, {"policy_kwargs": {"activation_fn": nn.Tanh}}, "tanh", "tanh", None),
 ]
@@ -126,7 +136,7 @@ def test_means_beyond_the_limits_are_handled_as_the_algorithm_does(cls, keywords
     model = untrained(cls, **keywords)
     last = last_linear(model)
     last.weight.data *= 2.0 / last.weight.data.norm()
-    last.bias.data += 1.5
+    last.bias.data += 1.2
     network = export.network_of(model)
     assert (network.activation, network.output) == (activation, output)
     assert network.mean_limit == mean_limit
@@ -152,13 +162,36 @@ class Doubling(BaseFeaturesExtractor):
 @pytest.mark.parametrize(
     ("keywords", "message"),
     [
-        ({"activation_fn": nn.ELU}, "computes FlattenExtractor, Linear, ELU, Linear, ELU, Linear; exported can be"),
-        ({"features_extractor_class": Doubling}, "computes Doubling, Linear"),
+        ({"activation_fn": nn.ELU}, "computes DriveFeatures, Linear, ELU, Linear, ELU, Linear; exported can be"),
+        ({"features_extractor_class": Doubling, "features_extractor_kwargs": {}}, "computes Doubling, Linear"),
+        (
+            {"features_extractor_class": FlattenExtractor, "features_extractor_kwargs": {}},
+            "computes FlattenExtractor, Linear.*exported can be .* layers on the features of agents.features",
+        ),
     ],
 )
 def test_policies_of_another_kind_are_refused(keywords, message):
     with pytest.raises(ValueError, match=message):
         export.network_of(untrained(PPO, policy_kwargs=keywords))
+
+
+def test_the_first_layer_and_its_limit_are_the_features_of_the_observation(finished):
+    policy = load_shipped(finished["ppo"][1])
+    matrix, offset = affine(policy.description.observation_names)
+    np.testing.assert_array_equal(policy.network.layers[0].weights, matrix)
+    np.testing.assert_array_equal(policy.network.layers[0].biases, offset)
+    assert policy.network.feature_limit == policy.description.feature_limit == LIMIT
+
+
+def test_features_are_clipped_and_not_activated():
+    features = Layer(np.full((1, 1), 3.0, np.float32), np.zeros(1, np.float32))
+    output = Layer(np.full((1, 1), 0.5, np.float32), np.zeros(1, np.float32))
+    network = PolicyNetwork((features, output), feature_limit=1.5, activation="relu", output="clip")
+    observations = np.array([[-2.0], [-0.2], [0.2], [2.0]], dtype=np.float32)
+    expected = np.array([[-0.75], [-0.3], [0.3], [0.75]])
+    np.testing.assert_allclose(network.predict(observations)[0], expected, atol=1e-6)
+    session = onnxruntime.InferenceSession(export.onnx_model(network).SerializeToString())
+    np.testing.assert_allclose(session.run(None, {"observation": observations})[0], expected, atol=1e-6)
 
 
 @pytest.mark.parametrize("name", TRAINED)
@@ -216,15 +249,16 @@ def test_pickled_content_is_refused_and_not_run(own):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"weights_2": np.zeros((64, 63), np.float32)}, r"layer 2: weights have shape \(64, 63\), but layer 1 has 64"),
-        ({"biases_2": np.zeros(63, np.float32)}, r"layer 2: biases have shape \(63,\), but weights have .*\(64, 64\)"),
+        ({"weights_3": np.zeros((64, 63), np.float32)}, r"layer 3: weights have shape \(64, 63\), but layer 2 has 64"),
+        ({"weights_2": np.zeros((64, 9), np.float32)}, r"layer 2: weights have shape \(64, 9\), but layer 1 has 11"),
+        ({"biases_3": np.zeros(63, np.float32)}, r"layer 3: biases have shape \(63,\), but weights have .*\(64, 64\)"),
         (
-            {"weights_1": np.zeros((64, 8), np.float32)},
-            r"layer 1: weights have shape \(64, 8\); expected 9 inputs.*theta",
+            {"weights_1": np.zeros((11, 8), np.float32)},
+            r"layer 1: weights have shape \(11, 8\); expected 9 inputs.*theta",
         ),
-        ({"weights_1": np.zeros((64, 9))}, "layer 1: weights are of type float64; expected float32"),
-        ({"biases_1": np.full(64, np.nan, np.float32)}, "layer 1: biases hold nan"),
-        ({"biases_3": np.zeros((1, 1), np.float32)}, r"layer 3: biases have shape \(1, 1\); expected 1 dimension"),
+        ({"weights_1": np.zeros((11, 9))}, "layer 1: weights are of type float64; expected float32"),
+        ({"biases_1": np.full(11, np.nan, np.float32)}, "layer 1: biases hold nan"),
+        ({"biases_4": np.zeros((1, 1), np.float32)}, r"layer 4: biases have shape \(1, 1\); expected 1 dimension"),
         ({"weights_9": np.zeros((1, 1), np.float32)}, r"policy\.npz holds \['biases_1', .*expected weights_1"),
     ],
 )
@@ -237,10 +271,12 @@ def test_arrays_that_do_not_fit_are_named(own, changes, message):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"format": 2}, r"policy\.json has format 2; this version reads format 1"),
+        ({"format": 1}, r"policy\.json has format 1; this version reads format 2"),
         ({"colour": "red"}, r"policy\.json has the keys .*'colour'.*; expected"),
         ({"activation": "elu"}, "activation is 'elu'; choose from relu, tanh"),
         ({"output": "none"}, "output is 'none'; choose from clip, tanh"),
+        ({"feature_limit": 0.0}, "feature_limit is 0.0; give a positive finite number"),
+        ({"feature_limit": "two"}, "'<' not supported"),
         ({"mean_limit": -1.0}, "mean_limit is -1.0; give a positive"),
         ({"mean_limit": "two"}, "'<' not supported"),
         ({"residual": {"law": "servo"}}, r"residual has the keys \['law'\]; expected law, parameters and scale"),
@@ -280,16 +316,28 @@ def test_observations_and_environments_of_another_kind_are_refused(finished):
             policy.check(env)
 
 
+FEATURES = Layer(np.zeros((3, 2), np.float32), np.zeros(3, np.float32))
+OUTPUT = Layer(np.zeros((1, 3), np.float32), np.zeros(1, np.float32))
+EMPTY = Layer(np.zeros((0, 2), np.float32), np.zeros(0, np.float32))
+
+
 @pytest.mark.parametrize(
     ("layers", "message"),
     [
-        ((), "needs at least one layer"),
-        ((Layer(np.zeros((0, 2), np.float32), np.zeros(0, np.float32)),), r"layer 1: weights have shape \(0, 2\)"),
+        ((), "there are 0 layers; a policy network needs features and an output"),
+        ((FEATURES,), "there are 1 layers; a policy network needs features and an output"),
+        ((EMPTY, OUTPUT), r"layer 1: weights have shape \(0, 2\)"),
     ],
 )
 def test_empty_networks_are_refused(layers, message):
     with pytest.raises(ValueError, match=message):
-        PolicyNetwork(layers, "relu", "tanh")
+        PolicyNetwork(layers, 2.0, "relu", "tanh")
+
+
+@pytest.mark.parametrize("limit", [0.0, -2.0, np.inf, np.nan])
+def test_features_need_a_positive_finite_limit(limit):
+    with pytest.raises(ValueError, match=f"feature_limit is {limit}; give a positive finite number"):
+        PolicyNetwork((FEATURES, OUTPUT), limit, "relu", "tanh")
 
 
 def test_the_card_tells_how_the_policy_came_about_and_its_snippets_run(finished, monkeypatch, capsys):
@@ -299,6 +347,7 @@ def test_the_card_tells_how_the_policy_came_about_and_its_snippets_run(finished,
     assert COMMAND in card
     assert "| seed | 7 |" in card
     assert '"n_steps": 50' in card
+    assert "| network | 9 - 11 - 64 - 64 - 1, tanh" in card
     assert "model | rigid-ideal" in card
     assert "`ppo` is this policy" in card
     assert "| passive | " in card

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import torch
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 
 from agents import evaluate as evaluate_module
@@ -58,7 +59,7 @@ def test_a_residual_agent_starts_as_the_law_it_adds_to_and_the_run_keeps_that_la
     small = ["--timesteps", 20, "--n-envs", 1, "--hyperparams", "n_steps=10", "batch_size=10", "learning_rate=0.0"]
     folder = run("--residual", 0.3, *small, "--out", tmp_path / "run")
     residual = runs.read_config(folder)["residual"]
-    env = make_env()
+    env = make_env(env_kwargs={"observation": "history"})
     assert residual["scale"] == 0.3
     assert residual["parameters"] == asdict(load_parameters("servo", "solar_env/Deploy-v0", "rigid-clearance"))
     observations = env.observation_space.sample()[None] * np.linspace(0.0, 1.0, 20)[:, None].astype(np.float32)
@@ -70,11 +71,31 @@ def test_a_residual_agent_starts_as_the_law_it_adds_to_and_the_run_keeps_that_la
     assert np.max(np.abs(action)) < 0.1, "an untrained network adds next to nothing"
 
 
+@pytest.mark.parametrize("algo", ["sac", "td3"])
+def test_a_fresh_off_policy_agent_adds_next_to_nothing_to_a_law_but_is_not_held_back_without_one(algo):
+    small = {"buffer_size": 100}
+    config = learn.configuration(algo, "solar_env/Deploy-v0", {}, 0, n_envs=1, hyperparameters=small, residual=0.2)
+    venv = learn.make_training_env(config, None, threads=1)
+    space = venv.observation_space
+    observations = np.random.default_rng(0).uniform(space.low, space.high, (2000, *space.shape)).astype(np.float32)
+    added, _ = learn.make_model(config, venv).predict(observations, deterministic=True)
+    whole, _ = learn.make_model(replace(config, residual=None), venv).predict(observations, deterministic=True)
+    assert 0.0 < np.max(np.abs(added)) < 0.05 < np.max(np.abs(whole))
+
+
+def test_the_target_actor_of_a_fresh_td3_agent_adds_as_little_as_its_actor():
+    small = {"buffer_size": 100}
+    config = learn.configuration("td3", "solar_env/Deploy-v0", {}, 0, n_envs=1, hyperparameters=small, residual=0.2)
+    policy = learn.make_model(config, learn.make_training_env(config, None, threads=1)).policy
+    actor, target = (part.state_dict() for part in (policy.actor, policy.actor_target))
+    assert all(torch.equal(actor[name], target[name]) for name in actor)
+
+
 def test_training_takes_the_agents_action_as_an_addition_to_the_law(tmp_path):
     config = learn.configuration("ppo", "solar_env/Deploy-v0", {}, seed=0, n_envs=2, residual=0.2)
     venv = learn.make_training_env(config, None, threads=1)
     plain = learn.make_training_env(replace(config, residual=None), None, threads=1)
-    law = make_baseline("servo", make_env())
+    law = make_baseline("servo", make_env(env_kwargs={"observation": "history"}))
     venv.seed(3)
     plain.seed(3)
     observations = venv.reset()
@@ -93,7 +114,7 @@ def test_a_residual_beyond_the_torque_limit_is_refused(tmp_path, scale):
 
 
 def policy_weights(folder):
-    model = runs.load_model(folder, make_env())
+    model = runs.load_model(folder, make_env(env_kwargs={"observation": "history"}))
     return np.concatenate([weights.detach().numpy().ravel() for weights in model.policy.parameters()])
 
 

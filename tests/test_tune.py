@@ -62,15 +62,16 @@ def test_refining_starts_from_what_the_model_has_and_stays_closer(configs):
     short = ["--env-kwargs", "deadline=0.3", "postlock_window=0.2", "--quiet"]
     budget = ["--episodes", "6", "--episodes-per-candidate", "1", "--validation-episodes", "1"]
     found = {}
-    for options in ([], ["--refine"]):
-        (configs / "brake.json").write_text(
-            json.dumps({DEFAULT_ENV_ID: {"rigid-clearance": {"parameters": {"torque": 0.4, "onset": 0.9}}}})
-        )
+    had = {"parameters": {"torque": 0.4, "onset": 0.9}, "tuning": {"training_episodes": 30}}
+    for options in ([], ["--refine", DEFAULT_ENV_ID]):
+        (configs / "brake.json").write_text(json.dumps({DEFAULT_ENV_ID: {"rigid-clearance": had}}))
         tune_module.main(["--controller", "brake", *options, *budget, *short])
         found[bool(options)] = json.loads((configs / "brake.json").read_text())[DEFAULT_ENV_ID]["rigid-clearance"]
     assert found[False]["tuning"]["start"] == asdict(TUNABLE["brake"][1]())
     assert found[True]["tuning"]["start"] == {"torque": 0.4, "onset": 0.9}
     assert found[True]["parameters"]["onset"] > 0.5
+    assert found[False]["tuning"]["training_episodes_with_start"] == 6
+    assert found[True]["tuning"]["training_episodes_with_start"] == 36
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 
 import json
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,7 @@ from agents.torque_laws import (
     ShapedProfileParameters,
     Signals,
     TorqueLaw,
+    TunableLaw,
     VelocityProfileServo,
     ViscousDamper,
 )
@@ -30,13 +31,12 @@ FALLBACK_MODEL = "rigid-clearance"  # whose parameters a model without its own g
 
 Parameters = BrakeParameters | DamperParameters | ServoParameters | ShapedProfileParameters | OpenLoopParameters
 
-# Name -> the law and its parameters, of those that can be tuned.
-TUNABLE: dict[str, tuple[Callable[..., TorqueLaw], type[Parameters]]] = {
-    "brake": (ConstantBrake, BrakeParameters),
-    "damper": (ViscousDamper, DamperParameters),
-    "servo": (VelocityProfileServo, ServoParameters),
-    "shaped": (InputShapedProfile, ShapedProfileParameters),
-    "open-loop": (OpenLoopTorque, OpenLoopParameters),
+TUNABLE: dict[str, type[TunableLaw[Any]]] = {
+    "brake": ConstantBrake,
+    "damper": ViscousDamper,
+    "servo": VelocityProfileServo,
+    "shaped": InputShapedProfile,
+    "open-loop": OpenLoopTorque,
 }
 BASELINES = ("passive", *TUNABLE, "servo-untuned")
 
@@ -96,7 +96,7 @@ def read_parameters(name: str, values: Mapping[str, Any]) -> Parameters:
     Raises:
         ValueError: the keys are not those of the law.
     """
-    cls: Any = TUNABLE[name][1]
+    cls = type(TUNABLE[name].defaults)
     expected = {f.name for f in fields(cls)}
     if set(values) != expected:
         raise ValueError(f"the keys are {sorted(values)}; expected {sorted(expected)}")
@@ -120,5 +120,4 @@ def make_baseline(name: str, env: gymnasium.Env, parameters: Parameters | None =
     if name not in TUNABLE:
         raise ValueError(f"no baseline {name!r}; available: {', '.join(BASELINES)}")
     unwrapped: Any = env.unwrapped
-    law, _ = TUNABLE[name]
-    return law(signals, parameters or load_parameters(name, env.spec.id if env.spec else "", unwrapped.model))
+    return TUNABLE[name](signals, parameters or load_parameters(name, env.spec.id if env.spec else "", unwrapped.model))

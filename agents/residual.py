@@ -38,8 +38,7 @@ def base_law(residual: Mapping[str, Any], signals: Signals) -> TorqueLaw:
     if residual["law"] not in TUNABLE:
         raise ValueError(f"residual law is {residual['law']!r}; available: {', '.join(TUNABLE)}")
     _check_scale(residual["scale"])
-    law, _ = TUNABLE[residual["law"]]
-    return law(signals, read_parameters(residual["law"], residual["parameters"]))
+    return TUNABLE[residual["law"]](signals, read_parameters(residual["law"], residual["parameters"]))
 
 
 def _check_scale(scale: float) -> None:

@@ -4,7 +4,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any, Generic, Protocol, TypeVar
 
 import gymnasium
 import numpy as np
@@ -89,6 +89,27 @@ class TorqueLaw(ABC):
         return (action if np.ndim(observation) == 2 else action[0]), state
 
 
+P = TypeVar("P")
+
+
+class TunableLaw(TorqueLaw, Generic[P]):
+    """A torque law with parameters to tune.
+
+    Args:
+        signals: What the environment observes and takes.
+        parameters: A dataclass of the law's own; None: its untuned `defaults`.
+
+    Raises:
+        ValueError: as `TorqueLaw`.
+    """
+
+    defaults: P
+
+    def __init__(self, signals: Signals, parameters: P | None = None) -> None:
+        super().__init__(signals)
+        self.parameters = self.defaults if parameters is None else parameters
+
+
 class Passive(TorqueLaw):
     """Zero torque: the springs deploy the array alone."""
 
@@ -113,14 +134,11 @@ class BrakeParameters:
     onset: float = _bounded(0.0, 0.0, 1.0)
 
 
-class ConstantBrake(TorqueLaw):
+class ConstantBrake(TunableLaw[BrakeParameters]):
     """A constant torque against opening until the last joint has latched, then none."""
 
     reads = ("theta_1",)
-
-    def __init__(self, signals: Signals, parameters: BrakeParameters = BrakeParameters()) -> None:
-        super().__init__(signals)
-        self.parameters = parameters
+    defaults = BrakeParameters()
 
     def _torque(self, entries: Mapping[str, np.ndarray], all_latched: np.ndarray) -> np.ndarray:
         acts = (entries["theta_1"] >= self.parameters.onset) & ~all_latched
@@ -140,14 +158,11 @@ class DamperParameters:
     postlock_damping: float = _bounded(1.0, 0.0, 10.0)
 
 
-class ViscousDamper(TorqueLaw):
+class ViscousDamper(TunableLaw[DamperParameters]):
     """A torque against the rate of joint 1, as the rotary dampers of spring-driven hinges exert it."""
 
     reads = ("rate_1",)
-
-    def __init__(self, signals: Signals, parameters: DamperParameters = DamperParameters()) -> None:
-        super().__init__(signals)
-        self.parameters = parameters
+    defaults = DamperParameters()
 
     def _torque(self, entries: Mapping[str, np.ndarray], all_latched: np.ndarray) -> np.ndarray:
         p = self.parameters
@@ -194,23 +209,16 @@ class ServoParameters:
     postlock_stiffness: float = _bounded(0.0, 0.0, 20.0)
 
 
-class VelocityProfileServo(TorqueLaw):
+class VelocityProfileServo(TunableLaw[ServoParameters]):
     """Feedback that makes the opening follow a velocity profile which slows down towards latching.
 
     The profile is the one of constant deceleration, ``min(cruise, sqrt(latch^2 + 2 deceleration (1 - s)))``
     over the opening ``s``. Joint 2 reaches its lock angle through the cable loop, not with joint 1; a profile
     for joint 1 alone does not lower the impact, so ``s`` mixes both. The torque is zero on the profile.
-
-    Args:
-        signals: What the environment observes and takes.
-        parameters: The profile and the gains.
     """
 
     reads = ("theta_1", "theta_2", "rate_1", "rate_2")
-
-    def __init__(self, signals: Signals, parameters: ServoParameters = ServoParameters()) -> None:
-        super().__init__(signals)
-        self.parameters = parameters
+    defaults = ServoParameters()
 
     def reference_rate(self, opening: np.ndarray) -> np.ndarray:
         """Opening rate of the profile [1/s] at an opening in units of the lock angle; any shape."""
@@ -252,23 +260,16 @@ class ShapedProfileParameters:
     postlock_damping: float = _bounded(1.0, 0.0, 10.0)
 
 
-class InputShapedProfile(TorqueLaw):
+class InputShapedProfile(TunableLaw[ShapedProfileParameters]):
     """Feedback that makes the opening follow a motion over time, shaped not to excite a vibration.
 
     The motion is the cubic from rest to the latch rate. The shaper of zero vibration for an undamped mode averages it
     with itself half a period later (N. C. Singer and W. P. Seering, Preshaping Command Inputs to Reduce System
     Vibration, J. Dyn. Syst. Meas. Control 112 (1990) 76-82, doi:10.1115/1.2894142).
-
-    Args:
-        signals: What the environment observes and takes.
-        parameters: The profile, the shaper and the gains.
     """
 
     reads = ("theta_1", "theta_2", "rate_1", "rate_2", "time_to_deadline")
-
-    def __init__(self, signals: Signals, parameters: ShapedProfileParameters = ShapedProfileParameters()) -> None:
-        super().__init__(signals)
-        self.parameters = parameters
+    defaults = ShapedProfileParameters()
 
     def reference(self, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Opening in units of the lock angle and its rate [1/s] at a time [s]; any shape."""
@@ -305,14 +306,11 @@ class OpenLoopParameters:
     torques: tuple[float, ...] = field(default=(0.0,) * _KNOTS, metadata={"bounds": (-0.5, 0.5)})
 
 
-class OpenLoopTorque(TorqueLaw):
+class OpenLoopTorque(TunableLaw[OpenLoopParameters]):
     """A torque over time, linear between given values, that looks at nothing but the clock; none after the deadline."""
 
     reads = ("time_to_deadline",)
-
-    def __init__(self, signals: Signals, parameters: OpenLoopParameters = OpenLoopParameters()) -> None:
-        super().__init__(signals)
-        self.parameters = parameters
+    defaults = OpenLoopParameters()
 
     def _torque(self, entries: Mapping[str, np.ndarray], all_latched: np.ndarray) -> np.ndarray:
         to_go = entries["time_to_deadline"]

@@ -137,7 +137,8 @@ def main(argv: Sequence[str] | None = None) -> None:
     args = parse_arguments(Args, argv, prog="python -m agents.tune")
     if args.controller not in TUNABLE:
         raise ValueError(f"nothing to tune in {args.controller!r}; choose from {', '.join(TUNABLE)}")
-    cls = TUNABLE[args.controller][1]
+    untuned = TUNABLE[args.controller].defaults
+    cls = type(untuned)
     env_kwargs = with_sampling(with_model(args.env_kwargs, args.model, args.elements, args.env_id), args.env_id)
     workers = Workers(args.jobs, args.cluster)
 
@@ -147,7 +148,7 @@ def main(argv: Sequence[str] | None = None) -> None:
 
     with make_env(args.env_id, env_kwargs) as env:
         model = env.get_wrapper_attr("model")
-    start = load_parameters(args.controller, args.refine, model) if args.refine else cls()
+    start = load_parameters(args.controller, args.refine, model) if args.refine else untuned
     spent = episodes_spent(args.controller, args.refine, model) if args.refine else 0
     candidates = tune(
         costs,

@@ -14,7 +14,7 @@ from agents.tune import from_unit, to_unit, tune
 
 @pytest.mark.parametrize("name", TUNABLE)
 def test_parameters_survive_the_way_to_the_unit_cube_and_back(name):
-    cls = TUNABLE[name][1]
+    cls = type(TUNABLE[name].defaults)
     count = to_unit(cls()).size
     inside = from_unit(cls, np.random.default_rng(0).random(count))
     assert to_unit(inside) == pytest.approx(to_unit(from_unit(cls, to_unit(inside))))
@@ -67,7 +67,7 @@ def test_refining_starts_from_what_the_model_has_and_stays_closer(configs):
         (configs / "brake.json").write_text(json.dumps({DEFAULT_ENV_ID: {"rigid-clearance": had}}))
         tune_module.main(["--controller", "brake", *options, *budget, *short])
         found[bool(options)] = json.loads((configs / "brake.json").read_text())[DEFAULT_ENV_ID]["rigid-clearance"]
-    assert found[False]["tuning"]["start"] == asdict(TUNABLE["brake"][1]())
+    assert found[False]["tuning"]["start"] == asdict(TUNABLE["brake"].defaults)
     assert found[True]["tuning"]["start"] == {"torque": 0.4, "onset": 0.9}
     assert found[True]["parameters"]["onset"] > 0.5
     assert found[False]["tuning"]["training_episodes_with_start"] == 6

@@ -1,0 +1,140 @@
+"""Learning curves: every agent on every scenario, with several training seeds: `python -m agents.curves`."""
+
+import csv
+import shlex
+import shutil
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from agents import learn, runs
+from agents.arguments import parse_arguments
+from agents.environments import episode_seeds, with_model, with_sampling
+from agents.episodes import episode_cell, run_cells
+from agents.figures import learning_curves_figure
+from agents.suites import SUITES
+from solar_env.campaigns import Workers
+from solar_env.readme import FIGURE_FOLDER
+
+FIGURE, TABLE, STORE = "learning_curves.png", "learning_curves.csv", "servo.jsonl"
+WHOLE = "whole torque"
+
+# (scenario, agent) -> mean validation return (seeds, validations), after these steps (validations,).
+Curves = dict[tuple[str, str], tuple[np.ndarray, np.ndarray]]
+
+
+@dataclass
+class Args:
+    """Train agents on both scenarios with several seeds and draw how their validation returns develop."""
+
+    algos: list[str] = field(default_factory=lambda: sorted(runs.ALGORITHMS))
+    """algorithms: ppo, sac and td3"""
+    seeds: list[int] = field(default_factory=lambda: [0, 1, 2, 3, 4])
+    """training seeds of every agent"""
+    suites: list[str] = field(default_factory=lambda: list(SUITES))
+    """scenarios: paper (nominal) and robust (randomised)"""
+    whole: bool = False
+    """agents that command the whole torque too, not only those that add to the tuned servo"""
+    timesteps: int = 40_000
+    """environment steps of every training"""
+    model: str | None = None
+    """rigid-ideal, rigid-clearance, flexible-ideal or flexible-clearance; None: flexible-clearance"""
+    elements: int | None = None
+    """beam elements of each panel of a flexible model; None: 2"""
+    env_kwargs: dict[str, Any] = field(default_factory=dict)
+    """environment keywords"""
+    hyperparams: dict[str, Any] = field(default_factory=dict)
+    """hyperparameters in place of those in agents/configs"""
+    out: str = "curves"
+    """folder of runs, table and figure; what is complete there is not done again"""
+    jobs: int | None = None
+    """processes; None: one a processor"""
+    cluster: str | None = None
+    """ray: run on the Ray cluster that this machine belongs to"""
+    readme: bool = False
+    """put the figure beside the README's others"""
+    quiet: bool = False
+    """no progress bars"""
+
+
+def configurations(args: Args) -> dict[tuple[str, str], dict[Path, learn.Configuration]]:
+    """(scenario, agent) -> run folder -> what is to be trained there, a run for each seed."""
+    kinds = {"": None, f", {WHOLE}": 0.0} if args.whole else {"": None}
+    wanted: dict[tuple[str, str], dict[Path, learn.Configuration]] = {}
+    for suite in args.suites:
+        env_id = SUITES[suite]
+        keywords = with_model(args.env_kwargs, args.model or "flexible-clearance", args.elements or 2, env_id)
+        for algo in args.algos:
+            for kind, residual in kinds.items():
+                wanted[suite, algo + kind] = {
+                    Path(args.out) / f"{suite}-{algo}{'-whole' if kind else ''}-{seed}": learn.configuration(
+                        algo,
+                        env_id,
+                        keywords,
+                        seed,
+                        timesteps=args.timesteps,
+                        hyperparameters=args.hyperparams,
+                        residual=residual,
+                    )
+                    for seed in args.seeds
+                }
+    return wanted
+
+
+def curve(folders: Sequence[Path]) -> tuple[np.ndarray, np.ndarray]:
+    """Steps (validations,) and mean validation returns (runs, validations) of runs of one configuration."""
+    histories = [np.load(folder / "evaluations.npz") for folder in folders]
+    return histories[0]["timesteps"], np.array([history["results"].mean(axis=1) for history in histories])
+
+
+def servo_returns(args: Args, wanted: Mapping[tuple[str, str], Mapping[Path, learn.Configuration]]) -> dict[str, float]:
+    """Scenario -> mean return of the tuned servo in the validation episodes of all its runs."""
+    means = {}
+    for suite in args.suites:
+        configs = [config for (of, _), runs_of in wanted.items() if of == suite for config in runs_of.values()]
+        cells = [
+            episode_cell("servo", config.env_id, with_sampling(config.env_kwargs, config.env_id), seed)
+            for config in configs
+            for seed in episode_seeds("validation", config.seed, learn.VALIDATION_EPISODES)
+        ]
+        store = Path(args.out) / f"{suite}-{STORE}"
+        figures = run_cells(cells, Workers(args.jobs, args.cluster), store, progress=not args.quiet)
+        means[suite] = float(np.mean([figure["return"] for figure in figures]))
+    return means
+
+
+def write_table(curves: Curves, path: Path) -> None:
+    """A row for each validation of each run."""
+    with path.open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["scenario", "agent", "run", "steps", "validation return"])
+        for (suite, agent), (steps, returns) in curves.items():
+            for run, history in enumerate(returns):
+                writer.writerows([suite, agent, run, int(s), float(r)] for s, r in zip(steps, history, strict=True))
+
+
+def main(argv: Sequence[str] | None = None) -> None:
+    """The command line; see `Args`."""
+    args = parse_arguments(Args, argv, prog="python -m agents.curves")
+    unknown = [suite for suite in args.suites if suite not in SUITES]
+    if unknown:
+        raise ValueError(f"no suite {unknown[0]!r}; available: {', '.join(SUITES)}")
+    command = shlex.join(["python", "-m", "agents.curves", *(sys.argv[1:] if argv is None else argv)])
+    wanted = configurations(args)
+    everything = {folder: config for of_agent in wanted.values() for folder, config in of_agent.items()}
+    learn.train_missing(everything, command, "cpu", Workers(args.jobs, args.cluster), not args.quiet)
+    curves: Curves = {key: curve(list(of_agent)) for key, of_agent in wanted.items()}
+    out = Path(args.out)
+    write_table(curves, out / TABLE)
+    learning_curves_figure(curves, servo_returns(args, wanted), out / FIGURE)
+    if args.readme:
+        shutil.copy(out / FIGURE, FIGURE_FOLDER / FIGURE)
+    print(f"written to {out}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,46 @@
+"""Learning curves are those of the runs, a run for every agent, scenario and seed, and nothing is trained twice."""
+
+import csv
+
+import numpy as np
+import pytest
+
+from agents import curves, learn
+
+QUICK = [
+    *["--algos", "ppo", "--seeds", "0", "1", "--timesteps", "20", "--jobs", "1", "--quiet", "--elements", "1"],
+    *["--hyperparams", "n_steps=10", "batch_size=10", "--env-kwargs", "deadline=0.4", "postlock_window=0.2"],
+]
+
+
+def test_every_agent_has_a_curve_of_every_seed_in_every_scenario(tmp_path, monkeypatch):
+    options = [*QUICK, "--whole", "--out", str(tmp_path)]
+    curves.main(options)
+    with (tmp_path / curves.TABLE).open() as file:
+        rows = list(csv.DictReader(file))
+    found = {(row["scenario"], row["agent"], row["run"]) for row in rows}
+    agents = ("ppo", "ppo, whole torque")
+    assert found == {(suite, agent, run) for suite in ("paper", "robust") for agent in agents for run in "01"}
+    assert all(float(row["validation return"]) == -25.0 for row in rows), "the deadline is impossible"
+    assert (tmp_path / curves.FIGURE).stat().st_size > 0
+    assert learn.stored_configuration(tmp_path / "paper-ppo-whole-1").residual is None
+    assert learn.stored_configuration(tmp_path / "robust-ppo-1").residual["law"] == "servo"
+
+    monkeypatch.setattr(learn, "train_one", lambda training: pytest.fail("trained again"))
+    curves.main(options)
+
+
+def test_a_curve_is_the_mean_of_each_validation(tmp_path):
+    for seed in range(2):
+        (tmp_path / str(seed)).mkdir()
+        np.savez(
+            tmp_path / str(seed) / "evaluations.npz", timesteps=[5, 10], results=[[seed, seed + 2.0], [seed, seed]]
+        )
+    steps, returns = curves.curve([tmp_path / "0", tmp_path / "1"])
+    assert steps.tolist() == [5, 10]
+    assert returns.tolist() == [[1.0, 0.0], [2.0, 1.0]]
+
+
+def test_a_scenario_that_does_not_exist_is_refused(tmp_path):
+    with pytest.raises(ValueError, match="no suite 'calm'; available: paper, robust"):
+        curves.main([*QUICK, "--suites", "calm", "--out", str(tmp_path)])

@@ -2,6 +2,7 @@
 
 import inspect
 import json
+import math
 import shutil
 import time
 from collections.abc import Mapping
@@ -14,7 +15,7 @@ import torch
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import CallbackList
 from stable_baselines3.common.logger import configure
-from stable_baselines3.common.noise import NormalActionNoise
+from stable_baselines3.common.noise import OrnsteinUhlenbeckActionNoise
 from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from stable_baselines3.common.vec_env import VecEnv, VecMonitor, VecNormalize
 from tqdm import tqdm
@@ -35,8 +36,9 @@ from agents.vec_env import FixedSeeds, NativeVecEnv, ResidualVecEnv
 from solar_env.campaigns import Workers, each_done
 
 VALIDATION_EPISODES = 6
-VALIDATIONS = 15
+VALIDATIONS = 10
 SHORTEST_VALIDATION_INTERVAL = 2000  # environment steps; a validation takes about as many itself
+NOISE_PERIODS = 100  # control periods over which the noise of TD3 is correlated
 FIRST_ACTIONS = 0.01  # what the first actions of a residual agent are multiplied by
 
 
@@ -52,7 +54,7 @@ class Configuration:
         n_envs: Environments stepped together.
         timesteps: Environment steps to train for; those of a resumed run come on top of earlier ones.
         hyperparameters: Keywords of the Stable-Baselines3 class, and `exploration_noise`, the standard
-            deviation of TD3's action noise.
+            deviation of TD3's action noise, an Ornstein-Uhlenbeck process over `NOISE_PERIODS`.
         residual: What the agent adds to, see `agents.residual.residual_on`; None if it commands the whole torque.
         segments: Number of times that training has been resumed.
     """
@@ -160,7 +162,10 @@ def make_model(config: Configuration, venv: VecEnv, device: str = "cpu") -> Base
     noise = hyperparameters.pop("exploration_noise", None)
     if noise is not None:
         n_actions = venv.action_space.shape[0]  # type: ignore[index]
-        hyperparameters["action_noise"] = NormalActionNoise(np.zeros(n_actions), np.full(n_actions, noise))
+        # White noise would shake the latched array rather than explore: this one forgets as slowly as gSDE's does.
+        forgetting = 1.0 / NOISE_PERIODS
+        spread = np.full(n_actions, noise * math.sqrt(2.0 * forgetting))
+        hyperparameters["action_noise"] = OrnsteinUhlenbeckActionNoise(np.zeros(n_actions), spread, forgetting, dt=1.0)
     gamma = hyperparameters.get("gamma", 0.99)
     normalized = VecNormalize(venv, norm_obs=False, gamma=gamma)
     seed = episode_seeds("training", config.seed, 1)[0]

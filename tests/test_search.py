@@ -66,3 +66,8 @@ def test_the_best_trial_is_kept_and_none_is_trained_twice(tmp_path, monkeypatch)
 def test_what_cannot_be_searched_is_refused():
     with pytest.raises(ValueError, match="nothing to search for 'dqn'; choose from ppo, sac, td3"):
         search.main(["--algo", "dqn"])
+
+
+def test_a_run_is_scored_by_the_last_third_of_its_validations(tmp_path):
+    np.savez(tmp_path / "evaluations.npz", results=-np.repeat([9.0, 1.0, 7.0, 4.0, 3.0], 2).reshape(5, 2))
+    assert search.score(tmp_path) == -3.5

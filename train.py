@@ -1,6 +1,6 @@
 """Train a controller that deploys the solar array softly, and compare it with the baselines.
 
-``python train.py`` trains on the rigid-clearance physics, or on those of ``--model``, and leaves a run folder;
+``python train.py`` trains on flexible panels with clearance, or on another ``--model``, and leaves a run folder;
 ``tensorboard --logdir runs`` shows the training, ``python -m agents.evaluate --controllers passive runs/<run>``
 compares runs.
 """
@@ -23,7 +23,8 @@ from agents.rollout import Step, run_episode
 from solar_env.array import DEFAULT_ELEMENTS
 from solar_env.campaigns import Workers
 
-BASELINES = ("passive", "brake", "servo")
+BASELINES = ("passive", "servo-untuned", "servo")
+MODEL = "flexible-clearance"
 
 
 @dataclass
@@ -47,7 +48,7 @@ class Args:
     """environment id"""
     model: str | None = None
     """rigid-ideal, rigid-clearance, flexible-ideal, flexible-clearance, or auto (see the environment); None:
-    rigid-clearance"""
+    flexible-clearance, for what is learned on a cheaper model does not help there"""
     elements: int | None = None
     """beam elements of each panel of a flexible model; None: 6"""
     env_kwargs: dict[str, Any] = field(default_factory=dict)
@@ -63,7 +64,7 @@ class Args:
     """run folder to go on from, with its algorithm, environment, seed and hyperparameters"""
     out: str | None = None
     """run folder; None: runs/<id>__<algo>__<seed>__<timestamp>"""
-    eval_episodes: int = 30
+    eval_episodes: int = 12
     """held-out episodes of the comparison with the baselines"""
     device: str = "cpu"
     """torch device; for networks this small the CPU is faster"""
@@ -79,9 +80,15 @@ def main(args: Args, command: str) -> Path:
         config = learn.resumed_configuration(args.resume, args.timesteps)
         check_resumable(args, config)
     else:
-        env_kwargs = with_model(args.env_kwargs, args.model, args.elements, args.env_id)
         config = learn.configuration(
-            args.algo, args.env_id, env_kwargs, args.seed, args.n_envs, args.timesteps, args.hyperparams, args.residual
+            args.algo,
+            args.env_id,
+            environment_keywords(args),
+            args.seed,
+            args.n_envs,
+            args.timesteps,
+            args.hyperparams,
+            args.residual,
         )
     folder = runs.new_run_folder(args.out, config.env_id, config.algo, config.seed)
     print(f"{config.algo} on {config.env_id}, {config.timesteps} steps -> {folder}")
@@ -104,7 +111,7 @@ def train_seeds(args: Args, command: str) -> Path:
         raise ValueError(
             "--seeds takes different seeds and --out, the folder of their runs, and does not go with --resume"
         )
-    env_kwargs = with_model(args.env_kwargs, args.model, args.elements, args.env_id)
+    env_kwargs = environment_keywords(args)
     out = Path(args.out)
     wanted = {
         out / f"seed-{seed}": learn.configuration(
@@ -117,6 +124,12 @@ def train_seeds(args: Args, command: str) -> Path:
     print(tables)
     print(f"written to {out}")
     return out
+
+
+def environment_keywords(args: Args) -> dict[str, Any]:
+    """The environment's keywords, with the model to train on."""
+    model = args.model or args.env_kwargs.get("model", MODEL)
+    return with_model(args.env_kwargs, model, args.elements, args.env_id)
 
 
 def compare(

@@ -30,7 +30,8 @@ SMALL = {
 
 
 def run(*arguments):
-    args = parse_arguments(train.Args, [*map(str, arguments), "--quiet", "--eval-episodes", "2"])
+    model = [] if "--model" in arguments or "--resume" in arguments else ["--model", "rigid-clearance"]
+    args = parse_arguments(train.Args, [*map(str, arguments), *model, "--quiet", "--eval-episodes", "2"])
     return train.main(args, "python train.py ...")
 
 
@@ -138,7 +139,7 @@ def test_a_run_folder_holds_all_that_describes_the_run(finished):
     assert config["command"] == "python train.py ..."
     assert config["versions"]["torch"]
     metrics = json.loads((finished / "metrics.json").read_text())
-    assert list(metrics["controllers"]) == ["passive", "brake", "servo", "ppo"]
+    assert list(metrics["controllers"]) == ["passive", "servo-untuned", "servo", "ppo"]
 
 
 def test_the_saved_policy_reproduces_the_evaluation_of_the_run(finished):

@@ -1,6 +1,6 @@
 """Train a controller that deploys the solar array softly, and compare it with the baselines.
 
-``python train.py`` trains on flexible panels with clearance, or on another ``--model``, and leaves a run folder;
+``python train.py`` trains on the rigid-clearance physics, or on those of ``--model``, and leaves a run folder;
 ``tensorboard --logdir runs`` shows the training, ``python -m agents.evaluate --controllers passive runs/<run>``
 compares runs.
 """
@@ -24,7 +24,6 @@ from solar_env.array import DEFAULT_ELEMENTS
 from solar_env.campaigns import Workers
 
 BASELINES = ("passive", "servo-untuned", "servo")
-MODEL = "flexible-clearance"
 
 
 @dataclass
@@ -48,7 +47,7 @@ class Args:
     """environment id"""
     model: str | None = None
     """rigid-ideal, rigid-clearance, flexible-ideal, flexible-clearance, or auto (see the environment); None:
-    flexible-clearance, for what is learned on a cheaper model does not help there"""
+    rigid-clearance"""
     elements: int | None = None
     """beam elements of each panel of a flexible model; None: 6"""
     env_kwargs: dict[str, Any] = field(default_factory=dict)
@@ -64,7 +63,7 @@ class Args:
     """run folder to go on from, with its algorithm, environment, seed and hyperparameters"""
     out: str | None = None
     """run folder; None: runs/<id>__<algo>__<seed>__<timestamp>"""
-    eval_episodes: int = 12
+    eval_episodes: int = 30
     """held-out episodes of the comparison with the baselines"""
     device: str = "cpu"
     """torch device; for networks this small the CPU is faster"""
@@ -83,7 +82,7 @@ def main(args: Args, command: str) -> Path:
         config = learn.configuration(
             args.algo,
             args.env_id,
-            environment_keywords(args),
+            with_model(args.env_kwargs, args.model, args.elements, args.env_id),
             args.seed,
             args.n_envs,
             args.timesteps,
@@ -111,7 +110,7 @@ def train_seeds(args: Args, command: str) -> Path:
         raise ValueError(
             "--seeds takes different seeds and --out, the folder of their runs, and does not go with --resume"
         )
-    env_kwargs = environment_keywords(args)
+    env_kwargs = with_model(args.env_kwargs, args.model, args.elements, args.env_id)
     out = Path(args.out)
     wanted = {
         out / f"seed-{seed}": learn.configuration(
@@ -124,12 +123,6 @@ def train_seeds(args: Args, command: str) -> Path:
     print(tables)
     print(f"written to {out}")
     return out
-
-
-def environment_keywords(args: Args) -> dict[str, Any]:
-    """The environment's keywords, with the model to train on."""
-    model = args.model or args.env_kwargs.get("model", MODEL)
-    return with_model(args.env_kwargs, model, args.elements, args.env_id)
 
 
 def compare(

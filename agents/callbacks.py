@@ -84,13 +84,19 @@ def save_checkpoint(model: Any, folder: Path) -> None:
 
 
 class Validation(EvalCallback):
-    """Stable-Baselines3's `EvalCallback`, able to go on from the validations of an earlier run.
+    """Stable-Baselines3's `EvalCallback` that begins with the untrained policy, or where an earlier run ended.
+
+    What is kept of an agent that adds to a law is thereby never worse, in validation, than the law.
 
     Attributes:
         wall_time: Of all validations so far [s].
     """
 
     wall_time = 0.0
+
+    def _on_training_start(self) -> None:
+        if not self.evaluations_timesteps:
+            self._on_step()
 
     def _on_step(self) -> bool:
         start = time.perf_counter()

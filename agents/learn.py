@@ -32,12 +32,13 @@ from agents.callbacks import (
 from agents.environments import episode_seeds, make_env, with_sampling
 from agents.features import DriveFeatures
 from agents.residual import residual_on
-from agents.vec_env import FixedSeeds, NativeVecEnv, ResidualVecEnv
+from agents.vec_env import BoundedCharges, FixedSeeds, NativeVecEnv, ResidualVecEnv
 from solar_env.campaigns import Workers, each_done
 
 VALIDATION_EPISODES = 6
-VALIDATIONS = 10
+VALIDATIONS = 8
 SHORTEST_VALIDATION_INTERVAL = 2000  # environment steps; a validation takes about as many itself
+LARGEST_CHARGE = 1.0  # of a step in training
 NOISE_PERIODS = 100  # control periods over which the noise of TD3 is correlated
 FIRST_ACTIONS = 0.01  # what the first actions of a residual agent are multiplied by
 
@@ -130,9 +131,12 @@ def resumed_configuration(folder: str | Path, timesteps: int | None = None) -> C
 
 
 def make_training_env(config: Configuration, monitor: Path | None, threads: int | None = None) -> VecEnv:
-    """`n_envs` environments, with finished episodes written to the CSV file `monitor`; `threads`: one a processor."""
+    """`n_envs` environments with bounded charges; `threads`: one a processor.
+
+    Finished episodes go to the CSV file `monitor`, with what they really cost.
+    """
     lanes = NativeVecEnv(config.n_envs, config.env_id, {**config.env_kwargs, "num_threads": threads})
-    return VecMonitor(_with_law(lanes, config), str(monitor) if monitor else None)
+    return BoundedCharges(VecMonitor(_with_law(lanes, config), str(monitor) if monitor else None), LARGEST_CHARGE)
 
 
 def make_validation_env(config: Configuration, threads: int | None = None) -> VecNormalize:

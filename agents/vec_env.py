@@ -131,6 +131,31 @@ class FixedSeeds(VecEnvWrapper):
         return self.venv.step_wait()
 
 
+class BoundedCharges(VecEnvWrapper):
+    """Bounds what a step may cost an agent in training.
+
+    A missed deadline costs some hundred times what a soft landing does. It would set the scale of normalised rewards
+    for good, and with it leave nothing to learn of the landing; bounded, it is still the worst that can happen.
+
+    Args:
+        venv: What to wrap.
+        bound: Greatest cost of a step.
+    """
+
+    def __init__(self, venv: VecEnv, bound: float) -> None:
+        super().__init__(venv)
+        self._bound = np.float32(bound)
+
+    def reset(self) -> VecEnvObs:
+        """Begin new episodes."""
+        return self.venv.reset()
+
+    def step_wait(self) -> VecEnvStepReturn:
+        """As the environment's, with bounded rewards."""
+        observations, rewards, dones, infos = self.venv.step_wait()
+        return observations, np.maximum(rewards, -self._bound), dones, infos
+
+
 class ResidualVecEnv(VecEnvWrapper):
     """Takes the agent's actions as additions to those of a torque law, which sees the same observations.
 

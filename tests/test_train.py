@@ -30,8 +30,7 @@ SMALL = {
 
 
 def run(*arguments):
-    model = [] if "--model" in arguments or "--resume" in arguments else ["--model", "rigid-clearance"]
-    args = parse_arguments(train.Args, [*map(str, arguments), *model, "--quiet", "--eval-episodes", "2"])
+    args = parse_arguments(train.Args, [*map(str, arguments), "--quiet", "--eval-episodes", "2"])
     return train.main(args, "python train.py ...")
 
 
@@ -140,6 +139,12 @@ def test_a_run_folder_holds_all_that_describes_the_run(finished):
     assert config["versions"]["torch"]
     metrics = json.loads((finished / "metrics.json").read_text())
     assert list(metrics["controllers"]) == ["passive", "servo-untuned", "servo", "ppo"]
+
+
+def test_the_policy_is_validated_before_it_is_trained(finished):
+    with np.load(finished / "evaluations.npz") as history:
+        assert history["timesteps"].tolist() == [0, 600]
+        assert history["results"].shape == (2, learn.VALIDATION_EPISODES)
 
 
 def test_the_saved_policy_reproduces_the_evaluation_of_the_run(finished):

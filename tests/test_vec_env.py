@@ -11,7 +11,7 @@ from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import DummyVecEnv
 
 from agents.environments import make_env
-from agents.vec_env import FixedSeeds, NativeVecEnv
+from agents.vec_env import BoundedCharges, FixedSeeds, NativeVecEnv
 
 LANES = 3
 KEYWORDS = {
@@ -113,3 +113,22 @@ def test_wrong_keywords_are_refused_with_what_to_do():
     with pytest.raises(ValueError, match=r"available: solar_env/Deploy-v0"):
         NativeVecEnv(2, "solar_env/Fold-v0")
     assert "solar_env/Deploy-v0" in gymnasium.registry
+
+
+def test_bounded_charges_bound_what_a_step_costs_and_nothing_else():
+    """A deadline that cannot be met costs 25 in the end."""
+    keywords = {"env_kwargs": {"deadline": 0.3, "postlock_window": 0.2}}
+    plain, bounded = NativeVecEnv(2, **keywords), BoundedCharges(NativeVecEnv(2, **keywords), 1.0)
+    for venv in (plain, bounded):
+        venv.seed(5)
+    assert np.array_equal(plain.reset(), bounded.reset())
+    costs = []
+    for _ in range(8):
+        (expected, rewards, ends, _), (observations, charged, dones, _) = (
+            venv.step(np.zeros((2, 1), dtype=np.float32)) for venv in (plain, bounded)
+        )
+        assert np.array_equal(observations, expected)
+        assert np.array_equal(dones, ends)
+        assert np.array_equal(charged, np.maximum(rewards, -1.0))
+        costs += rewards.tolist()
+    assert min(costs) == -25.0

@@ -4,7 +4,7 @@ import csv
 import shlex
 import shutil
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -13,14 +13,13 @@ import numpy as np
 
 from agents import learn, runs
 from agents.arguments import parse_arguments
-from agents.environments import episode_seeds, with_model, with_sampling
-from agents.episodes import episode_cell, run_cells
+from agents.environments import with_model
 from agents.figures import learning_curves_figure
 from agents.suites import SUITES
 from solar_env.campaigns import Workers
 from solar_env.readme import FIGURE_FOLDER
 
-FIGURE, TABLE, STORE = "learning_curves.png", "learning_curves.csv", "servo.jsonl"
+FIGURE, TABLE = "learning_curves.png", "learning_curves.csv"
 WHOLE = "whole torque"
 
 # (scenario, agent) -> mean validation return (seeds, validations), after these steps (validations,).
@@ -44,7 +43,7 @@ class Args:
     model: str | None = None
     """rigid-ideal, rigid-clearance, flexible-ideal or flexible-clearance; None: flexible-clearance"""
     elements: int | None = None
-    """beam elements of each panel of a flexible model; None: 2"""
+    """beam elements of each panel of a flexible model; None: 6"""
     env_kwargs: dict[str, Any] = field(default_factory=dict)
     """environment keywords"""
     hyperparams: dict[str, Any] = field(default_factory=dict)
@@ -67,7 +66,7 @@ def configurations(args: Args) -> dict[tuple[str, str], dict[Path, learn.Configu
     wanted: dict[tuple[str, str], dict[Path, learn.Configuration]] = {}
     for suite in args.suites:
         env_id = SUITES[suite]
-        keywords = with_model(args.env_kwargs, args.model or "flexible-clearance", args.elements or 2, env_id)
+        keywords = with_model(args.env_kwargs, args.model or "flexible-clearance", args.elements, env_id)
         for algo in args.algos:
             for kind, residual in kinds.items():
                 wanted[suite, algo + kind] = {
@@ -89,22 +88,6 @@ def curve(folders: Sequence[Path]) -> tuple[np.ndarray, np.ndarray]:
     """Steps (validations,) and mean validation returns (runs, validations) of runs of one configuration."""
     histories = [np.load(folder / "evaluations.npz") for folder in folders]
     return histories[0]["timesteps"], np.array([history["results"].mean(axis=1) for history in histories])
-
-
-def servo_returns(args: Args, wanted: Mapping[tuple[str, str], Mapping[Path, learn.Configuration]]) -> dict[str, float]:
-    """Scenario -> mean return of the tuned servo in the validation episodes of all its runs."""
-    means = {}
-    for suite in args.suites:
-        configs = [config for (of, _), runs_of in wanted.items() if of == suite for config in runs_of.values()]
-        cells = [
-            episode_cell("servo", config.env_id, with_sampling(config.env_kwargs, config.env_id), seed)
-            for config in configs
-            for seed in episode_seeds("validation", config.seed, learn.VALIDATION_EPISODES)
-        ]
-        store = Path(args.out) / f"{suite}-{STORE}"
-        figures = run_cells(cells, Workers(args.jobs, args.cluster), store, progress=not args.quiet)
-        means[suite] = float(np.mean([figure["return"] for figure in figures]))
-    return means
 
 
 def write_table(curves: Curves, path: Path) -> None:
@@ -130,7 +113,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     curves: Curves = {key: curve(list(of_agent)) for key, of_agent in wanted.items()}
     out = Path(args.out)
     write_table(curves, out / TABLE)
-    learning_curves_figure(curves, servo_returns(args, wanted), out / FIGURE)
+    learning_curves_figure(curves, out / FIGURE)
     if args.readme:
         shutil.copy(out / FIGURE, FIGURE_FOLDER / FIGURE)
     print(f"written to {out}")

@@ -135,14 +135,13 @@ def transfer_figure(returns: Mapping[str, Mapping[str, float]], path: Path) -> N
     figure.savefig(path, dpi=130)
 
 
-def learning_curves_figure(
-    curves: Mapping[tuple[str, str], tuple[np.ndarray, np.ndarray]], references: Mapping[str, float], path: Path
-) -> None:
-    """Draw validation returns over environment steps, a panel a scenario: medians over training seeds, and all of them.
+def learning_curves_figure(curves: Mapping[tuple[str, str], tuple[np.ndarray, np.ndarray]], path: Path) -> None:
+    """Draw validation returns over environment steps, a panel a scenario: medians over training seeds, and their range.
+
+    Agents that add to the servo begin as the servo.
 
     Args:
         curves: (scenario, agent) -> steps (n,), mean validation returns (seeds, n).
-        references: Scenario -> return of the servo.
         path: File to write.
     """
     scenarios = list(dict.fromkeys(scenario for scenario, _ in curves))
@@ -153,7 +152,6 @@ def learning_curves_figure(
             steps, returns = curves[scenario, agent]
             axes.plot(steps, -np.median(returns, axis=0), color=f"C{color}", label=f"{agent}, {len(returns)} seeds")
             axes.fill_between(steps, -returns.max(axis=0), -returns.min(axis=0), color=f"C{color}", alpha=0.15, lw=0)
-        axes.axhline(-references[scenario], ls="--", color="0.3", lw=1, label="servo")
         axes.set(yscale="log", xlabel="environment steps", ylabel="minus the validation return", title=scenario)
         axes.grid(alpha=0.3)
         axes.legend(fontsize=7)

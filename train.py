@@ -57,8 +57,11 @@ class Args:
     n_envs: int | None = None
     """environments stepped together; None: the number in agents/configs"""
     residual: float | None = None
-    """the agent adds up to this share of the torque limit to the torque of the tuned servo; 0: it commands the whole
-    torque; None: as in agents/configs"""
+    """the agent adds up to this share of the torque limit to the torque of a tuned law; 0: it commands the whole torque;
+    None: as in agents/configs"""
+    law: str | None = None
+    """the law it adds to: brake, damper, servo, shaped or open-loop; None: the best one in the validation of their
+    tuning"""
     resume: str | None = None
     """run folder to go on from, with its algorithm, environment, seed and hyperparameters"""
     out: str | None = None
@@ -88,6 +91,7 @@ def main(args: Args, command: str) -> Path:
             args.timesteps,
             args.hyperparams,
             args.residual,
+            args.law,
         )
     folder = runs.new_run_folder(args.out, config.env_id, config.algo, config.seed)
     print(f"{config.algo} on {config.env_id}, {config.timesteps} steps -> {folder}")
@@ -114,7 +118,15 @@ def train_seeds(args: Args, command: str) -> Path:
     out = Path(args.out)
     wanted = {
         out / f"seed-{seed}": learn.configuration(
-            args.algo, args.env_id, env_kwargs, seed, args.n_envs, args.timesteps, args.hyperparams, args.residual
+            args.algo,
+            args.env_id,
+            env_kwargs,
+            seed,
+            args.n_envs,
+            args.timesteps,
+            args.hyperparams,
+            args.residual,
+            args.law,
         )
         for seed in args.seeds
     }
@@ -128,9 +140,13 @@ def train_seeds(args: Args, command: str) -> Path:
 def compare(
     args: Args, config: learn.Configuration, folders: Sequence[Path], out: Path, command: str
 ) -> tuple[Summary, str]:
-    """Compare runs, as training seeds of one controller, with the baselines; for the rest see `write_comparison`."""
+    """Compare runs, as training seeds of one controller, with the law they add to and the baselines.
+
+    For the rest see `write_comparison`.
+    """
     seed = args.seed if args.seeds else config.seed
-    controllers = [*BASELINES, *(f"{config.algo}={folder}" for folder in folders)]
+    law = [config.residual["law"]] if config.residual else []
+    controllers = [*dict.fromkeys([*BASELINES, *law]), *(f"{config.algo}={folder}" for folder in folders)]
     rows = evaluate(
         controllers,
         args.eval_episodes,
@@ -156,8 +172,10 @@ def check_resumable(args: Args, config: learn.Configuration) -> None:
         "model": config.env_kwargs.get("model", "rigid-clearance"),
         "elements": config.env_kwargs.get("elements", DEFAULT_ELEMENTS),
         "residual": config.residual["scale"] if config.residual else 0.0,
+        "law": config.residual["law"] if config.residual else None,
     }
-    for name in ("algo", "env_id", "model", "elements", "env_kwargs", "seed", "hyperparams", "n_envs", "residual"):
+    names = ("algo", "env_id", "model", "elements", "env_kwargs", "seed", "hyperparams", "n_envs", "residual", "law")
+    for name in names:
         given, fixed = getattr(args, name), fixed_values[name]
         if given != getattr(Args(), name) and given != fixed:
             raise ValueError(
@@ -172,7 +190,7 @@ def draw(folder: Path, config: learn.Configuration, returns: dict[str, float]) -
     episodes: dict[str, list[Step]] = {config.algo: [], "passive": []}
     run_episode(env, runs.load_policy(folder, env), seed, episodes[config.algo].append)
     run_episode(env, make_baseline("passive", env), seed, episodes["passive"].append)
-    references = {name: value for name, value in returns.items() if name in BASELINES}
+    references = {name: value for name, value in returns.items() if name != config.algo}
     signals: Any = env.unwrapped
     run_figure(folder, references, episodes, signals.observation_names, signals.task.torque_limit)
 

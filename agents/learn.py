@@ -80,8 +80,11 @@ def configuration(
     timesteps: int | None = None,
     hyperparameters: Mapping[str, Any] | None = None,
     residual: float | None = None,
+    law: str | None = None,
 ) -> Configuration:
     """The configuration in ``agents/configs/<algo>.json`` for `env_id`, with what is given here in its place.
+
+    An agent with a `residual` adds to the tuned `law`, by default to the one that did best in validation.
 
     Raises:
         ValueError: algorithm, environment, one of its keywords or a hyperparameter is unknown, or a number is
@@ -114,7 +117,7 @@ def configuration(
         n_envs=n_envs,
         timesteps=timesteps,
         hyperparameters={**entry["hyperparameters"], **(hyperparameters or {})},
-        residual=residual_on(scale, env_id, model) if scale else None,
+        residual=residual_on(scale, env_id, model, law) if scale else None,
     )
 
 

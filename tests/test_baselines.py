@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from agents.baselines import BASELINES, load_parameters, make_baseline
+from agents.baselines import BASELINES, best_law, load_parameters, make_baseline
 from agents.environments import DEFAULT_ENV_ID, make_env, with_model
 from agents.rollout import run_episode
 from agents.torque_laws import (
@@ -282,3 +282,19 @@ def test_a_brake_that_stalls_the_array_misses_the_deadline_and_has_no_postlock_f
     assert not stalled["latched"]
     assert np.isnan(stalled["peak_postlock_force_N"])
     assert stalled["return"] < passive["return"]
+
+
+def test_the_best_law_is_the_one_with_the_highest_validation_return_for_the_model_or_else_for_the_rigid_one(configs):
+    returns = {
+        "brake": {"rigid-clearance": -2.0, "flexible-clearance": -1.0},
+        "damper": {"rigid-clearance": -1.0, "flexible-clearance": -2.0},
+        "servo": {"rigid-clearance": -3.0},
+    }
+    for name, by_model in returns.items():
+        tuned = {model: {"tuning": {"validation_return": value}} for model, value in by_model.items()}
+        (configs / f"{name}.json").write_text(json.dumps({DEFAULT_ENV_ID: tuned}))
+    assert best_law(DEFAULT_ENV_ID, "rigid-clearance") == "damper"
+    assert best_law(DEFAULT_ENV_ID, "flexible-clearance") == "brake"
+    assert best_law(DEFAULT_ENV_ID, "flexible-ideal") == "damper"
+    with pytest.raises(ValueError, match="no law has been tuned for 'solar_env/DeployRandomised-v0'; run: python"):
+        best_law("solar_env/DeployRandomised-v0", "rigid-clearance")

@@ -71,6 +71,21 @@ def test_a_residual_agent_starts_as_the_law_it_adds_to_and_the_run_keeps_that_la
     assert np.max(np.abs(action)) < 0.1, "an untrained network adds next to nothing"
 
 
+def test_the_law_that_an_agent_adds_to_can_be_chosen_is_compared_with_it_and_stays_when_the_run_is_resumed(tmp_path):
+    small = ["--timesteps", 20, "--n-envs", 1, "--hyperparams", "n_steps=10", "batch_size=10"]
+    folder = run("--law", "damper", *small, "--out", tmp_path / "run")
+    residual = runs.read_config(folder)["residual"]
+    assert residual["law"] == "damper"
+    assert residual["parameters"] == asdict(load_parameters("damper", "solar_env/Deploy-v0", "rigid-clearance"))
+    with (folder / "episodes.csv").open() as file:
+        compared = {row["controller"] for row in csv.DictReader(file)}
+    assert compared == {"passive", "servo-untuned", "servo", "damper", "ppo"}
+    with pytest.raises(ValueError, match="--law brake contradicts the run to resume, which has damper"):
+        run("--resume", folder, "--law", "brake", "--out", tmp_path / "again")
+    with pytest.raises(ValueError, match="residual law is 'passive'; available: brake"):
+        run("--law", "passive", *small, "--out", tmp_path / "refused")
+
+
 @pytest.mark.parametrize("algo", ["sac", "td3"])
 def test_a_fresh_off_policy_agent_adds_next_to_nothing_to_a_law_but_is_not_held_back_without_one(algo):
     small = {"buffer_size": 100}

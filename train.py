@@ -57,7 +57,7 @@ class Args:
     n_envs: int | None = None
     """environments stepped together; None: the number in agents/configs"""
     residual: float | None = None
-    """the agent adds up to this share of the torque limit to the torque of a tuned law; 0: it commands the whole torque;
+    """the agent adds up to this share of the torque limit to a tuned law's torque; 0: it commands the whole torque;
     None: as in agents/configs"""
     law: str | None = None
     """the law it adds to: brake, damper, servo, shaped or open-loop; None: the best one in the validation of their

@@ -9,6 +9,7 @@ import numpy as np
 from agents.baselines import TUNABLE, best_law, load_parameters, read_parameters
 from agents.torque_laws import Controller, Signals, TorqueLaw
 
+
 def residual_on(scale: float, env_id: str, model: str, law: str | None = None) -> dict[str, Any]:
     """What describes a residual on a law as it is tuned now: its name, its parameters, and the scale.
 

@@ -55,7 +55,7 @@ class Args:
     cluster: str | None = None
     """ray: run on the Ray cluster that this machine belongs to"""
     readme: bool = False
-    """put the figure beside the README's others"""
+    """put figure and table beside the README's other figures"""
     quiet: bool = False
     """no progress bars"""
 
@@ -115,7 +115,8 @@ def main(argv: Sequence[str] | None = None) -> None:
     write_table(curves, out / TABLE)
     learning_curves_figure(curves, out / FIGURE)
     if args.readme:
-        shutil.copy(out / FIGURE, FIGURE_FOLDER / FIGURE)
+        for name in (FIGURE, TABLE):
+            shutil.copy(out / name, FIGURE_FOLDER / name)
     print(f"written to {out}")
 
 

@@ -30,12 +30,12 @@ BASELINES = ("passive", "servo-untuned", "servo")
 class Args:
     """Train a controller that deploys the solar array softly, and compare it with the baselines."""
 
-    algo: str = "ppo"
-    """algorithm: ppo, sac or td3"""
+    algo: str | None = None
+    """algorithm: ppo, sac or td3; None: ppo, or that of the run to resume"""
     timesteps: int | None = None
     """environment steps to train for; None: the number in agents/configs"""
-    seed: int = 0
-    """seed of networks, exploration and training episodes"""
+    seed: int | None = None
+    """seed of networks, exploration and training episodes; None: 0, or that of the run to resume"""
     seeds: list[int] = field(default_factory=list)
     """train a run for each of these seeds, side by side, and compare them with the baselines as one controller; runs
     that are complete are not trained again"""
@@ -43,8 +43,8 @@ class Args:
     """processes, for several seeds and for the comparison; None: one a processor"""
     cluster: str | None = None
     """ray: several seeds and the comparison on the Ray cluster that this machine belongs to"""
-    env_id: str = DEFAULT_ENV_ID
-    """environment id"""
+    env_id: str | None = None
+    """environment id; None: solar_env/Deploy-v0, or that of the run to resume"""
     model: str | None = None
     """rigid-ideal, rigid-clearance, flexible-ideal, flexible-clearance, or auto (see the environment); None:
     rigid-clearance"""
@@ -57,11 +57,8 @@ class Args:
     n_envs: int | None = None
     """environments stepped together; None: the number in agents/configs"""
     residual: float | None = None
-    """the agent adds up to this share of the torque limit to a tuned law's torque; 0: it commands the whole torque;
-    None: as in agents/configs"""
-    law: str | None = None
-    """the law it adds to: brake, damper, servo, shaped or open-loop; None: the best one in the validation of their
-    tuning"""
+    """the agent adds up to this share of the torque limit to the torque of the tuned servo; 0: it commands the whole
+    torque; None: as in agents/configs"""
     resume: str | None = None
     """run folder to go on from, with its algorithm, environment, seed and hyperparameters"""
     out: str | None = None
@@ -82,17 +79,7 @@ def main(args: Args, command: str) -> Path:
         config = learn.resumed_configuration(args.resume, args.timesteps)
         check_resumable(args, config)
     else:
-        config = learn.configuration(
-            args.algo,
-            args.env_id,
-            with_model(args.env_kwargs, args.model, args.elements, args.env_id),
-            args.seed,
-            args.n_envs,
-            args.timesteps,
-            args.hyperparams,
-            args.residual,
-            args.law,
-        )
+        config = configuration(args, args.seed or 0)
     folder = runs.new_run_folder(args.out, config.env_id, config.algo, config.seed)
     print(f"{config.algo} on {config.env_id}, {config.timesteps} steps -> {folder}")
     learn.train(config, folder, args.resume, command, args.device, progress=not args.quiet)
@@ -102,6 +89,22 @@ def main(args: Args, command: str) -> Path:
     print(tables)
     print(f"written to {folder}")
     return folder
+
+
+def configuration(args: Args, seed: int) -> learn.Configuration:
+    """What the arguments ask to train, with a seed."""
+    env_id = args.env_id or DEFAULT_ENV_ID
+    env_kwargs = with_model(args.env_kwargs, args.model, args.elements, env_id)
+    return learn.configuration(
+        args.algo or "ppo",
+        env_id,
+        env_kwargs,
+        seed,
+        args.n_envs,
+        args.timesteps,
+        args.hyperparams,
+        args.residual,
+    )
 
 
 def train_seeds(args: Args, command: str) -> Path:
@@ -114,22 +117,8 @@ def train_seeds(args: Args, command: str) -> Path:
         raise ValueError(
             "--seeds takes different seeds and --out, the folder of their runs, and does not go with --resume"
         )
-    env_kwargs = with_model(args.env_kwargs, args.model, args.elements, args.env_id)
     out = Path(args.out)
-    wanted = {
-        out / f"seed-{seed}": learn.configuration(
-            args.algo,
-            args.env_id,
-            env_kwargs,
-            seed,
-            args.n_envs,
-            args.timesteps,
-            args.hyperparams,
-            args.residual,
-            args.law,
-        )
-        for seed in args.seeds
-    }
+    wanted = {out / f"seed-{seed}": configuration(args, seed) for seed in args.seeds}
     learn.train_missing(wanted, command, args.device, Workers(args.jobs, args.cluster), not args.quiet)
     _, tables = compare(args, wanted[out / f"seed-{args.seeds[-1]}"], list(wanted), out, command)
     print(tables)
@@ -140,13 +129,9 @@ def train_seeds(args: Args, command: str) -> Path:
 def compare(
     args: Args, config: learn.Configuration, folders: Sequence[Path], out: Path, command: str
 ) -> tuple[Summary, str]:
-    """Compare runs, as training seeds of one controller, with the law they add to and the baselines.
-
-    For the rest see `write_comparison`.
-    """
-    seed = args.seed if args.seeds else config.seed
-    law = [config.residual["law"]] if config.residual else []
-    controllers = [*dict.fromkeys([*BASELINES, *law]), *(f"{config.algo}={folder}" for folder in folders)]
+    """Compare runs, as training seeds of one controller, with the baselines; for the rest see `write_comparison`."""
+    seed = args.seed or 0 if args.seeds else config.seed
+    controllers = [*BASELINES, *(f"{config.algo}={folder}" for folder in folders)]
     rows = evaluate(
         controllers,
         args.eval_episodes,
@@ -172,12 +157,14 @@ def check_resumable(args: Args, config: learn.Configuration) -> None:
         "model": config.env_kwargs.get("model", "rigid-clearance"),
         "elements": config.env_kwargs.get("elements", DEFAULT_ELEMENTS),
         "residual": config.residual["scale"] if config.residual else 0.0,
-        "law": config.residual["law"] if config.residual else None,
     }
-    names = ("algo", "env_id", "model", "elements", "env_kwargs", "seed", "hyperparams", "n_envs", "residual", "law")
-    for name in names:
+    for name in ("algo", "env_id", "model", "elements", "env_kwargs", "seed", "hyperparams", "n_envs", "residual"):
         given, fixed = getattr(args, name), fixed_values[name]
-        if given != getattr(Args(), name) and given != fixed:
+        if isinstance(given, dict):
+            agrees = all(fixed.get(key) == value for key, value in runs.jsonable(given).items())
+        else:
+            agrees = given is None or given == fixed
+        if not agrees:
             raise ValueError(
                 f"--{name.replace('_', '-')} {given} contradicts the run to resume, which has {fixed}; leave it out"
             )
@@ -190,7 +177,7 @@ def draw(folder: Path, config: learn.Configuration, returns: dict[str, float]) -
     episodes: dict[str, list[Step]] = {config.algo: [], "passive": []}
     run_episode(env, runs.load_policy(folder, env), seed, episodes[config.algo].append)
     run_episode(env, make_baseline("passive", env), seed, episodes["passive"].append)
-    references = {name: value for name, value in returns.items() if name != config.algo}
+    references = {name: value for name, value in returns.items() if name in BASELINES}
     signals: Any = env.unwrapped
     run_figure(folder, references, episodes, signals.observation_names, signals.task.torque_limit)
 

@@ -73,38 +73,14 @@ def episodes_spent(name: str, env_id: str, model: str) -> int:
     return tuning.get("training_episodes_with_start", tuning["training_episodes"])
 
 
-def best_law(env_id: str, model: str) -> str:
-    """The tunable law with the highest validation return for a model of `env_id`, by ``agents/configs``.
-
-    A model that no law has been tuned for gets the best one for `FALLBACK_MODEL`.
-
-    Raises:
-        ValueError: no law has been tuned for the environment.
-    """
-    for source in (model, FALLBACK_MODEL):
-        returns = {
-            name: by_model[source]["tuning"]["validation_return"]
-            for name in TUNABLE
-            if source in (by_model := _tuned(name, env_id))
-        }
-        if returns:
-            return max(returns, key=returns.__getitem__)
-    raise ValueError(f"no law has been tuned for {env_id!r}; run: {_command('servo', env_id, model)}")
-
-
-def _tuned(name: str, env_id: str) -> dict[str, Any]:
-    """Model -> what ``agents/configs/<name>.json`` holds for `env_id`."""
-    path = CONFIGS / f"{name}.json"
-    return (json.loads(path.read_text()) if path.exists() else {}).get(env_id, {})
-
-
 def _entry(name: str, env_id: str, model: str) -> tuple[dict[str, Any], str]:
     """What ``agents/configs/<name>.json`` holds, and for which model."""
-    by_model = _tuned(name, env_id)
+    path = CONFIGS / f"{name}.json"
+    by_model = (json.loads(path.read_text()) if path.exists() else {}).get(env_id, {})
     source = model if model in by_model else FALLBACK_MODEL
     if source not in by_model:
         raise ValueError(
-            f"{name}.json holds no parameters for {env_id!r} with model {model!r}; run: "
+            f"{path.name} holds no parameters for {env_id!r} with model {model!r}; run: "
             + _command(name, env_id, model)
         )
     return by_model[source], source

@@ -64,9 +64,26 @@ def effort(spec: str, env_id: str, model: str) -> str | None:
     if spec in UNTRAINED:
         return f"{episodes_spent(spec, env_id, model):,} episodes" if spec in TUNABLE else None
     if spec in shipped.available():
-        return f"{shipped.load_shipped(spec).description.training_steps:,} steps"
-    config = runs.read_config(spec)
-    return f"{config['timesteps_before'] + config['timesteps']:,} steps"
+        description = shipped.load_shipped(spec).description
+        steps, residual = description.training_steps, description.residual
+    else:
+        config = runs.read_config(spec)
+        steps, residual = config["timesteps_before"] + config["timesteps"], config["residual"]
+    of_law = f" and {residual['tuning_episodes']:,} episodes for the law" if residual else ""
+    return f"{steps:,} steps{of_law}"
+
+
+def trained_in(spec: str) -> str | None:
+    """Environment id that a controller was trained on; None if it was not trained.
+
+    Raises:
+        FileNotFoundError: `spec` names no controller.
+    """
+    if spec in UNTRAINED:
+        return None
+    if spec in shipped.available():
+        return shipped.load_shipped(spec).description.env_id
+    return runs.read_config(spec)["env_id"]
 
 
 def trained_on(spec: str) -> dict[str, Any] | None:

@@ -37,7 +37,7 @@ class Args:
     suites: list[str] = field(default_factory=lambda: list(SUITES))
     """scenarios: paper (nominal) and robust (randomised)"""
     whole: bool = False
-    """agents that command the whole torque too, not only those that add to a tuned law"""
+    """agents that command the whole torque too, not only those that add to the tuned servo"""
     timesteps: int = 40_000
     """environment steps of every training"""
     model: str | None = None

@@ -12,7 +12,7 @@ DEFAULT_ENV_ID = "solar_env/Deploy-v0"
 
 # The nominal scenario is deterministic, and impacts are chaotic: of one deployment the figures would be an accident.
 # Episodes therefore differ by micrometres in the place of the root hinge, as those of the paper's ensembles here.
-SAMPLING: dict[str, tuple[float, float]] = {"hinge_x": (0.5 - 5e-6, 0.5 + 5e-6)}
+SAMPLED, HALF_WIDTH = "hinge_x", 5e-6
 
 Purpose = Literal["training", "validation", "evaluation"]
 _BLOCKS: dict[Purpose, int] = {"training": 0, "validation": 1, "evaluation": 2}
@@ -21,7 +21,7 @@ _EPISODES_PER_SEED = 10_000
 
 
 def with_sampling(env_kwargs: Mapping[str, Any], env_id: str = DEFAULT_ENV_ID) -> dict[str, Any]:
-    """`env_kwargs` with `SAMPLING` where neither they nor the environment's scenario say what to draw.
+    """`env_kwargs` with the place of the root hinge drawn where neither they nor the scenario say what to draw.
 
     Raises:
         ValueError: as `make_env`.
@@ -29,8 +29,10 @@ def with_sampling(env_kwargs: Mapping[str, Any], env_id: str = DEFAULT_ENV_ID) -
     if "randomize" in env_kwargs:
         return dict(env_kwargs)
     with make_env(env_id, env_kwargs) as env:
-        drawn = env.get_wrapper_attr("randomize")
-    return dict(env_kwargs) if drawn else {"randomize": dict(SAMPLING), **env_kwargs}
+        drawn, parameters = env.get_wrapper_attr("randomize"), env.get_wrapper_attr("parameters")
+    middle = getattr(parameters, SAMPLED)
+    around = {SAMPLED: (middle - HALF_WIDTH, middle + HALF_WIDTH)}
+    return dict(env_kwargs) if drawn else {"randomize": around, **env_kwargs}
 
 
 def with_model(

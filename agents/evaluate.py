@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from agents.arguments import parse_arguments
-from agents.controllers import effort, trained_on
+from agents.controllers import effort, trained_in, trained_on
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_sampling
 from agents.episodes import episode_cell, run_cells
 from agents.figures import comparison_figure
@@ -20,6 +20,9 @@ from solar_env.readme import FIGURE_FOLDER, check_readme, replace_in_readme
 
 STORE = "episodes.jsonl"
 FIGURE = "comparison.png"
+# What the table of a suite stands between in the README.
+BEGIN = "<!-- suite {0}: written by `python -m agents.evaluate --suite {0} --readme` -->"
+END = "<!-- end of suite {} -->"
 
 
 @dataclass
@@ -44,15 +47,15 @@ class Args:
     """processes; None: one a processor"""
     cluster: str | None = None
     """ray: run on the Ray cluster that this machine belongs to"""
-    env_id: str = DEFAULT_ENV_ID
-    """environment id"""
+    env_id: str | None = None
+    """environment id; None: that of the trained controllers given, else solar_env/Deploy-v0"""
     model: str | None = None
     """rigid-ideal, rigid-clearance, flexible-ideal, flexible-clearance, or auto (see the environment); None: that of
-    the run folders given, else rigid-clearance"""
+    the trained controllers given, else rigid-clearance"""
     elements: int | None = None
-    """beam elements of each panel of a flexible model; None: that of the run folders, else 6"""
+    """beam elements of each panel of a flexible model; None: that of the trained controllers, else 6"""
     env_kwargs: dict[str, Any] = field(default_factory=dict)
-    """environment keywords; by default those of the run folders given"""
+    """environment keywords, on top of those of the trained controllers given"""
     readme: bool = False
     """write a suite's table into the README, and its figure beside the README's others"""
     quiet: bool = False
@@ -63,6 +66,19 @@ def split_controller(text: str) -> tuple[str, str]:
     """``NAME=SPEC`` -> (name, spec); a bare baseline names itself, a bare run folder its last component."""
     name, separator, spec = text.partition("=")
     return (name, spec) if separator else (Path(text).name, text)
+
+
+def check_names(controllers: Sequence[str]) -> None:
+    """Refuse different controllers that would go by the same name without having been given it.
+
+    Raises:
+        ValueError: there are such.
+    """
+    bare = [split_controller(text) for text in controllers if "=" not in text]
+    specs: dict[str, str] = {}
+    for name, spec in bare:
+        if specs.setdefault(name, spec) != spec:
+            raise ValueError(f"{specs[name]} and {spec} are both called {name}; name them, as in first={spec}")
 
 
 def evaluate(
@@ -91,7 +107,12 @@ def evaluate(
 
     Returns:
         One row a controller and episode: controller, spec, episode, and the figures of `run_episode`.
+
+    Raises:
+        FileNotFoundError, ValueError: a controller does not exist, does not fit the environment, or goes by the name of
+            another one; or the environment refuses its keywords.
     """
+    check_names(controllers)
     seeds = episode_seeds("evaluation", seed, episodes)
     sampled = with_sampling(env_kwargs or {}, env_id)
     labels: list[Row] = []
@@ -108,11 +129,30 @@ def evaluate(
 
 
 def efforts(controllers: Sequence[str], env_id: str, env_kwargs: Mapping[str, Any]) -> dict[str, str]:
-    """Controller -> what was simulated to tune or train it, as `agents.controllers.effort`; of several runs, each."""
+    """Controller -> what was simulated to tune or train it, as `agents.controllers.effort`, times its runs."""
     with make_env(env_id, env_kwargs) as env:
         model = env.get_wrapper_attr("model")
-    found = {name: effort(spec, env_id, model) for name, spec in map(split_controller, controllers)}
-    return {name: what for name, what in found.items() if what}
+    found: dict[str, list[str]] = {}
+    for name, spec in map(split_controller, controllers):
+        if what := effort(spec, env_id, model):
+            found.setdefault(name, []).append(what)
+    return {
+        name: (f"{len(each)} x " if len(each) > 1 else "") + " / ".join(dict.fromkeys(each))
+        for name, each in found.items()
+    }
+
+
+def common_env_id(controllers: Sequence[str]) -> str:
+    """The environment that all trained ones among `controllers` were trained on; by default the nominal scenario.
+
+    Raises:
+        ValueError: they were trained on different ones.
+    """
+    found = {spec: scenario for _, spec in map(split_controller, controllers) if (scenario := trained_in(spec))}
+    if len(set(found.values())) > 1:
+        trained = ", ".join(f"{spec} on {scenario}" for spec, scenario in found.items())
+        raise ValueError(f"the controllers were trained on different environments: {trained}; say with --env-id which")
+    return next(iter(found.values()), DEFAULT_ENV_ID)
 
 
 def common_env_kwargs(controllers: Sequence[str], given: Collection[str] = ()) -> dict[str, Any]:
@@ -140,14 +180,16 @@ def common_env_kwargs(controllers: Sequence[str], given: Collection[str] = ()) -
 def main(argv: Sequence[str] | None = None) -> None:
     """The command line; see `Args`."""
     args = parse_arguments(Args, argv, prog="python -m agents.evaluate")
-    given = with_model(args.env_kwargs, args.model, args.elements, args.env_id)
     if args.readme:
-        check_readme(_place(args.suite))
+        check_readme(_place(args), END.format(args.suite))
     if args.suite:
-        env_id, controllers, given = suite_named(args.suite, args.env_id, args.controllers, given)
+        env_id, controllers, common = suite_named(args.suite, args.env_id, args.controllers)
     else:
-        env_id, controllers = args.env_id, args.controllers or ["passive", "brake", "servo"]
-        given = given if args.env_kwargs else {**common_env_kwargs(controllers, given), **given}
+        controllers = args.controllers or ["passive", "brake", "servo"]
+        env_id = args.env_id or common_env_id(controllers)
+        common = {}
+    given = with_model(args.env_kwargs, args.model, args.elements, env_id)
+    given = {**(common or common_env_kwargs(controllers, given)), **given}
     out = Path(args.out or (Path("evaluation") / (args.suite or "")))
     env_kwargs = with_sampling(given, env_id)
     rows = evaluate(
@@ -166,22 +208,28 @@ def main(argv: Sequence[str] | None = None) -> None:
     comparison_figure(summary, out / FIGURE)
     if args.readme:
         shutil.copy(out / FIGURE, FIGURE_FOLDER / f"suite-{args.suite}.png")
-        replace_in_readme(_place(args.suite), f"<!-- end of suite {args.suite} -->", tables.strip())
+        replace_in_readme(_place(args), END.format(args.suite), tables.strip())
     print(tables)
     print(f"written to {out}")
 
 
-def _place(suite: str | None) -> str:
-    """Where the README has the table of a suite."""
-    if suite is None:
-        raise ValueError("--readme writes the result of a suite: it needs --suite")
-    return f"<!-- suite {suite}: written by `python -m agents.evaluate --suite {suite} --readme` -->"
+def _place(args: Args) -> str:
+    """Where the README has the table of a suite.
+
+    Raises:
+        ValueError: there is no suite, or it is not the whole one.
+    """
+    whole = Args(suite=args.suite, readme=True, out=args.out, jobs=args.jobs, cluster=args.cluster, quiet=args.quiet)
+    if args.suite is None or args != whole:
+        raise ValueError(
+            "--readme writes the result of a whole suite: it needs --suite, and takes no other controllers, episodes, "
+            "seed or environment"
+        )
+    return BEGIN.format(args.suite)
 
 
-def suite_named(
-    name: str, env_id: str, controllers: Sequence[str], given: Mapping[str, Any]
-) -> tuple[str, list[str], dict[str, Any]]:
-    """Environment id, controllers and environment keywords of a suite, the last two with what was given instead.
+def suite_named(name: str, env_id: str | None, controllers: Sequence[str]) -> tuple[str, list[str], dict[str, Any]]:
+    """Environment id, controllers, those of the suite where none are given, and environment keywords of a suite.
 
     Raises:
         ValueError: there is no such suite, or an environment id was given too.
@@ -189,9 +237,9 @@ def suite_named(
     if name not in SUITES:
         raise ValueError(f"no suite {name!r}; available: {', '.join(SUITES)}")
     scenario = SUITES[name]
-    if env_id not in (DEFAULT_ENV_ID, scenario):
+    if env_id not in (None, scenario):
         raise ValueError(f"--suite {name} is about {scenario}, not about {env_id}; leave --env-id out")
-    return scenario, list(controllers) or suite_controllers(scenario), {**MODEL, **given}
+    return scenario, list(controllers) or suite_controllers(scenario), dict(MODEL)
 
 
 if __name__ == "__main__":

@@ -165,12 +165,14 @@ def export(run: str | Path, folder: Path) -> ShippedPolicy:
     Raises:
         FileExistsError: `folder` exists.
         FileNotFoundError: there is no run, or it has no policy.
-        ValueError: the policy is none that can be exported, or ONNX is not installed.
+        ValueError: the training was interrupted, the policy is none that can be exported, or ONNX is not installed.
     """
     if folder.exists():
         raise FileExistsError(f"{folder} exists; choose another --name, or remove it")
     run = Path(run)
     config = runs.read_config(run)
+    if not runs.is_complete(run):
+        raise ValueError(f"the training in {run} was interrupted; resume it, and export what comes of that")
     with make_env(config["env_id"], config["env_kwargs"]) as env:
         model = runs.load_model(run, env)
         network = network_of(model)
@@ -184,7 +186,6 @@ def export(run: str | Path, folder: Path) -> ShippedPolicy:
             training_steps=config["timesteps_before"] + config["timesteps"],
             env_id=config["env_id"],
             env_kwargs=config["env_kwargs"],
-            observation=config["env_kwargs"].get("observation", "drive"),
             observation_names=tuple(unwrapped.observation_names),
             torque_limit=unwrapped.task.torque_limit,
             deadline=unwrapped.task.deadline,

@@ -17,6 +17,7 @@ from stable_baselines3.common.callbacks import CallbackList
 from stable_baselines3.common.logger import configure
 from stable_baselines3.common.noise import OrnsteinUhlenbeckActionNoise
 from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
+from stable_baselines3.common.policies import ActorCriticPolicy
 from stable_baselines3.common.vec_env import VecEnv, VecMonitor, VecNormalize
 from tqdm import tqdm
 
@@ -32,15 +33,16 @@ from agents.callbacks import (
 from agents.environments import episode_seeds, make_env, with_sampling
 from agents.features import DriveFeatures
 from agents.residual import residual_on
-from agents.vec_env import BoundedCharges, FixedSeeds, NativeVecEnv, ResidualVecEnv
+from agents.vec_env import FixedSeeds, LogarithmicCharges, NativeVecEnv, ResidualVecEnv
 from solar_env.campaigns import Workers, each_done
 
 VALIDATION_EPISODES = 6
 VALIDATIONS = 8
 SHORTEST_VALIDATION_INTERVAL = 2000  # environment steps; a validation takes about as many itself
-LARGEST_CHARGE = 1.0  # of a step in training
+# Arguments of the Stable-Baselines3 classes that say other things than how to learn.
+NOT_HYPERPARAMETERS = {"policy", "env", "seed", "device", "verbose", "tensorboard_log", "_init_setup_model"}
+CHARGE_SCALE = 0.5  # above what any soft landing costs; see `LogarithmicCharges`
 NOISE_PERIODS = 100  # control periods over which the noise of TD3 is correlated
-FIRST_ACTIONS = 0.01  # what the first actions of a residual agent are multiplied by
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,18 @@ class Configuration:
     segments: int = 0
 
 
+def entry(algo: str, env_id: str) -> dict[str, Any]:
+    """What ``agents/configs/<algo>.json`` holds for `env_id`.
+
+    Raises:
+        ValueError: nothing.
+    """
+    entries = json.loads((CONFIGS / f"{algo}.json").read_text())
+    if env_id not in entries:
+        raise ValueError(f"{algo}.json has no hyperparameters for {env_id!r}; it has {', '.join(entries)}")
+    return entries[env_id]
+
+
 def configuration(
     algo: str,
     env_id: str,
@@ -80,35 +94,30 @@ def configuration(
     timesteps: int | None = None,
     hyperparameters: Mapping[str, Any] | None = None,
     residual: float | None = None,
-    law: str | None = None,
 ) -> Configuration:
     """The configuration in ``agents/configs/<algo>.json`` for `env_id`, with what is given here in its place.
-
-    An agent with a `residual` adds to the tuned `law`, by default to the one that did best in validation.
 
     Raises:
         ValueError: algorithm, environment, one of its keywords or a hyperparameter is unknown, or a number is
             out of range.
     """
-    accepted = {*inspect.signature(runs.algorithm(algo)).parameters, "exploration_noise"}
-    entries = json.loads((CONFIGS / f"{algo}.json").read_text())
-    if env_id not in entries:
-        raise ValueError(f"{algo}.json has no hyperparameters for {env_id!r}; it has {', '.join(entries)}")
-    entry = entries[env_id]
+    accepted = set(inspect.signature(runs.algorithm(algo)).parameters) - NOT_HYPERPARAMETERS
+    if "action_noise" in accepted:
+        accepted = accepted - {"action_noise"} | {"exploration_noise"}
+    found = entry(algo, env_id)
     for name in hyperparameters or {}:
         if name not in accepted:
             raise ValueError(f"{algo} has no hyperparameter {name!r}; it has {', '.join(sorted(accepted))}")
-    n_envs = entry["n_envs"] if n_envs is None else n_envs
-    timesteps = entry["timesteps"] if timesteps is None else timesteps
-    for name, number in (("n_envs", n_envs), ("timesteps", timesteps)):
-        if number < 1:
-            raise ValueError(f"{name} is {number}; give a positive number")
-    env_kwargs = {"observation": entry["observation"], **env_kwargs}
+    n_envs = found["n_envs"] if n_envs is None else n_envs
+    timesteps = found["timesteps"] if timesteps is None else timesteps
+    _check_positive("n_envs", n_envs)
+    _check_positive("timesteps", timesteps)
+    env_kwargs = {"observation": found["observation"], **env_kwargs}
     # Refuse a wrong seed or environment keyword now, not once a run folder exists.
     episode_seeds("training", seed, n_envs)
     with make_env(env_id, env_kwargs) as env:
         model = env.get_wrapper_attr("model")
-    scale = entry["residual"] if residual is None else residual
+    scale = found["residual"] if residual is None else residual
     return Configuration(
         algo=algo,
         env_id=env_id,
@@ -116,8 +125,8 @@ def configuration(
         seed=seed,
         n_envs=n_envs,
         timesteps=timesteps,
-        hyperparameters={**entry["hyperparameters"], **(hyperparameters or {})},
-        residual=residual_on(scale, env_id, model, law) if scale else None,
+        hyperparameters={**found["hyperparameters"], **(hyperparameters or {})},
+        residual=residual_on(scale, env_id, model) if scale else None,
     )
 
 
@@ -128,18 +137,31 @@ def stored_configuration(folder: str | Path) -> Configuration:
 
 
 def resumed_configuration(folder: str | Path, timesteps: int | None = None) -> Configuration:
-    """The configuration of the run in `folder`, to train on for `timesteps`, by default as many as before."""
+    """The configuration of the run in `folder`, to train on for `timesteps`, by default as many as before.
+
+    Raises:
+        FileNotFoundError: `folder` holds no run.
+        ValueError: the number of steps is not positive.
+    """
     previous = stored_configuration(folder)
-    return replace(previous, timesteps=timesteps or previous.timesteps, segments=previous.segments + 1)
+    timesteps = previous.timesteps if timesteps is None else timesteps
+    _check_positive("timesteps", timesteps)
+    return replace(previous, timesteps=timesteps, segments=previous.segments + 1)
+
+
+def _check_positive(name: str, number: int) -> None:
+    if number < 1:
+        raise ValueError(f"{name} is {number}; give a positive number")
 
 
 def make_training_env(config: Configuration, monitor: Path | None, threads: int | None = None) -> VecEnv:
-    """`n_envs` environments with bounded charges; `threads`: one a processor.
+    """`n_envs` environments with `LogarithmicCharges`; `threads`: one a processor.
 
     Finished episodes go to the CSV file `monitor`, with what they really cost.
     """
     lanes = NativeVecEnv(config.n_envs, config.env_id, {**config.env_kwargs, "num_threads": threads})
-    return BoundedCharges(VecMonitor(_with_law(lanes, config), str(monitor) if monitor else None), LARGEST_CHARGE)
+    monitored = VecMonitor(_with_law(lanes, config), str(monitor) if monitor else None)
+    return LogarithmicCharges(monitored, CHARGE_SCALE)
 
 
 def make_validation_env(config: Configuration, threads: int | None = None) -> VecNormalize:
@@ -157,8 +179,8 @@ def _with_law(venv: VecEnv, config: Configuration) -> VecEnv:
 def make_model(config: Configuration, venv: VecEnv, device: str = "cpu") -> BaseAlgorithm:
     """A fresh model on `venv` with normalised rewards and the features of `agents.features`.
 
-    An agent that adds to a law begins with hardly anything to add: the actors of SAC and TD3 get a last layer as small
-    as PPO's has from the start (T. Silver et al., Residual Policy Learning, 2018, arXiv:1812.06298).
+    An agent that adds to a law begins with nothing to add: the last layer of its actor is zero (T. Silver et al.,
+    Residual Policy Learning, 2018, arXiv:1812.06298).
     """
     hyperparameters = dict(config.hyperparameters)
     hyperparameters["policy_kwargs"] = {
@@ -178,13 +200,16 @@ def make_model(config: Configuration, venv: VecEnv, device: str = "cpu") -> Base
     seed = episode_seeds("training", config.seed, 1)[0]
     cls: Any = runs.algorithm(config.algo)
     model = cls("MlpPolicy", normalized, seed=seed, device=device, **hyperparameters)
-    if config.residual and isinstance(model, OffPolicyAlgorithm):
+    if config.residual:
         policy: Any = model.policy
-        for actor in filter(None, (policy.actor, getattr(policy, "actor_target", None))):
-            last = [layer for layer in actor.mu.modules() if isinstance(layer, torch.nn.Linear)][-1]
-            with torch.no_grad():
-                last.weight.mul_(FIRST_ACTIONS)
-                last.bias.mul_(FIRST_ACTIONS)
+        on_policy = isinstance(policy, ActorCriticPolicy)
+        actors = [policy.action_net] if on_policy else [policy.actor.mu]
+        if hasattr(policy, "actor_target"):
+            actors.append(policy.actor_target.mu)
+        for actor in actors:
+            last = [layer for layer in actor.modules() if isinstance(layer, torch.nn.Linear)][-1]
+            torch.nn.init.zeros_(last.weight)
+            torch.nn.init.zeros_(last.bias)
     return model
 
 
@@ -251,8 +276,9 @@ def train(
         verbose=0,
     )
     if resume and (Path(resume) / runs.POLICY).is_file():
-        shutil.copy(Path(resume) / runs.POLICY, folder / runs.POLICY)
-        validation.restore(Path(resume) / "evaluations.npz")
+        for name in (runs.POLICY, "evaluations.npz"):
+            shutil.copy(Path(resume) / name, folder / name)
+        validation.restore(folder / "evaluations.npz")
     start = time.perf_counter()
     try:
         model.learn(

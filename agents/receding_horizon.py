@@ -1,4 +1,4 @@
-"""A bound that no drive can reach: search by rollouts of the simulator itself, from its own state."""
+"""A reference with foresight that no drive has: search by rollouts of the simulator itself, from its own state."""
 
 import math
 from contextlib import closing
@@ -73,6 +73,8 @@ class Plan:
 
 class RecedingHorizon:
     """The best torques that a search finds which may copy the simulator and try the future out.
+
+    What it reaches can be reached; how much softer one can land, a search cannot say.
 
     Candidates are torques linear over time on top of those of a base law, to the end of the episode, for the cost comes
     with latching and after it. They are searched by the cross-entropy method (R. Y. Rubinstein, Methodol. Comput. Appl.

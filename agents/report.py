@@ -35,26 +35,29 @@ def summarize(rows: Sequence[Row]) -> Summary:
     Those are the `references`. With each there are paired differences, episode by episode, for both had the same seed,
     and the probability of a higher return.
     """
-    names = list(dict.fromkeys(row["controller"] for row in rows))
-    compared_with = {
-        name: {row["episode"]: row for row in rows if row["controller"] == name} for name in references(rows)
-    }
+    by_run: dict[str, dict[str, list[Row]]] = {}
+    for row in sorted(rows, key=lambda row: row["episode"]):
+        by_run.setdefault(row["controller"], {}).setdefault(row["spec"], []).append(row)
+    compared_with = references(rows)
     summary: Summary = {}
-    for name in names:
-        mine = [row for row in rows if row["controller"] == name]
-        specs = list(dict.fromkeys(row["spec"] for row in mine))
-        by_run = [[row for row in mine if row["spec"] == spec] for spec in specs]
-        entry: dict[str, Any] = {"runs": len(specs), "latched": sum(row["latched"] for row in mine) / len(mine)}
+    for name in dict.fromkeys(row["controller"] for row in rows):
+        mine = [row for run in by_run[name].values() for row in run]
+        entry: dict[str, Any] = {"runs": len(by_run[name]), "latched": sum(r["latched"] for r in mine) / len(mine)}
         for figure in (figure for figure in TABLE if figure in mine[0]):
-            values = [np.array([row[figure] for row in run]) for run in by_run]
+            values = _values(by_run[name], figure)
             entry[figure] = estimate(values)
-            for reference, episodes in compared_with.items():
-                base = [np.array([episodes[row["episode"]][figure] for row in run]) for run in by_run]
-                entry[f"{figure} - {reference}"] = estimate([v - b for v, b in zip(values, base, strict=True)])
+            for reference in compared_with:
+                base = _values(by_run[reference], figure)
+                entry[f"{figure} - {reference}"] = estimate([v - np.mean(base, axis=0) for v in values])
                 if figure == "return":
                     entry[f"better than {reference}"] = improvement(values, base)
         summary[name] = entry
     return summary
+
+
+def _values(by_run: Mapping[str, Sequence[Row]], figure: str) -> list[np.ndarray]:
+    """A figure (episodes,) of every run."""
+    return [np.array([row[figure] for row in run]) for run in by_run.values()]
 
 
 def references(rows: Sequence[Row]) -> list[str]:

@@ -6,26 +6,30 @@ from typing import Any
 
 import numpy as np
 
-from agents.baselines import TUNABLE, best_law, load_parameters, read_parameters
+from agents.baselines import TUNABLE, episodes_spent, load_parameters, read_parameters
 from agents.torque_laws import Controller, Signals, TorqueLaw
 
+LAW = "servo"
 
-def residual_on(scale: float, env_id: str, model: str, law: str | None = None) -> dict[str, Any]:
-    """What describes a residual on a law as it is tuned now: its name, its parameters, and the scale.
+
+def residual_on(scale: float, env_id: str, model: str) -> dict[str, Any]:
+    """What describes a residual on the servo as it is tuned now: the law, its parameters and their cost, and the scale.
 
     Args:
         scale: Greatest action that the agent adds, as a share of the torque limit.
         env_id: Environment id.
         model: Whose tuned parameters to take.
-        law: Name of the law; None: the one that did best in validation, see `agents.baselines.best_law`.
 
     Raises:
-        ValueError: the scale is not in (0, 1], or there is no such law, or none with parameters for the environment.
+        ValueError: the scale is not in (0, 1], or the servo has no parameters for the environment.
     """
     _check_scale(scale)
-    law = best_law(env_id, model) if law is None else law
-    _check_law(law)
-    return {"law": law, "parameters": asdict(load_parameters(law, env_id, model)), "scale": scale}
+    return {
+        "law": LAW,
+        "parameters": asdict(load_parameters(LAW, env_id, model)),
+        "tuning_episodes": episodes_spent(LAW, env_id, model),
+        "scale": scale,
+    }
 
 
 def base_law(residual: Mapping[str, Any], signals: Signals) -> TorqueLaw:
@@ -34,16 +38,14 @@ def base_law(residual: Mapping[str, Any], signals: Signals) -> TorqueLaw:
     Raises:
         ValueError: the description is not one of `residual_on`; the message names what is wrong with it.
     """
-    if set(residual) != {"law", "parameters", "scale"}:
-        raise ValueError(f"residual has the keys {sorted(residual)}; expected law, parameters and scale")
-    _check_law(residual["law"])
+    if set(residual) != {"law", "parameters", "tuning_episodes", "scale"}:
+        raise ValueError(
+            f"residual has the keys {sorted(residual)}; expected law, parameters, tuning_episodes and scale"
+        )
+    if residual["law"] not in TUNABLE:
+        raise ValueError(f"residual law is {residual['law']!r}; available: {', '.join(TUNABLE)}")
     _check_scale(residual["scale"])
     return TUNABLE[residual["law"]](signals, read_parameters(residual["law"], residual["parameters"]))
-
-
-def _check_law(law: str) -> None:
-    if law not in TUNABLE:
-        raise ValueError(f"residual law is {law!r}; available: {', '.join(TUNABLE)}")
 
 
 def _check_scale(scale: float) -> None:

@@ -14,6 +14,7 @@ import gymnasium
 from stable_baselines3 import PPO, SAC, TD3
 from stable_baselines3.common.base_class import BaseAlgorithm
 
+from agents.environments import make_env
 from agents.residual import ResidualController
 from agents.torque_laws import Controller, Signals
 
@@ -106,17 +107,12 @@ def load_model(folder: str | Path, env: gymnasium.Env) -> BaseAlgorithm:
 
     Raises:
         FileNotFoundError: there is no run, or it was interrupted before its first validation.
-        ValueError: the policy was trained on other observations or actions than those of `env`.
+        ValueError: observations or actions of `env` mean something else than in training.
     """
     path, config = policy_path(folder), read_config(folder)
-    model = algorithm(config["algo"]).load(path, device="cpu")
-    for kind in ("observation_space", "action_space"):
-        if getattr(model, kind) != getattr(env, kind):
-            raise ValueError(
-                f"{folder} was trained with {kind} {getattr(model, kind)}, not with {getattr(env, kind)}; "
-                f"evaluate it with its own --env-kwargs: {config['env_kwargs']}"
-            )
-    return model
+    with make_env(config["env_id"], config["env_kwargs"]) as trained:
+        Signals.of(trained).check(env, f"{config['env_id']} with {config['env_kwargs']}")
+    return algorithm(config["algo"]).load(path, device="cpu")
 
 
 def versions() -> dict[str, str]:

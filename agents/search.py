@@ -77,7 +77,7 @@ class Args:
     algo: str = "ppo"
     """algorithm: ppo, sac or td3"""
     trials: int = 24
-    """training runs"""
+    """training runs, and one more of the configuration as it is"""
     timesteps: int = 40_000
     """environment steps of every run"""
     seed: int = 0
@@ -102,7 +102,7 @@ class Args:
 
 def trial(args: Args, env_kwargs: dict[str, Any], unit: np.ndarray) -> learn.Configuration:
     """The run of a point (n,) in [0, 1]."""
-    entry = json.loads((CONFIGS / f"{args.algo}.json").read_text())[args.env_id]["hyperparameters"]
+    entry = learn.entry(args.algo, args.env_id)["hyperparameters"]
     chosen = {name: r.value(float(u)) for (name, r), u in zip(SPACES[args.algo].items(), unit, strict=True)}
     return learn.configuration(
         args.algo,
@@ -124,8 +124,12 @@ def _nested(entry: dict[str, Any], chosen: dict[str, float]) -> dict[str, Any]:
 
 
 def start(algo: str, env_id: str) -> np.ndarray:
-    """The point (n,) of the configuration as it is."""
-    entry = json.loads((CONFIGS / f"{algo}.json").read_text())[env_id]
+    """The point (n,) of the configuration as it is.
+
+    Raises:
+        ValueError: there is none for the environment.
+    """
+    entry = learn.entry(algo, env_id)
     values = {**entry["hyperparameters"], **entry["hyperparameters"].get("policy_kwargs", {})}
     values["residual"] = entry["residual"]
     return np.array([r.share(values[name]) for name, r in SPACES[algo].items()])
@@ -156,7 +160,11 @@ def store(algo: str, env_id: str, config: learn.Configuration, record: dict[str,
 
 
 def main(argv: Sequence[str] | None = None) -> None:
-    """The command line; see `Args`."""
+    """The command line; see `Args`.
+
+    Raises:
+        ValueError: there is nothing to search for, the budget holds no generation, or as `learn.configuration`.
+    """
     args = parse_arguments(Args, argv, prog="python -m agents.search")
     if args.algo not in SPACES:
         raise ValueError(f"nothing to search for {args.algo!r}; choose from {', '.join(SPACES)}")
@@ -175,8 +183,8 @@ def main(argv: Sequence[str] | None = None) -> None:
         return [-scores[folder] for folder in folders]
 
     first = start(args.algo, args.env_id)
-    before = -costs([first], [])[0]
     tune(costs, first, args.trials, 1, args.seed, progress=not args.quiet)
+    before = -costs([first], [])[0]
     best = max(scores, key=scores.__getitem__)
     record = {
         "command": command,

@@ -146,12 +146,12 @@ class Description:
         training_steps: Environment steps that it was trained for, those of the runs it was resumed from included.
         env_id: Environment that it was trained on.
         env_kwargs: Keywords of that environment.
-        observation: Kind of observation, see the environment.
         observation_names: Name of every entry, in order.
         torque_limit: Motor torque of a unit action [N m].
         deadline: Unit of the observed time [s].
-        residual: {"law": name in `agents.baselines.TUNABLE`, "parameters": those of the law, "scale": share of the
-            torque limit}; the action is then ``clip(law + scale * network, -1, 1)``. None: it is the network's.
+        residual: {"law": name in `agents.baselines.TUNABLE`, "parameters": those of the law, "tuning_episodes": what
+            they have cost, "scale": share of the torque limit}; the action is then ``clip(law + scale * network, -1,
+            1)``. None: it is the network's.
     """
 
     algorithm: str
@@ -162,7 +162,6 @@ class Description:
     training_steps: int
     env_id: str
     env_kwargs: dict[str, Any]
-    observation: str
     observation_names: tuple[str, ...]
     torque_limit: float
     deadline: float
@@ -220,13 +219,7 @@ class ShippedPolicy:
         Raises:
             ValueError: the entries of an observation, the torque limit or the deadline differ.
         """
-        for name, value in vars(Signals.of(env)).items():
-            trained = getattr(self.description.signals, name)
-            if value != trained:
-                raise ValueError(
-                    f"the environment's {name} is {value}; the policy was trained with {trained}, "
-                    f"on {self.description.env_id} with {self.description.env_kwargs}"
-                )
+        self.description.signals.check(env, f"{self.description.env_id} with {self.description.env_kwargs}")
 
 
 def save(folder: Path, policy: ShippedPolicy) -> None:

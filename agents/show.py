@@ -12,6 +12,7 @@ from tqdm import tqdm
 from agents.arguments import parse_arguments
 from agents.controllers import load_controller, trained_on
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_sampling
+from agents.evaluate import check_names, split_controller
 from agents.figures import deployments_figure
 from agents.rollout import Step, run_episode
 
@@ -26,7 +27,7 @@ class Args:
     """Draw one episode of several controllers, the same for all, and animate them one above the other."""
 
     controllers: list[str] = field(default_factory=lambda: ["passive", "servo"])
-    """see python -m agents.evaluate --help"""
+    """see python -m agents.evaluate --help; each once"""
     seed: int = 0
     """chooses the evaluation episode"""
     env_id: str = DEFAULT_ENV_ID
@@ -50,8 +51,10 @@ def main(argv: Sequence[str] | None = None) -> None:
     seed = episode_seeds("evaluation", args.seed, 1)[0]
     episodes: dict[str, list[Step]] = {}
     films: list[list[Image.Image]] = []
-    for name in tqdm(args.controllers, desc="show", unit="episode", disable=args.quiet):
-        trained = trained_on(name) or {}
+    check_names(args.controllers)
+    named = [split_controller(text) for text in args.controllers]
+    for name, spec in tqdm(named, desc="show", unit="episode", disable=args.quiet):
+        trained = trained_on(spec) or {}
         observed = {key: trained[key] for key in ("observation",) if key in trained}
         env = make_env(args.env_id, with_sampling({**keywords, **observed, "render_mode": "rgb_array"}, args.env_id))
         signals: Any = env.unwrapped
@@ -63,9 +66,9 @@ def main(argv: Sequence[str] | None = None) -> None:
                 film.append(_scaled(env.render()))
             steps.append(step)
 
-        run_episode(env, load_controller(name, env), seed, record)
+        run_episode(env, load_controller(spec, env), seed, record)
         film.append(_scaled(signals.render()))
-        episodes[Path(name).name] = steps
+        episodes[name] = steps
         films.append(film)
     out = Path(args.out)
     out.mkdir(parents=True, exist_ok=True)

@@ -31,42 +31,49 @@ def estimate(
     confidence: float = 0.95,
     mean: Callable[[np.ndarray], np.ndarray] = interquartile_mean,
 ) -> Estimate:
-    """A mean over all episodes of all runs, by default the interquartile one, with a two-stage bootstrap interval.
+    """A mean over all episodes of all runs, by default the interquartile one, with a bootstrap interval.
 
-    A resample draws runs with replacement, then, within every drawn run, episodes with replacement, as many
-    as a run has on average (Davison and Hinkley, Bootstrap Methods and their Application, 1997, section 3.8).
-    So the interval covers the variation between training runs where there are several, and that between
-    episodes alone where there is one. NaN episodes are left out; without any other, the estimate is NaN.
+    Every run has the same episodes. A resample draws runs and, apart from that, episodes, both with replacement, and
+    takes all drawn episodes of all drawn runs (A. B. Owen, The pigeonhole bootstrap, Ann. Appl. Stat. 1 (2007) 386-411,
+    doi:10.1214/07-AOAS122). So the interval covers the variation between training runs where there are several, and
+    that between episodes even where it is common to all runs. NaN is left out; without anything else, the estimate is
+    NaN.
 
     Args:
-        runs: One array of episode figures for each training run; a baseline has one run.
+        runs: One array (episodes,) of figures for each training run; a baseline has one run.
         seed: Seed of the resampling.
         resamples: Number of bootstrap resamples.
         confidence: Coverage of the interval.
         mean: Reduces the last axis.
+
+    Raises:
+        ValueError: the runs have different numbers of episodes.
     """
-    finite = [np.asarray(run, dtype=float)[np.isfinite(run)] for run in runs]
-    finite = [run for run in finite if len(run)]
-    if not finite:
+    figures = np.stack([np.asarray(run, dtype=float) for run in runs])
+    known = figures[np.isfinite(figures)]
+    if not known.size:
         nan = float("nan")
         return Estimate(nan, nan, nan, nan, nan, count=0)
-    pooled = np.concatenate(finite)
-    lengths = np.array([len(run) for run in finite])
-    starts = np.cumsum(lengths) - lengths
-    per_run = round(len(pooled) / len(finite))
+    if len(figures) == 1:
+        figures = known[None]
 
     rng = np.random.default_rng(seed)
-    drawn = rng.integers(len(finite), size=(resamples, len(finite), 1))
-    within = (rng.random((resamples, len(finite), per_run)) * lengths[drawn]).astype(int)
-    sample = pooled[starts[drawn] + within].reshape(resamples, -1)
-    lower, upper = np.quantile(mean(sample), [0.5 - confidence / 2, 0.5 + confidence / 2])
+    count, episodes = figures.shape
+    drawn_runs = rng.integers(count, size=(resamples, count, 1))
+    drawn_episodes = rng.integers(episodes, size=(resamples, 1, episodes))
+    sample = figures[drawn_runs, drawn_episodes].reshape(resamples, -1)
+    if np.isfinite(figures).all():
+        means = mean(sample)
+    else:
+        means = np.array([mean(row[np.isfinite(row)]) for row in sample if np.isfinite(row).any()])
+    lower, upper = np.quantile(means, [0.5 - confidence / 2, 0.5 + confidence / 2])
     return Estimate(
-        mean=float(mean(pooled)),
+        mean=float(mean(known)),
         lower=float(lower),
         upper=float(upper),
-        minimum=float(pooled.min()),
-        maximum=float(pooled.max()),
-        count=len(pooled),
+        minimum=float(known.min()),
+        maximum=float(known.max()),
+        count=known.size,
     )
 
 
@@ -74,11 +81,14 @@ def improvement(runs: Sequence[np.ndarray], references: Sequence[np.ndarray]) ->
     """Probability of doing better than a reference on the same episode, with its interval; a tie counts half.
 
     The paired form of what R. Agarwal et al. compare algorithms by (Deep Reinforcement Learning at the Edge of the
-    Statistical Precipice, 2021, doi:10.48550/arXiv.2108.13264).
+    Statistical Precipice, 2021, doi:10.48550/arXiv.2108.13264). Every run meets every run of the reference.
 
     Args:
-        runs: Scores, higher being better; one array for each training run.
-        references: Those of the reference on the same episodes.
+        runs: Scores (episodes,), higher being better, of each training run.
+        references: Those of each run of the reference, on the same episodes.
+
+    Raises:
+        ValueError: as `estimate`.
     """
-    better = [0.5 * (1.0 + np.sign(mine - other)) for mine, other in zip(runs, references, strict=True)]
+    better = [np.mean([0.5 * (1.0 + np.sign(mine - other)) for other in references], axis=0) for mine in runs]
     return estimate(better, mean=lambda values: np.mean(values, axis=-1))

@@ -44,6 +44,23 @@ class Signals:
         unwrapped: Any = env.unwrapped
         return cls(tuple(unwrapped.observation_names), unwrapped.task.torque_limit, unwrapped.task.deadline)
 
+    def check(self, env: gymnasium.Env, learned_on: str) -> None:
+        """Refuse an environment in which observations or actions mean something else than here.
+
+        Args:
+            env: Environment of this project.
+            learned_on: Where these signals come from, for the message.
+
+        Raises:
+            ValueError: the entries of an observation, the torque limit or the deadline differ.
+        """
+        for name, value in vars(Signals.of(env)).items():
+            if value != getattr(self, name):
+                raise ValueError(
+                    f"the environment's {name} is {value}; the policy was trained with {getattr(self, name)}, "
+                    f"on {learned_on}"
+                )
+
 
 class TorqueLaw(ABC):
     """A memoryless torque law over named observation entries.
@@ -197,6 +214,9 @@ class ServoParameters:
         postlock_damping: Torque per rate of joint 1 after the last latch [N m s/rad].
         postlock_stiffness: Torque from then on per angle of joint 1 off its lock angle [N m/rad]: a latched joint
             still has play, which the array would swing across.
+        smoothing: Share of the motor torque that is kept from one control period to the next: a low-pass filter. The
+            rates shake with the panels and the journals, and a motor that has held the springs back until the last
+            latch and lets go at once has them throw the array across the play.
     """
 
     cruise_rate: float = _bounded(0.08, 0.05, 0.2)
@@ -207,17 +227,18 @@ class ServoParameters:
     difference_damping: float = _bounded(0.0, 0.0, 40.0)
     postlock_damping: float = _bounded(0.0, 0.0, 10.0)
     postlock_stiffness: float = _bounded(0.0, 0.0, 20.0)
+    smoothing: float = _bounded(0.0, 0.0, 0.95)
 
 
 class VelocityProfileServo(TunableLaw[ServoParameters]):
     """Feedback that makes the opening follow a velocity profile which slows down towards latching.
 
     The profile is the one of constant deceleration, ``min(cruise, sqrt(latch^2 + 2 deceleration (1 - s)))``
-    over the opening ``s``. Joint 2 reaches its lock angle through the cable loop, not with joint 1; a profile
+    over the opening ``s``, filtered. Joint 2 reaches its lock angle through the cable loop, not with joint 1; a profile
     for joint 1 alone does not lower the impact, so ``s`` mixes both. The torque is zero on the profile.
     """
 
-    reads = ("theta_1", "theta_2", "rate_1", "rate_2")
+    reads = ("theta_1", "theta_2", "rate_1", "rate_2", "motor_torque")
     defaults = ServoParameters()
 
     def reference_rate(self, opening: np.ndarray) -> np.ndarray:
@@ -232,7 +253,8 @@ class VelocityProfileServo(TunableLaw[ServoParameters]):
         deploying = p.gain * (self.reference_rate(opening) - rate) - p.difference_damping * difference
         off_lock = _LOCK_ANGLES[0] * (entries["theta_1"] - 1.0)
         holding = -p.postlock_damping * entries["rate_1"] - p.postlock_stiffness * off_lock
-        return np.where(all_latched, holding, deploying)
+        now = self._signals.torque_limit * entries["motor_torque"]
+        return p.smoothing * now + (1.0 - p.smoothing) * np.where(all_latched, holding, deploying)
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from typing import Any
 
 from agents import learn, runs
 from agents.arguments import parse_arguments
-from agents.environments import DEFAULT_ENV_ID
+from agents.environments import DEFAULT_ENV_ID, with_model
 from agents.evaluate import STORE, evaluate
 from agents.figures import transfer_figure
 from agents.report import summarize
@@ -67,7 +67,7 @@ def train_all(args: Args, command: str) -> dict[str, list[Path]]:
             Path(args.out) / f"{level.replace(' ', '-')}-{seed}": learn.configuration(
                 args.algo,
                 args.env_id,
-                {**args.env_kwargs, **keywords},
+                _on_level(args, keywords),
                 seed,
                 timesteps=args.timesteps,
                 hyperparameters=args.hyperparams,
@@ -90,13 +90,18 @@ def judge_all(args: Args, folders: Mapping[str, Sequence[Path]]) -> dict[str, di
             args.episodes,
             0,
             args.env_id,
-            {**args.env_kwargs, **keywords},
+            _on_level(args, keywords),
             not args.quiet,
             Workers(args.jobs, args.cluster),
             Path(args.out) / f"{level.replace(' ', '-')}-{STORE}",
         )
         returns[level] = {name: entry["return"] for name, entry in summarize(rows).items()}
     return returns
+
+
+def _on_level(args: Args, keywords: Mapping[str, Any]) -> dict[str, Any]:
+    """Environment keywords; those of the level may not be given."""
+    return with_model(args.env_kwargs, keywords["model"], keywords.get("elements"), args.env_id)
 
 
 def markdown(returns: Mapping[str, Mapping[str, Estimate]]) -> str:

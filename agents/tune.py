@@ -104,6 +104,9 @@ def tune(
 
     Returns:
         The start, the best point seen, and the final mean of the search distribution.
+
+    Raises:
+        ValueError: the budget holds no generation; nothing has been simulated then.
     """
     options = {"bounds": [0, 1], "seed": seed + 1, "verbose": -9}  # pycma takes seed 0 for "from the clock"
     search = cma.CMAEvolutionStrategy(start, spread, options)
@@ -133,7 +136,11 @@ def store(controller: str, env_id: str, model: str, entry: dict[str, Any]) -> Pa
 
 
 def main(argv: Sequence[str] | None = None) -> None:
-    """The command line; see `Args`."""
+    """The command line; see `Args`.
+
+    Raises:
+        ValueError: the controller has nothing to tune, the budget is too small, or as `make_env`.
+    """
     args = parse_arguments(Args, argv, prog="python -m agents.tune")
     if args.controller not in TUNABLE:
         raise ValueError(f"nothing to tune in {args.controller!r}; choose from {', '.join(TUNABLE)}")
@@ -142,7 +149,11 @@ def main(argv: Sequence[str] | None = None) -> None:
     env_kwargs = with_sampling(with_model(args.env_kwargs, args.model, args.elements, args.env_id), args.env_id)
     workers = Workers(args.jobs, args.cluster)
 
+    simulated = 0
+
     def costs(points: Sequence[np.ndarray], seeds: Sequence[int]) -> list[float]:
+        nonlocal simulated
+        simulated += len(points) * len(seeds)
         parameters = [from_unit(cls, np.clip(point, 0.0, 1.0)) for point in points]
         return [-value for value in mean_returns(args.controller, parameters, args.env_id, env_kwargs, seeds, workers)]
 
@@ -157,8 +168,9 @@ def main(argv: Sequence[str] | None = None) -> None:
         args.episodes_per_candidate,
         args.seed,
         progress=not args.quiet,
-        spread=0.08 if args.refine else 0.25,
+        spread=0.05 if args.refine else 0.25,
     )
+    trained = simulated
     validation = episode_seeds("validation", args.seed, args.validation_episodes)
     returns = [-cost for cost in costs(candidates, validation)]
     best = int(np.argmax(returns))
@@ -168,8 +180,8 @@ def main(argv: Sequence[str] | None = None) -> None:
             "command": shlex.join(["python", "-m", "agents.tune", *(sys.argv[1:] if argv is None else argv)]),
             "env_kwargs": runs.jsonable(env_kwargs),
             "start": asdict(start),
-            "training_episodes": args.episodes,
-            "training_episodes_with_start": args.episodes + spent,
+            "training_episodes": trained,
+            "training_episodes_with_start": spent + trained,
             "seed": args.seed,
             "validation_return": returns[best],
             "validation_return_before_tuning": returns[0],

@@ -131,29 +131,34 @@ class FixedSeeds(VecEnvWrapper):
         return self.venv.step_wait()
 
 
-class BoundedCharges(VecEnvWrapper):
-    """Bounds what a step may cost an agent in training.
+class LogarithmicCharges(VecEnvWrapper):
+    """Rewards a training agent by the logarithm of what the episode has cost, ``-scale log(1 + cost / scale)``.
 
     A missed deadline costs some hundred times what a soft landing does. It would set the scale of normalised rewards
-    for good, and with it leave nothing to learn of the landing; bounded, it is still the worst that can happen.
+    for good, and with it leave nothing to learn of the landing. Small costs stay what they are, and worse stays worse.
 
     Args:
         venv: What to wrap.
-        bound: Greatest cost of a step.
+        scale: Cost of an episode from which the logarithm tells.
     """
 
-    def __init__(self, venv: VecEnv, bound: float) -> None:
+    def __init__(self, venv: VecEnv, scale: float) -> None:
         super().__init__(venv)
-        self._bound = np.float32(bound)
+        self._scale = scale
+        self._costs = np.zeros(venv.num_envs)
 
     def reset(self) -> VecEnvObs:
         """Begin new episodes."""
+        self._costs[:] = 0.0
         return self.venv.reset()
 
     def step_wait(self) -> VecEnvStepReturn:
-        """As the environment's, with bounded rewards."""
+        """As the environment's, with other rewards."""
         observations, rewards, dones, infos = self.venv.step_wait()
-        return observations, np.maximum(rewards, -self._bound), dones, infos
+        costs = self._costs - rewards
+        seen = self._scale * np.log((self._scale + self._costs) / (self._scale + costs))
+        self._costs = np.where(dones, 0.0, costs)
+        return observations, seen.astype(rewards.dtype), dones, infos
 
 
 class ResidualVecEnv(VecEnvWrapper):

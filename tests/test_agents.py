@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import norm
 
 from agents.arguments import parse_arguments, parse_assignments
-from agents.environments import DEFAULT_ENV_ID, SAMPLING, episode_seeds, make_env, with_model, with_sampling
+from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_sampling
 from agents.rollout import episode_figures
 from agents.statistics import estimate, improvement, interquartile_mean
 
@@ -46,7 +46,8 @@ def test_seeds_beyond_their_block_are_refused(seed, count):
 
 
 def test_nominal_episodes_differ_by_micrometres_and_randomised_ones_as_their_scenario_says():
-    assert with_sampling({}) == {"randomize": SAMPLING}
+    assert with_sampling({}) == {"randomize": {"hinge_x": (0.5 - 5e-6, 0.5 + 5e-6)}}
+    assert with_sampling({"parameters": {"hinge_x": 0.3}})["randomize"] == {"hinge_x": (0.3 - 5e-6, 0.3 + 5e-6)}
     assert with_sampling({}, "solar_env/DeployRandomised-v0") == {}
     for given in ({"randomize": {}}, {"randomize": {"clearance": (1e-4, 2e-4)}}):
         assert with_sampling(given) == given
@@ -112,6 +113,23 @@ def test_bootstrap_interval_covers_the_truth_about_as_often_as_it_claims():
     assert 0.88 <= coverage <= 0.99
 
 
+def test_the_interval_of_runs_on_common_episodes_covers_the_truth_although_episodes_do_not_average_out():
+    """Figures of an episode and of a run, which add up: episodes as hard for one run as for the others."""
+    rng = np.random.default_rng(3)
+    covered = []
+    for _ in range(200):
+        hardness, skill = rng.normal(size=40), rng.normal(scale=0.3, size=(5, 1))
+        result = estimate(list(skill + hardness), resamples=400, mean=lambda values: np.mean(values, axis=-1))
+        covered.append(result.lower <= 0.0 <= result.upper)
+    assert 0.88 <= np.mean(covered) <= 0.99
+
+
+def test_an_improvement_on_several_runs_is_over_each_of_them():
+    good, bad, between = np.full(8, -1.0), np.full(8, -3.0), np.full(8, -2.0)
+    assert improvement([between], [good, bad]).mean == 0.5
+    assert improvement([good, bad], [good, bad]).mean == 0.5
+
+
 def test_the_probability_of_improvement_is_that_of_two_shifted_normal_laws():
     """Paired and independent: the difference of two unit normals shifted by d is positive with Phi(d / sqrt 2)."""
     rng = np.random.default_rng(0)
@@ -138,6 +156,8 @@ def test_missing_figures_are_left_out_of_the_estimate():
     result = estimate([np.array([1.0, np.nan, 1.0])])
     assert (result.mean, result.count) == (1.0, 2)
     assert np.isnan(estimate([np.array([np.nan])]).mean)
+    result = estimate([np.array([1.0, np.nan, 1.0]), np.array([2.0, 2.0, np.nan])])
+    assert (result.lower, result.upper, result.count) == (1.0, 2.0, 4)
 
 
 @pytest.mark.parametrize("separator", ["=", ":"])

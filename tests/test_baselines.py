@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from agents.baselines import BASELINES, best_law, load_parameters, make_baseline
+from agents.baselines import BASELINES, load_parameters, make_baseline
 from agents.environments import DEFAULT_ENV_ID, make_env, with_model
 from agents.rollout import run_episode
 from agents.torque_laws import (
@@ -114,6 +114,14 @@ def test_servo_holds_joint_1_at_its_lock_angle_after_the_last_latch():
     servo = VelocityProfileServo(SIGNALS, replace(SERVO, postlock_stiffness=4.0))
     action, _ = servo.predict(observe(1.01, latched=1.0))
     assert action == pytest.approx(-4.0 * 0.01 * np.pi / 2 / LIMIT, rel=1e-4)
+
+
+def test_a_filtered_servo_keeps_its_share_of_the_motor_torque_before_and_after_the_last_latch():
+    plain, filtered = (VelocityProfileServo(SIGNALS, replace(SERVO, smoothing=share)) for share in (0.0, 0.8))
+    motor = 0.3  # of the limit, as `observe` has it for all that it does not say
+    for observation in (observe(0.9, 0.04), observe(1.01, 0.02, latched=1.0)):
+        wanted = 0.8 * motor + 0.2 * plain.predict(observation)[0]
+        np.testing.assert_allclose(filtered.predict(observation)[0], wanted, rtol=1e-5)
 
 
 def test_brake_acts_between_its_onset_and_the_last_latch():
@@ -282,19 +290,3 @@ def test_a_brake_that_stalls_the_array_misses_the_deadline_and_has_no_postlock_f
     assert not stalled["latched"]
     assert np.isnan(stalled["peak_postlock_force_N"])
     assert stalled["return"] < passive["return"]
-
-
-def test_the_best_law_is_the_one_with_the_highest_validation_return_for_the_model_or_else_for_the_rigid_one(configs):
-    returns = {
-        "brake": {"rigid-clearance": -2.0, "flexible-clearance": -1.0},
-        "damper": {"rigid-clearance": -1.0, "flexible-clearance": -2.0},
-        "servo": {"rigid-clearance": -3.0},
-    }
-    for name, by_model in returns.items():
-        tuned = {model: {"tuning": {"validation_return": value}} for model, value in by_model.items()}
-        (configs / f"{name}.json").write_text(json.dumps({DEFAULT_ENV_ID: tuned}))
-    assert best_law(DEFAULT_ENV_ID, "rigid-clearance") == "damper"
-    assert best_law(DEFAULT_ENV_ID, "flexible-clearance") == "brake"
-    assert best_law(DEFAULT_ENV_ID, "flexible-ideal") == "damper"
-    with pytest.raises(ValueError, match="no law has been tuned for 'solar_env/DeployRandomised-v0'; run: python"):
-        best_law("solar_env/DeployRandomised-v0", "rigid-clearance")

@@ -32,7 +32,6 @@ def policy(env, tmp_path, monkeypatch):
         training_steps=12_000,
         env_id="solar_env/Deploy-v0",
         env_kwargs={"model": "rigid-clearance", "observation": "drive"},
-        observation="drive",
         observation_names=signals.names,
         torque_limit=signals.torque_limit,
         deadline=signals.deadline,

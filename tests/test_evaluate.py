@@ -7,11 +7,23 @@ import numpy as np
 import pytest
 
 from agents.baselines import TUNABLE, episodes_spent
-from agents.environments import DEFAULT_ENV_ID, SAMPLING, episode_seeds
-from agents.evaluate import common_env_kwargs, evaluate, main, split_controller, suite_named
+from agents.environments import DEFAULT_ENV_ID, episode_seeds, with_sampling
+from agents.evaluate import (
+    BEGIN,
+    END,
+    check_names,
+    common_env_id,
+    common_env_kwargs,
+    evaluate,
+    main,
+    split_controller,
+    suite_named,
+)
 from agents.report import markdown, references, summarize
 from agents.shipped import load_shipped
+from agents.suites import SUITES
 from solar_env.array import MODELS
+from solar_env.readme import check_readme
 
 
 @pytest.fixture(scope="module")
@@ -69,7 +81,9 @@ def test_the_command_writes_what_it_prints(tmp_path, capsys):
         written = list(csv.DictReader(file))
     assert [row["controller"] for row in written] == ["passive", "passive", "brake", "brake"]
     metrics = json.loads((tmp_path / "metrics.json").read_text())
-    assert metrics["settings"]["env_kwargs"]["randomize"] == {"hinge_x": list(SAMPLING["hinge_x"])}
+    assert metrics["settings"]["env_kwargs"]["randomize"] == {
+        "hinge_x": list(with_sampling({})["randomize"]["hinge_x"])
+    }
     forces = [float(row["peak_postlock_force_N"]) for row in written if row["controller"] == "passive"]
     summary = metrics["controllers"]["passive"]["peak_postlock_force_N"]
     assert summary["mean"] == pytest.approx(np.mean(forces))
@@ -128,6 +142,42 @@ def test_runs_under_one_name_are_pooled_as_training_seeds():
     assert (entry["return"].lower, entry["return"].upper) == (-3.0, -1.0)
 
 
+def test_a_controller_is_compared_with_every_run_of_a_reference():
+    rows = [episode("first", spec, i, force) for spec, force in (("a", 1.0), ("b", 3.0)) for i in range(4)]
+    rows += [episode("second", "c", i, 2.5) for i in reversed(range(4))]
+    assert references(rows) == ["first"]
+    entry = summarize(rows)["second"]
+    assert entry["better than first"].mean == 0.5
+    assert entry["return - first"].mean == -0.5
+
+
+def test_different_controllers_of_the_same_name_are_not_pooled_unasked():
+    with pytest.raises(ValueError, match="ppo/seed-0 and sac/seed-0 are both called seed-0; name them"):
+        evaluate(["ppo/seed-0", "sac/seed-0"], 1, 0)
+    check_names(["passive", "passive", "agent=ppo/seed-0", "agent=sac/seed-0", "ppo/seed-0"])
+
+
+def test_trained_controllers_are_compared_on_the_scenario_they_were_trained_on(tmp_path):
+    for name, env_id in (("a", "solar_env/DeployRandomised-v0"), ("b", DEFAULT_ENV_ID)):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "config.json").write_text(json.dumps({"env_id": env_id}))
+    first, second = str(tmp_path / "a"), str(tmp_path / "b")
+    assert common_env_id(["passive", f"agent={first}"]) == "solar_env/DeployRandomised-v0"
+    assert common_env_id(["passive"]) == DEFAULT_ENV_ID
+    with pytest.raises(ValueError, match=r"trained on different environments: .*; say with --env-id which"):
+        common_env_id([first, second])
+
+
+def test_the_readme_has_a_place_for_the_table_of_every_suite_and_for_nothing_less_than_a_whole_one():
+    for suite in SUITES:
+        check_readme(BEGIN.format(suite), END.format(suite))
+    for options in (["--episodes", "2"], ["--controllers", "passive"], ["--seed", "1"], ["--model", "rigid-ideal"]):
+        with pytest.raises(ValueError, match="--readme writes the result of a whole suite"):
+            main(["--suite", "paper", "--readme", *options])
+    with pytest.raises(ValueError, match="it needs --suite"):
+        main(["--readme"])
+
+
 def test_missed_deployments_lower_the_latched_share_and_not_the_force():
     rows = [episode("x", "x", 0, 100.0), episode("x", "x", 1, 900.0, latched=False)]
     entry = summarize(rows)["x"]
@@ -169,7 +219,7 @@ def test_a_run_without_policy_says_so(tmp_path):
 
 @pytest.mark.parametrize(("name", "env_id"), [("paper", DEFAULT_ENV_ID), ("robust", "solar_env/DeployRandomised-v0")])
 def test_a_suite_is_a_scenario_with_all_that_was_tuned_and_trained_for_it_on_six_elements(name, env_id):
-    found, controllers, env_kwargs = suite_named(name, DEFAULT_ENV_ID, [], {})
+    found, controllers, env_kwargs = suite_named(name, None, [])
     assert found == env_id
     assert env_kwargs == {"model": "flexible-clearance", "elements": 6}
     assert controllers[: 1 + len(TUNABLE)] == ["passive", *TUNABLE]
@@ -178,12 +228,11 @@ def test_a_suite_is_a_scenario_with_all_that_was_tuned_and_trained_for_it_on_six
 
 
 def test_what_is_given_takes_the_place_of_a_suites_parts():
-    _, controllers, env_kwargs = suite_named("paper", DEFAULT_ENV_ID, ["servo"], {"elements": 1})
-    assert (controllers, env_kwargs["elements"]) == (["servo"], 1)
+    assert suite_named("paper", None, ["servo"])[1] == ["servo"]
     with pytest.raises(ValueError, match="no suite 'fast'; available: paper, robust"):
-        suite_named("fast", DEFAULT_ENV_ID, [], {})
+        suite_named("fast", None, [])
     with pytest.raises(ValueError, match="--suite paper is about solar_env/Deploy-v0"):
-        suite_named("paper", "solar_env/DeployRandomised-v0", [], {})
+        suite_named("paper", "solar_env/DeployRandomised-v0", [])
 
 
 def test_the_command_runs_a_suite_in_a_folder_of_its_own(tmp_path, monkeypatch):

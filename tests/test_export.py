@@ -30,6 +30,7 @@ COMMAND = "python train.py --seed 7"
 QUICK = {"model": "rigid-ideal", "control_period": 0.5, "postlock_window": 2.0, "observation": "drive"}
 ON_POLICY = {"n_steps": 50, "batch_size": 50}
 OFF_POLICY = {"learning_starts": 60, "buffer_size": 500, "batch_size": 16}
+RESIDUAL = {"law": "servo", "parameters": {}, "tuning_episodes": 0, "scale": 0.2}
 # Name -> algorithm, hyperparameters, scale of the residual.
 TRAINED = {
     "ppo": ("ppo", ON_POLICY, 0.0),
@@ -279,14 +280,17 @@ def test_arrays_that_do_not_fit_are_named(own, changes, message):
         ({"feature_limit": "two"}, "'<' not supported"),
         ({"mean_limit": -1.0}, "mean_limit is -1.0; give a positive"),
         ({"mean_limit": "two"}, "'<' not supported"),
-        ({"residual": {"law": "servo"}}, r"residual has the keys \['law'\]; expected law, parameters and scale"),
-        ({"residual": {"law": "serve", "parameters": {}, "scale": 0.2}}, "residual law is 'serve'; available: brake"),
         (
-            {"residual": {"law": "servo", "parameters": {}, "scale": 0.2}},
+            {"residual": {"law": "servo"}},
+            r"residual has the keys \['law'\]; expected law, parameters, tuning_episodes and",
+        ),
+        ({"residual": {**RESIDUAL, "law": "serve"}}, "residual law is 'serve'; available: brake"),
+        (
+            {"residual": RESIDUAL},
             r"the keys are \[\]; expected \['cruise_rate'",
         ),
         (
-            {"residual": {"law": "brake", "parameters": {"torque": 0.1, "onset": 0.0}, "scale": 2}},
+            {"residual": {**RESIDUAL, "law": "brake", "parameters": {"torque": 0.1, "onset": 0.0}, "scale": 2}},
             "residual = 2; give a share",
         ),
     ],
@@ -364,7 +368,7 @@ def test_the_card_of_one_of_several_seeds_has_its_scores_alone_and_without_any_i
     measured, folder = finished["residual"]
     run = tmp_path / "residual"
     run.mkdir()
-    for name in (runs.CONFIG, runs.POLICY):
+    for name in (runs.CONFIG, runs.POLICY, runs.TIMING):
         (run / name).write_bytes((measured / name).read_bytes())
     (tmp_path / "metrics.json").write_bytes((measured / "metrics.json").read_bytes())
     rows = (measured / "episodes.csv").read_text()
@@ -373,6 +377,15 @@ def test_the_card_of_one_of_several_seeds_has_its_scores_alone_and_without_any_i
     export.export(run, tmp_path / "shipped")
     alone, together = ((place / shipped.CARD).read_text() for place in (folder, tmp_path / "shipped"))
     assert re.findall(r"^\| ppo .*", together, re.MULTILINE) == re.findall(r"^\| ppo .*", alone, re.MULTILINE)
+
+
+def test_the_policy_of_an_interrupted_training_is_not_shipped(finished, tmp_path):
+    run = tmp_path / "run"
+    run.mkdir()
+    for name in (runs.CONFIG, runs.POLICY):
+        (run / name).write_bytes((finished["ppo"][0] / name).read_bytes())
+    with pytest.raises(ValueError, match="was interrupted; resume it, and export what comes of that"):
+        export.export(run, tmp_path / "shipped")
 
 
 def test_the_command_writes_below_the_shipped_policies_and_overwrites_nothing(finished, tmp_path, monkeypatch):

@@ -12,7 +12,7 @@ from scipy.stats import spearmanr
 
 import solar_env
 from agents.baselines import TUNABLE
-from agents.environments import SAMPLING
+from agents.environments import with_sampling
 from agents.torque_laws import DamperParameters, Signals, ViscousDamper
 from agents.tune import bounds, from_unit
 from solar_env.integrators import default_integrator
@@ -20,6 +20,7 @@ from solar_env.mechanics import model as m
 from solar_env.task import REWARD_TERMS, Task
 
 ID = "solar_env/Deploy-v0"
+SAMPLING = with_sampling({}, ID)["randomize"]
 TASK = Task()
 WORST_DEPLOYMENT = -2.0 * TASK.largest_charge
 # The outer joint latches and the root, which the motor works on, is left behind.

@@ -5,10 +5,20 @@ import json
 import pytest
 
 from agents import learn, transfer
+from agents.baselines import make_baseline
+from agents.environments import episode_seeds, make_env, with_sampling
+from agents.rollout import run_episode
 
+TASK = {"parameters": {"spring_stiffness": 2.0}, "postlock_window": 0.5}  # deploys within three seconds
 QUICK = [
     *["--timesteps", "20", "--residual", "0.1", "--episodes", "1", "--quiet", "--jobs", "1"],
-    *["--hyperparams", "n_steps=10", "batch_size=10", "--env-kwargs", "deadline=0.4", "postlock_window=0.2"],
+    *[
+        "--hyperparams",
+        "n_steps=10",
+        "batch_size=10",
+        "--env-kwargs",
+        *(f"{key}={value}" for key, value in TASK.items()),
+    ],
 ]
 
 
@@ -20,10 +30,16 @@ def test_every_level_is_judged_on_all_levels_beside_passive_and_servo(tmp_path, 
     printed = capsys.readouterr().out
     returns = json.loads((tmp_path / "transfer.json").read_text())
     assert set(returns) == set(transfer.LEVELS)
-    for by_training in returns.values():
+    for level, by_training in returns.items():
         assert list(by_training) == ["passive", "servo", *transfer.LEVELS]
         assert all(value["count"] == 1 for value in by_training.values())
-        assert all(value["mean"] == -25.0 for value in by_training.values()), "the deadline is impossible"
+        env = make_env(env_kwargs=with_sampling({**TASK, **transfer.LEVELS[level]}))
+        alone = run_episode(env, make_baseline("passive", env), episode_seeds("evaluation", 0, 1)[0])
+        assert by_training["passive"]["mean"] == alone["return"]
+    assert returns["rigid"]["passive"] != returns["1 element"]["passive"]
+    for level, keywords in transfer.LEVELS.items():
+        trained = learn.stored_configuration(tmp_path / f"{level.replace(' ', '-')}-0").env_kwargs
+        assert trained.items() >= keywords.items()
     assert (tmp_path / "transfer.md").read_text() in printed
     assert (tmp_path / "transfer.png").stat().st_size > 0
 
@@ -34,3 +50,5 @@ def test_every_level_is_judged_on_all_levels_beside_passive_and_servo(tmp_path, 
     transfer.main(options)
     with pytest.raises(ValueError, match="another configuration"):
         transfer.main([*options, "--timesteps", "30"])
+    with pytest.raises(ValueError, match="--model rigid-clearance contradicts --env-kwargs model=rigid-ideal"):
+        transfer.main([*QUICK, "--out", str(tmp_path), "--env-kwargs", "model=rigid-ideal"])

@@ -11,7 +11,7 @@ from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import DummyVecEnv
 
 from agents.environments import make_env
-from agents.vec_env import BoundedCharges, FixedSeeds, NativeVecEnv
+from agents.vec_env import FixedSeeds, LogarithmicCharges, NativeVecEnv
 
 LANES = 3
 KEYWORDS = {
@@ -115,20 +115,24 @@ def test_wrong_keywords_are_refused_with_what_to_do():
     assert "solar_env/Deploy-v0" in gymnasium.registry
 
 
-def test_bounded_charges_bound_what_a_step_costs_and_nothing_else():
-    """A deadline that cannot be met costs 25 in the end."""
-    keywords = {"env_kwargs": {"deadline": 0.3, "postlock_window": 0.2}}
-    plain, bounded = NativeVecEnv(2, **keywords), BoundedCharges(NativeVecEnv(2, **keywords), 1.0)
-    for venv in (plain, bounded):
+@pytest.mark.parametrize(("deadline", "cost"), [(0.3, 25.0), (20.0, None)], ids=["missed deadline", "deployment"])
+def test_in_training_an_episode_is_charged_the_logarithm_of_its_cost_and_the_next_begins_at_nothing(deadline, cost):
+    keywords = {"env_kwargs": {**KEYWORDS, "deadline": deadline}}
+    plain, training = NativeVecEnv(2, **keywords), LogarithmicCharges(NativeVecEnv(2, **keywords), 0.5)
+    for venv in (plain, training):
         venv.seed(5)
-    assert np.array_equal(plain.reset(), bounded.reset())
-    costs = []
-    for _ in range(8):
+    assert np.array_equal(plain.reset(), training.reset())
+    costs, charges, episodes = np.zeros(2), np.zeros(2), 0
+    for _ in range(150):
         (expected, rewards, ends, _), (observations, charged, dones, _) = (
-            venv.step(np.zeros((2, 1), dtype=np.float32)) for venv in (plain, bounded)
+            venv.step(np.zeros((2, 1), dtype=np.float32)) for venv in (plain, training)
         )
         assert np.array_equal(observations, expected)
         assert np.array_equal(dones, ends)
-        assert np.array_equal(charged, np.maximum(rewards, -1.0))
-        costs += rewards.tolist()
-    assert min(costs) == -25.0
+        costs -= rewards
+        charges -= charged
+        assert charges == pytest.approx(0.5 * np.log1p(costs / 0.5), rel=1e-5)
+        assert np.all(costs[dones] == cost) or cost is None
+        episodes += np.count_nonzero(dones)
+        costs[dones], charges[dones] = 0.0, 0.0
+    assert episodes >= 4, "the second episode of each lane is charged as the first"

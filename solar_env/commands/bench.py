@@ -36,7 +36,7 @@ def run_command(args: argparse.Namespace) -> int:
     from ..studies.throughput import measurements, tables
 
     if args.readme:
-        check_readme(BEGIN)
+        check_readme(BEGIN, END)
     console = Console(stderr=True)
     plan = measurements(args.models, cold=not args.quick)
     results = {}

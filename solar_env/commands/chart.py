@@ -44,7 +44,7 @@ def run_command(args: argparse.Namespace) -> int:
     tables, figures = (PACKAGE / "studies" / "data", FIGURE_FOLDER) if args.readme else (args.out, args.out)
     names = (args.only,) if args.only else STUDIES
     if args.readme:
-        check_readme(BEGIN)
+        check_readme(BEGIN, END)
     console = Console(stderr=True)
     if not args.draw:
         measure(names, args.quick, tables, console, Workers(args.jobs))

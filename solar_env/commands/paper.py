@@ -52,7 +52,7 @@ def run_command(args: argparse.Namespace) -> int:
     if args.figure and args.json:
         raise ValueError("--json prints the claims, which --figure leaves out; give one of the two")
     if args.readme:
-        check_readme(BEGIN)
+        check_readme(BEGIN, END)
     figures = [FIGURES[number] for number in args.figure or FIGURES]
     wanted = [] if args.figure else planned_runs()
     runs = dict.fromkeys([*wanted, *(Run(case) for figure in figures for case in figure.cases)])

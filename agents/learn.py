@@ -36,8 +36,8 @@ from agents.residual import residual_on
 from agents.vec_env import FixedSeeds, LogarithmicCharges, NativeVecEnv, ResidualVecEnv
 from solar_env.campaigns import Workers, each_done
 
-VALIDATION_EPISODES = 6
-VALIDATIONS = 8
+VALIDATION_EPISODES = 12
+VALIDATIONS = 5
 SHORTEST_VALIDATION_INTERVAL = 2000  # environment steps; a validation takes about as many itself
 # Arguments of the Stable-Baselines3 classes that say other things than how to learn.
 NOT_HYPERPARAMETERS = {"policy", "env", "seed", "device", "verbose", "tensorboard_log", "_init_setup_model"}

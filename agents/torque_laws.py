@@ -197,6 +197,10 @@ def _opening(entries: Mapping[str, np.ndarray], joint_2_weight: float) -> tuple[
     return opening, rate_1 + joint_2_weight * (rate_2 - rate_1), rate_1 - rate_2
 
 
+RESERVE = 0.5  # time before the deadline by which the servo wants to be done [s]
+LEAST_TIME = 0.1  # in which it tries to, once that is over [s]
+
+
 @dataclass(frozen=True)
 class ServoParameters:
     """Parameters of `VelocityProfileServo`; the field metadata hold the range that tuning searches.
@@ -234,23 +238,31 @@ class VelocityProfileServo(TunableLaw[ServoParameters]):
     """Feedback that makes the opening follow a velocity profile which slows down towards latching.
 
     The profile is the one of constant deceleration, ``min(cruise, sqrt(latch^2 + 2 deceleration (1 - s)))``
-    over the opening ``s``, filtered. Joint 2 reaches its lock angle through the cable loop, not with joint 1; a profile
-    for joint 1 alone does not lower the impact, so ``s`` mixes both. The torque is zero on the profile.
+    over the opening ``s``, but never slower than what is left of it takes to be done `RESERVE` ahead of the deadline.
+    Joint 2 reaches its lock angle through the cable loop, not with joint 1; a profile for joint 1 alone does not lower
+    the impact, so ``s`` mixes both. The torque is zero on the profile, and filtered.
     """
 
-    reads = ("theta_1", "theta_2", "rate_1", "rate_2", "motor_torque")
+    reads = ("theta_1", "theta_2", "rate_1", "rate_2", "motor_torque", "time_to_deadline")
     defaults = ServoParameters()
 
-    def reference_rate(self, opening: np.ndarray) -> np.ndarray:
-        """Opening rate of the profile [1/s] at an opening in units of the lock angle; any shape."""
+    def reference_rate(self, opening: np.ndarray, time_left: np.ndarray | float = np.inf) -> np.ndarray:
+        """Opening rate of the profile [1/s].
+
+        Args:
+            opening: In units of the lock angle, any shape.
+            time_left: Before the deadline [s], of the same shape.
+        """
         p = self.parameters
         to_go = np.maximum(1.0 - opening, 0.0)
-        return np.minimum(p.cruise_rate, np.sqrt(p.latch_rate**2 + 2.0 * p.deceleration * to_go))
+        profile = np.minimum(p.cruise_rate, np.sqrt(p.latch_rate**2 + 2.0 * p.deceleration * to_go))
+        return np.maximum(profile, to_go / np.maximum(time_left - RESERVE, LEAST_TIME))
 
     def _torque(self, entries: Mapping[str, np.ndarray], all_latched: np.ndarray) -> np.ndarray:
         p = self.parameters
         opening, rate, difference = _opening(entries, p.joint_2_weight)
-        deploying = p.gain * (self.reference_rate(opening) - rate) - p.difference_damping * difference
+        time_left = self._signals.deadline * entries["time_to_deadline"]
+        deploying = p.gain * (self.reference_rate(opening, time_left) - rate) - p.difference_damping * difference
         off_lock = _LOCK_ANGLES[0] * (entries["theta_1"] - 1.0)
         holding = -p.postlock_damping * entries["rate_1"] - p.postlock_stiffness * off_lock
         now = self._signals.torque_limit * entries["motor_torque"]

@@ -11,6 +11,7 @@ from agents.baselines import BASELINES, load_parameters, make_baseline
 from agents.environments import DEFAULT_ENV_ID, make_env, with_model
 from agents.rollout import run_episode
 from agents.torque_laws import (
+    RESERVE,
     BrakeParameters,
     ConstantBrake,
     DamperParameters,
@@ -39,6 +40,7 @@ NAMES = (
 )
 LIMIT = 0.5
 SIGNALS = Signals(NAMES, LIMIT)
+TIME_LEFT = 0.3 * SIGNALS.deadline  # in the observations of `observe`
 SERVO = replace(ServoParameters(), difference_damping=3.0, postlock_damping=2.0)
 
 
@@ -76,13 +78,13 @@ def controllers():
 @pytest.mark.parametrize("opening", [0.0, 0.5, 0.99, 1.0])
 def test_servo_torque_is_zero_on_the_profile(opening):
     servo = VelocityProfileServo(SIGNALS, SERVO)
-    action, _ = servo.predict(observe(opening, servo.reference_rate(opening)))
+    action, _ = servo.predict(observe(opening, servo.reference_rate(opening, TIME_LEFT)))
     assert action == pytest.approx(0.0, abs=1e-5)
 
 
 def test_servo_drives_below_the_profile_and_brakes_above_it():
     servo = VelocityProfileServo(SIGNALS, SERVO)
-    reference = servo.reference_rate(0.5)
+    reference = servo.reference_rate(0.5, TIME_LEFT)
     assert servo.predict(observe(0.5, reference - 0.01))[0] > 0.0
     assert servo.predict(observe(0.5, reference + 0.01))[0] < 0.0
 
@@ -95,13 +97,21 @@ def test_servo_profile_slows_down_to_the_latch_rate():
 
 
 def test_servo_damps_the_rate_difference_of_the_joints():
-    observation = observe(0.5, VelocityProfileServo(SIGNALS, SERVO).reference_rate(0.5))
+    observation = observe(0.5, VelocityProfileServo(SIGNALS, SERVO).reference_rate(0.5, TIME_LEFT))
     # The weighted opening rate keeps to the profile: joint 1 is 0.01 / s faster, joint 2 as much slower.
     observation[2] += 0.01 * np.pi / 2
     observation[3] -= 0.01 * np.pi
     servo = VelocityProfileServo(SIGNALS, replace(SERVO, joint_2_weight=0.5))
     expected = -SERVO.difference_damping * 0.02 / LIMIT
     assert servo.predict(observation)[0] == pytest.approx(expected, rel=1e-3)
+
+
+@pytest.mark.parametrize(("start", "left"), [(0.0, SIGNALS.deadline), (0.3, 2.0), (0.95, 1.0)])
+def test_a_servo_that_follows_its_profile_is_done_ahead_of_the_deadline_however_late_it_is(start, left):
+    servo = VelocityProfileServo(SIGNALS, SERVO)
+    follow = solve_ivp(lambda t, s: servo.reference_rate(s, left - t), (0.0, left - RESERVE), [start], max_step=0.01)
+    assert follow.y[0, -1] > 0.98
+    assert np.all(servo.reference_rate(follow.y[0], left - follow.t) >= servo.reference_rate(follow.y[0]))
 
 
 def test_servo_opposes_joint_1_after_the_last_latch():

@@ -17,7 +17,7 @@ SAMPLED, HALF_WIDTH = "hinge_x", 5e-6
 Purpose = Literal["training", "validation", "evaluation"]
 _BLOCKS: dict[Purpose, int] = {"training": 0, "validation": 1, "evaluation": 2}
 _BLOCK_SIZE = 1_000_000_000
-_EPISODES_PER_SEED = 10_000
+EPISODES_PER_SEED = 10_000
 
 
 def with_sampling(env_kwargs: Mapping[str, Any], env_id: str = DEFAULT_ENV_ID) -> dict[str, Any]:
@@ -97,10 +97,10 @@ def episode_seeds(purpose: Purpose, seed: int, count: int) -> list[int]:
     Raises:
         ValueError: `seed` is outside 0 .. 99 999 or `count` outside 1 .. 10 000: the blocks would overlap.
     """
-    seeds_per_block = _BLOCK_SIZE // _EPISODES_PER_SEED
+    seeds_per_block = _BLOCK_SIZE // EPISODES_PER_SEED
     if not 0 <= seed < seeds_per_block:
         raise ValueError(f"seed is {seed}; choose one from 0 to {seeds_per_block - 1}")
-    if not 1 <= count <= _EPISODES_PER_SEED:
-        raise ValueError(f"the number of episodes is {count}; choose one from 1 to {_EPISODES_PER_SEED}")
-    start = _BLOCKS[purpose] * _BLOCK_SIZE + seed * _EPISODES_PER_SEED
+    if not 1 <= count <= EPISODES_PER_SEED:
+        raise ValueError(f"the number of episodes is {count}; choose one from 1 to {EPISODES_PER_SEED}")
+    start = _BLOCKS[purpose] * _BLOCK_SIZE + seed * EPISODES_PER_SEED
     return list(range(start, start + count))

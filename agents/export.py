@@ -76,6 +76,7 @@ def network_of(model: BaseAlgorithm) -> PolicyNetwork:
     layers += [_layer(leaf.weight, leaf.bias) for leaf in cast(list[nn.Linear], linear)]
     return PolicyNetwork(
         tuple(layers),
+        _layer(features.gate_matrix, features.gate_offset),
         feature_limit=LIMIT,
         activation=ACTIVATIONS[type(between[0])] if between else "tanh",
         # TD3's actor ends with the Tanh that the others leave to the distribution.
@@ -134,7 +135,11 @@ def onnx_model(network: PolicyNetwork) -> Any:
                 constant("least_feature", -network.feature_limit),
                 constant("greatest_feature", network.feature_limit),
             ]
-            values = node("Clip", [values, *limits], "features")
+            ungated = node("Clip", [values, *limits], "ungated_features")
+            gates = [constant("weights_gates", network.gates.weights), constant("biases_gates", network.gates.biases)]
+            opening = node("Gemm", ["observation", *gates], "sum_gates", transB=1)
+            opening = node("Clip", [opening, constant("closed", 0.0), constant("open", 1.0)], "gates")
+            values = node("Mul", [ungated, opening], "features")
         elif number < len(network.layers):
             values = node(ONNX_OPERATORS[network.activation], [values], f"hidden_{number}")
     if network.mean_limit is not None:
@@ -232,7 +237,7 @@ def _training(config: dict[str, Any], policy: ShippedPolicy, env: Any) -> str:
         "environments together": config["n_envs"],
         "seed": config["seed"],
         "network": f"{' - '.join(map(str, sizes))}, {policy.network.activation} between layers except after the first, "
-        f"which is not learned: features of the observation, clipped to {policy.network.feature_limit}",
+        f"which is not learned: features of the observation, clipped to {policy.network.feature_limit} and gated",
         "action": _formula(policy.description.residual),
         "versions": ", ".join(f"{package} {version}" for package, version in config["versions"].items()),
     }

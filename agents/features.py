@@ -1,59 +1,138 @@
-"""What the networks of an agent see of an observation: angles magnified about the latch, rates in their own unit."""
+"""What the networks of an agent see of an observation."""
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import gymnasium
 import numpy as np
 import torch
 from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
 
-LIMIT = 2.0
+LIMIT = 3.0
 """Features are clipped to plus and minus this."""
 
 # Name of an entry up to its number -> (centre, scale) of each of its features. A latched joint still has some
 # thousandths of its lock angle of play, and an array that lands softly turns by hundredths of a radian a second: next
 # to entries of order 1 a network would have to grow large weights to tell such values apart.
-_FEATURES: dict[str, tuple[tuple[float, float], ...]] = {
+_WHOLE: dict[str, tuple[tuple[float, float], ...]] = {
     "theta": ((0.5, 2.0), (1.0, 200.0)),
     "rate": ((0.0, 20.0),),
     "motor_torque": ((0.0, 3.0),),
 }
 
+APPROACH_BEGINS, APPROACH_IS_FULL = 0.85, 0.95  # opening of joint 1, in units of its lock angle
+SETTLING = 0.3  # first share of the time after the last latch, to which features of the latched array are fitted
+LEAST_DEVIATION = 0.05  # of a principal component, next to entries of unit deviation
 
-def affine(names: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
-    """Matrix (features, entries) and offset (features,) of the features of an observation before they are clipped.
+
+class Features(NamedTuple):
+    """``clip(matrix o + offset, -LIMIT, LIMIT) clip(gate_matrix o + gate_offset, 0, 1)`` of an observation ``o``.
+
+    Attributes:
+        matrix: (features, entries), float32.
+        offset: (features,), float32.
+        gate_matrix: (features, entries), float32.
+        gate_offset: (features,), float32.
+    """
+
+    matrix: np.ndarray
+    offset: np.ndarray
+    gate_matrix: np.ndarray
+    gate_offset: np.ndarray
+
+
+def whole_motion(names: Sequence[str]) -> Features:
+    """Features for an agent that commands the whole torque: each entry, angles also magnified about the latch.
 
     Args:
-        names: Name of every entry, as `env.unwrapped.observation_names`.
+        names: Name of every entry of an observation, as `env.unwrapped.observation_names`.
     """
     rows, offsets = [], []
     for column, name in enumerate(names):
-        kind = next((kind for kind in _FEATURES if name.startswith(kind)), None)
-        for centre, scale in _FEATURES[kind] if kind else ((0.0, 1.0),):
+        kind = next((kind for kind in _WHOLE if name.startswith(kind)), None)
+        for centre, scale in _WHOLE[kind] if kind else ((0.0, 1.0),):
             row = np.zeros(len(names))
             row[column] = scale
             rows.append(row)
             offsets.append(-centre * scale)
-    return np.array(rows, dtype=np.float32), np.array(offsets, dtype=np.float32)
+    return _features(np.array(rows), np.array(offsets), np.zeros((len(rows), len(names))), np.ones(len(rows)))
+
+
+def landing(names: Sequence[str], observations: np.ndarray) -> Features:
+    """Features for an agent that adds to a law: what varies when the law lands the array, and nothing before.
+
+    There are two sets, for the approach to the latches and for the latched array, each with a 1 and the principal
+    components of what was observed then, all of unit variance. Noise on the weights of a linear policy explores them
+    alike, where raw entries, nearly proportional to each other, would leave it to push the array one way or the other.
+
+    Args:
+        names: Name of every entry of an observation.
+        observations: (n, entries), of episodes of the law.
+
+    Raises:
+        ValueError: the law has not come near the latches or has not latched both joints.
+    """
+    gates = _gates(names)
+    openness = [np.clip(observations @ row + offset, 0.0, 1.0) for row, offset in gates]
+    settling = observations[:, names.index("time_since_latch")] < SETTLING
+    sets = []
+    for gate, seen in zip(gates, (openness[0] > 0.5, (openness[1] > 0.5) & settling), strict=True):
+        if np.count_nonzero(seen) < 2:
+            raise ValueError(
+                "the law that the agent adds to does not land the array: it is observed in "
+                f"{np.count_nonzero(seen)} of {len(observations)} periods near the latches or latched; tune it first"
+            )
+        rows, offsets = _standardised(names, observations[seen])
+        sets.append((rows, offsets, np.tile(gate[0], (len(rows), 1)), np.full(len(rows), gate[1])))
+    return _features(*(np.concatenate(parts) for parts in zip(*sets, strict=True)))
+
+
+def _gates(names: Sequence[str]) -> list[tuple[np.ndarray, float]]:
+    """Weights (entries,) and offset of the gates of both sets of `landing`."""
+    approach, latched = np.zeros(len(names)), np.zeros(len(names))
+    slope = 1.0 / (APPROACH_IS_FULL - APPROACH_BEGINS)
+    approach[names.index("theta_1")], approach[names.index("latched_1")] = slope, -slope
+    for joint in (1, 2):
+        latched[names.index(f"latched_{joint}")] = 1.0
+    return [(approach, -slope * APPROACH_BEGINS), (latched, -1.0)]
+
+
+def _standardised(names: Sequence[str], observations: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A 1 and the principal components of observations (n, entries), of unit variance: matrix and offset."""
+    mean, deviation = observations.mean(axis=0), observations.std(axis=0)
+    varies = (deviation > 1e-6) & np.array([not name.startswith("latched") for name in names])
+    scale = np.where(varies, 1.0 / np.where(varies, deviation, 1.0), 0.0)
+    _, deviations, directions = np.linalg.svd((observations - mean) * scale, full_matrices=False)
+    deviations = deviations / np.sqrt(len(observations))
+    kept = deviations > LEAST_DEVIATION
+    components = directions[kept] / deviations[kept, None] * scale
+    matrix = np.concatenate([np.zeros((1, len(names))), components])
+    return matrix, np.concatenate([np.ones(1), -components @ mean])
+
+
+def _features(*arrays: np.ndarray) -> Features:
+    return Features(*(array.astype(np.float32) for array in arrays))
 
 
 class DriveFeatures(BaseFeaturesExtractor):
-    """Features extractor for Stable-Baselines3: a fixed affine map of the observation, clipped; nothing is learned.
+    """Features extractor for Stable-Baselines3: a fixed map of the observation; nothing is learned.
 
     Args:
         observation_space: Of the environment.
-        names: Name of every entry of an observation.
+        features: What it computes.
     """
 
     matrix: torch.Tensor
     offset: torch.Tensor
+    gate_matrix: torch.Tensor
+    gate_offset: torch.Tensor
 
-    def __init__(self, observation_space: gymnasium.Space, names: Sequence[str]) -> None:
-        matrix, offset = affine(names)
-        super().__init__(observation_space, len(offset))
-        self.register_buffer("matrix", torch.from_numpy(matrix))
-        self.register_buffer("offset", torch.from_numpy(offset))
+    def __init__(self, observation_space: gymnasium.Space, features: Features) -> None:
+        super().__init__(observation_space, len(features.offset))
+        for name, array in features._asdict().items():
+            self.register_buffer(name, torch.from_numpy(array))
 
     def forward(self, observations: torch.Tensor) -> torch.Tensor:
         """Features (n, features) of observations (n, entries)."""
-        return torch.clamp(observations @ self.matrix.T + self.offset, -LIMIT, LIMIT)
+        values = torch.clamp(observations @ self.matrix.T + self.offset, -LIMIT, LIMIT)
+        return values * torch.clamp(observations @ self.gate_matrix.T + self.gate_offset, 0.0, 1.0)

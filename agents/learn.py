@@ -30,8 +30,8 @@ from agents.callbacks import (
     Validation,
     save_checkpoint,
 )
-from agents.environments import episode_seeds, make_env, with_sampling
-from agents.features import DriveFeatures
+from agents.environments import EPISODES_PER_SEED, episode_seeds, make_env, with_sampling
+from agents.features import DriveFeatures, Features, landing, whole_motion
 from agents.residual import residual_on
 from agents.vec_env import FixedSeeds, LogarithmicCharges, NativeVecEnv, ResidualVecEnv
 from solar_env.campaigns import Workers, each_done
@@ -43,6 +43,7 @@ SHORTEST_VALIDATION_INTERVAL = 2000  # environment steps; a validation takes abo
 NOT_HYPERPARAMETERS = {"policy", "env", "seed", "device", "verbose", "tensorboard_log", "_init_setup_model"}
 CHARGE_SCALE = 0.5  # above what any soft landing costs; see `LogarithmicCharges`
 NOISE_PERIODS = 100  # control periods over which the noise of TD3 is correlated
+LAW_EPISODES = 8  # of the law alone, for the features of an agent that adds to it
 
 
 @dataclass(frozen=True)
@@ -97,6 +98,9 @@ def configuration(
 ) -> Configuration:
     """The configuration in ``agents/configs/<algo>.json`` for `env_id`, with what is given here in its place.
 
+    Its "hyperparameters" are those of an agent that adds to a law; one that commands the whole torque has those of
+    "whole_torque" in their place.
+
     Raises:
         ValueError: algorithm, environment, one of its keywords or a hyperparameter is unknown, or a number is
             out of range.
@@ -118,6 +122,7 @@ def configuration(
     with make_env(env_id, env_kwargs) as env:
         model = env.get_wrapper_attr("model")
     scale = found["residual"] if residual is None else residual
+    defaults = found["hyperparameters"] if scale else {**found["hyperparameters"], **found["whole_torque"]}
     return Configuration(
         algo=algo,
         env_id=env_id,
@@ -125,7 +130,7 @@ def configuration(
         seed=seed,
         n_envs=n_envs,
         timesteps=timesteps,
-        hyperparameters={**found["hyperparameters"], **(hyperparameters or {})},
+        hyperparameters={**defaults, **(hyperparameters or {})},
         residual=residual_on(scale, env_id, model) if scale else None,
     )
 
@@ -176,8 +181,31 @@ def _with_law(venv: VecEnv, config: Configuration) -> VecEnv:
     return ResidualVecEnv(venv, config.residual) if config.residual else venv
 
 
-def make_model(config: Configuration, venv: VecEnv, device: str = "cpu") -> BaseAlgorithm:
-    """A fresh model on `venv` with normalised rewards and the features of `agents.features`.
+def make_features(config: Configuration, threads: int | None = None) -> Features:
+    """The features of `agents.features` for an agent; one that adds to a law costs `LAW_EPISODES` of the law alone.
+
+    Raises:
+        ValueError: the law does not land the array.
+    """
+    lanes = NativeVecEnv(LAW_EPISODES, config.env_id, {**config.env_kwargs, "num_threads": threads})
+    venv = _with_law(lanes, config)
+    names = venv.get_attr("observation_names", 0)[0]
+    if not config.residual:
+        venv.close()
+        return whole_motion(names)
+    venv.seed(episode_seeds("training", config.seed, EPISODES_PER_SEED)[-LAW_EPISODES])
+    seen, goes_on = [], np.ones(LAW_EPISODES, dtype=bool)
+    observations: Any = venv.reset()
+    while goes_on.any():
+        seen.append(observations[goes_on])
+        observations, _, dones, _ = venv.step(np.zeros((LAW_EPISODES, 1), dtype=np.float32))
+        goes_on &= ~dones
+    venv.close()
+    return landing(names, np.concatenate(seen))
+
+
+def make_model(config: Configuration, venv: VecEnv, features: Features, device: str = "cpu") -> BaseAlgorithm:
+    """A fresh model on `venv` with normalised rewards, whose networks see `features`.
 
     An agent that adds to a law begins with nothing to add: the last layer of its actor is zero (T. Silver et al.,
     Residual Policy Learning, 2018, arXiv:1812.06298).
@@ -186,7 +214,7 @@ def make_model(config: Configuration, venv: VecEnv, device: str = "cpu") -> Base
     hyperparameters["policy_kwargs"] = {
         **hyperparameters.get("policy_kwargs", {}),
         "features_extractor_class": DriveFeatures,
-        "features_extractor_kwargs": {"names": venv.get_attr("observation_names", 0)[0]},
+        "features_extractor_kwargs": {"features": features},
     }
     noise = hyperparameters.pop("exploration_noise", None)
     if noise is not None:
@@ -259,7 +287,10 @@ def train(
     """
     torch.set_num_threads(1)  # small networks: more threads only contend
     venv = make_training_env(config, folder / "monitor.csv", threads)
-    model = load_checkpoint(config, resume, venv, device) if resume else make_model(config, venv, device)
+    if resume:
+        model = load_checkpoint(config, resume, venv, device)
+    else:
+        model = make_model(config, venv, make_features(config, threads), device)
     before = model.num_timesteps
     record = {**asdict(config), "resumed_from": str(resume) if resume else None, "timesteps_before": before}
     runs.write_json(folder / runs.CONFIG, {**record, "command": command, "versions": runs.versions()})

@@ -23,6 +23,7 @@ DESCRIPTION = "policy.json"
 ONNX = "policy.onnx"
 CARD = "card.md"
 FORMAT = 2
+GATES = "gates"  # in place of a layer's number
 
 ACTIVATIONS = ("relu", "tanh")
 OUTPUTS = ("clip", "tanh")
@@ -42,7 +43,8 @@ class PolicyNetwork:
     Attributes:
         layers: From the observation to the mean of the action; the first gives features of the observation, see
             `agents.features`.
-        feature_limit: The features are clipped to plus and minus this.
+        gates: From the observation to what the features are multiplied by once it is clipped to [0, 1].
+        feature_limit: The features are clipped to plus and minus this before.
         activation: Between the other layers: relu or tanh.
         output: What makes an action in [-1, 1] of the mean: clip or tanh.
         mean_limit: The mean is first clipped to plus and minus this; None: it is not.
@@ -53,6 +55,7 @@ class PolicyNetwork:
     """
 
     layers: tuple[Layer, ...]
+    gates: Layer
     feature_limit: float
     activation: str
     output: str
@@ -69,7 +72,13 @@ class PolicyNetwork:
         if len(self.layers) < 2:
             raise ValueError(f"there are {len(self.layers)} layers; a policy network needs features and an output")
         for number, layer in enumerate(self.layers, start=1):
-            _check_layer(number, layer)
+            _check_layer(f"layer {number}", layer)
+        _check_layer("gates", self.gates)
+        if self.gates.weights.shape != self.layers[0].weights.shape:
+            raise ValueError(
+                f"gates: weights have shape {self.gates.weights.shape}; expected those of layer 1, "
+                f"{self.layers[0].weights.shape}"
+            )
         for number, (before, layer) in enumerate(itertools.pairwise(self.layers), start=2):
             if layer.weights.shape[1] != before.biases.size:
                 raise ValueError(
@@ -107,7 +116,9 @@ class PolicyNetwork:
                 f"the observation has shape {values.shape}; expected ({self.inputs},) or (n, {self.inputs})"
             )
         features = self.layers[0]
+        open_by = np.clip(values @ self.gates.weights.T + self.gates.biases, np.float32(0.0), np.float32(1.0))
         values = np.clip(values @ features.weights.T + features.biases, -self.feature_limit, self.feature_limit)
+        values = values * open_by
         for layer in self.layers[1:-1]:
             values = values @ layer.weights.T + layer.biases
             values = np.tanh(values) if self.activation == "tanh" else np.maximum(values, np.float32(0.0))
@@ -117,19 +128,19 @@ class PolicyNetwork:
         return (np.tanh(mean) if self.output == "tanh" else np.clip(mean, -1.0, 1.0)), state
 
 
-def _check_layer(number: int, layer: Layer) -> None:
+def _check_layer(which: str, layer: Layer) -> None:
     for name, array, dimensions in (("weights", layer.weights, 2), ("biases", layer.biases, 1)):
         if array.dtype != np.float32:
-            raise ValueError(f"layer {number}: {name} are of type {array.dtype}; expected float32")
+            raise ValueError(f"{which}: {name} are of type {array.dtype}; expected float32")
         if array.ndim != dimensions or not array.size:
             raise ValueError(
-                f"layer {number}: {name} have shape {array.shape}; expected {dimensions} dimensions, none of them 0"
+                f"{which}: {name} have shape {array.shape}; expected {dimensions} dimensions, none of them 0"
             )
         if not np.isfinite(array).all():
-            raise ValueError(f"layer {number}: {name} hold {array[~np.isfinite(array)][0]}; expected finite numbers")
+            raise ValueError(f"{which}: {name} hold {array[~np.isfinite(array)][0]}; expected finite numbers")
     if layer.biases.size != layer.weights.shape[0]:
         raise ValueError(
-            f"layer {number}: biases have shape {layer.biases.shape}, but weights have shape {layer.weights.shape}"
+            f"{which}: biases have shape {layer.biases.shape}, but weights have shape {layer.weights.shape}"
         )
 
 
@@ -224,11 +235,8 @@ class ShippedPolicy:
 
 def save(folder: Path, policy: ShippedPolicy) -> None:
     """Write ``policy.npz``, with arrays and nothing else, and ``policy.json`` into an existing folder."""
-    arrays = {
-        f"{name}_{number}": array
-        for number, layer in enumerate(policy.network.layers, start=1)
-        for name, array in layer._asdict().items()
-    }
+    layers = dict(enumerate(policy.network.layers, start=1)) | {GATES: policy.network.gates}
+    arrays = {f"{name}_{key}": array for key, layer in layers.items() for name, array in layer._asdict().items()}
     np.savez(folder / ARRAYS, **arrays)
     content = {"format": FORMAT, **asdict(policy.description)}
     (folder / DESCRIPTION).write_text(json.dumps(content, indent=2, allow_nan=False) + "\n")
@@ -255,9 +263,14 @@ def load_shipped(name: str | Path) -> ShippedPolicy:
         )
     try:
         description = _read_description(folder / DESCRIPTION)
-        layers = _read_layers(folder / ARRAYS)
+        *layers, gates = _read_layers(folder / ARRAYS)
         network = PolicyNetwork(
-            layers, description.feature_limit, description.activation, description.output, description.mean_limit
+            tuple(layers),
+            gates,
+            description.feature_limit,
+            description.activation,
+            description.output,
+            description.mean_limit,
         )
         return ShippedPolicy(network, description)
     except (TypeError, ValueError) as error:
@@ -276,12 +289,16 @@ def _read_description(path: Path) -> Description:
 
 
 def _read_layers(path: Path) -> tuple[Layer, ...]:
+    """Layers in their order, and last the gates."""
     try:
         with np.load(path, allow_pickle=False) as file:
             arrays = {name: np.asarray(file[name]) for name in file.files}
     except (EOFError, OSError, TypeError, ValueError, zipfile.BadZipFile) as error:
         raise ValueError(f"{path.name} cannot be read as plain arrays, and is not unpickled: {error}") from error
-    numbers = range(1, len(arrays) // 2 + 1)
-    if not arrays or set(arrays) != {f"{name}_{number}" for number in numbers for name in Layer._fields}:
-        raise ValueError(f"{path.name} holds {sorted(arrays)}; expected weights_1, biases_1, weights_2 and so on")
-    return tuple(Layer(arrays[f"weights_{number}"], arrays[f"biases_{number}"]) for number in numbers)
+    keys = [*range(1, len(arrays) // 2), GATES]
+    if not arrays or set(arrays) != {f"{name}_{key}" for key in keys for name in Layer._fields}:
+        raise ValueError(
+            f"{path.name} holds {sorted(arrays)}; expected weights_1, biases_1, weights_2 and so on, and those of the "
+            "gates"
+        )
+    return tuple(Layer(arrays[f"weights_{key}"], arrays[f"biases_{key}"]) for key in keys)

@@ -22,6 +22,7 @@ def policy(env, tmp_path, monkeypatch):
     """A shipped policy that pulls with a third of the limit."""
     signals = Signals.of(env)
     features = Layer(np.eye(len(signals.names), dtype=np.float32), np.zeros(len(signals.names), np.float32))
+    gates = Layer(np.zeros_like(features.weights), np.ones_like(features.biases))
     layer = Layer(np.zeros((1, len(signals.names)), np.float32), np.full(1, -1.0 / 3.0, np.float32))
     description = Description(
         algorithm="ppo",
@@ -38,7 +39,8 @@ def policy(env, tmp_path, monkeypatch):
         residual=None,
     )
     (tmp_path / "third").mkdir()
-    shipped.save(tmp_path / "third", ShippedPolicy(PolicyNetwork((features, layer), 1.0, "tanh", "clip"), description))
+    network = PolicyNetwork((features, layer), gates, 1.0, "tanh", "clip")
+    shipped.save(tmp_path / "third", ShippedPolicy(network, description))
     monkeypatch.setattr(shipped, "SHIPPED", tmp_path)
     return description
 

@@ -8,11 +8,12 @@ import pytest
 from agents import curves, learn
 
 QUICK = [
-    *["--algos", "ppo", "--seeds", "0", "1", "--timesteps", "20", "--jobs", "1", "--quiet", "--elements", "1"],
-    *["--hyperparams", "n_steps=10", "batch_size=10", "--env-kwargs", "deadline=0.4", "postlock_window=0.2"],
+    *["--algos", "ppo", "--seeds", "0", "1", "--timesteps", "20", "--jobs", "1", "--quiet", "--model", "rigid-ideal"],
+    *["--hyperparams", "n_steps=10", "batch_size=10", "--env-kwargs", "postlock_window=0.2"],
 ]
 
 
+@pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")
 def test_every_agent_has_a_curve_of_every_seed_in_every_scenario(tmp_path, monkeypatch):
     options = [*QUICK, "--whole", "--out", str(tmp_path)]
     curves.main(options)
@@ -21,7 +22,8 @@ def test_every_agent_has_a_curve_of_every_seed_in_every_scenario(tmp_path, monke
     found = {(row["scenario"], row["agent"], row["run"]) for row in rows}
     agents = ("ppo", "ppo, whole torque")
     assert found == {(suite, agent, run) for suite in ("paper", "robust") for agent in agents for run in "01"}
-    assert all(float(row["validation return"]) == -25.0 for row in rows), "the deadline is impossible"
+    begins = [(row["agent"] == "ppo", float(row["validation return"])) for row in rows if row["steps"] == "0"]
+    assert min(value for added, value in begins if added) > max(value for added, value in begins if not added)
     assert (tmp_path / curves.FIGURE).stat().st_size > 0
     assert learn.stored_configuration(tmp_path / "paper-ppo-whole-1").residual is None
     assert learn.stored_configuration(tmp_path / "robust-ppo-1").residual["law"] == "servo"

@@ -18,7 +18,7 @@ from agents import baselines, export, learn, runs, shipped
 from agents.baselines import make_baseline, read_parameters
 from agents.environments import DEFAULT_ENV_ID, make_env
 from agents.evaluate import evaluate
-from agents.features import LIMIT, DriveFeatures, affine
+from agents.features import LIMIT, DriveFeatures, whole_motion
 from agents.report import write_comparison
 from agents.rollout import run_episode
 from agents.shipped import Layer, PolicyNetwork, load_shipped
@@ -107,7 +107,7 @@ def untrained(cls, **keywords):
     env = make_env(env_kwargs={"model": "rigid-ideal", "observation": "drive"})
     features = {
         "features_extractor_class": DriveFeatures,
-        "features_extractor_kwargs": {"names": env.unwrapped.observation_names},
+        "features_extractor_kwargs": {"features": whole_motion(env.unwrapped.observation_names)},
     }
     kwargs = {"net_arch": [32, 16], **features, **keywords.pop("policy_kwargs", {})}
     return cls("MlpPolicy", env, policy_kwargs=kwargs, seed=3, device="cpu", **keywords)
@@ -178,18 +178,21 @@ def test_policies_of_another_kind_are_refused(keywords, message):
 
 def test_the_first_layer_and_its_limit_are_the_features_of_the_observation(finished):
     policy = load_shipped(finished["ppo"][1])
-    matrix, offset = affine(policy.description.observation_names)
-    np.testing.assert_array_equal(policy.network.layers[0].weights, matrix)
-    np.testing.assert_array_equal(policy.network.layers[0].biases, offset)
+    features = whole_motion(policy.description.observation_names)
+    for array, expected in zip((*policy.network.layers[0], *policy.network.gates), features, strict=True):
+        np.testing.assert_array_equal(array, expected)
     assert policy.network.feature_limit == policy.description.feature_limit == LIMIT
 
 
-def test_features_are_clipped_and_not_activated():
-    features = Layer(np.full((1, 1), 3.0, np.float32), np.zeros(1, np.float32))
+def test_features_are_clipped_and_gated_and_not_activated():
+    features = Layer(np.array([[3.0, 0.0]], np.float32), np.zeros(1, np.float32))
+    gates = Layer(np.array([[0.0, 2.0]], np.float32), np.full(1, -0.5, np.float32))
     output = Layer(np.full((1, 1), 0.5, np.float32), np.zeros(1, np.float32))
-    network = PolicyNetwork((features, output), feature_limit=1.5, activation="relu", output="clip")
-    observations = np.array([[-2.0], [-0.2], [0.2], [2.0]], dtype=np.float32)
-    expected = np.array([[-0.75], [-0.3], [0.3], [0.75]])
+    network = PolicyNetwork((features, output), gates, feature_limit=1.5, activation="relu", output="clip")
+    observations = np.array(
+        [[-2.0, 1.0], [-0.2, 1.0], [0.2, 1.0], [2.0, 1.0], [2.0, 0.5], [2.0, 0.2]], dtype=np.float32
+    )
+    expected = np.array([[-0.75], [-0.3], [0.3], [0.75], [0.375], [0.0]])
     np.testing.assert_allclose(network.predict(observations)[0], expected, atol=1e-6)
     session = onnxruntime.InferenceSession(export.onnx_model(network).SerializeToString())
     np.testing.assert_allclose(session.run(None, {"observation": observations})[0], expected, atol=1e-6)
@@ -254,12 +257,14 @@ def test_pickled_content_is_refused_and_not_run(own):
         ({"weights_2": np.zeros((64, 9), np.float32)}, r"layer 2: weights have shape \(64, 9\), but layer 1 has 11"),
         ({"biases_3": np.zeros(63, np.float32)}, r"layer 3: biases have shape \(63,\), but weights have .*\(64, 64\)"),
         (
-            {"weights_1": np.zeros((11, 8), np.float32)},
+            {f"weights_{key}": np.zeros((11, 8), np.float32) for key in (1, "gates")},
             r"layer 1: weights have shape \(11, 8\); expected 9 inputs.*theta",
         ),
         ({"weights_1": np.zeros((11, 9))}, "layer 1: weights are of type float64; expected float32"),
         ({"biases_1": np.full(11, np.nan, np.float32)}, "layer 1: biases hold nan"),
         ({"biases_4": np.zeros((1, 1), np.float32)}, r"layer 4: biases have shape \(1, 1\); expected 1 dimension"),
+        ({"weights_gates": np.zeros((11, 8), np.float32)}, r"gates: weights have shape .* expected those of layer 1"),
+        ({"biases_gates": np.full(11, np.inf, np.float32)}, "gates: biases hold inf"),
         ({"weights_9": np.zeros((1, 1), np.float32)}, r"policy\.npz holds \['biases_1', .*expected weights_1"),
     ],
 )
@@ -322,6 +327,7 @@ def test_observations_and_environments_of_another_kind_are_refused(finished):
 
 FEATURES = Layer(np.zeros((3, 2), np.float32), np.zeros(3, np.float32))
 OUTPUT = Layer(np.zeros((1, 3), np.float32), np.zeros(1, np.float32))
+GATES = Layer(np.zeros((3, 2), np.float32), np.ones(3, np.float32))
 EMPTY = Layer(np.zeros((0, 2), np.float32), np.zeros(0, np.float32))
 
 
@@ -335,13 +341,13 @@ EMPTY = Layer(np.zeros((0, 2), np.float32), np.zeros(0, np.float32))
 )
 def test_empty_networks_are_refused(layers, message):
     with pytest.raises(ValueError, match=message):
-        PolicyNetwork(layers, 2.0, "relu", "tanh")
+        PolicyNetwork(layers, GATES, 2.0, "relu", "tanh")
 
 
 @pytest.mark.parametrize("limit", [0.0, -2.0, np.inf, np.nan])
 def test_features_need_a_positive_finite_limit(limit):
     with pytest.raises(ValueError, match=f"feature_limit is {limit}; give a positive finite number"):
-        PolicyNetwork((FEATURES, OUTPUT), limit, "relu", "tanh")
+        PolicyNetwork((FEATURES, OUTPUT), GATES, limit, "relu", "tanh")
 
 
 def test_the_card_tells_how_the_policy_came_about_and_its_snippets_run(finished, monkeypatch, capsys):
@@ -351,7 +357,8 @@ def test_the_card_tells_how_the_policy_came_about_and_its_snippets_run(finished,
     assert COMMAND in card
     assert "| seed | 7 |" in card
     assert '"n_steps": 50' in card
-    assert "| network | 9 - 11 - 64 - 64 - 1, tanh" in card
+    features = len(load_shipped(finished["residual"][1]).network.layers[0].biases)
+    assert f"| network | 9 - {features} - 1, tanh" in card
     assert "model | rigid-ideal" in card
     assert "`ppo` is this policy" in card
     assert "| passive | " in card

@@ -5,28 +5,27 @@ import pytest
 import torch
 
 from agents.environments import make_env
-from agents.features import LIMIT, DriveFeatures, affine
+from agents.features import LEAST_DEVIATION, LIMIT, SETTLING, DriveFeatures, landing, whole_motion
 from solar_env.task import OBSERVATIONS
 
 
-def extractor_of(observation):
-    """Extractor, names of the entries, and their bounds."""
+def entries(observation):
+    """Names of the entries of an observation, and their bounds."""
     with make_env(env_kwargs={"model": "rigid-ideal", "observation": observation}) as env:
-        names, space = env.unwrapped.observation_names, env.observation_space
-    return DriveFeatures(space, names), names, space
+        return env.unwrapped.observation_names, env.observation_space
 
 
-def features_of(extractor, observations):
-    return extractor(torch.from_numpy(np.asarray(observations, dtype=np.float32))).numpy()
+def features_of(features, space, observations):
+    return DriveFeatures(space, features)(torch.from_numpy(np.asarray(observations, dtype=np.float32))).numpy()
 
 
 def features_from(observation, name, values):
     """Those features that come from the entry `name` at some of its values, (values, features); the others are 0."""
-    extractor, names, _ = extractor_of(observation)
+    names, space = entries(observation)
     observations = np.zeros((len(values), len(names)))
     observations[:, names.index(name)] = values
-    features = features_of(extractor, observations)
-    return features[:, affine(names)[0][:, names.index(name)] != 0.0]
+    features = whole_motion(names)
+    return features_of(features, space, observations)[:, features.matrix[:, names.index(name)] != 0.0]
 
 
 def random_observations(space, count=1000):
@@ -61,7 +60,7 @@ def test_rates_are_twentyfold(observation, name):
 @pytest.mark.parametrize(("observation", "name"), TORQUES)
 def test_motor_torques_are_threefold(observation, name):
     (feature,) = features_from(observation, name, [-0.5, 0.0, 0.1, 1.0]).T
-    assert feature == pytest.approx([-1.5, 0.0, 0.3, LIMIT])
+    assert feature == pytest.approx([-1.5, 0.0, 0.3, 3.0])
 
 
 @pytest.mark.parametrize(
@@ -82,27 +81,99 @@ def test_flags_times_and_what_only_a_simulator_knows_pass_through(observation, n
 
 
 @pytest.mark.parametrize("observation", OBSERVATIONS)
-def test_features_are_the_affine_map_clipped_and_never_beyond_the_limit(observation):
-    extractor, names, space = extractor_of(observation)
-    observations = random_observations(space)
-    features = features_of(extractor, observations)
-    matrix, offset = affine(names)
-    assert features.shape == (len(observations), extractor.features_dim)
-    assert np.max(np.abs(features)) == LIMIT
-    np.testing.assert_allclose(features, np.clip(observations @ matrix.T + offset, -LIMIT, LIMIT), rtol=0.0, atol=1e-5)
+def test_every_feature_of_the_whole_motion_comes_from_one_entry_and_every_entry_has_one(observation):
+    features = whole_motion(entries(observation)[0])
+    used = features.matrix != 0.0
+    assert used.sum(axis=1).tolist() == [1] * len(used)
+    assert used.any(axis=0).all()
+    assert not features.gate_matrix.any()
+    assert (features.gate_offset == 1.0).all()
+
+
+def a_landing(observation, count=400):
+    """Observations (n, entries) as of a law that lands the array: in flight, in approach, and, half of them, after."""
+    names, space = entries(observation)
+    random = np.random.default_rng(3)
+    drawn = random.uniform(0.0, 0.1, (count, len(names)))
+    time = np.linspace(-1.0, 1.0, count)
+    latched = time >= 0.0
+    theta = np.where(latched, random.normal(1.0, 0.002, count), 1.0 + 0.5 * time)
+    for name, values in {
+        "theta_1": theta,
+        "theta_2": theta - 0.01 * random.random(count),
+        "rate_1": np.where(latched, random.normal(0.0, 0.003, count), -0.1 * time),
+        "rate_2": np.where(latched, random.normal(0.0, 0.003, count), -0.2 * time + 0.01 * random.random(count)),
+        "latched_1": latched,
+        "latched_2": latched,
+        "time_since_latch": np.maximum(time, 0.0),
+    }.items():
+        drawn[:, names.index(name)] = values
+    return names, space, drawn
+
+
+def test_the_features_of_a_landing_are_standardised_in_approach_and_after_latching():
+    names, space, observations = a_landing("drive")
+    values = features_of(landing(names, observations), space, observations)
+    theta, since, latched = (
+        observations[:, names.index(name)] for name in ("theta_1", "time_since_latch", "latched_2")
+    )
+    approach = (theta > 0.9) & (latched == 0.0)
+    settling = (latched == 1.0) & (since < SETTLING)
+    on = {name: values[rows].any(axis=0) for name, rows in (("approach", approach), ("settling", settling))}
+    assert not (on["approach"] & on["settling"]).any()
+    assert (on["approach"] | on["settling"]).all()
+    for name, rows in (("approach", approach), ("settling", settling)):
+        ones, *components = values[rows][:, on[name]].T
+        assert ones == pytest.approx(np.clip(10.0 * (theta[rows] - 0.85), 0.0, 1.0), abs=1e-5)
+        assert len(components) >= 3
+    _, *components = values[settling][:, on["settling"]].T
+    covariance = np.cov(np.array(components), bias=True)
+    assert np.abs(np.mean(components, axis=1)).max() < 0.05
+    assert covariance == pytest.approx(np.eye(len(components)), abs=0.1)  # but for what is clipped
+
+
+def test_there_is_nothing_to_see_long_before_the_latches():
+    names, space, observations = a_landing("drive")
+    values = features_of(landing(names, observations), space, observations)
+    assert not values[observations[:, names.index("theta_1")] < 0.85].any()
+
+
+def test_what_hardly_varies_beside_the_rest_is_left_out():
+    names, _, observations = a_landing("drive")
+    rate = observations[:, names.index("rate_1")]
+    noise = np.std(rate) * np.random.default_rng(4).normal(size=len(observations))
+    counts = []
+    for share in (0.0, 0.2 * LEAST_DEVIATION, 4.0 * LEAST_DEVIATION):
+        observations[:, names.index("rate_2")] = 2.0 * rate + share * noise
+        counts.append(len(landing(names, observations).offset))
+    assert counts[0] == counts[1] < counts[2]
+
+
+def test_a_law_that_does_not_land_the_array_is_refused():
+    names, _, observations = a_landing("drive")
+    with pytest.raises(ValueError, match=r"the law that the agent adds to does not land the array: .* tune it first"):
+        landing(names, observations[observations[:, names.index("latched_1")] == 0.0])
 
 
 @pytest.mark.parametrize("observation", OBSERVATIONS)
-def test_every_feature_comes_from_one_entry_and_every_entry_has_one(observation):
-    matrix, _ = affine(extractor_of(observation)[1])
-    used = matrix != 0.0
-    assert used.sum(axis=1).tolist() == [1] * len(matrix)
-    assert used.any(axis=0).all()
+@pytest.mark.parametrize("kind", ["whole_motion", "landing"])
+def test_features_are_clipped_and_gated_and_never_beyond_the_limit(observation, kind):
+    names, space, observations = a_landing(observation)
+    features = whole_motion(names) if kind == "whole_motion" else landing(names, observations)
+    drawn = random_observations(space)
+    values = features_of(features, space, drawn)
+    gates = np.clip(drawn @ features.gate_matrix.T + features.gate_offset, 0.0, 1.0)
+    expected = gates * np.clip(drawn @ features.matrix.T + features.offset, -LIMIT, LIMIT)
+    assert values.shape == (len(drawn), len(features.offset))
+    assert np.max(np.abs(values)) == LIMIT
+    np.testing.assert_allclose(values, expected, rtol=0.0, atol=2e-3)
 
 
 def test_nothing_is_learned_but_the_map_is_kept_with_the_policy():
-    extractor, names, _ = extractor_of("drive")
+    names, space = entries("drive")
+    features = whole_motion(names)
+    extractor = DriveFeatures(space, features)
     assert list(extractor.parameters()) == []
     kept = extractor.state_dict()
-    for tensor, expected in zip((kept["matrix"], kept["offset"]), affine(names), strict=True):
-        np.testing.assert_array_equal(tensor.numpy(), expected)
+    for name, expected in features._asdict().items():
+        np.testing.assert_array_equal(kept[name].numpy(), expected)

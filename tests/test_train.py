@@ -45,7 +45,7 @@ def finished(tmp_path_factory):
 @pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")
 @pytest.mark.parametrize("model", MODELS)
 def test_a_run_keeps_its_model_and_elements_and_is_resumed_and_evaluated_on_them(tmp_path, model):
-    quick = ["--env-kwargs", "deadline=0.5", "postlock_window=0.2", "--n-envs", "1"]
+    quick = ["--env-kwargs", "deadline=0.5", "postlock_window=0.2", "--n-envs", "1", "--residual", 0]
     small = ["--timesteps", 20, "--hyperparams", "n_steps=10", "batch_size=10"]
     first = run("--model", model, "--elements", 1, *quick, *small, "--out", tmp_path / "first")
     config = runs.read_config(first)
@@ -61,7 +61,7 @@ def test_a_residual_agent_starts_as_the_law_it_adds_to_and_the_run_keeps_that_la
     small = ["--timesteps", 20, "--n-envs", 1, "--hyperparams", "n_steps=10", "batch_size=10", "learning_rate=0.0"]
     folder = run("--residual", 0.3, *small, "--out", tmp_path / "run")
     residual = runs.read_config(folder)["residual"]
-    env = make_env(env_kwargs={"observation": "history"})
+    env = make_env()
     assert residual["scale"] == 0.3
     assert residual["parameters"] == asdict(load_parameters("servo", "solar_env/Deploy-v0", "rigid-clearance"))
     observations = env.observation_space.sample()[None] * np.linspace(0.0, 1.0, 20)[:, None].astype(np.float32)
@@ -80,8 +80,11 @@ def test_a_fresh_agent_adds_nothing_to_a_law_but_is_not_held_back_without_one(al
     venv = learn.make_training_env(config, None, threads=1)
     space = venv.observation_space
     observations = np.random.default_rng(0).uniform(space.low, space.high, (2000, *space.shape)).astype(np.float32)
-    added, _ = learn.make_model(config, venv).predict(observations, deterministic=True)
-    whole, _ = learn.make_model(replace(config, residual=None), venv).predict(observations, deterministic=True)
+    without = replace(config, residual=None)
+    added, whole = (
+        learn.make_model(c, venv, learn.make_features(c)).predict(observations, deterministic=True)[0]
+        for c in (config, without)
+    )
     assert not added.any()
     assert whole.any()
 
@@ -89,7 +92,8 @@ def test_a_fresh_agent_adds_nothing_to_a_law_but_is_not_held_back_without_one(al
 def test_the_target_actor_of_a_fresh_td3_agent_is_its_actor():
     small = {"buffer_size": 100}
     config = learn.configuration("td3", "solar_env/Deploy-v0", {}, 0, n_envs=1, hyperparameters=small, residual=0.2)
-    policy = learn.make_model(config, learn.make_training_env(config, None, threads=1)).policy
+    venv = learn.make_training_env(config, None, threads=1)
+    policy = learn.make_model(config, venv, learn.make_features(config)).policy
     actor, target = (part.state_dict() for part in (policy.actor, policy.actor_target))
     assert all(torch.equal(actor[name], target[name]) for name in actor)
 
@@ -98,7 +102,7 @@ def test_training_takes_the_agents_action_as_an_addition_to_the_law(tmp_path):
     config = learn.configuration("ppo", "solar_env/Deploy-v0", {}, seed=0, n_envs=2, residual=0.2)
     venv = learn.make_training_env(config, None, threads=1)
     plain = learn.make_training_env(replace(config, residual=None), None, threads=1)
-    law = make_baseline("servo", make_env(env_kwargs={"observation": "history"}))
+    law = make_baseline("servo", make_env())
     venv.seed(3)
     plain.seed(3)
     observations = venv.reset()
@@ -117,7 +121,7 @@ def test_a_residual_beyond_the_torque_limit_is_refused(tmp_path, scale):
 
 
 def policy_weights(folder):
-    model = runs.load_model(folder, make_env(env_kwargs={"observation": "history"}))
+    model = runs.load_model(folder, make_env())
     return np.concatenate([weights.detach().numpy().ravel() for weights in model.policy.parameters()])
 
 
@@ -232,7 +236,8 @@ def test_resuming_an_off_policy_run_continues_its_replay_buffer(tmp_path, algo):
 
 def test_a_resumed_run_sees_other_training_episodes_than_the_first(finished, tmp_path):
     config = learn.resumed_configuration(finished)
-    first = learn.make_model(config, learn.make_training_env(config, None)).get_env()
+    venv = learn.make_training_env(config, None)
+    first = learn.make_model(config, venv, learn.make_features(config)).get_env()
     resumed = learn.load_checkpoint(config, finished, learn.make_training_env(config, None)).get_env()
     for venv in (first, resumed):
         venv.reset()

@@ -38,8 +38,8 @@ class Args:
     """scenarios: paper (nominal) and robust (randomised)"""
     whole: bool = False
     """agents that command the whole torque too, not only those that add to the tuned servo"""
-    timesteps: int = 40_000
-    """environment steps of every training"""
+    timesteps: int | None = None
+    """environment steps of every training; None: the number in agents/configs"""
     model: str | None = None
     """rigid-ideal, rigid-clearance, flexible-ideal or flexible-clearance; None: flexible-clearance"""
     elements: int | None = None

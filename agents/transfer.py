@@ -19,8 +19,8 @@ from solar_env.campaigns import Workers
 # Name -> keywords, from the cheapest to the one that counts.
 LEVELS: dict[str, dict[str, Any]] = {
     "rigid": {"model": "rigid-clearance"},
-    "1 element": {"model": "flexible-clearance", "elements": 1},
     "2 elements": {"model": "flexible-clearance", "elements": 2},
+    "4 elements": {"model": "flexible-clearance", "elements": 4},
     "6 elements": {"model": "flexible-clearance", "elements": 6},
 }
 
@@ -31,8 +31,8 @@ class Args:
 
     algo: str = "ppo"
     """algorithm: ppo, sac or td3"""
-    timesteps: int = 40_000
-    """environment steps of every training"""
+    timesteps: int | None = None
+    """environment steps of every training; None: the number in agents/configs"""
     seeds: list[int] = field(default_factory=lambda: [0])
     """training seeds; those of a level are pooled"""
     residual: float | None = None

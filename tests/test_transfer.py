@@ -24,7 +24,7 @@ QUICK = [
 
 @pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")
 def test_every_level_is_judged_on_all_levels_beside_passive_and_servo(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(transfer, "LEVELS", {name: transfer.LEVELS[name] for name in ("rigid", "1 element")})
+    monkeypatch.setattr(transfer, "LEVELS", {name: transfer.LEVELS[name] for name in ("rigid", "2 elements")})
     options = [*QUICK, "--out", str(tmp_path)]
     transfer.main(options)
     printed = capsys.readouterr().out
@@ -36,7 +36,7 @@ def test_every_level_is_judged_on_all_levels_beside_passive_and_servo(tmp_path, 
         env = make_env(env_kwargs=with_sampling({**TASK, **transfer.LEVELS[level]}))
         alone = run_episode(env, make_baseline("passive", env), episode_seeds("evaluation", 0, 1)[0])
         assert by_training["passive"]["mean"] == alone["return"]
-    assert returns["rigid"]["passive"] != returns["1 element"]["passive"]
+    assert returns["rigid"]["passive"] != returns["2 elements"]["passive"]
     for level, keywords in transfer.LEVELS.items():
         trained = learn.stored_configuration(tmp_path / f"{level.replace(' ', '-')}-0").env_kwargs
         assert trained.items() >= keywords.items()

@@ -17,7 +17,9 @@ from stable_baselines3.common.callbacks import CallbackList
 from stable_baselines3.common.logger import configure
 from stable_baselines3.common.noise import OrnsteinUhlenbeckActionNoise
 from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
+from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
 from stable_baselines3.common.policies import ActorCriticPolicy
+from stable_baselines3.common.utils import LinearSchedule
 from stable_baselines3.common.vec_env import VecEnv, VecMonitor, VecNormalize
 from tqdm import tqdm
 
@@ -58,7 +60,8 @@ class Configuration:
         n_envs: Environments stepped together.
         timesteps: Environment steps to train for; those of a resumed run come on top of earlier ones.
         hyperparameters: Keywords of the Stable-Baselines3 class, and `exploration_noise`, the standard
-            deviation of TD3's action noise, an Ornstein-Uhlenbeck process over `NOISE_PERIODS`.
+            deviation of TD3's action noise, an Ornstein-Uhlenbeck process over `NOISE_PERIODS`. PPO's learning rate
+            is that of the start and falls linearly to zero.
         residual: What the agent adds to, see `agents.residual.residual_on`; None if it commands the whole torque.
         segments: Number of times that training has been resumed.
     """
@@ -227,6 +230,10 @@ def make_model(config: Configuration, venv: VecEnv, features: Features, device: 
     normalized = VecNormalize(venv, norm_obs=False, gamma=gamma)
     seed = episode_seeds("training", config.seed, 1)[0]
     cls: Any = runs.algorithm(config.algo)
+    if issubclass(cls, OnPolicyAlgorithm):
+        # Returns scatter so much that steps of constant size would end in a random walk.
+        rate = hyperparameters.get("learning_rate", inspect.signature(cls).parameters["learning_rate"].default)
+        hyperparameters["learning_rate"] = LinearSchedule(rate, 0.0, 1.0)
     model = cls("MlpPolicy", normalized, seed=seed, device=device, **hyperparameters)
     if config.residual:
         policy: Any = model.policy

@@ -89,6 +89,15 @@ def test_a_fresh_agent_adds_nothing_to_a_law_but_is_not_held_back_without_one(al
     assert whole.any()
 
 
+def test_the_learning_rate_of_ppo_falls_to_zero_and_that_of_the_others_stays():
+    for algo, shares in (("ppo", [1.0, 0.5, 0.0]), ("td3", [1.0, 1.0, 1.0])):
+        config = learn.configuration(algo, "solar_env/Deploy-v0", {}, 0, residual=0.0)
+        venv = learn.make_training_env(config, None, threads=1)
+        schedule = learn.make_model(config, venv, learn.make_features(config)).lr_schedule
+        rate = config.hyperparameters["learning_rate"]
+        assert [schedule(left) for left in (1.0, 0.5, 0.0)] == pytest.approx([rate * share for share in shares])
+
+
 def test_the_target_actor_of_a_fresh_td3_agent_is_its_actor():
     small = {"buffer_size": 100}
     config = learn.configuration("td3", "solar_env/Deploy-v0", {}, 0, n_envs=1, hyperparameters=small, residual=0.2)

@@ -79,11 +79,8 @@ def trained_in(spec: str) -> str | None:
     Raises:
         FileNotFoundError: `spec` names no controller.
     """
-    if spec in UNTRAINED:
-        return None
-    if spec in shipped.available():
-        return shipped.load_shipped(spec).description.env_id
-    return runs.read_config(spec)["env_id"]
+    training = _training(spec)
+    return training["env_id"] if training else None
 
 
 def trained_on(spec: str) -> dict[str, Any] | None:
@@ -92,8 +89,14 @@ def trained_on(spec: str) -> dict[str, Any] | None:
     Raises:
         FileNotFoundError: `spec` names no controller.
     """
+    training = _training(spec)
+    return training["env_kwargs"] if training else None
+
+
+def _training(spec: str) -> dict[str, Any] | None:
+    """What is kept of a controller's training; None if it was not trained."""
     if spec in UNTRAINED:
         return None
     if spec in shipped.available():
-        return shipped.load_shipped(spec).description.env_kwargs
-    return runs.read_config(spec)["env_kwargs"]
+        return vars(shipped.load_shipped(spec).description)
+    return runs.read_config(spec)

@@ -6,6 +6,7 @@ import math
 import shutil
 import time
 from collections.abc import Mapping
+from contextlib import closing
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -191,19 +192,17 @@ def make_features(config: Configuration, threads: int | None = None) -> Features
         ValueError: the law does not land the array.
     """
     lanes = NativeVecEnv(LAW_EPISODES, config.env_id, {**config.env_kwargs, "num_threads": threads})
-    venv = _with_law(lanes, config)
-    names = venv.get_attr("observation_names", 0)[0]
-    if not config.residual:
-        venv.close()
-        return whole_motion(names)
-    venv.seed(episode_seeds("training", config.seed, EPISODES_PER_SEED)[-LAW_EPISODES])
-    seen, goes_on = [], np.ones(LAW_EPISODES, dtype=bool)
-    observations: Any = venv.reset()
-    while goes_on.any():
-        seen.append(observations[goes_on])
-        observations, _, dones, _ = venv.step(np.zeros((LAW_EPISODES, 1), dtype=np.float32))
-        goes_on &= ~dones
-    venv.close()
+    with closing(_with_law(lanes, config)) as venv:
+        names = venv.get_attr("observation_names", 0)[0]
+        if not config.residual:
+            return whole_motion(names)
+        venv.seed(episode_seeds("training", config.seed, EPISODES_PER_SEED)[-LAW_EPISODES])
+        seen, goes_on = [], np.ones(LAW_EPISODES, dtype=bool)
+        observations: Any = venv.reset()
+        while goes_on.any():
+            seen.append(observations[goes_on])
+            observations, _, dones, _ = venv.step(np.zeros((LAW_EPISODES, 1), dtype=np.float32))
+            goes_on &= ~dones
     return landing(names, np.concatenate(seen))
 
 
@@ -232,8 +231,7 @@ def make_model(config: Configuration, venv: VecEnv, features: Features, device: 
     cls: Any = runs.algorithm(config.algo)
     if issubclass(cls, OnPolicyAlgorithm):
         # Returns scatter so much that steps of constant size would end in a random walk.
-        rate = hyperparameters.get("learning_rate", inspect.signature(cls).parameters["learning_rate"].default)
-        hyperparameters["learning_rate"] = LinearSchedule(rate, 0.0, 1.0)
+        hyperparameters["learning_rate"] = LinearSchedule(hyperparameters["learning_rate"], 0.0, 1.0)
     model = cls("MlpPolicy", normalized, seed=seed, device=device, **hyperparameters)
     if config.residual:
         policy: Any = model.policy

@@ -59,6 +59,8 @@ class Args:
     residual: float | None = None
     """the agent adds up to this share of the torque limit to the torque of the tuned servo; 0: it commands the whole
     torque; None: as in agents/configs"""
+    landings: int | None = None
+    """episodes of the servo alone with whose landings training begins; None: the number in agents/configs"""
     resume: str | None = None
     """run folder to go on from, with its algorithm, environment, seed and hyperparameters"""
     out: str | None = None
@@ -104,6 +106,7 @@ def configuration(args: Args, seed: int) -> learn.Configuration:
         args.timesteps,
         args.hyperparams,
         args.residual,
+        args.landings,
     )
 
 
@@ -158,7 +161,8 @@ def check_resumable(args: Args, config: learn.Configuration) -> None:
         "elements": config.env_kwargs.get("elements", DEFAULT_ELEMENTS),
         "residual": config.residual["scale"] if config.residual else 0.0,
     }
-    for name in ("algo", "env_id", "model", "elements", "env_kwargs", "seed", "hyperparams", "n_envs", "residual"):
+    learning = ("algo", "seed", "hyperparams", "n_envs", "residual", "landings")
+    for name in ("env_id", "model", "elements", "env_kwargs", *learning):
         given, fixed = getattr(args, name), fixed_values[name]
         if isinstance(given, dict):
             agrees = all(fixed.get(key) == value for key, value in runs.jsonable(given).items())

@@ -46,6 +46,8 @@ class Args:
     """beam elements of each panel of a flexible model; None: 6"""
     env_kwargs: dict[str, Any] = field(default_factory=dict)
     """environment keywords"""
+    landings: int | None = None
+    """as for train.py"""
     hyperparams: dict[str, Any] = field(default_factory=dict)
     """hyperparameters in place of those in agents/configs"""
     out: str = "curves"
@@ -78,6 +80,7 @@ def configurations(args: Args) -> dict[tuple[str, str], dict[Path, learn.Configu
                         timesteps=args.timesteps,
                         hyperparameters=args.hyperparams,
                         residual=residual,
+                        landings=args.landings,
                     )
                     for seed in args.seeds
                 }

@@ -5,7 +5,7 @@ import json
 import math
 import shutil
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -35,6 +35,7 @@ from agents.callbacks import (
 )
 from agents.environments import EPISODES_PER_SEED, episode_seeds, make_env, with_sampling
 from agents.features import DriveFeatures, Features, landing, whole_motion
+from agents.landings import Landing, LandingVecEnv, record
 from agents.residual import residual_on
 from agents.vec_env import FixedSeeds, LogarithmicCharges, NativeVecEnv, ResidualVecEnv
 from solar_env.campaigns import Workers, each_done
@@ -46,7 +47,6 @@ SHORTEST_VALIDATION_INTERVAL = 2000  # environment steps; a validation takes abo
 NOT_HYPERPARAMETERS = {"policy", "env", "seed", "device", "verbose", "tensorboard_log", "_init_setup_model"}
 CHARGE_SCALE = 0.5  # above what any soft landing costs; see `LogarithmicCharges`
 NOISE_PERIODS = 100  # control periods over which the noise of TD3 is correlated
-LAW_EPISODES = 8  # of the law alone, for the features of an agent that adds to it
 
 
 @dataclass(frozen=True)
@@ -64,6 +64,7 @@ class Configuration:
             deviation of TD3's action noise, an Ornstein-Uhlenbeck process over `NOISE_PERIODS`. PPO's learning rate
             is that of the start and falls linearly to zero.
         residual: What the agent adds to, see `agents.residual.residual_on`; None if it commands the whole torque.
+        landings: Episodes of that law alone that training begins with, see `agents.landings`; 0 without a law.
         segments: Number of times that training has been resumed.
     """
 
@@ -75,6 +76,7 @@ class Configuration:
     timesteps: int
     hyperparameters: dict[str, Any]
     residual: dict[str, Any] | None = None
+    landings: int = 0
     segments: int = 0
 
 
@@ -99,6 +101,7 @@ def configuration(
     timesteps: int | None = None,
     hyperparameters: Mapping[str, Any] | None = None,
     residual: float | None = None,
+    landings: int | None = None,
 ) -> Configuration:
     """The configuration in ``agents/configs/<algo>.json`` for `env_id`, with what is given here in its place.
 
@@ -126,6 +129,9 @@ def configuration(
     with make_env(env_id, env_kwargs) as env:
         model = env.get_wrapper_attr("model")
     scale = found["residual"] if residual is None else residual
+    landings = (found["landings"] if landings is None else landings) if scale else 0
+    if scale:
+        _check_positive("landings", landings)
     defaults = found["hyperparameters"] if scale else {**found["hyperparameters"], **found["whole_torque"]}
     return Configuration(
         algo=algo,
@@ -135,7 +141,8 @@ def configuration(
         n_envs=n_envs,
         timesteps=timesteps,
         hyperparameters={**defaults, **(hyperparameters or {})},
-        residual=residual_on(scale, env_id, model) if scale else None,
+        residual=residual_on(scale, env_id, model, landings) if scale else None,
+        landings=landings,
     )
 
 
@@ -163,12 +170,16 @@ def _check_positive(name: str, number: int) -> None:
         raise ValueError(f"{name} is {number}; give a positive number")
 
 
-def make_training_env(config: Configuration, monitor: Path | None, threads: int | None = None) -> VecEnv:
+def make_training_env(
+    config: Configuration, landings: Sequence[Landing], monitor: Path | None, threads: int | None = None
+) -> VecEnv:
     """`n_envs` environments with `LogarithmicCharges`; `threads`: one a processor.
 
-    Finished episodes go to the CSV file `monitor`, with what they really cost.
+    Episodes begin with `landings` if there are any. Finished ones go to the CSV file `monitor`, with what they really
+    cost.
     """
-    lanes = NativeVecEnv(config.n_envs, config.env_id, {**config.env_kwargs, "num_threads": threads})
+    made = config.n_envs, config.env_id, {**config.env_kwargs, "num_threads": threads}
+    lanes = LandingVecEnv(*made, landings) if landings else NativeVecEnv(*made)
     monitored = VecMonitor(_with_law(lanes, config), str(monitor) if monitor else None)
     return LogarithmicCharges(monitored, CHARGE_SCALE)
 
@@ -185,32 +196,30 @@ def _with_law(venv: VecEnv, config: Configuration) -> VecEnv:
     return ResidualVecEnv(venv, config.residual) if config.residual else venv
 
 
-def make_features(config: Configuration, threads: int | None = None) -> Features:
-    """The features of `agents.features` for an agent; one that adds to a law costs `LAW_EPISODES` of the law alone.
+def prepare(config: Configuration, threads: int | None = None) -> tuple[Features, list[Landing]]:
+    """What the networks are to see, and what training episodes begin with: nothing but for agents that add to a law.
+
+    These cost `config.landings` episodes of the law alone.
 
     Raises:
         ValueError: the law does not land the array.
     """
-    lanes = NativeVecEnv(LAW_EPISODES, config.env_id, {**config.env_kwargs, "num_threads": threads})
-    with closing(_with_law(lanes, config)) as venv:
-        names = venv.get_attr("observation_names", 0)[0]
-        if not config.residual:
-            return whole_motion(names)
-        venv.seed(episode_seeds("training", config.seed, EPISODES_PER_SEED)[-LAW_EPISODES])
-        seen, goes_on = [], np.ones(LAW_EPISODES, dtype=bool)
-        observations: Any = venv.reset()
-        while goes_on.any():
-            seen.append(observations[goes_on])
-            observations, _, dones, _ = venv.step(np.zeros((LAW_EPISODES, 1), dtype=np.float32))
-            goes_on &= ~dones
-    return landing(names, np.concatenate(seen))
+    if not config.residual:
+        with make_env(config.env_id, config.env_kwargs) as env:
+            return whole_motion(env.get_wrapper_attr("observation_names")), []
+    lanes = NativeVecEnv(config.landings, config.env_id, {**config.env_kwargs, "num_threads": threads})
+    first = episode_seeds("training", config.seed, EPISODES_PER_SEED)[-(config.segments + 1) * config.landings]
+    with closing(_with_law(FixedSeeds(lanes, first), config)) as venv:
+        landings, observations = record(venv)
+        return landing(venv.get_attr("observation_names", 0)[0], observations), landings
 
 
 def make_model(config: Configuration, venv: VecEnv, features: Features, device: str = "cpu") -> BaseAlgorithm:
     """A fresh model on `venv` with normalised rewards, whose networks see `features`.
 
     An agent that adds to a law begins with nothing to add: the last layer of its actor is zero (T. Silver et al.,
-    Residual Policy Learning, 2018, arXiv:1812.06298).
+    Residual Policy Learning, 2018, arXiv:1812.06298). That layer has no bias: where its features are zero, exploration
+    noise is next to nothing, the least bias next to impossible, and the bias's gradient would bury all others.
     """
     hyperparameters = dict(config.hyperparameters)
     hyperparameters["policy_kwargs"] = {
@@ -234,16 +243,26 @@ def make_model(config: Configuration, venv: VecEnv, features: Features, device: 
         hyperparameters["learning_rate"] = LinearSchedule(hyperparameters["learning_rate"], 0.0, 1.0)
     model = cls("MlpPolicy", normalized, seed=seed, device=device, **hyperparameters)
     if config.residual:
-        policy: Any = model.policy
-        on_policy = isinstance(policy, ActorCriticPolicy)
-        actors = [policy.action_net] if on_policy else [policy.actor.mu]
-        if hasattr(policy, "actor_target"):
-            actors.append(policy.actor_target.mu)
-        for actor in actors:
-            last = [layer for layer in actor.modules() if isinstance(layer, torch.nn.Linear)][-1]
-            torch.nn.init.zeros_(last.weight)
-            torch.nn.init.zeros_(last.bias)
+        for layer in _actor_layers(model):
+            torch.nn.init.zeros_(layer.weight)
+            torch.nn.init.zeros_(layer.bias)
+        _freeze_bias(model)
     return model
+
+
+def _actor_layers(model: BaseAlgorithm) -> list[torch.nn.Linear]:
+    """The last layer of the actor, and that of its target where there is one."""
+    policy: Any = model.policy
+    actors = [policy.action_net] if isinstance(policy, ActorCriticPolicy) else [policy.actor.mu]
+    if hasattr(policy, "actor_target"):
+        actors.append(policy.actor_target.mu)
+    return [[layer for layer in actor.modules() if isinstance(layer, torch.nn.Linear)][-1] for actor in actors]
+
+
+def _freeze_bias(model: BaseAlgorithm) -> None:
+    """Keep the bias of the actor's last layer as it is, which a saved model does not remember."""
+    for layer in _actor_layers(model):
+        layer.bias.requires_grad_(False)
 
 
 def load_checkpoint(config: Configuration, folder: str | Path, venv: VecEnv, device: str = "cpu") -> BaseAlgorithm:
@@ -260,6 +279,8 @@ def load_checkpoint(config: Configuration, folder: str | Path, venv: VecEnv, dev
         raise FileNotFoundError(f"{folder} has no checkpoint to resume from; start a new run")
     normalized = VecNormalize.load(str(checkpoint / "vecnormalize.pkl"), venv)
     model = runs.algorithm(config.algo).load(checkpoint / "model.zip", env=normalized, device=device)
+    if config.residual:
+        _freeze_bias(model)
     if isinstance(model, OffPolicyAlgorithm):
         model.load_replay_buffer(checkpoint / "replay_buffer.pkl")
     # One seed an environment and segment, all within the run's own training block.
@@ -291,11 +312,14 @@ def train(
         threads: Most threads that step environments; by default one a processor.
     """
     torch.set_num_threads(1)  # small networks: more threads only contend
-    venv = make_training_env(config, folder / "monitor.csv", threads)
+    start = time.perf_counter()
+    features, landings = prepare(config, threads)
+    preparing = time.perf_counter() - start
+    venv = make_training_env(config, landings, folder / "monitor.csv", threads)
     if resume:
         model = load_checkpoint(config, resume, venv, device)
     else:
-        model = make_model(config, venv, make_features(config, threads), device)
+        model = make_model(config, venv, features, device)
     before = model.num_timesteps
     record = {**asdict(config), "resumed_from": str(resume) if resume else None, "timesteps_before": before}
     runs.write_json(folder / runs.CONFIG, {**record, "command": command, "versions": runs.versions()})
@@ -315,7 +339,6 @@ def train(
         for name in (runs.POLICY, "evaluations.npz"):
             shutil.copy(Path(resume) / name, folder / name)
         validation.restore(folder / "evaluations.npz")
-    start = time.perf_counter()
     try:
         model.learn(
             config.timesteps,
@@ -331,9 +354,10 @@ def train(
     wall, stepping = time.perf_counter() - start, venv.unwrapped.stepping_time  # type: ignore[attr-defined]
     timing = {
         "wall_time_s": wall,
+        "preparing_s": preparing,
         "stepping_s": stepping,
         "validation_s": validation.wall_time,
-        "learning_s": wall - stepping - validation.wall_time,
+        "learning_s": wall - preparing - stepping - validation.wall_time,
     }
     runs.write_json(folder / runs.TIMING, timing)
 

@@ -12,13 +12,14 @@ from agents.torque_laws import Controller, Signals, TorqueLaw
 LAW = "servo"
 
 
-def residual_on(scale: float, env_id: str, model: str) -> dict[str, Any]:
+def residual_on(scale: float, env_id: str, model: str, recorded: int) -> dict[str, Any]:
     """What describes a residual on the servo as it is tuned now: the law, its parameters and their cost, and the scale.
 
     Args:
         scale: Greatest action that the agent adds, as a share of the torque limit.
         env_id: Environment id.
         model: Whose tuned parameters to take.
+        recorded: Episodes of the law that training looks at, beyond those that tuning it took.
 
     Raises:
         ValueError: the scale is not in (0, 1], or the servo has no parameters for the environment.
@@ -27,7 +28,7 @@ def residual_on(scale: float, env_id: str, model: str) -> dict[str, Any]:
     return {
         "law": LAW,
         "parameters": asdict(load_parameters(LAW, env_id, model)),
-        "tuning_episodes": episodes_spent(LAW, env_id, model),
+        "tuning_episodes": episodes_spent(LAW, env_id, model) + recorded,
         "scale": scale,
     }
 

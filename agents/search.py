@@ -90,6 +90,8 @@ class Args:
     """beam elements of each panel of a flexible model; None: 6"""
     env_kwargs: dict[str, Any] = field(default_factory=dict)
     """environment keywords"""
+    landings: int | None = None
+    """as for train.py"""
     out: str = "search"
     """folder of the runs; those that are complete are not trained again"""
     jobs: int | None = None
@@ -112,6 +114,7 @@ def trial(args: Args, env_kwargs: dict[str, Any], unit: np.ndarray) -> learn.Con
         timesteps=args.timesteps,
         residual=chosen.pop("residual"),
         hyperparameters=_nested(entry, chosen),
+        landings=args.landings,
     )
 
 

@@ -1,5 +1,6 @@
 """What a controller does beside the passive deployment, as a figure and as an animation: `python -m agents.show`."""
 
+import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,6 +16,7 @@ from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_mo
 from agents.evaluate import check_names, split_controller
 from agents.figures import deployments_figure
 from agents.rollout import Step, run_episode
+from solar_env.readme import FIGURE_FOLDER
 
 FIGURE, ANIMATION = "deployments.png", "deployments.gif"
 WIDTH = 640  # of the animation [pixels]
@@ -40,6 +42,8 @@ class Args:
     """environment keywords"""
     out: str = "show"
     """folder of the figure and the animation"""
+    readme: bool = False
+    """put the figure and the animation beside the README's others"""
     quiet: bool = False
     """no progress bar"""
 
@@ -74,6 +78,9 @@ def main(argv: Sequence[str] | None = None) -> None:
     out.mkdir(parents=True, exist_ok=True)
     deployments_figure(episodes, signals.observation_names, signals.task.torque_limit, out / FIGURE)
     animate(films, out / ANIMATION)
+    if args.readme:
+        for name in (FIGURE, ANIMATION):
+            shutil.copy(out / name, FIGURE_FOLDER / name)
     print(f"written to {out}")
 
 

@@ -1,6 +1,7 @@
 """Which model to train on: agents of every level, judged on every level: `python -m agents.transfer`."""
 
 import shlex
+import shutil
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -15,6 +16,11 @@ from agents.figures import transfer_figure
 from agents.report import summarize
 from agents.statistics import Estimate
 from solar_env.campaigns import Workers
+from solar_env.readme import FIGURE_FOLDER, check_readme, replace_in_readme
+
+FIGURE, TABLE = "transfer.png", "transfer.md"
+BEGIN = "<!-- transfer: written by `python -m agents.transfer --readme` -->"
+END = "<!-- end of transfer -->"
 
 # Name -> keywords, from the cheapest to the one that counts.
 LEVELS: dict[str, dict[str, Any]] = {
@@ -43,6 +49,8 @@ class Args:
     """environment id"""
     env_kwargs: dict[str, Any] = field(default_factory=dict)
     """environment keywords"""
+    landings: int | None = None
+    """as for train.py"""
     hyperparams: dict[str, Any] = field(default_factory=dict)
     """hyperparameters in place of those in agents/configs"""
     out: str = "transfer"
@@ -51,6 +59,8 @@ class Args:
     """processes; None: one a processor"""
     cluster: str | None = None
     """ray: run on the Ray cluster that this machine belongs to"""
+    readme: bool = False
+    """put the table into the README and the figure beside its others"""
     quiet: bool = False
     """no progress bars"""
 
@@ -72,6 +82,7 @@ def train_all(args: Args, command: str) -> dict[str, list[Path]]:
                 timesteps=args.timesteps,
                 hyperparameters=args.hyperparams,
                 residual=args.residual,
+                landings=args.landings,
             )
             for seed in args.seeds
         }
@@ -123,16 +134,19 @@ def markdown(returns: Mapping[str, Mapping[str, Estimate]]) -> str:
 def main(argv: Sequence[str] | None = None) -> None:
     """The command line; see `Args`."""
     args = parse_arguments(Args, argv, prog="python -m agents.transfer")
+    if args.readme:
+        check_readme(BEGIN, END)
     command = shlex.join(["python", "-m", "agents.transfer", *(sys.argv[1:] if argv is None else argv)])
     returns = judge_all(args, train_all(args, command))
     out = Path(args.out)
-    (out / "transfer.md").write_text(markdown(returns))
+    (out / TABLE).write_text(markdown(returns))
     runs.write_json(
         out / "transfer.json", {level: {k: vars(v) for k, v in row.items()} for level, row in returns.items()}
     )
-    transfer_figure(
-        {level: {k: v.mean for k, v in row.items()} for level, row in returns.items()}, out / "transfer.png"
-    )
+    transfer_figure({level: {k: v.mean for k, v in row.items()} for level, row in returns.items()}, out / FIGURE)
+    if args.readme:
+        shutil.copy(out / FIGURE, FIGURE_FOLDER / FIGURE)
+        replace_in_readme(BEGIN, END, markdown(returns).strip())
     print(markdown(returns))
     print(f"written to {out}")
 

@@ -15,6 +15,9 @@ from agents.environments import DEFAULT_ENV_ID, make_vector_env
 from agents.residual import added, base_law
 from agents.torque_laws import Signals
 
+LAW_REWARD = "law_reward"
+"""Key in the infos of landings (`agents.landings`): what a torque law was rewarded by in the same period."""
+
 
 class NativeVecEnv(VecEnv):
     """All environments of a Stable-Baselines3 algorithm in one process and one compiled call a thread.
@@ -136,6 +139,7 @@ class LogarithmicCharges(VecEnvWrapper):
 
     A missed deadline costs some hundred times what a soft landing does. It would set the scale of normalised rewards
     for good, and with it leave nothing to learn of the landing. Small costs stay what they are, and worse stays worse.
+    Of landings (`agents.landings`) what the law alone would have cost is given back, so that the law itself earns 0.
 
     Args:
         venv: What to wrap.
@@ -145,20 +149,26 @@ class LogarithmicCharges(VecEnvWrapper):
     def __init__(self, venv: VecEnv, scale: float) -> None:
         super().__init__(venv)
         self._scale = scale
-        self._costs = np.zeros(venv.num_envs)
+        self._costs, self._costs_of_law = np.zeros(venv.num_envs), np.zeros(venv.num_envs)
 
     def reset(self) -> VecEnvObs:
         """Begin new episodes."""
-        self._costs[:] = 0.0
+        self._costs[:] = self._costs_of_law[:] = 0.0
         return self.venv.reset()
 
     def step_wait(self) -> VecEnvStepReturn:
         """As the environment's, with other rewards."""
         observations, rewards, dones, infos = self.venv.step_wait()
-        costs = self._costs - rewards
-        seen = self._scale * np.log((self._scale + self._costs) / (self._scale + costs))
-        self._costs = np.where(dones, 0.0, costs)
+        of_law = np.array([info.get(LAW_REWARD, 0.0) for info in infos])
+        seen = self._charge(self._costs, rewards, dones) - self._charge(self._costs_of_law, of_law, dones)
         return observations, seen.astype(rewards.dtype), dones, infos
+
+    def _charge(self, costs: np.ndarray, rewards: np.ndarray, dones: np.ndarray) -> np.ndarray:
+        """Logarithmic reward of a period; adds its cost to those so far."""
+        total = costs - rewards
+        seen = self._scale * np.log((self._scale + costs) / (self._scale + total))
+        costs[:] = np.where(dones, 0.0, total)
+        return seen
 
 
 class ResidualVecEnv(VecEnvWrapper):

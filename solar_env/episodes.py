@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from copy import copy
-from typing import Any
+from typing import Any, NamedTuple
 
 import gymnasium
 import numpy as np
@@ -21,7 +21,7 @@ from .mechanics.joint import ECCENTRICITY_X, ECCENTRICITY_Y, NORMAL
 from .mechanics.simulation import Simulation
 from .render import Renderer, Scene
 from .scenarios import Bound, Ranges, scenario_named
-from .sensors import Sensors
+from .sensors import Memory, Sensors
 from .task import REWARD_TERMS, Task, begin_periods, end_periods, observation_entries, observe_lanes, wear_depths
 
 Changes = Mapping[str, Any]
@@ -116,6 +116,24 @@ class Setup:
     def simulation(self, parameters: ArrayParameters) -> Simulation:
         """A folded array at rest."""
         return Simulation(build(parameters, self.model, self.elements), default_integrator(self.model))
+
+
+class SavedEpisode(NamedTuple):
+    """An episode between two of its steps: see :meth:`Episodes.save`.
+
+    Attributes:
+        parameters: of the episode.
+        state: of the simulation, mid-contact included.
+        charged: (2,) for peak forces and for wear so far.
+        terms: (3,) of the latest reward.
+        sensors: their memory, the state of their noise included.
+    """
+
+    parameters: ArrayParameters
+    state: m.State
+    charged: NDArray[np.float64]
+    terms: NDArray[np.float64]
+    sensors: Memory
 
 
 class Episodes:
@@ -257,6 +275,32 @@ class Episodes:
         if self._histories is not None:
             for lane in lanes:
                 self._histories[lane].add(batch.simulations[lane].state)
+
+    def save(self, lane: int) -> SavedEpisode:
+        """The present episode of a lane, to be gone on with later, in any lane of episodes with the same setup.
+
+        Raises:
+            gymnasium.error.ResetNeeded: before the first reset.
+        """
+        state = self.batch.simulations[lane].snapshot()
+        charged, terms = self._charged[lane].copy(), self.terms[lane].copy()
+        return SavedEpisode(self.parameters[lane], state, charged, terms, self._sensors.memory(lane))
+
+    def restore(self, lane: int, saved: SavedEpisode) -> None:
+        """Go on with a saved episode: the same actions lead to the same bits. Frames begin their force history anew.
+
+        Raises:
+            gymnasium.error.ResetNeeded: before the first reset.
+            ValueError: if the episode's structure is not that of this setup.
+        """
+        simulation = self.setup.simulation(saved.parameters)
+        simulation.restore(saved.state)
+        self.batch.replace(lane, simulation)
+        self.parameters[lane] = saved.parameters
+        self._charged[lane], self.terms[lane], self.terminated[lane] = saved.charged, saved.terms, False
+        self._sensors.recall(lane, saved.sensors)
+        if self._histories is not None:
+            self._histories[lane] = _History(self.setup)
 
     def futures(self, lane: int, count: int, threads: int | None = None) -> Episodes:
         """Copies of the present episode of a lane, which go on without touching it.

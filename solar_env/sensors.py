@@ -3,12 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import deepcopy
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .hardware import Hardware
 from .task import HISTORY, observation_entries
+
+
+class Memory(NamedTuple):
+    """What the sensors of one lane know: see :class:`Sensors`; the generator is a copy."""
+
+    exact: NDArray[np.float32]
+    observed: NDArray[np.float32]
+    pipeline: NDArray[np.float32]
+    generator: np.random.Generator | None
 
 
 class Sensors:
@@ -74,6 +85,16 @@ class Sensors:
             before = self.observed[lanes]
             shown += [before[:, self._remembered], before[:, self.present : -self._remembered.size]]
         self.observed[lanes] = np.hstack(shown)
+
+    def memory(self, lane: int) -> Memory:
+        """What a lane needs to go on measuring, and what it shows now."""
+        generator = deepcopy(self._generators[lane])
+        return Memory(self.exact[lane].copy(), self.observed[lane].copy(), self._pipeline[lane].copy(), generator)
+
+    def recall(self, lane: int, memory: Memory) -> None:
+        """Go on in a lane from what :meth:`memory` returned, as often as one likes."""
+        self.exact[lane], self.observed[lane], self._pipeline[lane] = memory[:3]
+        self._generators[lane] = deepcopy(memory.generator)
 
     def _measured(self, lanes: NDArray[np.int64]) -> NDArray[np.float32]:
         """(k, first entries) what noise and encoder make of the exact values."""

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .array import DEFAULT_ELEMENTS, ArrayParameters
 from .env import RESET_OPTIONS, Observation, SolarArrayEnv, checked_render_mode, first_info
-from .episodes import Episodes, Setup
+from .episodes import Episodes, SavedEpisode, Setup
 from .hardware import Hardware
 from .mechanics.simulation import Simulation
 from .scenarios import Ranges, Scenario, scenario_named
@@ -254,6 +254,12 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         for lane in lanes.tolist():
             self._add_info(infos, first_info(), lane)
 
+    def restore(self, lane: int, saved: SavedEpisode) -> None:
+        """Go on with a saved episode in one lane; see :meth:`Lane.restore_episode`."""
+        self.episodes.restore(lane, saved)
+        self._ended[lane] = False
+        self._elapsed[lane] = round(self.episodes.times[lane] / self.task.control_period)
+
     def lane(self, lane: int) -> Lane:
         """What one lane shows of itself."""
         return Lane(self, range(self.num_envs)[lane])
@@ -319,6 +325,29 @@ class Lane:
     def action_space(self) -> gymnasium.Space[Actions]:
         """Space of one action."""
         return self._env.single_action_space
+
+    def save_episode(self) -> SavedEpisode:
+        """The present episode, to be gone on with by :meth:`restore_episode`, here or in a lane of an equal vector.
+
+        Raises:
+            gymnasium.error.ResetNeeded: before the first reset, and where the episode has ended.
+        """
+        if self._env.episodes.terminated[self._index]:
+            raise gymnasium.error.ResetNeeded(f"the episode of lane {self._index} has ended")
+        return self._env.episodes.save(self._index)
+
+    def restore_episode(self, saved: SavedEpisode) -> Observation:
+        """Go on with a saved episode: the same actions lead to the same bits.
+
+        Returns:
+            (entries,) what was observed last.
+
+        Raises:
+            gymnasium.error.ResetNeeded: before the first reset.
+            ValueError: if the saved array has another structure.
+        """
+        self._env.restore(self._index, saved)
+        return self._env.episodes.observations[self._index].copy()
 
     def render(self) -> NDArray[np.uint8] | None:
         """Draw the present state; (540, 960, 3) uint8."""

@@ -8,7 +8,8 @@ import pytest
 from agents import curves, learn
 
 QUICK = [
-    *["--algos", "ppo", "--seeds", "0", "1", "--timesteps", "20", "--jobs", "1", "--quiet", "--model", "rigid-ideal"],
+    *["--algos", "ppo", "--seeds", "0", "1", "--timesteps", "20", "--landings", "8", "--jobs", "1", "--quiet"],
+    *["--model", "rigid-ideal"],
     *["--hyperparams", "n_steps=10", "batch_size=10", "--env-kwargs", "postlock_window=0.2"],
 ]
 

@@ -46,7 +46,7 @@ def finished(tmp_path_factory):
     folder = tmp_path_factory.mktemp("export")
     made = {}
     for name, (algo, hyperparameters, residual) in TRAINED.items():
-        config = learn.configuration(algo, DEFAULT_ENV_ID, QUICK, 7, 1, 100, hyperparameters, residual)
+        config = learn.configuration(algo, DEFAULT_ENV_ID, QUICK, 7, 1, 100, hyperparameters, residual, 2)
         run = runs.new_run_folder(folder / "runs" / name, config.env_id, algo, config.seed)
         learn.train(config, run, command=COMMAND, progress=False, threads=1)
         if name == "residual":

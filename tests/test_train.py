@@ -25,9 +25,9 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 import train
 
 SMALL = {
-    "ppo": ["--n-envs", "2", "--hyperparams", "n_steps=300", "batch_size=100"],
-    "sac": ["--hyperparams", "learning_starts=50", "buffer_size=2000", "batch_size=32"],
-    "td3": ["--hyperparams", "learning_starts=50", "buffer_size=2000", "batch_size=32"],
+    "ppo": ["--n-envs", "2", "--landings", "4", "--hyperparams", "n_steps=300", "batch_size=100"],
+    "sac": ["--landings", "4", "--hyperparams", "learning_starts=50", "buffer_size=2000", "batch_size=32"],
+    "td3": ["--landings", "4", "--hyperparams", "learning_starts=50", "buffer_size=2000", "batch_size=32"],
 }
 
 
@@ -76,41 +76,63 @@ def test_a_residual_agent_starts_as_the_law_it_adds_to_and_the_run_keeps_that_la
 @pytest.mark.parametrize("algo", ["ppo", "sac", "td3"])
 def test_a_fresh_agent_adds_nothing_to_a_law_but_is_not_held_back_without_one(algo):
     small = {"batch_size": 300} if algo == "ppo" else {"buffer_size": 100}
-    config = learn.configuration(algo, "solar_env/Deploy-v0", {}, 0, n_envs=1, hyperparameters=small, residual=0.2)
-    venv = learn.make_training_env(config, None, threads=1)
+    config = learn.configuration(
+        algo, "solar_env/Deploy-v0", {}, 0, n_envs=1, hyperparameters=small, residual=0.2, landings=4
+    )
+    venv = learn.make_training_env(config, [], None, threads=1)
     space = venv.observation_space
     observations = np.random.default_rng(0).uniform(space.low, space.high, (2000, *space.shape)).astype(np.float32)
     without = replace(config, residual=None)
     added, whole = (
-        learn.make_model(c, venv, learn.make_features(c)).predict(observations, deterministic=True)[0]
+        learn.make_model(c, venv, learn.prepare(c)[0]).predict(observations, deterministic=True)[0]
         for c in (config, without)
     )
     assert not added.any()
     assert whole.any()
 
 
+@pytest.mark.parametrize("algo", ["ppo", "sac", "td3"])
+def test_an_agent_adds_nothing_to_a_law_where_it_has_no_features_however_long_it_trains(tmp_path, algo):
+    small = {"batch_size": 100, "n_steps": 300} if algo == "ppo" else {"buffer_size": 2000, "batch_size": 32}
+    config = learn.configuration(
+        algo, "solar_env/Deploy-v0", {}, 0, n_envs=1, timesteps=600, hyperparameters=small, residual=0.3, landings=4
+    )
+    learn.train(config, tmp_path, progress=False)
+    venv = learn.make_training_env(config, [], None, threads=1)
+    resumed = learn.load_checkpoint(config, tmp_path, venv)
+    resumed.learn(600)
+    before = runs.algorithm(algo).load(tmp_path / "checkpoint" / "model.zip")
+    folded = np.zeros((1, *venv.observation_space.shape), dtype=np.float32)
+    latched = np.ones_like(folded)
+    for agent in (before, resumed):
+        assert not agent.predict(folded, deterministic=True)[0].any()
+        assert agent.predict(latched, deterministic=True)[0].any()
+
+
 def test_the_learning_rate_of_ppo_falls_to_zero_and_that_of_the_others_stays():
     for algo, shares in (("ppo", [1.0, 0.5, 0.0]), ("td3", [1.0, 1.0, 1.0])):
         config = learn.configuration(algo, "solar_env/Deploy-v0", {}, 0, residual=0.0)
-        venv = learn.make_training_env(config, None, threads=1)
-        schedule = learn.make_model(config, venv, learn.make_features(config)).lr_schedule
+        venv = learn.make_training_env(config, [], None, threads=1)
+        schedule = learn.make_model(config, venv, learn.prepare(config)[0]).lr_schedule
         rate = config.hyperparameters["learning_rate"]
         assert [schedule(left) for left in (1.0, 0.5, 0.0)] == pytest.approx([rate * share for share in shares])
 
 
 def test_the_target_actor_of_a_fresh_td3_agent_is_its_actor():
     small = {"buffer_size": 100}
-    config = learn.configuration("td3", "solar_env/Deploy-v0", {}, 0, n_envs=1, hyperparameters=small, residual=0.2)
-    venv = learn.make_training_env(config, None, threads=1)
-    policy = learn.make_model(config, venv, learn.make_features(config)).policy
+    config = learn.configuration(
+        "td3", "solar_env/Deploy-v0", {}, 0, n_envs=1, hyperparameters=small, residual=0.2, landings=4
+    )
+    venv = learn.make_training_env(config, [], None, threads=1)
+    policy = learn.make_model(config, venv, learn.prepare(config)[0]).policy
     actor, target = (part.state_dict() for part in (policy.actor, policy.actor_target))
     assert all(torch.equal(actor[name], target[name]) for name in actor)
 
 
 def test_training_takes_the_agents_action_as_an_addition_to_the_law(tmp_path):
     config = learn.configuration("ppo", "solar_env/Deploy-v0", {}, seed=0, n_envs=2, residual=0.2)
-    venv = learn.make_training_env(config, None, threads=1)
-    plain = learn.make_training_env(replace(config, residual=None), None, threads=1)
+    venv = learn.make_training_env(config, [], None, threads=1)
+    plain = learn.make_training_env(replace(config, residual=None), [], None, threads=1)
     law = make_baseline("servo", make_env())
     venv.seed(3)
     plain.seed(3)
@@ -207,7 +229,7 @@ def test_several_seeds_are_trained_side_by_side_each_as_alone_and_only_once(fini
 
 def test_the_time_of_a_run_is_told_apart(finished):
     timing = json.loads((finished / "timing.json").read_text())
-    parts = [timing[name] for name in ("stepping_s", "validation_s", "learning_s")]
+    parts = [timing[name] for name in ("preparing_s", "stepping_s", "validation_s", "learning_s")]
     assert min(parts) > 0.0
     assert sum(parts) == pytest.approx(timing["wall_time_s"])
 
@@ -229,7 +251,7 @@ def test_resuming_continues_step_count_normalisation_and_validation_history(fini
 
 def normalisation_count(folder):
     config = learn.configuration("ppo", "solar_env/Deploy-v0", {}, seed=0, n_envs=2)
-    venv = learn.make_training_env(config, None)
+    venv = learn.make_training_env(config, [], None)
     return learn.VecNormalize.load(str(folder / "checkpoint" / "vecnormalize.pkl"), venv).ret_rms.count
 
 
@@ -238,23 +260,18 @@ def test_resuming_an_off_policy_run_continues_its_replay_buffer(tmp_path, algo):
     first = run("--algo", algo, "--timesteps", 300, "--out", tmp_path / "first", *SMALL[algo])
     second = run("--resume", first, "--timesteps", 100, "--out", tmp_path / "second")
     config = learn.resumed_configuration(second)
-    model = learn.load_checkpoint(config, second, learn.make_training_env(config, None))
+    model = learn.load_checkpoint(config, second, learn.make_training_env(config, [], None))
     assert model.num_timesteps == 400
     assert model.replay_buffer.size() == 400
 
 
-def test_a_resumed_run_sees_other_training_episodes_than_the_first(finished, tmp_path):
-    config = learn.resumed_configuration(finished)
-    venv = learn.make_training_env(config, None)
-    first = learn.make_model(config, venv, learn.make_features(config)).get_env()
-    resumed = learn.load_checkpoint(config, finished, learn.make_training_env(config, None)).get_env()
-    for venv in (first, resumed):
-        venv.reset()
-    clearances = [
-        {random.bit_generator.state["state"]["state"] for random in venv.get_attr("np_random")}
-        for venv in (first, resumed)
-    ]
-    assert clearances[0].isdisjoint(clearances[1])
+def test_a_resumed_run_sees_other_training_episodes_than_the_first(finished):
+    first, resumed = (
+        {landing.episode.parameters.hinge_x for landing in learn.prepare(config)[1]}
+        for config in (learn.stored_configuration(finished), learn.resumed_configuration(finished))
+    )
+    assert len(first) == len(resumed) == 4
+    assert first.isdisjoint(resumed)
 
 
 @pytest.mark.parametrize("algo", sorted(runs.ALGORITHMS))
@@ -274,6 +291,7 @@ def test_the_discount_reaches_over_a_whole_episode(algo):
         (["--model", "flexible"], "model 'flexible' is unknown; choose from rigid-ideal"),
         (["--elements", "0"], "elements = 0"),
         (["--seed", "-1"], "seed is -1; choose one from 0"),
+        (["--landings", "0"], "landings is 0; give a positive number"),
     ],
 )
 def test_wrong_arguments_are_named_before_training(tmp_path, arguments, message):

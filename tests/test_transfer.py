@@ -11,7 +11,7 @@ from agents.rollout import run_episode
 
 TASK = {"parameters": {"spring_stiffness": 2.0}, "postlock_window": 0.5}  # deploys within three seconds
 QUICK = [
-    *["--timesteps", "20", "--residual", "0.1", "--episodes", "1", "--quiet", "--jobs", "1"],
+    *["--timesteps", "20", "--residual", "0.1", "--landings", "2", "--episodes", "1", "--quiet", "--jobs", "1"],
     *[
         "--hyperparams",
         "n_steps=10",

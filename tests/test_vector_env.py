@@ -255,6 +255,46 @@ def test_a_lane_can_be_saved_and_restored():
     assert_same(env.step(np.zeros((2, 1)))[0], first)
 
 
+@pytest.mark.parametrize("observation", ["drive", "history", "privileged"])
+def test_a_saved_episode_goes_on_to_the_same_bits_in_any_lane_as_often_as_one_likes(observation):
+    """Mid-contact, with a noisy and late drive, after other episodes have come and gone in its lane."""
+    env = make_vector(scenario="randomised", observation=observation, max_episode_steps=60).unwrapped
+    env.reset(seed=4)
+    actions = random_actions(60)
+    for action in actions[:30]:
+        observed = env.step(action)[0]
+    saved, parameters = env.lane(1).save_episode(), env.lane(1).episode_parameters
+    assert env.lane(1).simulation.state.joints["in_contact"].any()
+
+    def goes_on(lane):
+        return [
+            [np.array(part[lane]) for part in env.step(np.tile(action[1], (LANES, 1)))[:4]] for action in actions[30:]
+        ]
+
+    expected = goes_on(1)
+    assert expected[-1][3], "the episode is truncated after its sixtieth period"
+    env.reset(seed=9)
+    for lane in (0, 1, 1):
+        assert_same(env.lane(lane).restore_episode(saved), observed[1])
+        assert env.lane(lane).episode_parameters == parameters
+        assert_same(goes_on(lane), expected)
+
+
+def test_what_cannot_be_saved_or_restored_is_refused():
+    env = make_vector(autoreset_mode="Disabled", deadline=0.1).unwrapped
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        env.lane(0).save_episode()
+    env.reset(seed=0)
+    saved = env.lane(0).save_episode()
+    env.step(random_actions(1)[0])
+    with pytest.raises(gymnasium.error.ResetNeeded, match="the episode of lane 0 has ended"):
+        env.lane(0).save_episode()
+    other = make_vector(model="flexible-clearance", elements=2).unwrapped
+    other.reset(seed=0)
+    with pytest.raises(ValueError, match=r"snapshot\.q has shape"):
+        other.lane(0).restore_episode(saved)
+
+
 def test_frames_are_those_of_single_environments():
     env = make_vector(2, render_mode="rgb_array", randomize=RANGES)
     env.reset(seed=0)

@@ -1,0 +1,97 @@
+"""Training on landings: they are exactly those of the law, and the law itself earns nothing in them."""
+
+import numpy as np
+import pytest
+
+from agents import learn
+from agents.features import APPROACH_BEGINS
+from agents.landings import LAW_REWARD, LandingVecEnv, record
+from agents.vec_env import FixedSeeds, NativeVecEnv, ResidualVecEnv
+
+ENV_IDS = ("solar_env/Deploy-v0", "solar_env/DeployRandomised-v0")
+LANES = 3
+
+
+def prepared(env_id, count=4, seed=0):
+    config = learn.configuration("ppo", env_id, {}, seed, n_envs=LANES, residual=0.2, landings=count)
+    return config, learn.prepare(config)[1]
+
+
+@pytest.mark.parametrize("env_id", ENV_IDS)
+def test_the_law_alone_earns_nothing_and_its_landings_are_those_recorded_to_the_bit(env_id):
+    config, landings = prepared(env_id)
+    venv = learn.make_training_env(config, landings, None)
+    venv.seed(7)
+    venv.reset()
+    nothing = np.zeros((LANES, 1), dtype=np.float32)
+    returns = []
+    while len(returns) < 2 * len(landings):
+        _, rewards, dones, infos = venv.step(nothing)
+        assert not rewards.any()
+        returns += [infos[lane]["episode"]["r"] for lane in np.flatnonzero(dones)]
+    expected = {float(landing.rewards.sum()) for landing in landings}
+    assert len(expected) == len(landings)
+    assert sorted(set(map(float, returns))) == pytest.approx(sorted(expected), rel=1e-6)
+
+
+@pytest.mark.parametrize("env_id", ENV_IDS)
+def test_a_recorded_landing_ends_as_the_whole_episode_of_its_seed_does(env_id):
+    config, landings = prepared(env_id, count=2)
+    first = learn.episode_seeds("training", 0, learn.EPISODES_PER_SEED)[-2]
+    whole = ResidualVecEnv(FixedSeeds(NativeVecEnv(2, env_id, config.env_kwargs), first), config.residual)
+    whole.reset()
+    costs, returns = np.zeros(2), [None, None]
+    while None in returns:
+        _, rewards, dones, _ = whole.step(np.zeros((2, 1), dtype=np.float32))
+        costs += rewards
+        for lane in np.flatnonzero(dones):
+            returns[lane] = costs[lane] if returns[lane] is None else returns[lane]
+    assert [landing.rewards.sum() for landing in landings] == pytest.approx(returns, rel=1e-6)
+
+
+def test_a_landing_begins_where_the_law_has_come_near_the_latches():
+    config, landings = prepared(ENV_IDS[0])
+    venv = LandingVecEnv(LANES, config.env_id, config.env_kwargs, landings)
+    opening = venv.reset()[:, venv.get_attr("observation_names", 0)[0].index("theta_1")]
+    assert np.all(opening >= APPROACH_BEGINS)
+    assert np.all(opening < APPROACH_BEGINS + 0.02)
+
+
+def test_every_landing_comes_before_any_comes_again_in_an_order_that_follows_from_the_seed():
+    config, landings = prepared(ENV_IDS[0], count=6)
+    number = {landing.episode.parameters.hinge_x: k for k, landing in enumerate(landings)}
+
+    def order(seed):
+        venv = LandingVecEnv(LANES, config.env_id, config.env_kwargs, landings)
+        venv.seed(seed)
+        seen = []
+        for _ in range(4):
+            venv.reset()
+            seen += [number[parameters.hinge_x] for parameters in venv.get_attr("episode_parameters")]
+        return seen
+
+    assert sorted(order(1)[:6]) == sorted(order(1)[6:]) == list(range(6))
+    assert order(1) == order(1) != order(2)
+
+
+@pytest.mark.parametrize("action", [1.0, -1.0], ids=["hastier", "slower"])
+def test_all_that_the_law_was_charged_is_given_back_whenever_the_agent_is_done(action):
+    config, landings = prepared(ENV_IDS[1], count=LANES)
+    venv = LandingVecEnv(LANES, config.env_id, config.env_kwargs, landings)
+    venv.seed(0)
+    venv.reset()
+    begun = {parameters: lane for lane, parameters in enumerate(venv.get_attr("episode_parameters"))}
+    expected = {begun[landing.episode.parameters]: landing.rewards.sum() for landing in landings}
+    given, ended = np.zeros(LANES), np.zeros(LANES, dtype=bool)
+    while not ended.all():
+        _, _, dones, infos = venv.step(np.full((LANES, 1), 0.3 * action, dtype=np.float32))
+        given += np.where(ended, 0.0, [info[LAW_REWARD] for info in infos])
+        ended |= dones
+    assert given == pytest.approx([expected[lane] for lane in range(LANES)], rel=1e-5)
+
+
+def test_a_law_that_does_not_come_near_the_latches_is_refused():
+    keywords = {"deadline": 0.5}
+    lanes = NativeVecEnv(1, ENV_IDS[0], keywords)
+    with pytest.raises(ValueError, match="does not bring the array near the latches; tune it first"):
+        record(lanes)

@@ -11,6 +11,9 @@ from agents.features import APPROACH_BEGINS
 from agents.vec_env import LAW_REWARD, NativeVecEnv
 from solar_env.episodes import SavedEpisode
 
+HORIZON = 0.5
+"""Share of the time after the last latch after which training turns to the next landing: little is charged later."""
+
 
 class Landing(NamedTuple):
     """An episode that a law has brought near the latches, and what came of it under the law alone.
@@ -77,6 +80,7 @@ class LandingVecEnv(NativeVecEnv):
     def __init__(self, num_envs: int, env_id: str, env_kwargs: Mapping[str, Any], landings: Sequence[Landing]) -> None:
         super().__init__(num_envs, env_id, env_kwargs)
         self._landings = landings
+        self._since_latch = self.env.unwrapped.observation_names.index("time_since_latch")
         self._generator = np.random.default_rng(0)
         self._order: list[int] = []
         self._present = [landings[0]] * num_envs
@@ -103,16 +107,20 @@ class LandingVecEnv(NativeVecEnv):
         return self.env.unwrapped.lane(lane).restore_episode(self._present[lane].episode)
 
     def step_wait(self) -> VecEnvStepReturn:
-        """As the environment's, with the next landing where an episode has ended.
+        """As the environment's, with the next landing where an episode has ended or is truncated at `HORIZON`.
 
         The rewards of the law that are left when an episode ends before the law's come in its last period.
         """
         observations: Any
         observations, rewards, dones, infos = super().step_wait()
         for lane in range(self.num_envs):
-            period, of_law = self._periods[lane], self._present[lane].rewards
-            infos[lane][LAW_REWARD] = float(of_law[period : None if dones[lane] else period + 1].sum())
+            period, of_law, info = self._periods[lane], self._present[lane].rewards, infos[lane]
+            info[LAW_REWARD] = float(of_law[period : None if dones[lane] else period + 1].sum())
             self._periods[lane] += 1
+            if not dones[lane] and observations[lane, self._since_latch] >= HORIZON:
+                dones[lane] = info["TimeLimit.truncated"] = True
+                info["terminal_observation"] = observations[lane].copy()
+                info["deployment"] = self.env.unwrapped.episodes.figures(lane)
             if dones[lane]:
                 observations[lane] = self._begin(lane)
         return observations, rewards, dones, infos

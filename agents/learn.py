@@ -40,7 +40,7 @@ from agents.residual import residual_on
 from agents.vec_env import FixedSeeds, LogarithmicCharges, NativeVecEnv, ResidualVecEnv
 from solar_env.campaigns import Workers, each_done
 
-VALIDATION_EPISODES = 12
+VALIDATION_EPISODES = 24
 VALIDATIONS = 5
 SHORTEST_VALIDATION_INTERVAL = 2000  # environment steps; a validation takes about as many itself
 # Arguments of the Stable-Baselines3 classes that say other things than how to learn.

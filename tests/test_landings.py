@@ -5,8 +5,8 @@ import pytest
 
 from agents import learn
 from agents.features import APPROACH_BEGINS
-from agents.landings import LAW_REWARD, LandingVecEnv, record
-from agents.vec_env import FixedSeeds, NativeVecEnv, ResidualVecEnv
+from agents.landings import HORIZON, LandingVecEnv, record
+from agents.vec_env import LAW_REWARD, FixedSeeds, NativeVecEnv, ResidualVecEnv
 
 ENV_IDS = ("solar_env/Deploy-v0", "solar_env/DeployRandomised-v0")
 LANES = 3
@@ -24,14 +24,17 @@ def test_the_law_alone_earns_nothing_and_its_landings_are_those_recorded_to_the_
     venv.seed(7)
     venv.reset()
     nothing = np.zeros((LANES, 1), dtype=np.float32)
-    returns = []
+    of_law, costs, returns = np.zeros(LANES), [], []
     while len(returns) < 2 * len(landings):
         _, rewards, dones, infos = venv.step(nothing)
         assert not rewards.any()
+        of_law += [info[LAW_REWARD] for info in infos]
+        costs += of_law[dones].tolist()
         returns += [infos[lane]["episode"]["r"] for lane in np.flatnonzero(dones)]
-    expected = {float(landing.rewards.sum()) for landing in landings}
-    assert len(expected) == len(landings)
-    assert sorted(set(map(float, returns))) == pytest.approx(sorted(expected), rel=1e-6)
+        of_law[dones] = 0.0
+    assert returns == pytest.approx(costs, rel=1e-6)
+    assert len({round(cost, 9) for cost in costs}) == len(landings)
+    assert max(costs) < 0.0
 
 
 @pytest.mark.parametrize("env_id", ENV_IDS)
@@ -74,20 +77,45 @@ def test_every_landing_comes_before_any_comes_again_in_an_order_that_follows_fro
     assert order(1) == order(1) != order(2)
 
 
-@pytest.mark.parametrize("action", [1.0, -1.0], ids=["hastier", "slower"])
-def test_all_that_the_law_was_charged_is_given_back_whenever_the_agent_is_done(action):
+def test_a_landing_is_over_when_little_is_charged_any_more():
+    """Half of the time after the last latch: what the law is charged later is a twentieth."""
+    config, landings = prepared(ENV_IDS[1], count=12)
+    venv = LandingVecEnv(len(landings), config.env_id, config.env_kwargs, landings)
+    law = ResidualVecEnv(venv, config.residual)
+    law.reset()
+    lane_of = {parameters: lane for lane, parameters in enumerate(venv.get_attr("episode_parameters"))}
+    later, periods, over = 0.0, 0, np.zeros(len(landings), dtype=bool)
+    whole = sum(landing.rewards.sum() for landing in landings)
+    by_lane = {lane_of[landing.episode.parameters]: landing.rewards for landing in landings}
+    while not over.all():
+        _, _, dones, infos = law.step(np.zeros((len(landings), 1), dtype=np.float32))
+        periods += 1
+        for lane in np.flatnonzero(dones & ~over):
+            assert infos[lane]["TimeLimit.truncated"]
+            assert infos[lane]["deployment"]["latched"]
+            assert infos[lane]["terminal_observation"][-1] == pytest.approx(HORIZON, abs=0.02)
+            later += by_lane[lane][periods:].sum()
+        over |= dones
+    assert later / whole < 0.05
+
+
+@pytest.mark.parametrize("action", [0.5, -0.5], ids=["hastier", "slower"])
+def test_what_the_law_was_charged_meanwhile_is_given_back_and_all_of_it_if_the_episode_ends(action):
     config, landings = prepared(ENV_IDS[1], count=LANES)
     venv = LandingVecEnv(LANES, config.env_id, config.env_kwargs, landings)
     venv.seed(0)
     venv.reset()
-    begun = {parameters: lane for lane, parameters in enumerate(venv.get_attr("episode_parameters"))}
-    expected = {begun[landing.episode.parameters]: landing.rewards.sum() for landing in landings}
-    given, ended = np.zeros(LANES), np.zeros(LANES, dtype=bool)
-    while not ended.all():
-        _, _, dones, infos = venv.step(np.full((LANES, 1), 0.3 * action, dtype=np.float32))
-        given += np.where(ended, 0.0, [info[LAW_REWARD] for info in infos])
-        ended |= dones
-    assert given == pytest.approx([expected[lane] for lane in range(LANES)], rel=1e-5)
+    lane_of = {parameters: lane for lane, parameters in enumerate(venv.get_attr("episode_parameters"))}
+    by_lane = {lane_of[landing.episode.parameters]: landing.rewards for landing in landings}
+    given, periods, over = np.zeros(LANES), 0, np.zeros(LANES, dtype=bool)
+    while not over.all():
+        _, _, dones, infos = venv.step(np.full((LANES, 1), action, dtype=np.float32))
+        given += np.where(over, 0.0, [info[LAW_REWARD] for info in infos])
+        periods += 1
+        for lane in np.flatnonzero(dones & ~over):
+            passed = by_lane[lane][: periods if infos[lane]["TimeLimit.truncated"] else None]
+            assert given[lane] == pytest.approx(passed.sum(), rel=1e-5)
+        over |= dones
 
 
 def test_a_law_that_does_not_come_near_the_latches_is_refused():

@@ -21,7 +21,9 @@ _WHOLE: dict[str, tuple[tuple[float, float], ...]] = {
 }
 
 APPROACH_BEGINS, APPROACH_IS_FULL = 0.85, 0.95  # opening of joint 1, in units of its lock angle
-SETTLING = 0.3  # first share of the time after the last latch, to which features of the latched array are fitted
+# Shares of the time after the last latch: features of the latched array are fitted to what comes before the first, and
+# fade away until the second. They are linear in time, and what was never seen would pass for a reason to push.
+SETTLING, SETTLED = 0.3, 0.5
 LEAST_DEVIATION = 0.05  # of a principal component, next to entries of unit deviation
 
 
@@ -59,7 +61,7 @@ def whole_motion(names: Sequence[str]) -> Features:
 
 
 def landing(names: Sequence[str], observations: np.ndarray) -> Features:
-    """Features for an agent that adds to a law: what varies when the law lands the array, and nothing before.
+    """Features for an agent that adds to a law: what varies when the law lands the array, nothing before or later.
 
     There are two sets, for the approach to the latches and for the latched array, each with a 1 and the principal
     components of what was observed then, all of unit variance. Noise on the weights of a linear policy explores them
@@ -90,11 +92,13 @@ def landing(names: Sequence[str], observations: np.ndarray) -> Features:
 def _gates(names: Sequence[str]) -> list[tuple[np.ndarray, float]]:
     """Weights (entries,) and offset of the gates of both sets of `landing`."""
     approach, latched = np.zeros(len(names)), np.zeros(len(names))
+    fading = 1.0 / (SETTLED - SETTLING)
     slope = 1.0 / (APPROACH_IS_FULL - APPROACH_BEGINS)
     approach[names.index("theta_1")], approach[names.index("latched_1")] = slope, -slope
     for joint in (1, 2):
-        latched[names.index(f"latched_{joint}")] = 1.0
-    return [(approach, -slope * APPROACH_BEGINS), (latched, -1.0)]
+        latched[names.index(f"latched_{joint}")] = fading * SETTLED
+    latched[names.index("time_since_latch")] = -fading
+    return [(approach, -slope * APPROACH_BEGINS), (latched, -fading * SETTLED)]
 
 
 def _standardised(names: Sequence[str], observations: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

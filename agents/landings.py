@@ -7,12 +7,9 @@ import numpy as np
 from stable_baselines3.common.vec_env import VecEnv
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepReturn
 
-from agents.features import APPROACH_BEGINS
+from agents.features import APPROACH_BEGINS, SETTLED
 from agents.vec_env import LAW_REWARD, NativeVecEnv
 from solar_env.episodes import SavedEpisode
-
-HORIZON = 0.5
-"""Share of the time after the last latch after which training turns to the next landing: little is charged later."""
 
 
 class Landing(NamedTuple):
@@ -107,7 +104,7 @@ class LandingVecEnv(NativeVecEnv):
         return self.env.unwrapped.lane(lane).restore_episode(self._present[lane].episode)
 
     def step_wait(self) -> VecEnvStepReturn:
-        """As the environment's, with the next landing where an episode has ended or is truncated at `HORIZON`.
+        """As the environment's, with the next landing where an episode has ended or is truncated at `SETTLED`.
 
         The rewards of the law that are left when an episode ends before the law's come in its last period.
         """
@@ -117,7 +114,7 @@ class LandingVecEnv(NativeVecEnv):
             period, of_law, info = self._periods[lane], self._present[lane].rewards, infos[lane]
             info[LAW_REWARD] = float(of_law[period : None if dones[lane] else period + 1].sum())
             self._periods[lane] += 1
-            if not dones[lane] and observations[lane, self._since_latch] >= HORIZON:
+            if not dones[lane] and observations[lane, self._since_latch] >= SETTLED:
                 dones[lane] = info["TimeLimit.truncated"] = True
                 info["terminal_observation"] = observations[lane].copy()
                 info["deployment"] = self.env.unwrapped.episodes.figures(lane)

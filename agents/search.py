@@ -50,19 +50,19 @@ _LOG_STD = Range(-6.0, -2.0)
 # "residual" and what is inside "policy_kwargs" are searched beside the keywords of the Stable-Baselines3 classes.
 SPACES: dict[str, dict[str, Range]] = {
     "ppo": {
-        "residual": Range(0.05, 0.5, logarithmic=True),
-        "learning_rate": Range(1e-4, 5e-3, logarithmic=True),
+        "residual": Range(0.02, 0.2, logarithmic=True),
+        "learning_rate": Range(5e-5, 5e-3, logarithmic=True),
         "log_std_init": _LOG_STD,
         "gae_lambda": Range(0.9, 1.0),
     },
     "sac": {
-        "residual": Range(0.05, 0.5, logarithmic=True),
+        "residual": Range(0.02, 0.2, logarithmic=True),
         "learning_rate": Range(1e-4, 3e-3, logarithmic=True),
         "log_std_init": _LOG_STD,
         "tau": Range(0.002, 0.05, logarithmic=True),
     },
     "td3": {
-        "residual": Range(0.05, 0.5, logarithmic=True),
+        "residual": Range(0.02, 0.2, logarithmic=True),
         "learning_rate": Range(1e-4, 3e-3, logarithmic=True),
         "exploration_noise": Range(0.005, 0.2, logarithmic=True),
         "tau": Range(0.002, 0.05, logarithmic=True),

@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from agents.environments import make_env
-from agents.features import LEAST_DEVIATION, LIMIT, SETTLING, DriveFeatures, landing, whole_motion
+from agents.features import LEAST_DEVIATION, LIMIT, SETTLED, SETTLING, DriveFeatures, landing, whole_motion
 from solar_env.task import OBSERVATIONS
 
 
@@ -132,10 +132,15 @@ def test_the_features_of_a_landing_are_standardised_in_approach_and_after_latchi
     assert covariance == pytest.approx(np.eye(len(components)), abs=0.1)  # but for what is clipped
 
 
-def test_there_is_nothing_to_see_long_before_the_latches():
+def test_there_is_nothing_to_see_long_before_the_latches_or_long_after_and_ever_less_on_the_way():
     names, space, observations = a_landing("drive")
     values = features_of(landing(names, observations), space, observations)
-    assert not values[observations[:, names.index("theta_1")] < 0.85].any()
+    opening, since = (observations[:, names.index(name)] for name in ("theta_1", "time_since_latch"))
+    assert not values[opening < 0.85].any()
+    assert not values[since >= SETTLED].any()
+    seen = values[:, values[since > 0.0].any(axis=0)][:, 0]  # the 1 of the latched array
+    fading = (since >= SETTLING) & (since < SETTLED)
+    assert seen[fading] == pytest.approx((SETTLED - since[fading]) / (SETTLED - SETTLING), abs=1e-5)
 
 
 def test_what_hardly_varies_beside_the_rest_is_left_out():

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from agents import learn
-from agents.features import APPROACH_BEGINS
-from agents.landings import HORIZON, LandingVecEnv, record
+from agents.features import APPROACH_BEGINS, SETTLED
+from agents.landings import LandingVecEnv, record
 from agents.vec_env import LAW_REWARD, FixedSeeds, NativeVecEnv, ResidualVecEnv
 
 ENV_IDS = ("solar_env/Deploy-v0", "solar_env/DeployRandomised-v0")
@@ -93,7 +93,7 @@ def test_a_landing_is_over_when_little_is_charged_any_more():
         for lane in np.flatnonzero(dones & ~over):
             assert infos[lane]["TimeLimit.truncated"]
             assert infos[lane]["deployment"]["latched"]
-            assert infos[lane]["terminal_observation"][-1] == pytest.approx(HORIZON, abs=0.02)
+            assert infos[lane]["terminal_observation"][-1] == pytest.approx(SETTLED, abs=0.02)
             later += by_lane[lane][periods:].sum()
         over |= dones
     assert later / whole < 0.05

@@ -104,6 +104,7 @@ def test_an_agent_adds_nothing_to_a_law_where_it_has_no_features_however_long_it
     before = runs.algorithm(algo).load(tmp_path / "checkpoint" / "model.zip")
     folded = np.zeros((1, *venv.observation_space.shape), dtype=np.float32)
     latched = np.ones_like(folded)
+    latched[:, venv.get_attr("observation_names", 0)[0].index("time_since_latch")] = 0.0
     for agent in (before, resumed):
         assert not agent.predict(folded, deterministic=True)[0].any()
         assert agent.predict(latched, deterministic=True)[0].any()

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .array import DEFAULT_ELEMENTS, ArrayParameters
-from .episodes import Episodes, Setup
+from .episode_setup import Setup
+from .episodes import Episodes
 from .hardware import Hardware
 from .mechanics.simulation import Simulation
 from .scenarios import Ranges

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from .array import DEFAULT_ELEMENTS, ArrayParameters
 from .env import RESET_OPTIONS, Observation, SolarArrayEnv, checked_render_mode, first_info
-from .episodes import Episodes, SavedEpisode, Setup
+from .episode_setup import Setup
+from .episodes import Episodes, SavedEpisode
 from .hardware import Hardware
 from .mechanics.simulation import Simulation
 from .scenarios import Ranges, Scenario, scenario_named

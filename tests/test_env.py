@@ -336,7 +336,7 @@ def test_a_frame_shows_bent_panels_as_smooth_curves(model, monkeypatch):
     nodes[:, 1, 0, 0] += 0.1  # the middles of the folded panels go aside, their ends stay
     assert np.any(straight != env.render())
     scenes = []
-    monkeypatch.setattr("solar_env.episodes.Renderer.draw", lambda self, scene: scenes.append(scene))
+    monkeypatch.setattr("solar_env.film.Renderer.draw", lambda self, scene: scenes.append(scene))
     env.render()
     for panel, own in zip(scenes[0].panels, nodes, strict=True):
         assert np.array_equal(panel[[0, len(panel) // 2, -1]], own[:, 0])

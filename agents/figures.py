@@ -1,5 +1,6 @@
 """Figures: of a training run, with the learned deployment beside the passive one, and of a comparison."""
 
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -136,23 +137,24 @@ def transfer_figure(returns: Mapping[str, Mapping[str, float]], path: Path) -> N
 
 
 def learning_curves_figure(curves: Mapping[tuple[str, str], tuple[np.ndarray, np.ndarray]], path: Path) -> None:
-    """Draw validation returns over environment steps, a panel a scenario: medians over training seeds, and their range.
+    """Draw validation returns over environment steps, panel by panel: medians over training seeds, and their range.
 
     Agents that add to the servo begin as the servo.
 
     Args:
-        curves: (scenario, agent) -> steps (n,), mean validation returns (seeds, n).
+        curves: (panel, algorithm) -> steps (n,), mean validation returns (seeds, n).
         path: File to write.
     """
-    scenarios = list(dict.fromkeys(scenario for scenario, _ in curves))
-    agents = list(dict.fromkeys(agent for _, agent in curves))
-    figure = Figure(figsize=(5 * len(scenarios), 4), layout="constrained")
-    for axes, scenario in zip(figure.subplots(1, len(scenarios), squeeze=False)[0], scenarios, strict=True):
-        for color, agent in enumerate(agents):
-            steps, returns = curves[scenario, agent]
-            axes.plot(steps, -np.median(returns, axis=0), color=f"C{color}", label=f"{agent}, {len(returns)} seeds")
+    panels = list(dict.fromkeys(panel for panel, _ in curves))
+    across = min(len(panels), 2)
+    down = math.ceil(len(panels) / across)
+    figure = Figure(figsize=(5.5 * across, 3.6 * down), layout="constrained")
+    for axes, panel in zip(figure.subplots(down, across, squeeze=False).flat, panels, strict=False):
+        for color, algo in enumerate(algo for title, algo in curves if title == panel):
+            steps, returns = curves[panel, algo]
+            axes.plot(steps, -np.median(returns, axis=0), color=f"C{color}", label=f"{algo}, {len(returns)} seeds")
             axes.fill_between(steps, -returns.max(axis=0), -returns.min(axis=0), color=f"C{color}", alpha=0.15, lw=0)
-        axes.set(yscale="log", xlabel="environment steps", ylabel="minus the validation return", title=scenario)
+        axes.set(yscale="log", xlabel="environment steps", ylabel="minus the validation return", title=panel)
         axes.grid(alpha=0.3)
         axes.legend(fontsize=7)
     figure.savefig(path, dpi=130)

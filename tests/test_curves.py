@@ -16,14 +16,17 @@ QUICK = [
 
 @pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")
 def test_every_agent_has_a_curve_of_every_seed_in_every_scenario(tmp_path, monkeypatch):
+    monkeypatch.setattr(learn, "VALIDATION_EPISODES", 2)
     options = [*QUICK, "--whole", "--out", str(tmp_path)]
     curves.main(options)
     with (tmp_path / curves.TABLE).open() as file:
         rows = list(csv.DictReader(file))
-    found = {(row["scenario"], row["agent"], row["run"]) for row in rows}
-    agents = ("ppo", "ppo, whole torque")
-    assert found == {(suite, agent, run) for suite in ("paper", "robust") for agent in agents for run in "01"}
-    begins = [(row["agent"] == "ppo", float(row["validation return"])) for row in rows if row["steps"] == "0"]
+    tasks = ("rigid-ideal, added to the servo", "rigid-clearance, whole torque")
+    found = {(row["task"], row["algorithm"], row["run"]) for row in rows}
+    assert found == {
+        (f"{suite}, {task}", "ppo", run) for suite in ("paper", "robust") for task in tasks for run in "01"
+    }
+    begins = [("servo" in row["task"], float(row["validation return"])) for row in rows if row["steps"] == "0"]
     assert min(value for added, value in begins if added) > max(value for added, value in begins if not added)
     assert (tmp_path / curves.FIGURE).stat().st_size > 0
     assert learn.stored_configuration(tmp_path / "paper-ppo-whole-1").residual is None

@@ -21,9 +21,6 @@ _WHOLE: dict[str, tuple[tuple[float, float], ...]] = {
 }
 
 APPROACH_BEGINS, APPROACH_IS_FULL = 0.85, 0.95  # opening of joint 1, in units of its lock angle
-# Shares of the time after the last latch: features of the latched array are fitted to what comes before the first, and
-# fade away until the second. They are linear in time, and what was never seen would pass for a reason to push.
-SETTLING, SETTLED = 0.3, 0.5
 LEAST_DEVIATION = 0.05  # of a principal component, next to entries of unit deviation
 
 
@@ -61,7 +58,7 @@ def whole_motion(names: Sequence[str]) -> Features:
 
 
 def landing(names: Sequence[str], observations: np.ndarray) -> Features:
-    """Features for an agent that adds to a law: what varies when the law lands the array, nothing before or later.
+    """Features for an agent that adds to a law: what varies when the law lands the array, nothing before.
 
     There are two sets, for the approach to the latches and for the latched array, each with a 1 and the principal
     components of what was observed then, all of unit variance. Noise on the weights of a linear policy explores them
@@ -74,11 +71,9 @@ def landing(names: Sequence[str], observations: np.ndarray) -> Features:
     Raises:
         ValueError: the law has not come near the latches or has not latched both joints.
     """
-    gates = _gates(names)
-    openness = [np.clip(observations @ row + offset, 0.0, 1.0) for row, offset in gates]
-    settling = observations[:, names.index("time_since_latch")] < SETTLING
     sets = []
-    for gate, seen in zip(gates, (openness[0] > 0.5, (openness[1] > 0.5) & settling), strict=True):
+    for gate in _gates(names):
+        seen = observations @ gate[0] + gate[1] > 0.5
         if np.count_nonzero(seen) < 2:
             raise ValueError(
                 "the law that the agent adds to does not land the array: it is observed in "
@@ -92,13 +87,11 @@ def landing(names: Sequence[str], observations: np.ndarray) -> Features:
 def _gates(names: Sequence[str]) -> list[tuple[np.ndarray, float]]:
     """Weights (entries,) and offset of the gates of both sets of `landing`."""
     approach, latched = np.zeros(len(names)), np.zeros(len(names))
-    fading = 1.0 / (SETTLED - SETTLING)
     slope = 1.0 / (APPROACH_IS_FULL - APPROACH_BEGINS)
     approach[names.index("theta_1")], approach[names.index("latched_1")] = slope, -slope
     for joint in (1, 2):
-        latched[names.index(f"latched_{joint}")] = fading * SETTLED
-    latched[names.index("time_since_latch")] = -fading
-    return [(approach, -slope * APPROACH_BEGINS), (latched, -fading * SETTLED)]
+        latched[names.index(f"latched_{joint}")] = 1.0
+    return [(approach, -slope * APPROACH_BEGINS), (latched, -1.0)]
 
 
 def _standardised(names: Sequence[str], observations: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

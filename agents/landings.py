@@ -7,7 +7,7 @@ import numpy as np
 from stable_baselines3.common.vec_env import VecEnv
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepReturn
 
-from agents.features import APPROACH_BEGINS, SETTLED
+from agents.features import APPROACH_BEGINS
 from agents.vec_env import LAW_REWARD, NativeVecEnv
 from solar_env.episodes import SavedEpisode
 
@@ -64,7 +64,8 @@ class LandingVecEnv(NativeVecEnv):
     """Episodes that begin with a recorded landing: all of them in a random order, then all again in another.
 
     An agent that adds to a law only near the latches and beyond has nothing to learn before, which takes half the time
-    of a simulation. What it cannot help either is how hard a landing is: with `LAW_REWARD` in the info of every period
+    of a simulation. All that follows counts: the softer an array lands, the more of what it is charged comes seconds
+    later. What it cannot help either is how hard a landing is: with `LAW_REWARD` in the info of every period
     it can be rewarded by what it does better than the law in the same landing. As that does not depend on what the
     agent does, it makes gradients less noisy without a bias (E. Greensmith, P. L. Bartlett, J. Baxter, Variance
     Reduction Techniques for Gradient Estimates in Reinforcement Learning, J. Mach. Learn. Res. 5 (2004) 1471-1530).
@@ -77,7 +78,6 @@ class LandingVecEnv(NativeVecEnv):
     def __init__(self, num_envs: int, env_id: str, env_kwargs: Mapping[str, Any], landings: Sequence[Landing]) -> None:
         super().__init__(num_envs, env_id, env_kwargs)
         self._landings = landings
-        self._since_latch = self.env.unwrapped.observation_names.index("time_since_latch")
         self._generator = np.random.default_rng(0)
         self._order: list[int] = []
         self._present = [landings[0]] * num_envs
@@ -104,20 +104,16 @@ class LandingVecEnv(NativeVecEnv):
         return self.env.unwrapped.lane(lane).restore_episode(self._present[lane].episode)
 
     def step_wait(self) -> VecEnvStepReturn:
-        """As the environment's, with the next landing where an episode has ended or is truncated at `SETTLED`.
+        """As the environment's, with the next landing where an episode has ended.
 
         The rewards of the law that are left when an episode ends before the law's come in its last period.
         """
         observations: Any
         observations, rewards, dones, infos = super().step_wait()
         for lane in range(self.num_envs):
-            period, of_law, info = self._periods[lane], self._present[lane].rewards, infos[lane]
-            info[LAW_REWARD] = float(of_law[period : None if dones[lane] else period + 1].sum())
+            period, of_law = self._periods[lane], self._present[lane].rewards
+            infos[lane][LAW_REWARD] = float(of_law[period : None if dones[lane] else period + 1].sum())
             self._periods[lane] += 1
-            if not dones[lane] and observations[lane, self._since_latch] >= SETTLED:
-                dones[lane] = info["TimeLimit.truncated"] = True
-                info["terminal_observation"] = observations[lane].copy()
-                info["deployment"] = self.env.unwrapped.episodes.figures(lane)
             if dones[lane]:
                 observations[lane] = self._begin(lane)
         return observations, rewards, dones, infos

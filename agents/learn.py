@@ -8,6 +8,7 @@ import time
 from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -204,14 +205,24 @@ def prepare(config: Configuration, threads: int | None = None) -> tuple[Features
     Raises:
         ValueError: the law does not land the array.
     """
-    if not config.residual:
-        with make_env(config.env_id, config.env_kwargs) as env:
-            return whole_motion(env.get_wrapper_attr("observation_names")), []
-    lanes = NativeVecEnv(config.landings, config.env_id, {**config.env_kwargs, "num_threads": threads})
-    first = episode_seeds("training", config.seed, EPISODES_PER_SEED)[-(config.segments + 1) * config.landings]
-    with closing(_with_law(FixedSeeds(lanes, first), config)) as venv:
-        landings, observations = record(venv)
-        return landing(venv.get_attr("observation_names", 0)[0], observations), landings
+    if config.residual is not None:
+        first = episode_seeds("training", config.seed, EPISODES_PER_SEED)[-(config.segments + 1) * config.landings]
+        law = {**config.residual, "scale": 1.0}  # what is added is nothing, whatever the scale
+        return _recorded(config.env_id, json.dumps(config.env_kwargs), json.dumps(law), config.landings, first, threads)
+    with make_env(config.env_id, config.env_kwargs) as env:
+        names = env.get_wrapper_attr("observation_names")
+    return whole_motion(names), []
+
+
+@lru_cache(maxsize=1)  # the trials of a search have the landings in common
+def _recorded(
+    env_id: str, env_kwargs: str, residual: str, landings: int, first: int, threads: int | None
+) -> tuple[Features, list[Landing]]:
+    """What `prepare` returns for agents that add to a law; the keywords and the law are JSON."""
+    lanes = NativeVecEnv(landings, env_id, {**json.loads(env_kwargs), "num_threads": threads})
+    with closing(ResidualVecEnv(FixedSeeds(lanes, first), json.loads(residual))) as venv:
+        found, observations = record(venv)
+        return landing(venv.get_attr("observation_names", 0)[0], observations), found
 
 
 def make_model(config: Configuration, venv: VecEnv, features: Features, device: str = "cpu") -> BaseAlgorithm:

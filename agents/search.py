@@ -57,13 +57,13 @@ SPACES: dict[str, dict[str, Range]] = {
     },
     "sac": {
         "residual": Range(0.02, 0.2, logarithmic=True),
-        "learning_rate": Range(1e-4, 3e-3, logarithmic=True),
+        "learning_rate": Range(1e-5, 1e-3, logarithmic=True),
         "log_std_init": _LOG_STD,
         "tau": Range(0.002, 0.05, logarithmic=True),
     },
     "td3": {
         "residual": Range(0.02, 0.2, logarithmic=True),
-        "learning_rate": Range(1e-4, 3e-3, logarithmic=True),
+        "learning_rate": Range(1e-5, 1e-3, logarithmic=True),
         "exploration_noise": Range(0.005, 0.2, logarithmic=True),
         "tau": Range(0.002, 0.05, logarithmic=True),
     },

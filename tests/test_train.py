@@ -26,8 +26,8 @@ import train
 
 SMALL = {
     "ppo": ["--n-envs", "2", "--landings", "4", "--hyperparams", "n_steps=300", "batch_size=100"],
-    "sac": ["--landings", "4", "--hyperparams", "learning_starts=50", "buffer_size=2000", "batch_size=32"],
-    "td3": ["--landings", "4", "--hyperparams", "learning_starts=50", "buffer_size=2000", "batch_size=32"],
+    "sac": ["--n-envs", "1", "--landings", "4", "--hyperparams", "learning_starts=50", "buffer_size=2000", "batch_size=32"],
+    "td3": ["--n-envs", "1", "--landings", "4", "--hyperparams", "learning_starts=50", "buffer_size=2000", "batch_size=32"],
 }
 
 

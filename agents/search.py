@@ -19,6 +19,7 @@ from agents.tune import tune
 from solar_env.campaigns import Workers
 
 SIGNIFICANT_DIGITS = 3
+SPREAD = 0.1  # of the first generation, as a share of the ranges: much further out agents shake the array to pieces
 
 
 @dataclass(frozen=True)
@@ -186,7 +187,7 @@ def main(argv: Sequence[str] | None = None) -> None:
         return [-scores[folder] for folder in folders]
 
     first = start(args.algo, args.env_id)
-    tune(costs, first, args.trials, 1, args.seed, progress=not args.quiet)
+    tune(costs, first, args.trials, 1, args.seed, progress=not args.quiet, spread=SPREAD)
     before = -costs([first], [])[0]
     best = max(scores, key=scores.__getitem__)
     record = {

@@ -24,10 +24,12 @@ from solar_env.array import MODELS
 sys.path.insert(0, str(Path(__file__).parents[1]))
 import train
 
+OFF_POLICY = ["--n-envs", "1", "--landings", "4"]
+OFF_POLICY += ["--hyperparams", "learning_starts=50", "buffer_size=2000", "batch_size=32"]
 SMALL = {
     "ppo": ["--n-envs", "2", "--landings", "4", "--hyperparams", "n_steps=300", "batch_size=100"],
-    "sac": ["--n-envs", "1", "--landings", "4", "--hyperparams", "learning_starts=50", "buffer_size=2000", "batch_size=32"],
-    "td3": ["--n-envs", "1", "--landings", "4", "--hyperparams", "learning_starts=50", "buffer_size=2000", "batch_size=32"],
+    "sac": OFF_POLICY,
+    "td3": OFF_POLICY,
 }
 
 

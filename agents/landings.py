@@ -65,10 +65,12 @@ class LandingVecEnv(NativeVecEnv):
 
     An agent that adds to a law only near the latches and beyond has nothing to learn before, which takes half the time
     of a simulation. All that follows counts: the softer an array lands, the more of what it is charged comes seconds
-    later. What it cannot help either is how hard a landing is: with `LAW_REWARD` in the info of every period
-    it can be rewarded by what it does better than the law in the same landing. As that does not depend on what the
-    agent does, it makes gradients less noisy without a bias (E. Greensmith, P. L. Bartlett, J. Baxter, Variance
-    Reduction Techniques for Gradient Estimates in Reinforcement Learning, J. Mach. Learn. Res. 5 (2004) 1471-1530).
+    later.
+
+    What an agent cannot help is how hard a landing is: with `LAW_REWARD` in the info of every period it can be rewarded
+    by what it does better than the law in the same landing. As that does not depend on what the agent does, it makes
+    gradients less noisy without a bias (E. Greensmith, P. L. Bartlett, J. Baxter, Variance Reduction Techniques for
+    Gradient Estimates in Reinforcement Learning, J. Mach. Learn. Res. 5 (2004) 1471-1530).
 
     Args:
         num_envs, env_id, env_kwargs: As of `NativeVecEnv`.

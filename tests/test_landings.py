@@ -60,6 +60,14 @@ def test_a_landing_begins_where_the_law_has_come_near_the_latches():
     assert np.all(opening < APPROACH_BEGINS + 0.02)
 
 
+def test_agents_that_add_more_or_less_to_the_same_law_have_their_landings_in_common():
+    config, landings = prepared(ENV_IDS[0])
+    more = learn.configuration("sac", config.env_id, {}, 0, residual=0.4, landings=len(landings))
+    other_seed = learn.configuration("ppo", config.env_id, {}, 1, residual=0.2, landings=len(landings))
+    assert learn.prepare(more)[1] is landings
+    assert learn.prepare(other_seed)[1] is not landings
+
+
 def test_every_landing_comes_before_any_comes_again_in_an_order_that_follows_from_the_seed():
     config, landings = prepared(ENV_IDS[0], count=6)
     number = {landing.episode.parameters.hinge_x: k for k, landing in enumerate(landings)}

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from agents import learn, runs
+from agents import configurations, learn, runs
 from agents.arguments import parse_arguments
 from agents.baselines import make_baseline
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model
@@ -78,10 +78,11 @@ def main(args: Args, command: str) -> Path:
     if args.seeds:
         return train_seeds(args, command)
     if args.resume:
-        config = learn.resumed_configuration(args.resume, args.timesteps)
+        config = configurations.resumed_configuration(args.resume, args.timesteps)
         check_resumable(args, config)
     else:
         config = configuration(args, args.seed or 0)
+    check_comparison(args, config.seed)
     folder = runs.new_run_folder(args.out, config.env_id, config.algo, config.seed)
     print(f"{config.algo} on {config.env_id}, {config.timesteps} steps -> {folder}")
     learn.train(config, folder, args.resume, command, args.device, progress=not args.quiet)
@@ -93,11 +94,11 @@ def main(args: Args, command: str) -> Path:
     return folder
 
 
-def configuration(args: Args, seed: int) -> learn.Configuration:
+def configuration(args: Args, seed: int) -> configurations.Configuration:
     """What the arguments ask to train, with a seed."""
     env_id = args.env_id or DEFAULT_ENV_ID
     env_kwargs = with_model(args.env_kwargs, args.model, args.elements, env_id)
-    return learn.configuration(
+    return configurations.configuration(
         args.algo or "ppo",
         env_id,
         env_kwargs,
@@ -120,6 +121,7 @@ def train_seeds(args: Args, command: str) -> Path:
         raise ValueError(
             "--seeds takes different seeds and --out, the folder of their runs, and does not go with --resume"
         )
+    check_comparison(args, args.seed or 0)
     out = Path(args.out)
     wanted = {out / f"seed-{seed}": configuration(args, seed) for seed in args.seeds}
     learn.train_missing(wanted, command, args.device, Workers(args.jobs, args.cluster), not args.quiet)
@@ -129,8 +131,18 @@ def train_seeds(args: Args, command: str) -> Path:
     return out
 
 
+def check_comparison(args: Args, seed: int) -> None:
+    """Refuse now what the comparison would refuse once everything is trained.
+
+    Raises:
+        ValueError: the number of episodes or processes, the cluster or the seed is out of range.
+    """
+    Workers(args.jobs, args.cluster)
+    episode_seeds("evaluation", seed, args.eval_episodes)
+
+
 def compare(
-    args: Args, config: learn.Configuration, folders: Sequence[Path], out: Path, command: str
+    args: Args, config: configurations.Configuration, folders: Sequence[Path], out: Path, command: str
 ) -> tuple[Summary, str]:
     """Compare runs, as training seeds of one controller, with the baselines; for the rest see `write_comparison`."""
     seed = args.seed or 0 if args.seeds else config.seed
@@ -148,7 +160,7 @@ def compare(
     return write_comparison(out, rows, settings, efforts(controllers, config.env_id, config.env_kwargs))
 
 
-def check_resumable(args: Args, config: learn.Configuration) -> None:
+def check_resumable(args: Args, config: configurations.Configuration) -> None:
     """Refuse arguments that contradict the run to resume.
 
     Raises:
@@ -174,7 +186,7 @@ def check_resumable(args: Args, config: learn.Configuration) -> None:
             )
 
 
-def draw(folder: Path, config: learn.Configuration, returns: dict[str, float]) -> None:
+def draw(folder: Path, config: configurations.Configuration, returns: dict[str, float]) -> None:
     """Draw the run's figure: the learning curve, and one evaluation episode, learned and passive."""
     env = make_env(config.env_id, config.env_kwargs)
     seed = episode_seeds("evaluation", config.seed, 1)[0]

@@ -1,5 +1,5 @@
 """Controllers for the deployment environments: baselines, their tuning, learning and evaluation.
 
-Imports run one way: arguments, environments <- baselines <- runs <- evaluate, tune, learn <- train.py.
-The simulator (``solar_env``) never imports this package.
+Imports run one way, from the command lines down to the laws; pyproject.toml has the layers. The simulator
+(``solar_env``) never imports this package.
 """

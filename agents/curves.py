@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from agents import learn, runs
+from agents import configurations, learn, runs
 from agents.arguments import parse_arguments
 from agents.environments import with_model
 from agents.figures import learning_curves_figure
-from agents.suites import SUITES
+from agents.suites import SUITES, TRAINING_MODEL
 from solar_env.campaigns import Workers
 from solar_env.readme import FIGURE_FOLDER
 
@@ -42,9 +42,9 @@ class Args:
     timesteps: int | None = None
     """environment steps of every training; None: the number in agents/configs"""
     model: str | None = None
-    """rigid-ideal, rigid-clearance, flexible-ideal or flexible-clearance; None: flexible-clearance"""
+    """rigid-ideal, rigid-clearance, flexible-ideal or flexible-clearance; None: flexible-clearance with 4 elements"""
     elements: int | None = None
-    """beam elements of each panel of a flexible model; None: 6"""
+    """beam elements of each panel of a flexible model; None: 4, or 6 for a model that was named"""
     env_kwargs: dict[str, Any] = field(default_factory=dict)
     """environment keywords"""
     landings: int | None = None
@@ -63,17 +63,19 @@ class Args:
     """no progress bars"""
 
 
-def configurations(args: Args) -> dict[tuple[str, str], dict[Path, learn.Configuration]]:
+def wanted_runs(args: Args) -> dict[tuple[str, str], dict[Path, configurations.Configuration]]:
     """(panel, algorithm) -> run folder -> what is to be trained there, a run for each seed."""
-    wanted: dict[tuple[str, str], dict[Path, learn.Configuration]] = {}
+    wanted: dict[tuple[str, str], dict[Path, configurations.Configuration]] = {}
     for suite, whole in itertools.product(args.suites, (False, True) if args.whole else (False,)):
         env_id = SUITES[suite]
-        model, elements = (WHOLE_MODEL, None) if whole else (args.model or "flexible-clearance", args.elements)
-        keywords = with_model(args.env_kwargs, model, elements, env_id)
-        panel = f"{suite}, {model}, {'whole torque' if whole else 'added to the servo'}"
+        if whole:
+            keywords = with_model({k: v for k, v in args.env_kwargs.items() if k != "model"}, WHOLE_MODEL)
+        else:
+            keywords = with_model(args.env_kwargs, args.model, args.elements, env_id, TRAINING_MODEL)
+        panel = f"{suite}, {keywords['model']}, {'whole torque' if whole else 'added to the servo'}"
         for algo in args.algos:
             wanted[panel, algo] = {
-                Path(args.out) / f"{suite}-{algo}{'-whole' if whole else ''}-{seed}": learn.configuration(
+                Path(args.out) / f"{suite}-{algo}{'-whole' if whole else ''}-{seed}": configurations.configuration(
                     algo,
                     env_id,
                     keywords,
@@ -111,7 +113,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     if unknown:
         raise ValueError(f"no suite {unknown[0]!r}; available: {', '.join(SUITES)}")
     command = shlex.join(["python", "-m", "agents.curves", *(sys.argv[1:] if argv is None else argv)])
-    wanted = configurations(args)
+    wanted = wanted_runs(args)
     everything = {folder: config for of_agent in wanted.values() for folder, config in of_agent.items()}
     learn.train_missing(everything, command, "cpu", Workers(args.jobs, args.cluster), not args.quiet)
     curves: Curves = {key: curve(list(of_agent)) for key, of_agent in wanted.items()}

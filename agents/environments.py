@@ -40,8 +40,11 @@ def with_model(
     model: str | None = None,
     elements: int | None = None,
     env_id: str = DEFAULT_ENV_ID,
+    default: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
     """`env_kwargs` with `model` and `elements`, as the command lines take them, where they are not None.
+
+    Where neither they nor `env_kwargs` name a model, `default`, with a model and elements, tells what is missing.
 
     `model="auto"` is replaced by the level that it stands for: what is kept then says what was simulated, even after
     the ladder has been measured anew.
@@ -54,6 +57,8 @@ def with_model(
         if env_kwargs.get(name, value) != value:
             raise ValueError(f"--{name} {value} contradicts --env-kwargs {name}={env_kwargs[name]}; give one of them")
     chosen = {**env_kwargs, **given}
+    if "model" not in chosen:
+        chosen = {**(default or {}), **chosen}
     if chosen.get("model") == "auto":
         with make_env(env_id, chosen) as env:
             level = {name: env.get_wrapper_attr(name) for name in ("model", "elements")}

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from agents.arguments import parse_arguments
-from agents.controllers import effort, trained_in, trained_on
+from agents.controllers import UNTRAINED, effort, trained_in, trained_on
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_sampling
 from agents.episodes import episode_cell, run_cells
 from agents.figures import comparison_figure
@@ -69,11 +69,18 @@ def split_controller(text: str) -> tuple[str, str]:
 
 
 def check_names(controllers: Sequence[str]) -> None:
-    """Refuse different controllers that would go by the same name without having been given it.
+    """Refuse what is given twice, and different controllers of the same name that they have not been given.
 
     Raises:
         ValueError: there are such.
     """
+    pairs = [split_controller(text) for text in controllers]
+    for name, spec in pairs:
+        times = pairs.count((name, spec))
+        if times > 1:
+            raise ValueError(f"{name} is given {times} times; its episodes would count as many times")
+        if spec in UNTRAINED and any(other == name and of != spec for other, of in pairs):
+            raise ValueError(f"{spec} and another controller are both called {name}; give the other its own name")
     bare = [split_controller(text) for text in controllers if "=" not in text]
     specs: dict[str, str] = {}
     for name, spec in bare:

@@ -17,12 +17,20 @@ from stable_baselines3.common.policies import ActorCriticPolicy
 from stable_baselines3.sac.policies import SACPolicy
 from torch import nn
 
+try:
+    import onnxruntime
+    from onnx import TensorProto, checker, helper, numpy_helper
+except ImportError as missing:
+    raise ImportError("exporting needs ONNX and its runtime; pip install 'solar-env[onnx]'") from missing
+
 from agents import runs, shipped
 from agents.arguments import parse_arguments
 from agents.baselines import BASELINES
-from agents.environments import make_env
+from agents.controllers import UNTRAINED
+from agents.environments import episode_seeds, make_env
 from agents.features import LIMIT, DriveFeatures
 from agents.report import Row, markdown
+from agents.rollout import run_episode
 from agents.shipped import Description, Layer, PolicyNetwork, ShippedPolicy
 from solar_env.hardware import Hardware
 
@@ -42,6 +50,8 @@ class Args:
     """run folder; may be named first, without --run"""
     name: str | None = None
     """name of the policy: letters, digits, dots, dashes and underscores"""
+    scores: str | None = None
+    """folder of a comparison (`agents.evaluate`) in which the run was measured, for the card; None: the run's own"""
 
 
 def network_of(model: BaseAlgorithm) -> PolicyNetwork:
@@ -90,57 +100,59 @@ def _layer(weights: torch.Tensor, biases: torch.Tensor) -> Layer:
     return Layer(*(tensor.detach().cpu().numpy().copy() for tensor in (weights, biases)))
 
 
-def difference(network: PolicyNetwork, model: BaseAlgorithm, env: gymnasium.Env, count: int = 1000) -> float:
-    """Greatest difference between the actions of a network and of the model it comes from.
+def difference(network: PolicyNetwork, onnx_bytes: bytes, model: BaseAlgorithm, observations: np.ndarray) -> float:
+    """Greatest difference of a network's actions, and of its ONNX form's, to those of the model that it comes from.
 
     Args:
         network: From `network_of`.
-        model: What it comes from.
-        env: Bounds the observations.
-        count: Number of observations, drawn uniformly.
+        onnx_bytes: From `onnx_model`.
+        model: What they come from.
+        observations: (n, entries); looked at together and one by one.
     """
+    session = onnxruntime.InferenceSession(onnx_bytes)
+    found = 0.0
+    for batch in (observations, *observations[:, None]):
+        expected, _ = model.predict(batch, deterministic=True)
+        for actions in (network.predict(batch)[0], session.run(["action"], {"observation": batch})[0]):
+            found = max(found, float(np.max(np.abs(actions - expected))))
+    return found
+
+
+def observed(policy: ShippedPolicy, env: gymnasium.Env, seed: int) -> np.ndarray:
+    """What a policy observes in a deployment (periods, entries), and as many observations drawn from all there are."""
+    seen: list[np.ndarray] = []
+    run_episode(env, policy, seed, lambda step: seen.append(step.observation))
     space: Any = env.observation_space
-    observations = np.random.default_rng(0).uniform(space.low, space.high, (count, *space.shape)).astype(np.float32)
-    expected, _ = model.predict(observations, deterministic=True)
-    return float(np.max(np.abs(network.predict(observations)[0] - expected)))
+    drawn = np.random.default_rng(0).uniform(space.low, space.high, (len(seen), *space.shape))
+    return np.concatenate([np.array(seen), drawn]).astype(np.float32)
 
 
 def onnx_model(network: PolicyNetwork) -> Any:
-    """The network as an ``onnx.ModelProto``: "observation" (n, inputs) to "action" (n, outputs), both float32.
-
-    Raises:
-        ValueError: ONNX is not installed.
-    """
-    try:
-        from onnx import TensorProto, checker, helper, numpy_helper
-    except ImportError as error:
-        raise ValueError("ONNX is not installed; pip install 'solar-env[onnx]'") from error
-
+    """The network as an ``onnx.ModelProto``: "observation" (n, inputs) to "action" (n, outputs), both float32."""
     nodes, constants = [], []
 
-    def constant(name: str, value: Any) -> str:
-        constants.append(numpy_helper.from_array(np.asarray(value, dtype=np.float32), name))
+    def constant(name: str, value: Any, precision: type[np.floating] = np.float32) -> str:
+        constants.append(numpy_helper.from_array(np.asarray(value, dtype=precision), name))
         return name
 
     def node(operator: str, inputs: list[str], output: str, **attributes: Any) -> str:
         nodes.append(helper.make_node(operator, inputs, [output], **attributes))
         return output
 
-    values = "observation"
-    for number, layer in enumerate(network.layers, start=1):
+    seen = node("Cast", ["observation"], "observation_in_double_precision", to=TensorProto.DOUBLE)
+
+    def clipped_sum(name: str, layer: Layer, low: float, high: float) -> str:
+        weights, biases = (constant(f"{part}_{name}", getattr(layer, part), np.float64) for part in layer._fields)
+        limits = [constant(f"least_{name}", low, np.float64), constant(f"greatest_{name}", high, np.float64)]
+        return node("Clip", [node("Gemm", [seen, weights, biases], f"sum_{name}", transB=1), *limits], name)
+
+    ungated = clipped_sum("ungated_features", network.layers[0], -network.feature_limit, network.feature_limit)
+    gated = node("Mul", [ungated, clipped_sum("gates", network.gates, 0.0, 1.0)], "features_in_double_precision")
+    values = node("Cast", [gated], "features", to=TensorProto.FLOAT)
+    for number, layer in enumerate(network.layers[1:], start=2):
         weights, biases = constant(f"weights_{number}", layer.weights), constant(f"biases_{number}", layer.biases)
         values = node("Gemm", [values, weights, biases], f"sum_{number}", transB=1)
-        if number == 1:
-            limits = [
-                constant("least_feature", -network.feature_limit),
-                constant("greatest_feature", network.feature_limit),
-            ]
-            ungated = node("Clip", [values, *limits], "ungated_features")
-            gates = [constant("weights_gates", network.gates.weights), constant("biases_gates", network.gates.biases)]
-            opening = node("Gemm", ["observation", *gates], "sum_gates", transB=1)
-            opening = node("Clip", [opening, constant("closed", 0.0), constant("open", 1.0)], "gates")
-            values = node("Mul", [ungated, opening], "features")
-        elif number < len(network.layers):
+        if number < len(network.layers):
             values = node(ONNX_OPERATORS[network.activation], [values], f"hidden_{number}")
     if network.mean_limit is not None:
         limits = [constant("least_mean", -network.mean_limit), constant("greatest_mean", network.mean_limit)]
@@ -164,13 +176,20 @@ def onnx_model(network: PolicyNetwork) -> Any:
     return model
 
 
-def export(run: str | Path, folder: Path) -> ShippedPolicy:
+def export(run: str | Path, folder: Path, comparison: str | Path | None = None) -> ShippedPolicy:
     """Write the best policy of a run, its ONNX form and its card to `folder`. Export only runs you trust: it unpickles.
+
+    Args:
+        run: Run folder.
+        folder: Where to.
+        comparison: Folder of a comparison in which the run was measured; by default the run's own, or that of all the
+            seeds that it was trained with.
 
     Raises:
         FileExistsError: `folder` exists.
         FileNotFoundError: there is no run, or it has no policy.
-        ValueError: the training was interrupted, the policy is none that can be exported, or ONNX is not installed.
+        ValueError: the training was interrupted, the policy is none that can be exported, or `comparison` has no scores
+            of it.
     """
     if folder.exists():
         raise FileExistsError(f"{folder} exists; choose another --name, or remove it")
@@ -194,14 +213,18 @@ def export(run: str | Path, folder: Path) -> ShippedPolicy:
             observation_names=tuple(unwrapped.observation_names),
             torque_limit=unwrapped.task.torque_limit,
             deadline=unwrapped.task.deadline,
+            control_period=unwrapped.task.control_period,
+            postlock_window=unwrapped.task.postlock_window,
             residual=config.get("residual"),
         )
         policy = ShippedPolicy(network, description)
-        found = difference(network, model, env)
+        onnx_bytes = onnx_model(network).SerializeToString()
+        seed = episode_seeds("validation", config["seed"], 1)[0]
+        found = difference(network, onnx_bytes, model, observed(policy, env, seed))
         if not found <= TOLERANCE:
             raise ValueError(f"the exported network differs from the run's policy by {found:.1e}; it is not written")
-        card = _card(folder.name, run, config, policy, unwrapped, found)
-    onnx_bytes = onnx_model(network).SerializeToString()
+        scores = _scores(run, Path(comparison)) if comparison else _own_scores(run)
+        card = _card(folder.name, config, policy, unwrapped, scores, found)
     folder.mkdir(parents=True)
     shipped.save(folder, policy)
     (folder / shipped.ONNX).write_bytes(onnx_bytes)
@@ -209,13 +232,13 @@ def export(run: str | Path, folder: Path) -> ShippedPolicy:
     return policy
 
 
-def _card(name: str, run: Path, config: dict[str, Any], policy: ShippedPolicy, env: Any, found: float) -> str:
+def _card(name: str, config: dict[str, Any], policy: ShippedPolicy, env: Any, scores: str, found: float) -> str:
     """The card of a policy; `env` is the environment that it was trained on, `found` its `difference`."""
     parts = [
         f"# {name}\n\nA controller of the root hinge's motor for `{config['env_id']}`, trained by "
         f"{config['algo'].upper()} from Stable-Baselines3.",
         _training(config, policy, env),
-        f"## Scores\n\n{_scores(run)}",
+        f"## Scores\n\n{scores}",
         _limits(policy, env),
         _use(name, policy, found),
     ]
@@ -267,19 +290,29 @@ def _formula(residual: Mapping[str, Any] | None) -> str:
     )
 
 
-def _scores(run: Path) -> str:
-    """The comparison in which a run was measured: its own, or that of all the seeds it was trained with."""
+def _own_scores(run: Path) -> str:
+    """The comparison that training ended with: of the run, or of all the seeds that it was trained with."""
     for folder in (run, run.parent):
-        if not (folder / "episodes.csv").is_file() or not (folder / "metrics.json").is_file():
-            continue
-        with (folder / "episodes.csv").open() as file:
-            rows = [_numbers(row) for row in csv.DictReader(file)]
-        own = [row for row in rows if Path(row["spec"]).name == run.name and row["spec"] not in BASELINES]
-        if own:
-            settings = json.loads((folder / "metrics.json").read_text())["settings"]
-            table = markdown([row for row in rows if row["spec"] in BASELINES] + own)
-            return f"`{own[0]['controller']}` is this policy. Measured by `{settings['command']}`.\n\n{table.strip()}"
+        if (folder / "episodes.csv").is_file() and (folder / "metrics.json").is_file():
+            return _scores(run, folder)
     return "None were measured."
+
+
+def _scores(run: Path, comparison: Path) -> str:
+    """What the comparison in a folder says of a run, and of the baselines beside it.
+
+    Raises:
+        FileNotFoundError: there is no comparison.
+        ValueError: the run is not part of it.
+    """
+    with (comparison / "episodes.csv").open() as file:
+        rows = [_numbers(row) for row in csv.DictReader(file)]
+    own = [row for row in rows if Path(row["spec"]).name == run.name and row["spec"] not in BASELINES]
+    if not own:
+        raise ValueError(f"{comparison} has no scores of {run}; it has {', '.join({row['spec'] for row in rows})}")
+    settings = json.loads((comparison / "metrics.json").read_text())["settings"]
+    table = markdown([row for row in rows if row["spec"] in BASELINES] + own)
+    return f"`{own[0]['controller']}` is this policy. Measured by `{settings['command']}`.\n\n{table.strip()}"
 
 
 def _numbers(row: Mapping[str, str]) -> Row:
@@ -297,8 +330,8 @@ def _limits(policy: ShippedPolicy, env: Any) -> str:
     lines = [
         "Trained on the model, scenario, draws, sensors and motor above, with a control period of "
         f"{task.control_period} s, a deadline of {task.deadline} s and {task.postlock_window} s after the last latch. "
-        "Do not trust it with other models, parameters, initial states, sensors, motors or periods: this card "
-        "measures nothing there.",
+        "Do not trust it with models, parameters, initial states, sensors, motors or periods on which neither training "
+        "nor the scores above have tried it.",
         f"It expects these {len(names)} entries in this order, in the units of the environment: "
         f"{', '.join(f'`{name}`' for name in names)}. An action of 1 is a motor torque of {task.torque_limit} N m.",
         "It is one training seed of one algorithm, which says little about the algorithm, and chosen on simulated "
@@ -316,11 +349,12 @@ def _use(name: str, policy: ShippedPolicy, found: float) -> str:
         )
     return f"""## Use
 
-In NumPy, without PyTorch; nothing is unpickled. Over random observations its network's actions differ by up to
-{found:.1e} from Stable-Baselines3's. With clearance even that changes single impacts: compare means over episodes.
+In NumPy, without PyTorch; nothing is unpickled. Along a deployment and over random observations its network's actions,
+and those of the ONNX form, differ by up to {found:.1e} from Stable-Baselines3's. With clearance even that changes
+single impacts: compare means over episodes.
 
 ```python
-from agents.environments import make_env
+from agents.environments import episode_seeds, make_env
 from agents.rollout import run_episode
 from agents.shipped import load_shipped
 
@@ -352,8 +386,10 @@ def main(argv: Sequence[str] | None = None) -> None:
     args = parse_arguments(Args, given, prog="python -m agents.export")
     if args.run is None or not re.fullmatch(r"\w[\w.-]*", args.name or ""):
         raise ValueError(f"run is {args.run!r}, name {args.name!r}; give both: agents.export runs/<run> --name NAME")
+    if args.name in UNTRAINED:
+        raise ValueError(f"name is {args.name!r}, which is that of a controller without learning; choose another one")
     folder = shipped.SHIPPED / str(args.name)
-    export(args.run, folder)
+    export(args.run, folder, args.scores)
     print(f"written to {folder}")
 
 

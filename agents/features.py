@@ -27,11 +27,14 @@ LEAST_DEVIATION = 0.05  # of a principal component, next to entries of unit devi
 class Features(NamedTuple):
     """``clip(matrix o + offset, -LIMIT, LIMIT) clip(gate_matrix o + gate_offset, 0, 1)`` of an observation ``o``.
 
+    They are computed in double precision: of entries magnified by thousands, and as many subtracted, single precision
+    leaves three digits, which then depend on how many observations are multiplied together.
+
     Attributes:
-        matrix: (features, entries), float32.
-        offset: (features,), float32.
-        gate_matrix: (features, entries), float32.
-        gate_offset: (features,), float32.
+        matrix: (features, entries), float64.
+        offset: (features,), float64.
+        gate_matrix: (features, entries), float64.
+        gate_offset: (features,), float64.
     """
 
     matrix: np.ndarray
@@ -54,7 +57,7 @@ def whole_motion(names: Sequence[str]) -> Features:
             row[column] = scale
             rows.append(row)
             offsets.append(-centre * scale)
-    return _features(np.array(rows), np.array(offsets), np.zeros((len(rows), len(names))), np.ones(len(rows)))
+    return Features(np.array(rows), np.array(offsets), np.zeros((len(rows), len(names))), np.ones(len(rows)))
 
 
 def landing(names: Sequence[str], observations: np.ndarray) -> Features:
@@ -81,7 +84,7 @@ def landing(names: Sequence[str], observations: np.ndarray) -> Features:
             )
         rows, offsets = _standardised(names, observations[seen])
         sets.append((rows, offsets, np.tile(gate[0], (len(rows), 1)), np.full(len(rows), gate[1])))
-    return _features(*(np.concatenate(parts) for parts in zip(*sets, strict=True)))
+    return Features(*(np.concatenate(parts) for parts in zip(*sets, strict=True)))
 
 
 def _gates(names: Sequence[str]) -> list[tuple[np.ndarray, float]]:
@@ -107,10 +110,6 @@ def _standardised(names: Sequence[str], observations: np.ndarray) -> tuple[np.nd
     return matrix, np.concatenate([np.ones(1), -components @ mean])
 
 
-def _features(*arrays: np.ndarray) -> Features:
-    return Features(*(array.astype(np.float32) for array in arrays))
-
-
 class DriveFeatures(BaseFeaturesExtractor):
     """Features extractor for Stable-Baselines3: a fixed map of the observation; nothing is learned.
 
@@ -131,5 +130,6 @@ class DriveFeatures(BaseFeaturesExtractor):
 
     def forward(self, observations: torch.Tensor) -> torch.Tensor:
         """Features (n, features) of observations (n, entries)."""
-        values = torch.clamp(observations @ self.matrix.T + self.offset, -LIMIT, LIMIT)
-        return values * torch.clamp(observations @ self.gate_matrix.T + self.gate_offset, 0.0, 1.0)
+        seen = observations.double()
+        values = torch.clamp(seen @ self.matrix.T + self.offset, -LIMIT, LIMIT)
+        return (values * torch.clamp(seen @ self.gate_matrix.T + self.gate_offset, 0.0, 1.0)).float()

@@ -1,5 +1,6 @@
 """Training on landings alone: episodes that begin where a torque law has come near the latches."""
 
+import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -31,7 +32,10 @@ def record(venv: VecEnv) -> tuple[list[Landing], np.ndarray]:
         venv: Lanes in which nothing is added to the law by an action of zero, without rewards of its own making.
 
     Raises:
-        ValueError: the law does not bring the array near the latches.
+        ValueError: the law never brings the array near the latches.
+
+    Warns:
+        UserWarning: it does not in some of the lanes.
     """
     lanes = venv.num_envs
     opening = venv.get_attr("observation_names", 0)[0].index("theta_1")
@@ -57,6 +61,12 @@ def record(venv: VecEnv) -> tuple[list[Landing], np.ndarray]:
     ]
     if not found:
         raise ValueError("the law that the agent adds to does not bring the array near the latches; tune it first")
+    if len(found) < lanes:
+        warnings.warn(
+            f"the law that the agent adds to brings the array near the latches in {len(found)} of {lanes} episodes; "
+            "the agent trains on these alone",
+            stacklevel=2,
+        )
     return found, np.concatenate(seen)
 
 

@@ -1,13 +1,12 @@
 """Training PPO, SAC and TD3 through Stable-Baselines3, from a configuration to a run folder."""
 
-import inspect
 import json
 import math
 import shutil
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import closing
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -26,7 +25,6 @@ from stable_baselines3.common.vec_env import VecEnv, VecMonitor, VecNormalize
 from tqdm import tqdm
 
 from agents import runs
-from agents.baselines import CONFIGS
 from agents.callbacks import (
     DeploymentLogger,
     SaveCheckpoint,
@@ -34,141 +32,18 @@ from agents.callbacks import (
     Validation,
     save_checkpoint,
 )
-from agents.environments import EPISODES_PER_SEED, episode_seeds, make_env, with_sampling
+from agents.configurations import Configuration, stored_configuration
+from agents.environments import EPISODES_PER_SEED, episode_seeds, make_env
 from agents.features import DriveFeatures, Features, landing, whole_motion
 from agents.landings import Landing, LandingVecEnv, record
-from agents.residual import residual_on
 from agents.vec_env import FixedSeeds, LogarithmicCharges, NativeVecEnv, ResidualVecEnv
 from solar_env.campaigns import Workers, each_done
 
 VALIDATION_EPISODES = 24
 VALIDATIONS = 5
 SHORTEST_VALIDATION_INTERVAL = 2000  # environment steps; a validation takes about as many itself
-# Arguments of the Stable-Baselines3 classes that say other things than how to learn.
-NOT_HYPERPARAMETERS = {"policy", "env", "seed", "device", "verbose", "tensorboard_log", "_init_setup_model"}
 CHARGE_SCALE = 0.5  # above what any soft landing costs; see `LogarithmicCharges`
 NOISE_PERIODS = 100  # control periods over which the noise of TD3 is correlated
-
-
-@dataclass(frozen=True)
-class Configuration:
-    """What determines a training run.
-
-    Attributes:
-        algo: Name of the algorithm: ppo, sac or td3.
-        env_id: Environment id.
-        env_kwargs: Environment keywords, with the ranges to randomise.
-        seed: Run seed; networks, exploration and episodes follow from it.
-        n_envs: Environments stepped together.
-        timesteps: Environment steps to train for; those of a resumed run come on top of earlier ones.
-        hyperparameters: Keywords of the Stable-Baselines3 class, and `exploration_noise`, the standard
-            deviation of TD3's action noise, an Ornstein-Uhlenbeck process over `NOISE_PERIODS`. PPO's learning rate
-            is that of the start and falls linearly to zero.
-        residual: What the agent adds to, see `agents.residual.residual_on`; None if it commands the whole torque.
-        landings: Episodes of that law alone that training begins with, see `agents.landings`; 0 without a law.
-        segments: Number of times that training has been resumed.
-    """
-
-    algo: str
-    env_id: str
-    env_kwargs: dict[str, Any]
-    seed: int
-    n_envs: int
-    timesteps: int
-    hyperparameters: dict[str, Any]
-    residual: dict[str, Any] | None = None
-    landings: int = 0
-    segments: int = 0
-
-
-def entry(algo: str, env_id: str) -> dict[str, Any]:
-    """What ``agents/configs/<algo>.json`` holds for `env_id`.
-
-    Raises:
-        ValueError: nothing.
-    """
-    entries = json.loads((CONFIGS / f"{algo}.json").read_text())
-    if env_id not in entries:
-        raise ValueError(f"{algo}.json has no hyperparameters for {env_id!r}; it has {', '.join(entries)}")
-    return entries[env_id]
-
-
-def configuration(
-    algo: str,
-    env_id: str,
-    env_kwargs: Mapping[str, Any],
-    seed: int,
-    n_envs: int | None = None,
-    timesteps: int | None = None,
-    hyperparameters: Mapping[str, Any] | None = None,
-    residual: float | None = None,
-    landings: int | None = None,
-) -> Configuration:
-    """The configuration in ``agents/configs/<algo>.json`` for `env_id`, with what is given here in its place.
-
-    Its "hyperparameters" are those of an agent that adds to a law; one that commands the whole torque has those of
-    "whole_torque" in their place.
-
-    Raises:
-        ValueError: algorithm, environment, one of its keywords or a hyperparameter is unknown, or a number is
-            out of range.
-    """
-    accepted = set(inspect.signature(runs.algorithm(algo)).parameters) - NOT_HYPERPARAMETERS
-    if "action_noise" in accepted:
-        accepted = accepted - {"action_noise"} | {"exploration_noise"}
-    found = entry(algo, env_id)
-    for name in hyperparameters or {}:
-        if name not in accepted:
-            raise ValueError(f"{algo} has no hyperparameter {name!r}; it has {', '.join(sorted(accepted))}")
-    n_envs = found["n_envs"] if n_envs is None else n_envs
-    timesteps = found["timesteps"] if timesteps is None else timesteps
-    _check_positive("n_envs", n_envs)
-    _check_positive("timesteps", timesteps)
-    env_kwargs = {"observation": found["observation"], **env_kwargs}
-    # Refuse a wrong seed or environment keyword now, not once a run folder exists.
-    episode_seeds("training", seed, n_envs)
-    with make_env(env_id, env_kwargs) as env:
-        model = env.get_wrapper_attr("model")
-    scale = found["residual"] if residual is None else residual
-    landings = (found["landings"] if landings is None else landings) if scale else 0
-    if scale:
-        _check_positive("landings", landings)
-    defaults = found["hyperparameters"] if scale else {**found["hyperparameters"], **found["whole_torque"]}
-    return Configuration(
-        algo=algo,
-        env_id=env_id,
-        env_kwargs=runs.jsonable(with_sampling(env_kwargs, env_id)),
-        seed=seed,
-        n_envs=n_envs,
-        timesteps=timesteps,
-        hyperparameters={**defaults, **(hyperparameters or {})},
-        residual=residual_on(scale, env_id, model, landings) if scale else None,
-        landings=landings,
-    )
-
-
-def stored_configuration(folder: str | Path) -> Configuration:
-    """The configuration of the run in `folder`."""
-    stored = runs.read_config(folder)
-    return Configuration(**{name: stored[name] for name in inspect.signature(Configuration).parameters})
-
-
-def resumed_configuration(folder: str | Path, timesteps: int | None = None) -> Configuration:
-    """The configuration of the run in `folder`, to train on for `timesteps`, by default as many as before.
-
-    Raises:
-        FileNotFoundError: `folder` holds no run.
-        ValueError: the number of steps is not positive.
-    """
-    previous = stored_configuration(folder)
-    timesteps = previous.timesteps if timesteps is None else timesteps
-    _check_positive("timesteps", timesteps)
-    return replace(previous, timesteps=timesteps, segments=previous.segments + 1)
-
-
-def _check_positive(name: str, number: int) -> None:
-    if number < 1:
-        raise ValueError(f"{name} is {number}; give a positive number")
 
 
 def make_training_env(
@@ -250,8 +125,11 @@ def make_model(config: Configuration, venv: VecEnv, features: Features, device: 
     seed = episode_seeds("training", config.seed, 1)[0]
     cls: Any = runs.algorithm(config.algo)
     if issubclass(cls, OnPolicyAlgorithm):
-        # Returns scatter so much that steps of constant size would end in a random walk.
-        hyperparameters["learning_rate"] = LinearSchedule(hyperparameters["learning_rate"], 0.0, 1.0)
+        # Returns scatter so much that steps of constant size would end in a random walk. The rate given is that of the
+        # first update, which comes at the end of the first rollout; after the last update it would be zero.
+        rate = hyperparameters["learning_rate"]
+        step = rate / math.ceil(config.timesteps / (config.n_envs * hyperparameters["n_steps"]))
+        hyperparameters["learning_rate"] = LinearSchedule(rate + step, step, 1.0)
     model = cls("MlpPolicy", normalized, seed=seed, device=device, **hyperparameters)
     if config.residual:
         for layer in _actor_layers(model):

@@ -11,11 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from agents import learn, runs
+from agents import configurations, learn, runs
 from agents.arguments import parse_arguments
 from agents.baselines import CONFIGS
 from agents.environments import DEFAULT_ENV_ID, with_model
-from agents.tune import tune
+from agents.suites import TRAINING_MODEL
+from agents.tune import minimise
 from solar_env.campaigns import Workers
 
 SIGNIFICANT_DIGITS = 3
@@ -86,9 +87,9 @@ class Args:
     env_id: str = DEFAULT_ENV_ID
     """environment id"""
     model: str | None = None
-    """rigid-ideal, rigid-clearance, flexible-ideal or flexible-clearance; None: rigid-clearance"""
+    """rigid-ideal, rigid-clearance, flexible-ideal or flexible-clearance; None: flexible-clearance with 4 elements"""
     elements: int | None = None
-    """beam elements of each panel of a flexible model; None: 6"""
+    """beam elements of each panel of a flexible model; None: 4, or 6 for a model that was named"""
     env_kwargs: dict[str, Any] = field(default_factory=dict)
     """environment keywords"""
     landings: int | None = None
@@ -103,11 +104,11 @@ class Args:
     """no progress bar"""
 
 
-def trial(args: Args, env_kwargs: dict[str, Any], unit: np.ndarray) -> learn.Configuration:
+def trial(args: Args, env_kwargs: dict[str, Any], unit: np.ndarray) -> configurations.Configuration:
     """The run of a point (n,) in [0, 1]."""
-    entry = learn.entry(args.algo, args.env_id)["hyperparameters"]
+    entry = configurations.entry(args.algo, args.env_id)["hyperparameters"]
     chosen = {name: r.value(float(u)) for (name, r), u in zip(SPACES[args.algo].items(), unit, strict=True)}
-    return learn.configuration(
+    return configurations.configuration(
         args.algo,
         args.env_id,
         env_kwargs,
@@ -133,7 +134,7 @@ def start(algo: str, env_id: str) -> np.ndarray:
     Raises:
         ValueError: there is none for the environment.
     """
-    entry = learn.entry(algo, env_id)
+    entry = configurations.entry(algo, env_id)
     values = {**entry["hyperparameters"], **entry["hyperparameters"].get("policy_kwargs", {})}
     values["residual"] = entry["residual"]
     return np.array([r.share(values[name]) for name, r in SPACES[algo].items()])
@@ -149,7 +150,7 @@ def score(folder: Path) -> float:
     return float(means[-math.ceil(len(means) / 3) :].mean())
 
 
-def store(algo: str, env_id: str, config: learn.Configuration, record: dict[str, Any]) -> Path:
+def store(algo: str, env_id: str, config: configurations.Configuration, record: dict[str, Any]) -> Path:
     """Write the best hyperparameters to their file in `CONFIGS`, with what is known of the search."""
     path = CONFIGS / f"{algo}.json"
     entries = json.loads(path.read_text())
@@ -167,17 +168,18 @@ def main(argv: Sequence[str] | None = None) -> None:
     """The command line; see `Args`.
 
     Raises:
-        ValueError: there is nothing to search for, the budget holds no generation, or as `learn.configuration`.
+        ValueError: there is nothing to search for, the budget holds no generation, or as
+            `configurations.configuration`.
     """
     args = parse_arguments(Args, argv, prog="python -m agents.search")
     if args.algo not in SPACES:
         raise ValueError(f"nothing to search for {args.algo!r}; choose from {', '.join(SPACES)}")
-    env_kwargs = with_model(args.env_kwargs, args.model, args.elements, args.env_id)
+    env_kwargs = with_model(args.env_kwargs, args.model, args.elements, args.env_id, TRAINING_MODEL)
     command = shlex.join(["python", "-m", "agents.search", *(sys.argv[1:] if argv is None else argv)])
     scores: dict[Path, float] = {}
-    configs: dict[Path, learn.Configuration] = {}
+    configs: dict[Path, configurations.Configuration] = {}
 
-    def costs(points: Sequence[np.ndarray], seeds: Sequence[int]) -> list[float]:
+    def costs(points: Sequence[np.ndarray]) -> list[float]:
         generation = [trial(args, env_kwargs, np.clip(point, 0.0, 1.0)) for point in points]
         folders = [Path(args.out) / f"trial-{len(configs) + k}" for k in range(len(generation))]
         wanted = dict(zip(folders, generation, strict=True))
@@ -187,8 +189,8 @@ def main(argv: Sequence[str] | None = None) -> None:
         return [-scores[folder] for folder in folders]
 
     first = start(args.algo, args.env_id)
-    tune(costs, first, args.trials, 1, args.seed, progress=not args.quiet, spread=SPREAD)
-    before = -costs([first], [])[0]
+    minimise(costs, first, args.trials, args.seed, progress=not args.quiet, spread=SPREAD)
+    before = -costs([first])[0]
     best = max(scores, key=scores.__getitem__)
     record = {
         "command": command,

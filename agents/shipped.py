@@ -22,7 +22,7 @@ ARRAYS = "policy.npz"
 DESCRIPTION = "policy.json"
 ONNX = "policy.onnx"
 CARD = "card.md"
-FORMAT = 2
+FORMAT = 3
 GATES = "gates"  # in place of a layer's number
 
 ACTIVATIONS = ("relu", "tanh")
@@ -30,7 +30,7 @@ OUTPUTS = ("clip", "tanh")
 
 
 class Layer(NamedTuple):
-    """Weights (outputs, inputs) and biases (outputs,) of a fully connected layer, float32."""
+    """Weights (outputs, inputs) and biases (outputs,) of a fully connected layer."""
 
     weights: np.ndarray
     biases: np.ndarray
@@ -38,20 +38,22 @@ class Layer(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class PolicyNetwork:
-    """The deterministic action of a policy, computed in float32.
+    """The deterministic action of a policy: features of the observation in double precision, the rest in single.
+
+    An action is the same, to the last bit, alone and among others.
 
     Attributes:
-        layers: From the observation to the mean of the action; the first gives features of the observation, see
-            `agents.features`.
-        gates: From the observation to what the features are multiplied by once it is clipped to [0, 1].
+        layers: From the observation to the mean of the action; the first, in float64, gives features of the
+            observation, see `agents.features`, the others are float32.
+        gates: From the observation to what the features are multiplied by once it is clipped to [0, 1]; float64.
         feature_limit: The features are clipped to plus and minus this before.
         activation: Between the other layers: relu or tanh.
         output: What makes an action in [-1, 1] of the mean: clip or tanh.
         mean_limit: The mean is first clipped to plus and minus this; None: it is not.
 
     Raises:
-        ValueError: on construction; a layer does not fit the one before it, holds something else than finite float32
-            numbers, or a name or limit is unknown. The message names the layer and the value.
+        ValueError: on construction; a layer does not fit the one before it, holds something else than finite numbers
+            of its precision, or a name or limit is unknown. The message names the layer and the value.
     """
 
     layers: tuple[Layer, ...]
@@ -72,8 +74,8 @@ class PolicyNetwork:
         if len(self.layers) < 2:
             raise ValueError(f"there are {len(self.layers)} layers; a policy network needs features and an output")
         for number, layer in enumerate(self.layers, start=1):
-            _check_layer(f"layer {number}", layer)
-        _check_layer("gates", self.gates)
+            _check_layer(f"layer {number}", layer, np.float64 if number == 1 else np.float32)
+        _check_layer("gates", self.gates, np.float64)
         if self.gates.weights.shape != self.layers[0].weights.shape:
             raise ValueError(
                 f"gates: weights have shape {self.gates.weights.shape}; expected those of layer 1, "
@@ -115,23 +117,30 @@ class PolicyNetwork:
             raise ValueError(
                 f"the observation has shape {values.shape}; expected ({self.inputs},) or (n, {self.inputs})"
             )
-        features = self.layers[0]
-        open_by = np.clip(values @ self.gates.weights.T + self.gates.biases, np.float32(0.0), np.float32(1.0))
-        values = np.clip(values @ features.weights.T + features.biases, -self.feature_limit, self.feature_limit)
-        values = values * open_by
+        if values.ndim == 1:
+            return self._action(values), state
+        # One by one: a product of matrices may add up in another order than one of a matrix and a vector.
+        return np.array([self._action(row) for row in values]).reshape(len(values), self.outputs), state
+
+    def _action(self, observation: np.ndarray) -> np.ndarray:
+        """Action (outputs,) of an observation (inputs,)."""
+        features, seen = self.layers[0], observation.astype(np.float64)
+        values = np.clip(features.weights @ seen + features.biases, -self.feature_limit, self.feature_limit)
+        values *= np.clip(self.gates.weights @ seen + self.gates.biases, 0.0, 1.0)
+        values = values.astype(np.float32)
         for layer in self.layers[1:-1]:
-            values = values @ layer.weights.T + layer.biases
+            values = layer.weights @ values + layer.biases
             values = np.tanh(values) if self.activation == "tanh" else np.maximum(values, np.float32(0.0))
-        mean = values @ self.layers[-1].weights.T + self.layers[-1].biases
+        mean = self.layers[-1].weights @ values + self.layers[-1].biases
         if self.mean_limit is not None:
             mean = np.clip(mean, -self.mean_limit, self.mean_limit)
-        return (np.tanh(mean) if self.output == "tanh" else np.clip(mean, -1.0, 1.0)), state
+        return np.tanh(mean) if self.output == "tanh" else np.clip(mean, -1.0, 1.0)
 
 
-def _check_layer(which: str, layer: Layer) -> None:
+def _check_layer(which: str, layer: Layer, precision: type[np.floating]) -> None:
     for name, array, dimensions in (("weights", layer.weights, 2), ("biases", layer.biases, 1)):
-        if array.dtype != np.float32:
-            raise ValueError(f"{which}: {name} are of type {array.dtype}; expected float32")
+        if array.dtype != precision:
+            raise ValueError(f"{which}: {name} are of type {array.dtype}; expected {precision.__name__}")
         if array.ndim != dimensions or not array.size:
             raise ValueError(
                 f"{which}: {name} have shape {array.shape}; expected {dimensions} dimensions, none of them 0"
@@ -160,6 +169,8 @@ class Description:
         observation_names: Name of every entry, in order.
         torque_limit: Motor torque of a unit action [N m].
         deadline: Unit of the observed time [s].
+        control_period: For which an action is held [s].
+        postlock_window: Unit of the observed time since the last latch [s].
         residual: {"law": name in `agents.baselines.TUNABLE`, "parameters": those of the law, "tuning_episodes": what
             they have cost, "scale": share of the torque limit}; the action is then ``clip(law + scale * network, -1,
             1)``. None: it is the network's.
@@ -176,12 +187,16 @@ class Description:
     observation_names: tuple[str, ...]
     torque_limit: float
     deadline: float
+    control_period: float
+    postlock_window: float
     residual: dict[str, Any] | None
 
     @property
     def signals(self) -> Signals:
         """What a torque law needs to know of the environment."""
-        return Signals(self.observation_names, self.torque_limit, self.deadline)
+        return Signals(
+            self.observation_names, self.torque_limit, self.deadline, self.control_period, self.postlock_window
+        )
 
 
 class ShippedPolicy:
@@ -228,7 +243,7 @@ class ShippedPolicy:
         """Refuse an environment in which observations or actions mean something else than in training.
 
         Raises:
-            ValueError: the entries of an observation, the torque limit or the deadline differ.
+            ValueError: as `Signals.check`.
         """
         self.description.signals.check(env, f"{self.description.env_id} with {self.description.env_kwargs}")
 

@@ -16,6 +16,7 @@ from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_mo
 from agents.evaluate import check_names, split_controller
 from agents.figures import deployments_figure
 from agents.rollout import Step, run_episode
+from agents.suites import MODEL
 from solar_env.readme import FIGURE_FOLDER
 
 FIGURE, ANIMATION = "deployments.png", "deployments.gif"
@@ -35,7 +36,8 @@ class Args:
     env_id: str = DEFAULT_ENV_ID
     """environment id"""
     model: str | None = None
-    """rigid-ideal, rigid-clearance, flexible-ideal or flexible-clearance; None: flexible-clearance"""
+    """rigid-ideal, rigid-clearance, flexible-ideal or flexible-clearance; None: flexible-clearance with 6
+    elements"""
     elements: int | None = None
     """beam elements of each panel of a flexible model; None: 6"""
     env_kwargs: dict[str, Any] = field(default_factory=dict)
@@ -51,7 +53,7 @@ class Args:
 def main(argv: Sequence[str] | None = None) -> None:
     """The command line; see `Args`."""
     args = parse_arguments(Args, argv, prog="python -m agents.show")
-    keywords = with_model(args.env_kwargs, args.model or "flexible-clearance", args.elements, args.env_id)
+    keywords = with_model(args.env_kwargs, args.model, args.elements, args.env_id, MODEL)
     seed = episode_seeds("evaluation", args.seed, 1)[0]
     episodes: dict[str, list[Step]] = {}
     films: list[list[Image.Image]] = []

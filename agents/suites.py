@@ -7,8 +7,8 @@ from agents.baselines import TUNABLE
 
 # Both are judged on the finest model that is in everyday use.
 MODEL: dict[str, Any] = {"model": "flexible-clearance", "elements": 6}
-
-
+# The cheapest model from which what agents learn transfers to that one, see `agents.transfer`.
+TRAINING_MODEL: dict[str, Any] = {"model": "flexible-clearance", "elements": 4}
 # Name -> environment id of the scenario.
 SUITES = {"paper": "solar_env/Deploy-v0", "robust": "solar_env/DeployRandomised-v0"}
 

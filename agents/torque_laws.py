@@ -2,12 +2,14 @@
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Generic, Protocol, TypeVar
 
 import gymnasium
 import numpy as np
+
+from solar_env.task import Task
 
 
 class Controller(Protocol):
@@ -32,17 +34,26 @@ class Signals:
         names: Name of every entry of an observation, as `env.unwrapped.observation_names`.
         torque_limit: Motor torque of a unit action [N m].
         deadline: Unit of the observed time [s].
+        control_period: For which an action is held [s].
+        postlock_window: Unit of the observed time since the last latch [s].
     """
 
     names: tuple[str, ...]
     torque_limit: float = 0.5
     deadline: float = 20.0
+    control_period: float = 0.1
+    postlock_window: float = 10.0
 
     @classmethod
     def of(cls, env: gymnasium.Env) -> "Signals":
         """Those of an environment of this project."""
         unwrapped: Any = env.unwrapped
-        return cls(tuple(unwrapped.observation_names), unwrapped.task.torque_limit, unwrapped.task.deadline)
+        return cls.seen(unwrapped.observation_names, unwrapped.task)
+
+    @classmethod
+    def seen(cls, names: Sequence[str], task: Task) -> "Signals":
+        """Those of observations with these entries, in this task."""
+        return cls(tuple(names), task.torque_limit, task.deadline, task.control_period, task.postlock_window)
 
     def check(self, env: gymnasium.Env, learned_on: str) -> None:
         """Refuse an environment in which observations or actions mean something else than here.
@@ -52,7 +63,7 @@ class Signals:
             learned_on: Where these signals come from, for the message.
 
         Raises:
-            ValueError: the entries of an observation, the torque limit or the deadline differ.
+            ValueError: the entries of an observation, or the units or the period of actions or observations, differ.
         """
         for name, value in vars(Signals.of(env)).items():
             if value != getattr(self, name):

@@ -1,5 +1,6 @@
 """Tune the baselines by CMA-ES on the environment's return: `python -m agents.tune`."""
 
+import itertools
 import json
 import shlex
 import sys
@@ -82,23 +83,21 @@ def to_unit(parameters: Parameters) -> np.ndarray:
     return (values - low) / (high - low)
 
 
-def tune(
-    objective: Callable[[Sequence[np.ndarray], Sequence[int]], Sequence[float]],
+def minimise(
+    objective: Callable[[Sequence[np.ndarray]], Sequence[float]],
     start: np.ndarray,
-    episodes: int,
-    episodes_per_candidate: int,
+    points: int,
     seed: int,
     progress: bool = True,
     spread: float = 0.25,
 ) -> list[np.ndarray]:
-    """Minimise a noisy objective over the unit cube by CMA-ES with common random numbers in each generation.
+    """Minimise a noisy objective over the unit cube by CMA-ES (N. Hansen, 2016, arXiv:1604.00772).
 
     Args:
-        objective: (points, each (n,) in [0, 1], episode seeds) -> costs of the points.
+        objective: Points of a generation, each (n,) in [0, 1] -> their costs.
         start: Point (n,) to start from.
-        episodes: Budget of episodes; the last generation may be cut short of it, never beyond.
-        episodes_per_candidate: Seeds handed to each call of `objective`.
-        seed: Seed of the search; the episodes come from the training seeds of the same number.
+        points: Budget of points; there are as many whole generations as it holds.
+        seed: Seed of the search.
         progress: Show a progress bar.
         spread: Standard deviation of the first generation in each direction.
 
@@ -110,20 +109,52 @@ def tune(
     """
     options = {"bounds": [0, 1], "seed": seed + 1, "verbose": -9}  # pycma takes seed 0 for "from the clock"
     search = cma.CMAEvolutionStrategy(start, spread, options)
-    per_generation = search.popsize * episodes_per_candidate
-    generations = episodes // per_generation
+    generations = points // search.popsize
     if generations < 1:
-        raise ValueError(f"a budget of {episodes} episodes holds no generation; give at least {per_generation}")
-    seeds = episode_seeds("training", seed, generations * episodes_per_candidate)
-    with tqdm(total=generations * per_generation, desc="tune", unit="episode", disable=not progress) as bar:
-        for generation in range(generations):
-            first = generation * episodes_per_candidate
-            points = search.ask()
-            costs = list(objective(points, seeds[first : first + episodes_per_candidate]))
-            bar.update(per_generation)
-            search.tell(points, costs)
+        raise ValueError(f"a budget of {points} points holds no generation; give at least {search.popsize}")
+    with tqdm(total=generations * search.popsize, desc="search", unit="point", disable=not progress) as bar:
+        for _ in range(generations):
+            asked = search.ask()
+            costs = list(objective(asked))
+            bar.update(len(asked))
+            search.tell(asked, costs)
             bar.set_postfix(best=f"{min(costs):.4g}")
     return [np.asarray(start), search.result.xbest, search.result.xfavorite]
+
+
+def tune(
+    objective: Callable[[Sequence[np.ndarray], Sequence[int]], Sequence[float]],
+    start: np.ndarray,
+    episodes: int,
+    episodes_per_candidate: int,
+    seed: int,
+    progress: bool = True,
+    spread: float = 0.25,
+) -> list[np.ndarray]:
+    """`minimise` with common random numbers: all points of a generation have the same fresh training episodes.
+
+    Args:
+        objective: (points, each (n,) in [0, 1], episode seeds) -> costs of the points.
+        start: Point (n,) to start from.
+        episodes: Budget of episodes.
+        episodes_per_candidate: Seeds handed to each call of `objective`.
+        seed: Seed of the search; the episodes come from the training seeds of the same number.
+        progress: Show a progress bar.
+        spread: See `minimise`.
+
+    Returns:
+        As `minimise`.
+
+    Raises:
+        ValueError: as `minimise`.
+    """
+    points = episodes // episodes_per_candidate
+    fresh = iter(episode_seeds("training", seed, max(episodes, 1)))
+
+    def costs(generation: Sequence[np.ndarray]) -> Sequence[float]:
+        return objective(generation, list(itertools.islice(fresh, episodes_per_candidate)))
+
+    return minimise(costs, start, points, seed, progress, spread)
 
 
 def store(controller: str, env_id: str, model: str, entry: dict[str, Any]) -> Path:

@@ -182,7 +182,7 @@ class ResidualVecEnv(VecEnvWrapper):
     def __init__(self, venv: VecEnv, residual: Mapping[str, Any]) -> None:
         super().__init__(venv)
         names, task = (venv.get_attr(name, 0)[0] for name in ("observation_names", "task"))
-        self._law = base_law(residual, Signals(tuple(names), task.torque_limit, task.deadline))
+        self._law = base_law(residual, Signals.seen(names, task))
         self._scale = residual["scale"]
         self._base = np.zeros(0, dtype=np.float32)
 

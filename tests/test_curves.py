@@ -5,7 +5,7 @@ import csv
 import numpy as np
 import pytest
 
-from agents import curves, learn
+from agents import configurations, curves, learn
 
 QUICK = [
     *["--algos", "ppo", "--seeds", "0", "1", "--timesteps", "20", "--landings", "8", "--jobs", "1", "--quiet"],
@@ -29,8 +29,8 @@ def test_every_agent_has_a_curve_of_every_seed_in_every_scenario(tmp_path, monke
     begins = [("servo" in row["task"], float(row["validation return"])) for row in rows if row["steps"] == "0"]
     assert min(value for added, value in begins if added) > max(value for added, value in begins if not added)
     assert (tmp_path / curves.FIGURE).stat().st_size > 0
-    assert learn.stored_configuration(tmp_path / "paper-ppo-whole-1").residual is None
-    assert learn.stored_configuration(tmp_path / "robust-ppo-1").residual["law"] == "servo"
+    assert configurations.stored_configuration(tmp_path / "paper-ppo-whole-1").residual is None
+    assert configurations.stored_configuration(tmp_path / "robust-ppo-1").residual["law"] == "servo"
 
     monkeypatch.setattr(learn, "train_one", lambda training: pytest.fail("trained again"))
     curves.main(options)

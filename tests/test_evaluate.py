@@ -154,7 +154,20 @@ def test_a_controller_is_compared_with_every_run_of_a_reference():
 def test_different_controllers_of_the_same_name_are_not_pooled_unasked():
     with pytest.raises(ValueError, match="ppo/seed-0 and sac/seed-0 are both called seed-0; name them"):
         evaluate(["ppo/seed-0", "sac/seed-0"], 1, 0)
-    check_names(["passive", "passive", "agent=ppo/seed-0", "agent=sac/seed-0", "ppo/seed-0"])
+    check_names(["passive", "agent=ppo/seed-0", "agent=sac/seed-0", "ppo/seed-0"])
+
+
+@pytest.mark.parametrize(
+    ("controllers", "message"),
+    [
+        (["passive", "servo", "servo"], "servo is given 2 times; its episodes would count as many times"),
+        (["a=ppo/seed-0", "a=ppo/seed-0"], "a is given 2 times"),
+        (["servo", "servo=ppo/seed-0"], "servo and another controller are both called servo"),
+    ],
+)
+def test_nothing_counts_twice_and_nothing_is_taken_for_a_seed_of_a_baseline(controllers, message):
+    with pytest.raises(ValueError, match=message):
+        check_names(controllers)
 
 
 def test_trained_controllers_are_compared_on_the_scenario_they_were_trained_on(tmp_path):

@@ -3,7 +3,6 @@
 import json
 import pickle
 import re
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,7 +13,7 @@ from stable_baselines3 import PPO, SAC, TD3
 from stable_baselines3.common.torch_layers import BaseFeaturesExtractor, FlattenExtractor
 from torch import nn
 
-from agents import baselines, export, learn, runs, shipped
+from agents import baselines, configurations, export, learn, runs, shipped
 from agents.baselines import make_baseline, read_parameters
 from agents.environments import DEFAULT_ENV_ID, make_env
 from agents.evaluate import evaluate
@@ -46,7 +45,7 @@ def finished(tmp_path_factory):
     folder = tmp_path_factory.mktemp("export")
     made = {}
     for name, (algo, hyperparameters, residual) in TRAINED.items():
-        config = learn.configuration(algo, DEFAULT_ENV_ID, QUICK, 7, 1, 100, hyperparameters, residual, 2)
+        config = configurations.configuration(algo, DEFAULT_ENV_ID, QUICK, 7, 1, 100, hyperparameters, residual, 2)
         run = runs.new_run_folder(folder / "runs" / name, config.env_id, algo, config.seed)
         learn.train(config, run, command=COMMAND, progress=False, threads=1)
         if name == "residual":
@@ -185,8 +184,8 @@ def test_the_first_layer_and_its_limit_are_the_features_of_the_observation(finis
 
 
 def test_features_are_clipped_and_gated_and_not_activated():
-    features = Layer(np.array([[3.0, 0.0]], np.float32), np.zeros(1, np.float32))
-    gates = Layer(np.array([[0.0, 2.0]], np.float32), np.full(1, -0.5, np.float32))
+    features = Layer(np.array([[3.0, 0.0]]), np.zeros(1))
+    gates = Layer(np.array([[0.0, 2.0]]), np.full(1, -0.5))
     output = Layer(np.full((1, 1), 0.5, np.float32), np.zeros(1, np.float32))
     network = PolicyNetwork((features, output), gates, feature_limit=1.5, activation="relu", output="clip")
     observations = np.array(
@@ -257,14 +256,15 @@ def test_pickled_content_is_refused_and_not_run(own):
         ({"weights_2": np.zeros((64, 9), np.float32)}, r"layer 2: weights have shape \(64, 9\), but layer 1 has 11"),
         ({"biases_3": np.zeros(63, np.float32)}, r"layer 3: biases have shape \(63,\), but weights have .*\(64, 64\)"),
         (
-            {f"weights_{key}": np.zeros((11, 8), np.float32) for key in (1, "gates")},
+            {f"weights_{key}": np.zeros((11, 8)) for key in (1, "gates")},
             r"layer 1: weights have shape \(11, 8\); expected 9 inputs.*theta",
         ),
-        ({"weights_1": np.zeros((11, 9))}, "layer 1: weights are of type float64; expected float32"),
-        ({"biases_1": np.full(11, np.nan, np.float32)}, "layer 1: biases hold nan"),
+        ({"weights_1": np.zeros((11, 9), np.float32)}, "layer 1: weights are of type float32; expected float64"),
+        ({"weights_2": np.zeros((64, 11))}, "layer 2: weights are of type float64; expected float32"),
+        ({"biases_1": np.full(11, np.nan)}, "layer 1: biases hold nan"),
         ({"biases_4": np.zeros((1, 1), np.float32)}, r"layer 4: biases have shape \(1, 1\); expected 1 dimension"),
-        ({"weights_gates": np.zeros((11, 8), np.float32)}, r"gates: weights have shape .* expected those of layer 1"),
-        ({"biases_gates": np.full(11, np.inf, np.float32)}, "gates: biases hold inf"),
+        ({"weights_gates": np.zeros((11, 8))}, r"gates: weights have shape .* expected those of layer 1"),
+        ({"biases_gates": np.full(11, np.inf)}, "gates: biases hold inf"),
         ({"weights_9": np.zeros((1, 1), np.float32)}, r"policy\.npz holds \['biases_1', .*expected weights_1"),
     ],
 )
@@ -277,7 +277,7 @@ def test_arrays_that_do_not_fit_are_named(own, changes, message):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"format": 1}, r"policy\.json has format 1; this version reads format 2"),
+        ({"format": 1}, r"policy\.json has format 1; this version reads format 3"),
         ({"colour": "red"}, r"policy\.json has the keys .*'colour'.*; expected"),
         ({"activation": "elu"}, "activation is 'elu'; choose from relu, tanh"),
         ({"output": "none"}, "output is 'none'; choose from clip, tanh"),
@@ -319,16 +319,18 @@ def test_observations_and_environments_of_another_kind_are_refused(finished):
         policy.predict(np.zeros((3, 8)))
     for keywords, message in [
         ({"torque_limit": 0.3}, r"torque_limit is 0\.3; the policy was trained with 0\.5"),
+        ({"control_period": 0.1}, r"control_period is 0\.1; the policy was trained with 0\.5"),
+        ({"postlock_window": 5.0}, r"postlock_window is 5\.0; the policy was trained with 2\.0"),
         ({"observation": "history"}, r"names is .*theta_1_1_ago"),
     ]:
-        with make_env(env_kwargs=keywords) as env, pytest.raises(ValueError, match=message):
+        with make_env(env_kwargs={**QUICK, **keywords}) as env, pytest.raises(ValueError, match=message):
             policy.check(env)
 
 
-FEATURES = Layer(np.zeros((3, 2), np.float32), np.zeros(3, np.float32))
+FEATURES = Layer(np.zeros((3, 2)), np.zeros(3))
 OUTPUT = Layer(np.zeros((1, 3), np.float32), np.zeros(1, np.float32))
-GATES = Layer(np.zeros((3, 2), np.float32), np.ones(3, np.float32))
-EMPTY = Layer(np.zeros((0, 2), np.float32), np.zeros(0, np.float32))
+GATES = Layer(np.zeros((3, 2)), np.ones(3))
+EMPTY = Layer(np.zeros((0, 2)), np.zeros(0))
 
 
 @pytest.mark.parametrize(
@@ -404,16 +406,44 @@ def test_the_command_writes_below_the_shipped_policies_and_overwrites_nothing(fi
     assert shipped.available() == ["soft"]
     with pytest.raises(FileExistsError, match="soft exists; choose another --name"):
         export.main(["--run", run, "--name", "soft"])
+    with pytest.raises(ValueError, match="name is 'servo', which is that of a controller without learning"):
+        export.main([run, "--name", "servo"])
     for arguments in ([run], [run, "--name", "../soft"], ["--name", "soft"]):
         with pytest.raises(ValueError, match=r"give both: agents\.export runs/<run> --name NAME"):
             export.main(arguments)
 
 
-def test_without_onnx_it_says_what_to_install_and_writes_nothing(finished, tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "onnx", None)
-    with pytest.raises(ValueError, match=r"ONNX is not installed; pip install 'solar-env\[onnx\]'"):
-        export.export(finished["ppo"][0], tmp_path / "policy")
-    assert not (tmp_path / "policy").exists()
+@pytest.mark.parametrize("package", ["onnx", "onnxruntime"])
+def test_without_onnx_it_says_what_to_install(package, run_python):
+    program = f"""
+import sys
+sys.modules["{package}"] = None
+try:
+    import agents.export
+except ImportError as error:
+    print(error)
+"""
+    assert run_python(program).strip() == "exporting needs ONNX and its runtime; pip install 'solar-env[onnx]'"
+
+
+def test_the_parity_that_the_card_tells_is_that_of_the_onnx_form_too(finished):
+    run, folder = finished["ppo"]
+    policy, env = load_shipped(folder), make_env(env_kwargs=QUICK)
+    model, observations = runs.load_model(run, env), export.observed(policy, env, seed=3)
+    written = (folder / shipped.ONNX).read_bytes()
+    assert export.difference(policy.network, written, model, observations) < export.TOLERANCE
+    scaled = Layer(1.001 * policy.network.layers[0].weights, policy.network.layers[0].biases)
+    other = export.onnx_model(replace(policy.network, layers=(scaled, *policy.network.layers[1:])))
+    assert export.difference(policy.network, other.SerializeToString(), model, observations) > export.TOLERANCE
+
+
+@pytest.mark.parametrize("name", TRAINED)
+def test_a_shipped_policy_acts_alone_as_among_others_to_the_last_bit(finished, name):
+    policy = load_shipped(finished[name][1])
+    observations = random_observations(100)
+    together = policy.predict(observations)[0]
+    np.testing.assert_array_equal(together, [policy.predict(observation)[0] for observation in observations])
+    np.testing.assert_array_equal(together[7:9], policy.predict(observations[7:9])[0])
 
 
 def test_a_network_that_acts_otherwise_than_the_run_is_not_written(finished, tmp_path, monkeypatch):

@@ -11,8 +11,8 @@ import pytest
 import torch
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 
+from agents import configurations, learn, runs
 from agents import evaluate as evaluate_module
-from agents import learn, runs
 from agents.arguments import parse_arguments
 from agents.baselines import load_parameters, make_baseline
 from agents.environments import make_env
@@ -34,7 +34,7 @@ SMALL = {
 
 
 def run(*arguments):
-    args = parse_arguments(train.Args, [*map(str, arguments), "--quiet", "--eval-episodes", "2"])
+    args = parse_arguments(train.Args, ["--quiet", "--eval-episodes", "2", *map(str, arguments)])
     return train.main(args, "python train.py ...")
 
 
@@ -78,7 +78,7 @@ def test_a_residual_agent_starts_as_the_law_it_adds_to_and_the_run_keeps_that_la
 @pytest.mark.parametrize("algo", ["ppo", "sac", "td3"])
 def test_a_fresh_agent_adds_nothing_to_a_law_but_is_not_held_back_without_one(algo):
     small = {"batch_size": 300} if algo == "ppo" else {"buffer_size": 100}
-    config = learn.configuration(
+    config = configurations.configuration(
         algo, "solar_env/Deploy-v0", {}, 0, n_envs=1, hyperparameters=small, residual=0.2, landings=4
     )
     venv = learn.make_training_env(config, [], None, threads=1)
@@ -96,7 +96,7 @@ def test_a_fresh_agent_adds_nothing_to_a_law_but_is_not_held_back_without_one(al
 @pytest.mark.parametrize("algo", ["ppo", "sac", "td3"])
 def test_an_agent_adds_nothing_to_a_law_where_it_has_no_features_however_long_it_trains(tmp_path, algo):
     small = {"batch_size": 100, "n_steps": 300} if algo == "ppo" else {"buffer_size": 2000, "batch_size": 32}
-    config = learn.configuration(
+    config = configurations.configuration(
         algo, "solar_env/Deploy-v0", {}, 0, n_envs=1, timesteps=600, hyperparameters=small, residual=0.3, landings=4
     )
     learn.train(config, tmp_path, progress=False)
@@ -112,18 +112,29 @@ def test_an_agent_adds_nothing_to_a_law_where_it_has_no_features_however_long_it
         assert agent.predict(latched, deterministic=True)[0].any()
 
 
-def test_the_learning_rate_of_ppo_falls_to_zero_and_that_of_the_others_stays():
-    for algo, shares in (("ppo", [1.0, 0.5, 0.0]), ("td3", [1.0, 1.0, 1.0])):
-        config = learn.configuration(algo, "solar_env/Deploy-v0", {}, 0, residual=0.0)
-        venv = learn.make_training_env(config, [], None, threads=1)
-        schedule = learn.make_model(config, venv, learn.prepare(config)[0]).lr_schedule
-        rate = config.hyperparameters["learning_rate"]
-        assert [schedule(left) for left in (1.0, 0.5, 0.0)] == pytest.approx([rate * share for share in shares])
+def test_the_learning_rate_of_ppo_falls_from_update_to_update_and_none_is_without_effect():
+    rollouts = {"n_steps": 50, "batch_size": 50, "learning_rate": 1e-3}
+    quick = {"model": "rigid-ideal"}
+    config = configurations.configuration("ppo", "solar_env/Deploy-v0", quick, 0, 2, 400, rollouts, residual=0.0)
+    model = learn.make_model(config, learn.make_training_env(config, [], None, threads=1), learn.prepare(config)[0])
+    used = []
+    update = model.train
+    model.train = lambda: (update(), used.append(model.policy.optimizer.param_groups[0]["lr"]))
+    model.learn(config.timesteps)
+    assert used == pytest.approx([1e-3, 0.75e-3, 0.5e-3, 0.25e-3])
+
+
+def test_one_rollout_trains_too(finished):
+    config = configurations.stored_configuration(finished)
+    venv = learn.make_training_env(config, [], None, threads=1)
+    fresh = learn.make_model(config, venv, learn.prepare(config)[0])
+    trained = runs.algorithm("ppo").load(finished / "checkpoint" / "model.zip")
+    assert not torch.equal(fresh.policy.action_net.weight, trained.policy.action_net.weight)
 
 
 def test_the_target_actor_of_a_fresh_td3_agent_is_its_actor():
     small = {"buffer_size": 100}
-    config = learn.configuration(
+    config = configurations.configuration(
         "td3", "solar_env/Deploy-v0", {}, 0, n_envs=1, hyperparameters=small, residual=0.2, landings=4
     )
     venv = learn.make_training_env(config, [], None, threads=1)
@@ -133,7 +144,7 @@ def test_the_target_actor_of_a_fresh_td3_agent_is_its_actor():
 
 
 def test_training_takes_the_agents_action_as_an_addition_to_the_law(tmp_path):
-    config = learn.configuration("ppo", "solar_env/Deploy-v0", {}, seed=0, n_envs=2, residual=0.2)
+    config = configurations.configuration("ppo", "solar_env/Deploy-v0", {}, seed=0, n_envs=2, residual=0.2)
     venv = learn.make_training_env(config, [], None, threads=1)
     plain = learn.make_training_env(replace(config, residual=None), [], None, threads=1)
     law = make_baseline("servo", make_env())
@@ -155,7 +166,7 @@ def test_a_residual_beyond_the_torque_limit_is_refused(tmp_path, scale):
 
 
 def policy_weights(folder):
-    model = runs.load_model(folder, make_env())
+    model = runs.algorithm("ppo").load(folder / "checkpoint" / "model.zip")
     return np.concatenate([weights.detach().numpy().ravel() for weights in model.policy.parameters()])
 
 
@@ -253,7 +264,7 @@ def test_resuming_continues_step_count_normalisation_and_validation_history(fini
 
 
 def normalisation_count(folder):
-    config = learn.configuration("ppo", "solar_env/Deploy-v0", {}, seed=0, n_envs=2)
+    config = configurations.configuration("ppo", "solar_env/Deploy-v0", {}, seed=0, n_envs=2)
     venv = learn.make_training_env(config, [], None)
     return learn.VecNormalize.load(str(folder / "checkpoint" / "vecnormalize.pkl"), venv).ret_rms.count
 
@@ -262,7 +273,7 @@ def normalisation_count(folder):
 def test_resuming_an_off_policy_run_continues_its_replay_buffer(tmp_path, algo):
     first = run("--algo", algo, "--timesteps", 300, "--out", tmp_path / "first", *SMALL[algo])
     second = run("--resume", first, "--timesteps", 100, "--out", tmp_path / "second")
-    config = learn.resumed_configuration(second)
+    config = configurations.resumed_configuration(second)
     model = learn.load_checkpoint(config, second, learn.make_training_env(config, [], None))
     assert model.num_timesteps == 400
     assert model.replay_buffer.size() == 400
@@ -271,7 +282,7 @@ def test_resuming_an_off_policy_run_continues_its_replay_buffer(tmp_path, algo):
 def test_a_resumed_run_sees_other_training_episodes_than_the_first(finished):
     first, resumed = (
         {landing.episode.parameters.hinge_x for landing in learn.prepare(config)[1]}
-        for config in (learn.stored_configuration(finished), learn.resumed_configuration(finished))
+        for config in (configurations.stored_configuration(finished), configurations.resumed_configuration(finished))
     )
     assert len(first) == len(resumed) == 4
     assert first.isdisjoint(resumed)
@@ -279,7 +290,7 @@ def test_a_resumed_run_sees_other_training_episodes_than_the_first(finished):
 
 @pytest.mark.parametrize("algo", sorted(runs.ALGORITHMS))
 def test_the_discount_reaches_over_a_whole_episode(algo):
-    gamma = learn.configuration(algo, "solar_env/Deploy-v0", {}, seed=0).hyperparameters["gamma"]
+    gamma = configurations.configuration(algo, "solar_env/Deploy-v0", {}, seed=0).hyperparameters["gamma"]
     assert 1.0 / (1.0 - gamma) >= 300.0
 
 
@@ -295,6 +306,13 @@ def test_the_discount_reaches_over_a_whole_episode(algo):
         (["--elements", "0"], "elements = 0"),
         (["--seed", "-1"], "seed is -1; choose one from 0"),
         (["--landings", "0"], "landings is 0; give a positive number"),
+        (["--landings", "20000"], "landings is 20000: .* a seed has 10,000 episodes; give fewer"),
+        (["--hyperparams", "learning_rate=fast"], "hyperparameter learning_rate is 'fast'; give a positive number"),
+        (["--hyperparams", "n_steps=0"], "hyperparameter n_steps is 0; give a positive number"),
+        (["--eval-episodes", "0"], "the number of episodes is 0; choose one from 1"),
+        (["--jobs", "0"], "jobs = 0"),
+        (["--cluster", "slurm"], "cluster 'slurm' is unknown; choose from ray"),
+        (["--seeds", "0", "1", "--seed", "100000"], "seed is 100000; choose one from 0 to 99999"),
     ],
 )
 def test_wrong_arguments_are_named_before_training(tmp_path, arguments, message):

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from agents import learn, transfer
+from agents import configurations, learn, transfer
 from agents.baselines import make_baseline
 from agents.environments import episode_seeds, make_env, with_sampling
 from agents.rollout import run_episode
@@ -38,7 +38,7 @@ def test_every_level_is_judged_on_all_levels_beside_passive_and_servo(tmp_path, 
         assert by_training["passive"]["mean"] == alone["return"]
     assert returns["rigid"]["passive"] != returns["2 elements"]["passive"]
     for level, keywords in transfer.LEVELS.items():
-        trained = learn.stored_configuration(tmp_path / f"{level.replace(' ', '-')}-0").env_kwargs
+        trained = configurations.stored_configuration(tmp_path / f"{level.replace(' ', '-')}-0").env_kwargs
         assert trained.items() >= keywords.items()
     assert (tmp_path / "transfer.md").read_text() in printed
     assert (tmp_path / "transfer.png").stat().st_size > 0

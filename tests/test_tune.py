@@ -54,7 +54,7 @@ def test_tuning_gives_all_candidates_of_a_generation_the_same_fresh_episodes():
 
 
 def test_tuning_refuses_a_budget_without_a_generation():
-    with pytest.raises(ValueError, match="a budget of 3 episodes holds no generation"):
+    with pytest.raises(ValueError, match="a budget of 1 points holds no generation; give at least 6"):
         tune(lambda point, seeds: 0.0, np.full(2, 0.5), 3, 2, seed=0, progress=False)
 
 

@@ -1,0 +1,163 @@
+"""What is to be trained: the configurations in agents/configs, with what is asked for in place of what they say."""
+
+import inspect
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from agents import runs
+from agents.baselines import CONFIGS
+from agents.environments import EPISODES_PER_SEED, episode_seeds, make_env, with_sampling
+from agents.residual import residual_on
+
+# Arguments of the Stable-Baselines3 classes that say other things than how to learn.
+NOT_HYPERPARAMETERS = {"policy", "env", "seed", "device", "verbose", "tensorboard_log", "_init_setup_model"}
+POSITIVE = {"batch_size", "buffer_size", "gamma", "n_epochs", "n_steps", "policy_delay", "tau", "train_freq"}
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """What determines a training run.
+
+    Attributes:
+        algo: Name of the algorithm: ppo, sac or td3.
+        env_id: Environment id.
+        env_kwargs: Environment keywords, with the ranges to randomise.
+        seed: Run seed; networks, exploration and episodes follow from it.
+        n_envs: Environments stepped together.
+        timesteps: Environment steps to train for; those of a resumed run come on top of earlier ones.
+        hyperparameters: Keywords of the Stable-Baselines3 class, and `exploration_noise`, the standard
+            deviation of TD3's action noise, see `agents.learn.make_model`. PPO's learning rate is that of its first
+            update and falls linearly from update to update.
+        residual: What the agent adds to, see `agents.residual.residual_on`; None if it commands the whole torque.
+        landings: Episodes of that law alone that training begins with, see `agents.landings`; 0 without a law.
+        segments: Number of times that training has been resumed.
+    """
+
+    algo: str
+    env_id: str
+    env_kwargs: dict[str, Any]
+    seed: int
+    n_envs: int
+    timesteps: int
+    hyperparameters: dict[str, Any]
+    residual: dict[str, Any] | None = None
+    landings: int = 0
+    segments: int = 0
+
+    def __post_init__(self) -> None:
+        recorded = (self.segments + 1) * self.landings
+        if recorded > EPISODES_PER_SEED:
+            raise ValueError(
+                f"landings is {self.landings}: with those of runs it goes on from that makes {recorded}, but a seed "
+                f"has {EPISODES_PER_SEED:,} episodes; give fewer, or begin a new run"
+            )
+
+
+def entry(algo: str, env_id: str) -> dict[str, Any]:
+    """What ``agents/configs/<algo>.json`` holds for `env_id`.
+
+    Raises:
+        ValueError: nothing.
+    """
+    entries = json.loads((CONFIGS / f"{algo}.json").read_text())
+    if env_id not in entries:
+        raise ValueError(f"{algo}.json has no hyperparameters for {env_id!r}; it has {', '.join(entries)}")
+    return entries[env_id]
+
+
+def configuration(
+    algo: str,
+    env_id: str,
+    env_kwargs: Mapping[str, Any],
+    seed: int,
+    n_envs: int | None = None,
+    timesteps: int | None = None,
+    hyperparameters: Mapping[str, Any] | None = None,
+    residual: float | None = None,
+    landings: int | None = None,
+    law_model: str | None = None,
+) -> Configuration:
+    """The configuration in ``agents/configs/<algo>.json`` for `env_id`, with what is given here in its place.
+
+    Its "hyperparameters" are those of an agent that adds to a law, "whole_torque" those of one that commands the whole
+    torque.
+
+    Args:
+        algo, env_id, env_kwargs, seed, n_envs, timesteps: See `Configuration`.
+        hyperparameters: In place of single ones of the configuration's.
+        residual: Greatest action that the agent adds to the law, as a share of the torque limit; 0: no law.
+        landings: See `Configuration`.
+        law_model: Model whose tuned parameters the law has; None: that of the environment.
+
+    Raises:
+        ValueError: algorithm, environment, one of its keywords or a hyperparameter is unknown, or a number is
+            out of range.
+    """
+    accepted = set(inspect.signature(runs.algorithm(algo)).parameters) - NOT_HYPERPARAMETERS
+    if "action_noise" in accepted:
+        accepted = accepted - {"action_noise"} | {"exploration_noise"}
+    found = entry(algo, env_id)
+    for name, value in (hyperparameters or {}).items():
+        if name not in accepted:
+            raise ValueError(f"{algo} has no hyperparameter {name!r}; it has {', '.join(sorted(accepted))}")
+        _check_hyperparameter(name, value)
+    n_envs = found["n_envs"] if n_envs is None else n_envs
+    timesteps = found["timesteps"] if timesteps is None else timesteps
+    _check_positive("n_envs", n_envs)
+    _check_positive("timesteps", timesteps)
+    env_kwargs = {"observation": found["observation"], **env_kwargs}
+    # Refuse a wrong seed or environment keyword now, not once a run folder exists.
+    episode_seeds("training", seed, n_envs)
+    with make_env(env_id, env_kwargs) as env:
+        model = env.get_wrapper_attr("model")
+    scale = found["residual"] if residual is None else residual
+    landings = (found["landings"] if landings is None else landings) if scale else 0
+    if scale:
+        _check_positive("landings", landings)
+    return Configuration(
+        algo=algo,
+        env_id=env_id,
+        env_kwargs=runs.jsonable(with_sampling(env_kwargs, env_id)),
+        seed=seed,
+        n_envs=n_envs,
+        timesteps=timesteps,
+        hyperparameters={**found["hyperparameters" if scale else "whole_torque"], **(hyperparameters or {})},
+        residual=residual_on(scale, env_id, law_model or model, landings) if scale else None,
+        landings=landings,
+    )
+
+
+def stored_configuration(folder: str | Path) -> Configuration:
+    """The configuration of the run in `folder`."""
+    stored = runs.read_config(folder)
+    return Configuration(**{name: stored[name] for name in inspect.signature(Configuration).parameters})
+
+
+def resumed_configuration(folder: str | Path, timesteps: int | None = None) -> Configuration:
+    """The configuration of the run in `folder`, to train on for `timesteps`, by default as many as before.
+
+    Raises:
+        FileNotFoundError: `folder` holds no run.
+        ValueError: the number of steps is not positive, or there are no episodes left to record.
+    """
+    previous = stored_configuration(folder)
+    timesteps = previous.timesteps if timesteps is None else timesteps
+    _check_positive("timesteps", timesteps)
+    return replace(previous, timesteps=timesteps, segments=previous.segments + 1)
+
+
+def _check_positive(name: str, number: int) -> None:
+    if number < 1:
+        raise ValueError(f"{name} is {number}; give a positive number")
+
+
+def _check_hyperparameter(name: str, value: Any) -> None:
+    """What Stable-Baselines3 would only notice in the middle of a training, if at all."""
+    if name == "learning_rate" or name in POSITIVE:
+        number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+        if not number or value < 0 or (value == 0 and name in POSITIVE):
+            raise ValueError(f"hyperparameter {name} is {value!r}; give a positive number")

@@ -93,6 +93,16 @@ def trained_on(spec: str) -> dict[str, Any] | None:
     return training["env_kwargs"] if training else None
 
 
+def observation_of(spec: str) -> dict[str, Any]:
+    """The environment keyword "observation" that a controller was trained with; nothing if it was not trained.
+
+    Raises:
+        FileNotFoundError: `spec` names no controller.
+    """
+    trained = trained_on(spec) or {}
+    return {name: trained[name] for name in ("observation",) if name in trained}
+
+
 def _training(spec: str) -> dict[str, Any] | None:
     """What is kept of a controller's training; None if it was not trained."""
     if spec in UNTRAINED:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from agents.arguments import parse_arguments
-from agents.controllers import UNTRAINED, effort, trained_in, trained_on
+from agents.controllers import UNTRAINED, effort, observation_of, trained_in, trained_on
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_sampling
 from agents.episodes import episode_cell, run_cells
 from agents.figures import comparison_figure
@@ -126,8 +126,7 @@ def evaluate(
     cells: list[Cell] = []
     for text in controllers:
         name, spec = split_controller(text)
-        trained = trained_on(spec) or {}
-        keywords = sampled | {key: trained[key] for key in ("observation",) if key in trained}
+        keywords = sampled | observation_of(spec)
         for episode, episode_seed in enumerate(seeds):
             labels.append({"controller": name, "spec": spec, "episode": episode})
             cells.append(episode_cell(spec, env_id, keywords, episode_seed))

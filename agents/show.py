@@ -11,7 +11,7 @@ from PIL import Image
 from tqdm import tqdm
 
 from agents.arguments import parse_arguments
-from agents.controllers import load_controller, trained_on
+from agents.controllers import load_controller, observation_of
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_sampling
 from agents.evaluate import check_names, split_controller
 from agents.figures import deployments_figure
@@ -60,9 +60,8 @@ def main(argv: Sequence[str] | None = None) -> None:
     check_names(args.controllers)
     named = [split_controller(text) for text in args.controllers]
     for name, spec in tqdm(named, desc="show", unit="episode", disable=args.quiet):
-        trained = trained_on(spec) or {}
-        observed = {key: trained[key] for key in ("observation",) if key in trained}
-        env = make_env(args.env_id, with_sampling({**keywords, **observed, "render_mode": "rgb_array"}, args.env_id))
+        drawn = {**keywords, **observation_of(spec), "render_mode": "rgb_array"}
+        env = make_env(args.env_id, with_sampling(drawn, args.env_id))
         signals: Any = env.unwrapped
         steps: list[Step] = []
         film: list[Image.Image] = []

@@ -197,6 +197,6 @@ def deployments_figure(
     ):
         axes.set_ylabel(label)
         axes.grid(alpha=0.3)
-        axes.legend(fontsize=7, loc="upper left")
+        axes.legend(fontsize=7)
     charges.set_xlabel("time [s]")
     figure.savefig(path, dpi=130)

@@ -61,6 +61,14 @@ def test_model_and_elements_join_the_environments_keywords():
         assert (made.unwrapped.model, made.unwrapped.elements) == ("flexible-ideal", 2)
 
 
+def test_a_default_model_with_its_elements_gives_way_to_a_model_that_is_named():
+    default = {"model": "flexible-clearance", "elements": 4}
+    assert with_model({}, default=default) == default
+    assert with_model({}, elements=2, default=default) == {"model": "flexible-clearance", "elements": 2}
+    assert with_model({}, "rigid-clearance", default=default) == {"model": "rigid-clearance"}
+    assert with_model({"model": "rigid-ideal"}, default=default) == {"model": "rigid-ideal"}
+
+
 def test_an_automatic_model_is_kept_as_the_level_that_it_stands_for():
     keywords = {"question": "wear", "tolerance": 0.2, "torque_limit": 0.3}
     with make_env(env_kwargs={"model": "auto", **keywords}) as automatic:

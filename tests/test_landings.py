@@ -111,3 +111,13 @@ def test_a_law_that_does_not_come_near_the_latches_is_refused():
     lanes = NativeVecEnv(1, ENV_IDS[0], keywords)
     with pytest.raises(ValueError, match="does not bring the array near the latches; tune it first"):
         record(lanes)
+
+
+def test_episodes_that_the_law_does_not_bring_near_the_latches_are_left_out_with_a_warning():
+    soft, stiff = (0.05, 0.0375), (0.1, 0.075)
+    keywords = {"model": "rigid-ideal", "deadline": 12.5, "randomize": {"spring_stiffness": (soft, stiff)}}
+    lanes = NativeVecEnv(6, ENV_IDS[0], keywords)
+    lanes.seed(0)
+    with pytest.warns(UserWarning, match=r"near the latches in \d of 6 episodes; the agent trains on these alone"):
+        found, _ = record(lanes)
+    assert 0 < len(found) < 6

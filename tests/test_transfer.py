@@ -1,12 +1,13 @@
 """The transfer matrix judges what every level trained on all levels, and does not train twice."""
 
 import json
+from dataclasses import asdict
 
 import pytest
 
 from agents import configurations, learn, transfer
-from agents.baselines import make_baseline
-from agents.environments import episode_seeds, make_env, with_sampling
+from agents.baselines import load_parameters, make_baseline
+from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_sampling
 from agents.rollout import run_episode
 
 TASK = {"parameters": {"spring_stiffness": 2.0}, "postlock_window": 0.5}  # deploys within three seconds
@@ -40,6 +41,8 @@ def test_every_level_is_judged_on_all_levels_beside_passive_and_servo(tmp_path, 
     for level, keywords in transfer.LEVELS.items():
         trained = configurations.stored_configuration(tmp_path / f"{level.replace(' ', '-')}-0").env_kwargs
         assert trained.items() >= keywords.items()
+        law = configurations.stored_configuration(tmp_path / f"{level.replace(' ', '-')}-0").residual
+        assert law["parameters"] == asdict(load_parameters("servo", DEFAULT_ENV_ID, "flexible-clearance"))
     assert (tmp_path / "transfer.md").read_text() in printed
     assert (tmp_path / "transfer.png").stat().st_size > 0
 

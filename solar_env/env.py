@@ -29,7 +29,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     deploy in time and softly: with little peak force and little wear after latching.
 
     The physics is that of Li, Wang and Huang, Mech. Syst. Signal Process. 117 (2019) 188-209, simulated with adaptive
-    steps between two actions: of 1e-5 to 1e-2 s with rigid panels, of about 1e-5 to 1e-4 s with flexible ones.
+    steps between two actions: of 1e-5 to 1e-2 s with rigid panels, of 1e-5 to 3e-3 s with flexible ones.
     Everything is deterministic; `reset(seed=...)` fixes the draws of `randomize` and the noise.
 
     ## Action Space

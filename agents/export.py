@@ -247,6 +247,7 @@ def _card(name: str, config: dict[str, Any], policy: ShippedPolicy, env: Any, sc
 
 def _training(config: dict[str, Any], policy: ShippedPolicy, env: Any) -> str:
     sizes = [policy.network.inputs, *(layer.biases.size for layer in policy.network.layers)]
+    hidden = f"{policy.network.activation} between the others" if len(sizes) > 3 else "the action is linear in them"
     steps = f"{config['timesteps']:,}"
     if config["resumed_from"]:
         steps += f", on top of {config['timesteps_before']:,} of `{config['resumed_from']}`"
@@ -259,10 +260,12 @@ def _training(config: dict[str, Any], policy: ShippedPolicy, env: Any) -> str:
         "environment steps": steps,
         "environments together": config["n_envs"],
         "seed": config["seed"],
-        "network": f"{' - '.join(map(str, sizes))}, {policy.network.activation} between layers except after the first, "
-        f"which is not learned: features of the observation, clipped to {policy.network.feature_limit} and gated",
+        "network": f"{' - '.join(map(str, sizes))}; the first layer is not learned: features of the observation, "
+        f"clipped to {policy.network.feature_limit} and gated; {hidden}",
         "action": _formula(policy.description.residual),
-        "versions": ", ".join(f"{package} {version}" for package, version in config["versions"].items()),
+        "versions": ", ".join(
+            f"{name} {version}" for name, version in config["versions"].items() if name != "platform"
+        ),
     }
     rows = "\n".join(f"| {fact} | {value} |" for fact, value in facts.items())
     return (
@@ -354,7 +357,7 @@ and those of the ONNX form, differ by up to {found:.1e} from Stable-Baselines3's
 single impacts: compare means over episodes.
 
 ```python
-from agents.environments import episode_seeds, make_env
+from agents.environments import make_env
 from agents.rollout import run_episode
 from agents.shipped import load_shipped
 

@@ -360,7 +360,8 @@ def test_the_card_tells_how_the_policy_came_about_and_its_snippets_run(finished,
     assert "| seed | 7 |" in card
     assert '"n_steps": 50' in card
     features = len(load_shipped(finished["residual"][1]).network.layers[0].biases)
-    assert f"| network | 9 - {features} - 1, tanh" in card
+    assert f"| network | 9 - {features} - 1; the first layer is not learned" in card
+    assert "the action is linear in them" in card
     assert "model | rigid-ideal" in card
     assert "`ppo` is this policy" in card
     assert "| passive | " in card

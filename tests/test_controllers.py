@@ -5,7 +5,7 @@ import pytest
 
 from agents import shipped
 from agents.baselines import BASELINES, make_baseline
-from agents.controllers import SEARCH, effort, load_controller, policy_files, resolved, trained_on
+from agents.controllers import SEARCH, effort, load_controller, observation_of, policy_files, resolved, trained_on
 from agents.environments import make_env
 from agents.episodes import episode_cell
 from agents.shipped import Description, Layer, PolicyNetwork, ShippedPolicy
@@ -21,7 +21,7 @@ def env():
 def policy(env, tmp_path, monkeypatch):
     """A shipped policy that pulls with a third of the limit."""
     signals = Signals.of(env)
-    features = Layer(np.eye(len(signals.names), dtype=np.float32), np.zeros(len(signals.names), np.float32))
+    features = Layer(np.eye(len(signals.names)), np.zeros(len(signals.names)))
     gates = Layer(np.zeros_like(features.weights), np.ones_like(features.biases))
     layer = Layer(np.zeros((1, len(signals.names)), np.float32), np.full(1, -1.0 / 3.0, np.float32))
     description = Description(
@@ -36,6 +36,8 @@ def policy(env, tmp_path, monkeypatch):
         observation_names=signals.names,
         torque_limit=signals.torque_limit,
         deadline=signals.deadline,
+        control_period=signals.control_period,
+        postlock_window=signals.postlock_window,
         residual=None,
     )
     (tmp_path / "third").mkdir()
@@ -43,6 +45,11 @@ def policy(env, tmp_path, monkeypatch):
     shipped.save(tmp_path / "third", ShippedPolicy(network, description))
     monkeypatch.setattr(shipped, "SHIPPED", tmp_path)
     return description
+
+
+def test_a_trained_controller_observes_what_it_did_in_training_and_any_other_what_it_is_given(policy):
+    assert observation_of("third") == {"observation": "drive"}
+    assert observation_of("servo") == {}
 
 
 def test_a_shipped_policy_is_a_controller_by_its_name(env, policy):

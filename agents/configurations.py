@@ -15,7 +15,7 @@ from agents.residual import residual_on
 
 # Arguments of the Stable-Baselines3 classes that say other things than how to learn.
 NOT_HYPERPARAMETERS = {"policy", "env", "seed", "device", "verbose", "tensorboard_log", "_init_setup_model"}
-POSITIVE = {"batch_size", "buffer_size", "gamma", "n_epochs", "n_steps", "policy_delay", "tau", "train_freq"}
+POSITIVE = {"batch_size", "buffer_size", "gamma", "n_epochs", "n_steps", "policy_delay", "tau"}
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ def entry(algo: str, env_id: str) -> dict[str, Any]:
     """What ``agents/configs/<algo>.json`` holds for `env_id`.
 
     Raises:
-        ValueError: nothing.
+        ValueError: there is nothing for it.
     """
     entries = json.loads((CONFIGS / f"{algo}.json").read_text())
     if env_id not in entries:

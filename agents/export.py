@@ -110,12 +110,12 @@ def difference(network: PolicyNetwork, onnx_bytes: bytes, model: BaseAlgorithm, 
         observations: (n, entries); looked at together and one by one.
     """
     session = onnxruntime.InferenceSession(onnx_bytes)
-    found = 0.0
+    found = []
     for batch in (observations, *observations[:, None]):
         expected, _ = model.predict(batch, deterministic=True)
         for actions in (network.predict(batch)[0], session.run(["action"], {"observation": batch})[0]):
-            found = max(found, float(np.max(np.abs(actions - expected))))
-    return found
+            found.append(np.max(np.abs(actions - expected)))
+    return float(np.max(found))
 
 
 def observed(policy: ShippedPolicy, env: gymnasium.Env, seed: int) -> np.ndarray:
@@ -296,9 +296,20 @@ def _formula(residual: Mapping[str, Any] | None) -> str:
 def _own_scores(run: Path) -> str:
     """The comparison that training ended with: of the run, or of all the seeds that it was trained with."""
     for folder in (run, run.parent):
-        if (folder / "episodes.csv").is_file() and (folder / "metrics.json").is_file():
+        if (folder / "episodes.csv").is_file() and _rows_of(run, _rows(folder)):
             return _scores(run, folder)
     return "None were measured."
+
+
+def _rows(comparison: Path) -> list[Row]:
+    """All episodes of a comparison."""
+    with (comparison / "episodes.csv").open() as file:
+        return [_numbers(row) for row in csv.DictReader(file)]
+
+
+def _rows_of(run: Path, rows: Sequence[Row]) -> list[Row]:
+    """Those of a run."""
+    return [row for row in rows if Path(row["spec"]).name == run.name and row["spec"] not in BASELINES]
 
 
 def _scores(run: Path, comparison: Path) -> str:
@@ -308,11 +319,11 @@ def _scores(run: Path, comparison: Path) -> str:
         FileNotFoundError: there is no comparison.
         ValueError: the run is not part of it.
     """
-    with (comparison / "episodes.csv").open() as file:
-        rows = [_numbers(row) for row in csv.DictReader(file)]
-    own = [row for row in rows if Path(row["spec"]).name == run.name and row["spec"] not in BASELINES]
+    rows = _rows(comparison)
+    own = _rows_of(run, rows)
     if not own:
-        raise ValueError(f"{comparison} has no scores of {run}; it has {', '.join({row['spec'] for row in rows})}")
+        found = ", ".join(dict.fromkeys(row["spec"] for row in rows))
+        raise ValueError(f"{comparison} has no scores of {run}; it has those of {found}")
     settings = json.loads((comparison / "metrics.json").read_text())["settings"]
     table = markdown([row for row in rows if row["spec"] in BASELINES] + own)
     return f"`{own[0]['controller']}` is this policy. Measured by `{settings['command']}`.\n\n{table.strip()}"

@@ -1,6 +1,5 @@
 """Tune the baselines by CMA-ES on the environment's return: `python -m agents.tune`."""
 
-import itertools
 import json
 import shlex
 import sys
@@ -148,13 +147,14 @@ def tune(
     Raises:
         ValueError: as `minimise`.
     """
-    points = episodes // episodes_per_candidate
-    fresh = iter(episode_seeds("training", seed, max(episodes, 1)))
+    used = 0
 
-    def costs(generation: Sequence[np.ndarray]) -> Sequence[float]:
-        return objective(generation, list(itertools.islice(fresh, episodes_per_candidate)))
+    def costs(points: Sequence[np.ndarray]) -> Sequence[float]:
+        nonlocal used
+        used += episodes_per_candidate
+        return objective(points, episode_seeds("training", seed, used)[-episodes_per_candidate:])
 
-    return minimise(costs, start, points, seed, progress, spread)
+    return minimise(costs, start, episodes // episodes_per_candidate, seed, progress, spread)
 
 
 def store(controller: str, env_id: str, model: str, entry: dict[str, Any]) -> Path:

@@ -385,6 +385,9 @@ def test_the_card_of_one_of_several_seeds_has_its_scores_alone_and_without_any_i
     other = "".join(line.replace(str(measured), "another") for line in rows.splitlines(True) if line.startswith("ppo,"))
     (tmp_path / "episodes.csv").write_text(rows + other)
     export.export(run, tmp_path / "shipped")
+    with pytest.raises(ValueError, match=r"has no scores of .*ppo; it has those of passive"):
+        export.export(finished["ppo"][0], tmp_path / "other", comparison=tmp_path)
+    assert not (tmp_path / "other").exists()
     alone, together = ((place / shipped.CARD).read_text() for place in (folder, tmp_path / "shipped"))
     assert re.findall(r"^\| ppo .*", together, re.MULTILINE) == re.findall(r"^\| ppo .*", alone, re.MULTILINE)
 

@@ -100,7 +100,7 @@ def observation_of(spec: str) -> dict[str, Any]:
         FileNotFoundError: `spec` names no controller.
     """
     trained = trained_on(spec) or {}
-    return {name: trained[name] for name in ("observation",) if name in trained}
+    return {"observation": trained["observation"]} if "observation" in trained else {}
 
 
 def _training(spec: str) -> dict[str, Any] | None:

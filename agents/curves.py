@@ -69,7 +69,7 @@ def wanted_runs(args: Args) -> dict[tuple[str, str], dict[Path, configurations.C
     for suite, whole in itertools.product(args.suites, (False, True) if args.whole else (False,)):
         env_id = SUITES[suite]
         if whole:
-            keywords = with_model({k: v for k, v in args.env_kwargs.items() if k != "model"}, WHOLE_MODEL)
+            keywords = {**args.env_kwargs, "model": WHOLE_MODEL}
         else:
             keywords = with_model(args.env_kwargs, args.model, args.elements, env_id, TRAINING_MODEL)
         panel = f"{suite}, {keywords['model']}, {'whole torque' if whole else 'added to the servo'}"

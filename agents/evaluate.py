@@ -81,9 +81,8 @@ def check_names(controllers: Sequence[str]) -> None:
             raise ValueError(f"{name} is given {times} times; its episodes would count as many times")
         if spec in UNTRAINED and any(other == name and of != spec for other, of in pairs):
             raise ValueError(f"{spec} and another controller are both called {name}; give the other its own name")
-    bare = [split_controller(text) for text in controllers if "=" not in text]
     specs: dict[str, str] = {}
-    for name, spec in bare:
+    for name, spec in (pair for text, pair in zip(controllers, pairs, strict=True) if "=" not in text):
         if specs.setdefault(name, spec) != spec:
             raise ValueError(f"{specs[name]} and {spec} are both called {name}; name them, as in first={spec}")
 

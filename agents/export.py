@@ -296,8 +296,10 @@ def _formula(residual: Mapping[str, Any] | None) -> str:
 def _own_scores(run: Path) -> str:
     """The comparison that training ended with: of the run, or of all the seeds that it was trained with."""
     for folder in (run, run.parent):
-        if (folder / "episodes.csv").is_file() and _rows_of(run, _rows(folder)):
-            return _scores(run, folder)
+        if (folder / "episodes.csv").is_file() and (folder / "metrics.json").is_file():
+            rows = _rows(folder)
+            if _rows_of(run, rows):
+                return _table(run, rows, folder)
     return "None were measured."
 
 
@@ -320,10 +322,15 @@ def _scores(run: Path, comparison: Path) -> str:
         ValueError: the run is not part of it.
     """
     rows = _rows(comparison)
-    own = _rows_of(run, rows)
-    if not own:
+    if not _rows_of(run, rows):
         found = ", ".join(dict.fromkeys(row["spec"] for row in rows))
         raise ValueError(f"{comparison} has no scores of {run}; it has those of {found}")
+    return _table(run, rows, comparison)
+
+
+def _table(run: Path, rows: Sequence[Row], comparison: Path) -> str:
+    """The rows of a run and of the baselines as a table, and what they were measured by."""
+    own = _rows_of(run, rows)
     settings = json.loads((comparison / "metrics.json").read_text())["settings"]
     table = markdown([row for row in rows if row["spec"] in BASELINES] + own)
     return f"`{own[0]['controller']}` is this policy. Measured by `{settings['command']}`.\n\n{table.strip()}"

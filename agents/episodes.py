@@ -13,7 +13,7 @@ import numpy as np
 from tqdm import tqdm
 
 from agents import runs
-from agents.baselines import Parameters, make_baseline
+from agents.baselines import CONFIGS, TUNABLE, Parameters, make_baseline
 from agents.controllers import load_controller, policy_files, resolved
 from agents.environments import make_env
 from agents.rollout import run_episode
@@ -133,8 +133,9 @@ def mean_returns(
 
 @cache
 def _agents_digest() -> str:
-    folder = Path(__file__).parent
-    return _digest(sorted([*folder.glob("*.py"), *folder.glob("configs/*.json")]))
+    """Of the code and the baselines' parameters; what agents are trained with changes no policy that there is."""
+    code = sorted(Path(__file__).parent.glob("*.py"))
+    return _digest([*code, *(CONFIGS / f"{name}.json" for name in TUNABLE)])
 
 
 def _digest(paths: Sequence[Path]) -> str:

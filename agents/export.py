@@ -4,7 +4,7 @@ import csv
 import json
 import re
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
@@ -51,7 +51,8 @@ class Args:
     name: str | None = None
     """name of the policy: letters, digits, dots, dashes and underscores"""
     scores: str | None = None
-    """folder of a comparison (`agents.evaluate`) in which the run was measured, for the card; None: the run's own"""
+    """folder of a comparison (`agents.evaluate`) in which the run, or the policy of this name, was measured, for the
+    card; None: the run's own"""
 
 
 def network_of(model: BaseAlgorithm) -> PolicyNetwork:
@@ -182,8 +183,8 @@ def export(run: str | Path, folder: Path, comparison: str | Path | None = None) 
     Args:
         run: Run folder.
         folder: Where to.
-        comparison: Folder of a comparison in which the run was measured; by default the run's own, or that of all the
-            seeds that it was trained with.
+        comparison: Folder of a comparison in which the run, or a policy named as `folder` is, was measured; by default
+            the run's own, or that of all the seeds that it was trained with.
 
     Raises:
         FileExistsError: `folder` exists.
@@ -223,7 +224,7 @@ def export(run: str | Path, folder: Path, comparison: str | Path | None = None) 
         found = difference(network, onnx_bytes, model, observed(policy, env, seed))
         if not found <= TOLERANCE:
             raise ValueError(f"the exported network differs from the run's policy by {found:.1e}; it is not written")
-        scores = _scores(run, Path(comparison)) if comparison else _own_scores(run)
+        scores = _scores(run, folder.name, Path(comparison)) if comparison else _own_scores(run)
         card = _card(folder.name, config, policy, unwrapped, scores, found)
     folder.mkdir(parents=True)
     shipped.save(folder, policy)
@@ -298,8 +299,8 @@ def _own_scores(run: Path) -> str:
     for folder in (run, run.parent):
         if (folder / "episodes.csv").is_file() and (folder / "metrics.json").is_file():
             rows = _rows(folder)
-            if _rows_of(run, rows):
-                return _table(run, rows, folder)
+            if _rows_of([run.name], rows):
+                return _table([run.name], rows, folder)
     return "None were measured."
 
 
@@ -309,28 +310,28 @@ def _rows(comparison: Path) -> list[Row]:
         return [_numbers(row) for row in csv.DictReader(file)]
 
 
-def _rows_of(run: Path, rows: Sequence[Row]) -> list[Row]:
-    """Those of a run."""
-    return [row for row in rows if Path(row["spec"]).name == run.name and row["spec"] not in BASELINES]
+def _rows_of(names: Collection[str], rows: Sequence[Row]) -> list[Row]:
+    """Those of a run or policy that goes by one of these names."""
+    return [row for row in rows if Path(row["spec"]).name in names and row["spec"] not in BASELINES]
 
 
-def _scores(run: Path, comparison: Path) -> str:
-    """What the comparison in a folder says of a run, and of the baselines beside it.
+def _scores(run: Path, name: str, comparison: Path) -> str:
+    """What the comparison in a folder says of a run, also by the name of its policy, and of the baselines beside it.
 
     Raises:
         FileNotFoundError: there is no comparison.
-        ValueError: the run is not part of it.
+        ValueError: neither is part of it.
     """
     rows = _rows(comparison)
-    if not _rows_of(run, rows):
+    if not _rows_of([run.name, name], rows):
         found = ", ".join(dict.fromkeys(row["spec"] for row in rows))
         raise ValueError(f"{comparison} has no scores of {run}; it has those of {found}")
-    return _table(run, rows, comparison)
+    return _table([run.name, name], rows, comparison)
 
 
-def _table(run: Path, rows: Sequence[Row], comparison: Path) -> str:
+def _table(names: Collection[str], rows: Sequence[Row], comparison: Path) -> str:
     """The rows of a run and of the baselines as a table, and what they were measured by."""
-    own = _rows_of(run, rows)
+    own = _rows_of(names, rows)
     settings = json.loads((comparison / "metrics.json").read_text())["settings"]
     table = markdown([row for row in rows if row["spec"] in BASELINES] + own)
     return f"`{own[0]['controller']}` is this policy. Measured by `{settings['command']}`.\n\n{table.strip()}"

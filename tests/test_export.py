@@ -388,8 +388,12 @@ def test_the_card_of_one_of_several_seeds_has_its_scores_alone_and_without_any_i
     with pytest.raises(ValueError, match=r"has no scores of .*ppo; it has those of passive"):
         export.export(finished["ppo"][0], tmp_path / "other", comparison=tmp_path)
     assert not (tmp_path / "other").exists()
-    alone, together = ((place / shipped.CARD).read_text() for place in (folder, tmp_path / "shipped"))
-    assert re.findall(r"^\| ppo .*", together, re.MULTILINE) == re.findall(r"^\| ppo .*", alone, re.MULTILINE)
+    (tmp_path / "episodes.csv").write_text(rows.replace(str(measured), "of-this-name"))
+    export.export(measured, tmp_path / "of-this-name", comparison=tmp_path)
+    cards = ((tmp_path / name / shipped.CARD).read_text() for name in ("shipped", "of-this-name"))
+    alone = re.findall(r"^\| ppo .*", (folder / shipped.CARD).read_text(), re.MULTILINE)
+    assert alone
+    assert all(re.findall(r"^\| ppo .*", card, re.MULTILINE) == alone for card in cards)
 
 
 def test_the_policy_of_an_interrupted_training_is_not_shipped(finished, tmp_path):

@@ -1,0 +1,75 @@
+"""The policies that come with the package: that they are whole, act alike in all their forms, and land softly."""
+
+from typing import NamedTuple
+
+import numpy as np
+import onnxruntime
+import pytest
+
+from agents import shipped
+from agents.controllers import load_controller
+from agents.environments import episode_seeds, make_env
+from agents.rollout import run_episode
+from agents.shipped import load_shipped
+from agents.suites import MODEL, SUITES
+
+POLICIES = shipped.available()
+
+
+class Deployment(NamedTuple):
+    """One on six elements: what was observed (periods, entries), its figures, and the wear of all bins, added up [m]."""
+
+    observed: np.ndarray
+    figures: dict[str, float]
+    wear: float
+
+
+def deploy(name, controller):
+    """The deployment of a policy's scenario, on an evaluation seed, under a controller."""
+    description = load_shipped(name).description
+    env = make_env(description.env_id, {**description.env_kwargs, **MODEL})
+    seen = []
+    seed = episode_seeds("evaluation", 2, 1)[0]
+    figures = run_episode(env, load_controller(controller, env), seed, lambda step: seen.append(step.observation))
+    state = env.unwrapped.simulation.state
+    return Deployment(np.array(seen, np.float32), figures, state.wear_journal.sum() + state.wear_bearing.sum())
+
+
+@pytest.fixture(scope="module")
+def deployments():
+    """Policy -> the deployment under the policy, and the passive one."""
+    return {name: (deploy(name, name), deploy(name, "passive")) for name in POLICIES}
+
+
+def test_every_suite_has_a_policy_that_was_trained_on_its_scenario():
+    assert {load_shipped(name).description.env_id for name in POLICIES} == set(SUITES.values())
+
+
+@pytest.mark.parametrize("name", POLICIES)
+def test_onnx_acts_as_the_network_in_a_deployment(name, deployments):
+    observed = deployments[name][0].observed
+    session = onnxruntime.InferenceSession(shipped.SHIPPED / name / shipped.ONNX)
+    actions = session.run(["action"], {"observation": observed})[0]
+    expected = load_shipped(name).network.predict(observed)[0]
+    assert np.abs(expected).max() > 0.1
+    np.testing.assert_allclose(actions, expected, rtol=0.0, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", POLICIES)
+def test_a_policy_latches_in_time_with_a_tenth_of_the_passive_deployments_force_and_wear(name, deployments):
+    soft, passive = deployments[name]
+    assert soft.figures["latched"]
+    assert soft.figures["latch_times_s"] < load_shipped(name).description.deadline
+    assert soft.figures["peak_postlock_force_N"] < 0.1 * passive.figures["peak_postlock_force_N"]
+    assert soft.figures["postlock_sliding_work_J"] < 0.1 * passive.figures["postlock_sliding_work_J"]
+    assert soft.wear < 0.1 * passive.wear  # over the whole deployment, most of it before the latches
+
+
+@pytest.mark.parametrize("name", POLICIES)
+def test_a_card_says_what_a_policy_was_trained_on_how_it_scored_and_where_it_ends(name):
+    card = (shipped.SHIPPED / name / shipped.CARD).read_text()
+    assert card.startswith(f"# {name}\n")
+    assert load_shipped(name).description.env_id in card
+    for heading in ("## Training", "## Scores", "## Limits", "## Use"):
+        assert heading in card
+    assert "None were measured." not in card

@@ -17,7 +17,7 @@ POLICIES = shipped.available()
 
 
 class Deployment(NamedTuple):
-    """One on six elements: what was observed (periods, entries), its figures, and the wear of all bins, added up [m]."""
+    """One on six elements: what was observed (periods, entries), its figures, and the wear of all bins together [m]."""
 
     observed: np.ndarray
     figures: dict[str, float]

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 from agents import runs
 from agents.report import HIGHER_IS_BETTER
@@ -103,6 +104,9 @@ def comparison_figure(summary: Mapping[str, Mapping[str, Any]], path: Path) -> N
             axes.plot(factor * value.mean, row, "o", color="C0", ms=5)
             axes.plot(worst, row, "x", color="C1", ms=5)
         axes.set_xscale("log")
+        least, greatest = np.log10(axes.get_xlim())
+        if math.ceil(least) <= greatest:  # the labels between powers of ten would overlap
+            axes.xaxis.set_minor_formatter(NullFormatter())
         axes.set_yticks(range(len(names)), names)
         axes.set_xlabel(label)
         axes.grid(axis="x", alpha=0.3)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from PIL import Image
+from PIL import Image, ImageDraw, ImageFont
 from tqdm import tqdm
 
 from agents.arguments import parse_arguments
@@ -17,10 +17,11 @@ from agents.evaluate import check_names, split_controller
 from agents.figures import deployments_figure
 from agents.rollout import Step, run_episode
 from agents.suites import MODEL
+from agents.torque_laws import Controller
 from solar_env.readme import FIGURE_FOLDER
 
 FIGURE, ANIMATION = "deployments.png", "deployments.gif"
-WIDTH = 640  # of the animation [pixels]
+WIDTH, CAPTION = 640, 28  # of the animation, and height of a controller's name in it [pixels]
 FRAME_EVERY = 3  # control periods
 FRAMES_PER_SECOND = 10
 
@@ -63,16 +64,7 @@ def main(argv: Sequence[str] | None = None) -> None:
         drawn = {**keywords, **observation_of(spec), "render_mode": "rgb_array"}
         env = make_env(args.env_id, with_sampling(drawn, args.env_id))
         signals: Any = env.unwrapped
-        steps: list[Step] = []
-        film: list[Image.Image] = []
-
-        def record(step: Step, steps: list[Step] = steps, film: list[Image.Image] = film, env: Any = signals) -> None:
-            if len(steps) % FRAME_EVERY == 0:
-                film.append(_scaled(env.render()))
-            steps.append(step)
-
-        run_episode(env, load_controller(spec, env), seed, record)
-        film.append(_scaled(signals.render()))
+        steps, film = _filmed(env, load_controller(spec, env), name, seed)
         episodes[name] = steps
         films.append(film)
     out = Path(args.out)
@@ -85,9 +77,29 @@ def main(argv: Sequence[str] | None = None) -> None:
     print(f"written to {out}")
 
 
-def _scaled(frame: np.ndarray) -> Image.Image:
+def _filmed(env: Any, controller: Controller, name: str, seed: int) -> tuple[list[Step], list[Image.Image]]:
+    """The steps of an episode, and its film."""
+    steps: list[Step] = []
+    film: list[Image.Image] = []
+
+    def record(step: Step) -> None:
+        if len(steps) % FRAME_EVERY == 0:
+            film.append(_scaled(env.render(), name))
+        steps.append(step)
+
+    run_episode(env, controller, seed, record)
+    film.append(_scaled(env.render(), name))
+    return steps, film
+
+
+def _scaled(frame: np.ndarray, name: str) -> Image.Image:
+    """A frame in the animation's width, under the name of its controller."""
     image = Image.fromarray(frame)
-    return image.resize((WIDTH, round(WIDTH * image.height / image.width)), Image.Resampling.LANCZOS)
+    height = round(WIDTH * image.height / image.width)
+    captioned = Image.new("RGB", (WIDTH, CAPTION + height), "white")
+    captioned.paste(image.resize((WIDTH, height), Image.Resampling.LANCZOS), (0, CAPTION))
+    ImageDraw.Draw(captioned).text((10, 5), name, "black", ImageFont.load_default(16))
+    return captioned
 
 
 def animate(films: Sequence[Sequence[Image.Image]], path: Path) -> None:

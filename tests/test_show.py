@@ -18,5 +18,5 @@ def test_the_command_draws_and_animates_the_same_episode_of_every_controller(tmp
     with Image.open(tmp_path / show.FIGURE) as figure:
         assert min(figure.size) > 500
     with Image.open(tmp_path / show.ANIMATION) as animation:
-        assert animation.size == (show.WIDTH, 2 * round(show.WIDTH * 540 / 960))
+        assert animation.size == (show.WIDTH, 2 * (show.CAPTION + round(show.WIDTH * 540 / 960)))
         assert animation.n_frames > 5

@@ -74,6 +74,17 @@ def test_friction_in_a_lasting_contact_is_booked() -> None:
     assert abs(simulation.energy_residual() - residual) < 1e-3 * friction
 
 
+@pytest.mark.parametrize("rtol", [5e-4, 1e-3, 2e-3])
+def test_a_lasting_contact_has_no_peaks_within_long_steps(rtol: float) -> None:
+    # Between the impacts of the start and the latches 2 N press in the bearings, 5 N at the loosest of these
+    # tolerances; the interpolant of a long step can make 80 N of it.
+    simulation = after(build(ArrayParameters(), "flexible-clearance", elements=2), 3.0, Rosenbrock(rtol=rtol))
+    simulation.state.joints["recent_peak_force"] = 0.0
+    for period in range(85):
+        simulation.advance(3.0 + 0.1 * (period + 1))
+    assert 1.0 < simulation.state.joints["recent_peak_force"].max() < 10.0
+
+
 @pytest.mark.parametrize("bearing", [None, WIDE], ids=["ideal joints", "clearance joints"])
 def test_momentum_is_kept_and_the_energy_book_closes(bearing: Bearing | None) -> None:
     mechanism = replace(stiff_flight(bearing), gravity=(0.0, 0.0))

@@ -55,6 +55,7 @@ from .runge_kutta import (
     make_stages,
     make_stiff_forces,
 )
+from .stiff_forces import lasts
 from .system import Workspace, accelerations, fill_columns, make_workspace, prepare_response, project
 
 _PEAK_SAMPLES = 8
@@ -112,12 +113,17 @@ def refine_peak(model, state, stages, j, h, share):
 
 
 @njit_merged
-def refine_peaks(model, state, stages, h, share):
-    """Find the force peaks that lie inside the step: where a penetration has turned from growing to falling."""
-    joints, markers, joint_states = model.joints, model.markers, state.joints
+def refine_peaks(model, state, stages, h, share, implicit):
+    """Find the force peaks that lie inside the step: where a penetration has turned from growing to falling.
+
+    Not those of lasting contacts in linearly implicit steps, see ``rosenbrock.take_contacts_from_ends``: their
+    interpolant has depths that never were, and forces up to a thousand times the real ones.
+    """
+    joints, markers, joint_states, time = model.joints, model.markers, state.joints, state.clock[0].time
     depth_rate, q, v = stages.depth_rate, stages.q, stages.v
     for j in range(joints.size):
-        if joint_states[j].in_contact and depth_rate[j] > 0.0:
+        own = joint_states[j]
+        if own.in_contact and depth_rate[j] > 0.0 and not (implicit and lasts(own, time)):
             _, rate = penetration(joints[j], markers, q, v)
             if rate <= 0.0:
                 refine_peak(model, state, stages, j, h, share)
@@ -205,11 +211,11 @@ def move_to(state, stages, h, share):
 
 
 @njit_merged
-def accept(model, state, stages, work, scratch, recorder, h, share, event_joint, kind, evaluated):
+def accept(model, state, stages, work, scratch, recorder, h, share, event_joint, kind, implicit):
     """Move to ``share`` of the step and book what happened on the way.
 
     Args:
-        evaluated: whether ``work`` is that of an evaluation of the accelerations there.
+        implicit: whether the step was linearly implicit; ``work`` is then not that of the accelerations at its end.
 
     Returns:
         False if the constraints are singular.
@@ -221,11 +227,11 @@ def accept(model, state, stages, work, scratch, recorder, h, share, event_joint,
     if recorder.times.size > 0:
         copy_into(scratch.impact_speeds, impact_speeds)
         record_until(model, state, stages, scratch, recorder, h, end)
-    refine_peaks(model, state, stages, h, share)
+    refine_peaks(model, state, stages, h, share, implicit)
     move_to(state, stages, h, share)
     clock.time = end
     clock.steps += 1
-    if not evaluated and not prepare_response(model, state.q, end, work):
+    if (implicit or share < 1.0) and not prepare_response(model, state.q, end, work):
         return False
     project(model, state.q, state.v, end, work)
     if kind != NONE:
@@ -341,8 +347,7 @@ def advance_adaptive(model, state, settings, recorder, end_time, arrays):
         if at_once > _MOST_EVENTS_AT_ONCE:
             status = fail(state, EVENTS_PILE_UP, event_joint, float(at_once))
             break
-        evaluated = share == 1.0 and not implicit
-        if not accept(model, state, stages, work, scratch, recorder, h, share, event_joint, kind, evaluated):
+        if not accept(model, state, stages, work, scratch, recorder, h, share, event_joint, kind, implicit):
             status = fail(state, SINGULAR_CONSTRAINTS, -1, 0.0)
             break
         if last and share == 1.0:

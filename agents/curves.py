@@ -16,12 +16,11 @@ from agents import configurations, learn, runs
 from agents.arguments import parse_arguments
 from agents.environments import with_model
 from agents.figures import learning_curves_figure
-from agents.suites import SUITES, TRAINING_MODEL
+from agents.suites import SUITES, TRAINING_MODEL, WHOLE_TORQUE_MODEL
 from solar_env.campaigns import Workers
 from solar_env.readme import FIGURE_FOLDER
 
 FIGURE, TABLE = "learning_curves.png", "learning_curves.csv"
-WHOLE_MODEL = "rigid-clearance"  # agents without a law need more episodes than there is time for with flexible panels
 
 # (panel of the figure, algorithm) -> mean validation return (seeds, validations), after these steps (validations,).
 Curves = dict[tuple[str, str], tuple[np.ndarray, np.ndarray]]
@@ -69,7 +68,7 @@ def wanted_runs(args: Args) -> dict[tuple[str, str], dict[Path, configurations.C
     for suite, whole in itertools.product(args.suites, (False, True) if args.whole else (False,)):
         env_id = SUITES[suite]
         if whole:
-            keywords = {**args.env_kwargs, "model": WHOLE_MODEL}
+            keywords = {**args.env_kwargs, **WHOLE_TORQUE_MODEL}
         else:
             keywords = with_model(args.env_kwargs, args.model, args.elements, env_id, TRAINING_MODEL)
         panel = f"{suite}, {keywords['model']}, {'whole torque' if whole else 'added to the servo'}"

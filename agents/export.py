@@ -4,7 +4,7 @@ import csv
 import json
 import re
 import sys
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
@@ -224,7 +224,7 @@ def export(run: str | Path, folder: Path, comparison: str | Path | None = None) 
         found = difference(network, onnx_bytes, model, observed(policy, env, seed))
         if not found <= TOLERANCE:
             raise ValueError(f"the exported network differs from the run's policy by {found:.1e}; it is not written")
-        scores = _scores(run, folder.name, Path(comparison)) if comparison else _own_scores(run)
+        scores = _scores(run, folder.name, Path(comparison) if comparison else None)
         card = _card(folder.name, config, policy, unwrapped, scores, found)
     folder.mkdir(parents=True)
     shipped.save(folder, policy)
@@ -294,47 +294,30 @@ def _formula(residual: Mapping[str, Any] | None) -> str:
     )
 
 
-def _own_scores(run: Path) -> str:
-    """The comparison that training ended with: of the run, or of all the seeds that it was trained with."""
-    for folder in (run, run.parent):
-        if (folder / "episodes.csv").is_file() and (folder / "metrics.json").is_file():
-            rows = _rows(folder)
-            if _rows_of([run.name], rows):
-                return _table([run.name], rows, folder)
-    return "None were measured."
-
-
-def _rows(comparison: Path) -> list[Row]:
-    """All episodes of a comparison."""
-    with (comparison / "episodes.csv").open() as file:
-        return [_numbers(row) for row in csv.DictReader(file)]
-
-
-def _rows_of(names: Collection[str], rows: Sequence[Row]) -> list[Row]:
-    """Those of a run or policy that goes by one of these names."""
-    return [row for row in rows if Path(row["spec"]).name in names and row["spec"] not in BASELINES]
-
-
-def _scores(run: Path, name: str, comparison: Path) -> str:
-    """What the comparison in a folder says of a run, also by the name of its policy, and of the baselines beside it.
+def _scores(run: Path, name: str, comparison: Path | None) -> str:
+    """What was measured of a run, as `export` says, as a table with the baselines beside it.
 
     Raises:
-        FileNotFoundError: there is no comparison.
-        ValueError: neither is part of it.
+        FileNotFoundError: there is no comparison in the folder given.
+        ValueError: neither the run nor a policy of this name is part of it.
     """
-    rows = _rows(comparison)
-    if not _rows_of([run.name, name], rows):
+    if comparison is not None:
+        names, folders = [run.name, name], [comparison]
+    else:  # training ends with a comparison of the run, or of all the seeds together
+        names = [run.name]
+        folders = [folder for folder in (run, run.parent) if (folder / "episodes.csv").is_file()]
+    for folder in folders:
+        with (folder / "episodes.csv").open() as file:
+            rows = [_numbers(row) for row in csv.DictReader(file)]
+        own = [row for row in rows if Path(row["spec"]).name in names and row["spec"] not in BASELINES]
+        if own:
+            settings = json.loads((folder / "metrics.json").read_text())["settings"]
+            table = markdown([row for row in rows if row["spec"] in BASELINES] + own)
+            return f"`{own[0]['controller']}` is this policy. Measured by `{settings['command']}`.\n\n{table.strip()}"
+    if comparison is not None:
         found = ", ".join(dict.fromkeys(row["spec"] for row in rows))
         raise ValueError(f"{comparison} has no scores of {run}; it has those of {found}")
-    return _table([run.name, name], rows, comparison)
-
-
-def _table(names: Collection[str], rows: Sequence[Row], comparison: Path) -> str:
-    """The rows of a run and of the baselines as a table, and what they were measured by."""
-    own = _rows_of(names, rows)
-    settings = json.loads((comparison / "metrics.json").read_text())["settings"]
-    table = markdown([row for row in rows if row["spec"] in BASELINES] + own)
-    return f"`{own[0]['controller']}` is this policy. Measured by `{settings['command']}`.\n\n{table.strip()}"
+    return "None were measured."
 
 
 def _numbers(row: Mapping[str, str]) -> Row:

@@ -15,7 +15,7 @@ from agents import configurations, learn, runs
 from agents.arguments import parse_arguments
 from agents.baselines import CONFIGS
 from agents.environments import DEFAULT_ENV_ID, with_model
-from agents.suites import TRAINING_MODEL
+from agents.suites import TRAINING_MODEL, WHOLE_TORQUE_MODEL
 from agents.tune import minimise
 from solar_env.campaigns import Workers
 
@@ -86,8 +86,11 @@ class Args:
     """seed of the search and of the runs"""
     env_id: str = DEFAULT_ENV_ID
     """environment id"""
+    whole: bool = False
+    """those of the agent that commands the whole torque, not of the one that adds to the tuned servo"""
     model: str | None = None
-    """rigid-ideal, rigid-clearance, flexible-ideal or flexible-clearance; None: flexible-clearance with 4 elements"""
+    """rigid-ideal, rigid-clearance, flexible-ideal or flexible-clearance; None: flexible-clearance with 4 elements, or
+    rigid-clearance for the whole torque"""
     elements: int | None = None
     """beam elements of each panel of a flexible model; None: 4, or 6 for a model that was named"""
     env_kwargs: dict[str, Any] = field(default_factory=dict)
@@ -104,20 +107,31 @@ class Args:
     """no progress bar"""
 
 
+def space(algo: str, whole: bool) -> dict[str, Range]:
+    """What is searched; an agent that commands the whole torque has no residual."""
+    return {name: r for name, r in SPACES[algo].items() if not (whole and name == "residual")}
+
+
 def trial(args: Args, env_kwargs: dict[str, Any], unit: np.ndarray) -> configurations.Configuration:
     """The run of a point (n,) in [0, 1]."""
-    entry = configurations.entry(args.algo, args.env_id)["hyperparameters"]
-    chosen = {name: r.value(float(u)) for (name, r), u in zip(SPACES[args.algo].items(), unit, strict=True)}
+    entry = configurations.entry(args.algo, args.env_id)[_section(args.whole)]
+    ranges = space(args.algo, args.whole)
+    chosen = {name: r.value(float(u)) for (name, r), u in zip(ranges.items(), unit, strict=True)}
     return configurations.configuration(
         args.algo,
         args.env_id,
         env_kwargs,
         args.seed,
         timesteps=args.timesteps,
-        residual=chosen.pop("residual"),
+        residual=chosen.pop("residual", 0.0),
         hyperparameters=_nested(entry, chosen),
         landings=args.landings,
     )
+
+
+def _section(whole: bool) -> str:
+    """Where a configuration file holds the hyperparameters."""
+    return "whole_torque" if whole else "hyperparameters"
 
 
 def _nested(entry: dict[str, Any], chosen: dict[str, float]) -> dict[str, Any]:
@@ -128,16 +142,16 @@ def _nested(entry: dict[str, Any], chosen: dict[str, float]) -> dict[str, Any]:
     return outer
 
 
-def start(algo: str, env_id: str) -> np.ndarray:
+def start(algo: str, env_id: str, whole: bool = False) -> np.ndarray:
     """The point (n,) of the configuration as it is.
 
     Raises:
         ValueError: there is none for the environment.
     """
     entry = configurations.entry(algo, env_id)
-    values = {**entry["hyperparameters"], **entry["hyperparameters"].get("policy_kwargs", {})}
-    values["residual"] = entry["residual"]
-    return np.array([r.share(values[name]) for name, r in SPACES[algo].items()])
+    section = entry[_section(whole)]
+    values = {**section, **section.get("policy_kwargs", {}), "residual": entry["residual"]}
+    return np.array([r.share(values[name]) for name, r in space(algo, whole).items()])
 
 
 def score(folder: Path) -> float:
@@ -154,12 +168,11 @@ def store(algo: str, env_id: str, config: configurations.Configuration, record: 
     """Write the best hyperparameters to their file in `CONFIGS`, with what is known of the search."""
     path = CONFIGS / f"{algo}.json"
     entries = json.loads(path.read_text())
-    assert config.residual is not None
-    entries[env_id] |= {
-        "residual": config.residual["scale"],
-        "hyperparameters": config.hyperparameters,
-        "search": record,
-    }
+    if config.residual is None:
+        entries[env_id] |= {"whole_torque": config.hyperparameters, "whole_torque_search": record}
+    else:
+        scale = config.residual["scale"]
+        entries[env_id] |= {"residual": scale, "hyperparameters": config.hyperparameters, "search": record}
     runs.write_json(path, entries)
     return path
 
@@ -174,7 +187,8 @@ def main(argv: Sequence[str] | None = None) -> None:
     args = parse_arguments(Args, argv, prog="python -m agents.search")
     if args.algo not in SPACES:
         raise ValueError(f"nothing to search for {args.algo!r}; choose from {', '.join(SPACES)}")
-    env_kwargs = with_model(args.env_kwargs, args.model, args.elements, args.env_id, TRAINING_MODEL)
+    default = WHOLE_TORQUE_MODEL if args.whole else TRAINING_MODEL
+    env_kwargs = with_model(args.env_kwargs, args.model, args.elements, args.env_id, default)
     command = shlex.join(["python", "-m", "agents.search", *(sys.argv[1:] if argv is None else argv)])
     scores: dict[Path, float] = {}
     configs: dict[Path, configurations.Configuration] = {}
@@ -188,7 +202,7 @@ def main(argv: Sequence[str] | None = None) -> None:
         scores.update({folder: score(folder) for folder in folders})
         return [-scores[folder] for folder in folders]
 
-    first = start(args.algo, args.env_id)
+    first = start(args.algo, args.env_id, args.whole)
     minimise(costs, first, args.trials, args.seed, progress=not args.quiet, spread=SPREAD)
     before = -costs([first])[0]
     best = max(scores, key=scores.__getitem__)
@@ -201,7 +215,8 @@ def main(argv: Sequence[str] | None = None) -> None:
         "validation_return_before": before,
     }
     path = store(args.algo, args.env_id, configs[best], record)
-    print(json.dumps({**record, "residual": configs[best].residual, **configs[best].hyperparameters}, indent=2))
+    found = {"residual": configs[best].residual, **configs[best].hyperparameters}
+    print(json.dumps({**record, **found}, indent=2))
     print(f"written to {path}")
 
 

@@ -9,6 +9,8 @@ from agents.baselines import TUNABLE
 MODEL: dict[str, Any] = {"model": "flexible-clearance", "elements": 6}
 # The cheapest model from which what agents learn transfers to that one, see `agents.transfer`.
 TRAINING_MODEL: dict[str, Any] = {"model": "flexible-clearance", "elements": 4}
+# Agents without a law need more episodes than there is time for with flexible panels.
+WHOLE_TORQUE_MODEL: dict[str, Any] = {"model": "rigid-clearance"}
 # Name -> environment id of the scenario.
 SUITES = {"paper": "solar_env/Deploy-v0", "robust": "solar_env/DeployRandomised-v0"}
 

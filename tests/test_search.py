@@ -10,12 +10,14 @@ from agents.baselines import CONFIGS
 from agents.environments import DEFAULT_ENV_ID
 
 
+@pytest.mark.parametrize("whole", [False, True], ids=["added", "whole"])
 @pytest.mark.parametrize("algo", search.SPACES)
-def test_the_point_of_a_configuration_gives_that_configuration_back(algo):
+def test_the_point_of_a_configuration_gives_that_configuration_back(algo, whole):
     entry = json.loads((CONFIGS / f"{algo}.json").read_text())[DEFAULT_ENV_ID]
-    config = search.trial(search.Args(algo=algo), {}, search.start(algo, DEFAULT_ENV_ID))
-    assert config.residual["scale"] == pytest.approx(entry["residual"], rel=1e-2)
-    found, expected = dict(config.hyperparameters), dict(entry["hyperparameters"])
+    config = search.trial(search.Args(algo=algo, whole=whole), {}, search.start(algo, DEFAULT_ENV_ID, whole))
+    scale = config.residual["scale"] if config.residual else 0.0
+    assert scale == pytest.approx(0.0 if whole else entry["residual"], rel=1e-2)
+    found, expected = dict(config.hyperparameters), dict(entry["whole_torque" if whole else "hyperparameters"])
     inner, outer = found.pop("policy_kwargs"), expected.pop("policy_kwargs")
     assert inner["net_arch"] == outer["net_arch"]
     assert inner.get("log_std_init") == pytest.approx(outer.get("log_std_init"), abs=0.02)
@@ -61,6 +63,29 @@ def test_the_best_trial_is_kept_and_none_is_trained_twice(tmp_path, monkeypatch)
     search.main(options)
     assert len(trained) == count
     assert json.loads((tmp_path / "ppo.json").read_text())[DEFAULT_ENV_ID] == entry
+
+
+def test_agents_of_the_whole_torque_are_searched_on_rigid_panels_and_kept_apart(tmp_path, monkeypatch):
+    """The training is replaced by one whose return is highest at a learning rate of 0.001."""
+    (tmp_path / "sac.json").write_text((CONFIGS / "sac.json").read_text())
+    before = json.loads((tmp_path / "sac.json").read_text())[DEFAULT_ENV_ID]
+    before.pop("whole_torque_search", None)
+    monkeypatch.setattr(search, "CONFIGS", tmp_path)
+
+    def pretend(wanted, command, device, workers, progress):
+        for folder, config in wanted.items():
+            assert config.residual is None
+            assert config.env_kwargs["model"] == "rigid-clearance"
+            folder.mkdir(parents=True, exist_ok=True)
+            value = -abs(np.log(config.hyperparameters["learning_rate"] / 0.001))
+            np.savez(folder / "evaluations.npz", results=np.array([[value]]))
+
+    monkeypatch.setattr(learn, "train_missing", pretend)
+    search.main(["--algo", "sac", "--whole", "--trials", "24", "--out", str(tmp_path / "search"), "--quiet"])
+    after = json.loads((tmp_path / "sac.json").read_text())[DEFAULT_ENV_ID]
+    assert abs(np.log(after["whole_torque"].pop("learning_rate") / 0.001)) < 1.0
+    assert after.pop("whole_torque_search")["validation_return"] > -1.0
+    assert {**after, "whole_torque": None} == {**before, "whole_torque": None}
 
 
 def test_what_cannot_be_searched_is_refused():

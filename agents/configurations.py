@@ -57,8 +57,10 @@ class Configuration:
             )
 
 
-def entry(algo: str, env_id: str) -> dict[str, Any]:
+def entry(algo: str, env_id: str, whole: bool = False) -> dict[str, Any]:
     """What ``agents/configs/<algo>.json`` holds for `env_id`.
+
+    That is for an agent that adds to a law; if it commands the `whole` torque, what is under "whole_torque" goes first.
 
     Raises:
         ValueError: there is nothing for it.
@@ -66,7 +68,8 @@ def entry(algo: str, env_id: str) -> dict[str, Any]:
     entries = json.loads((CONFIGS / f"{algo}.json").read_text())
     if env_id not in entries:
         raise ValueError(f"{algo}.json has no hyperparameters for {env_id!r}; it has {', '.join(entries)}")
-    return entries[env_id]
+    found = entries[env_id]
+    return {**found, **found["whole_torque"]} if whole else found
 
 
 def configuration(
@@ -83,9 +86,6 @@ def configuration(
 ) -> Configuration:
     """The configuration in ``agents/configs/<algo>.json`` for `env_id`, with what is given here in its place.
 
-    Its "hyperparameters" are those of an agent that adds to a law, "whole_torque" those of one that commands the whole
-    torque.
-
     Args:
         algo, env_id, env_kwargs, seed, n_envs, timesteps: See `Configuration`.
         hyperparameters: In place of single ones of the configuration's.
@@ -100,7 +100,7 @@ def configuration(
     accepted = set(inspect.signature(runs.algorithm(algo)).parameters) - NOT_HYPERPARAMETERS
     if "action_noise" in accepted:
         accepted = accepted - {"action_noise"} | {"exploration_noise"}
-    found = entry(algo, env_id)
+    found = entry(algo, env_id, whole=residual == 0.0)
     for name, value in (hyperparameters or {}).items():
         if name not in accepted:
             raise ValueError(f"{algo} has no hyperparameter {name!r}; it has {', '.join(sorted(accepted))}")
@@ -125,7 +125,7 @@ def configuration(
         seed=seed,
         n_envs=n_envs,
         timesteps=timesteps,
-        hyperparameters={**found["hyperparameters" if scale else "whole_torque"], **(hyperparameters or {})},
+        hyperparameters={**found["hyperparameters"], **(hyperparameters or {})},
         residual=residual_on(scale, env_id, law_model or model, landings) if scale else None,
         landings=landings,
     )

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import torch
 from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.buffers import NStepReplayBuffer
 from stable_baselines3.common.callbacks import CallbackList
 from stable_baselines3.common.logger import configure
 from stable_baselines3.common.noise import OrnsteinUhlenbeckActionNoise
@@ -124,12 +125,14 @@ def make_model(config: Configuration, venv: VecEnv, features: Features, device: 
     normalized = VecNormalize(venv, norm_obs=False, gamma=gamma)
     seed = episode_seeds("training", config.seed, 1)[0]
     cls: Any = runs.algorithm(config.algo)
+    # Returns scatter so much that steps of constant size would end in a random walk. The rate given is that of the
+    # first update, which PPO makes at the end of the first rollout; after the last update it would be zero.
+    rate, step = hyperparameters["learning_rate"], 0.0
     if issubclass(cls, OnPolicyAlgorithm):
-        # Returns scatter so much that steps of constant size would end in a random walk. The rate given is that of the
-        # first update, which comes at the end of the first rollout; after the last update it would be zero.
-        rate = hyperparameters["learning_rate"]
         step = rate / math.ceil(config.timesteps / (config.n_envs * hyperparameters["n_steps"]))
-        hyperparameters["learning_rate"] = LinearSchedule(rate + step, step, 1.0)
+    else:
+        _use_n_step_returns(hyperparameters, gamma)
+    hyperparameters["learning_rate"] = LinearSchedule(rate + step, step, 1.0)
     model = cls("MlpPolicy", normalized, seed=seed, device=device, **hyperparameters)
     if config.residual:
         for layer in _actor_layers(model):
@@ -137,6 +140,14 @@ def make_model(config: Configuration, venv: VecEnv, features: Features, device: 
             torch.nn.init.zeros_(layer.bias)
         _freeze_bias(model)
     return model
+
+
+def _use_n_step_returns(hyperparameters: dict[str, Any], gamma: float) -> None:
+    """Name the replay buffer that "n_steps" asks for: left to itself Stable-Baselines3 warns of it when it loads."""
+    n_steps = hyperparameters.pop("n_steps", 1)
+    if n_steps > 1:
+        hyperparameters["replay_buffer_class"] = NStepReplayBuffer
+        hyperparameters["replay_buffer_kwargs"] = {"n_steps": n_steps, "gamma": gamma}
 
 
 def _actor_layers(model: BaseAlgorithm) -> list[torch.nn.Linear]:

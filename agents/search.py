@@ -59,13 +59,13 @@ SPACES: dict[str, dict[str, Range]] = {
     },
     "sac": {
         "residual": Range(0.02, 0.2, logarithmic=True),
-        "learning_rate": Range(1e-5, 1e-3, logarithmic=True),
+        "learning_rate": Range(1e-6, 1e-3, logarithmic=True),
         "log_std_init": _LOG_STD,
         "tau": Range(0.002, 0.05, logarithmic=True),
     },
     "td3": {
         "residual": Range(0.02, 0.2, logarithmic=True),
-        "learning_rate": Range(1e-5, 1e-3, logarithmic=True),
+        "learning_rate": Range(1e-6, 1e-3, logarithmic=True),
         "exploration_noise": Range(0.005, 0.2, logarithmic=True),
         "tau": Range(0.002, 0.05, logarithmic=True),
     },
@@ -114,7 +114,7 @@ def space(algo: str, whole: bool) -> dict[str, Range]:
 
 def trial(args: Args, env_kwargs: dict[str, Any], unit: np.ndarray) -> configurations.Configuration:
     """The run of a point (n,) in [0, 1]."""
-    entry = configurations.entry(args.algo, args.env_id)[_section(args.whole)]
+    entry = configurations.entry(args.algo, args.env_id, args.whole)["hyperparameters"]
     ranges = space(args.algo, args.whole)
     chosen = {name: r.value(float(u)) for (name, r), u in zip(ranges.items(), unit, strict=True)}
     return configurations.configuration(
@@ -127,11 +127,6 @@ def trial(args: Args, env_kwargs: dict[str, Any], unit: np.ndarray) -> configura
         hyperparameters=_nested(entry, chosen),
         landings=args.landings,
     )
-
-
-def _section(whole: bool) -> str:
-    """Where a configuration file holds the hyperparameters."""
-    return "whole_torque" if whole else "hyperparameters"
 
 
 def _nested(entry: dict[str, Any], chosen: dict[str, float]) -> dict[str, Any]:
@@ -148,9 +143,9 @@ def start(algo: str, env_id: str, whole: bool = False) -> np.ndarray:
     Raises:
         ValueError: there is none for the environment.
     """
-    entry = configurations.entry(algo, env_id)
-    section = entry[_section(whole)]
-    values = {**section, **section.get("policy_kwargs", {}), "residual": entry["residual"]}
+    entry = configurations.entry(algo, env_id, whole)
+    hyperparameters = entry["hyperparameters"]
+    values = {**hyperparameters, **hyperparameters.get("policy_kwargs", {}), "residual": entry["residual"]}
     return np.array([r.share(values[name]) for name, r in space(algo, whole).items()])
 
 
@@ -168,11 +163,11 @@ def store(algo: str, env_id: str, config: configurations.Configuration, record: 
     """Write the best hyperparameters to their file in `CONFIGS`, with what is known of the search."""
     path = CONFIGS / f"{algo}.json"
     entries = json.loads(path.read_text())
+    found = {"hyperparameters": config.hyperparameters, "search": record}
     if config.residual is None:
-        entries[env_id] |= {"whole_torque": config.hyperparameters, "whole_torque_search": record}
+        entries[env_id]["whole_torque"] |= found
     else:
-        scale = config.residual["scale"]
-        entries[env_id] |= {"residual": scale, "hyperparameters": config.hyperparameters, "search": record}
+        entries[env_id] |= {"residual": config.residual["scale"], **found}
     runs.write_json(path, entries)
     return path
 

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from agents import learn, search
+from agents import configurations, learn, search
 from agents.baselines import CONFIGS
 from agents.environments import DEFAULT_ENV_ID
 
@@ -13,11 +13,11 @@ from agents.environments import DEFAULT_ENV_ID
 @pytest.mark.parametrize("whole", [False, True], ids=["added", "whole"])
 @pytest.mark.parametrize("algo", search.SPACES)
 def test_the_point_of_a_configuration_gives_that_configuration_back(algo, whole):
-    entry = json.loads((CONFIGS / f"{algo}.json").read_text())[DEFAULT_ENV_ID]
+    entry = configurations.entry(algo, DEFAULT_ENV_ID, whole)
     config = search.trial(search.Args(algo=algo, whole=whole), {}, search.start(algo, DEFAULT_ENV_ID, whole))
     scale = config.residual["scale"] if config.residual else 0.0
     assert scale == pytest.approx(0.0 if whole else entry["residual"], rel=1e-2)
-    found, expected = dict(config.hyperparameters), dict(entry["whole_torque" if whole else "hyperparameters"])
+    found, expected = dict(config.hyperparameters), dict(entry["hyperparameters"])
     inner, outer = found.pop("policy_kwargs"), expected.pop("policy_kwargs")
     assert inner["net_arch"] == outer["net_arch"]
     assert inner.get("log_std_init") == pytest.approx(outer.get("log_std_init"), abs=0.02)
@@ -68,8 +68,7 @@ def test_the_best_trial_is_kept_and_none_is_trained_twice(tmp_path, monkeypatch)
 def test_agents_of_the_whole_torque_are_searched_on_rigid_panels_and_kept_apart(tmp_path, monkeypatch):
     """The training is replaced by one whose return is highest at a learning rate of 0.001."""
     (tmp_path / "sac.json").write_text((CONFIGS / "sac.json").read_text())
-    before = json.loads((tmp_path / "sac.json").read_text())[DEFAULT_ENV_ID]
-    before.pop("whole_torque_search", None)
+    before = configurations.entry("sac", DEFAULT_ENV_ID)
     monkeypatch.setattr(search, "CONFIGS", tmp_path)
 
     def pretend(wanted, command, device, workers, progress):
@@ -83,9 +82,11 @@ def test_agents_of_the_whole_torque_are_searched_on_rigid_panels_and_kept_apart(
     monkeypatch.setattr(learn, "train_missing", pretend)
     search.main(["--algo", "sac", "--whole", "--trials", "24", "--out", str(tmp_path / "search"), "--quiet"])
     after = json.loads((tmp_path / "sac.json").read_text())[DEFAULT_ENV_ID]
-    assert abs(np.log(after["whole_torque"].pop("learning_rate") / 0.001)) < 1.0
-    assert after.pop("whole_torque_search")["validation_return"] > -1.0
-    assert {**after, "whole_torque": None} == {**before, "whole_torque": None}
+    found = after.pop("whole_torque")
+    assert abs(np.log(found["hyperparameters"]["learning_rate"] / 0.001)) < 1.0
+    assert found["search"]["validation_return"] > -1.0
+    assert found["timesteps"] == before.pop("whole_torque")["timesteps"]
+    assert after == before
 
 
 def test_what_cannot_be_searched_is_refused():

@@ -124,6 +124,16 @@ def test_the_learning_rate_of_ppo_falls_from_update_to_update_and_none_is_withou
     assert used == pytest.approx([1e-3, 0.75e-3, 0.5e-3, 0.25e-3])
 
 
+@pytest.mark.parametrize("algo", ["sac", "td3"])
+def test_agents_with_a_replay_buffer_learn_from_returns_over_many_periods_and_ever_more_slowly(algo, tmp_path):
+    small = {"batch_size": 32, "buffer_size": 2000, "learning_rate": 1e-3, "n_steps": 7}
+    config = configurations.configuration(algo, "solar_env/Deploy-v0", {}, 0, 1, 40, small, residual=0.3, landings=1)
+    learn.train(config, tmp_path, progress=False)
+    resumed = learn.load_checkpoint(config, tmp_path, learn.make_training_env(config, [], None, threads=1))
+    assert (resumed.replay_buffer.n_steps, resumed.replay_buffer.gamma) == (7, config.hyperparameters["gamma"])
+    assert [resumed.lr_schedule(left) for left in (1.0, 0.5, 0.0)] == pytest.approx([1e-3, 0.5e-3, 0.0])
+
+
 def test_one_rollout_trains_too(finished):
     config = configurations.stored_configuration(finished)
     venv = learn.make_training_env(config, [], None, threads=1)

@@ -134,6 +134,22 @@ def test_agents_with_a_replay_buffer_learn_from_returns_over_many_periods_and_ev
     assert [resumed.lr_schedule(left) for left in (1.0, 0.5, 0.0)] == pytest.approx([1e-3, 0.5e-3, 0.0])
 
 
+@pytest.mark.parametrize("algo", ["ppo", "sac"])
+def test_noise_on_the_weights_stays_for_a_hundred_periods(algo):
+    """Stable-Baselines3 draws it anew at the beginning of every rollout too, which for SAC can be every step."""
+    quick = {"batch_size": 300} if algo == "ppo" else {"batch_size": 32, "gradient_steps": 1}
+    config = configurations.configuration(
+        algo, "solar_env/Deploy-v0", {}, 0, n_envs=1, hyperparameters=quick, residual=0.3, landings=1
+    )
+    model = learn.make_model(config, learn.make_training_env(config, [], None, threads=1), learn.prepare(config)[0])
+    actor = model.policy if algo == "ppo" else model.actor
+    drawn = []
+    model.learn(300, callback=lambda *_: drawn.append(actor.action_dist.exploration_matrices.clone()) is None)
+    assert len(drawn) == 300
+    changes = [k for k in range(1, 300) if not torch.equal(drawn[k - 1], drawn[k])]
+    assert changes == [100, 200]
+
+
 def test_one_rollout_trains_too(finished):
     config = configurations.stored_configuration(finished)
     venv = learn.make_training_env(config, [], None, threads=1)

@@ -30,8 +30,8 @@ class Configuration:
         n_envs: Environments stepped together.
         timesteps: Environment steps to train for; those of a resumed run come on top of earlier ones.
         hyperparameters: Keywords of the Stable-Baselines3 class, and `exploration_noise`, the standard
-            deviation of TD3's action noise, see `agents.learn.make_model`. PPO's learning rate is that of its first
-            update and falls linearly from update to update.
+            deviation of TD3's action noise, see `agents.learn.make_model`. The learning rate is that of the first
+            update and falls linearly to zero.
         residual: What the agent adds to, see `agents.residual.residual_on`; None if it commands the whole torque.
         landings: Episodes of that law alone that training begins with, see `agents.landings`; 0 without a law.
         segments: Number of times that training has been resumed.

@@ -100,7 +100,8 @@ def configuration(
     accepted = set(inspect.signature(runs.algorithm(algo)).parameters) - NOT_HYPERPARAMETERS
     if "action_noise" in accepted:
         accepted = accepted - {"action_noise"} | {"exploration_noise"}
-    found = entry(algo, env_id, whole=residual == 0.0)
+    scale = entry(algo, env_id)["residual"] if residual is None else residual
+    found = entry(algo, env_id, whole=not scale)
     for name, value in (hyperparameters or {}).items():
         if name not in accepted:
             raise ValueError(f"{algo} has no hyperparameter {name!r}; it has {', '.join(sorted(accepted))}")
@@ -114,7 +115,6 @@ def configuration(
     episode_seeds("training", seed, n_envs)
     with make_env(env_id, env_kwargs) as env:
         model = env.get_wrapper_attr("model")
-    scale = found["residual"] if residual is None else residual
     landings = (found["landings"] if landings is None else landings) if scale else 0
     if scale:
         _check_positive("landings", landings)

@@ -1,6 +1,6 @@
 """Train a controller that deploys the solar array softly, and compare it with the baselines.
 
-``python train.py`` trains on the rigid-clearance physics, or on those of ``--model``, and leaves a run folder;
+``python train.py`` trains on flexible panels, or on the physics of ``--model``, and leaves a run folder;
 ``tensorboard --logdir runs`` shows the training, ``python -m agents.evaluate --controllers passive runs/<run>``
 compares runs.
 """
@@ -20,10 +20,15 @@ from agents.evaluate import efforts, evaluate
 from agents.figures import run_figure
 from agents.report import Summary, write_comparison
 from agents.rollout import Step, run_episode
+from agents.suites import WHOLE_TORQUE_MODEL
 from solar_env.array import DEFAULT_ELEMENTS
 from solar_env.campaigns import Workers
 
 BASELINES = ("passive", "servo-untuned", "servo")
+# The cheapest model from which what agents learn transfers to six elements, see `agents.transfer`, and as many steps
+# on it as leave a training with its comparison within ten minutes on two cores.
+MODEL = {"model": "flexible-clearance", "elements": 2}
+TIMESTEPS = 120_000
 
 
 @dataclass
@@ -33,7 +38,8 @@ class Args:
     algo: str | None = None
     """algorithm: ppo, sac or td3; None: ppo, or that of the run to resume"""
     timesteps: int | None = None
-    """environment steps to train for; None: the number in agents/configs"""
+    """environment steps to train for; None: 120,000, or the number in agents/configs for a model that was named and for
+    the whole torque"""
     seed: int | None = None
     """seed of networks, exploration and training episodes; None: 0, or that of the run to resume"""
     seeds: list[int] = field(default_factory=list)
@@ -47,9 +53,9 @@ class Args:
     """environment id; None: solar_env/Deploy-v0, or that of the run to resume"""
     model: str | None = None
     """rigid-ideal, rigid-clearance, flexible-ideal, flexible-clearance, or auto (see the environment); None:
-    rigid-clearance"""
+    flexible-clearance with 2 elements, or rigid-clearance for the whole torque"""
     elements: int | None = None
-    """beam elements of each panel of a flexible model; None: 6"""
+    """beam elements of each panel of a flexible model; None: 2, or 6 for a model that was named"""
     env_kwargs: dict[str, Any] = field(default_factory=dict)
     """environment keywords, for example torque_limit=0.3 observation=privileged"""
     hyperparams: dict[str, Any] = field(default_factory=dict)
@@ -97,14 +103,16 @@ def main(args: Args, command: str) -> Path:
 def configuration(args: Args, seed: int) -> configurations.Configuration:
     """What the arguments ask to train, with a seed."""
     env_id = args.env_id or DEFAULT_ENV_ID
-    env_kwargs = with_model(args.env_kwargs, args.model, args.elements, env_id)
+    whole = args.residual == 0.0
+    named = args.model or args.env_kwargs.get("model")
+    quick = None if named or whole else TIMESTEPS
     return configurations.configuration(
         args.algo or "ppo",
         env_id,
-        env_kwargs,
+        with_model(args.env_kwargs, args.model, args.elements, env_id, WHOLE_TORQUE_MODEL if whole else MODEL),
         seed,
         args.n_envs,
-        args.timesteps,
+        quick if args.timesteps is None else args.timesteps,
         args.hyperparams,
         args.residual,
         args.landings,

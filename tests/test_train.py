@@ -24,10 +24,11 @@ from solar_env.array import MODELS
 sys.path.insert(0, str(Path(__file__).parents[1]))
 import train
 
-OFF_POLICY = ["--n-envs", "1", "--landings", "4"]
+RIGID = ["--model", "rigid-clearance"]
+OFF_POLICY = [*RIGID, "--n-envs", "1", "--landings", "4"]
 OFF_POLICY += ["--hyperparams", "learning_starts=50", "buffer_size=2000", "batch_size=32"]
 SMALL = {
-    "ppo": ["--n-envs", "2", "--landings", "4", "--hyperparams", "n_steps=300", "batch_size=100"],
+    "ppo": [*RIGID, "--n-envs", "2", "--landings", "4", "--hyperparams", "n_steps=300", "batch_size=100"],
     "sac": OFF_POLICY,
     "td3": OFF_POLICY,
 }
@@ -42,6 +43,24 @@ def run(*arguments):
 def finished(tmp_path_factory):
     folder = tmp_path_factory.mktemp("runs") / "ppo"
     return run("--timesteps", 600, "--out", folder, *SMALL["ppo"])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "model", "elements", "timesteps"),
+    [
+        ([], "flexible-clearance", 2, 120_000),
+        (["--elements", "4", "--timesteps", "500"], "flexible-clearance", 4, 500),
+        (["--model", "flexible-clearance"], "flexible-clearance", None, 216_000),
+        (["--env-kwargs", "model=rigid-clearance"], "rigid-clearance", None, 216_000),
+        (["--residual", "0"], "rigid-clearance", None, 216_000),
+    ],
+)
+def test_a_short_training_on_flexible_panels_unless_a_model_is_named_or_there_is_no_law(
+    arguments, model, elements, timesteps
+):
+    config = train.configuration(parse_arguments(train.Args, arguments), seed=0)
+    assert (config.env_kwargs["model"], config.env_kwargs.get("elements")) == (model, elements)
+    assert config.timesteps == timesteps
 
 
 @pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")
@@ -61,7 +80,7 @@ def test_a_run_keeps_its_model_and_elements_and_is_resumed_and_evaluated_on_them
 
 def test_a_residual_agent_starts_as_the_law_it_adds_to_and_the_run_keeps_that_law(tmp_path):
     small = ["--timesteps", 20, "--n-envs", 1, "--hyperparams", "n_steps=10", "batch_size=10", "learning_rate=0.0"]
-    folder = run("--residual", 0.3, *small, "--out", tmp_path / "run")
+    folder = run(*RIGID, "--residual", 0.3, *small, "--out", tmp_path / "run")
     residual = runs.read_config(folder)["residual"]
     env = make_env()
     assert residual["scale"] == 0.3

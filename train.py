@@ -8,7 +8,7 @@ compares runs.
 import shlex
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -38,8 +38,8 @@ class Args:
     algo: str | None = None
     """algorithm: ppo, sac or td3; None: ppo, or that of the run to resume"""
     timesteps: int | None = None
-    """environment steps to train for; None: 120,000, or the number in agents/configs for a model that was named and for
-    the whole torque"""
+    """environment steps to train for; None: at most 120,000, or the number in agents/configs for a model that was named
+    and for the whole torque, or as many as the run to resume was given"""
     seed: int | None = None
     """seed of networks, exploration and training episodes; None: 0, or that of the run to resume"""
     seeds: list[int] = field(default_factory=list)
@@ -55,20 +55,20 @@ class Args:
     """rigid-ideal, rigid-clearance, flexible-ideal, flexible-clearance, or auto (see the environment); None:
     flexible-clearance with 2 elements, or rigid-clearance for the whole torque"""
     elements: int | None = None
-    """beam elements of each panel of a flexible model; None: 2, or 6 for a model that was named"""
+    """beam elements of each flexible panel (rigid ones have none); None: 2, or 6 for a model that was named"""
     env_kwargs: dict[str, Any] = field(default_factory=dict)
     """environment keywords, for example torque_limit=0.3 observation=privileged"""
     hyperparams: dict[str, Any] = field(default_factory=dict)
     """hyperparameters in place of those in agents/configs, for example learning_rate=1e-3"""
     n_envs: int | None = None
-    """environments stepped together; None: the number in agents/configs"""
+    """environments stepped together; None: the number in agents/configs, or that of the run to resume"""
     residual: float | None = None
     """the agent adds up to this share of the torque limit to the torque of the tuned servo; 0: it commands the whole
     torque; None: as in agents/configs"""
     landings: int | None = None
     """episodes of the servo alone with whose landings training begins; None: the number in agents/configs"""
     resume: str | None = None
-    """run folder to go on from, with its algorithm, environment, seed and hyperparameters"""
+    """run folder to go on from, with its algorithm, environment, seed, hyperparameters, residual and landings"""
     out: str | None = None
     """run folder; None: runs/<id>__<algo>__<seed>__<timestamp>"""
     eval_episodes: int = 30
@@ -105,18 +105,19 @@ def configuration(args: Args, seed: int) -> configurations.Configuration:
     env_id = args.env_id or DEFAULT_ENV_ID
     whole = args.residual == 0.0
     named = args.model or args.env_kwargs.get("model")
-    quick = None if named or whole else TIMESTEPS
-    return configurations.configuration(
+    config = configurations.configuration(
         args.algo or "ppo",
         env_id,
         with_model(args.env_kwargs, args.model, args.elements, env_id, WHOLE_TORQUE_MODEL if whole else MODEL),
         seed,
         args.n_envs,
-        quick if args.timesteps is None else args.timesteps,
+        args.timesteps,
         args.hyperparams,
         args.residual,
         args.landings,
     )
+    quick = args.timesteps is None and not (named or whole)
+    return replace(config, timesteps=min(config.timesteps, TIMESTEPS)) if quick else config
 
 
 def train_seeds(args: Args, command: str) -> Path:

@@ -31,7 +31,8 @@ class Configuration:
         timesteps: Environment steps to train for; those of a resumed run come on top of earlier ones.
         hyperparameters: Keywords of the Stable-Baselines3 class, and `exploration_noise`, the standard
             deviation of TD3's action noise, see `agents.learn.make_model`. The learning rate is that of the first
-            update and falls linearly to zero.
+            update and falls linearly to zero; a resumed run takes it up at the share of all steps, earlier ones
+            included, that is left.
         residual: What the agent adds to, see `agents.residual.residual_on`; None if it commands the whole torque.
         landings: Episodes of that law alone that training begins with, see `agents.landings`; 0 without a law.
         segments: Number of times that training has been resumed.
@@ -140,6 +141,8 @@ def stored_configuration(folder: str | Path) -> Configuration:
 def resumed_configuration(folder: str | Path, timesteps: int | None = None) -> Configuration:
     """The configuration of the run in `folder`, to train on for `timesteps`, by default as many as before.
 
+    What it records of its law's landings is counted with what the law has cost.
+
     Raises:
         FileNotFoundError: `folder` holds no run.
         ValueError: the number of steps is not positive, or there are no episodes left to record.
@@ -147,7 +150,10 @@ def resumed_configuration(folder: str | Path, timesteps: int | None = None) -> C
     previous = stored_configuration(folder)
     timesteps = previous.timesteps if timesteps is None else timesteps
     _check_positive("timesteps", timesteps)
-    return replace(previous, timesteps=timesteps, segments=previous.segments + 1)
+    residual = previous.residual
+    if residual is not None:
+        residual = {**residual, "tuning_episodes": residual["tuning_episodes"] + previous.landings}
+    return replace(previous, timesteps=timesteps, segments=previous.segments + 1, residual=residual)
 
 
 def _check_positive(name: str, number: int) -> None:

@@ -41,7 +41,8 @@ class Args:
     timesteps: int | None = None
     """environment steps of every training; None: the number in agents/configs"""
     model: str | None = None
-    """rigid-ideal, rigid-clearance, flexible-ideal or flexible-clearance; None: flexible-clearance with 4 elements"""
+    """rigid-ideal, rigid-clearance, flexible-ideal or flexible-clearance; None: flexible-clearance with 4 elements;
+    agents that command the whole torque are on rigid-clearance whatever is named"""
     elements: int | None = None
     """beam elements of each panel of a flexible model; None: 4, or 6 for a model that was named"""
     env_kwargs: dict[str, Any] = field(default_factory=dict)

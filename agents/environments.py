@@ -44,7 +44,7 @@ def with_model(
 ) -> dict[str, Any]:
     """`env_kwargs` with `model` and `elements`, as the command lines take them, where they are not None.
 
-    Where neither they nor `env_kwargs` name a model, `default`, with a model and elements, tells what is missing.
+    Where neither they nor `env_kwargs` name a model, `default` tells what is missing.
 
     `model="auto"` is replaced by the level that it stands for: what is kept then says what was simulated, even after
     the ladder has been measured anew.

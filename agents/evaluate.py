@@ -30,8 +30,8 @@ class Args:
     """Compare baselines and trained policies on the same evaluation episodes."""
 
     suite: str | None = None
-    """paper or robust: all baselines and shipped policies of a scenario, nominal or randomised, on flexible-clearance
-    with 6 elements; names the folder too"""
+    """paper or robust: the passive deployment, all tuned baselines and the shipped policies of a scenario, nominal or
+    randomised, on flexible-clearance with 6 elements; names the folder too"""
     controllers: list[str] = field(default_factory=list)
     """baselines (passive, brake, damper, servo, shaped, open-loop, servo-untuned), receding-horizon (a search with the
     simulator itself; slow), shipped policies and run folders; several runs under one name, NAME=FOLDER NAME=FOLDER, are
@@ -41,19 +41,20 @@ class Args:
     seed: int = 0
     """chooses the evaluation episodes; they are never training or validation episodes"""
     out: str | None = None
-    """folder (evaluation, or evaluation/SUITE) for episodes.csv, metrics.json and comparison.md, and for the finished
-    episodes, with which an interrupted evaluation goes on"""
+    """folder (evaluation, or evaluation/SUITE) for episodes.csv, metrics.json, comparison.md and comparison.png, and
+    for the finished episodes, with which an interrupted evaluation goes on"""
     jobs: int | None = None
     """processes; None: one a processor"""
     cluster: str | None = None
     """ray: run on the Ray cluster that this machine belongs to"""
     env_id: str | None = None
-    """environment id; None: that of the trained controllers given, else solar_env/Deploy-v0"""
+    """environment id; None: that of the suite, else of the trained controllers given, else solar_env/Deploy-v0"""
     model: str | None = None
     """rigid-ideal, rigid-clearance, flexible-ideal, flexible-clearance, or auto (see the environment); None: that of
-    the trained controllers given, else rigid-clearance"""
+    the suite, else of the trained controllers given, else rigid-clearance"""
     elements: int | None = None
-    """beam elements of each panel of a flexible model; None: that of the trained controllers, else 6"""
+    """beam elements of each panel of a flexible model; None: those of the suite, else of the trained controllers
+    given, else 6"""
     env_kwargs: dict[str, Any] = field(default_factory=dict)
     """environment keywords, on top of those of the trained controllers given"""
     readme: bool = False

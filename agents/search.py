@@ -74,12 +74,12 @@ SPACES: dict[str, dict[str, Range]] = {
 
 @dataclass
 class Args:
-    """Search hyperparameters of a residual agent and write the best to agents/configs."""
+    """Search hyperparameters of an agent and write the best to agents/configs."""
 
     algo: str = "ppo"
     """algorithm: ppo, sac or td3"""
     trials: int = 24
-    """training runs, and one more of the configuration as it is"""
+    """training runs, in whole generations of 8, or 7 with --whole, and one more of the configuration as it is"""
     timesteps: int = 40_000
     """environment steps of every run"""
     seed: int = 0

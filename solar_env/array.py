@@ -58,7 +58,7 @@ class ArrayParameters:
         cable_stiffness: closed cable loops between neighbouring joints [N m/rad] (chosen: keeps the joint angles at
             1 : 2 within a degree up to the latching).
         cable_torque_ratio: torque on the inner over that on the outer joint of a loop; None takes the wheel ratio
-            (2 at the root), which conserves energy; 1 is the couple that the paper's latch time points to.
+            (2 at the root), which conserves energy (chosen); 1 is the couple that the paper's latch time points to.
         cable_preload_force: of a strand [N]; a strand's tension is never negative (chosen: no strand goes
             slack).
         cable_wheel_radius: of the outer joint's wheel [m] (chosen: it sets only the torque at which a strand

@@ -50,6 +50,7 @@ def finished(tmp_path_factory):
     [
         ([], "flexible-clearance", 2, 120_000),
         (["--elements", "4", "--timesteps", "500"], "flexible-clearance", 4, 500),
+        (["--algo", "sac"], "flexible-clearance", 2, 97_200),
         (["--model", "flexible-clearance"], "flexible-clearance", None, 216_000),
         (["--env-kwargs", "model=rigid-clearance"], "rigid-clearance", None, 216_000),
         (["--residual", "0"], "rigid-clearance", None, 216_000),
@@ -318,6 +319,8 @@ def normalisation_count(folder):
 def test_resuming_an_off_policy_run_continues_its_replay_buffer(tmp_path, algo):
     first = run("--algo", algo, "--timesteps", 300, "--out", tmp_path / "first", *SMALL[algo])
     second = run("--resume", first, "--timesteps", 100, "--out", tmp_path / "second")
+    costs = [runs.read_config(folder)["residual"]["tuning_episodes"] for folder in (first, second)]
+    assert costs[1] == costs[0] + 4  # landings that were recorded anew
     config = configurations.resumed_configuration(second)
     model = learn.load_checkpoint(config, second, learn.make_training_env(config, [], None))
     assert model.num_timesteps == 400

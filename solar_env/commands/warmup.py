@@ -79,7 +79,7 @@ def _family(integrator: str) -> str:
 
 def warm_up(console: Console, model: str, integrator: str) -> None:
     """Compile or load the kernels of a model, saying so."""
-    with console.status(f"loading kernels of {model}, {integrator} (compiled the first time: one to two minutes)"):
+    with console.status(f"loading kernels of {model}, {integrator} (compiled the first time: two minutes)"):
         if not kernels_are_compiled(integrator):
             list(compile_side_by_side([_family(integrator)]))
         load_kernels(model, integrator)
@@ -93,7 +93,7 @@ def run_command(args: argparse.Namespace) -> int:
 
     console = Console()
     start = time.perf_counter()
-    with console.status("compiling the kernels of all models (one to two minutes; later runs load them)"):
+    with console.status("compiling the kernels of all models (two minutes; later runs load them)"):
         for integrator, times in compile_side_by_side():
             for model, seconds in zip(MODELS, times, strict=True):
                 console.print(f"{model}, {integrator}: {seconds:.1f} s")

@@ -18,7 +18,7 @@ from agents.baselines import make_baseline
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model
 from agents.evaluate import efforts, evaluate
 from agents.figures import run_figure
-from agents.report import Summary, write_comparison
+from agents.report import Summary, Tables, write_comparison
 from agents.rollout import Step, run_episode
 from agents.suites import WHOLE_TORQUE_MODEL
 from solar_env.array import DEFAULT_ELEMENTS
@@ -152,7 +152,7 @@ def check_comparison(args: Args, seed: int) -> None:
 
 def compare(
     args: Args, config: configurations.Configuration, folders: Sequence[Path], out: Path, command: str
-) -> tuple[Summary, str]:
+) -> tuple[Summary, Tables]:
     """Compare runs, as training seeds of one controller, with the baselines; for the rest see `write_comparison`."""
     seed = args.seed or 0 if args.seeds else config.seed
     controllers = [*BASELINES, *(f"{config.algo}={folder}" for folder in folders)]

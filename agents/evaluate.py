@@ -214,7 +214,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     comparison_figure(summary, out / FIGURE)
     if args.readme:
         shutil.copy(out / FIGURE, FIGURE_FOLDER / f"suite-{args.suite}.png")
-        replace_in_readme(_place(args), END.format(args.suite), tables.strip())
+        replace_in_readme(_place(args), END.format(args.suite), tables.folded().strip())
     print(tables)
     print(f"written to {out}")
 

@@ -29,7 +29,7 @@ from agents.baselines import BASELINES
 from agents.controllers import UNTRAINED
 from agents.environments import episode_seeds, make_env
 from agents.features import LIMIT, DriveFeatures
-from agents.report import Row, markdown
+from agents.report import Row, tabulate
 from agents.rollout import run_episode
 from agents.shipped import Description, Layer, PolicyNetwork, ShippedPolicy
 from solar_env.hardware import Hardware
@@ -312,8 +312,8 @@ def _scores(run: Path, name: str, comparison: Path | None) -> str:
         own = [row for row in rows if Path(row["spec"]).name in names and row["spec"] not in BASELINES]
         if own:
             settings = json.loads((folder / "metrics.json").read_text())["settings"]
-            table = markdown([row for row in rows if row["spec"] in BASELINES] + own)
-            return f"`{own[0]['controller']}` is this policy. Measured by `{settings['command']}`.\n\n{table.strip()}"
+            tables = tabulate([row for row in rows if row["spec"] in BASELINES] + own).folded().strip()
+            return f"`{own[0]['controller']}` is this policy. Measured by `{settings['command']}`.\n\n{tables}"
     if comparison is not None:
         found = ", ".join(dict.fromkeys(row["spec"] for row in rows))
         raise ValueError(f"{comparison} has no scores of {run}; it has those of {found}")

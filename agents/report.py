@@ -3,7 +3,7 @@
 import csv
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -71,43 +71,69 @@ def references(rows: Sequence[Row]) -> list[str]:
     return list(dict.fromkeys([names[0], best]))
 
 
-def markdown(rows: Sequence[Row]) -> str:
-    """The comparison as Markdown tables, with what the numbers are."""
+@dataclass(frozen=True)
+class Tables:
+    """A comparison in Markdown.
+
+    Attributes:
+        scores: Every controller's own figures.
+        differences: The others' from each of the `references`; empty for one controller alone.
+        effort: What was simulated to tune or train them; empty where nothing was.
+    """
+
+    scores: str
+    differences: str
+    effort: str = ""
+
+    def __str__(self) -> str:
+        return "\n\n".join(filter(None, (self.scores, self.differences, self.effort))) + "\n"
+
+    def folded(self) -> str:
+        """For a page: the differences open with a click."""
+        summary = "<summary>Differences, episode by episode</summary>"
+        folded = f"<details>\n{summary}\n\n{self.differences}\n\n</details>"
+        return "\n\n".join(filter(None, (self.scores, self.differences and folded, self.effort))) + "\n"
+
+
+def tabulate(rows: Sequence[Row]) -> Tables:
+    """The comparison as tables, with what the numbers are."""
     return _tables(rows, summarize(rows))
 
 
-def _tables(rows: Sequence[Row], summary: Summary) -> str:
+def _tables(rows: Sequence[Row], summary: Summary) -> Tables:
     names = list(summary)
     figures = [figure for figure in TABLE if figure in summary[names[0]]]
     episodes = len({row["episode"] for row in rows})
     head = ["controller", "latched", *(TABLE[figure][0] for figure in figures)]
-    lines = [
+    scores = [
         f"Interquartile mean over {episodes} evaluation episodes, the same for every controller, with a 95 % "
         "bootstrap interval, and the worst episode. Post-lock figures are those of deployments that latched.",
         "",
-        "| " + " | ".join(head) + " |",
-        "|" + " --- |" * len(head),
+        *_header(head),
     ]
     for name, entry in summary.items():
         label = f"{name} ({entry['runs']} runs)" if entry["runs"] > 1 else name
         cells = [_cell(entry[figure], figure) for figure in figures]
-        lines.append(f"| {label} | {entry['latched']:.0%} | " + " | ".join(cells) + " |")
+        scores.append(f"| {label} | {entry['latched']:.0%} | " + " | ".join(cells) + " |")
+    differences = []
     for reference in references(rows) if len(names) > 1 else []:
-        head = ["controller", *(TABLE[figure][0] for figure in figures), "better in"]
-        lines += [
+        differences += [
             "",
             f"Difference from {reference}, episode by episode, and share of the episodes with a higher return:",
             "",
-            "| " + " | ".join(head) + " |",
-            "|" + " --- |" * len(head),
+            *_header(["controller", *(TABLE[figure][0] for figure in figures), "better in"]),
         ]
         for name in names:
             if name != reference:
                 cells = [_cell(summary[name][f"{figure} - {reference}"], figure, worst=False) for figure in figures]
                 better = summary[name][f"better than {reference}"]
                 share = f"{better.mean:.0%} [{better.lower:.0%}, {better.upper:.0%}]"
-                lines.append(f"| {name} | " + " | ".join([*cells, share]) + " |")
-    return "\n".join(lines) + "\n"
+                differences.append(f"| {name} | " + " | ".join([*cells, share]) + " |")
+    return Tables("\n".join(scores), "\n".join(differences[1:]))
+
+
+def _header(names: Sequence[str]) -> list[str]:
+    return ["| " + " | ".join(names) + " |", "|" + " --- |" * len(names)]
 
 
 def _cell(value: Estimate, figure: str, worst: bool = True) -> str:
@@ -121,7 +147,7 @@ def _cell(value: Estimate, figure: str, worst: bool = True) -> str:
 
 def write_comparison(
     folder: Path, rows: Sequence[Row], settings: Mapping[str, Any], effort: Mapping[str, str]
-) -> tuple[Summary, str]:
+) -> tuple[Summary, Tables]:
     """Write ``episodes.csv``, ``metrics.json`` and ``comparison.md`` into `folder`; returns summary and tables.
 
     Args:
@@ -139,11 +165,12 @@ def write_comparison(
     summary = summarize(rows)
     tables = _tables(rows, summary)
     if effort:
-        tables += f"\nSimulated to tune or train: {', '.join(f'{name} {what}' for name, what in effort.items())}.\n"
+        spent = ", ".join(f"{name} {what}" for name, what in effort.items())
+        tables = replace(tables, effort=f"Simulated to tune or train: {spent}.")
     controllers = {name: {key: _plain(value) for key, value in entry.items()} for name, entry in summary.items()}
     content = {"settings": settings, "versions": runs.versions(), "controllers": controllers}
     runs.write_json(folder / "metrics.json", content)
-    (folder / "comparison.md").write_text(tables)
+    (folder / "comparison.md").write_text(str(tables))
     return summary, tables
 
 

@@ -19,7 +19,7 @@ from agents.evaluate import (
     split_controller,
     suite_named,
 )
-from agents.report import markdown, references, summarize
+from agents.report import references, summarize, tabulate
 from agents.shipped import load_shipped
 from agents.suites import SUITES
 from solar_env.array import MODELS
@@ -68,7 +68,11 @@ def test_controllers_are_compared_with_the_first_and_with_the_best_baseline(rows
     entry = summarize([*rows, *learned])["learned"]
     assert entry["return - servo-untuned"].mean == pytest.approx(0.1)
     assert entry["better than servo-untuned"].mean == 1.0
-    assert "Difference from servo-untuned" in markdown([*rows, *learned])
+    tables = tabulate([*rows, *learned])
+    assert "Difference from servo-untuned" in tables.differences
+    assert tables.folded().replace("<details>\n<summary>Differences, episode by episode</summary>\n\n", "").replace(
+        "\n\n</details>", ""
+    ) == str(tables), "the same, but for what folds it"
 
 
 def test_the_command_writes_what_it_prints(tmp_path, capsys):
@@ -196,11 +200,11 @@ def test_missed_deployments_lower_the_latched_share_and_not_the_force():
     entry = summarize(rows)["x"]
     assert entry["latched"] == 0.5
     assert entry["peak_postlock_force_N"].mean == 100.0
-    assert "| x | 50% |" in markdown(rows)
+    assert "| x | 50% |" in tabulate(rows).scores
 
 
 def test_the_worst_episode_is_the_lowest_return_and_the_highest_force():
-    text = markdown([episode("x", "x", i, force) for i, force in enumerate((100.0, 900.0))])
+    text = str(tabulate([episode("x", "x", i, force) for i, force in enumerate((100.0, 900.0))]))
     assert "worst -900" in text
     assert "worst 900" in text
 

@@ -29,7 +29,7 @@ def kernels(request: pytest.FixtureRequest) -> None:
                 reporter.ensure_newline()
                 reporter.write_line(text)
 
-    say("loading the compiled kernels (the first time compiles them, which takes one to two minutes) ...")
+    say("loading the compiled kernels (the first time compiles them, which takes two minutes) ...")
     start = time.perf_counter()
     from solar_env.commands.warmup import INTEGRATORS, compile_side_by_side, kernels_are_compiled, load_all_models
 

@@ -25,8 +25,8 @@ from solar_env.array import DEFAULT_ELEMENTS
 from solar_env.campaigns import Workers
 
 BASELINES = ("passive", "servo-untuned", "servo")
-# The cheapest model from which what agents learn transfers to six elements, see `agents.transfer`, and as many steps
-# on it as leave a training with its comparison within ten minutes on two cores.
+# The cheapest model from which agents that beat the servo transfer to six elements, see `agents.transfer`, and as many
+# steps on it as leave a training with its comparison within ten minutes on two cores.
 MODEL = {"model": "flexible-clearance", "elements": 2}
 TIMESTEPS = 120_000
 

@@ -7,7 +7,8 @@ from agents.baselines import TUNABLE
 
 # Both are judged on the finest model that is in everyday use.
 MODEL: dict[str, Any] = {"model": "flexible-clearance", "elements": 6}
-# The cheapest model from which what agents learn transfers to that one, see `agents.transfer`.
+# Agents are compared and shipped from the cheapest model that is as good to train on as that one: from fewer elements
+# the worst episodes come out worse, see `agents.transfer`.
 TRAINING_MODEL: dict[str, Any] = {"model": "flexible-clearance", "elements": 4}
 # Agents without a law need more episodes than there is time for with flexible panels.
 WHOLE_TORQUE_MODEL: dict[str, Any] = {"model": "rigid-clearance"}

@@ -15,7 +15,7 @@ from agents.residual import residual_on
 
 # Arguments of the Stable-Baselines3 classes that say other things than how to learn.
 NOT_HYPERPARAMETERS = {"policy", "env", "seed", "device", "verbose", "tensorboard_log", "_init_setup_model"}
-POSITIVE = {"batch_size", "buffer_size", "gamma", "n_epochs", "n_steps", "policy_delay", "tau"}
+POSITIVE = {"actor_learning_rate", "batch_size", "buffer_size", "gamma", "n_epochs", "n_steps", "policy_delay", "tau"}
 
 
 @dataclass(frozen=True)
@@ -29,10 +29,11 @@ class Configuration:
         seed: Run seed; networks, exploration and episodes follow from it.
         n_envs: Environments stepped together.
         timesteps: Environment steps to train for; those of a resumed run come on top of earlier ones.
-        hyperparameters: Keywords of the Stable-Baselines3 class, and `exploration_noise`, the standard
-            deviation of TD3's action noise, see `agents.learn.make_model`. The learning rate is that of the first
-            update and falls linearly to zero; a resumed run takes it up at the share of all steps, earlier ones
-            included, that is left.
+        hyperparameters: Keywords of the Stable-Baselines3 class, and for SAC and TD3 `actor_learning_rate`, in place
+            of the `learning_rate` that is then the critics' alone, and `exploration_noise`, the standard deviation of
+            an action noise, see `agents.learn.make_model`. Learning rates are those of the first update and fall
+            linearly to zero; a resumed run takes them up at the share of all steps, earlier ones included, that is
+            left.
         residual: What the agent adds to, see `agents.residual.residual_on`; None if it commands the whole torque.
         landings: Episodes of that law alone that training begins with, see `agents.landings`; 0 without a law.
         segments: Number of times that training has been resumed.
@@ -100,7 +101,7 @@ def configuration(
     """
     accepted = set(inspect.signature(runs.algorithm(algo)).parameters) - NOT_HYPERPARAMETERS
     if "action_noise" in accepted:
-        accepted = accepted - {"action_noise"} | {"exploration_noise"}
+        accepted = accepted - {"action_noise"} | {"exploration_noise", "actor_learning_rate"}
     scale = entry(algo, env_id)["residual"] if residual is None else residual
     found = entry(algo, env_id, whole=not scale)
     for name, value in (hyperparameters or {}).items():

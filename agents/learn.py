@@ -37,6 +37,7 @@ from agents.configurations import Configuration, stored_configuration
 from agents.environments import EPISODES_PER_SEED, episode_seeds, make_env
 from agents.features import DriveFeatures, Features, landing, whole_motion
 from agents.landings import Landing, LandingVecEnv, record
+from agents.optimizers import SlowedAdam, slow_actor
 from agents.vec_env import FixedSeeds, LogarithmicCharges, NativeVecEnv, ResidualVecEnv
 from solar_env.campaigns import Workers, each_done
 
@@ -114,6 +115,9 @@ def make_model(config: Configuration, venv: VecEnv, features: Features, device: 
         "features_extractor_class": DriveFeatures,
         "features_extractor_kwargs": {"features": features},
     }
+    actor_rate = hyperparameters.pop("actor_learning_rate", None)
+    if actor_rate is not None:
+        hyperparameters["policy_kwargs"]["optimizer_class"] = SlowedAdam
     noise = hyperparameters.pop("exploration_noise", None)
     if noise is not None:
         n_actions = venv.action_space.shape[0]  # type: ignore[index]
@@ -134,6 +138,8 @@ def make_model(config: Configuration, venv: VecEnv, features: Features, device: 
         _use_n_step_returns(hyperparameters, gamma)
     hyperparameters["learning_rate"] = LinearSchedule(rate + step, step, 1.0)
     model = cls("MlpPolicy", normalized, seed=seed, device=device, **hyperparameters)
+    if actor_rate is not None:
+        slow_actor(model, actor_rate / rate if rate else 0.0)
     if config.residual:
         for layer in _actor_layers(model):
             torch.nn.init.zeros_(layer.weight)

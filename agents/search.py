@@ -49,6 +49,8 @@ class Range:
 
 
 _LOG_STD = Range(-6.0, -2.0)
+_CRITIC_RATE = Range(1e-4, 1e-2, logarithmic=True)
+_ACTOR_RATE = Range(1e-5, 1e-3, logarithmic=True)
 # "residual" and what is inside "policy_kwargs" are searched beside the keywords of the Stable-Baselines3 classes.
 SPACES: dict[str, dict[str, Range]] = {
     "ppo": {
@@ -59,15 +61,15 @@ SPACES: dict[str, dict[str, Range]] = {
     },
     "sac": {
         "residual": Range(0.02, 0.2, logarithmic=True),
-        "learning_rate": Range(1e-6, 1e-3, logarithmic=True),
+        "learning_rate": _CRITIC_RATE,
+        "actor_learning_rate": _ACTOR_RATE,
         "log_std_init": _LOG_STD,
-        "tau": Range(0.002, 0.05, logarithmic=True),
     },
     "td3": {
         "residual": Range(0.02, 0.2, logarithmic=True),
-        "learning_rate": Range(1e-6, 1e-3, logarithmic=True),
+        "learning_rate": _CRITIC_RATE,
+        "actor_learning_rate": _ACTOR_RATE,
         "exploration_noise": Range(0.005, 0.2, logarithmic=True),
-        "tau": Range(0.002, 0.05, logarithmic=True),
     },
 }
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
+from stable_baselines3.common.logger import Logger
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 
 from agents import configurations, learn, runs
@@ -152,6 +153,27 @@ def test_agents_with_a_replay_buffer_learn_from_returns_over_many_periods_and_ev
     resumed = learn.load_checkpoint(config, tmp_path, learn.make_training_env(config, [], None, threads=1))
     assert (resumed.replay_buffer.n_steps, resumed.replay_buffer.gamma) == (7, config.hyperparameters["gamma"])
     assert [resumed.lr_schedule(left) for left in (1.0, 0.5, 0.0)] == pytest.approx([1e-3, 0.5e-3, 0.0])
+
+
+@pytest.mark.parametrize("algo", ["sac", "td3"])
+def test_the_actor_learns_at_a_rate_of_its_own_in_a_resumed_run_too(algo, tmp_path):
+    small = {"batch_size": 32, "buffer_size": 2000, "learning_starts": 0, "learning_rate": 1e-2}
+    small |= {"train_freq": 100, "gradient_steps": 1, "actor_learning_rate": 1e-4}
+    small |= {"policy_delay": 1} if algo == "td3" else {}
+    config = configurations.configuration(algo, "solar_env/Deploy-v0", {}, 0, 1, 200, small, residual=0.3, landings=1)
+    learn.train(config, tmp_path, progress=False)
+    resumed = learn.load_checkpoint(config, tmp_path, learn.make_training_env(config, [], None, threads=1))
+    networks = resumed.policy.actor.mu, resumed.policy.critic
+    before = [[weights.clone() for weights in network.parameters()] for network in networks]
+    resumed.lr_schedule = lambda left: 1e-2
+    resumed.set_logger(Logger(None, []))
+    resumed.train(1, 32)
+    actor, critic = (
+        max(float((new - old).detach().abs().max()) for new, old in zip(network.parameters(), weights, strict=True))
+        for network, weights in zip(networks, before, strict=True)
+    )
+    assert 1e-5 < actor < 2e-4
+    assert 1e-3 < critic < 2e-2
 
 
 @pytest.mark.parametrize("algo", ["ppo", "sac"])

@@ -155,12 +155,14 @@ def test_agents_with_a_replay_buffer_learn_from_returns_over_many_periods_and_ev
     assert [resumed.lr_schedule(left) for left in (1.0, 0.5, 0.0)] == pytest.approx([1e-3, 0.5e-3, 0.0])
 
 
+@pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")
 @pytest.mark.parametrize("algo", ["sac", "td3"])
 def test_the_actor_learns_at_a_rate_of_its_own_in_a_resumed_run_too(algo, tmp_path):
     small = {"batch_size": 32, "buffer_size": 2000, "learning_starts": 0, "learning_rate": 1e-2}
     small |= {"train_freq": 100, "gradient_steps": 1, "actor_learning_rate": 1e-4}
     small |= {"policy_delay": 1} if algo == "td3" else {}
-    config = configurations.configuration(algo, "solar_env/Deploy-v0", {}, 0, 1, 200, small, residual=0.3, landings=1)
+    made = "solar_env/Deploy-v0", {"model": "rigid-ideal"}, 0, 1
+    config = configurations.configuration(algo, *made, 200, small, residual=0.3, landings=1)
     learn.train(config, tmp_path, progress=False)
     resumed = learn.load_checkpoint(config, tmp_path, learn.make_training_env(config, [], None, threads=1))
     networks = resumed.policy.actor.mu, resumed.policy.critic

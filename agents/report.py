@@ -86,13 +86,16 @@ class Tables:
     effort: str = ""
 
     def __str__(self) -> str:
-        return "\n\n".join(filter(None, (self.scores, self.differences, self.effort))) + "\n"
+        return self._page(self.differences)
 
     def folded(self) -> str:
         """For a page: the differences open with a click."""
         summary = "<summary>Differences, episode by episode</summary>"
         folded = f"<details>\n{summary}\n\n{self.differences}\n\n</details>"
-        return "\n\n".join(filter(None, (self.scores, self.differences and folded, self.effort))) + "\n"
+        return self._page(folded if self.differences else "")
+
+    def _page(self, differences: str) -> str:
+        return "\n\n".join(filter(None, (self.scores, differences, self.effort))) + "\n"
 
 
 def tabulate(rows: Sequence[Row]) -> Tables:
@@ -109,7 +112,7 @@ def _tables(rows: Sequence[Row], summary: Summary) -> Tables:
         f"Interquartile mean over {episodes} evaluation episodes, the same for every controller, with a 95 % "
         "bootstrap interval, and the worst episode. Post-lock figures are those of deployments that latched.",
         "",
-        *_header(head),
+        *header(head),
     ]
     for name, entry in summary.items():
         label = f"{name} ({entry['runs']} runs)" if entry["runs"] > 1 else name
@@ -121,7 +124,7 @@ def _tables(rows: Sequence[Row], summary: Summary) -> Tables:
             "",
             f"Difference from {reference}, episode by episode, and share of the episodes with a higher return:",
             "",
-            *_header(["controller", *(TABLE[figure][0] for figure in figures), "better in"]),
+            *header(["controller", *(TABLE[figure][0] for figure in figures), "better in"]),
         ]
         for name in names:
             if name != reference:
@@ -132,7 +135,8 @@ def _tables(rows: Sequence[Row], summary: Summary) -> Tables:
     return Tables("\n".join(scores), "\n".join(differences[1:]))
 
 
-def _header(names: Sequence[str]) -> list[str]:
+def header(names: Sequence[str]) -> list[str]:
+    """The two lines that a table of Markdown begins with."""
     return ["| " + " | ".join(names) + " |", "|" + " --- |" * len(names)]
 
 

@@ -13,7 +13,7 @@ from agents.arguments import parse_arguments
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, with_model
 from agents.evaluate import STORE, evaluate
 from agents.figures import transfer_figure
-from agents.report import summarize
+from agents.report import header, summarize
 from agents.statistics import Estimate
 from solar_env.campaigns import Workers
 from solar_env.readme import FIGURE_FOLDER, check_readme, replace_in_readme
@@ -124,8 +124,7 @@ def markdown(returns: Mapping[str, Mapping[str, Estimate]]) -> str:
         "Interquartile mean return with its 95 % interval. All agents add to the servo tuned for flexible panels; the "
         "servo alone is the one tuned for rigid panels where it is judged on these.",
         "",
-        "| trained on | " + " | ".join(f"judged on {level}" for level in returns) + " |",
-        "|" + " --- |" * (1 + len(returns)),
+        *header(["trained on", *(f"judged on {level}" for level in returns)]),
     ]
     for name in next(iter(returns.values())):
         cells = [

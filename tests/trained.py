@@ -1,0 +1,46 @@
+"""A small run of every kind of agent and what is exported of it, for the tests of exporting and of loading."""
+
+from pathlib import Path
+
+import numpy as np
+
+from agents import configurations, export, learn, runs
+from agents.environments import DEFAULT_ENV_ID
+from agents.evaluate import evaluate
+from agents.report import write_comparison
+
+COMMAND = "python train.py --seed 7"
+QUICK = {"model": "rigid-ideal", "control_period": 0.5, "postlock_window": 2.0, "observation": "drive"}
+ON_POLICY = {"n_steps": 50, "batch_size": 50}
+OFF_POLICY = {"learning_starts": 60, "buffer_size": 500, "batch_size": 16}
+# Name -> algorithm, hyperparameters, scale of the residual.
+TRAINED = {
+    "ppo": ("ppo", ON_POLICY, 0.0),
+    "sac": ("sac", OFF_POLICY, 0.0),
+    "td3": ("td3", OFF_POLICY, 0.0),
+    "residual": ("ppo", ON_POLICY, 0.3),
+}
+
+
+def train_and_export(folder: Path) -> dict[str, tuple[Path, Path]]:
+    """Name -> run, and folder of what was exported of it; the residual has scores."""
+    made = {}
+    for name, (algo, hyperparameters, residual) in TRAINED.items():
+        config = configurations.configuration(algo, DEFAULT_ENV_ID, QUICK, 7, 1, 100, hyperparameters, residual, 2)
+        run = runs.new_run_folder(folder / "runs" / name, config.env_id, algo, config.seed)
+        learn.train(config, run, command=COMMAND, progress=False, threads=1)
+        if name == "residual":
+            rows = evaluate(["passive", f"ppo={run}"], 2, 7, config.env_id, config.env_kwargs, progress=False)
+            write_comparison(run, rows, {"command": COMMAND}, {})
+        made[name] = run, folder / "policies" / name
+        export.export(*made[name])
+    return made
+
+
+def random_observations(count, seed=1):
+    """Every other one is of an almost still, latched array, which clips no feature; the others clip most of them."""
+    observations = np.random.default_rng(seed).uniform(-2.0, 2.0, (count, 9))
+    observations[::2, :2] = 1.0 + observations[::2, :2] / 210.0
+    observations[::2, 2:4] /= 21.0
+    observations[::2, 6] /= 3.1
+    return observations.astype(np.float32)

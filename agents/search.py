@@ -72,6 +72,8 @@ SPACES: dict[str, dict[str, Range]] = {
         "exploration_noise": Range(0.005, 0.2, logarithmic=True),
     },
 }
+# An agent that begins with no torque at all has more to try out than one that begins with a servo.
+WHOLE_TORQUE = {"log_std_init": Range(-4.0, 0.0), "exploration_noise": Range(0.02, 2.0, logarithmic=True)}
 
 
 @dataclass
@@ -111,7 +113,9 @@ class Args:
 
 def space(algo: str, whole: bool) -> dict[str, Range]:
     """What is searched; an agent that commands the whole torque has no residual."""
-    return {name: r for name, r in SPACES[algo].items() if not (whole and name == "residual")}
+    if not whole:
+        return SPACES[algo]
+    return {name: WHOLE_TORQUE.get(name, r) for name, r in SPACES[algo].items() if name != "residual"}
 
 
 def trial(args: Args, env_kwargs: dict[str, Any], unit: np.ndarray) -> configurations.Configuration:

@@ -28,9 +28,10 @@ def test_the_point_of_a_configuration_gives_that_configuration_back(algo, whole)
         assert found[name] == pytest.approx(expected[name], rel=1e-2)
 
 
+@pytest.mark.parametrize("whole", [False, True], ids=["added", "whole"])
 @pytest.mark.parametrize("algo", search.SPACES)
-def test_points_stay_within_the_ranges(algo):
-    for name, r in search.SPACES[algo].items():
+def test_points_stay_within_the_ranges(algo, whole):
+    for name, r in search.space(algo, whole).items():
         values = [r.value(unit) for unit in np.linspace(0.0, 1.0, 11)]
         assert (values[0], values[-1]) == (r.low, r.high), name
         assert values == sorted(values)

@@ -54,7 +54,7 @@ def finished(tmp_path_factory):
         (["--algo", "sac"], "flexible-clearance", 2, 97_200),
         (["--model", "flexible-clearance"], "flexible-clearance", None, 216_000),
         (["--env-kwargs", "model=rigid-clearance"], "rigid-clearance", None, 216_000),
-        (["--residual", "0"], "rigid-clearance", None, 216_000),
+        (["--residual", "0"], "rigid-clearance", None, 432_000),
     ],
 )
 def test_a_short_training_on_flexible_panels_unless_a_model_is_named_or_there_is_no_law(

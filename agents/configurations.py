@@ -15,7 +15,8 @@ from agents.residual import residual_on
 
 # Arguments of the Stable-Baselines3 classes that say other things than how to learn.
 NOT_HYPERPARAMETERS = {"policy", "env", "seed", "device", "verbose", "tensorboard_log", "_init_setup_model"}
-POSITIVE = {"actor_learning_rate", "batch_size", "buffer_size", "gamma", "n_epochs", "n_steps", "policy_delay", "tau"}
+COUNTS = {"batch_size", "buffer_size", "n_epochs", "n_steps", "policy_delay"}
+SHARES = {"gamma", "tau"}
 
 
 @dataclass(frozen=True)
@@ -164,7 +165,12 @@ def _check_positive(name: str, number: int) -> None:
 
 def _check_hyperparameter(name: str, value: Any) -> None:
     """What Stable-Baselines3 would only notice in the middle of a training, if at all."""
-    if name == "learning_rate" or name in POSITIVE:
-        number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
-        if not number or value < 0 or (value == 0 and name in POSITIVE):
-            raise ValueError(f"hyperparameter {name} is {value!r}; give a positive number")
+    number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    if name == "learning_rate" and not (number and value >= 0):
+        raise ValueError(f"hyperparameter {name} is {value!r}; give a positive number, or 0 to learn nothing")
+    if name == "actor_learning_rate" and not (number and value > 0):
+        raise ValueError(f"hyperparameter {name} is {value!r}; give a positive number")
+    if name in COUNTS and not (number and value == int(value) >= 1):
+        raise ValueError(f"hyperparameter {name} is {value!r}; give a positive whole number")
+    if name in SHARES and not (number and 0 < value <= 1):
+        raise ValueError(f"hyperparameter {name} is {value!r}; give a number above 0, at most 1")

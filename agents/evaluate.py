@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from agents.arguments import parse_arguments
-from agents.controllers import UNTRAINED, effort, observation_of, trained_in, trained_on
+from agents.controllers import UNTRAINED, effort, observation_of, resolved, trained_in, trained_on
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_sampling
 from agents.episodes import episode_cell, run_cells
 from agents.figures import comparison_figure
@@ -75,7 +75,8 @@ def check_names(controllers: Sequence[str]) -> None:
     Raises:
         ValueError: there are such.
     """
-    pairs = [split_controller(text) for text in controllers]
+    named = [split_controller(text) for text in controllers]
+    pairs = [(name, resolved(spec)) for name, spec in named]
     for name, spec in pairs:
         times = pairs.count((name, spec))
         if times > 1:
@@ -83,7 +84,7 @@ def check_names(controllers: Sequence[str]) -> None:
         if spec in UNTRAINED and any(other == name and of != spec for other, of in pairs):
             raise ValueError(f"{spec} and another controller are both called {name}; give the other its own name")
     specs: dict[str, str] = {}
-    for name, spec in (pair for text, pair in zip(controllers, pairs, strict=True) if "=" not in text):
+    for name, spec in (pair for text, pair in zip(controllers, named, strict=True) if "=" not in text):
         if specs.setdefault(name, spec) != spec:
             raise ValueError(f"{specs[name]} and {spec} are both called {name}; name them, as in first={spec}")
 
@@ -161,26 +162,36 @@ def common_env_id(controllers: Sequence[str]) -> str:
     return next(iter(found.values()), DEFAULT_ENV_ID)
 
 
-def common_env_kwargs(controllers: Sequence[str], given: Collection[str] = ()) -> dict[str, Any]:
+def common_env_kwargs(
+    controllers: Sequence[str], env_id: str = DEFAULT_ENV_ID, given: Collection[str] = ()
+) -> dict[str, Any]:
     """The environment keywords on which all trained ones among `controllers` agree.
+
+    What was drawn for every training episode belongs to the scenario: in another one than `env_id` it is left out.
 
     Args:
         controllers: As `evaluate` takes them.
+        env_id: Environment to compare on.
         given: Keywords that are chosen otherwise, and left out.
 
     Raises:
         ValueError: they differ; the physics to compare on must then be given.
     """
-    left_out = {"observation", *given}
-    found = [(spec, trained_on(spec)) for _, spec in map(split_controller, controllers)]
-    specs = [spec for spec, kwargs in found if kwargs is not None]
-    physics = [{k: v for k, v in kwargs.items() if k not in left_out} for _, kwargs in found if kwargs is not None]
-    for spec, kwargs in zip(specs, physics, strict=True):
-        if kwargs != physics[0]:
+    physics: dict[str, dict[str, Any]] = {}
+    for _, spec in map(split_controller, controllers):
+        kwargs = trained_on(spec)
+        if kwargs is not None:
+            left_out = {"observation", *given, *(() if trained_in(spec) == env_id else ("randomize",))}
+            physics[spec] = {k: v for k, v in kwargs.items() if k not in left_out}
+    if not physics:
+        return {}
+    first, agreed = next(iter(physics.items()))
+    for spec, kwargs in physics.items():
+        if kwargs != agreed:
             raise ValueError(
-                f"{specs[0]} was trained on {physics[0]}, {spec} on {kwargs}; say with --env-kwargs what to compare on"
+                f"{first} was trained on {agreed}, {spec} on {kwargs}; say with --env-kwargs what to compare on"
             )
-    return physics[0] if physics else {}
+    return agreed
 
 
 def main(argv: Sequence[str] | None = None) -> None:
@@ -195,7 +206,7 @@ def main(argv: Sequence[str] | None = None) -> None:
         env_id = args.env_id or common_env_id(controllers)
         common = {}
     given = with_model(args.env_kwargs, args.model, args.elements, env_id)
-    given = {**(common or common_env_kwargs(controllers, given)), **given}
+    given = {**(common or common_env_kwargs(controllers, env_id, given)), **given}
     out = Path(args.out or (Path("evaluation") / (args.suite or "")))
     env_kwargs = with_sampling(given, env_id)
     rows = evaluate(

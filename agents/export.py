@@ -302,14 +302,19 @@ def _scores(run: Path, name: str, comparison: Path | None) -> str:
         ValueError: neither the run nor a policy of this name is part of it.
     """
     if comparison is not None:
-        names, folders = [run.name, name], [comparison]
-    else:  # training ends with a comparison of the run, or of all the seeds together
-        names = [run.name]
+        folders = [comparison]
+    else:  # training ends with a comparison of the run, or of all the seeds together, beside it
         folders = [folder for folder in (run, run.parent) if (folder / "episodes.csv").is_file()]
+
+    def is_own(spec: str) -> bool:
+        if comparison is None:
+            return Path(spec).name == run.name
+        return spec == name or Path(spec).resolve() == run.resolve()
+
     for folder in folders:
         with (folder / "episodes.csv").open() as file:
             rows = [_numbers(row) for row in csv.DictReader(file)]
-        own = [row for row in rows if Path(row["spec"]).name in names and row["spec"] not in BASELINES]
+        own = [row for row in rows if row["spec"] not in BASELINES and is_own(row["spec"])]
         if own:
             settings = json.loads((folder / "metrics.json").read_text())["settings"]
             tables = tabulate([row for row in rows if row["spec"] in BASELINES] + own).folded().strip()

@@ -32,7 +32,7 @@ def plot_learning_curve(axes: Axes, folder: Path, reference_returns: Mapping[str
 def plot_episodes(
     axes: Sequence[Axes], episodes: Mapping[str, Sequence[Step]], names: Sequence[str], torque_limit: float
 ) -> None:
-    """Angles, motor torque and charged impact of one episode of each controller, on three axes."""
+    """Angles, commanded torque and charged impact of one episode of each controller, on three axes."""
     joints = [i for i, name in enumerate(names) if name.startswith("theta_")]
     for color, (controller, steps) in enumerate(episodes.items()):
         time = [step.time_s for step in steps]
@@ -45,7 +45,7 @@ def plot_episodes(
         impact = -np.cumsum([step.reward_terms["peak_impact"] for step in steps])
         axes[2].step(time, impact, where="post", color=f"C{color}", lw=1, label=controller)
     axes[0].set(xlabel="time [s]", ylabel="opening [lock angle]")
-    axes[1].set(xlabel="time [s]", ylabel="motor torque [N m]")
+    axes[1].set(xlabel="time [s]", ylabel="commanded torque [N m]")
     axes[2].set(xlabel="time [s]", ylabel="charged peak impact [return]")
     for ax in axes:
         ax.legend(fontsize=7)

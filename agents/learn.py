@@ -189,10 +189,18 @@ def load_checkpoint(config: Configuration, folder: str | Path, venv: VecEnv, dev
         _freeze_bias(model)
     if isinstance(model, OffPolicyAlgorithm):
         model.load_replay_buffer(checkpoint / "replay_buffer.pkl")
+        _end_last_episodes(model)
     # One seed an environment and segment, all within the run's own training block.
     first = config.segments * config.n_envs
     model.set_random_seed(episode_seeds("training", config.seed, first + 1)[first])
     return model
+
+
+def _end_last_episodes(model: OffPolicyAlgorithm) -> None:
+    """Mark the last transitions as truncated: what is collected next begins new episodes, not the rest of these."""
+    buffer: Any = model.replay_buffer
+    last = buffer.pos - 1
+    buffer.timeouts[last] = np.logical_or(buffer.timeouts[last], buffer.dones[last] == 0)
 
 
 def train(
@@ -305,14 +313,14 @@ def train_missing(
     Raises:
         ValueError: a complete run has another configuration.
     """
-    missing = []
-    for folder, config in wanted.items():
-        if not runs.is_complete(folder):
-            runs.discard_incomplete(folder)
-            runs.new_run_folder(folder, config.env_id, config.algo, config.seed)
-            missing.append(Training(config, folder, command, device))
-        elif asdict(stored_configuration(folder)) != runs.jsonable(asdict(config)):
+    complete = {folder: config for folder, config in wanted.items() if runs.is_complete(folder)}
+    for folder, config in complete.items():
+        if asdict(stored_configuration(folder)) != runs.jsonable(asdict(config)):
             raise ValueError(f"{folder} holds a run with another configuration; choose another --out")
+    missing = [Training(config, folder, command, device) for folder, config in wanted.items() if folder not in complete]
+    for training in missing:
+        runs.discard_incomplete(training.folder)
+        runs.new_run_folder(training.folder, training.config.env_id, training.config.algo, training.config.seed)
     with tqdm(total=len(wanted), desc="train", unit="run", disable=not progress) as bar:
         bar.update(len(wanted) - len(missing))
         for _ in each_done(train_one, missing, workers):

@@ -11,7 +11,7 @@ import numpy as np
 
 from agents import runs
 from agents.baselines import BASELINES
-from agents.statistics import Estimate, estimate, improvement, interquartile_mean
+from agents.statistics import Estimate, difference, estimate, improvement, interquartile_mean
 
 # Figure -> (heading, factor to the heading's unit); the tables show these, the CSV file has all.
 TABLE: dict[str, tuple[str, float]] = {
@@ -48,7 +48,7 @@ def summarize(rows: Sequence[Row]) -> Summary:
             entry[figure] = estimate(values)
             for reference in compared_with:
                 base = _values(by_run[reference], figure)
-                entry[f"{figure} - {reference}"] = estimate([v - np.mean(base, axis=0) for v in values])
+                entry[f"{figure} - {reference}"] = difference(values, base)
                 if figure == "return":
                     entry[f"better than {reference}"] = improvement(values, base)
         summary[name] = entry

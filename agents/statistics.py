@@ -36,11 +36,13 @@ def estimate(
     Every run has the same episodes. A resample draws runs and, apart from that, episodes, both with replacement, and
     takes all drawn episodes of all drawn runs (A. B. Owen, The pigeonhole bootstrap, Ann. Appl. Stat. 1 (2007) 386-411,
     doi:10.1214/07-AOAS122). So the interval covers the variation between training runs where there are several, and
-    that between episodes even where it is common to all runs. NaN is left out; without anything else, the estimate is
-    NaN.
+    that between episodes even where it is common to all runs. With few runs it is too narrow, as bootstraps are: of two
+    equal algorithms with five runs each, nine tenths of the intervals of their difference hold zero. NaN is left out;
+    without anything else, the estimate is NaN.
 
     Args:
-        runs: One array (episodes,) of figures for each training run; a baseline has one run.
+        runs: One array (episodes,) of figures for each training run; a baseline has one run. For comparisons,
+            (references, episodes), with a row for each run of the reference, which are drawn like the runs.
         seed: Seed of the resampling.
         resamples: Number of bootstrap resamples.
         confidence: Coverage of the interval.
@@ -49,19 +51,20 @@ def estimate(
     Raises:
         ValueError: the runs have different numbers of episodes.
     """
-    figures = np.stack([np.asarray(run, dtype=float) for run in runs])
+    figures = np.stack([np.atleast_2d(np.asarray(run, dtype=float)) for run in runs])
     known = figures[np.isfinite(figures)]
     if not known.size:
         nan = float("nan")
         return Estimate(nan, nan, nan, nan, nan, count=0)
-    if len(figures) == 1:
-        figures = known[None]
+    if len(figures) == figures.shape[1] == 1:
+        figures = known[None, None]
 
     rng = np.random.default_rng(seed)
-    count, episodes = figures.shape
-    drawn_runs = rng.integers(count, size=(resamples, count, 1))
-    drawn_episodes = rng.integers(episodes, size=(resamples, 1, episodes))
-    sample = figures[drawn_runs, drawn_episodes].reshape(resamples, -1)
+    count, references, episodes = figures.shape
+    drawn_runs = rng.integers(count, size=(resamples, count, 1, 1))
+    drawn_episodes = rng.integers(episodes, size=(resamples, 1, 1, episodes))
+    drawn_references = rng.integers(references, size=(resamples, 1, references, 1))
+    sample = figures[drawn_runs, drawn_references, drawn_episodes].reshape(resamples, -1)
     if np.isfinite(figures).all():
         means = mean(sample)
     else:
@@ -77,6 +80,21 @@ def estimate(
     )
 
 
+def difference(runs: Sequence[np.ndarray], references: Sequence[np.ndarray]) -> Estimate:
+    """Difference from a reference on the same episode, with its interval.
+
+    Every run meets every run of the reference.
+
+    Args:
+        runs: Figures (episodes,) of each training run.
+        references: Those of each run of the reference, on the same episodes.
+
+    Raises:
+        ValueError: as `estimate`.
+    """
+    return estimate([mine - np.stack(references) for mine in runs])
+
+
 def improvement(runs: Sequence[np.ndarray], references: Sequence[np.ndarray]) -> Estimate:
     """Probability of doing better than a reference on the same episode, with its interval; a tie counts half.
 
@@ -90,5 +108,5 @@ def improvement(runs: Sequence[np.ndarray], references: Sequence[np.ndarray]) ->
     Raises:
         ValueError: as `estimate`.
     """
-    better = [np.mean([0.5 * (1.0 + np.sign(mine - other)) for other in references], axis=0) for mine in runs]
+    better = [0.5 * (1.0 + np.sign(mine - np.stack(references))) for mine in runs]
     return estimate(better, mean=lambda values: np.mean(values, axis=-1))

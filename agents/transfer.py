@@ -33,6 +33,9 @@ LEVELS: dict[str, dict[str, Any]] = {
 }
 
 
+EVALUATION_SEED = 1  # what the suites evaluate on, seed 0, is not for choosing a model to train on
+
+
 @dataclass
 class Args:
     """Train an agent on every level of the model and judge each on all of them."""
@@ -102,7 +105,7 @@ def judge_all(args: Args, folders: Mapping[str, Sequence[Path]]) -> dict[str, di
         rows = evaluate(
             names,
             args.episodes,
-            0,
+            EVALUATION_SEED,
             args.env_id,
             _on_level(args, keywords),
             not args.quiet,
@@ -139,7 +142,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     args = parse_arguments(Args, argv, prog="python -m agents.transfer")
     if args.readme:
         check_readme(BEGIN, END)
-    episode_seeds("evaluation", 0, args.episodes)  # refuses a wrong number before everything is trained
+    episode_seeds("evaluation", EVALUATION_SEED, args.episodes)  # refuses a wrong number before everything is trained
     command = shlex.join(["python", "-m", "agents.transfer", *(sys.argv[1:] if argv is None else argv)])
     returns = judge_all(args, train_all(args, command))
     out = Path(args.out)

@@ -106,7 +106,9 @@ def minimise(
     Raises:
         ValueError: the budget holds no generation; nothing has been simulated then.
     """
-    options = {"bounds": [0, 1], "seed": seed + 1, "verbose": -9}  # pycma takes seed 0 for "from the clock"
+    # Left to itself pycma draws from NumPy's global generator, which a training in between seeds anew.
+    normal = np.random.RandomState(seed + 1).randn
+    options = {"bounds": [0, 1], "seed": np.nan, "randn": normal, "verbose": -9}
     search = cma.CMAEvolutionStrategy(start, spread, options)
     generations = points // search.popsize
     if generations < 1:
@@ -190,6 +192,9 @@ def main(argv: Sequence[str] | None = None) -> None:
 
     with make_env(args.env_id, env_kwargs) as env:
         model = env.get_wrapper_attr("model")
+    validation = episode_seeds("validation", args.seed, args.validation_episodes)
+    if args.episodes_per_candidate < 1:
+        raise ValueError(f"--episodes-per-candidate is {args.episodes_per_candidate}; give a positive number")
     start = load_parameters(args.controller, args.refine, model) if args.refine else untuned
     spent = episodes_spent(args.controller, args.refine, model) if args.refine else 0
     candidates = tune(
@@ -202,7 +207,6 @@ def main(argv: Sequence[str] | None = None) -> None:
         spread=0.05 if args.refine else 0.25,
     )
     trained = simulated
-    validation = episode_seeds("validation", args.seed, args.validation_episodes)
     returns = [-cost for cost in costs(candidates, validation)]
     best = int(np.argmax(returns))
     entry = {

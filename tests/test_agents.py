@@ -9,7 +9,7 @@ from scipy.stats import norm
 from agents.arguments import parse_arguments, parse_assignments
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_sampling
 from agents.rollout import episode_figures
-from agents.statistics import estimate, improvement, interquartile_mean
+from agents.statistics import difference, estimate, improvement, interquartile_mean
 
 
 def test_episode_figures_of_the_array_follow_from_those_of_the_joints():
@@ -128,6 +128,18 @@ def test_the_interval_of_runs_on_common_episodes_covers_the_truth_although_episo
     for _ in range(200):
         hardness, skill = rng.normal(size=40), rng.normal(scale=0.3, size=(5, 1))
         result = estimate(list(skill + hardness), resamples=400, mean=lambda values: np.mean(values, axis=-1))
+        covered.append(result.lower <= 0.0 <= result.upper)
+    assert 0.88 <= np.mean(covered) <= 0.99
+
+
+def test_the_interval_of_a_difference_counts_the_runs_of_the_reference_as_a_sample_too():
+    """Equal algorithms whose runs differ: that theirs are few is as good a reason for doubt as that ours are."""
+    rng = np.random.default_rng(4)
+    covered = []
+    for _ in range(200):
+        hardness = rng.normal(size=30)
+        mine, others = (rng.normal(size=(8, 1)) + rng.normal(size=(8, 30)) + hardness for _ in range(2))
+        result = difference(list(mine), list(others))
         covered.append(result.lower <= 0.0 <= result.upper)
     assert 0.88 <= np.mean(covered) <= 0.99
 

@@ -113,13 +113,20 @@ def test_the_command_compares_on_the_model_asked_for(tmp_path, model):
 def test_the_model_of_run_folders_holds_unless_another_is_asked_for(tmp_path):
     for name, model in (("a", "flexible-ideal"), ("b", "rigid-ideal")):
         (tmp_path / name).mkdir()
-        config = {"algo": "ppo", "env_kwargs": {"model": model, "elements": 1, "deadline": 0.5}}
+        config = {"env_id": DEFAULT_ENV_ID, "env_kwargs": {"model": model, "elements": 1, "deadline": 0.5}}
         (tmp_path / name / "config.json").write_text(json.dumps(config))
     first, second = str(tmp_path / "a"), str(tmp_path / "b")
     assert common_env_kwargs([first])["model"] == "flexible-ideal"
     with pytest.raises(ValueError, match="say with --env-kwargs"):
         common_env_kwargs([first, second])
     assert common_env_kwargs([first, second], given=["model"]) == {"elements": 1, "deadline": 0.5}
+
+
+def test_what_was_drawn_in_training_does_not_replace_the_draws_of_another_scenario(tmp_path):
+    drawn = {"model": "rigid-ideal", "randomize": {"hinge_x": [0.499, 0.501]}}
+    (tmp_path / "config.json").write_text(json.dumps({"env_id": DEFAULT_ENV_ID, "env_kwargs": drawn}))
+    assert common_env_kwargs([str(tmp_path)], DEFAULT_ENV_ID) == drawn
+    assert common_env_kwargs([str(tmp_path)], "solar_env/DeployRandomised-v0") == {"model": "rigid-ideal"}
 
 
 def test_an_option_that_contradicts_the_keywords_is_refused(tmp_path):
@@ -166,6 +173,7 @@ def test_different_controllers_of_the_same_name_are_not_pooled_unasked():
     [
         (["passive", "servo", "servo"], "servo is given 2 times; its episodes would count as many times"),
         (["a=ppo/seed-0", "a=ppo/seed-0"], "a is given 2 times"),
+        (["a=ppo/seed-0", "a=ppo/seed-0/"], "a is given 2 times"),
         (["servo", "servo=ppo/seed-0"], "servo and another controller are both called servo"),
     ],
 )
@@ -217,7 +225,7 @@ def test_a_controller_may_be_given_a_name():
 def test_runs_trained_on_different_physics_need_to_be_told_what_to_compare_on(tmp_path):
     for name, torque_limit in (("a", 0.5), ("b", 0.3)):
         (tmp_path / name).mkdir()
-        config = {"algo": "ppo", "env_kwargs": {"torque_limit": torque_limit}}
+        config = {"env_id": DEFAULT_ENV_ID, "env_kwargs": {"torque_limit": torque_limit}}
         (tmp_path / name / "config.json").write_text(json.dumps(config))
     with pytest.raises(ValueError, match="say with --env-kwargs"):
         common_env_kwargs([str(tmp_path / "a"), str(tmp_path / "b")])

@@ -144,6 +144,9 @@ def test_the_card_of_one_of_several_seeds_has_its_scores_alone_and_without_any_i
     with pytest.raises(ValueError, match=r"has no scores of .*ppo; it has those of passive"):
         export.export(finished["ppo"][0], tmp_path / "other", comparison=tmp_path)
     assert not (tmp_path / "other").exists()
+    (tmp_path / "episodes.csv").write_text(rows.replace(str(measured), f"elsewhere/{measured.name}"))
+    with pytest.raises(ValueError, match="has no scores of"):
+        export.export(measured, tmp_path / "of-another-run", comparison=tmp_path)
     (tmp_path / "episodes.csv").write_text(rows.replace(str(measured), "of-this-name"))
     export.export(measured, tmp_path / "of-this-name", comparison=tmp_path)
     cards = ((tmp_path / name / shipped.CARD).read_text() for name in ("shipped", "of-this-name"))

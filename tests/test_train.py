@@ -307,8 +307,10 @@ def test_several_seeds_are_trained_side_by_side_each_as_alone_and_only_once(fini
     run(*arguments)
     assert (tmp_path / "seed-0" / "timing.json").is_file()
     assert (tmp_path / "seed-1" / "timing.json").stat().st_mtime_ns == written
+    (tmp_path / "seed-1" / "timing.json").unlink()
     with pytest.raises(ValueError, match="seed-0 holds a run with another configuration"):
-        run("--timesteps", 600, "--seeds", 0, "--out", tmp_path, *SMALL["ppo"], "learning_rate=0.5")
+        run("--timesteps", 600, "--seeds", 1, 0, "--out", tmp_path, *SMALL["ppo"], "learning_rate=0.5")
+    assert (tmp_path / "seed-1" / "policy.zip").is_file(), "what was interrupted is not removed before all is checked"
 
 
 def test_the_time_of_a_run_is_told_apart(finished):
@@ -349,6 +351,13 @@ def test_resuming_an_off_policy_run_continues_its_replay_buffer(tmp_path, algo):
     model = learn.load_checkpoint(config, second, learn.make_training_env(config, [], None))
     assert model.num_timesteps == 400
     assert model.replay_buffer.size() == 400
+    buffer = model.replay_buffer
+    ends = np.logical_or(buffer.dones, buffer.timeouts)[: buffer.pos]
+    continues = np.all(
+        np.isclose(buffer.next_observations[: buffer.pos - 1], buffer.observations[1 : buffer.pos]), axis=2
+    )
+    assert np.all(continues | ends[:-1]), "no return reaches from one episode into another"
+    assert np.all(ends[-1]), "nor into what is collected next"
 
 
 def test_a_resumed_run_sees_other_training_episodes_than_the_first(finished):
@@ -380,7 +389,10 @@ def test_the_discount_reaches_over_a_whole_episode(algo):
         (["--landings", "0"], "landings is 0; give a positive number"),
         (["--landings", "20000"], "landings is 20000: .* a seed has 10,000 episodes; give fewer"),
         (["--hyperparams", "learning_rate=fast"], "hyperparameter learning_rate is 'fast'; give a positive number"),
-        (["--hyperparams", "n_steps=0"], "hyperparameter n_steps is 0; give a positive number"),
+        (["--hyperparams", "n_steps=0"], "hyperparameter n_steps is 0; give a positive whole number"),
+        (["--hyperparams", "n_epochs=2.5"], "hyperparameter n_epochs is 2.5; give a positive whole number"),
+        (["--hyperparams", "gamma=2"], "hyperparameter gamma is 2; give a number above 0, at most 1"),
+        (["--env-kwargs", "max_episode_steps=20"], "max_episode_steps cuts off have no landing to judge"),
         (["--eval-episodes", "0"], "the number of episodes is 0; choose one from 1"),
         (["--jobs", "0"], "jobs = 0"),
         (["--cluster", "slurm"], "cluster 'slurm' is unknown; choose from ray"),

@@ -35,7 +35,9 @@ def test_every_level_is_judged_on_all_levels_beside_passive_and_servo(tmp_path, 
         assert list(by_training) == ["passive", "servo", *transfer.LEVELS]
         assert all(value["count"] == 1 for value in by_training.values())
         env = make_env(env_kwargs=with_sampling({**TASK, **transfer.LEVELS[level]}))
-        alone = run_episode(env, make_baseline("passive", env), episode_seeds("evaluation", 0, 1)[0])
+        alone = run_episode(
+            env, make_baseline("passive", env), episode_seeds("evaluation", transfer.EVALUATION_SEED, 1)[0]
+        )
         assert by_training["passive"]["mean"] == alone["return"]
     assert returns["rigid"]["passive"] != returns["2 elements"]["passive"]
     for level, keywords in transfer.LEVELS.items():

@@ -5,11 +5,12 @@ from dataclasses import asdict, fields
 
 import numpy as np
 import pytest
+from stable_baselines3.common.utils import set_random_seed
 
 from agents import tune as tune_module
 from agents.baselines import TUNABLE, make_baseline
 from agents.environments import DEFAULT_ENV_ID, make_env, with_model
-from agents.tune import from_unit, to_unit, tune
+from agents.tune import from_unit, minimise, to_unit, tune
 
 
 @pytest.mark.parametrize("name", TUNABLE)
@@ -56,6 +57,35 @@ def test_tuning_gives_all_candidates_of_a_generation_the_same_fresh_episodes():
 def test_tuning_refuses_a_budget_without_a_generation():
     with pytest.raises(ValueError, match="a budget of 1 points holds no generation; give at least 6"):
         tune(lambda point, seeds: 0.0, np.full(2, 0.5), 3, 2, seed=0, progress=False)
+
+
+def test_the_points_of_a_search_do_not_depend_on_what_else_draws_random_numbers():
+    """A training between two generations seeds NumPy's global generator, a finished one that is only read does not."""
+    generations = {}
+    for disturbed in (False, True):
+
+        def costs(points, disturbed=disturbed):
+            generations.setdefault(disturbed, []).append(np.array(points))
+            if disturbed:
+                set_random_seed(0)
+            return [float(point[0]) for point in points]
+
+        minimise(costs, np.full(2, 0.5), 18, seed=0, progress=False)
+    assert len(generations[True]) == 3
+    np.testing.assert_array_equal(generations[True], generations[False])
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--validation-episodes", "0"], "the number of episodes is 0"),
+        (["--episodes-per-candidate", "0"], "--episodes-per-candidate is 0; give a positive number"),
+    ],
+)
+def test_what_would_end_a_tuning_is_refused_before_it_begins(monkeypatch, options, message):
+    monkeypatch.setattr(tune_module, "mean_returns", lambda *arguments: pytest.fail("simulates"))
+    with pytest.raises(ValueError, match=message):
+        tune_module.main(["--controller", "brake", "--episodes", "6", "--quiet", *options])
 
 
 def test_refining_starts_from_what_the_model_has_and_stays_closer(configs):

@@ -71,8 +71,12 @@ def entry(algo: str, env_id: str, whole: bool = False) -> dict[str, Any]:
     entries = json.loads((CONFIGS / f"{algo}.json").read_text())
     if env_id not in entries:
         raise ValueError(f"{algo}.json has no hyperparameters for {env_id!r}; it has {', '.join(entries)}")
-    found = entries[env_id]
-    return {**found, **found["whole_torque"]} if whole else found
+    found = dict(entries[env_id])
+    of_whole = found.pop("whole_torque")
+    if whole:
+        found.pop("search", None)
+        found |= of_whole
+    return found
 
 
 def configuration(

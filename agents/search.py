@@ -4,7 +4,7 @@ import json
 import math
 import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -101,6 +101,8 @@ class Args:
     """environment keywords"""
     landings: int | None = None
     """as for train.py"""
+    repeat: bool = False
+    """begin where the search began whose result is in agents/configs, and so repeat it, not at its result"""
     out: str = "search"
     """folder of the runs; those that are complete are not trained again"""
     jobs: int | None = None
@@ -143,15 +145,24 @@ def _nested(entry: dict[str, Any], chosen: dict[str, float]) -> dict[str, Any]:
     return outer
 
 
-def start(algo: str, env_id: str, whole: bool = False) -> np.ndarray:
-    """The point (n,) of the configuration as it is.
+def start(algo: str, env_id: str, whole: bool = False, repeat: bool = False) -> dict[str, float]:
+    """Values of the configuration as it is, or, to `repeat` the search that led there, as that one found it.
 
     Raises:
-        ValueError: there is none for the environment.
+        ValueError: there is none for the environment, or no search to repeat.
     """
     entry = configurations.entry(algo, env_id, whole)
+    if repeat:
+        if "search" not in entry:
+            raise ValueError(f"{algo}.json records no such search for {env_id!r}; leave --repeat out")
+        return entry["search"]["start"]
     hyperparameters = entry["hyperparameters"]
     values = {**hyperparameters, **hyperparameters.get("policy_kwargs", {}), "residual": entry["residual"]}
+    return {name: values[name] for name in space(algo, whole)}
+
+
+def point(values: Mapping[str, float], algo: str, whole: bool = False) -> np.ndarray:
+    """The point (n,) in [0, 1] of some values; inverse of what `trial` makes of one."""
     return np.array([r.share(values[name]) for name, r in space(algo, whole).items()])
 
 
@@ -203,12 +214,14 @@ def main(argv: Sequence[str] | None = None) -> None:
         scores.update({folder: score(folder) for folder in folders})
         return [-scores[folder] for folder in folders]
 
-    first = start(args.algo, args.env_id, args.whole)
+    values = start(args.algo, args.env_id, args.whole, args.repeat)
+    first = point(values, args.algo, args.whole)
     minimise(costs, first, args.trials, args.seed, progress=not args.quiet, spread=SPREAD)
     before = -costs([first])[0]
     best = max(scores, key=scores.__getitem__)
     record = {
         "command": command,
+        "start": values,
         "env_kwargs": configs[best].env_kwargs,
         "trials": len(scores),
         "timesteps": args.timesteps,

@@ -16,6 +16,9 @@ from agents.suites import MODEL, SUITES
 POLICIES = shipped.available()
 
 
+EPISODES = 3
+
+
 class Deployment(NamedTuple):
     """One on six elements: what was observed (periods, entries), its figures, and the wear of all bins together [m]."""
 
@@ -24,12 +27,12 @@ class Deployment(NamedTuple):
     wear: float
 
 
-def deploy(name, controller):
+def deploy(name, controller, episode=0):
     """The deployment of a policy's scenario, on an evaluation seed, under a controller."""
     description = load_shipped(name).description
     env = make_env(description.env_id, {**description.env_kwargs, **MODEL})
     seen = []
-    seed = episode_seeds("evaluation", 2, 1)[0]
+    seed = episode_seeds("evaluation", 2, EPISODES)[episode]
     figures = run_episode(env, load_controller(controller, env), seed, lambda step: seen.append(step.observation))
     state = env.unwrapped.simulation.state
     return Deployment(np.array(seen, np.float32), figures, state.wear_journal.sum() + state.wear_bearing.sum())
@@ -63,6 +66,16 @@ def test_a_policy_latches_in_time_with_a_tenth_of_the_passive_deployments_force_
     assert soft.figures["peak_postlock_force_N"] < 0.1 * passive.figures["peak_postlock_force_N"]
     assert soft.figures["postlock_sliding_work_J"] < 0.1 * passive.figures["postlock_sliding_work_J"]
     assert soft.wear < 0.1 * passive.wear  # over the whole deployment, most of it before the latches
+
+
+@pytest.mark.parametrize("name", POLICIES)
+def test_a_policy_costs_less_than_the_law_that_it_adds_to(name):
+    law = load_shipped(name).description.residual["law"]
+    policys, laws = (
+        np.mean([deploy(name, controller, episode).figures["return"] for episode in range(EPISODES)])
+        for controller in (name, law)
+    )
+    assert 0.0 < -policys < -0.9 * laws
 
 
 @pytest.mark.parametrize("name", POLICIES)

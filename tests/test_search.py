@@ -2,21 +2,25 @@
 
 import json
 import shutil
+from dataclasses import asdict
 
 import numpy as np
 import pytest
 from stable_baselines3.common.utils import set_random_seed
 
-from agents import configurations, learn, search
+from agents import configurations, learn, runs, search
 from agents.baselines import CONFIGS
 from agents.environments import DEFAULT_ENV_ID
+from agents.suites import SUITES
 
 
+@pytest.mark.parametrize("env_id", SUITES.values(), ids=SUITES)
 @pytest.mark.parametrize("whole", [False, True], ids=["added", "whole"])
 @pytest.mark.parametrize("algo", search.SPACES)
-def test_the_point_of_a_configuration_gives_that_configuration_back(algo, whole):
-    entry = configurations.entry(algo, DEFAULT_ENV_ID, whole)
-    config = search.trial(search.Args(algo=algo, whole=whole), {}, search.start(algo, DEFAULT_ENV_ID, whole))
+def test_the_point_of_a_configuration_gives_that_configuration_back(algo, whole, env_id):
+    entry = configurations.entry(algo, env_id, whole)
+    point = search.point(search.start(algo, env_id, whole), algo, whole)
+    config = search.trial(search.Args(algo=algo, env_id=env_id, whole=whole), {}, point)
     scale = config.residual["scale"] if config.residual else 0.0
     assert scale == pytest.approx(0.0 if whole else entry["residual"], rel=1e-2)
     found, expected = dict(config.hyperparameters), dict(entry["hyperparameters"])
@@ -40,58 +44,92 @@ def test_points_stay_within_the_ranges(algo, whole):
         assert [r.value(r.share(value)) for value in values] == values
 
 
-def test_the_best_trial_is_kept_and_none_is_trained_twice(tmp_path, monkeypatch):
-    """The training is replaced by one whose return is highest at a residual of 0.1."""
-    (tmp_path / "ppo.json").write_text((CONFIGS / "ppo.json").read_text())
-    monkeypatch.setattr(search, "CONFIGS", tmp_path)
+@pytest.fixture
+def written(tmp_path, monkeypatch):
+    """A copy of the configurations, which searches read and write."""
+    folder = tmp_path / "configs"
+    shutil.copytree(CONFIGS, folder)
+    for module in (configurations, search):
+        monkeypatch.setattr(module, "CONFIGS", folder)
+    return folder
+
+
+def chosen(config, name):
+    return config.residual["scale"] if name == "residual" else config.hyperparameters[name]
+
+
+def train_best_at(monkeypatch, name, best):
+    """Replace training by one whose return is highest at a value of a hyperparameter; returns what gets trained."""
     trained = []
 
-    def pretend(wanted, command, device, workers, progress):
-        for folder, config in wanted.items():
-            if not folder.exists():
-                set_random_seed(0)  # as every training does
-                trained.append(folder)
-                folder.mkdir(parents=True)
-                value = -abs(np.log(config.residual["scale"] / 0.1))
-                np.savez(folder / "evaluations.npz", results=np.array([[value - 1.0], [value]]))
+    def pretend(training):
+        set_random_seed(0)  # as every training does
+        trained.append(training.folder.name)
+        value = -abs(np.log(chosen(training.config, name) / best))
+        np.savez(training.folder / "evaluations.npz", results=np.array([[value - 1.0], [value]]))
+        runs.write_json(training.folder / runs.CONFIG, asdict(training.config))
+        runs.write_json(training.folder / runs.TIMING, {})
 
-    monkeypatch.setattr(learn, "train_missing", pretend)
-    options = ["--trials", "24", "--out", str(tmp_path / "search"), "--quiet"]
+    monkeypatch.setattr(learn, "train_one", pretend)
+    return trained
+
+
+@pytest.mark.parametrize(
+    ("algo", "whole", "name"),
+    [("ppo", False, "residual"), ("sac", True, "learning_rate"), ("td3", False, "learning_rate")],
+)
+def test_a_search_finds_what_trains_best_and_writes_it_where_it_belongs(
+    tmp_path, monkeypatch, written, algo, whole, name
+):
+    before = {w: configurations.entry(algo, DEFAULT_ENV_ID, w) for w in (False, True)}
+    start = search.start(algo, DEFAULT_ENV_ID, whole)
+    best = 1.5 * start[name]
+    train_best_at(monkeypatch, name, best)
+    options = ["--algo", algo, "--trials", "24", "--out", str(tmp_path / "search"), "--jobs", "1", "--quiet"]
+    search.main([*options, *(["--whole"] if whole else [])])
+    after = {w: configurations.entry(algo, DEFAULT_ENV_ID, w) for w in (False, True)}
+    found, record = search.start(algo, DEFAULT_ENV_ID, whole), after[whole]["search"]
+    assert abs(np.log(found[name] / best)) < 0.2
+    assert record["start"] == start
+    assert record["validation_return"] == pytest.approx(-abs(np.log(found[name] / best)))
+    assert record["validation_return_before"] == pytest.approx(-np.log(1.5))
+    kept = ("hyperparameters", "search", "residual")
+    assert {k: v for k, v in after[whole].items() if k not in kept} == {
+        k: v for k, v in before[whole].items() if k not in kept
+    }
+    if whole:
+        assert after[False] == before[False]
+    else:
+        assert after[True] == before[True] | {"residual": after[True]["residual"]}
+
+
+def test_no_trial_is_trained_twice_and_a_search_that_is_repeated_gives_the_same(tmp_path, monkeypatch, written):
+    trained = train_best_at(monkeypatch, "residual", 0.1)
+    options = ["--trials", "24", "--out", str(tmp_path / "search"), "--jobs", "1", "--quiet"]
     search.main(options)
-    entry = json.loads((tmp_path / "ppo.json").read_text())[DEFAULT_ENV_ID]
-    assert entry["residual"] == pytest.approx(0.1, rel=0.3)
-    assert entry["search"]["validation_return"] >= entry["search"]["validation_return_before"]
-    assert entry["search"]["trials"] == len(trained) <= 25
-    count = len(trained)
-    (tmp_path / "ppo.json").write_text((CONFIGS / "ppo.json").read_text())
-    shutil.rmtree(trained[-1])
-    search.main(options)
-    assert trained[count:] == trained[count - 1 : count], "what is missing is trained, the rest is not"
-    assert json.loads((tmp_path / "ppo.json").read_text())[DEFAULT_ENV_ID] == entry
+    found = configurations.entry("ppo", DEFAULT_ENV_ID)
+    assert len(trained) == found["search"]["trials"] == 25
+    shutil.rmtree(tmp_path / "search" / "trial-20")
+    search.main([*options, "--repeat"])
+    assert trained[25:] == ["trial-20"], "what is missing is trained, the rest is not"
+    repeated = configurations.entry("ppo", DEFAULT_ENV_ID)
+    assert repeated["search"].pop("command") == found["search"].pop("command") + " --repeat"
+    assert repeated == found
+    with pytest.raises(ValueError, match="holds a run with another configuration"):
+        search.main(options)  # goes on from what was found
 
 
-def test_agents_of_the_whole_torque_are_searched_on_rigid_panels_and_kept_apart(tmp_path, monkeypatch):
-    """The training is replaced by one whose return is highest at a learning rate of 0.001."""
-    (tmp_path / "sac.json").write_text((CONFIGS / "sac.json").read_text())
-    before = configurations.entry("sac", DEFAULT_ENV_ID)
-    monkeypatch.setattr(search, "CONFIGS", tmp_path)
+def test_there_must_be_a_search_to_repeat(written):
+    entries = json.loads((written / "sac.json").read_text())
+    entries[DEFAULT_ENV_ID]["whole_torque"].pop("search", None)
+    (written / "sac.json").write_text(json.dumps(entries))
+    with pytest.raises(ValueError, match=r"sac\.json records no such search for 'solar_env/Deploy-v0'"):
+        search.main(["--algo", "sac", "--whole", "--repeat"])
 
-    def pretend(wanted, command, device, workers, progress):
-        for folder, config in wanted.items():
-            assert config.residual is None
-            assert config.env_kwargs["model"] == "rigid-clearance"
-            folder.mkdir(parents=True, exist_ok=True)
-            value = -abs(np.log(config.hyperparameters["learning_rate"] / 0.001))
-            np.savez(folder / "evaluations.npz", results=np.array([[value]]))
 
-    monkeypatch.setattr(learn, "train_missing", pretend)
-    search.main(["--algo", "sac", "--whole", "--trials", "24", "--out", str(tmp_path / "search"), "--quiet"])
-    after = json.loads((tmp_path / "sac.json").read_text())[DEFAULT_ENV_ID]
-    found = after.pop("whole_torque")
-    assert abs(np.log(found["hyperparameters"]["learning_rate"] / 0.001)) < 1.0
-    assert found["search"]["validation_return"] > -1.0
-    assert found["timesteps"] == before.pop("whole_torque")["timesteps"]
-    assert after == before
+def test_trials_train_on_as_many_landings_as_they_are_told():
+    point = search.point(search.start("ppo", DEFAULT_ENV_ID), "ppo", whole=False)
+    assert search.trial(search.Args(landings=7), {}, point).landings == 7
 
 
 def test_what_cannot_be_searched_is_refused():

@@ -38,21 +38,6 @@ def deflections(trajectory, size=0.01):
     return size * np.sin(trajectory.time[:, None] + np.arange(len(trajectory.clearance)))
 
 
-@pytest.fixture
-def saved_figures(monkeypatch):
-    """The figures that are written, to look into."""
-    from matplotlib.figure import Figure
-
-    figures, write = [], Figure.savefig
-
-    def keep(self, *args, **kwargs):
-        figures.append(self)
-        return write(self, *args, **kwargs)
-
-    monkeypatch.setattr(Figure, "savefig", keep)
-    return figures
-
-
 @pytest.mark.parametrize(("suffix", "start"), [(".png", b"\x89PNG"), (".pdf", b"%PDF"), (".svg", b"<?xml")])
 def test_each_suffix_gives_a_file_of_its_format_and_twice_the_same(tmp_path, suffix, start):
     first, second = tmp_path / f"first{suffix}", tmp_path / f"second{suffix}"

@@ -88,20 +88,49 @@ def test_what_would_end_a_tuning_is_refused_before_it_begins(monkeypatch, option
         tune_module.main(["--controller", "brake", "--episodes", "6", "--quiet", *options])
 
 
-def test_refining_starts_from_what_the_model_has_and_stays_closer(configs):
-    short = ["--env-kwargs", "deadline=0.3", "postlock_window=0.2", "--quiet"]
+@pytest.fixture
+def judged(monkeypatch):
+    """What gets simulated, which costs nothing here: a brake is the better the nearer its torque is to 0.3 N m."""
+    candidates = []
+
+    def mean_returns(controller, parameters, env_id, env_kwargs, seeds, workers):
+        candidates.append(list(parameters))
+        return [-((p.torque - 0.3) ** 2) for p in parameters]
+
+    monkeypatch.setattr(tune_module, "mean_returns", mean_returns)
+    return candidates
+
+
+def stored(configs):
+    return json.loads((configs / "brake.json").read_text())[DEFAULT_ENV_ID]["rigid-clearance"]
+
+
+def test_the_command_stores_the_best_that_it_found_with_its_return_and_that_of_the_start(configs, judged):
+    tune_module.main(["--controller", "brake", "--episodes", "600", "--quiet", "--validation-episodes", "1"])
+    found = stored(configs)
+    assert found["parameters"]["torque"] == pytest.approx(0.3, abs=0.01)
+    assert found["tuning"]["validation_return"] == -((found["parameters"]["torque"] - 0.3) ** 2)
+    assert found["tuning"]["validation_return"] == max(-((p.torque - 0.3) ** 2) for p in judged[-1])
+    assert found["tuning"]["validation_return_before_tuning"] == -((TUNABLE["brake"].defaults.torque - 0.3) ** 2)
+    assert found["tuning"]["training_episodes"] <= 600
+
+
+def test_refining_starts_from_what_the_model_has_and_stays_closer(configs, judged):
     budget = ["--episodes", "6", "--episodes-per-candidate", "1", "--validation-episodes", "1"]
-    found = {}
-    had = {"parameters": {"torque": 0.4, "onset": 0.9}, "tuning": {"training_episodes": 30}}
+    had = {"parameters": {"torque": 0.25, "onset": 0.5}, "tuning": {"training_episodes": 30}}
+    found, distances = {}, {}
     for options in ([], ["--refine", DEFAULT_ENV_ID]):
+        judged.clear()
         (configs / "brake.json").write_text(json.dumps({DEFAULT_ENV_ID: {"rigid-clearance": had}}))
-        tune_module.main(["--controller", "brake", *options, *budget, *short])
-        found[bool(options)] = json.loads((configs / "brake.json").read_text())[DEFAULT_ENV_ID]["rigid-clearance"]
-    assert found[False]["tuning"]["start"] == asdict(TUNABLE["brake"].defaults)
-    assert found[True]["tuning"]["start"] == {"torque": 0.4, "onset": 0.9}
-    assert found[True]["parameters"]["onset"] > 0.5
-    assert found[False]["tuning"]["training_episodes_with_start"] == 6
-    assert found[True]["tuning"]["training_episodes_with_start"] == 36
+        tune_module.main(["--controller", "brake", "--quiet", *options, *budget])
+        found[bool(options)] = stored(configs)["tuning"]
+        start = TUNABLE["brake"].defaults.onset if not options else 0.5
+        distances[bool(options)] = np.mean([abs(p.onset - start) for p in judged[0]])
+    assert found[False]["start"] == asdict(TUNABLE["brake"].defaults)
+    assert found[True]["start"] == {"torque": 0.25, "onset": 0.5}
+    assert distances[True] < 0.5 * distances[False]
+    assert found[False]["training_episodes_with_start"] == 6
+    assert found[True]["training_episodes_with_start"] == 36
 
 
 @pytest.mark.parametrize(
@@ -115,7 +144,7 @@ def test_refining_starts_from_what_the_model_has_and_stays_closer(configs):
 def test_the_command_stores_what_it_tuned_for_a_model_and_keeps_the_other_models(configs, options, model):
     before = json.loads((configs / "brake.json").read_text())[DEFAULT_ENV_ID]
     short = ["--env-kwargs", "deadline=0.3", "postlock_window=0.2", "--quiet"]
-    budget = ["--episodes", "6", "--episodes-per-candidate", "1", "--validation-episodes", "1"]
+    budget = ["--episodes", "6", "--episodes-per-candidate", "1", "--validation-episodes", "1", "--jobs", "1"]
     tune_module.main(["--controller", "brake", *options, *budget, *short])
     after = json.loads((configs / "brake.json").read_text())[DEFAULT_ENV_ID]
     written = after[model]

@@ -96,14 +96,14 @@ def curve(folders: Sequence[Path]) -> tuple[np.ndarray, np.ndarray]:
     return histories[0]["timesteps"], np.array([history["results"].mean(axis=1) for history in histories])
 
 
-def write_table(curves: Curves, path: Path) -> None:
-    """A row for each validation of each run."""
+def write_table(curves: Curves, seeds: Sequence[int], path: Path) -> None:
+    """A row for each validation of each run; the runs of an agent are those of the seeds."""
     with path.open("w", newline="") as file:
         writer = csv.writer(file)
-        writer.writerow(["task", "algorithm", "run", "steps", "validation return"])
+        writer.writerow(["task", "algorithm", "seed", "steps", "validation return"])
         for (panel, algo), (steps, returns) in curves.items():
-            for run, history in enumerate(returns):
-                writer.writerows([panel, algo, run, int(s), float(r)] for s, r in zip(steps, history, strict=True))
+            for seed, history in zip(seeds, returns, strict=True):
+                writer.writerows([panel, algo, seed, int(s), float(r)] for s, r in zip(steps, history, strict=True))
 
 
 def main(argv: Sequence[str] | None = None) -> None:
@@ -118,7 +118,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     learn.train_missing(everything, command, "cpu", Workers(args.jobs, args.cluster), not args.quiet)
     curves: Curves = {key: curve(list(of_agent)) for key, of_agent in wanted.items()}
     out = Path(args.out)
-    write_table(curves, out / TABLE)
+    write_table(curves, args.seeds, out / TABLE)
     learning_curves_figure(curves, out / FIGURE)
     if args.readme:
         for name in (FIGURE, TABLE):

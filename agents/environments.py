@@ -24,8 +24,12 @@ def with_sampling(env_kwargs: Mapping[str, Any], env_id: str = DEFAULT_ENV_ID) -
     """`env_kwargs` with the place of the root hinge drawn where neither they nor the scenario say what to draw.
 
     Raises:
-        ValueError: as `make_env`.
+        ValueError: as `make_env`; or episodes were to be cut off, after which nothing says how the array landed.
     """
+    if "max_episode_steps" in env_kwargs:
+        raise ValueError(
+            "episodes that max_episode_steps cuts off have no landing to judge; set deadline and postlock_window"
+        )
     if "randomize" in env_kwargs:
         return dict(env_kwargs)
     with make_env(env_id, env_kwargs) as env:
@@ -70,13 +74,8 @@ def make_env(env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, Any] | None 
     """`gymnasium.make` with a message that says what to do.
 
     Raises:
-        ValueError: the id is not registered, the environment refuses a keyword or its value, or episodes were to be
-            cut off, after which nothing says how the array landed.
+        ValueError: the id is not registered, or the environment refuses a keyword or its value.
     """
-    if "max_episode_steps" in (env_kwargs or {}):
-        raise ValueError(
-            "episodes that max_episode_steps cuts off have no landing to judge; set deadline and postlock_window"
-        )
     return _made(partial(gymnasium.make, env_id), env_id, env_kwargs)
 
 

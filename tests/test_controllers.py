@@ -1,15 +1,21 @@
 """Controllers of every kind are found by name, and a name that is none says so."""
 
+import json
+import shutil
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from trained import QUICK
 
-from agents import shipped
-from agents.baselines import BASELINES, make_baseline
+from agents import episodes, shipped
+from agents.baselines import BASELINES, CONFIGS, TUNABLE, load_parameters
 from agents.controllers import SEARCH, effort, load_controller, observation_of, policy_files, resolved, trained_on
-from agents.environments import make_env
+from agents.environments import DEFAULT_ENV_ID, make_env
 from agents.episodes import episode_cell
+from agents.evaluate import efforts, evaluate
 from agents.shipped import Description, Layer, PolicyNetwork, ShippedPolicy
-from agents.torque_laws import Signals
+from agents.torque_laws import Passive, ServoParameters, Signals, VelocityProfileServo
 
 
 @pytest.fixture
@@ -71,9 +77,61 @@ def test_what_was_not_trained_has_neither_files_nor_training_data(name):
     assert trained_on(name) is None
 
 
-def test_a_baseline_is_the_one_of_its_name(env):
-    observation, _ = env.reset(seed=0)
-    assert load_controller("servo", env).predict(observation) == make_baseline("servo", env).predict(observation)
+@pytest.mark.parametrize("name", BASELINES)
+def test_a_baseline_is_the_one_of_its_name(env, name):
+    law = load_controller(name, env)
+    assert type(law) is TUNABLE.get(name, Passive if name == "passive" else VelocityProfileServo)
+    if name in TUNABLE:
+        assert law.parameters == load_parameters(name, "solar_env/Deploy-v0", "rigid-clearance")
+    elif name == "servo-untuned":
+        assert law.parameters == ServoParameters()
+
+
+def test_a_run_is_not_used_where_its_actions_mean_something_else(finished):
+    run, _ = finished["ppo"]
+    with pytest.raises(ValueError, match=r"torque_limit is 0\.3; the policy was trained with 0\.5"):
+        load_controller(str(run), make_env(env_kwargs={**QUICK, "torque_limit": 0.3}))
+
+
+def test_what_a_run_cost_are_its_steps_those_of_the_runs_before_it_and_the_episodes_of_its_law(tmp_path):
+    config = {"timesteps": 300, "timesteps_before": 1_000, "residual": {"tuning_episodes": 1_874}}
+    (tmp_path / "config.json").write_text(json.dumps(config))
+    assert effort(str(tmp_path), DEFAULT_ENV_ID, "rigid-clearance") == "1,300 steps and 1,874 episodes for the law"
+    (tmp_path / "config.json").write_text(json.dumps({**config, "residual": None}))
+    runs = [f"ppo={tmp_path}", f"ppo={tmp_path}/", "passive"]
+    assert efforts(runs, DEFAULT_ENV_ID, {}) == {"ppo": "2 x 1,300 steps"}
+
+
+def test_an_evaluation_goes_on_with_what_is_finished_but_not_with_a_policy_or_a_baseline_that_has_changed(
+    policy, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(episodes, "CONFIGS", tmp_path)
+    for name in TUNABLE:
+        shutil.copy(CONFIGS / f"{name}.json", tmp_path)
+
+    def motor_work(seed=0):
+        episodes._agents_digest.cache_clear()
+        rows = evaluate(
+            ["third"], 1, seed, env_kwargs=policy.env_kwargs, progress=False, store=tmp_path / "store.jsonl"
+        )
+        return rows[0]["motor_work_J"]
+
+    first = motor_work()
+    assert motor_work() == first
+    third = shipped.load_shipped("third")
+    *features, layer = third.network.layers
+    stronger = replace(third.network, layers=(*features, layer._replace(biases=2.0 * layer.biases)))
+    shipped.save(tmp_path / "third", ShippedPolicy(stronger, policy))
+    assert motor_work() != first
+    (tmp_path / "brake.json").write_text("{}")
+    with pytest.raises(ValueError, match="was made by other code or with other settings"):
+        motor_work(seed=1)
+
+
+def test_a_policy_observes_in_a_comparison_what_it_observed_in_training(policy, tmp_path):
+    """With a history there would be three times the entries, which the policy refuses."""
+    keywords = {**policy.env_kwargs, "observation": "history"}
+    evaluate(["third"], 1, 0, env_kwargs=keywords, progress=False)
 
 
 def test_a_name_of_nothing_says_what_there_is(env):

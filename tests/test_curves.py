@@ -1,6 +1,7 @@
 """Learning curves are those of the runs, a run for every agent, scenario and seed, and nothing is trained twice."""
 
 import csv
+import itertools
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ import pytest
 from agents import configurations, curves, learn
 
 QUICK = [
-    *["--algos", "ppo", "--seeds", "0", "1", "--timesteps", "20", "--landings", "8", "--jobs", "1", "--quiet"],
+    *["--algos", "ppo", "--seeds", "3", "7", "--timesteps", "20", "--landings", "8", "--jobs", "1", "--quiet"],
     *["--model", "rigid-ideal"],
     *["--hyperparams", "n_steps=10", "batch_size=10", "--env-kwargs", "postlock_window=0.2"],
 ]
@@ -22,15 +23,21 @@ def test_every_agent_has_a_curve_of_every_seed_in_every_scenario(tmp_path, monke
     with (tmp_path / curves.TABLE).open() as file:
         rows = list(csv.DictReader(file))
     tasks = ("rigid-ideal, added to the servo", "rigid-clearance, whole torque")
-    found = {(row["task"], row["algorithm"], row["run"]) for row in rows}
+    found = {(row["task"], row["algorithm"], row["seed"]) for row in rows}
     assert found == {
-        (f"{suite}, {task}", "ppo", run) for suite in ("paper", "robust") for task in tasks for run in "01"
+        (f"{suite}, {task}", "ppo", seed) for suite in ("paper", "robust") for task in tasks for seed in "37"
     }
+    for suite, task, seed in itertools.product(("paper", "robust"), tasks, "37"):
+        run = f"{suite}-ppo{'-whole' if 'whole' in task else ''}-{seed}"
+        mine = [row for row in rows if (row["task"], row["seed"]) == (f"{suite}, {task}", seed)]
+        with np.load(tmp_path / run / "evaluations.npz") as history:
+            assert [int(row["steps"]) for row in mine] == history["timesteps"].tolist()
+            assert [float(row["validation return"]) for row in mine] == history["results"].mean(axis=1).tolist()
     begins = [("servo" in row["task"], float(row["validation return"])) for row in rows if row["steps"] == "0"]
     assert min(value for added, value in begins if added) > max(value for added, value in begins if not added)
     assert (tmp_path / curves.FIGURE).stat().st_size > 0
-    assert configurations.stored_configuration(tmp_path / "paper-ppo-whole-1").residual is None
-    assert configurations.stored_configuration(tmp_path / "robust-ppo-1").residual["law"] == "servo"
+    assert configurations.stored_configuration(tmp_path / "paper-ppo-whole-7").residual is None
+    assert configurations.stored_configuration(tmp_path / "robust-ppo-7").residual["law"] == "servo"
 
     monkeypatch.setattr(learn, "train_one", lambda training: pytest.fail("trained again"))
     curves.main(options)

@@ -1,5 +1,6 @@
 """A controller's deployment is shown beside the passive one, from the same episode."""
 
+import numpy as np
 from PIL import Image
 
 from agents import show
@@ -8,8 +9,11 @@ from agents.torque_laws import Passive, VelocityProfileServo
 
 
 def test_the_command_draws_and_animates_the_same_episode_of_every_controller(tmp_path, capsys, monkeypatch):
-    shown = []
+    shown, captions, drawn = [], [], []
+    scaled, draw = show._scaled, show.deployments_figure
     monkeypatch.setattr(show, "run_episode", lambda *given: shown.append(given[1:3]) or run_episode(*given))
+    monkeypatch.setattr(show, "_scaled", lambda frame, name: captions.append(name) or scaled(frame, name))
+    monkeypatch.setattr(show, "deployments_figure", lambda *given: drawn.append(given[0]) or draw(*given))
     short = ["--env-kwargs", "parameters={'spring_stiffness': 2.0}", "postlock_window=1.0"]
     show.main(["--model", "rigid-clearance", "--out", str(tmp_path), "--quiet", *short])
     assert str(tmp_path) in capsys.readouterr().out
@@ -19,4 +23,22 @@ def test_the_command_draws_and_animates_the_same_episode_of_every_controller(tmp
         assert min(figure.size) > 500
     with Image.open(tmp_path / show.ANIMATION) as animation:
         assert animation.size == (show.WIDTH, 2 * (show.CAPTION + round(show.WIDTH * 540 / 960)))
-        assert animation.n_frames > 5
+        frames = max(captions.count("passive"), captions.count("servo"))
+        assert frames - 2 <= animation.n_frames <= frames, "a GIF keeps one of several frames that are alike"
+        top, bottom = (
+            np.asarray(animation.convert("RGB").crop((0, y, show.WIDTH, y + show.CAPTION)), int)
+            for y in (0, animation.size[1] // 2)
+        )
+    names = {
+        name: np.asarray(
+            scaled(np.full((540, 960, 3), 255, np.uint8), name).crop((0, 0, show.WIDTH, show.CAPTION)), int
+        )
+        for name in ("passive", "servo")
+    }
+    for caption, name, other in ((top, "passive", "servo"), (bottom, "servo", "passive")):
+        assert np.abs(caption - names[name]).mean() < 0.2 * np.abs(caption - names[other]).mean()
+    assert captions[0] == "passive"
+    assert captions[-1] == "servo"
+    (episodes,) = drawn
+    assert not any(step.action.any() for step in episodes["passive"])
+    assert any(step.action.any() for step in episodes["servo"])

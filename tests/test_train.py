@@ -16,9 +16,11 @@ from agents import configurations, learn, runs
 from agents import evaluate as evaluate_module
 from agents.arguments import parse_arguments
 from agents.baselines import load_parameters, make_baseline
+from agents.callbacks import DeploymentLogger
 from agents.environments import make_env
 from agents.evaluate import evaluate
 from agents.residual import ResidualController
+from agents.suites import SUITES
 from agents.torque_laws import OpenLoopParameters, OpenLoopTorque, Signals
 from solar_env.array import MODELS
 
@@ -28,6 +30,7 @@ import train
 RIGID = ["--model", "rigid-clearance"]
 OFF_POLICY = [*RIGID, "--n-envs", "1", "--landings", "4"]
 OFF_POLICY += ["--hyperparams", "learning_starts=50", "buffer_size=2000", "batch_size=32"]
+OFF_POLICY += ["train_freq=50", "gradient_steps=2"]
 SMALL = {
     "ppo": [*RIGID, "--n-envs", "2", "--landings", "4", "--hyperparams", "n_steps=300", "batch_size=100"],
     "sac": OFF_POLICY,
@@ -40,8 +43,15 @@ def run(*arguments):
     return train.main(args, "python train.py ...")
 
 
+@pytest.fixture(scope="module", autouse=True)
+def few_validation_episodes():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(learn, "VALIDATION_EPISODES", 2)
+        yield
+
+
 @pytest.fixture(scope="module")
-def finished(tmp_path_factory):
+def ppo_run(tmp_path_factory):
     folder = tmp_path_factory.mktemp("runs") / "ppo"
     return run("--timesteps", 600, "--out", folder, *SMALL["ppo"])
 
@@ -82,7 +92,7 @@ def test_a_run_keeps_its_model_and_elements_and_is_resumed_and_evaluated_on_them
 
 def test_a_residual_agent_starts_as_the_law_it_adds_to_and_the_run_keeps_that_law(tmp_path):
     small = ["--timesteps", 20, "--n-envs", 1, "--hyperparams", "n_steps=10", "batch_size=10", "learning_rate=0.0"]
-    folder = run(*RIGID, "--residual", 0.3, *small, "--out", tmp_path / "run")
+    folder = run(*RIGID, "--residual", 0.3, "--landings", 4, *small, "--out", tmp_path / "run")
     residual = runs.read_config(folder)["residual"]
     env = make_env()
     assert residual["scale"] == 0.3
@@ -116,7 +126,8 @@ def test_a_fresh_agent_adds_nothing_to_a_law_but_is_not_held_back_without_one(al
 
 @pytest.mark.parametrize("algo", ["ppo", "sac", "td3"])
 def test_an_agent_adds_nothing_to_a_law_where_it_has_no_features_however_long_it_trains(tmp_path, algo):
-    small = {"batch_size": 100, "n_steps": 300} if algo == "ppo" else {"buffer_size": 2000, "batch_size": 32}
+    few = {"train_freq": 50, "gradient_steps": 2, "buffer_size": 2000, "batch_size": 32}
+    small = {"batch_size": 100, "n_steps": 300} if algo == "ppo" else few
     config = configurations.configuration(
         algo, "solar_env/Deploy-v0", {}, 0, n_envs=1, timesteps=600, hyperparameters=small, residual=0.3, landings=4
     )
@@ -148,6 +159,7 @@ def test_the_learning_rate_of_ppo_falls_from_update_to_update_and_none_is_withou
 @pytest.mark.parametrize("algo", ["sac", "td3"])
 def test_agents_with_a_replay_buffer_learn_from_returns_over_many_periods_and_ever_more_slowly(algo, tmp_path):
     small = {"batch_size": 32, "buffer_size": 2000, "learning_rate": 1e-3, "n_steps": 7}
+    small |= {"train_freq": 20, "gradient_steps": 2}
     config = configurations.configuration(algo, "solar_env/Deploy-v0", {}, 0, 1, 40, small, residual=0.3, landings=1)
     learn.train(config, tmp_path, progress=False)
     resumed = learn.load_checkpoint(config, tmp_path, learn.make_training_env(config, [], None, threads=1))
@@ -194,11 +206,21 @@ def test_noise_on_the_weights_stays_for_a_hundred_periods(algo):
     assert changes == [100, 200]
 
 
-def test_one_rollout_trains_too(finished):
-    config = configurations.stored_configuration(finished)
+def test_td3_explores_with_the_noise_it_is_told_which_forgets_within_a_hundred_periods():
+    quick = {"exploration_noise": 0.4, "buffer_size": 100}
+    config = configurations.configuration("td3", "solar_env/Deploy-v0", {}, 0, 1, None, quick, residual=0.0)
+    model = learn.make_model(config, learn.make_training_env(config, [], None, threads=1), learn.prepare(config)[0])
+    np.random.seed(0)  # noqa: NPY002 (what Stable-Baselines3 draws from)
+    noise = np.array([model.action_noise()[0] for _ in range(200_000)])
+    assert noise.std() == pytest.approx(0.4, rel=0.1)
+    assert np.corrcoef(noise[:-100], noise[100:])[0, 1] == pytest.approx(np.exp(-1.0), abs=0.1)
+
+
+def test_one_rollout_trains_too(ppo_run):
+    config = configurations.stored_configuration(ppo_run)
     venv = learn.make_training_env(config, [], None, threads=1)
     fresh = learn.make_model(config, venv, learn.prepare(config)[0])
-    trained = runs.algorithm("ppo").load(finished / "checkpoint" / "model.zip")
+    trained = runs.algorithm("ppo").load(ppo_run / "checkpoint" / "model.zip")
     assert not torch.equal(fresh.policy.action_net.weight, trained.policy.action_net.weight)
 
 
@@ -213,7 +235,7 @@ def test_the_target_actor_of_a_fresh_td3_agent_is_its_actor():
     assert all(torch.equal(actor[name], target[name]) for name in actor)
 
 
-def test_training_takes_the_agents_action_as_an_addition_to_the_law(tmp_path):
+def test_training_takes_the_agents_action_as_an_addition_to_the_law():
     config = configurations.configuration("ppo", "solar_env/Deploy-v0", {}, seed=0, n_envs=2, residual=0.2)
     venv = learn.make_training_env(config, [], None, threads=1)
     plain = learn.make_training_env(replace(config, residual=None), [], None, threads=1)
@@ -240,7 +262,7 @@ def policy_weights(folder):
     return np.concatenate([weights.detach().numpy().ravel() for weights in model.policy.parameters()])
 
 
-def test_a_run_folder_holds_all_that_describes_the_run(finished):
+def test_a_run_folder_holds_all_that_describes_the_run(ppo_run):
     expected = {
         "policy.zip",
         "checkpoint",
@@ -254,30 +276,30 @@ def test_a_run_folder_holds_all_that_describes_the_run(finished):
         "figure.png",
         "timing.json",
     }
-    assert {path.name for path in finished.iterdir()} == expected
-    config = json.loads((finished / "config.json").read_text())
+    assert {path.name for path in ppo_run.iterdir()} == expected
+    config = json.loads((ppo_run / "config.json").read_text())
     assert config["hyperparameters"]["n_steps"] == 300
     assert config["command"] == "python train.py ..."
     assert config["versions"]["torch"]
-    metrics = json.loads((finished / "metrics.json").read_text())
+    metrics = json.loads((ppo_run / "metrics.json").read_text())
     assert list(metrics["controllers"]) == ["passive", "servo-untuned", "servo", "ppo"]
 
 
-def test_the_policy_is_validated_before_it_is_trained(finished):
-    with np.load(finished / "evaluations.npz") as history:
+def test_the_policy_is_validated_before_it_is_trained(ppo_run):
+    with np.load(ppo_run / "evaluations.npz") as history:
         assert history["timesteps"].tolist() == [0, 600]
         assert history["results"].shape == (2, learn.VALIDATION_EPISODES)
 
 
-def test_the_saved_policy_reproduces_the_evaluation_of_the_run(finished):
-    with (finished / "episodes.csv").open() as file:
+def test_the_saved_policy_reproduces_the_evaluation_of_the_run(ppo_run):
+    with (ppo_run / "episodes.csv").open() as file:
         written = [row for row in csv.DictReader(file) if row["controller"] == "ppo"]
-    again = evaluate([str(finished)], episodes=2, seed=0, progress=False)
+    again = evaluate([str(ppo_run)], episodes=2, seed=0, progress=False)
     assert [float(row["return"]) for row in written] == [row["return"] for row in again]
 
 
-def test_the_log_has_reward_terms_and_physical_figures(finished):
-    log = EventAccumulator(str(finished / "tensorboard"))
+def test_the_log_has_reward_terms_and_physical_figures(ppo_run):
+    log = EventAccumulator(str(ppo_run / "tensorboard"))
     log.Reload()
     tags = set(log.Tags()["scalars"])
     assert {"deployment/peak_postlock_force_N", "deployment/postlock_sliding_work_J"} <= tags
@@ -288,18 +310,18 @@ def test_the_log_has_reward_terms_and_physical_figures(finished):
         assert total == pytest.approx(sum(parts), rel=1e-5)
 
 
-def test_the_same_seed_trains_the_same_policy_and_another_seed_another(finished, tmp_path):
+def test_the_same_seed_trains_the_same_policy_and_another_seed_another(ppo_run, tmp_path):
     same = run("--timesteps", 600, "--out", tmp_path / "same", *SMALL["ppo"])
     other = run("--timesteps", 600, "--out", tmp_path / "other", "--seed", 1, *SMALL["ppo"])
-    np.testing.assert_array_equal(policy_weights(finished), policy_weights(same))
-    assert not np.array_equal(policy_weights(finished), policy_weights(other))
+    np.testing.assert_array_equal(policy_weights(ppo_run), policy_weights(same))
+    assert not np.array_equal(policy_weights(ppo_run), policy_weights(other))
 
 
-def test_several_seeds_are_trained_side_by_side_each_as_alone_and_only_once(finished, tmp_path):
+def test_several_seeds_are_trained_side_by_side_each_as_alone_and_only_once(ppo_run, tmp_path):
     arguments = ["--timesteps", 600, "--seeds", 0, 1, "--jobs", 2, "--out", tmp_path, *SMALL["ppo"]]
     assert run(*arguments) == tmp_path
-    np.testing.assert_array_equal(policy_weights(tmp_path / "seed-0"), policy_weights(finished))
-    assert not np.array_equal(policy_weights(tmp_path / "seed-1"), policy_weights(finished))
+    np.testing.assert_array_equal(policy_weights(tmp_path / "seed-0"), policy_weights(ppo_run))
+    assert not np.array_equal(policy_weights(tmp_path / "seed-1"), policy_weights(ppo_run))
     metrics = json.loads((tmp_path / "metrics.json").read_text())
     assert metrics["controllers"]["ppo"]["runs"] == 2
     written = (tmp_path / "seed-1" / "timing.json").stat().st_mtime_ns
@@ -313,24 +335,24 @@ def test_several_seeds_are_trained_side_by_side_each_as_alone_and_only_once(fini
     assert (tmp_path / "seed-1" / "policy.zip").is_file(), "what was interrupted is not removed before all is checked"
 
 
-def test_the_time_of_a_run_is_told_apart(finished):
-    timing = json.loads((finished / "timing.json").read_text())
+def test_the_time_of_a_run_is_told_apart(ppo_run):
+    timing = json.loads((ppo_run / "timing.json").read_text())
     parts = [timing[name] for name in ("preparing_s", "stepping_s", "validation_s", "learning_s")]
     assert min(parts) > 0.0
     assert sum(parts) == pytest.approx(timing["wall_time_s"])
 
 
-def test_resuming_continues_step_count_normalisation_and_validation_history(finished, tmp_path):
-    resumed = run("--resume", finished, "--timesteps", 600, "--out", tmp_path / "resumed")
+def test_resuming_continues_step_count_normalisation_and_validation_history(ppo_run, tmp_path):
+    resumed = run("--resume", ppo_run, "--timesteps", 600, "--out", tmp_path / "resumed")
     config = runs.read_config(resumed)
-    assert config["resumed_from"] == str(finished)
+    assert config["resumed_from"] == str(ppo_run)
     assert config["timesteps_before"] == 600
     assert config["hyperparameters"]["n_steps"] == 300
     stored = runs.algorithm("ppo").load(resumed / "checkpoint" / "model.zip")
     assert stored.num_timesteps == 1200
-    before, after = (normalisation_count(folder) for folder in (finished, resumed))
+    before, after = (normalisation_count(folder) for folder in (ppo_run, resumed))
     assert after == pytest.approx(before + 600, rel=1e-3)
-    with np.load(finished / "evaluations.npz") as old, np.load(resumed / "evaluations.npz") as new:
+    with np.load(ppo_run / "evaluations.npz") as old, np.load(resumed / "evaluations.npz") as new:
         assert new["timesteps"].tolist()[: len(old["timesteps"])] == old["timesteps"].tolist()
         assert new["timesteps"][-1] > 600
 
@@ -360,19 +382,89 @@ def test_resuming_an_off_policy_run_continues_its_replay_buffer(tmp_path, algo):
     assert np.all(ends[-1]), "nor into what is collected next"
 
 
-def test_a_resumed_run_sees_other_training_episodes_than_the_first(finished):
+def test_a_resumed_run_sees_other_landings_than_the_first(ppo_run):
     first, resumed = (
         {landing.episode.parameters.hinge_x for landing in learn.prepare(config)[1]}
-        for config in (configurations.stored_configuration(finished), configurations.resumed_configuration(finished))
+        for config in (configurations.stored_configuration(ppo_run), configurations.resumed_configuration(ppo_run))
     )
     assert len(first) == len(resumed) == 4
     assert first.isdisjoint(resumed)
 
 
+def test_a_resumed_agent_of_the_whole_torque_sees_other_training_episodes_than_the_first(tmp_path):
+    quick = {"n_steps": 10, "batch_size": 10}
+    config = configurations.configuration(
+        "ppo", "solar_env/Deploy-v0", {"model": "rigid-ideal"}, 0, 2, 20, quick, residual=0.0
+    )
+    learn.train(config, tmp_path, progress=False)
+    seen = []
+    for segment in (config, configurations.resumed_configuration(tmp_path)):
+        venv = learn.make_training_env(segment, [], None, threads=1)
+        if segment is config:
+            model = learn.make_model(segment, venv, learn.prepare(segment)[0])
+        else:
+            model = learn.load_checkpoint(segment, tmp_path, venv)
+        model.env.reset()
+        seen.append({design.hinge_x for design in venv.get_attr("episode_parameters")})
+    assert len(seen[0]) == len(seen[1]) == 2
+    assert seen[0].isdisjoint(seen[1])
+
+
+def test_ctrl_c_leaves_a_run_that_is_not_complete_and_can_be_resumed(tmp_path, monkeypatch):
+    steps = []
+
+    def interrupt(self):
+        steps.append(self.num_timesteps)
+        if len(steps) == 15:
+            raise KeyboardInterrupt
+        return True
+
+    monkeypatch.setattr(DeploymentLogger, "_on_step", interrupt)
+    quick = {"n_steps": 10, "batch_size": 10}
+    config = configurations.configuration(
+        "ppo", "solar_env/Deploy-v0", {"model": "rigid-ideal"}, 0, 1, 40, quick, residual=0.0
+    )
+    first, second = tmp_path / "first", tmp_path / "second"
+    for folder in (first, second):
+        folder.mkdir()
+    with pytest.raises(KeyboardInterrupt):
+        learn.train(config, first, progress=False)
+    assert not runs.is_complete(first)
+    learn.train(configurations.resumed_configuration(first, 10), second, first, progress=False)
+    assert runs.is_complete(second)
+    assert runs.algorithm("ppo").load(second / "checkpoint" / "model.zip").num_timesteps == 15 + 10
+
+
+def test_only_runs_that_were_interrupted_are_discarded(tmp_path, ppo_run):
+    notes, interrupted = tmp_path / "notes", tmp_path / "interrupted"
+    for folder in (notes, interrupted):
+        folder.mkdir()
+    (notes / "mine.txt").touch()
+    (interrupted / runs.CONFIG).write_bytes((ppo_run / runs.CONFIG).read_bytes())
+    for folder in (notes, interrupted, ppo_run, tmp_path / "nothing"):
+        runs.discard_incomplete(folder)
+    assert (notes / "mine.txt").exists()
+    assert (ppo_run / runs.POLICY).exists()
+    assert not interrupted.exists()
+
+
+@pytest.mark.parametrize("env_id", SUITES.values(), ids=SUITES)
+@pytest.mark.parametrize("residual", [None, 0.0], ids=["added", "whole"])
 @pytest.mark.parametrize("algo", sorted(runs.ALGORITHMS))
-def test_the_discount_reaches_over_a_whole_episode(algo):
-    gamma = configurations.configuration(algo, "solar_env/Deploy-v0", {}, seed=0).hyperparameters["gamma"]
-    assert 1.0 / (1.0 - gamma) >= 300.0
+def test_the_discount_reaches_over_a_whole_episode(algo, residual, env_id):
+    config = configurations.configuration(algo, env_id, {"model": "rigid-clearance"}, seed=0, residual=residual)
+    assert 1.0 / (1.0 - config.hyperparameters["gamma"]) >= 300.0
+
+
+@pytest.mark.parametrize("algo", sorted(runs.ALGORITHMS))
+@pytest.mark.parametrize("residual", [None, 0.0], ids=["added", "whole"])
+def test_there_is_a_model_for_every_configuration_of_the_randomised_scenario(algo, residual):
+    config = configurations.configuration(
+        algo, SUITES["robust"], {"model": "rigid-clearance"}, seed=0, residual=residual, landings=2
+    )
+    venv = learn.make_training_env(config, [], None, threads=1)
+    model = learn.make_model(config, venv, learn.prepare(config)[0])
+    assert np.isfinite(model.predict(venv.reset(), deterministic=True)[0]).all()
 
 
 @pytest.mark.parametrize(
@@ -397,25 +489,42 @@ def test_the_discount_reaches_over_a_whole_episode(algo):
         (["--jobs", "0"], "jobs = 0"),
         (["--cluster", "slurm"], "cluster 'slurm' is unknown; choose from ray"),
         (["--seeds", "0", "1", "--seed", "100000"], "seed is 100000; choose one from 0 to 99999"),
+        (["--seeds", "1", "1"], "--seeds takes different seeds"),
+        (["--seeds", "1", "2", "--resume", "runs/one"], "does not go with --resume"),
     ],
 )
 def test_wrong_arguments_are_named_before_training(tmp_path, arguments, message):
     with pytest.raises(ValueError, match=message):
         run("--out", tmp_path / "run", *arguments)
+    assert not (tmp_path / "run").exists()
 
 
-def test_a_folder_with_a_run_is_not_overwritten(finished):
+def test_several_seeds_need_a_folder_to_come_back_to():
+    with pytest.raises(ValueError, match="and --out, the folder of their runs"):
+        run("--seeds", 0, 1)
+
+
+def test_a_folder_with_a_run_is_not_overwritten(ppo_run):
     with pytest.raises(FileExistsError, match="holds a run already"):
-        run("--out", finished, *SMALL["ppo"])
+        run("--out", ppo_run, *SMALL["ppo"])
 
 
-def test_resuming_refuses_arguments_that_contradict_the_run(finished, tmp_path):
-    with pytest.raises(ValueError, match="--algo sac contradicts the run to resume, which has ppo"):
-        run("--resume", finished, "--algo", "sac", "--out", tmp_path / "run")
-    with pytest.raises(
-        ValueError, match="--model rigid-ideal contradicts the run to resume, which has rigid-clearance"
-    ):
-        run("--resume", finished, "--model", "rigid-ideal", "--out", tmp_path / "run")
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--algo", "sac"], "--algo sac contradicts the run to resume, which has ppo"),
+        (["--model", "rigid-ideal"], "--model rigid-ideal contradicts the run to resume, which has rigid-clearance"),
+        (["--seed", "1"], "--seed 1 contradicts the run to resume, which has 0"),
+        (["--n-envs", "3"], "--n-envs 3 contradicts the run to resume, which has 2"),
+        (["--residual", "0.5"], "--residual 0.5 contradicts the run to resume"),
+        (["--landings", "5"], "--landings 5 contradicts the run to resume, which has 4"),
+        (["--hyperparams", "n_steps=200"], "--hyperparams .* contradicts the run to resume"),
+    ],
+)
+def test_resuming_refuses_arguments_that_contradict_the_run(ppo_run, tmp_path, arguments, message):
+    with pytest.raises(ValueError, match=message):
+        run("--resume", ppo_run, *arguments, "--out", tmp_path / "run")
+    assert not (tmp_path / "run").exists()
 
 
 def test_resuming_from_something_else_than_a_run_is_refused(tmp_path):

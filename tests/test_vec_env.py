@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from functools import partial
 
-import gymnasium
 import numpy as np
 import pytest
 from stable_baselines3.common.monitor import Monitor
@@ -59,7 +58,6 @@ def test_it_gives_what_dummy_vec_env_gives_bit_for_bit(longest):
         ends += one[2].sum()
     assert native.reset_infos == dummy.reset_infos
     assert ends >= LANES
-    assert any("terminal_observation" in info for info in one[3]) == bool(one[2].any())
 
 
 def test_attributes_and_methods_are_by_lane():
@@ -112,7 +110,6 @@ def test_wrong_keywords_are_refused_with_what_to_do():
         NativeVecEnv(2, env_kwargs={"torque_limits": 1.0})
     with pytest.raises(ValueError, match=r"available: solar_env/Deploy-v0"):
         NativeVecEnv(2, "solar_env/Fold-v0")
-    assert "solar_env/Deploy-v0" in gymnasium.registry
 
 
 @pytest.mark.parametrize(("deadline", "cost"), [(0.3, 25.0), (20.0, None)], ids=["missed deadline", "deployment"])

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from .array import MODELS, ArrayParameters, build
 from .hardware import Hardware
 from .mechanics.diagnosis import SimulationWarning
-from .mechanics.integrators import GeneralizedAlpha, RungeKutta
+from .mechanics.integrators import GeneralizedAlpha, Rosenbrock, RungeKutta
 from .registration import register_environments
 
 if TYPE_CHECKING:
@@ -39,6 +39,7 @@ __all__ = [
     "ArrayParameters",
     "GeneralizedAlpha",
     "Hardware",
+    "Rosenbrock",
     "RungeKutta",
     "Simulation",
     "SimulationError",

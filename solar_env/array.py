@@ -29,6 +29,34 @@ DEFAULT_ELEMENTS = 6
 
 AnyBody = Body | FlexibleBody
 
+_POSITIVE = (
+    "body_mass",
+    "body_inertia",
+    "body_size",
+    "panel_length",
+    "panel_width",
+    "panel_thickness",
+    "panel_density",
+    "panel_young",
+    "cable_wheel_radius",
+    "latch_stiffness",
+    "latch_ramp_depth",
+    "journal_radius",
+    "journal_young",
+    "bearing_young",
+    "minimum_impact_speed",
+    "bearing_width",
+)
+_NOT_NEGATIVE = (
+    "panel_damping",
+    "cable_stiffness",
+    "cable_preload_force",
+    "latch_gap",
+    "latch_damping",
+    "friction_coefficient",
+    "friction_speed_zero",
+    "wear_coefficient",
+)
 # Parameters for which None is a value.
 _OPTIONAL = ("cable_torque_ratio", "contact_stiffness")
 
@@ -39,14 +67,16 @@ class ArrayParameters:
 
     A contact law that turns the restitution into quite another exit speed is accepted with a SimulationWarning.
 
-    Quantities by joint or by panel take one number, or a tuple whose last entry also holds for all further joints.
+    Quantities by joint or by panel take one number, or a sequence whose last entry also holds for all further joints.
+    Lists and arrays become tuples, NumPy's numbers Python's.
 
     Attributes:
         panel_count: number of panels N; the paper's is 2.
         body_mass: main body [kg]; 1 m cube of 1500 kg/m3.
         body_inertia: about its centroid [kg m2].
         body_fixed: whether the main body is held in place; the paper's floats.
-        hinge_x, hinge_y: root hinge from the main body's centroid [m]; mid-side (chosen: the paper does not say).
+        hinge_x, hinge_y: root hinge from the main body's centroid [m], hinge_x not negative; mid-side (chosen: the
+            paper does not say).
         body_size: side of the main body [m].
         panel_length, panel_width, panel_thickness: [m].
         panel_density: [kg/m3].
@@ -94,6 +124,12 @@ class ArrayParameters:
 
     # Quantities that may differ from joint to joint.
     BY_JOINT: ClassVar[tuple[str, ...]] = ("spring_stiffness", "spring_preload_angle", "clearance", "initial_rate")
+    # What decides how many numbers describe the mechanism and its state.
+    STRUCTURAL: ClassVar[tuple[str, ...]] = ("panel_count", "body_fixed", "wear_bins")
+    # Everything that is a real number.
+    CONTINUOUS: ClassVar[frozenset[str]]
+    # Parameters that must stay below another one.
+    BELOW_ANOTHER: ClassVar[tuple[str, ...]] = ("clearance", "friction_speed_zero")
 
     panel_count: int = 2
     body_mass: float = 1500.0
@@ -141,19 +177,21 @@ class ArrayParameters:
 
     def __post_init__(self) -> None:
         for item in fields(self):
+            object.__setattr__(self, item.name, _plain(getattr(self, item.name)))
             self._check_type(item.name, getattr(self, item.name), item.default)
-        for name in ("body_mass", "body_inertia", "body_size", "panel_length", "panel_width", "panel_thickness"):
+        for name in _POSITIVE:
             self._require(name, getattr(self, name) > 0.0, "must be positive")
-        for name in ("panel_density", "panel_young", "cable_wheel_radius", "journal_radius", "bearing_width"):
-            self._require(name, getattr(self, name) > 0.0, "must be positive")
-        for name in (
-            "panel_damping",
-            "cable_stiffness",
-            "cable_preload_force",
-            "friction_coefficient",
-            "wear_coefficient",
-        ):
+        for name in _NOT_NEGATIVE:
             self._require(name, getattr(self, name) >= 0.0, "must not be negative")
+        self._require("hinge_x", self.hinge_x >= 0.0, "must not be negative: the panels open towards +x")
+        self._require("latch_exponent", self.latch_exponent >= 1.0, "must be at least 1")
+        for name in ("journal_poisson", "bearing_poisson"):
+            self._require(name, -1.0 < getattr(self, name) <= 0.5, "must lie in (-1, 0.5]")
+        self._require(
+            "friction_speed_zero",
+            self.friction_speed_zero < self.friction_speed_full,
+            f"must be below friction_speed_full = {self.friction_speed_full!r}",
+        )
         self._require("panel_count", 1 <= self.panel_count <= 100, "must lie between 1 and 100")
         self._require("wear_bins", 1 <= self.wear_bins <= 100_000, "must lie between 1 and 100000")
         self._require(
@@ -173,12 +211,10 @@ class ArrayParameters:
         factor = damping_factor(self.contact_law, self.restitution)
         if self.contact_law != "hertz":
             check_restitution(self.contact_law, self.restitution, exit_speed_ratio(factor))
-        for joint in range(self.panel_count):
-            self._require("contact_stiffness", self.stiffness_of_contact(joint) > 0.0, "must be positive")
+        if self.contact_stiffness is not None:
+            self._require("contact_stiffness", self.contact_stiffness > 0.0, "must be positive")
         if self.cable_torque_ratio is not None:
             self._require("cable_torque_ratio", self.cable_torque_ratio >= 0.0, "must not be negative")
-        self.stop()
-        self.bearing(0)
 
     def _check_type(self, name: str, value: Any, default: Any) -> None:
         if isinstance(default, (str, bool)):
@@ -225,7 +261,7 @@ class ArrayParameters:
         return cls(**PRESETS[name])
 
     def with_changes(self, changes: Mapping[str, Any]) -> ArrayParameters:
-        """A copy with some parameters changed; lists become tuples.
+        """A copy with some parameters changed.
 
         Raises:
             ValueError: if a name is unknown or a value is refused.
@@ -236,8 +272,7 @@ class ArrayParameters:
                 close = difflib.get_close_matches(name, known, n=1)
                 hint = f"; did you mean {close[0]!r}?" if close else f"; known are {', '.join(known)}"
                 raise ValueError(f"parameter {name!r} is unknown{hint}")
-        values: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in changes.items()}
-        return replace(self, **values)
+        return replace(self, **changes)
 
     def lock_angle(self, joint: int) -> float:
         """Angle at which a joint latches [rad]: pi/2 at the root, pi further out."""
@@ -280,6 +315,18 @@ class ArrayParameters:
     def to_dict(self) -> dict[str, Any]:
         """All parameters as values that JSON keeps; :meth:`with_changes` takes them back."""
         return {name: list(value) if isinstance(value, tuple) else value for name, value in asdict(self).items()}
+
+
+ArrayParameters.CONTINUOUS = frozenset(
+    item.name for item in fields(ArrayParameters) if not isinstance(item.default, (str, int))
+)
+
+
+def _plain(value: Any) -> Any:
+    """A value with Python's types in place of NumPy's, and tuples in place of lists."""
+    if isinstance(value, (np.generic, np.ndarray)):
+        value = value.tolist()
+    return tuple(_plain(entry) for entry in value) if isinstance(value, (list, tuple)) else value
 
 
 PRESETS: dict[str, dict[str, Any]] = {
@@ -366,10 +413,10 @@ def build(parameters: ArrayParameters, model: str = "rigid-clearance", elements:
             "main body",
             p.body_mass,
             p.body_inertia,
-            length=abs(p.hinge_x) if p.hinge_x else p.body_size,
-            centroid=(0.0, -p.hinge_y) if p.hinge_x >= 0.0 else (0.0, p.hinge_y),
+            # Base points must not lie too close to each other.
+            length=p.hinge_x if p.hinge_x > 1e-3 * p.body_size else p.body_size,
+            centroid=(0.0, -p.hinge_y),
             position=(0.0, p.hinge_y),
-            angle=0.0 if p.hinge_x >= 0.0 else math.pi,
             velocity=_turning(p.initial_spin, (0.0, p.hinge_y)),
             spin=p.initial_spin,
             fixed=p.body_fixed,
@@ -390,10 +437,10 @@ def build(parameters: ArrayParameters, model: str = "rigid-clearance", elements:
                 name=f"joint {k + 1}",
                 inboard=bodies[k].name,
                 outboard=bodies[k + 1].name,
-                inboard_point=(p.panel_length, 0.0) if k else (abs(p.hinge_x), 0.0),
+                inboard_point=(p.panel_length, 0.0) if k else (p.hinge_x, 0.0),
                 outboard_point=(0.0, 0.0),
                 sign=sign,
-                folded_angle=-sign * math.pi if k else angle - bodies[0].angle,
+                folded_angle=-sign * math.pi if k else angle,
                 middle=lock / 2,
                 bearing=p.bearing(k) if clearance else None,
                 spring=Spring(p.by_joint("spring_stiffness", k), p.by_joint("spring_preload_angle", k)),
@@ -425,7 +472,7 @@ def build(parameters: ArrayParameters, model: str = "rigid-clearance", elements:
 def main_body_corners(parameters: ArrayParameters, base_points: NDArray[np.float64]) -> NDArray[np.float64]:
     """Corners (4, 2) of the main body [m], in order round it, from its two base points (2, 2)."""
     p = parameters
-    along = (base_points[1] - base_points[0]) * (1.0 if p.hinge_x >= 0.0 else -1.0)
+    along = base_points[1] - base_points[0]
     along = along / np.hypot(*along)
     across = np.array([-along[1], along[0]])
     centroid = base_points[0] - p.hinge_y * across

@@ -36,7 +36,7 @@ def simulate(
         duration: [s].
         integrator: defaults to :func:`default_integrator` of the model.
         output_step: distance of the samples [s]; independent of the integration step.
-        progress: called with the simulated time now and then.
+        progress: called with the simulated time [s] now and then; the result does not depend on it.
 
     Returns:
         The trajectory. With flexible panels and the explicit integrator, look at its ``stability_bound_share``: where

@@ -130,7 +130,8 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     * `torque_limit`, `control_period`, `deadline`, `postlock_window`: see `solar_env.task.Task`.
     * `render_mode`: "rgb_array" or None.
 
-    `reset(options={"parameters": {...}})` changes parameters for one episode, after `randomize`.
+    `reset(options={"parameters": {...}})` changes parameters for one episode, after `randomize`, but for `panel_count`,
+    `body_fixed` and `wear_bins`, on which the mechanism's structure depends.
 
     ## Version History
 
@@ -170,6 +171,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             model, parameters, elements, question, tolerance, task, observation, scenario, randomize, hardware
         )
         self.render_mode = checked_render_mode(render_mode)
+        self.metadata = {**self.metadata, "render_fps": 1.0 / task.control_period}
         self.model, self.elements = self._setup.model, self._setup.elements
         self.scenario, self.hardware = scenario, self._setup.hardware
         self.parameters, self.randomize = self._setup.parameters, self._setup.randomize
@@ -220,13 +222,15 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             options: {"parameters": {name: value}} changes parameters for this episode.
 
         Raises:
-            ValueError: for unknown options, parameters or refused values.
+            ValueError: for unknown options, parameters or refused values; the present episode goes on then.
         """
-        super().reset(seed=seed)
         unknown = set(options or {}) - RESET_OPTIONS
         if unknown:
             raise ValueError(f"reset options {sorted(unknown)} are unknown; the one option is 'parameters'")
-        self._episodes.reset(self._lane, [self.np_random], [(options or {}).get("parameters") or {}])
+        changes = [(options or {}).get("parameters") or {}]
+        self._episodes.check_changes(self._lane, changes)
+        super().reset(seed=seed)
+        self._episodes.reset(self._lane, [self.np_random], changes)
         return self._episodes.observations[0].copy(), first_info()
 
     def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from copy import copy
+from numbers import Real
 from typing import Any
 
 import gymnasium
@@ -90,6 +92,22 @@ class Setup:
         exact.observation = "drive"
         return exact
 
+    def check_changes(self, design: ArrayParameters, changes: Changes) -> None:
+        """Check changes of the parameters of one episode, before anything is drawn.
+
+        Raises:
+            ValueError: for unknown parameters, refused values, or values that change the mechanism's structure.
+        """
+        if not isinstance(changes, Mapping):
+            raise ValueError(f"options['parameters'] = {changes!r} must be a mapping of names to values")
+        changed = design.with_changes(changes)
+        for name in ArrayParameters.STRUCTURAL:
+            if getattr(changed, name) != getattr(design, name):
+                raise ValueError(
+                    f"{name} = {getattr(changed, name)!r} changes the mechanism's structure, here with {name} = "
+                    f"{getattr(design, name)!r}; set it when the environment is made"
+                )
+
     def draw(self, design: ArrayParameters, generator: np.random.Generator, changes: Changes) -> ArrayParameters:
         """Parameters of one episode: those of a design, with some drawn from the ranges, then some changed.
 
@@ -102,10 +120,7 @@ class Setup:
                 drawn[name] = tuple(generator.uniform(low, high).tolist())
             else:
                 drawn[name] = float(generator.uniform(low, high))
-        changed = design.with_changes({**drawn, **changes})
-        if changed.panel_count != self.parameters.panel_count:
-            raise ValueError("panel_count shapes the observation space; set it when the environment is made")
-        return changed
+        return design.with_changes({**drawn, **changes})
 
     def simulation(self, parameters: ArrayParameters) -> Simulation:
         """A folded array at rest."""
@@ -132,20 +147,39 @@ def _checked_ranges(parameters: ArrayParameters, ranges: Ranges) -> Ranges:
     """The ranges with both ends shown to be acceptable values, by joint where the parameter is."""
     checked: dict[str, tuple[Bound, Bound]] = {}
     for name, bounds in ranges.items():
-        by_joint = name in ArrayParameters.BY_JOINT
+        parameters.with_changes({name: getattr(parameters, name, None)})
+        if name not in ArrayParameters.CONTINUOUS:
+            raise ValueError(f"randomize[{name!r}]: {name} is not a real number and cannot be drawn")
         pair: Any = bounds
         if not hasattr(pair, "__len__") or len(pair) != 2:
             raise ValueError(f"randomize[{name!r}] = {bounds!r} must be a pair (low, high)")
-        low, high = (_by_joint(bound, parameters.panel_count) if by_joint else bound for bound in pair)
+        by_joint = name in ArrayParameters.BY_JOINT
+        low, high = (_checked_bound(name, bound, parameters.panel_count if by_joint else None) for bound in pair)
         if not np.all(np.less_equal(low, high)):
             raise ValueError(f"randomize[{name!r}] = {bounds!r} must satisfy low <= high")
         for end in (low, high):
             parameters.with_changes({name: end})
         checked[name] = (low, high)
+    # Draws of several parameters may meet at any corner; these are the ones at which two of them can contradict.
+    lows, highs = ({name: pair[end] for name, pair in checked.items()} for end in (0, 1))
+    corners = [lows, highs] + [
+        {**lows, small: highs[small]} for small in ArrayParameters.BELOW_ANOTHER if small in highs
+    ]
+    for corner in corners:
+        parameters.with_changes(corner)
     return checked
 
 
-def _by_joint(bound: Bound, joints: int) -> tuple[float, ...]:
-    """An entry for every joint; the last one given holds for all further ones."""
-    entries = np.atleast_1d(bound)
+def _checked_bound(name: str, bound: Any, joints: int | None) -> Bound:
+    """A bound as a number, or with an entry for each of ``joints``: the last one given holds for all further ones."""
+    entries = bound if isinstance(bound, (tuple, list, np.ndarray)) else (bound,)
+    for entry in entries:
+        if isinstance(entry, bool) or not isinstance(entry, Real) or not math.isfinite(entry):
+            raise ValueError(f"randomize[{name!r}]: the bound {bound!r} must be a finite number")
+    if joints is None:
+        if len(entries) != 1 or entries is bound:
+            raise ValueError(f"randomize[{name!r}]: the bound {bound!r} must be a single number")
+        return float(bound)
+    if not 1 <= len(entries) <= joints:
+        raise ValueError(f"randomize[{name!r}]: the bound {bound!r} must have 1 to {joints} entries, one a joint")
     return tuple(float(entries[min(j, len(entries) - 1)]) for j in range(joints))

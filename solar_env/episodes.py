@@ -94,6 +94,15 @@ class Episodes:
         """(lanes,) time of each episode [s]; a copy."""
         return np.array(self.batch.states.clock["time"][:, 0])
 
+    def check_changes(self, lanes: NDArray[np.int64], changes: Sequence[Changes]) -> None:
+        """Check changes of the parameters of episodes in some lanes, before anything is seeded or drawn.
+
+        Raises:
+            ValueError: for unknown parameters, refused values, or values that change the mechanism's structure.
+        """
+        for lane, change in zip(lanes, changes, strict=True):
+            self.setup.check_changes(self.designs[lane], change)
+
     def reset(
         self, lanes: NDArray[np.int64], generators: Sequence[np.random.Generator], changes: Sequence[Changes]
     ) -> None:
@@ -106,7 +115,8 @@ class Episodes:
 
         Raises:
             gymnasium.error.ResetNeeded: if not all lanes have begun an episode yet.
-            ValueError: for unknown parameters, refused values, or values that change the mechanism's structure.
+            ValueError: for unknown parameters or refused values, see :meth:`check_changes`; or if the lanes' designs
+                differ in structure.
         """
         if self._batch is None and lanes.size < len(self.parameters):
             raise gymnasium.error.ResetNeeded("the first reset must be one of all lanes")
@@ -115,8 +125,7 @@ class Episodes:
             for lane, generator, change in zip(lanes, generators, changes, strict=True)
         ]
         simulations = [self.setup.simulation(parameters) for parameters in drawn]
-        everything = lanes.size == len(self.parameters)
-        if self._batch is None or (everything and not self._batch.takes(simulations[0])):
+        if self._batch is None:
             self._batch = Batch(simulations, self._threads)
         else:
             for lane, simulation in zip(lanes, simulations, strict=True):
@@ -191,8 +200,10 @@ class Episodes:
 
         Raises:
             gymnasium.error.ResetNeeded: before the first reset.
-            ValueError: if the episode's structure is not that of this setup.
+            ValueError: if the episode's structure is not that of this setup, or other entries were observed; the
+                present episode goes on then.
         """
+        self._sensors.check(saved.sensors)
         simulation = self.setup.simulation(saved.parameters)
         simulation.restore(saved.state)
         self.batch.replace(lane, simulation)

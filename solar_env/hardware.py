@@ -38,7 +38,8 @@ class Hardware:
         for name in ("angle_noise", "rate_noise", "encoder_resolution", "motor_lag"):
             if not 0.0 <= getattr(self, name) < math.inf:
                 raise ValueError(f"{name} = {getattr(self, name)!r} must be finite and not negative")
-        if self.sensor_delay not in range(101):
+        delay: object = self.sensor_delay
+        if not isinstance(delay, int) or delay not in range(101):
             raise ValueError(f"sensor_delay = {self.sensor_delay!r} must be a whole number of periods from 0 to 100")
         if not self.torque_rate_limit > 0.0:
             raise ValueError(f"torque_rate_limit = {self.torque_rate_limit!r} must be positive")

@@ -91,6 +91,23 @@ class Sensors:
         generator = deepcopy(self._generators[lane])
         return Memory(self.exact[lane].copy(), self.observed[lane].copy(), self._pipeline[lane].copy(), generator)
 
+    def check(self, memory: Memory) -> None:
+        """Check that a memory is one of sensors like these.
+
+        Raises:
+            ValueError: otherwise.
+        """
+        for name, mine, theirs in (
+            ("exact entries", self.exact, memory.exact),
+            ("observed entries", self.observed, memory.observed),
+            ("delayed measurements", self._pipeline, memory.pipeline),
+        ):
+            if mine.shape[1:] != theirs.shape:
+                raise ValueError(
+                    f"the saved episode has {name} of shape {theirs.shape}, these sensors {mine.shape[1:]}: go on "
+                    "with it where observation and hardware are the same"
+                )
+
     def recall(self, lane: int, memory: Memory) -> None:
         """Go on in a lane from what :meth:`memory` returned, as often as one likes."""
         self.exact[lane], self.observed[lane], self._pipeline[lane] = memory[:3]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from numbers import Integral
 from typing import Any
 
 import gymnasium
@@ -75,19 +76,25 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         Raises:
             ValueError: for an unknown name or a refused value; the message says which.
         """
-        for name, number in (
-            ("num_envs", num_envs),
-            ("max_episode_steps", max_episode_steps),
-            ("num_threads", num_threads),
-        ):
-            if number is not None and number < 1:
-                raise ValueError(f"{name} = {number!r} must be at least 1")
-        self.num_envs = num_envs
+        counts: dict[str, Any] = {
+            "num_envs": num_envs,
+            "max_episode_steps": max_episode_steps,
+            "num_threads": num_threads,
+        }
+        for name, number in counts.items():
+            whole = isinstance(number, Integral) and not isinstance(number, bool)
+            if number is not None and not (whole and number >= 1):
+                raise ValueError(f"{name} = {number!r} must be a whole number, at least 1")
+        self.num_envs = int(num_envs)
         self.render_mode = checked_render_mode(render_mode)
         self.autoreset_mode = AutoresetMode(autoreset_mode)
-        self.metadata = {**SolarArrayEnv.metadata, "autoreset_mode": self.autoreset_mode}
         designs = _designs(parameters, num_envs, scenario_named(scenario))
         self.task = Task(torque_limit, control_period, deadline, postlock_window)
+        self.metadata = {
+            **SolarArrayEnv.metadata,
+            "render_fps": 1.0 / self.task.control_period,
+            "autoreset_mode": self.autoreset_mode,
+        }
         self._setup = Setup(
             model,
             designs[0],
@@ -146,7 +153,8 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
                 sequence of such mappings, by lane; {"reset_mask": (num_envs,) bool} resets some lanes only.
 
         Raises:
-            ValueError: for unknown options, parameters or refused values, or a wrong number of seeds.
+            ValueError: for unknown options, parameters or refused values, or a wrong number of seeds; the present
+                episodes go on then.
             TypeError: if the mask is no array of bool.
             gymnasium.error.ResetNeeded: if a mask leaves out lanes that have never been reset.
         """
@@ -165,14 +173,16 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         if len(seeds) != self.num_envs:
             raise ValueError(f"{len(seeds)} seeds were given for {self.num_envs} lanes")
         lanes = self._all_lanes if mask is None else np.flatnonzero(mask)
-        for lane in lanes:
-            if seeds[lane] is not None:
-                self._generators[lane], self._seeds[lane] = seeding.np_random(seeds[lane])
         changes = given.get("parameters") or {}
         by_lane = list(changes) if isinstance(changes, Sequence) else [changes] * self.num_envs
         if len(by_lane) != self.num_envs:
             raise ValueError(f"changed parameters were given for {len(by_lane)} lanes; there are {self.num_envs}")
-        self._fold(lanes, [by_lane[lane] for lane in lanes])
+        chosen = [by_lane[lane] for lane in lanes]
+        self.episodes.check_changes(lanes, chosen)
+        for lane in lanes:
+            if seeds[lane] is not None:
+                self._generators[lane], self._seeds[lane] = seeding.np_random(seeds[lane])
+        self._fold(lanes, chosen)
         infos: dict[str, Any] = {}
         for lane in lanes:
             self._add_info(infos, first_info(), int(lane))
@@ -286,6 +296,9 @@ class Lane:
         self._env, self._index = env, index
 
     def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            # Copies ask for such names before there is a vector.
+            raise AttributeError(f"a lane has no {name!r}")
         return getattr(self._env, name)
 
     @property
@@ -360,7 +373,7 @@ def _by_lane(seed: int | Sequence[int | None] | None, lanes: int) -> list[int | 
         return [None] * lanes
     if isinstance(seed, (int, np.integer)):
         return [int(seed) + lane for lane in range(lanes)]
-    return list(seed)
+    return [None if entry is None else int(entry) for entry in seed]
 
 
 def _designs(

@@ -321,6 +321,9 @@ def test_a_joint_turned_past_the_range_of_its_angle_is_reported() -> None:
         {"max_step": 0.0},
         {"impact_resolution": 0.0},
         {"max_steps": 0},
+        {"max_steps": math.nan},
+        {"velocity_scale": math.inf},
+        {"impact_resolution": math.inf},
     ],
 )
 def test_settings_without_sense_are_refused_by_name_and_value(changes: dict[str, Any]) -> None:

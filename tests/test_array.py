@@ -81,6 +81,8 @@ def test_what_is_not_a_finite_number_is_refused_by_name(name: str, value: Any) -
         "wear_bins",
         "restitution",
         "minimum_impact_speed",
+        "journal_young",
+        "bearing_young",
         "latch_stiffness",
         "latch_ramp_depth",
     ],
@@ -89,10 +91,8 @@ def test_what_is_not_a_finite_number_is_refused_by_name(name: str, value: Any) -
 def test_what_must_be_positive_is_refused_otherwise_by_name_and_value(name: str, value: Any) -> None:
     whole = isinstance(getattr(ArrayParameters(), name), int)
     number = value if whole else float(value)
-    with pytest.raises(ValueError, match=re.escape(f"{number!r}")) as caught:
+    with pytest.raises(ValueError, match=re.escape(f"{name} = {number!r} must")):
         ArrayParameters().with_changes({name: number})
-    # Parts of the mechanism call theirs by the part's own names.
-    assert name.removeprefix("latch_") in str(caught.value)
 
 
 @pytest.mark.parametrize(
@@ -105,14 +105,15 @@ def test_what_must_be_positive_is_refused_otherwise_by_name_and_value(name: str,
         "friction_coefficient",
         "wear_coefficient",
         "spring_stiffness",
+        "hinge_x",
+        "friction_speed_zero",
         "latch_gap",
         "latch_damping",
     ],
 )
 def test_what_must_not_be_negative_is_refused_if_it_is_and_may_be_zero(name: str) -> None:
-    with pytest.raises(ValueError, match=re.escape("-0.1")) as caught:
+    with pytest.raises(ValueError, match=re.escape(f"{name} = -0.1 must not be negative")):
         ArrayParameters().with_changes({name: -0.1})
-    assert name.removeprefix("latch_") in str(caught.value)
     assert getattr(ArrayParameters().with_changes({name: 0.0}), name) == 0.0
 
 
@@ -128,8 +129,12 @@ def test_other_values_without_sense_are_refused() -> None:
     refused({"contact_law": 3}, "contact_law = 3 must be of type str")
     refused({"friction_sliding": "paper"}, "friction_sliding = 'paper' must be material or centres")
     refused({"body_fixed": 1}, "body_fixed = 1 must be of type bool")
-    refused({"latch_exponent": 0.5}, "exponent = 0.5: must be at least 1")
-    refused({"friction_speed_zero": 1e-2}, "friction_speeds = (0.01, 0.001)")
+    refused({"latch_exponent": 0.5}, "latch_exponent = 0.5 must be at least 1")
+    for name in ("journal_poisson", "bearing_poisson"):
+        for value in (-1.0, 0.51):
+            refused({name: value}, f"{name} = {value} must lie in (-1, 0.5]")
+    refused({"wear_bins": 100_001}, "wear_bins = 100001 must lie between 1 and 100000")
+    refused({"friction_speed_zero": 1e-2}, "friction_speed_zero = 0.01 must be below friction_speed_full = 0.001")
     refused({"body_mass": None}, "body_mass = None must be a finite number")
 
 
@@ -210,7 +215,7 @@ def joint_points(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("panels", [1, 2, 3, 4])
-@pytest.mark.parametrize("hinge", [(0.5, 0.0), (0.5, -0.5), (-0.5, 0.2), (0.0, 0.3)])
+@pytest.mark.parametrize("hinge", [(0.5, 0.0), (0.5, -0.5), (1e-9, 0.2), (0.0, 0.3)])
 def test_the_folded_array_lies_in_a_stack_along_the_side_of_the_body(
     panels: int, model: str, hinge: tuple[float, float]
 ) -> None:
@@ -337,7 +342,7 @@ def test_rigid_panels_do_not_deflect() -> None:
     assert np.array_equal(panel_deflections(run), np.zeros((len(run.time), 2)))
 
 
-@pytest.mark.parametrize("hinge", [(0.5, 0.0), (-0.5, 0.2), (0.0, 0.3)])
+@pytest.mark.parametrize("hinge", [(0.5, 0.0), (1e-9, 0.2), (0.0, 0.3)])
 def test_the_corners_of_the_main_body_surround_its_centroid(hinge: tuple[float, float]) -> None:
     p = ArrayParameters(hinge_x=hinge[0], hinge_y=hinge[1])
     base = Simulation(build(p)).state.q[:4].reshape(2, 2)
@@ -406,7 +411,7 @@ def test_a_flexible_deployment_has_the_coordinates_of_its_nodes_and_repeats_to_t
     assert first.energy_residual < 1e-4 * first.energy_put_in
 
 
-@pytest.mark.parametrize("hinge", [(0.5, 0.0), (0.5, -0.5), (-0.5, 0.3)])
+@pytest.mark.parametrize("hinge", [(0.5, 0.0), (0.5, -0.5), (0.0, 0.3)])
 @pytest.mark.parametrize("model", MODELS)
 def test_initial_rates_are_those_asked_for_and_strain_nothing(model: str, hinge: tuple[float, float]) -> None:
     """Joint rates and spin as given; the hinges' two sides move alike, and panels turn as rigid bodies."""

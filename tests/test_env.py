@@ -274,6 +274,22 @@ def test_wrong_keywords_are_refused_by_name(keywords, words):
         solar_env.SolarArrayEnv(**keywords)
 
 
+@pytest.mark.parametrize("model", ["rigid-ideal", "rigid-clearance", "flexible-clearance"])
+def test_latches_without_play_hold_a_folded_array_that_the_motor_pushes_shut(model):
+    env = make(model, parameters={"latch_gap": 0.0})
+    env.reset(seed=0)
+    for _ in range(5):
+        observation, *_ = env.step([-1.0])
+    # It bounces on a stop of 1000 N m/rad under the motor's 0.5 N m less the spring's 0.16 N m.
+    assert abs(observation[0] * math.pi / 2) < 1e-3
+
+
+def test_frames_are_played_at_the_pace_of_the_control_periods():
+    assert solar_env.SolarArrayEnv(control_period=0.02).metadata["render_fps"] == 50.0
+    assert gymnasium.make_vec(ID, num_envs=1, control_period=0.02).metadata["render_fps"] == 50.0
+    assert solar_env.SolarArrayEnv.metadata["render_fps"] == 10
+
+
 @pytest.mark.parametrize("action", [[0.0, 0.0], 0.0, [[0.0]], []])
 def test_an_action_of_the_wrong_shape_is_refused(action):
     env = gymnasium.make(ID).unwrapped

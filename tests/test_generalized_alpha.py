@@ -128,6 +128,21 @@ def test_after_a_change_of_step_reactions_are_as_good_as_after_a_start_with_that
     assert of_change < 1.5 * of_start
 
 
+def test_coming_back_from_another_integrator_it_restarts_as_from_a_restored_state() -> None:
+    chosen = GeneralizedAlpha(step=2e-3)
+    changed, fresh = (Simulation(pendulum(), chosen) for _ in range(2))
+    changed.advance(0.1)
+    changed.integrator = RungeKutta(rtol=1e-10)
+    changed.advance(0.4)
+    fresh.restore(changed.snapshot())
+    fresh.state.clock["acceleration_current"] = 0
+    changed.integrator = chosen
+    for simulation in (changed, fresh):
+        simulation.advance(0.45)
+    assert changed.state.q.tobytes() == fresh.state.q.tobytes()
+    assert changed.state.multipliers.tobytes() == fresh.state.multipliers.tobytes()
+
+
 def test_adaptive_and_explicit_integration_agree_on_the_latchings() -> None:
     mechanism = build(ArrayParameters(), "rigid-ideal")
     implicit = simulate(mechanism, 13.0, integrator=GeneralizedAlpha(rtol=1e-6))
@@ -262,6 +277,9 @@ def test_the_bound_of_steps_is_kept() -> None:
         {"max_step": math.nan},
         {"impact_resolution": -1.0},
         {"newton_tolerance": 0.0},
+        {"velocity_scale": math.inf},
+        {"max_steps": 0},
+        {"max_steps": 2.5},
     ],
 )
 def test_settings_without_sense_are_refused_by_name_and_value(changes: dict[str, Any]) -> None:

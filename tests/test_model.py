@@ -13,7 +13,7 @@ from helpers import ROUND_BEARING, chain, fingerprint, pendulum
 from solar_env.mechanics import model as m
 from solar_env.mechanics.build import compile_mechanism
 from solar_env.mechanics.description import Body, Mechanism
-from solar_env.mechanics.errors import SimulationError, raise_for_status
+from solar_env.mechanics.errors import _CAUSES, SimulationError, raise_for_status
 
 
 def example() -> Mechanism:
@@ -133,6 +133,7 @@ FAILURES = [
     m.JOINT_ANGLE_RANGE,
     m.CONTACT_TOO_DEEP,
     m.TOO_MANY_STEPS,
+    m.EVENTS_PILE_UP,
 ]
 
 
@@ -145,8 +146,9 @@ def test_every_failure_names_its_time_and_a_remedy(status: int) -> None:
 
 
 def test_status_codes_and_reasons_are_distinct() -> None:
-    codes = [m.DONE, m.CONTACT_BUFFER_FULL, *FAILURES]
+    codes = [m.DONE, m.PAUSED, *FAILURES]
     assert sorted(codes) == list(range(len(codes)))
+    assert set(_CAUSES) == set(FAILURES)
     reasons = set()
     for status in FAILURES:
         with pytest.raises(SimulationError) as caught:

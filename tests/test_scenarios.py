@@ -200,6 +200,8 @@ def test_a_vector_of_randomised_arrays_equals_single_ones_to_the_last_bit(model)
         ({"encoder_resolution": math.inf}, ["encoder_resolution", "inf"]),
         ({"sensor_delay": 0.5}, ["sensor_delay", "0.5", "whole number"]),
         ({"sensor_delay": -1}, ["sensor_delay", "-1"]),
+        ({"sensor_delay": 2.0}, ["sensor_delay", "2.0", "whole number"]),
+        ({"sensor_delay": 101}, ["sensor_delay", "101"]),
         ({"motor_lag": "slow"}, ["motor_lag", "'slow'", "number"]),
         ({"torque_rate_limit": 0.0}, ["torque_rate_limit", "0.0", "positive"]),
         ({"colour": 1.0}, ["colour", "angle_noise"]),
@@ -216,6 +218,19 @@ def test_impossible_hardware_is_refused_by_name(changes, words):
         ({"friction_coefficient": ((0.1, 0.1), (0.2, 0.2))}, ["friction_coefficient", "single number"]),
         ({"clearance": ((1e-4, 3e-4), (2e-4, 2e-4))}, ["clearance", "low <= high"]),
         ({"clearance": (1e-4, 2e-4, 3e-4)}, ["clearance", "pair"]),
+        ({"clearance": ((1e-4, 1e-4, 1e-4), 2e-4)}, ["clearance", "1 to 2 entries"]),
+        ({"clearance": ((), 2e-4)}, ["clearance", "1 to 2 entries"]),
+        ({"cable_torque_ratio": (None, 1.0)}, ["cable_torque_ratio", "None", "finite number"]),
+        ({"friction_coefficient": ("low", "high")}, ["friction_coefficient", "low", "finite number"]),
+        ({"wear_bins": (10, 20)}, ["wear_bins", "cannot be drawn"]),
+        ({"body_fixed": (False, True)}, ["body_fixed", "cannot be drawn"]),
+        ({"contact_law": ("flores", "hertz")}, ["contact_law", "cannot be drawn"]),
+        # Each of the two ranges is possible, but not their greatest and least value together.
+        (
+            {"friction_speed_zero": (1e-4, 8e-4), "friction_speed_full": (5e-4, 1e-3)},
+            ["friction_speed_zero", "0.0008", "friction_speed_full", "0.0005"],
+        ),
+        ({"clearance": (1e-4, 9e-3), "journal_radius": (8e-3, 0.02)}, ["clearance", "0.009", "journal_radius"]),
     ],
 )
 def test_ranges_that_make_no_sense_are_refused_by_name(ranges, words):

@@ -1,11 +1,12 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.beams import BEAM, PANEL, cantilever, free_beam
-from solar_env.mechanics.description import GROUND, Body, CableLoop, Joint, Load, Mechanism, Spring
+from solar_env.mechanics.description import GROUND, Body, CableLoop, Joint, Load, Mechanism, Spring, Stop
 from solar_env.mechanics.errors import SimulationError
 from solar_env.mechanics.linearization import linearize, natural_frequencies
 from solar_env.mechanics.mechanisms import Link, double_pendulum, pendulum
@@ -55,6 +56,24 @@ def test_the_folded_array_has_the_zeros_of_a_free_body_and_no_damping_but_the_ma
     _, damping, _, _ = linearize(mechanism)
     assert damping.any()
     assert not linearize(build(ArrayParameters(panel_damping=0.0), "flexible-ideal", elements=2)).damping.any()
+
+
+def test_a_pendulum_on_its_stow_stop_rests_where_the_stop_bears_its_weight():
+    stop = Stop(gap=0.02, stiffness=500.0, exponent=1.0, ramp_depth=1e-3, damping=3.0)
+    body = Body("arm", 2.0, 0.3, length=1.0, centroid=(0.6, 0.0))
+    pin = Joint("pin", GROUND, "arm", (0.0, 0.0), (0.0, 0.0), stop=stop, stow_angle=0.0)
+    mechanism = Mechanism((body,), (pin,), gravity=(0.0, -9.81))
+    resting = Mechanism((replace(body, angle=-0.04),), (pin,), gravity=(0.0, -9.81))
+    q = static_equilibrium(resting)
+    angle = math.atan2(q[3] - q[1], q[2] - q[0])
+    assert 500.0 * (-0.02 - angle) == pytest.approx(2.0 * 9.81 * 0.6 * math.cos(angle), rel=1e-9)
+    inertia = 0.3 + 2.0 * 0.6**2
+    stiffness = 500.0 + 2.0 * 9.81 * 0.6 * math.sin(0.04)
+    expected = math.sqrt(stiffness / inertia) / (2.0 * math.pi)
+    assert natural_frequencies(resting) == pytest.approx([expected], rel=1e-9)
+    # Off the stop there is nothing that holds it.
+    with pytest.raises(ValueError, match="unstable"):
+        natural_frequencies(replace(mechanism, gravity=(9.81, 0.0), bodies=(replace(body, angle=math.pi),)))
 
 
 def test_what_cannot_be_solved_is_refused():

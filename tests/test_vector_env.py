@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import copy
 import ctypes
 import gc
 import os
+import pickle
 import platform
 from functools import partial
 
@@ -131,14 +133,68 @@ def test_lanes_may_have_parameters_of_their_own():
         make_vector(3, parameters=designs)
 
 
-def test_a_parameter_that_changes_the_structure_is_refused_in_one_lane_alone():
-    env = make_vector(2, autoreset_mode=AutoresetMode.DISABLED)
+@pytest.mark.parametrize("parameters", [[{}, {"wear_bins": 90}], [{}, {"clearance": -1.0}], [{}, 3], [{}]])
+def test_a_reset_that_is_refused_begins_nothing_and_draws_nothing(parameters):
+    env, other = (make_vector(2, randomize=RANGES) for _ in range(2))
+    for each in (env, other):
+        each.reset(seed=0)
+        each.step(random_actions(1, 2)[0])
+    with pytest.raises(ValueError, match=r"wear_bins = 90 changes|clearance = -1|must be a mapping|given for 1 lanes"):
+        env.reset(options={"parameters": parameters})
+    assert_same(env.step(random_actions(1, 2)[0]), other.step(random_actions(1, 2)[0]))
+    assert_same(env.reset(), other.reset())
+
+
+def test_lanes_of_different_structure_are_refused():
+    env = make_vector(2, parameters=[{}, {"wear_bins": 90}])
+    with pytest.raises(ValueError, match=r"wear_journal of shape \(2, 90\), the others of the batch \(2, 360\)"):
+        env.reset(seed=0)
+
+
+def test_parameters_by_lane_go_to_their_lanes_under_a_mask_too():
+    env = make_vector(3, autoreset_mode=AutoresetMode.DISABLED)
     env.reset(seed=0)
-    options = {"parameters": {"wear_bins": 90}}
-    with pytest.raises(ValueError, match="wear_journal of shape"):
-        env.reset(options={**options, "reset_mask": np.array([True, False])})
-    env.reset(options=options)
-    assert env.unwrapped.episodes.batch.states.wear_journal.shape == (2, 2, 90)
+    options = {"parameters": [{"clearance": 1e-4}, {}, {"clearance": 3e-4}]}
+    env.reset(options={**options, "reset_mask": np.array([False, True, True])})
+    assert [parameters.clearance for parameters in env.unwrapped.episodes.parameters] == [2e-4, 2e-4, 3e-4]
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])
+@pytest.mark.parametrize("model", ["rigid-clearance", "flexible-clearance"])
+def test_a_copy_goes_on_as_the_original_and_tells_the_same(model, copied):
+    env = make_vector(3, model=model, elements=1, parameters=STRONG, postlock_window=0.5, randomize=RANGES).unwrapped
+    env.reset(seed=1)
+    actions = random_actions(45, 3)
+    for action in actions[:10]:
+        env.step(action)
+    other = copied(env)
+    before = env.lane(1).simulation.snapshot()
+    infos = []
+    for action in actions[10:]:
+        results, copies = env.step(action), other.step(action)
+        assert_same(results, copies)
+        infos.append(results[4])
+    assert any("deployment" in info for info in infos)
+    # States that were saved go into the copy's lanes, too.
+    other.lane(1).simulation.restore(before)
+    assert other.episodes.times[1] == pytest.approx(1.0)
+    lane = copy.copy(env.lane(2))
+    assert lane.simulation is env.lane(2).simulation
+    for each in (env, other):
+        each.close()
+
+
+def test_a_single_environment_that_was_copied_tells_the_same():
+    env = gymnasium.make(ID, parameters=STRONG, postlock_window=0.5)
+    env.reset(seed=1)
+    for _ in range(5):
+        env.step([0.1])
+    other, over = copy.deepcopy(env), False
+    while not over:
+        results, copies = env.step([0.1]), other.step([0.1])
+        assert_same(results, copies)
+        over = results[2]
+    assert results[4]["deployment"]["latched"]
 
 
 def test_returned_arrays_are_the_callers():
@@ -150,8 +206,8 @@ def test_returned_arrays_are_the_callers():
         step = env.step(actions)
         results += [*step[:4], step[4]["time_s"], step[4]["reward_terms"]["wear"]]
         kept += [array.copy() for array in results[-6:]]
-    for result, copy in zip(results, kept, strict=True):
-        assert result.tobytes() == copy.tobytes()
+    for result, saved in zip(results, kept, strict=True):
+        assert result.tobytes() == saved.tobytes()
         result[...] = 1
     assert_same(env.step(random_actions(1, 2)[0])[0].shape, (2, 9))
 
@@ -192,7 +248,10 @@ def test_wrong_input_is_refused(call, error, message):
     ("keywords", "message"),
     [
         ({"lanes": 0}, "num_envs = 0"),
+        ({"lanes": 2.5}, "num_envs = 2.5 must be a whole number"),
         ({"num_threads": 0}, "num_threads = 0"),
+        ({"num_threads": 1.5}, "num_threads = 1.5"),
+        ({"max_episode_steps": np.nan}, "max_episode_steps = nan"),
         ({"max_episode_steps": 0}, "max_episode_steps = 0"),
         ({"render_mode": "human"}, "render_mode 'human'"),
         ({"model": "soft"}, "model 'soft'"),
@@ -293,6 +352,12 @@ def test_what_cannot_be_saved_or_restored_is_refused():
     other.reset(seed=0)
     with pytest.raises(ValueError, match=r"snapshot\.q has shape"):
         other.lane(0).restore_episode(saved)
+    other = make_vector(2, observation="history").unwrapped
+    other.reset(seed=0)
+    other.step(random_actions(1, 2)[0])
+    with pytest.raises(ValueError, match=r"observed entries of shape \(9,\), these sensors \(24,\)"):
+        other.lane(0).restore_episode(saved)
+    assert other.episodes.times.tolist() == pytest.approx([0.1, 0.1])
 
 
 def test_frames_are_those_of_single_environments():

@@ -27,12 +27,12 @@ from .linear import copy_into
 from .model import (
     APPROXIMATE,
     CLEARANCE,
-    CONTACT_BUFFER_FULL,
     DONE,
     EVENTS_PILE_UP,
     EXACT,
     INTEGRALS_PER_JOINT,
     NOT_FINITE,
+    PAUSED,
     SINGULAR_CONSTRAINTS,
     SLIDING_WORK,
     STEP_TOO_SMALL,
@@ -42,7 +42,7 @@ from .model import (
 )
 from .newton import fill_mass
 from .profile import clear
-from .recording import contacts_full, record_sample, sample_due
+from .recording import pause_due, record_sample, sample_due
 from .rosenbrock import NEVER, Rosenbrock, attempt_rosenbrock, make_rosenbrock
 from .runge_kutta import (
     STAGES,
@@ -147,7 +147,7 @@ def record_until(model, state, stages, scratch, recorder, h, end):
             stages.integrals,
             scratch,
             stages.scratch_a,
-            state.multipliers,
+            stages.multipliers,
             stages.energies,
         )
 
@@ -278,7 +278,7 @@ def advance_adaptive(model, state, settings, recorder, end_time, arrays):
     # Whether the accelerations solve the equations, not only to a step's tolerance.
     exact = True
     set_impact_speeds(state.joints, work.impact_speeds)
-    if clock.acceleration_current:
+    if clock.acceleration_current == EXACT or clock.acceleration_current == APPROXIMATE:
         copy_into(stages.acceleration[0], state.a)
         copy_into(stages.power[0], state.power)
         exact = clock.acceleration_current == EXACT
@@ -296,8 +296,8 @@ def advance_adaptive(model, state, settings, recorder, end_time, arrays):
     taken = 0
     at_once = 0
     while clock.time < end_time:
-        if contacts_full(recorder, model.joints.size):
-            status = CONTACT_BUFFER_FULL
+        if pause_due(recorder, clock.time, model.joints.size):
+            status = PAUSED
             break
         if taken >= settings.max_steps:
             status = fail(state, TOO_MANY_STEPS, -1, float(taken))

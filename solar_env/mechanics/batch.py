@@ -7,6 +7,7 @@ import os
 import time
 from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property
+from typing import Any
 
 import numba
 import numpy as np
@@ -16,7 +17,7 @@ from . import model as m
 from .accuracy import STEPS_BETWEEN_LOOKS
 from .adaptive import advance_lanes, make_adaptive_arrays
 from .integrators import RungeKutta
-from .lanes import allocate_lanes, copied, fill_lane, lane_view, same_structure
+from .lanes import allocate_lanes, check_structure, copied, fill_lane, lane_view
 from .recording import make_recorder
 from .simulation import Simulation, adaptive_settings
 
@@ -72,9 +73,15 @@ class Batch:
         for lane, simulation in enumerate(simulations):
             self.replace(lane, simulation)
 
-    def takes(self, simulation: Simulation) -> bool:
-        """Whether a simulation's mechanism has the structure of those in the batch."""
-        return same_structure(self.models, simulation.model) and same_structure(self.states, simulation.state)
+    def __getstate__(self) -> dict[str, Any]:
+        """For copies and pickles: threads stay behind."""
+        return {name: value for name, value in vars(self).items() if name != "_threads"}
+
+    def __setstate__(self, values: dict[str, Any]) -> None:
+        """Let the copied simulations share their memory with the copied lanes again."""
+        vars(self).update(values)
+        for lane, simulation in enumerate(self.simulations):
+            simulation.move_to(lane_view(self.models, lane), lane_view(self.states, lane))
 
     def replace(self, lane: int, simulation: Simulation) -> None:
         """Put another simulation into a lane; that which was there goes on alone, with arrays of its own.
@@ -84,6 +91,8 @@ class Batch:
         """
         if simulation.integrator != self.integrator:
             raise ValueError(f"the batch integrates with {self.integrator}, not with {simulation.integrator}")
+        check_structure(self.models, simulation.model)
+        check_structure(self.states, simulation.state)
         before = self.simulations[lane]
         if before is not simulation:
             before.move_to(copied(before.model), copied(before.state))

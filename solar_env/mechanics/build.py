@@ -38,9 +38,9 @@ class _Compiler:
         self.mechanism = mechanism
         bodies = list(mechanism.bodies)
         if self._needs_ground():
-            bodies.append(Body(name="fixed frame", mass=1.0, inertia=1.0, length=1.0, centroid=(0.0, 0.0), fixed=True))
+            bodies.append(Body("fixed frame", mass=1.0, inertia=1.0, length=1.0, centroid=(0.0, 0.0), fixed=True))
         self.described = bodies
-        self.index = {body.name: k for k, body in enumerate(bodies)}
+        self.index = {body.name: k for k, body in enumerate(mechanism.bodies)}
         self.index[GROUND] = len(bodies) - 1
         ends = list(itertools.accumulate(_coordinates(body) for body in bodies))
         self.offsets = [0, *ends[:-1]]

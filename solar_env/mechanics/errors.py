@@ -72,7 +72,7 @@ def raise_for_status(status: int, time: float, joint: int, value: float) -> None
     """Raise the :class:`SimulationError` that belongs to a kernel's status code.
 
     Args:
-        status: a code of ``model.py`` other than DONE and CONTACT_BUFFER_FULL.
+        status: a code of ``model.py`` other than DONE and PAUSED.
         time: last accepted time [s].
         joint: index of the joint concerned, counted from 0, or -1.
         value: the offending quantity.

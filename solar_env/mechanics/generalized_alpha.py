@@ -18,12 +18,13 @@ from .history import check_state, fail, impact_step_limit, latch, settle_joints,
 from .joint import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, penetration, relative
 from .linear import copy_into
 from .model import (
+    ALGORITHMIC,
     CLEARANCE,
-    CONTACT_BUFFER_FULL,
     DONE,
     INTEGRALS_PER_JOINT,
     NEWTON_FAILED,
     NOT_FINITE,
+    PAUSED,
     SINGULAR_CONSTRAINTS,
     SLIDING_WORK,
     STEP_TOO_SMALL,
@@ -31,7 +32,7 @@ from .model import (
     Model,
     State,
 )
-from .recording import contacts_full, record_sample, sample_due
+from .recording import pause_due, record_sample, sample_due
 from .system import Workspace, applied_forces, make_workspace, normal_inverse_mass, store_constraint_loads
 
 _SMALLEST_STEP = 1e-12  # s
@@ -236,8 +237,8 @@ def advance_alpha(model, state, settings, recorder, end_time, arrays):
         copy_into(it.v, state.v)
         record_until(model, state, it, scratch, recorder, work, 0.0)
     while clock.time < end_time:
-        if contacts_full(recorder, model.joints.size):
-            status = CONTACT_BUFFER_FULL
+        if pause_due(recorder, clock.time, model.joints.size):
+            status = PAUSED
             break
         if taken >= settings.max_steps:
             status = fail(state, TOO_MANY_STEPS, -1, float(taken))
@@ -248,10 +249,10 @@ def advance_alpha(model, state, settings, recorder, end_time, arrays):
         prepare(model, state, it, work)
         retry = 1.0
         while retry > 0.0:
-            if not clock.acceleration_current or abs(h - clock.last_step) > 1e-9 * h:
+            if clock.acceleration_current != ALGORITHMIC or abs(h - clock.last_step) > 1e-9 * h:
                 if not restart(model, state, it, work, settings, h):
                     return fail(state, SINGULAR_CONSTRAINTS, -1, 0.0)
-                clock.acceleration_current = 1
+                clock.acceleration_current = ALGORITHMIC
                 clock.last_step = h
             convergence = attempt_step(model, state, it, work, settings, h)
             if settings.rtol == 0.0:

@@ -96,8 +96,8 @@ def settle_joints(model, state, loads, sliding_work, start_time, start_depth, re
         joint, own = joints[j], joint_states[j]
         if own.stop_engaged:
             stop, sign = stop_depth(joint, own.latched, loads[j, ANGLE])
-            # On the very face it stays engaged while it closes, or the same engagement would be found for ever.
-            own.stop_engaged = stop > 0.0 or (stop > -1e-9 and sign * loads[j, RATE] < 0.0)
+            # On the very face it stays engaged unless it opens, or the same engagement would be found for ever.
+            own.stop_engaged = stop > 0.0 or (stop > -1e-9 and sign * loads[j, RATE] <= 0.0)
         if joint.kind != CLEARANCE:
             note_force(own, loads[j, NORMAL], postlock)
         elif own.in_contact:

@@ -39,12 +39,8 @@ class RungeKutta:
     def __post_init__(self) -> None:
         if not 1e-13 <= self.rtol <= 1e-1:
             raise ValueError(f"rtol = {self.rtol!r} must lie between 1e-13 and 0.1")
-        for name in ("velocity_scale", "max_step", "impact_resolution"):
-            if not getattr(self, name) > 0.0:
-                raise ValueError(f"{name} = {getattr(self, name)!r} must be positive")
+        _check_scales(self, ("velocity_scale", "impact_resolution"))
         _check_resolution(self.impact_resolution, FEWEST_EXPLICIT_STEPS)
-        if self.max_steps < 1:
-            raise ValueError(f"max_steps = {self.max_steps!r} must be at least 1")
 
 
 @dataclass(frozen=True)
@@ -93,9 +89,7 @@ class GeneralizedAlpha:
             raise ValueError(f"step = {self.step!r} s must lie between 1e-9 and 1 s")
         if self.rtol is not None and not 1e-12 <= self.rtol <= 1e-1:
             raise ValueError(f"rtol = {self.rtol!r} must lie between 1e-12 and 0.1")
-        for name in ("velocity_scale", "max_step", "impact_resolution", "newton_tolerance"):
-            if not getattr(self, name) > 0.0:
-                raise ValueError(f"{name} = {getattr(self, name)!r} must be positive")
+        _check_scales(self, ("velocity_scale", "impact_resolution", "newton_tolerance"))
         if self.rtol is not None:
             _check_resolution(self.impact_resolution, steps_per_impact(self.rho_inf))
 
@@ -136,6 +130,17 @@ def amplification_radius(rho_inf: float, phase: float) -> float:
     end = np.array([[1.0, 0.0, -beta], [0.0, 1.0, -gamma], [(1.0 - alpha_f) * square, 0.0, 1.0 - alpha_m]])
     start = np.array([[1.0, 1.0, 0.5 - beta], [0.0, 1.0, 1.0 - gamma], [-alpha_f * square, 0.0, -alpha_m]])
     return float(np.abs(np.linalg.eigvals(np.linalg.solve(end, start))).max())
+
+
+def _check_scales(integrator: Integrator, finite: tuple[str, ...]) -> None:
+    for name in finite:
+        if not 0.0 < getattr(integrator, name) < math.inf:
+            raise ValueError(f"{name} = {getattr(integrator, name)!r} must be positive and finite")
+    if not integrator.max_step > 0.0:
+        raise ValueError(f"max_step = {integrator.max_step!r} s must be positive")
+    steps = integrator.max_steps
+    if not (math.isfinite(steps) and steps >= 1 and int(steps) == steps):
+        raise ValueError(f"max_steps = {steps!r} must be a whole number, at least 1")
 
 
 def _check_resolution(impact_resolution: float, fewest: int) -> None:

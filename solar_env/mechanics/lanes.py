@@ -44,13 +44,8 @@ def copied(arrays: Arrays) -> Arrays:
     return _mapped(np.copy, arrays)
 
 
-def same_structure(lanes: Arrays, arrays: Arrays) -> bool:
-    """Whether a mechanism's arrays have the shapes of those in the lanes."""
-    return all(target.shape[1:] == np.shape(source) for _, target, source in _pairs(lanes, arrays))
-
-
-def fill_lane(lanes: Arrays, lane: int, arrays: Arrays) -> None:
-    """Copy the arrays of a mechanism into a lane.
+def check_structure(lanes: Arrays, arrays: Arrays) -> None:
+    """Check that a mechanism's arrays have the shapes of those in the lanes.
 
     Raises:
         ValueError: if the mechanism has another structure; names the array.
@@ -62,6 +57,11 @@ def fill_lane(lanes: Arrays, lane: int, arrays: Arrays) -> None:
                 f"the mechanism has {name} of shape {shape}, the others of the batch {target.shape[1:]}: parameters "
                 "that change the structure must be the same in all lanes"
             )
+
+
+def fill_lane(lanes: Arrays, lane: int, arrays: Arrays) -> None:
+    """Copy the arrays of a mechanism of the lanes' structure into a lane."""
+    for _, target, source in _pairs(lanes, arrays):
         target[lane] = source
 
 

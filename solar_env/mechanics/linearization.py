@@ -38,10 +38,15 @@ class Linearization(NamedTuple):
 
 
 class NewtonEquations:
-    """Newton's equations of a mechanism at a configuration, as dense matrices."""
+    """Newton's equations of a mechanism at a configuration, as dense matrices.
+
+    Stops act, contacts in clearance joints do not: these are struck in motion only.
+    """
 
     def __init__(self, model: Model, state: State) -> None:
         self.model, self.state = model, state
+        # Within a step a stop that is met later must not act; here it acts wherever the angle lies in it.
+        state.joints["stop_engaged"] = 1
         self.work: Workspace = make_workspace(model, state)
         self.iteration: Iteration = make_iteration(model, state, self.work)
         self.iteration.q[:] = state.q

@@ -19,8 +19,8 @@ from .profile import Elimination
 
 # Body kinds.
 FIXED, RIGID, FLEXIBLE = 0, 1, 2
-# Accelerations that solve the equations of motion, or do so to a step's tolerance.
-EXACT, APPROXIMATE = 1, 2
+# Accelerations that solve the equations of motion, or do so to a step's tolerance; those of generalized-alpha.
+EXACT, APPROXIMATE, ALGORITHMIC = 1, 2, 3
 # Joint kinds.
 IDEAL, CLEARANCE = 0, 1
 # Reading of the sliding speed in the friction law.
@@ -275,6 +275,6 @@ def copy_state(state: State) -> State:
     JOINT_ANGLE_RANGE,
     CONTACT_TOO_DEEP,
     TOO_MANY_STEPS,
-    CONTACT_BUFFER_FULL,
+    PAUSED,
     EVENTS_PILE_UP,
 ) = range(10)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -25,6 +26,7 @@ class Recorder(NamedTuple):
     samples: NDArray[np.float64]  # (samples, columns), see `sample_columns`
     contacts: NDArray[np.float64]  # (capacity, len(CONTACT_FIELDS)); capacity 0 keeps none
     filled: NDArray[np.int64]  # [samples taken, contacts kept]
+    pause: NDArray[np.float64]  # (1,) the first accepted step that reaches this time [s] is the last of a call
 
 
 def sample_columns(model: Model, state: State) -> dict[str, slice]:
@@ -52,6 +54,7 @@ def make_recorder(model: Model, state: State, times: NDArray[np.float64], contac
         np.zeros((len(times), columns)),
         np.zeros((contact_capacity, len(CONTACT_FIELDS))),
         np.zeros(2, dtype=np.int64),
+        np.full(1, math.inf),
     )
 
 
@@ -62,10 +65,13 @@ def sample_due(recorder, time):
 
 
 @njit_inner
-def contacts_full(recorder, joints):
-    """Whether the next step could run out of room for contacts."""
+def pause_due(recorder, time, joints):
+    """Whether the caller is to be heard: at the time it asked for, and before the contacts run out of room.
+
+    A call that pauses does not land on anything: the next one goes on to the same bits.
+    """
     capacity = recorder.contacts.shape[0]
-    return capacity > 0 and recorder.filled[1] + joints > capacity
+    return time >= recorder.pause[0] or (capacity > 0 and recorder.filled[1] + joints > capacity)
 
 
 @njit_inner

@@ -36,17 +36,18 @@ from .system import (
 from .trajectory import Trajectory, contact_record
 
 _CONTACTS_PER_DRAIN = 4096
+_PROGRESS_CALLS = 20
 _SMALLEST_ENERGY_SCALE = 1e-9  # J, for a mechanism that starts without energy
 
 
 def adaptive_settings(integrator: RungeKutta) -> AdaptiveSettings:
-    """The settings as the kernels take them."""
+    """The settings as the kernels take them; of other types they would be compiled anew."""
     return AdaptiveSettings(
-        integrator.rtol,
-        integrator.velocity_scale,
-        integrator.max_step,
-        integrator.impact_resolution,
-        integrator.max_steps,
+        float(integrator.rtol),
+        float(integrator.velocity_scale),
+        float(integrator.max_step),
+        float(integrator.impact_resolution),
+        int(integrator.max_steps),
         int(isinstance(integrator, Rosenbrock)),
     )
 
@@ -62,14 +63,19 @@ class Simulation:
         """Compile ``mechanism`` and check that its initial state meets the constraints.
 
         Raises:
-            ValueError: if positions or velocities violate a constraint, or the integrator takes no drives and the
-                mechanism has some.
+            ValueError: if positions or velocities violate a constraint, if the integrator is none, or if it takes no
+                drives and the mechanism has some.
         """
+        if not isinstance(integrator, Integrator | None):
+            raise ValueError(
+                f"integrator = {integrator!r} must be RungeKutta(...), Rosenbrock(...) or GeneralizedAlpha(...)"
+            )
         self.integrator: Integrator = integrator or RungeKutta()
         if isinstance(self.integrator, Rosenbrock) and mechanism.drives:
             raise ValueError("the integrator 'rosenbrock' takes no drives; use RungeKutta or GeneralizedAlpha")
         self.model, self.state = compile_mechanism(mechanism)
         self._check_initial_state()
+        self._engage_stops()
         energies = self.stored_energies()
         self.state.clock["initial_energy"] = energies.sum()
         self.state.clock["energy_scale"] = max(np.abs(energies).sum(), _SMALLEST_ENERGY_SCALE)
@@ -87,6 +93,16 @@ class Simulation:
                     f"the initial {quantity} violates a constraint by {value:.3g} {unit}; place the bodies so that "
                     "joints, guides and drives are met"
                 )
+
+    def _engage_stops(self) -> None:
+        """Engage the stow stops that the initial angles lie in, lest their energy be missing from the book."""
+        joints, angles = self.model.joints, self.joint_loads()[:, columns.ANGLE]
+        inside = joints["stow_angle"] - joints["stop_gap"] - angles > 0.0
+        self.state.joints["stop_engaged"] = inside & (joints["has_stow_stop"] != 0)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """For copies and pickles: without arrays that share their memory with the state; those of a copy would not."""
+        return {name: value for name, value in vars(self).items() if name != "_single_lane"}
 
     @property
     def time(self) -> float:
@@ -106,6 +122,7 @@ class Simulation:
         for name, mine, theirs in zip(m.State._fields, self.state, snapshot, strict=True):
             if mine.shape != theirs.shape:
                 raise ValueError(f"snapshot.{name} has shape {theirs.shape}, this mechanism needs {mine.shape}")
+        for mine, theirs in zip(self.state, snapshot, strict=True):
             mine[...] = theirs
 
     def move_to(self, model: m.Model, state: m.State) -> None:
@@ -179,13 +196,13 @@ class Simulation:
             return int(status[0])
         alpha_settings = AlphaSettings(
             *alpha_coefficients(chosen.rho_inf),
-            chosen.step,
-            chosen.rtol or 0.0,
-            chosen.velocity_scale,
-            chosen.max_step,
-            chosen.impact_resolution,
-            chosen.newton_tolerance,
-            chosen.max_steps,
+            float(chosen.step),
+            float(chosen.rtol or 0.0),
+            float(chosen.velocity_scale),
+            float(chosen.max_step),
+            float(chosen.impact_resolution),
+            float(chosen.newton_tolerance),
+            int(chosen.max_steps),
         )
         return int(advance_alpha(self.model, self.state, alpha_settings, recorder, float(end_time), self._alpha_arrays))
 
@@ -268,7 +285,7 @@ def simulate(
         duration: [s].
         integrator: defaults to :class:`RungeKutta`.
         output_step: distance of the samples [s]; independent of the integration step.
-        progress: called with the simulated time now and then.
+        progress: called with the simulated time [s] now and then; the result does not depend on it.
         metadata: further entries of the trajectory's metadata.
 
     Raises:
@@ -286,17 +303,16 @@ def simulate(
     recorder = make_recorder(simulation.model, simulation.state, times, _CONTACTS_PER_DRAIN)
     contacts: list[NDArray[np.float64]] = []
     start = time.perf_counter()
-    stops = np.linspace(0.0, duration, 21)[1:] if progress else np.array([duration])
-    for stop in stops:
-        while True:
-            status = simulation._advance(float(stop), recorder)
-            contacts.append(recorder.contacts[: recorder.filled[1]].copy())
-            recorder.filled[1] = 0
-            if status != m.CONTACT_BUFFER_FULL:
-                break
-        simulation.raise_unless_done(status)
+    status = m.PAUSED
+    while status == m.PAUSED:
         if progress:
-            progress(float(stop))
+            recorder.pause[0] = simulation.time + duration / _PROGRESS_CALLS
+        status = simulation._advance(duration, recorder)
+        contacts.append(recorder.contacts[: recorder.filled[1]].copy())
+        recorder.filled[1] = 0
+        if progress:
+            progress(simulation.time)
+    simulation.raise_unless_done(status)
     wall = time.perf_counter() - start
     details = {**(metadata or {}), "integrator": simulation.integrator.name, "wall_time_s": wall}
     table = _contact_table(simulation.state, np.concatenate(contacts))

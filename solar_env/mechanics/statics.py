@@ -17,7 +17,8 @@ _TOLERANCE = 1e-11  # of a correction, relative to the length scale
 def static_equilibrium(mechanism: Mechanism, load_steps: int = 10) -> NDArray[np.float64]:
     """Coordinates (n,) at rest under springs, weight and loads; drives stay at their angles of t = 0.
 
-    Weight and loads grow in equal steps, so that large deflections are reached from the initial state.
+    Weight and loads grow in equal steps, so that large deflections are reached from the initial state. Stops act,
+    contacts in clearance joints do not.
 
     Raises:
         ValueError: if load_steps is not positive.

@@ -96,11 +96,14 @@ class Trajectory:
 
     @property
     def energy_put_in(self) -> float:
-        """Energy stored at t = 0 in springs, cables and motion, plus what motor, cable, drives and loads added [J]."""
+        """Energy stored at t = 0 in springs, cables and motion, plus what motor, cable, drives and loads added [J].
+
+        What they took out in the end does not count.
+        """
         names = ("kinetic", "spring", "cable", "latch", "contact", "elastic")
         stored = sum(float(self.energies[name][0]) for name in names)
         return stored + sum(
-            abs(float(self.energies[name][-1])) for name in ("motor_work", "cable_work", "external_work")
+            max(float(self.energies[name][-1]), 0.0) for name in ("motor_work", "cable_work", "external_work")
         )
 
     @property

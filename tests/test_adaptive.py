@@ -22,10 +22,11 @@ from helpers import (
 
 from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.adaptive import refresh
-from solar_env.mechanics.description import Bearing, Mechanism, Point
+from solar_env.mechanics.description import GROUND, Bearing, Body, Joint, Mechanism, Point
 from solar_env.mechanics.errors import SimulationError
-from solar_env.mechanics.integrators import RungeKutta
+from solar_env.mechanics.integrators import Rosenbrock, RungeKutta
 from solar_env.mechanics.joint import ANGLE, penetration
+from solar_env.mechanics.mechanisms import bouncing_block
 from solar_env.mechanics.runge_kutta import attempt_step, cubic_weights, make_stages, make_stiff_forces, quintic_weights
 from solar_env.mechanics.simulation import Simulation, simulate
 from solar_env.mechanics.system import make_workspace
@@ -195,6 +196,20 @@ def test_an_impact_gets_as_many_steps_as_asked() -> None:
         assert steps >= resolution
 
 
+@pytest.mark.parametrize(("integrator", "error"), [(RungeKutta(), 5e-5), (Rosenbrock(), 1e-4)], ids=["1e-6", "1e-4"])
+def test_the_peak_of_an_impact_is_found_between_the_steps(integrator: RungeKutta, error: float) -> None:
+    mass, clearance, stiffness = 6.0, 2e-4, 7.39e10
+    for speed in np.logspace(-3.0, 0.0, 20):
+        simulation = Simulation(bouncing_block(Bearing(clearance, 0.01, stiffness, 0.0), mass, speed), integrator)
+        # Without damping all the energy of the approach is in the contact when the journal is deepest.
+        deepest = (1.25 * mass * speed**2 / stiffness) ** 0.4
+        simulation.advance((clearance + 5.0 * deepest) / speed)
+        assert not simulation.state.joints["in_contact"][0]
+        for peak in ("contact_peak", "peak_force", "recent_peak_force"):
+            assert simulation.state.joints[peak][0] == pytest.approx(stiffness * deepest**1.5, rel=error)
+        assert simulation.state.joints["postlock_peak_force"][0] == 0.0
+
+
 @pytest.mark.parametrize("step", [0.01, 0.5, 10.0])
 def test_a_latching_is_found_whatever_the_step(step: float) -> None:
     # angle = torque t^2 / (2 inertia)
@@ -345,3 +360,23 @@ def test_a_journal_that_leaves_the_very_wall_and_comes_back_in_one_step_does_not
     simulation.advance(0.01)
     assert simulation.time == 0.01
     assert state.joints["contact_starts"][0] < 10
+
+
+def side_by_side(bearings: int) -> Simulation:
+    """A block whose journals strike the walls of as many bearings at one instant."""
+    bearing = Bearing(1e-3, 0.01, 1e9, damping_factor=0.2)
+    body = Body("block", 1.0, 0.1, 1.0, (0.0, 0.0), velocity=(0.3, 0.0))
+    pins = [Joint(f"{k}", GROUND, "block", (0.0, 0.0), (0.0, 0.0), bearing=bearing) for k in range(bearings)]
+    return Simulation(Mechanism((body,), tuple(pins)))
+
+
+def test_a_thousand_further_impacts_at_one_instant_are_followed_but_not_more() -> None:
+    followed, piled_up = side_by_side(1001), side_by_side(1002)
+    instant = 1e-3 / 0.3
+    followed.advance(instant + 1e-9)
+    assert followed.state.joints["in_contact"].all()
+    with pytest.raises(SimulationError, match=r"joint 1002 strikes, .* without time going on \(1001 times\)") as caught:
+        piled_up.advance(instant + 1e-9)
+    assert caught.value.reason == "events"
+    assert caught.value.time == piled_up.time == pytest.approx(instant, rel=1e-12)
+    assert piled_up.state.joints["in_contact"].sum() == 1001

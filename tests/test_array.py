@@ -172,6 +172,39 @@ def test_parameters_survive_json() -> None:
     assert ArrayParameters().with_changes(json.loads(json.dumps(p.to_dict()))) == p
 
 
+@pytest.mark.parametrize(
+    ("name", "given", "kept"),
+    [
+        ("clearance", np.array([1e-4, 2e-4]), (1e-4, 2e-4)),
+        ("clearance", [np.float64(1e-4), 2e-4], (1e-4, 2e-4)),
+        ("clearance", np.array(1e-4), 1e-4),
+        ("initial_rate", np.array([0, 1]), (0, 1)),
+        ("body_mass", np.float32(900.5), 900.5),
+        ("body_mass", np.float64(900.5), 900.5),
+        ("contact_stiffness", np.float32(2.0**36), 2.0**36),
+        ("panel_count", np.int64(3), 3),
+        ("wear_bins", np.int32(90), 90),
+        ("body_fixed", np.bool_(True), True),
+        ("contact_law", np.str_("flores"), "flores"),
+    ],
+)
+def test_numpys_numbers_and_arrays_are_taken_as_pythons(name: str, given: Any, kept: Any) -> None:
+    for p in (ArrayParameters(**{name: given}), ArrayParameters().with_changes({name: given})):
+        value = getattr(p, name)
+        assert value == kept
+        assert type(value) is type(kept)
+        if isinstance(kept, tuple):
+            assert [type(entry) for entry in value] == [type(entry) for entry in kept]
+        assert ArrayParameters().with_changes(json.loads(json.dumps(p.to_dict()))) == p
+        assert hash(p) == hash(ArrayParameters(**{name: kept}))
+
+
+def test_the_papers_preset_differs_in_these_four_parameters_alone() -> None:
+    assert ArrayParameters.preset("paper") == ArrayParameters(
+        hinge_y=-0.5, cable_torque_ratio=1.0, friction_sliding="centres", panel_damping=0.0
+    )
+
+
 def test_presets() -> None:
     assert ArrayParameters.preset("default") == ArrayParameters()
     paper = ArrayParameters.preset("paper")

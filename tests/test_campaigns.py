@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from solar_env import campaigns
 from solar_env.campaigns import Campaign, Workers, each_done
 
 CELLS = [{"x": x} for x in range(4)]
@@ -71,6 +73,47 @@ def test_results_of_other_code_or_settings_are_not_mixed(tmp_path: Path) -> None
     for function, settings in ((cube, {"members": 8}), (square, {"members": 4}), (square, None)):
         with pytest.raises(ValueError, match="other code or with other settings"):
             Campaign(function, CELLS, store, settings)
+
+
+def test_results_of_an_earlier_version_of_the_package_are_not_mixed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store = tmp_path / "cells.jsonl"
+    list(Campaign(square, CELLS[:2], store).run())
+    kept = store.read_text()
+    monkeypatch.setattr(campaigns, "_code_digest", lambda: "0123456789abcdef")
+    with pytest.raises(ValueError, match=f"{store} was made by other code or with other settings"):
+        Campaign(square, CELLS, store)
+    assert store.read_text() == kept
+    monkeypatch.undo()
+    assert len(Campaign(square, CELLS, store).missing) == 2
+
+
+@pytest.mark.parametrize("name", ["campaigns.py", "mechanics/contact.py", "studies/maps.py"])
+def test_editing_any_source_makes_other_code_of_the_package(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    source = Path(campaigns.__file__).parent
+    shutil.copytree(source, tmp_path / "solar_env", ignore=shutil.ignore_patterns("__pycache__", "figures"))
+    digest, path = campaigns._code_digest.__wrapped__, tmp_path / "solar_env" / name
+    here = digest()
+    monkeypatch.setattr(campaigns, "__file__", str(tmp_path / "solar_env" / "campaigns.py"))
+    assert digest() == here
+    whole = path.read_text()
+    path.write_text(whole + "\n# edited\n")
+    assert digest() != here
+    path.write_text(whole)
+    assert digest() == here
+
+
+def test_other_versions_of_what_computes_are_other_code(monkeypatch: pytest.MonkeyPatch) -> None:
+    digest = campaigns._code_digest.__wrapped__
+    here = digest()
+    for package in ("numba", "numpy", "scipy"):
+        monkeypatch.setattr(campaigns, "version", lambda name, changed=package: "0" if name == changed else "1")
+        there = digest()
+        monkeypatch.setattr(campaigns, "version", lambda name: "1")
+        assert len({here, there, digest()}) == 3
 
 
 def test_cells_that_are_alike_are_refused(tmp_path: Path) -> None:

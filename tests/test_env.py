@@ -15,6 +15,7 @@ from stable_baselines3.common.env_checker import check_env as check_by_stable_ba
 
 import solar_env
 from solar_env.array import MODELS
+from solar_env.mechanics.joint import MOTOR_TORQUE, NORMAL
 from solar_env.registration import ENVIRONMENTS
 
 ID = "solar_env/Deploy-v0"
@@ -22,6 +23,8 @@ RANGES = {"clearance": (1e-4, 3e-4), "friction_coefficient": (0.05, 0.3)}
 ELEMENTS = 2  # few, which is quick
 # Springs that deploy the array within three seconds.
 STRONG = {"spring_stiffness": 2.0}
+# The root latches nine seconds after the outer joint.
+LATE_ROOT = {"cable_stiffness": 0.02}
 
 
 def make(model="rigid-clearance", **keywords):
@@ -88,6 +91,29 @@ def test_an_episode_ends_exactly_one_window_after_the_last_latching(passive):
     assert figures["latched"]
     assert figures["duration_s"] == pytest.approx(max(figures["latch_times_s"]) + 10.0, abs=1e-9)
     assert steps == math.ceil(figures["duration_s"] / 0.1 - 1e-9)
+
+
+def test_the_energy_residual_of_an_episode_is_that_of_its_simulation():
+    env = make("rigid-clearance", parameters=STRONG, postlock_window=0.5)
+    _, _, info = deploy(env)
+    assert info["deployment"]["energy_residual_J"] == env.simulation.energy_residual()
+    env.reset(seed=0)
+    stored = env.simulation.state.clock["initial_energy"]
+    falsified = 0.001 * stored[0]  # within the share that nobody is warned of
+    stored += falsified
+    over = False
+    while not over:
+        *_, over, _, info = env.step([0.0])
+    assert info["deployment"]["energy_residual_J"] == env.simulation.energy_residual()
+    assert info["deployment"]["energy_residual_J"] == pytest.approx(-falsified, rel=0.1)
+
+
+def test_nothing_counts_as_after_the_latching_where_none_has_latched():
+    env = make("rigid-clearance", deadline=0.55)
+    _, _, info = deploy(env, lambda observation: [1.0])
+    assert min(info["deployment"]["contact_starts"]) > 0
+    for name in ("peak_postlock_force_N", "postlock_impulse_Ns", "postlock_sliding_work_J"):
+        assert info["deployment"][name] == [0.0, 0.0], name
 
 
 def test_a_missed_deadline_terminates_and_costs_more_than_the_worst_deployment():
@@ -169,6 +195,60 @@ def test_the_privileged_observation_adds_journals_contacts_and_the_spin_of_the_m
     (x, y), (u, v) = state.q[2:4] - state.q[:2], state.v[2:4] - state.v[:2]
     assert entries["main_body_spin"] == pytest.approx((x * v - y * u) / (x * x + y * y), rel=1e-6)
     assert entries["main_body_spin"] < 0.0
+
+
+def test_the_bounds_of_an_observation_are_those_of_the_documented_table():
+    drive = [(-2, 2)] * 2 + [(-5, 5)] * 2 + [(0, 1)] * 2 + [(-1, 1), (0, 1), (0, 1)]
+    remembered = [(-2, 2)] * 2 + [(-5, 5)] * 2 + [(-1, 1)]
+    journal = [(-2, 2), (-2, 2), (0, 1)]
+    for observation, bounds in (
+        ("drive", drive),
+        ("history", drive + 3 * remembered),
+        ("privileged", drive + 2 * journal + [(-1, 1)]),
+    ):
+        space = gymnasium.make(ID, observation=observation).observation_space
+        assert space.dtype == np.float32
+        assert list(zip(space.low.tolist(), space.high.tolist(), strict=True)) == bounds, observation
+
+
+@pytest.mark.parametrize(
+    "keywords",
+    [{"observation": "privileged"}, {"observation": "history", "hardware": {"rate_noise": 5.0}}],
+    ids=["past the deadline", "noise beyond the bounds"],
+)
+def test_no_observation_of_an_episode_leaves_the_space(keywords):
+    """Of one that has latched before the deadline, which then passes within the window after the latching."""
+    env = make("rigid-clearance", deadline=12.4, **keywords)
+    observation, info = env.reset(seed=0)
+    time_to_deadline = env.observation_names.index("time_to_deadline")
+    rates = [env.observation_names.index(name) for name in ("rate_1", "rate_2")]
+    seen, over = [observation], False
+    while not over:
+        left = max(12.4 - info["time_s"], 0.0) / 12.4
+        assert env.observation_space.contains(seen[-1])
+        assert seen[-1][time_to_deadline] == pytest.approx(left, abs=1e-6)
+        observation, _, over, _, info = env.step([0.0])
+        seen.append(observation)
+    assert env.observation_space.contains(seen[-1])
+    assert info["deployment"]["latched"]
+    assert info["time_s"] > 20.0
+    assert seen[-1][time_to_deadline] == 0.0
+    assert np.any(np.abs(np.array(seen)[:, rates]) == 5.0) == ("hardware" in keywords)
+
+
+def test_the_time_since_latching_counts_from_the_last_one_in_units_of_the_window():
+    env = make("rigid-clearance", parameters=LATE_ROOT)
+    env.reset(seed=0)
+    index, counts, over = env.observation_names.index("time_since_latch"), [], False
+    while not over:
+        observation, _, over, _, info = env.step([0.0])
+        joints = env.simulation.state.joints
+        latched = int(joints["latched"].sum())
+        since = info["time_s"] - max(joints["latch_time"]) if latched == 2 else 0.0
+        assert observation[index] == np.float32(since / 10.0)
+        counts.append(latched)
+    assert np.bincount(counts).min() > 20, "before, between and after the latchings"
+    assert observation[index] == 1.0
 
 
 def test_the_docstring_names_every_observation():
@@ -359,6 +439,54 @@ def test_a_frame_shows_bent_panels_as_smooth_curves(model, monkeypatch):
         # No corner turns as far as that of a polyline through the nodes alone.
         turns = np.diff(np.unwrap(np.arctan2(*np.diff(panel, axis=0).T[::-1])))
         assert np.abs(turns).max() < 0.5 * 2.0 * math.atan(0.1 / 0.75)
+
+
+def test_a_frame_is_drawn_from_the_state_the_loads_and_the_recorded_peaks(monkeypatch):
+    """Through impacts and rests, with no joint latched, then the outer one, then both."""
+    scenes, peaks, times, met = [], [np.zeros(2)], [0.0], set()
+    monkeypatch.setattr("solar_env.film.Renderer.draw", lambda self, scene: scenes.append(scene))
+    parameters = {**LATE_ROOT, "clearance": (1e-4, 3e-4), "journal_radius": 0.02}
+    env = make("rigid-clearance", parameters=parameters, render_mode="rgb_array")
+    env.reset(seed=0)
+    step, over = 0, False
+    while not over:
+        *_, over, _, info = env.step([0.4 * math.sin(0.3 * step)])
+        env.render()
+        scene, simulation, step = scenes[-1], env.simulation, step + 1
+        joints, loads = simulation.state.joints, simulation.joint_loads()
+        base, hinge, start_1, tip_1, start_2, tip_2 = simulation.state.q.reshape(6, 2)
+        peaks.append(joints["recent_peak_force"].copy())
+        times.append(info["time_s"])
+        assert scene.time == info["time_s"]
+        assert scene.main_body.mean(axis=0) == pytest.approx(base, abs=1e-12)
+        assert scene.main_body[1:3].mean(axis=0) == pytest.approx(hinge, abs=1e-12)
+        assert np.hypot(*np.diff(scene.main_body, axis=0).T) == pytest.approx([1.0] * 3)
+        assert np.array_equal([panel[[0, -1]] for panel in scene.panels], [[start_1, tip_1], [start_2, tip_2]])
+        assert scene.hinges == pytest.approx(np.array([hinge, tip_1]), abs=1e-12)
+        assert scene.eccentricity == pytest.approx(np.array([start_1 - hinge, start_2 - tip_1]), abs=1e-12)
+        assert scene.clearance.tolist() == [1e-4, 3e-4]
+        assert scene.journal_radius.tolist() == [0.02, 0.02]
+        assert scene.in_contact.tolist() == joints["in_contact"].astype(bool).tolist()
+        assert np.all((scene.normal_force > 0.0) <= scene.in_contact)
+        assert scene.normal_force.tolist() == loads[:, NORMAL].tolist()
+        assert scene.latched.tolist() == [bool(time <= scene.time) for time in joints["latch_time"]]
+        assert scene.motor_torque == loads[0, MOTOR_TORQUE]
+        assert np.array_equal(scene.force_times, times)
+        assert np.array_equal(scene.force_history, peaks)
+        met.add((tuple(scene.latched), bool(scene.in_contact[0])))
+    assert met == {
+        (latched, touching) for latched in ((False, False), (False, True), (True, True)) for touching in (False, True)
+    }
+    assert min(scene.motor_torque for scene in scenes) < 0.0 < max(scene.motor_torque for scene in scenes)
+    assert np.max(peaks) > 10.0
+
+
+def test_without_a_render_mode_there_is_no_frame_but_a_hint():
+    env = make("rigid-clearance")
+    env.reset(seed=0)
+    with pytest.warns(UserWarning, match='render_mode="rgb_array"'):
+        frame = env.render()
+    assert frame is None
 
 
 @pytest.mark.parametrize("model", MODELS)

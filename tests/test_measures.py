@@ -1,10 +1,13 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from helpers import MOTION_TIMES, make_motion
 
+from solar_env.deployment import simulate
 from solar_env.studies import measures
+from solar_env.studies.motion import from_trajectory
 
 IMPACTS = [(0, 0.1, 10.0), (1, 0.15, 20.0), (0, 0.2, 30.0), (0, 0.3, 40.0)]
 
@@ -61,3 +64,34 @@ def test_predicted_impacts_are_counted_up_to_the_first_wrong_one_of_each_joint()
     assert measures.predicted_impacts(motion, reference, (3, 1)) == 2
     assert measures.predicted_impacts(reference, reference, (3, 1)) == 4
     assert measures.predicted_impacts(make_motion(), reference, (3, 1)) == 0
+
+
+def test_a_study_keeps_what_a_run_sums_up_after_the_latching_and_the_greatest_wear_and_loss():
+    """Of a run whose figures before and after the latching are told apart."""
+    run = simulate({"spring_stiffness": 2.0}, duration=4.0)
+    run = replace(run, peak_force=2.0 * run.postlock_peak_force)
+    totals = from_trajectory(run).totals
+    first = np.searchsorted(run.time, np.nanmin(run.latch_times))
+    for name, so_far in (("impulse", run.impulse), ("sliding_work", run.sliding_work)):
+        assert np.all(so_far[-1] - so_far[first] <= totals[name])
+        assert np.all(totals[name] <= so_far[-1] - so_far[first - 1])
+        assert np.all(so_far[first - 1] > 0.01 * so_far[-1])
+    assert totals["peak_force"].tolist() == run.postlock_peak_force.tolist()
+    assert totals["wear_depth"].tolist() == run.wear_depth.tolist()
+    lost = sum(run.energies[f"{what}_dissipation"][-1] for what in ("contact", "friction", "latch", "material"))
+    stored = run.energies["spring"][0] + run.energies["cable"][0]
+    assert totals["energy_lost"] == pytest.approx([lost / stored] * 2)
+    assert set(totals) == {"impulse", "sliding_work", "peak_force", "wear_depth", "energy_lost"}
+
+
+def test_a_study_keeps_motion_contacts_and_counts_as_the_run_has_them():
+    run = simulate({"spring_stiffness": 2.0}, duration=1.0)
+    motion = from_trajectory(run)
+    assert np.array_equal(motion.time, run.time)
+    assert np.array_equal(motion.angles, run.angles)
+    assert np.array_equal(motion.latch_times, run.latch_times, equal_nan=True)
+    assert np.all(np.diff(motion.contacts["start_s"]) >= 0.0)
+    assert sorted(motion.contacts["peak_force"]) == sorted(run.contacts["peak_force"])
+    for name in ("steps", "evaluations", "factorizations", "wall_time"):
+        assert getattr(motion, name) == run.metadata["wall_time_s" if name == "wall_time" else name], name
+    assert motion.energy_residual == run.energy_residual / run.energy_put_in

@@ -1,3 +1,4 @@
+import re
 import subprocess
 import sys
 from types import SimpleNamespace
@@ -98,6 +99,93 @@ def curves(figure, label):
     """The curves of the axes with this label."""
     (axis,) = [axis for axis in figure.axes if axis.get_ylabel() == label]
     return {line.get_label(): line.get_ydata() for line in axis.lines}
+
+
+@pytest.fixture(scope="module")
+def distinct():
+    """A trajectory in which no two curves are alike and no two surfaces wear alike, and its figure."""
+    trajectory = make_trajectory()
+    shares = np.array([1.0, 0.7])
+    trajectory.angles = trajectory.angles * shares
+    trajectory.latch_torque, trajectory.cable_torque = 3.0 * np.sin(trajectory.angles), -0.2 * trajectory.angles**2
+    trajectory.latch_times = np.array([13.1, 12.4])
+    trajectory.normal_force = trajectory.normal_force * [1.0, 3.0]
+    trajectory.clearance = np.array([2e-4, 3e-4])
+    trajectory.eccentricity = trajectory.eccentricity * shares[:, None] + [0.0, 2e-5]
+    trajectory.wear_bearing = 1e-14 * np.outer(shares, 1.0 + np.arange(36))
+    trajectory.wear_journal = 5e-15 * np.outer(shares[::-1], 40.0 - np.arange(36))
+    figures = []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("matplotlib.figure.Figure.savefig", lambda figure, *how, **more: figures.append(figure))
+        plot_deployment(trajectory, "figure.png")
+    return trajectory, figures[0]
+
+
+def axes_called(figure, start):
+    """The axes whose label or title begins so."""
+    return [axis for axis in figure.axes if axis.get_ylabel().startswith(start) or axis.get_title().startswith(start)]
+
+
+@pytest.mark.parametrize(
+    ("label", "values"),
+    [
+        ("angle [deg]", lambda trajectory: np.degrees(trajectory.angles)),
+        ("latch torque\n[N m]", lambda trajectory: trajectory.latch_torque),
+        ("cable torque\n[N m]", lambda trajectory: trajectory.cable_torque),
+    ],
+)
+def test_angles_are_drawn_in_degrees_and_each_torque_under_its_own_name(distinct, label, values):
+    trajectory, figure = distinct
+    (axis,) = axes_called(figure, label)
+    for line, expected in zip(axis.lines[:2], values(trajectory).T, strict=True):
+        assert np.array_equal(line.get_xdata(), trajectory.time)
+        assert np.array_equal(line.get_ydata(), expected)
+
+
+def test_the_latch_times_are_dotted_among_the_angles(distinct):
+    (axis,) = axes_called(distinct[1], "angle [deg]")
+    angles, locks = axis.lines[:2], axis.lines[2:]
+    assert [set(lock.get_xdata()) for lock in locks] == [{13.1}, {12.4}]
+    assert [lock.get_color() for lock in locks] == [angle.get_color() for angle in angles]
+
+
+def test_the_force_of_each_joint_is_drawn_with_the_peaks_of_its_own_contacts(distinct):
+    trajectory, figure = distinct
+    forces = axes_called(figure, "contact force")
+    for joint, (axis, start, peak) in enumerate(zip(forces, (13.1, 2.0), (700.0, 40.0), strict=True)):
+        assert axis.get_ylabel() == f"contact force\njoint {joint + 1} [N]"
+        assert np.array_equal(axis.lines[0].get_ydata(), trajectory.normal_force[:, joint])
+        (stem,) = axis.collections[0].get_segments()
+        assert stem[-1].tolist() == [start, peak]
+
+
+@pytest.mark.parametrize("joint", [0, 1])
+def test_the_path_of_each_journal_is_drawn_in_micrometres_within_its_clearance(distinct, joint):
+    trajectory, figure = distinct
+    (axis,) = axes_called(figure, f"joint {joint + 1}: path of the journal [µm]")
+    wall, path = axis.lines
+    assert np.hypot(*wall.get_data()) == pytest.approx(1e6 * trajectory.clearance[joint])
+    expected = 1e6 * trajectory.eccentricity[:, joint]
+    assert np.array_equal(np.column_stack(path.get_data()), expected)
+    (points,) = axis.collections
+    assert np.asarray(points.get_offsets()) == pytest.approx(expected)
+    assert np.array_equal(points.get_array(), trajectory.time)
+
+
+@pytest.mark.parametrize("joint", [0, 1])
+def test_wear_is_drawn_round_the_surface_that_wears(distinct, joint):
+    trajectory, figure = distinct
+    (axis,) = axes_called(figure, f"joint {joint + 1}: wear depth")
+    bins = trajectory.wear_bearing.shape[1]
+    unit = float(re.search(r"10\^\{(-?\d+)\}", axis.get_title())[1])
+    drawn = {surface.get_label(): surface.get_xy() for surface in axis.patches}
+    assert set(drawn) == {"bearing", "journal"}
+    for name, depths in (("bearing", trajectory.wear_bearing), ("journal", trajectory.wear_journal)):
+        around, steps = drawn[name][: 2 * bins].T
+        middles = 0.5 * (around[::2] + around[1::2])
+        assert middles == pytest.approx(2.0 * np.pi * (np.arange(bins) + 0.5) / bins)
+        assert steps[::2] == pytest.approx(depths[joint] / 10.0**unit)
+        assert np.array_equal(steps[::2], steps[1::2])
 
 
 def test_deflections_are_drawn_in_millimetres_where_they_are_given(tmp_path, saved_figures):

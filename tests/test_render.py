@@ -5,12 +5,25 @@ import sys
 import numpy as np
 import pytest
 
-from solar_env._raster import Layout
-from solar_env._views import JOURNAL_SHARE, ArrayView, BearingView, journal_offset
+from solar_env._raster import Layout, TextPen
+from solar_env._views import (
+    BOLT,
+    JOINT_COLOURS,
+    JOURNAL_MARK,
+    JOURNAL_SHARE,
+    ArrayView,
+    BearingView,
+    journal_offset,
+)
 from solar_env.render import Renderer, Scene
 
 CLEARANCE = 2e-4
 WHITE = 3 * 255
+# Left, top, right and bottom of the contact forces in a frame of 960 x 540.
+FORCES = (62, 370, 602, 500)
+# How far the colour of a thin line may be blended with the white around it.
+THIN = 95
+TURN = np.radians(25.0)
 
 
 def make_scene(joints=2, opening=0.0, turn=0.0, **changes):
@@ -128,6 +141,103 @@ def test_force_arrow_grows_with_the_force():
         return int(np.sum((frame[:, 640:, 0] > 180) & (frame[:, 640:, 1:].max(axis=2) < 90)))
 
     assert red_pixels(0.1) < red_pixels(10.0) < red_pixels(1000.0)
+
+
+def pixels_like(frame, colour, box, within=24):
+    """(n, 2) columns and rows of the pixels in left, top, right, bottom that have about a colour, as "#rrggbb"."""
+    left, top, right, bottom = box
+    wanted = [int(colour[k : k + 2], 16) for k in (1, 3, 5)]
+    near = np.abs(frame[top:bottom, left:right].astype(int) - wanted).max(axis=2) < within
+    rows, columns = np.nonzero(near)
+    return np.column_stack([columns + left, rows + top])
+
+
+def test_the_force_axis_rises_by_decades_and_its_scale_belongs_to_the_curves(monkeypatch):
+    written = {}
+    write = TextPen.write
+
+    def keep(self, at, text, *style, **more):
+        if more.get("anchor") == "rm":
+            written[text] = at
+        write(self, at, text, *style, **more)
+
+    monkeypatch.setattr(TextPen, "write", keep)
+    renderer = Renderer(make_scene())
+    heights = []
+    for force in (0.1, 1.0, 10.0, 100.0):
+        frame = renderer.draw(make_scene(force_history=np.array([1.0, 1e-9]) * np.full((50, 2), force)))
+        curve = pixels_like(frame, JOINT_COLOURS[0], FORCES, THIN)
+        heights.append(curve[:, 1].mean())
+        assert written[f"{force:g}"][1] == pytest.approx(heights[-1], abs=1.0)
+    assert np.diff(heights) == pytest.approx(np.full(3, heights[1] - heights[0]), abs=1.0)
+    assert heights[-1] < heights[0] - 50.0, "rows are counted downwards"
+
+
+@pytest.mark.parametrize("joint", [0, 1])
+def test_a_contact_is_a_dot_at_its_force_at_the_present_time(joint):
+    loads = {"in_contact": np.arange(2) == joint, "normal_force": np.array([300.0, 300.0])}
+    scene = make_scene(force_times=np.zeros(0), force_history=np.zeros((0, 2)), **loads)
+    dots = [pixels_like(Renderer(scene).draw(scene), JOINT_COLOURS[k], FORCES) for k in (joint, 1 - joint)]
+    history = {"force_times": np.array([0.0, 3.0]), "force_history": np.full((2, 2), 300.0)}
+    curve = pixels_like(Renderer(scene).draw(make_scene(**history)), JOINT_COLOURS[1], FORCES, THIN)
+    assert dots[0][:, 1].mean() == pytest.approx(curve[:, 1].mean(), abs=1.0)
+    assert dots[0][:, 0].mean() == pytest.approx(curve[:, 0].max(), abs=2.0)
+    assert len(dots[1]) == 0
+
+
+@pytest.mark.parametrize("latched", [(True, False), (False, True), (True, True), (False, False)])
+def test_a_hinge_is_a_full_disc_where_it_has_latched_and_a_ring_where_it_has_not(latched):
+    scene = make_scene(opening=0.6, latched=np.array(latched))
+    frame = Renderer(scene).draw(scene)
+    view = ArrayView(Layout((960, 540)), scene)
+    for joint, (x, y) in enumerate(np.round(view.place(scene.hinges)).astype(int)):
+        box = (x - 1, y - 1, x + 2, y + 2)
+        inside = len(pixels_like(frame, JOINT_COLOURS[joint], box)), len(pixels_like(frame, "#ffffff", box))
+        assert inside == ((9, 0) if latched[joint] else (0, 9))
+
+
+def turned_by(angle, points):
+    """Points (k, 2) turned anticlockwise about the origin."""
+    return points @ np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+
+
+def bolts_at(frame, joint, turn):
+    """How many of the four bolts of a bearing are drawn where they belong when what carries it has turned."""
+    view = BearingView(Layout((960, 540)), joint, shown=2)
+    ring = 0.5 * (view.bearing_radius + view.bearing_radius / 0.84)
+    found = 0
+    for quarter in np.arange(4) * np.pi / 2.0:
+        x, y = np.round(view.centre + ring * np.array([np.cos(turn + quarter), -np.sin(turn + quarter)])).astype(int)
+        found += len(pixels_like(frame, BOLT, (x - 1, y - 1, x + 2, y + 2))) >= 5
+    return found
+
+
+def test_the_bolts_of_a_bearing_turn_with_the_body_that_carries_it_and_not_with_its_journal():
+    scene = make_scene(opening=1.0)
+    renderer = Renderer(make_scene())
+    for turned, body in enumerate((scene.main_body, *scene.panels)):
+        bodies = [scene.main_body, *scene.panels]
+        bodies[turned] = turned_by(TURN, body)
+        frame = renderer.draw(dataclasses.replace(scene, main_body=bodies[0], panels=tuple(bodies[1:])))
+        for joint in (0, 1):
+            expected = TURN if joint == turned else 0.0
+            assert bolts_at(frame, joint, expected) == 4, (turned, joint)
+            assert bolts_at(frame, joint, TURN - expected) == 0, (turned, joint)
+
+
+def test_the_marks_of_a_journal_turn_with_its_own_panel():
+    scene = make_scene(opening=1.0, eccentricity=np.zeros((2, 2)))
+    renderer = Renderer(make_scene())
+    for turned in (0, 1):
+        panels = [turned_by(TURN, panel) if k == turned else panel for k, panel in enumerate(scene.panels)]
+        frame = renderer.draw(dataclasses.replace(scene, panels=tuple(panels)))
+        for joint in (0, 1):
+            view = BearingView(Layout((960, 540)), joint, shown=2)
+            reach = 0.4 * JOURNAL_SHARE * view.bearing_radius
+            for turn in (0.0, TURN):
+                x, y = np.round(view.centre + reach * np.array([np.cos(turn), -np.sin(turn)])).astype(int)
+                marked = len(pixels_like(frame, JOURNAL_MARK, (x - 1, y - 1, x + 2, y + 2))) > 0
+                assert marked == (turn == (TURN if joint == turned else 0.0)), (turned, joint, turn)
 
 
 # The turn [deg] that conservation of angular momentum gives main bodies and panels of the default array.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import gymnasium
 import numpy as np
@@ -17,6 +18,7 @@ from agents.torque_laws import DamperParameters, Signals, ViscousDamper
 from agents.tune import bounds, from_unit
 from solar_env.integrators import default_integrator
 from solar_env.mechanics import model as m
+from solar_env.mechanics.joint import ANGLE
 from solar_env.task import REWARD_TERMS, Task
 
 ID = "solar_env/Deploy-v0"
@@ -144,19 +146,30 @@ def step_of(time, run):
     return int(np.searchsorted(run.times, time))
 
 
+class Record(NamedTuple):
+    """What an array has felt at the end of every step, (steps, joints); but wear, (joints,), is that at the end."""
+
+    peaks: np.ndarray
+    work: np.ndarray
+    impulse: np.ndarray
+    angles: np.ndarray
+    wear: np.ndarray
+
+
 def physical_record(run, **changes):
-    """The same torques on an array that knows of no task: (steps, joints) peak forces and sliding work [J] so far."""
+    """The same torques on an array that knows of no task: peak forces of the steps [N]; the rest from the start on."""
     model = "rigid-clearance"
     array = solar_env.build(solar_env.ArrayParameters().with_changes(changes), model)
     simulation = solar_env.Simulation(array, default_integrator(model))
-    peaks, work = [], []
+    state, rows = simulation.state, []
     for action, end in zip(run.actions, run.times, strict=True):
         simulation.set_motor_torque(0, TASK.torque_limit * action)
-        simulation.state.joints["recent_peak_force"] = 0.0
+        state.joints["recent_peak_force"] = 0.0
         simulation.advance(end)
-        peaks.append(simulation.state.joints["recent_peak_force"].copy())
-        work.append(m.joint_integrals(simulation.state.integrals)[:, m.SLIDING_WORK].copy())
-    return np.array(peaks), np.array(work)
+        integrals = m.joint_integrals(state.integrals)
+        sums = integrals[:, m.SLIDING_WORK], integrals[:, m.IMPULSE]
+        rows.append(np.array([state.joints["recent_peak_force"], *sums, simulation.joint_loads()[:, ANGLE]]))
+    return Record(*np.stack(rows, axis=1), np.maximum(state.wear_journal, state.wear_bearing).max(axis=1))
 
 
 def assert_charged(terms, peaks, work, first, last):
@@ -203,6 +216,26 @@ def passive():
 
 def rank_correlation(one, other):
     return float(spearmanr(one, other).statistic)
+
+
+def test_limits_durations_and_prices_are_the_documented_ones():
+    assert Task(0.5, 0.1, 20, 10, 500, 0.05, 12, 25) == TASK
+    assert gymnasium.make(ID).unwrapped.task == TASK
+
+
+def test_500_newtons_and_a_twentieth_of_a_joule_cost_one_each(passive):
+    for run in passive:
+        peak_impact, wear, missed = np.sum(run.terms, axis=0)
+        assert peak_impact == pytest.approx(-run.force / 500.0, rel=1e-9)
+        assert wear == pytest.approx(-run.work / 0.05, rel=1e-9)
+        assert missed == 0.0
+
+
+def test_the_passive_deployment_returns_what_the_documentation_promises(passive):
+    """Up to the spread of deployments that differ by micrometres, which another processor's rounding spreads too."""
+    alone = deploy([constant(0.0)])[0]
+    assert alone.total == pytest.approx(-3.4, abs=0.2)
+    assert mean_total(passive) == pytest.approx(-3.4, abs=0.2)
 
 
 def test_the_return_ranks_deployments_as_force_and_wear_together_do(deployments):
@@ -297,7 +330,8 @@ def test_what_happens_after_the_deadline_is_charged_as_an_array_without_one_feel
     assert min(late.figures["latch_times_s"]) > 19.0
     assert late.times[-1] == pytest.approx(late.last_latch + 10.0)
     first = step_of(min(late.figures["latch_times_s"]), late)
-    assert_charged(late.terms, *physical_record(late), first, len(late.times) - 1)
+    record = physical_record(late)
+    assert_charged(late.terms, record.peaks, record.work, first, len(late.times) - 1)
 
 
 def test_only_what_happens_after_the_first_latching_is_charged_and_then_in_both_joints():
@@ -305,7 +339,8 @@ def test_only_what_happens_after_the_first_latching_is_charged_and_then_in_both_
     run = deploy([constant(0.0)], parameters=SOFT_CABLE, control_period=0.02)[0]
     root, outer = run.figures["latch_times_s"]
     assert outer + 5.0 < root
-    peaks, work = physical_record(run, **SOFT_CABLE)
+    record = physical_record(run, **SOFT_CABLE)
+    peaks, work = record.peaks, record.work
     first, second = step_of(outer, run), step_of(root, run)
     assert np.all(peaks[:first].max(axis=0) > 10.0)
     assert np.all(work[first - 1] > 1e-3)
@@ -317,11 +352,28 @@ def test_only_what_happens_after_the_first_latching_is_charged_and_then_in_both_
     assert_charged(run.terms, peaks, work, first, len(run.times) - 1)
 
 
+def test_the_figures_of_an_episode_are_those_of_the_same_torques_without_a_task():
+    """Of an array whose root latches nine seconds after the outer joint, while the motor swings to and fro."""
+    (run,) = deploy([lambda observation, step: 0.3 * math.sin(0.05 * step)], parameters=SOFT_CABLE, control_period=0.02)
+    record = physical_record(run, **SOFT_CABLE)
+    first = step_of(min(run.figures["latch_times_s"]), run)
+    for name, so_far in (("postlock_impulse_Ns", record.impulse), ("postlock_sliding_work_J", record.work)):
+        least, greatest = (so_far[-1] - so_far[start] for start in (first, first - 1))
+        assert np.all(least * (1.0 - 1e-9) <= run.figures[name]), name
+        assert np.all(run.figures[name] <= greatest * (1.0 + 1e-9)), name
+        assert np.all(so_far[-1] > greatest + 0.1 * least), "what came before the latching would show"
+    turned = np.diff(record.angles, axis=0, prepend=0.0)[:, 0]
+    work = TASK.torque_limit * np.array(run.actions) @ turned
+    assert abs(work) > 0.01
+    assert run.figures["motor_work_J"] == pytest.approx(work, rel=1e-5)
+    assert run.figures["wear_depth_max_m"] == pytest.approx(record.wear.tolist(), rel=1e-9, abs=0.0)
+
+
 def test_impacts_on_the_way_are_not_charged_however_hard():
     """Of an array that is shaken for four seconds and then led to its latches softly."""
     shaking, damper = chatter((1, -1)), viscous(3.0, 3.0)
     run = deploy([lambda observation, step: (shaking if step < 40 else damper)(observation, step)])[0]
-    peaks, _ = physical_record(run)
+    peaks = physical_record(run).peaks
     first = step_of(min(run.figures["latch_times_s"]), run)
     before, after = peaks[:first].max(axis=0).sum(), peaks[first:].max(axis=0).sum()
     assert before > 1.2 * after

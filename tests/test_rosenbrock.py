@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from helpers import fingerprint
 from test_flexible_motion import BEAM, WIDE, flight, momenta
 
 from solar_env.array import ArrayParameters, build
@@ -105,6 +106,25 @@ def test_a_restored_snapshot_continues_to_the_same_bits() -> None:
     simulation.restore(snapshot)
     simulation.advance(0.6)
     assert simulation.state.q.tobytes() == expected
+
+
+@pytest.mark.parametrize("bearing", [None, WIDE], ids=["ideal joints", "clearance joints"])
+def test_what_follows_a_snapshot_leaves_no_trace_in_what_follows_when_it_is_restored(bearing: Bearing | None) -> None:
+    simulation = after(stiff_flight(bearing), 0.2, Rosenbrock(rtol=1e-4))
+    snapshot = simulation.snapshot()
+    steps = snapshot.clock["steps"][0]
+
+    def pull(other: Simulation, torque: float) -> str:
+        factorizations = snapshot.clock["factorizations"][0]
+        other.restore(snapshot)
+        other.set_motor_torque(0, torque)
+        other.advance(0.2 + 1e-4)
+        assert other.state.clock["steps"][0] == steps + 1
+        assert other.state.clock["factorizations"][0] == factorizations + 1
+        return fingerprint(other.state)
+
+    fresh = Simulation(stiff_flight(bearing), Rosenbrock(rtol=1e-4))
+    assert pull(simulation, 0.5) != pull(simulation, -0.5) == pull(fresh, -0.5)
 
 
 def test_without_beams_it_is_the_explicit_method() -> None:

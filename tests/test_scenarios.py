@@ -67,6 +67,27 @@ def test_the_randomised_scenario_draws_everything_within_its_ranges():
             assert abs(np.corrcoef(sample.T)[0, 1]) < 0.3, f"{name} is drawn for every joint by itself"
 
 
+def test_the_randomised_scenario_is_the_documented_one():
+    env = make(RANDOMISED)
+    documented = {
+        "clearance": (0.05e-3, 0.5e-3),
+        "friction_coefficient": (0.05, 0.3),
+        "restitution": (0.7, 0.95),
+        "spring_stiffness": ((0.09, 0.0675), (0.11, 0.0825)),
+        "cable_stiffness": (18.0, 22.0),
+        "panel_young": (252e6, 308e6),
+        "initial_rate": (0.0, 0.01),
+        "initial_spin": (-0.005, 0.005),
+    }
+    assert set(env.randomize) == set(documented)
+    for name, pair in documented.items():
+        for bound, expected in zip(env.randomize[name], pair, strict=True):
+            by_joint = np.broadcast_to(expected, np.shape(bound))
+            assert np.asarray(bound) == pytest.approx(by_joint, rel=1e-12), name
+    assert env.hardware == Hardware(5e-4, 1e-3, 2 * math.pi / 2**13, 1, 0.1, 1.0)
+    assert env.parameters == ArrayParameters(contact_law="flores")
+
+
 def test_ten_per_cent_are_ten_per_cent_of_every_joints_own_stiffness():
     low, high = SCENARIOS["randomised"].randomize["spring_stiffness"]
     assert low == pytest.approx((0.09, 0.0675))

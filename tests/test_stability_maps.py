@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -14,7 +15,8 @@ import pytest
 from solar_env.mechanics.contact import impact_scales
 from solar_env.mechanics.integrators import amplification_radius, steps_per_impact
 from solar_env.mechanics.laws import damping_factor, exit_speed_ratio
-from solar_env.studies import beam_maps, friction_maps, impact_maps, multiplier_maps, stop_maps
+from solar_env.mechanics.trajectory import Trajectory
+from solar_env.studies import beam_maps, contact_law_maps, friction_maps, impact_maps, multiplier_maps, stop_maps
 from solar_env.studies.maps import (
     BLOW_UP,
     CLASSES,
@@ -149,6 +151,38 @@ def test_a_law_attracts_and_is_cut_off_just_where_its_damping_outweighs_the_elas
     for row in rows("pull-off"):
         near = abs(row["restitution"] - row["limit"]) < 0.05
         assert near or row["class"] == (CUT_OFF if row["restitution"] < row["limit"] else FINE)
+        assert row["said"] == (FIGURE if row["class"] == CUT_OFF else SILENT)
+
+
+@pytest.mark.parametrize("law", contact_law_maps.LAWS)
+def test_a_run_tells_in_how_many_samples_the_damping_was_cut_off(law: str) -> None:
+    _, undamped = contact_law_maps._pull_off(law, restitution=1.0, ratio=10.0)
+    assert undamped.metadata["cut_off_share"] < 0.01
+    _, damped = contact_law_maps._pull_off("flores", restitution=0.01, ratio=10.0)
+    assert damped.metadata["cut_off_share"] == 1.0
+
+
+@pytest.mark.parametrize("integrator", friction_maps.CREEP.panels)
+def test_a_run_tells_in_how_many_samples_a_contact_crept(integrator: str) -> None:
+    _, run = friction_maps._creep(integrator, speed_zero=0.0, speed_full=1e-3)
+    assert run.metadata["creeping_share"] == 1.0
+
+
+@pytest.mark.parametrize("share", ["creeping_share", "cut_off_share"])
+def test_a_map_says_nothing_that_the_run_has_not_told(share: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    module, cell = {
+        "creeping_share": (friction_maps, lambda: friction_maps.measure_creep(friction_maps.EXPLICIT, 1e-3, 0.0)),
+        "cut_off_share": (contact_law_maps, lambda: contact_law_maps.measure_pull_off("flores", 0.01, 10.0)),
+    }[share]
+    assert cell().said == FIGURE
+    simulate = module.simulate
+
+    def silent(*arguments: Any, **keywords: Any) -> Trajectory:
+        run = simulate(*arguments, **keywords)
+        return replace(run, metadata={**run.metadata, share: 0.0})
+
+    monkeypatch.setattr(module, "simulate", silent)
+    assert cell().said == SILENT
 
 
 def test_contacts_creep_as_the_ramp_has_it_and_a_run_tells_how_much_of_it_crept() -> None:
@@ -160,6 +194,7 @@ def test_contacts_creep_as_the_ramp_has_it_and_a_run_tells_how_much_of_it_crept(
             continue
         assert row["value"] == pytest.approx(0.5 * (v0 + v1), rel=1e-2)
         assert row["class"] == (CREEPS if row["value"] > friction_maps.SLOW_CREEP else FINE)
+        assert row["class"] == FINE or (row["said"], row["message"].split(" of ")[0]) == (FIGURE, "creeping_share = 1")
 
 
 def test_a_narrow_ramp_bounds_the_explicit_step_as_theory_has_it() -> None:

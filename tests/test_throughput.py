@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -68,6 +69,76 @@ def test_contestants_are_stepped_in_turn(brief):
     assert order[:4] == [("a", (4, 1)), ("b", (4, 1))] * 2
     assert order[-2:] == [("a", "closed"), ("b", "closed")]
     assert set(rates) == {"a", "b"}
+
+
+class Clock:
+    """A clock that only what is timed moves on."""
+
+    def __init__(self):
+        self.now = 0.0
+
+    def contestant(self, *seconds):
+        """An environment whose steps take so long, the last of these again and again; to begin takes longer."""
+        left = list(seconds)
+
+        def step(actions):
+            self.now += left.pop(0) if len(left) > 1 else left[0]
+
+        def begin():
+            self.now += 0.1
+
+        return SimpleNamespace(step=step, close=lambda: None), begin
+
+
+def test_who_takes_a_third_of_the_time_makes_three_times_as_many_steps(brief, monkeypatch):
+    clock = Clock()
+    monkeypatch.setattr(throughput, "time", SimpleNamespace(perf_counter=lambda: clock.now))
+    # Of three rounds the first one warms up; the median of the others is 1 ms.
+    rates = compare({"quick": clock.contestant(9.0, 0.5e-3, 1.5e-3), "slow": clock.contestant(3e-3)}, 4)
+    assert rates == {"quick": pytest.approx(4 / 1e-3), "slow": pytest.approx(4 / 3e-3)}
+
+
+def test_one_round_out_of_many_that_is_disturbed_makes_no_difference(monkeypatch):
+    clock = Clock()
+    monkeypatch.setattr(throughput, "time", SimpleNamespace(perf_counter=lambda: clock.now))
+    monkeypatch.setattr(throughput, "LONG_ENOUGH", 1.05)
+    rates = compare({"disturbed": clock.contestant(1e-3, 1e-3, 0.5, 1e-3)}, 1)
+    assert rates == {"disturbed": pytest.approx(1e3)}
+
+
+@pytest.fixture
+def measured_rates(monkeypatch):
+    """Rates by name that \"compare\" is to find; nothing is made and nothing runs."""
+    rates = {}
+
+    def found(contestants, lanes):
+        assert set(contestants) == set(rates)
+        return rates
+
+    class Nothing:
+        def __init__(self, *arguments):
+            pass
+
+        def reset(self):
+            pass
+
+    monkeypatch.setattr(throughput, "compare", found)
+    monkeypatch.setattr(throughput, "make_native", lambda *arguments: None)
+    monkeypatch.setattr(throughput, "spread", lambda *arguments: [])
+    monkeypatch.setattr(throughput, "available_processors", lambda: 4)
+    monkeypatch.setattr("gymnasium.vector.SyncVectorEnv", Nothing)
+    monkeypatch.setattr("stable_baselines3.common.vec_env.SubprocVecEnv", Nothing)
+    return rates
+
+
+def test_more_threads_that_are_quicker_scale_by_more_than_one(measured_rates):
+    measured_rates |= {"1": 1000.0, "4": 3200.0}
+    assert throughput.measure_scaling(MODEL) == 3.2
+
+
+def test_the_native_vector_is_the_quicker_the_higher_its_ratios(measured_rates):
+    measured_rates |= {"native": 3000.0, "SyncVectorEnv": 1000.0, "SubprocVecEnv": 2000.0}
+    assert throughput.measure_peers(MODEL) == {"SyncVectorEnv": 3.0, "SubprocVecEnv": 1.5}
 
 
 def test_the_tables_hold_every_measurement():

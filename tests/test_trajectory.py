@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,11 +21,37 @@ from solar_env.mechanics.simulation import simulate
 from solar_env.mechanics.trajectory import Trajectory
 
 JOINTS, SAMPLES, BINS = 2, 201, 360
+# Figures of the summary that are lists by joint, and the attributes that hold them.
+PLAIN_LISTS = {
+    "latch_times_s": "latch_times",
+    "peak_contact_force_N": "peak_force",
+    "peak_postlock_force_N": "postlock_peak_force",
+    "postlock_impulse_Ns": "postlock_impulse",
+    "postlock_sliding_work_J": "postlock_sliding_work",
+    "contact_starts": "contact_starts",
+}
+COUNTED = (
+    "steps",
+    "rejected_steps",
+    "evaluations",
+    "factorizations",
+    "stability_bound_steps",
+    "slow_contacts",
+    "creeping_share",
+    "cut_off_share",
+    "wall_time_s",
+)
 
 
 @pytest.fixture(scope="module")
 def run() -> Trajectory:
     return simulate_deployment(duration=2.0)
+
+
+@pytest.fixture(scope="module")
+def latched() -> Trajectory:
+    """Springs that deploy the array within three seconds."""
+    return simulate_deployment({"spring_stiffness": 2.0}, duration=5.0)
 
 
 def test_arrays_have_the_documented_shapes(run: Trajectory) -> None:
@@ -143,6 +170,47 @@ def test_the_summary_holds_the_figures_of_the_run(run: Trajectory) -> None:
     deepest = [max(run.wear_journal[j].max(), run.wear_bearing[j].max()) for j in range(JOINTS)]
     assert summary["wear_depth_max_m"] == deepest
     assert summary["energy_residual_J"] == run.energy_residual
+
+
+def test_each_figure_of_the_summary_is_the_one_that_its_name_says(run: Trajectory) -> None:
+    """Of a trajectory in which no two figures are alike."""
+    pairs = {name: np.array([k + 0.25, k + 0.5]) for k, name in enumerate(PLAIN_LISTS.values(), start=1)}
+    counts = {name: k for k, name in enumerate(COUNTED, start=100)}
+    figures: dict[str, Any] = {**pairs, "metadata": {**run.metadata, **counts}}
+    summary = replace(run, **figures).summary()
+    for name, attribute in PLAIN_LISTS.items():
+        assert summary.pop(name) == pairs[attribute].tolist(), name
+    for name, count in counts.items():
+        assert summary.pop(name) == count, name
+    assert summary == {
+        "model": "rigid-clearance",
+        "elements": run.metadata["elements"],
+        "integrator": "runge-kutta",
+        "status": "completed",
+        "duration_s": run.time[-1],
+        "sliding_work_J": run.sliding_work[-1].tolist(),
+        "wear_depth_max_m": np.maximum(run.wear_journal, run.wear_bearing).max(axis=1).tolist(),
+        "theta_end_rad": run.angles[-1].tolist(),
+        "energy_residual_J": np.abs(run.energies["residual"]).max(),
+        "energy_put_in_J": run.energy_put_in,
+    }
+
+
+def test_what_counts_as_after_the_latching_begins_with_the_first_latching(latched: Trajectory) -> None:
+    first = np.nanmin(latched.latch_times)
+    before, after = (np.searchsorted(latched.time, first) + step for step in (-1, 0))
+    assert 0 < before < after < len(latched.time) - 100
+    for total, so_far in (
+        (latched.postlock_impulse, latched.impulse),
+        (latched.postlock_sliding_work, latched.sliding_work),
+    ):
+        assert np.all(so_far[-1] - so_far[after] <= total)
+        assert np.all(total <= so_far[-1] - so_far[before])
+        assert np.all(total < 0.98 * so_far[-1])
+    for joint in range(JOINTS):
+        own = latched.contacts[latched.contacts["joint"] == joint]
+        later, there = own[own["start_s"] > first], own[~(own["end_s"] < first)]
+        assert later["peak_force"].max() <= latched.postlock_peak_force[joint] <= there["peak_force"].max()
 
 
 def test_the_summary_is_strict_json_with_null_for_what_did_not_happen(run: Trajectory) -> None:

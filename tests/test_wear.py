@@ -1,4 +1,4 @@
-"""Archard wear by circumferential bin: the worn volume is booked exactly, wherever it falls."""
+"""Archard wear by circumferential bin: the worn volume is booked exactly, where the surfaces press."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 from solar_env.array import ArrayParameters, build
+from solar_env.mechanics.description import GROUND, Bearing, Body, Drive, Joint, Mechanism
 from solar_env.mechanics.integrators import RungeKutta
 from solar_env.mechanics.simulation import simulate
+from solar_env.mechanics.trajectory import Trajectory
 from solar_env.mechanics.wear import add_wear, pressed_half_angle
 
 
@@ -85,3 +87,69 @@ def test_the_volume_worn_in_a_run_is_the_coefficient_times_the_sliding_work() ->
         booked = depths.sum(axis=1) * radius * 2 * math.pi / 50 * p.bearing_width
         # Rounding of thousands of sums, and of bin edges against arcs of some 0.01 rad.
         assert booked == pytest.approx(volume, rel=1e-10, abs=0.0)
+
+
+LOAD, FRICTION, RATE, BINS = 10.0, 0.15, 20.0, 360
+SLIDING = Bearing(
+    clearance=2e-4,
+    journal_radius=0.01,
+    stiffness=7.39e10,
+    damping_factor=0.6,
+    friction_coefficient=FRICTION,
+    wear_coefficient=1e-13,
+    width=0.05,
+)
+# Where a journal presses that is loaded downwards and turns counter-clockwise, seen from the ground.
+PRESSED = 1.5 * math.pi - math.atan(FRICTION)
+
+
+def two_turns(journal_angle: float, journal_rate: float, housing_angle: float, housing_rate: float) -> Trajectory:
+    """A loaded journal in a housing, which turn about the same centre as they are driven."""
+    normal = LOAD / math.hypot(1.0, FRICTION)
+    reach = SLIDING.clearance + (normal / SLIDING.stiffness) ** (2.0 / 3.0)
+    place = (reach * math.cos(PRESSED), reach * math.sin(PRESSED))
+    centred = {"mass": 1.0, "inertia": 0.01, "length": 1.0, "centroid": (0.0, 0.0)}
+    mechanism = Mechanism(
+        bodies=(
+            Body("housing", angle=housing_angle, spin=housing_rate, **centred),
+            Body("journal", angle=journal_angle, spin=journal_rate, position=place, **centred),
+        ),
+        joints=(
+            Joint("axle", GROUND, "housing", (0.0, 0.0), (0.0, 0.0)),
+            Joint("bearing", "housing", "journal", (0.0, 0.0), (0.0, 0.0), bearing=SLIDING),
+        ),
+        drives=(Drive("housing", housing_angle, housing_rate), Drive("journal", journal_angle, journal_rate)),
+        gravity=(0.0, -LOAD),
+        wear_bins=BINS,
+    )
+    return simulate(mechanism, 4.0 * math.pi / RATE, integrator=RungeKutta(rtol=1e-8))
+
+
+def assert_worn_only_where_pressed(depths: np.ndarray, place: float) -> None:
+    width = 2.0 * math.pi / BINS
+    middles = (np.arange(BINS) + 0.5) * width
+    half = pressed_half_angle((LOAD / math.hypot(1.0, FRICTION) / SLIDING.stiffness) ** (2.0 / 3.0), SLIDING.clearance)
+    # The two bins that the arc covers in part count at their middles.
+    assert depths @ middles / depths.sum() == pytest.approx(place, abs=width**2 / (16.0 * half))
+    assert not depths[np.abs(middles - place) > half + width].any()
+
+
+def assert_worn_evenly(depths: np.ndarray) -> None:
+    # A step wears an arc at once.
+    assert depths.max() < 1.03 * depths.mean()
+    assert depths.min() > 0.97 * depths.mean()
+
+
+@pytest.mark.parametrize("angle", [0.0, 1.0, -1.2])
+def test_a_turning_journal_wears_evenly_round_and_its_bearing_where_it_is_pressed(angle: float) -> None:
+    run = two_turns(0.0, RATE, angle, 0.0)
+    assert_worn_evenly(run.wear_journal[1])
+    # In the frame of the housing.
+    assert_worn_only_where_pressed(run.wear_bearing[1], PRESSED - angle)
+
+
+@pytest.mark.parametrize("angle", [0.0, 1.0, -1.2])
+def test_a_turning_bearing_wears_evenly_round_and_its_journal_where_it_is_pressed(angle: float) -> None:
+    run = two_turns(angle, 0.0, 0.0, -RATE)
+    assert_worn_evenly(run.wear_bearing[1])
+    assert_worn_only_where_pressed(run.wear_journal[1], PRESSED - angle)

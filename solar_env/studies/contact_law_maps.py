@@ -95,9 +95,10 @@ def measure_pull_off(law: str, restitution: float, ratio: float) -> Cell:
     speed, run = heard.result
     share = run.metadata["cut_off_share"]
     # The first sample is taken before the contact begins.
-    if (run.normal_force[1:][run.penetration[1:] > 0.0] == 0.0).any():
+    cut_off = (run.normal_force[1:][run.penetration[1:] > 0.0] == 0.0).any()
+    if cut_off and share > 0.0:
         return Cell(CUT_OFF, speed, FIGURE, f"cut_off_share = {share:.3g} of the samples in contact")
-    return heard.classified(FINE, speed)
+    return heard.classified(CUT_OFF if cut_off else FINE, speed)
 
 
 def pull_off_limit(law: str, ratio: float) -> float:

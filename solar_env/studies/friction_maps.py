@@ -86,7 +86,9 @@ def measure_creep(panel: str, speed_full: float, speed_zero: float) -> Cell:
     if speed <= SLOW_CREEP:
         return heard.classified(FINE, speed)
     share = run.metadata["creeping_share"]
-    return Cell(CREEPS, speed, FIGURE, f"creeping_share = {share:.3g} of the samples in contact")
+    if share > 0.0:
+        return Cell(CREEPS, speed, FIGURE, f"creeping_share = {share:.3g} of the samples in contact")
+    return heard.classified(CREEPS, speed)
 
 
 def measure_step(panel: str, speed_full: float, speed_zero: float) -> Cell:

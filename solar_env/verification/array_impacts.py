@@ -111,7 +111,7 @@ def _checks(model: str, duration: float, at_least: int) -> Iterator[Check]:
         quantity=f"{model}: largest error of a restitution",
         expected=0.0,
         obtained=float(np.abs(pairs[:, 0] - pairs[:, 1]).max()),
-        tolerance=0.01,
+        tolerance=2e-3,
         source=_SOURCE,
     )
 

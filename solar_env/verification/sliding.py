@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from ..mechanics.joint import NORMAL, RATE, TANGENTIAL
 from ..mechanics.laws import damping_factor
 from ..mechanics.mechanisms import loaded_journal
 from ..mechanics.simulation import Simulation, simulate
+from ..mechanics.trajectory import Trajectory
 from .checks import Check
 
 LOAD, RADIUS, CLEARANCE = 10.0, 0.01, 2e-4
@@ -25,6 +27,8 @@ FRICTION = 0.15
 SPEED_ZERO, SPEED_FULL = 1e-4, 1e-3
 WEAR, WIDTH, BINS = 1e-13, 0.05, 360
 STATICS = "balance of forces and moments"
+ARCHARD = "J. F. Archard, J. Appl. Phys. 24 (1953) 981: volume = k * force * sliding distance"
+RATE_OF_TURNING, TURNS = 20.0, 2  # rad/s, -
 
 
 def _bearing(material_sliding: bool = True) -> Bearing:
@@ -89,15 +93,20 @@ def sliding_speed_readings() -> Iterator[Check]:
     )
 
 
+def _worn(housing_angle: float | None = None) -> Trajectory:
+    """Motion of a journal that turns at a constant rate, in the ground or in a fixed housing at an angle [rad]."""
+    mechanism = loaded_journal(_bearing(), LOAD, math.atan(FRICTION), RATE_OF_TURNING, wear_bins=BINS)
+    if housing_angle is not None:
+        housing = Body("housing", 1.0, 1.0, 1.0, (0.0, 0.0), angle=housing_angle, fixed=True)
+        joint = replace(mechanism.joints[0], inboard=housing.name)
+        mechanism = replace(mechanism, bodies=(housing, *mechanism.bodies), joints=(joint,))
+    return simulate(mechanism, TURNS * 2.0 * math.pi / RATE_OF_TURNING, integrator=RungeKutta(rtol=1e-8))
+
+
 def archard_wear() -> Iterator[Check]:
-    """Wear of a journal that turns at a constant rate: volumes, and depths over the arc of contact."""
-    rate, turns, bearing = 20.0, 2, _bearing()
-    duration = turns * 2.0 * math.pi / rate
-    motion = simulate(
-        loaded_journal(bearing, LOAD, math.atan(FRICTION), rate, wear_bins=BINS),
-        duration,
-        integrator=RungeKutta(rtol=1e-8),
-    )
+    """Wear of a journal that turns at a constant rate: volumes, depths over the arc of contact, and its place."""
+    bearing, rate, motion = _bearing(), RATE_OF_TURNING, _worn()
+    duration = TURNS * 2.0 * math.pi / rate
     # Steady sliding, beyond the ramp: T = cf N.
     normal = LOAD / math.hypot(1.0, FRICTION)
     volume = WEAR * normal * RADIUS * rate * duration
@@ -111,7 +120,6 @@ def archard_wear() -> Iterator[Check]:
     edges = np.arange(BINS + 1) * bin_arc
     covered = np.clip(np.minimum(high, edges[1:]) - np.maximum(low, edges[:-1]), 0.0, None)
     deepest = volume / (WIDTH * bearing_radius * bin_arc) * covered.max() / (2.0 * half_arc)
-    source = "J. F. Archard, J. Appl. Phys. 24 (1953) 981: volume = k * force * sliding distance"
     figures = (
         (
             "worn volume of the journal [m3]",
@@ -148,5 +156,35 @@ def archard_wear() -> Iterator[Check]:
             obtained=float(obtained),
             tolerance=tolerance,
             relative=True,
-            source=source,
+            source=ARCHARD,
         )
+    yield from _places_of_wear("bearing", motion, 0.0, half_arc)
+    yield from _places_of_wear("bearing turned by 1 rad", _worn(1.0), 1.0, half_arc)
+
+
+def _places_of_wear(name: str, motion: Trajectory, angle: float, half_arc: float) -> Iterator[Check]:
+    """Where wear falls in the frames of a bearing at ``angle`` [rad] and of a journal that turns in it."""
+    worn, bin_arc = motion.wear_bearing[0], 2.0 * math.pi / BINS
+    middles = (np.arange(BINS) + 0.5) * bin_arc
+    place = 1.5 * math.pi - math.atan(FRICTION) - angle
+    yield Check(
+        quantity=f"{name}: centroid of its wear [rad]",
+        expected=place,
+        obtained=float(worn @ middles / worn.sum()),
+        tolerance=bin_arc**2 / (16.0 * half_arc),  # the two bins that the arc covers in part count at their middles
+        source=f"exact: the line of centres leans by arctan(T / N); {STATICS}",
+    )
+    yield Check(
+        quantity=f"{name}: deepest wear beside the arc of contact [m]",
+        expected=0.0,
+        obtained=float(worn[np.abs(middles - place) > half_arc + bin_arc].max()),
+        tolerance=0.0,
+        source="no contact there",
+    )
+    yield Check(
+        quantity=f"{name}: deepest over mean wear of the journal that turns in it",
+        expected=1.0,
+        obtained=float(motion.wear_journal.max() / motion.wear_journal.mean()),
+        tolerance=0.03,  # a step wears an arc at once
+        source=f"every point of it passes the arc of contact {TURNS} times",
+    )

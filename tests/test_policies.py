@@ -12,6 +12,7 @@ from agents.environments import episode_seeds, make_env
 from agents.rollout import run_episode
 from agents.shipped import load_shipped
 from agents.suites import MODEL, SUITES
+from solar_env import Rosenbrock, episode_setup
 
 POLICIES = shipped.available()
 
@@ -86,3 +87,19 @@ def test_a_card_says_what_a_policy_was_trained_on_how_it_scored_and_where_it_end
     for heading in ("## Training", "## Scores", "## Limits", "## Use"):
         assert heading in card
     assert "None were measured." not in card
+
+
+@pytest.mark.slow
+def test_the_nominal_policy_lands_more_softly_than_its_law_at_a_hundredth_of_the_tolerance_too(monkeypatch):
+    description = load_shipped("ppo-nominal").description
+
+    def mean_cost(controller):
+        env = make_env(description.env_id, {**description.env_kwargs, **MODEL, "elements": 4})
+        law = load_controller(controller, env)
+        return -np.mean([run_episode(env, law, seed)["return"] for seed in episode_seeds("evaluation", 0, 12)])
+
+    usual = mean_cost("ppo-nominal")
+    monkeypatch.setattr(episode_setup, "default_integrator", lambda model: Rosenbrock(rtol=1e-6))
+    policy, servo = mean_cost("ppo-nominal"), mean_cost("servo")
+    assert policy < 0.8 * servo
+    assert policy == pytest.approx(usual, rel=0.35)

@@ -7,12 +7,13 @@ import pytest
 from helpers import block
 
 from solar_env.array import ArrayParameters, build
+from solar_env.integrators import default_integrator
 from solar_env.mechanics import model as m
 from solar_env.mechanics.description import Bearing
 from solar_env.mechanics.integrators import Rosenbrock, RungeKutta
 from solar_env.mechanics.linear import lu_factor, lu_solve
 from solar_env.mechanics.runge_kutta import _COUPLING, _ERROR
-from solar_env.mechanics.simulation import Simulation
+from solar_env.mechanics.simulation import Simulation, simulate
 from solar_env.mechanics.stiff_forces import COUPLING, DIAGONAL
 
 EXPLICIT = np.pad(np.array(_COUPLING), ((0, 0), (0, 1)))
@@ -80,3 +81,43 @@ def test_a_journal_at_rest_is_stepped_over_and_its_load_booked() -> None:
     assert simulation.state.clock["steps"][0] - steps < 500
     assert after - before == pytest.approx(10.0 * weight, rel=1e-6)
     assert simulation.state.joints["in_contact"][0]
+
+
+PERIOD = 0.1  # s
+
+
+def peaks_under_a_motor_that_changes_its_mind(integrator: RungeKutta) -> np.ndarray:
+    """(periods,) peak force [N] while a small torque on the pressed root joint jumps to and fro."""
+    simulation = Simulation(build(ArrayParameters()), integrator)
+    simulation.advance(3.0)
+    starts, peaks = simulation.state.joints["contact_starts"].copy(), []
+    for period in range(30):
+        simulation.set_motor_torque(0, 0.02 * (-1) ** period)
+        simulation.state.joints["recent_peak_force"] = 0.0
+        simulation.advance(3.0 + (period + 1) * PERIOD)
+        peaks.append(float(simulation.state.joints["recent_peak_force"].max()))
+    assert np.array_equal(simulation.state.joints["contact_starts"], starts), "the journals stay pressed"
+    return np.array(peaks)
+
+
+@pytest.mark.parametrize("integrator", [default_integrator("rigid-clearance"), RungeKutta(rtol=1e-5)])
+def test_the_force_of_a_lasting_contact_is_right_though_its_depth_is_below_the_tolerance_of_positions(
+    integrator: RungeKutta,
+) -> None:
+    exact = peaks_under_a_motor_that_changes_its_mind(RungeKutta(rtol=1e-8))
+    assert 0.2 < exact.min() < exact.max() < 0.4
+    found = peaks_under_a_motor_that_changes_its_mind(integrator)
+    # Vibrations of the contact itself are stepped over.
+    assert np.all(found < 1.02 * exact)
+    assert np.all(found > 0.85 * exact)
+
+
+def test_samples_within_long_steps_show_the_force_of_a_lasting_contact() -> None:
+    mechanism = build(ArrayParameters())
+    coarse = simulate(mechanism, 8.0, integrator=default_integrator("rigid-clearance"))
+    exact = simulate(mechanism, 8.0, integrator=RungeKutta(rtol=1e-8))
+    lasting = exact.time > 2.0
+    assert coarse.metadata["steps"] < 0.3 * exact.metadata["steps"]
+    assert exact.normal_force[lasting].min() > 0.1
+    assert coarse.normal_force[lasting] == pytest.approx(exact.normal_force[lasting], rel=0.1)
+    assert coarse.penetration[lasting] == pytest.approx(exact.penetration[lasting], rel=0.07, abs=0.0)

@@ -52,6 +52,7 @@ from .runge_kutta import (
     error_norm,
     interpolate,
     interpolate_integrals,
+    interpolate_without_accelerations,
     make_stages,
     make_stiff_forces,
 )
@@ -113,29 +114,32 @@ def refine_peak(model, state, stages, j, h, share):
 
 
 @njit_merged
-def refine_peaks(model, state, stages, h, share, implicit):
+def refine_peaks(model, state, stages, h, share, coarse):
     """Find the force peaks that lie inside the step: where a penetration has turned from growing to falling.
 
-    Not those of lasting contacts in linearly implicit steps, see ``rosenbrock.take_contacts_from_ends``: their
-    interpolant has depths that never were, and forces up to a thousand times the real ones.
+    Not those of lasting contacts in ``coarse`` steps, linearly implicit or corrected for stiff contacts: their
+    interpolant has depths that never were, see ``rosenbrock.take_contacts_from_ends`` and
+    ``runge_kutta.interpolate_without_accelerations``, and forces up to a thousand times the real ones.
     """
     joints, markers, joint_states, time = model.joints, model.markers, state.joints, state.clock[0].time
     depth_rate, q, v = stages.depth_rate, stages.q, stages.v
     for j in range(joints.size):
         own = joint_states[j]
-        if own.in_contact and depth_rate[j] > 0.0 and not (implicit and lasts(own, time)):
+        if own.in_contact and depth_rate[j] > 0.0 and not (coarse and lasts(own, time)):
             _, rate = penetration(joints[j], markers, q, v)
             if rate <= 0.0:
                 refine_peak(model, state, stages, j, h, share)
 
 
 @njit_inner
-def record_until(model, state, stages, scratch, recorder, h, end):
+def record_until(model, state, stages, stiff, scratch, recorder, h, end):
     """Take the samples that fall inside the accepted part of the step."""
     start = state.clock[0].time
     while sample_due(recorder, end):
         share = min(max((recorder.times[recorder.filled[0]] - start) / h, 0.0), 1.0) if h > 0.0 else 0.0
         interpolate(state, stages, h, share)
+        if stiff.active[1] > 0:
+            interpolate_without_accelerations(state, stages, h, share)
         interpolate_integrals(state, stages, h, share)
         record_sample(
             recorder,
@@ -211,7 +215,7 @@ def move_to(state, stages, h, share):
 
 
 @njit_merged
-def accept(model, state, stages, work, scratch, recorder, h, share, event_joint, kind, implicit):
+def accept(model, state, stages, stiff, work, scratch, recorder, h, share, event_joint, kind, implicit):
     """Move to ``share`` of the step and book what happened on the way.
 
     Args:
@@ -226,8 +230,8 @@ def accept(model, state, stages, work, scratch, recorder, h, share, event_joint,
     end = start + share * h
     if recorder.times.size > 0:
         copy_into(scratch.impact_speeds, impact_speeds)
-        record_until(model, state, stages, scratch, recorder, h, end)
-    refine_peaks(model, state, stages, h, share, implicit)
+        record_until(model, state, stages, stiff, scratch, recorder, h, end)
+    refine_peaks(model, state, stages, h, share, implicit or stiff.active[1] > 0)
     move_to(state, stages, h, share)
     clock.time = end
     clock.steps += 1
@@ -273,7 +277,7 @@ def advance_adaptive(model, state, settings, recorder, end_time, arrays):
     """Advance ``state`` in place to ``end_time`` [s]; returns a status code."""
     work, scratch, stages, stiff, step = arrays
     clock = state.clock[0]
-    stiff.active[0] = 0
+    stiff.active[:] = 0
     step.linearized[0] = NEVER
     # Whether the accelerations solve the equations, not only to a step's tolerance.
     exact = True
@@ -288,7 +292,7 @@ def advance_adaptive(model, state, settings, recorder, end_time, arrays):
     measure_depths(model, state, stages)
     if recorder.times.size > 0:
         copy_into(scratch.impact_speeds, work.impact_speeds)
-        record_until(model, state, stages, scratch, recorder, 0.0, clock.time)
+        record_until(model, state, stages, stiff, scratch, recorder, 0.0, clock.time)
     if clock.step_size <= 0.0:
         clock.step_size = 1e-6
         clock.last_error = 1.0
@@ -314,6 +318,7 @@ def advance_adaptive(model, state, settings, recorder, end_time, arrays):
         if last:
             h = end_time - clock.time
         taken += 1
+        stiff.active[1] = 0
         if implicit:
             error = _STRICTER * attempt_rosenbrock(model, state, stages, step, work, settings, h)
         else:
@@ -321,6 +326,8 @@ def advance_adaptive(model, state, settings, recorder, end_time, arrays):
                 exact = refresh(model, state, stages, work)
             error = -1.0
             if exact and attempt_step(model, state, stages, stiff, work, h):
+                # With flexible bodies only stops are treated so.
+                stiff.active[1] = stiff.active[0] if model.stable_step == math.inf else 0
                 error = error_norm(model, state, stages, stiff, settings, h)
         if error < 0.0:
             status = fail(state, SINGULAR_CONSTRAINTS, -1, 0.0)
@@ -347,7 +354,7 @@ def advance_adaptive(model, state, settings, recorder, end_time, arrays):
         if at_once > _MOST_EVENTS_AT_ONCE:
             status = fail(state, EVENTS_PILE_UP, event_joint, float(at_once))
             break
-        if not accept(model, state, stages, work, scratch, recorder, h, share, event_joint, kind, implicit):
+        if not accept(model, state, stages, stiff, work, scratch, recorder, h, share, event_joint, kind, implicit):
             status = fail(state, SINGULAR_CONSTRAINTS, -1, 0.0)
             break
         if last and share == 1.0:

@@ -23,7 +23,7 @@ def compile_evaluation(mechanism: Mechanism) -> None:
     _compile(begin_step, model, state, arrays.work, arrays.stiff, state.a, 1e-3)
     _compile(begin_event, model, state, NONE, NONE, arrays.scratch)
     recorder = make_recorder(model, state, np.zeros(0), 0)
-    _compile(record_until, model, state, arrays.stages, arrays.scratch, recorder, 1e-3, 1e-3)
+    _compile(record_until, model, state, arrays.stages, arrays.stiff, arrays.scratch, recorder, 1e-3, 1e-3)
 
 
 def compile_linear_step(mechanism: Mechanism) -> None:

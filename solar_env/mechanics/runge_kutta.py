@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._jit import njit, njit_inlined, njit_inner, njit_merged
+from .joint import penetration
 from .linear import copy_into
 from .model import (
     CABLE_WORK,
@@ -49,6 +50,10 @@ _ERROR = tuple(weight / 40.0 for weight in (-1.0, 3.0, -3.0, -3.0, 4.0))
 # its speed, to _LEAST_SCALE at most: impacts amplify errors, and those of the first, slow impacts grow for longest.
 _SLOW = 0.5
 _LEAST_SCALE = 1e-3
+
+# Share of a lasting contact's depth that a step may be off. The depth is some nanometres: to a tolerance of positions
+# alone a step could press the contact with a hundred times its force.
+_DEPTH_ERROR = 0.01
 
 # Integrals that enter the energy book, and with it the error norm.
 _ENERGIES = (NORMAL_DISSIPATION, FRICTION_DISSIPATION, MOTOR_WORK, STOP_DISSIPATION, CABLE_WORK)
@@ -87,7 +92,7 @@ class StiffForces(NamedTuple):
     end: NDArray[np.float64]  # (n,) and at its end
     start_power: NDArray[np.float64]  # (integrals,) powers at the step's start
     end_power: NDArray[np.float64]  # (integrals,) and at its end
-    active: NDArray[np.int64]  # (1,) number of entries in use
+    active: NDArray[np.int64]  # [number of entries in use, number of contacts in the step in hand]
 
 
 class Stages(NamedTuple):
@@ -157,7 +162,7 @@ def make_stiff_forces(state: State) -> StiffForces:
         end=np.zeros(n),
         start_power=np.zeros(k),
         end_power=np.zeros(k),
-        active=np.zeros(1, dtype=np.int64),
+        active=np.zeros(2, dtype=np.int64),
     )
 
 
@@ -226,6 +231,27 @@ def present_velocity_scale(velocity_scale, weights, v0, v):
     return velocity_scale * min(1.0, max((_SLOW * top / velocity_scale) ** 2, _LEAST_SCALE))
 
 
+@njit_inner
+def contact_error(model, stages, stiff, h):
+    """Greatest error estimate of a lasting contact's depth, in units of its tolerance, a share of the depth itself."""
+    velocity, worst = stages.velocity, 0.0
+    e0, e1, e2, e3, e4 = _ERROR
+    for c in range(stiff.active[0]):
+        if stiff.stiffness[c] > 0.0:
+            gradient, j, rate = stiff.gradient[c], stiff.joint[c], 0.0
+            for i in range(gradient.size):
+                rate += gradient[i] * (
+                    e0 * velocity[0, i]
+                    + e1 * velocity[1, i]
+                    + e2 * velocity[2, i]
+                    + e3 * velocity[3, i]
+                    + e4 * velocity[4, i]
+                )
+            depth, _ = penetration(model.joints[j], model.markers, stages.q, stages.v)
+            worst = max(worst, h * abs(rate) / (_DEPTH_ERROR * max(depth, stages.depth[j])))
+    return worst
+
+
 @njit_merged
 def error_norm(model, state, stages, stiff, settings, h):
     """Greatest component of the error estimate in units of the tolerance."""
@@ -267,6 +293,7 @@ def error_norm(model, state, stages, stiff, settings, h):
         de = e0 * power[0, i] + e1 * power[1, i] + e2 * power[2, i] + e3 * power[3, i] + e4 * power[4, i]
         worst = max(worst, abs(h * de) / energy_tolerance)
     if stiff.active[0] > 0:
+        worst = max(worst, contact_error(model, stages, stiff, h))
         restore_ends(v0, stages, stiff)
     return worst
 
@@ -304,6 +331,19 @@ def interpolate(state, stages, h, share):
         a0, a1 = h * acceleration[0, i], h * acceleration[STAGES - 1, i]
         q[i] = p0 * q0[i] + r0 * q1[i] + h * (p1 * v0[i] + r1 * v1[i] + p2 * a0 + r2 * a1)
         v[i] = c0 * v0[i] + c1 * a0 + d0 * v1[i] + d1 * a1
+
+
+@njit_inner
+def interpolate_without_accelerations(state, stages, h, share):
+    """Coordinates at ``share`` of the step from those and the velocities at its ends alone, into ``stages.scratch_q``.
+
+    For steps that were corrected for stiff contacts: accelerations at the ends are not those in between, and a share of
+    them would press a lasting contact, some nanometres deep, open or shut.
+    """
+    q0, v0, q1, v1, q = state.q, state.v, stages.q, stages.v, stages.scratch_q
+    c0, c1, d0, d1 = cubic_weights(share)
+    for i in range(q.size):
+        q[i] = c0 * q0[i] + d0 * q1[i] + h * (c1 * v0[i] + d1 * v1[i])
 
 
 @njit_inner

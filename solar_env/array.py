@@ -211,8 +211,8 @@ class ArrayParameters:
         factor = damping_factor(self.contact_law, self.restitution)
         if self.contact_law != "hertz":
             check_restitution(self.contact_law, self.restitution, exit_speed_ratio(factor))
-        if self.contact_stiffness is not None:
-            self._require("contact_stiffness", self.contact_stiffness > 0.0, "must be positive")
+        for joint in range(self.panel_count):
+            self._require("contact_stiffness", self.stiffness_of_contact(joint) > 0.0, "must be positive")
         if self.cable_torque_ratio is not None:
             self._require("cable_torque_ratio", self.cable_torque_ratio >= 0.0, "must not be negative")
 
@@ -266,13 +266,22 @@ class ArrayParameters:
         Raises:
             ValueError: if a name is unknown or a value is refused.
         """
-        known = [item.name for item in fields(self)]
         for name in changes:
-            if name not in known:
-                close = difflib.get_close_matches(name, known, n=1)
-                hint = f"; did you mean {close[0]!r}?" if close else f"; known are {', '.join(known)}"
-                raise ValueError(f"parameter {name!r} is unknown{hint}")
+            self.check_name(name)
         return replace(self, **changes)
+
+    @classmethod
+    def check_name(cls, name: str) -> None:
+        """Check that there is a parameter of this name.
+
+        Raises:
+            ValueError: if there is none; the message shows what comes close.
+        """
+        known = [item.name for item in fields(cls)]
+        if name not in known:
+            close = difflib.get_close_matches(name, known, n=1)
+            hint = f"; did you mean {close[0]!r}?" if close else f"; known are {', '.join(known)}"
+            raise ValueError(f"parameter {name!r} is unknown{hint}")
 
     def lock_angle(self, joint: int) -> float:
         """Angle at which a joint latches [rad]: pi/2 at the root, pi further out."""

@@ -100,6 +100,8 @@ class Setup:
         """
         if not isinstance(changes, Mapping):
             raise ValueError(f"options['parameters'] = {changes!r} must be a mapping of names to values")
+        if not changes:
+            return
         changed = design.with_changes(changes)
         for name in ArrayParameters.STRUCTURAL:
             if getattr(changed, name) != getattr(design, name):
@@ -147,7 +149,7 @@ def _checked_ranges(parameters: ArrayParameters, ranges: Ranges) -> Ranges:
     """The ranges with both ends shown to be acceptable values, by joint where the parameter is."""
     checked: dict[str, tuple[Bound, Bound]] = {}
     for name, bounds in ranges.items():
-        parameters.with_changes({name: getattr(parameters, name, None)})
+        parameters.check_name(name)
         if name not in ArrayParameters.CONTINUOUS:
             raise ValueError(f"randomize[{name!r}]: {name} is not a real number and cannot be drawn")
         pair: Any = bounds

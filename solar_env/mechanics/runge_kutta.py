@@ -29,7 +29,7 @@ from .model import (
     STOP_DISSIPATION,
     State,
 )
-from .stiff_forces import begin_step, correct_stage, may_be_stiff
+from .stiff_forces import begin_step, correct_stage, may_be_stiff, product
 from .system import inlined_accelerations
 
 STAGES = 5
@@ -234,19 +234,12 @@ def present_velocity_scale(velocity_scale, weights, v0, v):
 @njit_inner
 def contact_error(model, stages, stiff, h):
     """Greatest error estimate of a lasting contact's depth, in units of its tolerance, a share of the depth itself."""
-    velocity, worst = stages.velocity, 0.0
-    e0, e1, e2, e3, e4 = _ERROR
+    worst = 0.0
     for c in range(stiff.active[0]):
         if stiff.stiffness[c] > 0.0:
-            gradient, j, rate = stiff.gradient[c], stiff.joint[c], 0.0
-            for i in range(gradient.size):
-                rate += gradient[i] * (
-                    e0 * velocity[0, i]
-                    + e1 * velocity[1, i]
-                    + e2 * velocity[2, i]
-                    + e3 * velocity[3, i]
-                    + e4 * velocity[4, i]
-                )
+            j, rate = stiff.joint[c], 0.0
+            for s in range(STAGES):
+                rate += _ERROR[s] * product(stiff.gradient[c], stages.velocity[s])
             depth, _ = penetration(model.joints[j], model.markers, stages.q, stages.v)
             worst = max(worst, h * abs(rate) / (_DEPTH_ERROR * max(depth, stages.depth[j])))
     return worst

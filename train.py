@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from agents import configurations, learn, runs
-from agents.arguments import parse_arguments
+from agents.arguments import parse_arguments, run_command
 from agents.baselines import make_baseline
-from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model
+from agents.environments import DEFAULT_ENV_ID, check_seeds, episode_seeds, make_env, with_model
 from agents.evaluate import efforts, evaluate
 from agents.figures import run_figure
 from agents.report import Summary, Tables, write_comparison
@@ -41,7 +41,8 @@ class Args:
     """environment steps to train for; None: at most 120,000, or the number in agents/configs for a model that was named
     and for the whole torque, or as many as the run to resume was given"""
     seed: int | None = None
-    """seed of networks, exploration and training episodes; None: 0, or that of the run to resume"""
+    """seed of networks, exploration and training episodes, and chooses those of the comparison; None: 0, or that of the
+    run to resume; beside --seeds it chooses the comparison's alone"""
     seeds: list[int] = field(default_factory=list)
     """train a run for each of these seeds, side by side, and compare them with the baselines as one controller; runs
     that are complete are not trained again"""
@@ -126,10 +127,9 @@ def train_seeds(args: Args, command: str) -> Path:
     Raises:
         ValueError: a run was to be resumed, a seed is given twice, or there is no folder to come back to.
     """
-    if args.resume or args.out is None or len(set(args.seeds)) < len(args.seeds):
-        raise ValueError(
-            "--seeds takes different seeds and --out, the folder of their runs, and does not go with --resume"
-        )
+    if args.resume or args.out is None:
+        raise ValueError("--seeds takes --out, the folder of their runs, and does not go with --resume")
+    check_seeds(args.seeds)
     check_comparison(args, args.seed or 0)
     out = Path(args.out)
     wanted = {out / f"seed-{seed}": configuration(args, seed) for seed in args.seeds}
@@ -208,4 +208,4 @@ def draw(folder: Path, config: configurations.Configuration, returns: dict[str, 
 
 
 if __name__ == "__main__":
-    main(parse_arguments(Args), shlex.join(["python", *sys.argv]))
+    run_command(lambda: main(parse_arguments(Args), shlex.join(["python", *sys.argv])))

@@ -6,10 +6,13 @@ import dataclasses
 import inspect
 import itertools
 import re
+import sys
 import textwrap
 import typing
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
+
+from solar_env import SimulationError
 
 Arguments = TypeVar("Arguments")
 
@@ -18,8 +21,8 @@ def parse_arguments(cls: type[Arguments], argv: Sequence[str] | None = None, pro
     """Fill the dataclass `cls` from `argv` (default: the process's arguments).
 
     Field ``env_id`` becomes ``--env-id``, its help is the string literal below it; a bool becomes a flag with
-    its ``--no-`` form, a list takes any number of values, a dict takes ``key=value`` pairs. Wrong input ends
-    the process with argparse's message.
+    its ``--no-`` form, a list takes any number of values, a dict takes ``key=value`` pairs, also when the option is
+    repeated. Wrong input ends the process with argparse's message.
     """
     parser = argparse.ArgumentParser(
         prog=prog,
@@ -38,7 +41,7 @@ def parse_arguments(cls: type[Arguments], argv: Sequence[str] | None = None, pro
             settings["action"] = argparse.BooleanOptionalAction
         elif typing.get_origin(kind) is dict:
             pairs.append(field.name)
-            settings |= {"nargs": "+", "default": [], "metavar": "KEY=VALUE"}
+            settings |= {"action": "extend", "nargs": "+", "default": [], "metavar": "KEY=VALUE"}
         elif typing.get_origin(kind) is list:
             settings |= {"nargs": "+", "type": typing.get_args(kind)[0]}
         else:
@@ -51,6 +54,15 @@ def parse_arguments(cls: type[Arguments], argv: Sequence[str] | None = None, pro
         except ValueError as error:
             parser.error(f"--{name.replace('_', '-')}: {error}")
     return cls(**values)
+
+
+def run_command(main: Callable[[], object]) -> None:
+    """Run `main`; what it refuses, and runs that fail, end the process with their message and status 2."""
+    try:
+        main()
+    except (ValueError, OSError, SimulationError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        sys.exit(2)
 
 
 def field_documentation(cls: type) -> dict[str, str]:

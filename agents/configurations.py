@@ -14,8 +14,10 @@ from agents.environments import EPISODES_PER_SEED, episode_seeds, make_env, with
 from agents.residual import residual_on
 
 # Arguments of the Stable-Baselines3 classes that say other things than how to learn.
-NOT_HYPERPARAMETERS = {"policy", "env", "seed", "device", "verbose", "tensorboard_log", "_init_setup_model"}
-COUNTS = {"batch_size", "buffer_size", "n_epochs", "n_steps", "policy_delay"}
+NOT_HYPERPARAMETERS = {"policy", "env", "seed", "device", "verbose", "tensorboard_log", "_init_setup_model"} | {
+    f"{kind}_buffer_{part}" for kind in ("replay", "rollout") for part in ("class", "kwargs")
+}
+COUNTS = {"batch_size", "buffer_size", "n_epochs", "n_steps", "policy_delay", "train_freq"}
 SHARES = {"gamma", "tau"}
 
 
@@ -95,9 +97,9 @@ def configuration(
 
     Args:
         algo, env_id, env_kwargs, seed, n_envs, timesteps: See `Configuration`.
-        hyperparameters: In place of single ones of the configuration's.
+        hyperparameters: In place of single ones of the configuration's, and single "policy_kwargs" of its.
         residual: Greatest action that the agent adds to the law, as a share of the torque limit; 0: no law.
-        landings: See `Configuration`.
+        landings: See `Configuration`; there are none without a law.
         law_model: Model whose tuned parameters the law has; None: that of the environment.
 
     Raises:
@@ -122,9 +124,14 @@ def configuration(
     episode_seeds("training", seed, n_envs)
     with make_env(env_id, env_kwargs) as env:
         model = env.get_wrapper_attr("model")
-    landings = (found["landings"] if landings is None else landings) if scale else 0
+    if landings and not scale:
+        raise ValueError(f"landings is {landings}, but with residual 0 there is no law to land the array; leave it out")
+    recorded = (found["landings"] if landings is None else landings) if scale else 0
     if scale:
-        _check_positive("landings", landings)
+        _check_positive("landings", recorded)
+    chosen = {**found["hyperparameters"], **(hyperparameters or {})}
+    if "policy_kwargs" in found["hyperparameters"]:
+        chosen["policy_kwargs"] = {**found["hyperparameters"]["policy_kwargs"], **chosen["policy_kwargs"]}
     return Configuration(
         algo=algo,
         env_id=env_id,
@@ -132,16 +139,24 @@ def configuration(
         seed=seed,
         n_envs=n_envs,
         timesteps=timesteps,
-        hyperparameters={**found["hyperparameters"], **(hyperparameters or {})},
-        residual=residual_on(scale, env_id, law_model or model, landings) if scale else None,
-        landings=landings,
+        hyperparameters=chosen,
+        residual=residual_on(scale, env_id, law_model or model, recorded) if scale else None,
+        landings=recorded,
     )
 
 
 def stored_configuration(folder: str | Path) -> Configuration:
-    """The configuration of the run in `folder`."""
+    """The configuration of the run in `folder`.
+
+    Raises:
+        FileNotFoundError: `folder` holds no run.
+        ValueError: the run is of a version that kept less.
+    """
     stored = runs.read_config(folder)
-    return Configuration(**{name: stored[name] for name in inspect.signature(Configuration).parameters})
+    names = inspect.signature(Configuration).parameters
+    if missing := [name for name in names if name not in stored]:
+        raise ValueError(f"{folder} says nothing of {', '.join(missing)}: an older version trained it; train it anew")
+    return Configuration(**{name: stored[name] for name in names})
 
 
 def resumed_configuration(folder: str | Path, timesteps: int | None = None) -> Configuration:
@@ -150,7 +165,7 @@ def resumed_configuration(folder: str | Path, timesteps: int | None = None) -> C
     What it records of its law's landings is counted with what the law has cost.
 
     Raises:
-        FileNotFoundError: `folder` holds no run.
+        FileNotFoundError, ValueError: as `stored_configuration`.
         ValueError: the number of steps is not positive, or there are no episodes left to record.
     """
     previous = stored_configuration(folder)
@@ -172,6 +187,10 @@ def _check_hyperparameter(name: str, value: Any) -> None:
     number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
     if name == "learning_rate" and not (number and value >= 0):
         raise ValueError(f"hyperparameter {name} is {value!r}; give a positive number, or 0 to learn nothing")
+    if name == "exploration_noise" and not (number and value >= 0):
+        raise ValueError(f"hyperparameter {name} is {value!r}; give a positive number, or 0 for none")
+    if name == "policy_kwargs" and not isinstance(value, Mapping):
+        raise ValueError(f"hyperparameter {name} is {value!r}; give a dictionary")
     if name == "actor_learning_rate" and not (number and value > 0):
         raise ValueError(f"hyperparameter {name} is {value!r}; give a positive number")
     if name in COUNTS and not (number and value == int(value) >= 1):

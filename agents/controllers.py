@@ -33,6 +33,7 @@ def load_controller(spec: str, env: gymnasium.Env) -> Controller:
         policy = shipped.load_shipped(spec)
         policy.check(env)
         return policy
+    _check_run(spec)
     return runs.load_policy(spec, env)
 
 
@@ -109,4 +110,16 @@ def _training(spec: str) -> dict[str, Any] | None:
         return None
     if spec in shipped.available():
         return vars(shipped.load_shipped(spec).description)
+    _check_run(spec)
     return runs.read_config(spec)
+
+
+def _check_run(spec: str) -> None:
+    """Refuse what is neither a run folder nor, since it came to this, any other controller.
+
+    Raises:
+        FileNotFoundError: there is no run folder of this name.
+    """
+    if not (Path(spec) / runs.CONFIG).is_file():
+        known = ", ".join((*UNTRAINED, *shipped.available()))
+        raise FileNotFoundError(f"no controller {spec!r}: it is no run folder of train.py, and none of {known}")

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from agents import configurations, learn, runs
-from agents.arguments import parse_arguments
-from agents.environments import with_model
+from agents.arguments import parse_arguments, run_command
+from agents.environments import check_seeds, with_model
 from agents.figures import learning_curves_figure
 from agents.suites import SUITES, TRAINING_MODEL, WHOLE_TORQUE_MODEL
 from solar_env.campaigns import Workers
@@ -83,7 +83,7 @@ def wanted_runs(args: Args) -> dict[tuple[str, str], dict[Path, configurations.C
                     timesteps=args.timesteps,
                     hyperparameters=args.hyperparams,
                     residual=0.0 if whole else None,
-                    landings=args.landings,
+                    landings=None if whole else args.landings,
                 )
                 for seed in args.seeds
             }
@@ -112,6 +112,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     unknown = [suite for suite in args.suites if suite not in SUITES]
     if unknown:
         raise ValueError(f"no suite {unknown[0]!r}; available: {', '.join(SUITES)}")
+    check_seeds(args.seeds)
     command = shlex.join(["python", "-m", "agents.curves", *(sys.argv[1:] if argv is None else argv)])
     wanted = wanted_runs(args)
     everything = {folder: config for of_agent in wanted.values() for folder, config in of_agent.items()}
@@ -127,4 +128,4 @@ def main(argv: Sequence[str] | None = None) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_command(main)

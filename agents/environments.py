@@ -1,6 +1,6 @@
 """Making the environments that controllers are tuned, trained and evaluated on, and their seeds."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, Literal
 
@@ -24,8 +24,14 @@ def with_sampling(env_kwargs: Mapping[str, Any], env_id: str = DEFAULT_ENV_ID) -
     """`env_kwargs` with the place of the root hinge drawn where neither they nor the scenario say what to draw.
 
     Raises:
-        ValueError: as `make_env`; or episodes were to be cut off, after which nothing says how the array landed.
+        ValueError: as `make_env`; episodes were to be cut off, after which nothing says how the array landed; or the
+            scenario was given as a keyword, by which nothing is tuned.
     """
+    if "scenario" in env_kwargs:
+        raise ValueError(
+            f"scenario={env_kwargs['scenario']!r}: what is tuned and trained for a scenario is found by environment id;"
+            f" leave the keyword out and choose --env-id, one of {', '.join(_registered())}"
+        )
     if "max_episode_steps" in env_kwargs:
         raise ValueError(
             "episodes that max_episode_steps cuts off have no landing to judge; set deadline and postlock_window"
@@ -37,6 +43,17 @@ def with_sampling(env_kwargs: Mapping[str, Any], env_id: str = DEFAULT_ENV_ID) -
     middle = getattr(parameters, SAMPLED)
     around = {SAMPLED: (middle - HALF_WIDTH, middle + HALF_WIDTH)}
     return dict(env_kwargs) if drawn else {"randomize": around, **env_kwargs}
+
+
+def without_sampling(env_kwargs: Mapping[str, Any], env_id: str = DEFAULT_ENV_ID) -> dict[str, Any]:
+    """`env_kwargs`, also as JSON keeps them, without what `with_sampling` has added.
+
+    Raises:
+        ValueError: as `with_sampling`.
+    """
+    asked = {name: value for name, value in env_kwargs.items() if name != "randomize"}
+    drawn = {name: tuple(bounds) for name, bounds in env_kwargs.get("randomize", {}).items()}
+    return asked if with_sampling(asked, env_id).get("randomize") == drawn else dict(env_kwargs)
 
 
 def with_model(
@@ -54,7 +71,8 @@ def with_model(
     the ladder has been measured anew.
 
     Raises:
-        ValueError: `env_kwargs` hold another value of one of the two, or the environment refuses them.
+        ValueError: `env_kwargs` hold another value of one of the two, elements were asked for of rigid panels, or the
+            environment refuses the keywords.
     """
     given = {name: value for name, value in (("model", model), ("elements", elements)) if value is not None}
     for name, value in given.items():
@@ -63,6 +81,8 @@ def with_model(
     chosen = {**env_kwargs, **given}
     if "model" not in chosen:
         chosen = {**(default or {}), **chosen}
+    if elements is not None and str(chosen.get("model")).startswith("rigid"):
+        raise ValueError(f"--elements {elements}: the panels of {chosen['model']} have none; name a flexible model")
     if chosen.get("model") == "auto":
         with make_env(env_id, chosen) as env:
             level = {name: env.get_wrapper_attr(name) for name in ("model", "elements")}
@@ -94,10 +114,13 @@ def _made(make: Callable[..., Any], env_id: str, env_kwargs: Mapping[str, Any] |
     try:
         return make(**dict(env_kwargs or {}))
     except gymnasium.error.UnregisteredEnv as error:
-        known = ", ".join(sorted(name for name in gymnasium.registry if name.startswith("solar_env/")))
-        raise ValueError(f"no environment {env_id!r} is registered; available: {known}") from error
+        raise ValueError(f"no environment {env_id!r} is registered; available: {', '.join(_registered())}") from error
     except (TypeError, ValueError) as error:
         raise ValueError(f"environment {env_id!r} refused its keywords {dict(env_kwargs or {})}: {error}") from error
+
+
+def _registered() -> list[str]:
+    return sorted(name for name in gymnasium.registry if name.startswith("solar_env/"))
 
 
 def episode_seeds(purpose: Purpose, seed: int, count: int) -> list[int]:
@@ -113,3 +136,14 @@ def episode_seeds(purpose: Purpose, seed: int, count: int) -> list[int]:
         raise ValueError(f"the number of episodes is {count}; choose one from 1 to {EPISODES_PER_SEED}")
     start = _BLOCKS[purpose] * _BLOCK_SIZE + seed * EPISODES_PER_SEED
     return list(range(start, start + count))
+
+
+def check_seeds(seeds: Sequence[int]) -> None:
+    """Refuse training seeds of which one is given twice: its run would count as two.
+
+    Raises:
+        ValueError: there is one.
+    """
+    for seed in seeds:
+        if (times := seeds.count(seed)) > 1:
+            raise ValueError(f"seed {seed} is given {times} times; give it once")

@@ -8,9 +8,16 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from agents.arguments import parse_arguments
+from agents.arguments import parse_arguments, run_command
 from agents.controllers import UNTRAINED, effort, observation_of, resolved, trained_in, trained_on
-from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_sampling
+from agents.environments import (
+    DEFAULT_ENV_ID,
+    episode_seeds,
+    make_env,
+    with_model,
+    with_sampling,
+    without_sampling,
+)
 from agents.episodes import episode_cell, run_cells
 from agents.figures import comparison_figure
 from agents.report import Row, write_comparison
@@ -64,9 +71,12 @@ class Args:
 
 
 def split_controller(text: str) -> tuple[str, str]:
-    """``NAME=SPEC`` -> (name, spec); a bare baseline names itself, a bare run folder its last component."""
+    """``NAME=SPEC`` -> (name, spec); a bare baseline names itself, a bare run folder its last component.
+
+    A folder that is there is one, whatever signs are in its name.
+    """
     name, separator, spec = text.partition("=")
-    return (name, spec) if separator else (Path(text).name, text)
+    return (name, spec) if separator and not Path(text).is_dir() else (Path(text).resolve().name, text)
 
 
 def check_names(controllers: Sequence[str]) -> None:
@@ -167,7 +177,8 @@ def common_env_kwargs(
 ) -> dict[str, Any]:
     """The environment keywords on which all trained ones among `controllers` agree.
 
-    What was drawn for every training episode belongs to the scenario: in another one than `env_id` it is left out.
+    What was drawn for every training episode belongs to the scenario: in another one than `env_id` it is left out. So
+    is what `with_sampling` has added, which does so anew, around what is given.
 
     Args:
         controllers: As `evaluate` takes them.
@@ -182,7 +193,8 @@ def common_env_kwargs(
         kwargs = trained_on(spec)
         if kwargs is not None:
             left_out = {"observation", *given, *(() if trained_in(spec) == env_id else ("randomize",))}
-            physics[spec] = {k: v for k, v in kwargs.items() if k not in left_out}
+            asked = without_sampling(kwargs, trained_in(spec) or env_id)
+            physics[spec] = {k: v for k, v in asked.items() if k not in left_out}
     if not physics:
         return {}
     first, agreed = next(iter(physics.items()))
@@ -260,4 +272,4 @@ def suite_named(name: str, env_id: str | None, controllers: Sequence[str]) -> tu
 
 
 if __name__ == "__main__":
-    main()
+    run_command(main)

@@ -24,7 +24,7 @@ except ImportError as missing:
     raise ImportError("exporting needs ONNX and its runtime; pip install 'solar-env[onnx]'") from missing
 
 from agents import runs, shipped
-from agents.arguments import parse_arguments
+from agents.arguments import parse_arguments, run_command
 from agents.baselines import BASELINES
 from agents.controllers import UNTRAINED
 from agents.environments import episode_seeds, make_env
@@ -404,4 +404,4 @@ def main(argv: Sequence[str] | None = None) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_command(main)

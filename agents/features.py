@@ -99,6 +99,8 @@ def _gates(names: Sequence[str]) -> list[tuple[np.ndarray, float]]:
 
 def _standardised(names: Sequence[str], observations: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """A 1 and the principal components of observations (n, entries), of unit variance: matrix and offset."""
+    # In single precision the mean of thousands of latched angles would be off by a tenth of their deviation.
+    observations = observations.astype(np.float64)
     mean, deviation = observations.mean(axis=0), observations.std(axis=0)
     varies = (deviation > 1e-6) & np.array([not name.startswith("latched") for name in names])
     scale = np.where(varies, 1.0 / np.where(varies, deviation, 1.0), 0.0)

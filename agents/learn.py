@@ -311,13 +311,14 @@ def train_missing(
         progress: Show a progress bar.
 
     Raises:
-        ValueError: a complete run has another configuration.
+        ValueError: a run has another configuration.
     """
-    complete = {folder: config for folder, config in wanted.items() if runs.is_complete(folder)}
-    for folder, config in complete.items():
-        if asdict(stored_configuration(folder)) != runs.jsonable(asdict(config)):
+    for folder, config in wanted.items():
+        if (folder / runs.CONFIG).is_file() and asdict(stored_configuration(folder)) != runs.jsonable(asdict(config)):
             raise ValueError(f"{folder} holds a run with another configuration; choose another --out")
-    missing = [Training(config, folder, command, device) for folder, config in wanted.items() if folder not in complete]
+    missing = [
+        Training(config, folder, command, device) for folder, config in wanted.items() if not runs.is_complete(folder)
+    ]
     for training in missing:
         runs.discard_incomplete(training.folder)
         runs.new_run_folder(training.folder, training.config.env_id, training.config.algo, training.config.seed)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from agents import configurations, learn, runs
-from agents.arguments import parse_arguments
+from agents.arguments import parse_arguments, run_command
 from agents.baselines import CONFIGS
 from agents.environments import DEFAULT_ENV_ID, with_model
 from agents.suites import TRAINING_MODEL, WHOLE_TORQUE_MODEL
@@ -122,7 +122,6 @@ def space(algo: str, whole: bool) -> dict[str, Range]:
 
 def trial(args: Args, env_kwargs: dict[str, Any], unit: np.ndarray) -> configurations.Configuration:
     """The run of a point (n,) in [0, 1]."""
-    entry = configurations.entry(args.algo, args.env_id, args.whole)["hyperparameters"]
     ranges = space(args.algo, args.whole)
     chosen = {name: r.value(float(u)) for (name, r), u in zip(ranges.items(), unit, strict=True)}
     return configurations.configuration(
@@ -132,16 +131,16 @@ def trial(args: Args, env_kwargs: dict[str, Any], unit: np.ndarray) -> configura
         args.seed,
         timesteps=args.timesteps,
         residual=chosen.pop("residual", 0.0),
-        hyperparameters=_nested(entry, chosen),
+        hyperparameters=_nested(chosen),
         landings=args.landings,
     )
 
 
-def _nested(entry: dict[str, Any], chosen: dict[str, float]) -> dict[str, Any]:
+def _nested(chosen: dict[str, float]) -> dict[str, Any]:
     """What was chosen, with what belongs to the policy in its place."""
     outer: dict[str, Any] = {name: value for name, value in chosen.items() if name != "log_std_init"}
     if "log_std_init" in chosen:
-        outer["policy_kwargs"] = {**entry["policy_kwargs"], "log_std_init": chosen["log_std_init"]}
+        outer["policy_kwargs"] = {"log_std_init": chosen["log_std_init"]}
     return outer
 
 
@@ -235,4 +234,4 @@ def main(argv: Sequence[str] | None = None) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_command(main)

@@ -10,7 +10,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 from tqdm import tqdm
 
-from agents.arguments import parse_arguments
+from agents.arguments import parse_arguments, run_command
 from agents.controllers import load_controller, observation_of
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_sampling
 from agents.evaluate import check_names, split_controller
@@ -117,4 +117,4 @@ def animate(films: Sequence[Sequence[Image.Image]], path: Path) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_command(main)

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from agents import configurations, learn, runs
-from agents.arguments import parse_arguments
-from agents.environments import DEFAULT_ENV_ID, episode_seeds, with_model
+from agents.arguments import parse_arguments, run_command
+from agents.environments import DEFAULT_ENV_ID, check_seeds, episode_seeds, with_model
 from agents.evaluate import STORE, evaluate
 from agents.figures import transfer_figure
 from agents.report import header, summarize
@@ -47,7 +47,7 @@ class Args:
     seeds: list[int] = field(default_factory=lambda: [0])
     """training seeds; those of a level are pooled"""
     residual: float | None = None
-    """as for train.py"""
+    """as for train.py, but positive"""
     episodes: int = 20
     """evaluation episodes of every agent on every level"""
     env_id: str = DEFAULT_ENV_ID
@@ -143,6 +143,9 @@ def main(argv: Sequence[str] | None = None) -> None:
     if args.readme:
         check_readme(BEGIN, END)
     episode_seeds("evaluation", EVALUATION_SEED, args.episodes)  # refuses a wrong number before everything is trained
+    check_seeds(args.seeds)
+    if args.residual == 0.0:
+        raise ValueError("--residual 0: levels are compared by agents that add to the same law; give a positive share")
     command = shlex.join(["python", "-m", "agents.transfer", *(sys.argv[1:] if argv is None else argv)])
     returns = judge_all(args, train_all(args, command))
     out = Path(args.out)
@@ -159,4 +162,4 @@ def main(argv: Sequence[str] | None = None) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_command(main)

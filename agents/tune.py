@@ -13,7 +13,7 @@ import numpy as np
 from tqdm import tqdm
 
 from agents import runs
-from agents.arguments import parse_arguments
+from agents.arguments import parse_arguments, run_command
 from agents.baselines import CONFIGS, TUNABLE, Parameters, episodes_spent, load_parameters
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_sampling
 from agents.episodes import mean_returns
@@ -228,4 +228,4 @@ def main(argv: Sequence[str] | None = None) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_command(main)

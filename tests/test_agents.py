@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from agents.arguments import parse_arguments, parse_assignments
+from agents.arguments import parse_arguments, parse_assignments, run_command
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_sampling
 from agents.rollout import episode_figures
 from agents.statistics import difference, estimate, improvement, interquartile_mean
+from solar_env import SimulationError
 
 
 def test_episode_figures_of_the_array_follow_from_those_of_the_joints():
@@ -222,6 +223,31 @@ class Example:
     """some names"""
     keywords: dict[str, object] = field(default_factory=dict)
     """some pairs"""
+
+
+def test_pairs_add_up_when_their_option_is_repeated():
+    once = parse_arguments(Example, ["--keywords", "a=1", "b=2"])
+    assert parse_arguments(Example, ["--keywords", "a=1", "--keywords", "b=2"]) == once
+    assert parse_arguments(Example, []).keywords == {}
+
+
+@pytest.mark.parametrize(
+    "error",
+    [ValueError("no x; name another"), FileNotFoundError("no x; name another"), SimulationError("no x", 1.0, "step")],
+)
+def test_a_command_that_cannot_go_on_ends_with_a_message(error, capsys):
+    def refuse():
+        raise error
+
+    with pytest.raises(SystemExit) as end:
+        run_command(refuse)
+    assert end.value.code == 2
+    assert capsys.readouterr().err == f"error: {error}\n"
+
+
+def test_an_error_that_is_none_of_the_input_is_shown_whole():
+    with pytest.raises(ZeroDivisionError):
+        run_command(lambda: 1 / 0)
 
 
 def test_a_documented_dataclass_is_a_command_line(capsys):

@@ -270,7 +270,7 @@ def test_without_rigid_parameters_to_fall_back_on_another_model_is_refused(confi
 @pytest.mark.parametrize("model", [model for model in MODELS if model.endswith("clearance")])
 @pytest.mark.parametrize("name", BASELINES)
 def test_every_baseline_deploys_the_nominal_array(model, name):
-    env = make_env(env_kwargs=with_model({}, model, elements=1))
+    env = make_env(env_kwargs={"model": model, "elements": 1})
     figures = run_episode(env, make_baseline(name, env), seed=0)
     assert figures["latched"]
     assert figures["latch_times_s"] <= 20.0

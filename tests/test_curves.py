@@ -54,6 +54,12 @@ def test_a_curve_is_the_mean_of_each_validation(tmp_path):
     assert returns.tolist() == [[1.0, 0.0], [2.0, 1.0]]
 
 
+def test_a_seed_given_twice_is_refused(tmp_path):
+    with pytest.raises(ValueError, match="seed 3 is given 2 times; give it once"):
+        curves.main([*QUICK, "--seeds", "3", "7", "3", "--out", str(tmp_path)])
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_scenario_that_does_not_exist_is_refused(tmp_path):
     with pytest.raises(ValueError, match="no suite 'calm'; available: paper, robust"):
         curves.main([*QUICK, "--suites", "calm", "--out", str(tmp_path)])

@@ -119,9 +119,28 @@ def evaluated_on(folder, *arguments):
 
 @pytest.mark.parametrize("model", MODELS)
 def test_the_command_compares_on_the_model_asked_for(tmp_path, model):
-    options = ["--controllers", "passive", "--model", model, "--elements", "1", "--env-kwargs", *QUICK]
+    elements = ["--elements", "1"] if model.startswith("flexible") else []
+    options = ["--controllers", "passive", "--model", model, *elements, "--env-kwargs", *QUICK]
     used = evaluated_on(tmp_path, *options)
-    assert (used["model"], used["elements"], used["deadline"]) == (model, 1, 0.5)
+    assert (used["model"], used.get("elements"), used["deadline"]) == (model, 1 if elements else None, 0.5)
+
+
+def test_elements_of_rigid_panels_are_refused(tmp_path):
+    with pytest.raises(ValueError, match="--elements 4: the panels of rigid-ideal have none"):
+        evaluated_on(tmp_path, "--model", "rigid-ideal", "--elements", "4")
+
+
+def test_an_array_is_the_one_asked_for_whatever_a_policy_was_trained_on(tmp_path):
+    """What was drawn about the usual place of the hinge in training is drawn about the place asked for."""
+    asked = "parameters={'hinge_x': 0.6}"
+    options = ["--controllers", "passive", "ppo-nominal", "--model", "rigid-clearance", "--env-kwargs", asked]
+    low, high = evaluated_on(tmp_path, *options)["randomize"]["hinge_x"]
+    assert (low + high) / 2 == pytest.approx(0.6)
+
+
+def test_a_scenario_as_a_keyword_is_refused_since_nothing_is_tuned_by_it(tmp_path):
+    with pytest.raises(ValueError, match=r"choose --env-id, one of .*DeployRandomised-v0"):
+        evaluated_on(tmp_path, "--controllers", "servo", "--env-kwargs", "scenario=randomised")
 
 
 def test_the_model_of_run_folders_holds_unless_another_is_asked_for(tmp_path):
@@ -245,8 +264,18 @@ def test_a_controller_may_be_given_a_name():
     assert split_controller("runs/a") == ("a", "runs/a")
 
 
+def test_a_folder_is_a_folder_whatever_signs_are_in_its_name(tmp_path, monkeypatch):
+    (tmp_path / "lr=0.1").mkdir()
+    monkeypatch.chdir(tmp_path)
+    assert split_controller("lr=0.1") == ("lr=0.1", "lr=0.1")
+    assert split_controller("ppo=lr=0.1") == ("ppo", "lr=0.1")
+    assert split_controller(".") == (tmp_path.name, ".")
+
+
 def test_something_that_is_neither_baseline_nor_run_is_refused(tmp_path):
-    with pytest.raises(FileNotFoundError, match="is not a run folder"):
+    with pytest.raises(
+        FileNotFoundError, match=r"it is no run folder of train\.py, and none of passive, .*ppo-nominal"
+    ):
         evaluate([str(tmp_path)], episodes=1, seed=0, progress=False)
 
 

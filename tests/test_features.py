@@ -129,6 +129,22 @@ def test_the_features_of_a_landing_are_standardised_in_approach_and_after_latchi
     assert covariance == pytest.approx(np.eye(len(components)), abs=0.1)  # but for what is clipped
 
 
+def test_angles_that_hardly_vary_are_standardised_of_observations_in_single_precision_too():
+    """A latched angle of rigid panels varies by some 1e-5 about 1: single-precision means are no closer."""
+    names, _, observations = a_landing("drive", 20_000)
+    latched = observations[:, names.index("latched_1")] == 1.0
+    for name in ("theta_1", "theta_2"):
+        column = names.index(name)
+        spread = 1e-5 * np.random.default_rng(column).normal(size=len(observations))
+        observations[latched, column] = 1.0008 + spread[latched]
+    observed = observations.astype(np.float32)
+    features = landing(names, observed)
+    settling = features.gate_matrix[:, names.index("latched_2")] > 0.0
+    values = observed[latched].astype(np.float64) @ features.matrix[settling].T + features.offset[settling]
+    assert np.abs(values.mean(axis=0)[1:]).max() < 1e-3
+    assert values.std(axis=0)[1:] == pytest.approx(1.0, abs=1e-3)
+
+
 def test_there_is_nothing_to_see_long_before_the_latches():
     names, space, observations = a_landing("drive")
     values = features_of(landing(names, observations), space, observations)

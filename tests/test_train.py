@@ -23,6 +23,7 @@ from agents.residual import ResidualController
 from agents.suites import SUITES
 from agents.torque_laws import OpenLoopParameters, OpenLoopTorque, Signals
 from solar_env.array import MODELS
+from solar_env.campaigns import Workers
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 import train
@@ -80,13 +81,15 @@ def test_a_short_training_on_flexible_panels_unless_a_model_is_named_or_there_is
 def test_a_run_keeps_its_model_and_elements_and_is_resumed_and_evaluated_on_them(tmp_path, model):
     quick = ["--env-kwargs", "deadline=0.5", "postlock_window=0.2", "--n-envs", "1", "--residual", 0]
     small = ["--timesteps", 20, "--hyperparams", "n_steps=10", "batch_size=10"]
-    first = run("--model", model, "--elements", 1, *quick, *small, "--out", tmp_path / "first")
+    elements = 1 if model.startswith("flexible") else None
+    mesh = ["--elements", elements] if elements else []
+    first = run("--model", model, *mesh, *quick, *small, "--out", tmp_path / "first")
     config = runs.read_config(first)
-    assert (config["env_kwargs"]["model"], config["env_kwargs"]["elements"]) == (model, 1)
+    assert (config["env_kwargs"]["model"], config["env_kwargs"].get("elements")) == (model, elements)
     assert evaluate_module.common_env_kwargs([str(first)])["model"] == model
     second = run("--resume", first, "--model", model, "--timesteps", 10, "--out", tmp_path / "second")
     assert runs.read_config(second)["env_kwargs"] == config["env_kwargs"]
-    with pytest.raises(ValueError, match="--elements 2 contradicts the run to resume, which has 1"):
+    with pytest.raises(ValueError, match=f"--elements 2 contradicts the run to resume, which has {elements or 6}"):
         run("--resume", first, "--elements", 2, "--out", tmp_path / "third")
 
 
@@ -330,7 +333,7 @@ def test_several_seeds_are_trained_side_by_side_each_as_alone_and_only_once(ppo_
     assert (tmp_path / "seed-0" / "timing.json").is_file()
     assert (tmp_path / "seed-1" / "timing.json").stat().st_mtime_ns == written
     (tmp_path / "seed-1" / "timing.json").unlink()
-    with pytest.raises(ValueError, match="seed-0 holds a run with another configuration"):
+    with pytest.raises(ValueError, match="seed-1 holds a run with another configuration"):
         run("--timesteps", 600, "--seeds", 1, 0, "--out", tmp_path, *SMALL["ppo"], "learning_rate=0.5")
     assert (tmp_path / "seed-1" / "policy.zip").is_file(), "what was interrupted is not removed before all is checked"
 
@@ -448,6 +451,38 @@ def test_only_runs_that_were_interrupted_are_discarded(tmp_path, ppo_run):
     assert not interrupted.exists()
 
 
+@pytest.mark.parametrize("complete", [True, False])
+def test_a_run_with_another_configuration_is_neither_taken_nor_removed(tmp_path, ppo_run, complete):
+    folder = tmp_path / "run"
+    folder.mkdir()
+    for name in (runs.CONFIG, *([runs.TIMING] if complete else [])):
+        (folder / name).write_bytes((ppo_run / name).read_bytes())
+    wanted = replace(configurations.stored_configuration(ppo_run), seed=99)
+    with pytest.raises(ValueError, match="holds a run with another configuration; choose another --out"):
+        learn.train_missing({folder: wanted}, "", "cpu", Workers(1, None), progress=False)
+    assert (folder / runs.CONFIG).read_bytes() == (ppo_run / runs.CONFIG).read_bytes()
+
+
+def test_a_run_that_says_too_little_is_refused(tmp_path, ppo_run):
+    stored = json.loads((ppo_run / runs.CONFIG).read_text())
+    del stored["landings"]
+    (tmp_path / runs.CONFIG).write_text(json.dumps(stored))
+    with pytest.raises(ValueError, match="says nothing of landings: an older version trained it; train it anew"):
+        configurations.stored_configuration(tmp_path)
+
+
+def test_one_of_the_keywords_of_a_policy_leaves_the_others_as_they_are():
+    def policy_kwargs(hyperparameters):
+        given = configurations.configuration(
+            "ppo", SUITES["paper"], {"model": "rigid-clearance"}, seed=0, hyperparameters=hyperparameters
+        )
+        return given.hyperparameters["policy_kwargs"]
+
+    usual = policy_kwargs({})
+    assert policy_kwargs({"policy_kwargs": {"log_std_init": -1.0}}) == {**usual, "log_std_init": -1.0}
+    assert usual["log_std_init"] != -1.0
+
+
 @pytest.mark.parametrize("env_id", SUITES.values(), ids=SUITES)
 @pytest.mark.parametrize("residual", [None, 0.0], ids=["added", "whole"])
 @pytest.mark.parametrize("algo", sorted(runs.ALGORITHMS))
@@ -460,7 +495,12 @@ def test_the_discount_reaches_over_a_whole_episode(algo, residual, env_id):
 @pytest.mark.parametrize("residual", [None, 0.0], ids=["added", "whole"])
 def test_there_is_a_model_for_every_configuration_of_the_randomised_scenario(algo, residual):
     config = configurations.configuration(
-        algo, SUITES["robust"], {"model": "rigid-clearance"}, seed=0, residual=residual, landings=2
+        algo,
+        SUITES["robust"],
+        {"model": "rigid-clearance"},
+        seed=0,
+        residual=residual,
+        landings=2 if residual is None else None,
     )
     venv = learn.make_training_env(config, [], None, threads=1)
     model = learn.make_model(config, venv, learn.prepare(config)[0])
@@ -484,12 +524,21 @@ def test_there_is_a_model_for_every_configuration_of_the_randomised_scenario(alg
         (["--hyperparams", "n_steps=0"], "hyperparameter n_steps is 0; give a positive whole number"),
         (["--hyperparams", "n_epochs=2.5"], "hyperparameter n_epochs is 2.5; give a positive whole number"),
         (["--hyperparams", "gamma=2"], "hyperparameter gamma is 2; give a number above 0, at most 1"),
+        (["--hyperparams", "train_freq=0"], "ppo has no hyperparameter 'train_freq'"),
+        (["--algo", "sac", "--hyperparams", "train_freq=0"], "train_freq is 0; give a positive whole number"),
+        (["--algo", "td3", "--hyperparams", "exploration_noise=-0.5"], "exploration_noise is -0.5; give a positive"),
+        (["--algo", "td3", "--hyperparams", "exploration_noise=much"], "exploration_noise is 'much'; give a positive"),
+        (["--algo", "sac", "--hyperparams", "replay_buffer_kwargs={}"], "no hyperparameter 'replay_buffer_kwargs'"),
+        (["--hyperparams", "policy_kwargs=3"], "policy_kwargs is 3; give a dictionary"),
+        (["--residual", "0", "--elements", "4"], "--elements 4: the panels of rigid-clearance have none"),
+        (["--residual", "0", "--landings", "7"], "landings is 7, but with residual 0 there is no law"),
+        (["--env-kwargs", "scenario=randomised"], "leave the keyword out and choose --env-id"),
         (["--env-kwargs", "max_episode_steps=20"], "max_episode_steps cuts off have no landing to judge"),
         (["--eval-episodes", "0"], "the number of episodes is 0; choose one from 1"),
         (["--jobs", "0"], "jobs = 0"),
         (["--cluster", "slurm"], "cluster 'slurm' is unknown; choose from ray"),
         (["--seeds", "0", "1", "--seed", "100000"], "seed is 100000; choose one from 0 to 99999"),
-        (["--seeds", "1", "1"], "--seeds takes different seeds"),
+        (["--seeds", "1", "1"], "seed 1 is given 2 times; give it once"),
         (["--seeds", "1", "2", "--resume", "runs/one"], "does not go with --resume"),
     ],
 )
@@ -500,7 +549,7 @@ def test_wrong_arguments_are_named_before_training(tmp_path, arguments, message)
 
 
 def test_several_seeds_need_a_folder_to_come_back_to():
-    with pytest.raises(ValueError, match="and --out, the folder of their runs"):
+    with pytest.raises(ValueError, match="--seeds takes --out, the folder of their runs"):
         run("--seeds", 0, 1)
 
 

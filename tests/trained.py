@@ -26,7 +26,10 @@ def train_and_export(folder: Path) -> dict[str, tuple[Path, Path]]:
     """Name -> run, and folder of what was exported of it; the residual has scores."""
     made = {}
     for name, (algo, hyperparameters, residual) in TRAINED.items():
-        config = configurations.configuration(algo, DEFAULT_ENV_ID, QUICK, 7, 1, 100, hyperparameters, residual, 2)
+        landings = 2 if residual else None
+        config = configurations.configuration(
+            algo, DEFAULT_ENV_ID, QUICK, 7, 1, 100, hyperparameters, residual, landings
+        )
         run = runs.new_run_folder(folder / "runs" / name, config.env_id, algo, config.seed)
         learn.train(config, run, command=COMMAND, progress=False, threads=1)
         if name == "residual":

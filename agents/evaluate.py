@@ -76,7 +76,9 @@ def split_controller(text: str) -> tuple[str, str]:
     A folder that is there is one, whatever signs are in its name.
     """
     name, separator, spec = text.partition("=")
-    return (name, spec) if separator and not Path(text).is_dir() else (Path(text).resolve().name, text)
+    if separator and not Path(text).is_dir():
+        return name, spec
+    return Path(text).name or Path(text).resolve().name, text
 
 
 def check_names(controllers: Sequence[str]) -> None:

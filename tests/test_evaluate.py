@@ -270,6 +270,8 @@ def test_a_folder_is_a_folder_whatever_signs_are_in_its_name(tmp_path, monkeypat
     assert split_controller("lr=0.1") == ("lr=0.1", "lr=0.1")
     assert split_controller("ppo=lr=0.1") == ("ppo", "lr=0.1")
     assert split_controller(".") == (tmp_path.name, ".")
+    (tmp_path / "best").symlink_to("lr=0.1")
+    assert split_controller("best") == ("best", "best")
 
 
 def test_something_that_is_neither_baseline_nor_run_is_refused(tmp_path):

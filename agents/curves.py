@@ -19,6 +19,7 @@ from agents.figures import learning_curves_figure
 from agents.suites import SUITES, TRAINING_MODEL, WHOLE_TORQUE_MODEL
 from solar_env.campaigns import Workers
 from solar_env.readme import FIGURE_FOLDER
+from solar_env.registration import ENVIRONMENTS
 
 FIGURE, TABLE = "learning_curves.png", "learning_curves.csv"
 
@@ -72,7 +73,7 @@ def wanted_runs(args: Args) -> dict[tuple[str, str], dict[Path, configurations.C
             keywords = {**args.env_kwargs, **WHOLE_TORQUE_MODEL}
         else:
             keywords = with_model(args.env_kwargs, args.model, args.elements, env_id, TRAINING_MODEL)
-        panel = f"{suite}, {keywords['model']}, {'whole torque' if whole else 'added to the servo'}"
+        panel = f"{ENVIRONMENTS[env_id]}, {keywords['model']}, {'whole torque' if whole else 'added to the servo'}"
         for algo in args.algos:
             wanted[panel, algo] = {
                 Path(args.out) / f"{suite}-{algo}{'-whole' if whole else ''}-{seed}": configurations.configuration(

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullFormatter
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from agents import runs
 from agents.report import HIGHER_IS_BETTER
@@ -154,6 +154,9 @@ def learning_curves_figure(curves: Mapping[tuple[str, str], tuple[np.ndarray, np
             axes.plot(steps, -np.median(returns, axis=0), color=f"C{color}", label=f"{algo}, {len(returns)} seeds")
             axes.fill_between(steps, -returns.max(axis=0), -returns.min(axis=0), color=f"C{color}", alpha=0.15, lw=0)
         axes.set(yscale="log", xlabel="environment steps", ylabel="minus the validation return", title=panel)
+        axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 1.5, 2.0, 3.0, 5.0, 7.0)))  # some in less than a decade
+        axes.yaxis.set_major_formatter("{x:g}")
+        axes.yaxis.set_minor_formatter(NullFormatter())
         axes.grid(alpha=0.3)
         axes.legend(fontsize=7)
     figure.savefig(path, dpi=130)

@@ -22,14 +22,15 @@ def test_every_agent_has_a_curve_of_every_seed_in_every_scenario(tmp_path, monke
     curves.main(options)
     with (tmp_path / curves.TABLE).open() as file:
         rows = list(csv.DictReader(file))
+    scenarios = {"paper": "nominal", "robust": "randomised"}
     tasks = ("rigid-ideal, added to the servo", "rigid-clearance, whole torque")
     found = {(row["task"], row["algorithm"], row["seed"]) for row in rows}
     assert found == {
-        (f"{suite}, {task}", "ppo", seed) for suite in ("paper", "robust") for task in tasks for seed in "37"
+        (f"{scenario}, {task}", "ppo", seed) for scenario in scenarios.values() for task in tasks for seed in "37"
     }
-    for suite, task, seed in itertools.product(("paper", "robust"), tasks, "37"):
+    for suite, task, seed in itertools.product(scenarios, tasks, "37"):
         run = f"{suite}-ppo{'-whole' if 'whole' in task else ''}-{seed}"
-        mine = [row for row in rows if (row["task"], row["seed"]) == (f"{suite}, {task}", seed)]
+        mine = [row for row in rows if (row["task"], row["seed"]) == (f"{scenarios[suite]}, {task}", seed)]
         with np.load(tmp_path / run / "evaluations.npz") as history:
             assert [int(row["steps"]) for row in mine] == history["timesteps"].tolist()
             assert [float(row["validation return"]) for row in mine] == history["results"].mean(axis=1).tolist()

@@ -64,10 +64,12 @@ class Args:
     n_envs: int | None = None
     """environments stepped together; None: the number in agents/configs, or that of the run to resume"""
     residual: float | None = None
-    """the agent adds up to this share of the torque limit to the torque of the tuned servo; 0: it commands the whole
+    """the agent adds up to this share of the torque limit to the torque of a tuned law; 0: it commands the whole
     torque; None: as in agents/configs"""
+    law: str | None = None
+    """that law: servo, soft-start, or another that agents.tune tunes; None: servo, or that of the run to resume"""
     landings: int | None = None
-    """episodes of the servo alone with whose landings training begins; None: the number in agents/configs"""
+    """episodes of the law alone with whose landings training begins; None: the number in agents/configs"""
     resume: str | None = None
     """run folder to go on from, with its algorithm, environment, seed, hyperparameters, residual and landings"""
     out: str | None = None
@@ -116,6 +118,7 @@ def configuration(args: Args, seed: int) -> configurations.Configuration:
         args.hyperparams,
         args.residual,
         args.landings,
+        args.law,
     )
     quick = args.timesteps is None and not (named or whole)
     return replace(config, timesteps=min(config.timesteps, TIMESTEPS)) if quick else config
@@ -155,7 +158,8 @@ def compare(
 ) -> tuple[Summary, Tables]:
     """Compare runs, as training seeds of one controller, with the baselines; for the rest see `write_comparison`."""
     seed = args.seed or 0 if args.seeds else config.seed
-    controllers = [*BASELINES, *(f"{config.algo}={folder}" for folder in folders)]
+    references = dict.fromkeys([*BASELINES, *([config.residual["law"]] if config.residual else [])])
+    controllers = [*references, *(f"{config.algo}={folder}" for folder in folders)]
     rows = evaluate(
         controllers,
         args.eval_episodes,
@@ -181,8 +185,9 @@ def check_resumable(args: Args, config: configurations.Configuration) -> None:
         "model": config.env_kwargs.get("model", "rigid-clearance"),
         "elements": config.env_kwargs.get("elements", DEFAULT_ELEMENTS),
         "residual": config.residual["scale"] if config.residual else 0.0,
+        "law": config.residual["law"] if config.residual else None,
     }
-    learning = ("algo", "seed", "hyperparams", "n_envs", "residual", "landings")
+    learning = ("algo", "seed", "hyperparams", "n_envs", "residual", "law", "landings")
     for name in ("env_id", "model", "elements", "env_kwargs", *learning):
         given, fixed = getattr(args, name), fixed_values[name]
         if isinstance(given, dict):

@@ -20,6 +20,8 @@ from agents.torque_laws import (
     ServoParameters,
     ShapedProfileParameters,
     Signals,
+    SoftStartParameters,
+    SoftStartServo,
     TorqueLaw,
     TunableLaw,
     VelocityProfileServo,
@@ -29,7 +31,14 @@ from agents.torque_laws import (
 CONFIGS = Path(__file__).parent / "configs"
 FALLBACK_MODEL = "rigid-clearance"  # whose parameters a model without its own gets
 
-Parameters = BrakeParameters | DamperParameters | ServoParameters | ShapedProfileParameters | OpenLoopParameters
+Parameters = (
+    BrakeParameters
+    | DamperParameters
+    | ServoParameters
+    | SoftStartParameters
+    | ShapedProfileParameters
+    | OpenLoopParameters
+)
 
 TUNABLE: dict[str, type[TunableLaw[Any]]] = {
     "brake": ConstantBrake,
@@ -37,6 +46,7 @@ TUNABLE: dict[str, type[TunableLaw[Any]]] = {
     "servo": VelocityProfileServo,
     "shaped": InputShapedProfile,
     "open-loop": OpenLoopTorque,
+    "soft-start": SoftStartServo,
 }
 BASELINES = ("passive", *TUNABLE, "servo-untuned")
 

@@ -11,7 +11,7 @@ from typing import Any
 from agents import runs
 from agents.baselines import CONFIGS
 from agents.environments import EPISODES_PER_SEED, episode_seeds, make_env, with_sampling
-from agents.residual import residual_on
+from agents.residual import DEFAULT_LAW, residual_on
 
 # Arguments of the Stable-Baselines3 classes that say other things than how to learn.
 NOT_HYPERPARAMETERS = {"policy", "env", "seed", "device", "verbose", "tensorboard_log", "_init_setup_model"} | {
@@ -91,6 +91,7 @@ def configuration(
     hyperparameters: Mapping[str, Any] | None = None,
     residual: float | None = None,
     landings: int | None = None,
+    law: str | None = None,
     law_model: str | None = None,
 ) -> Configuration:
     """The configuration in ``agents/configs/<algo>.json`` for `env_id`, with what is given here in its place.
@@ -100,6 +101,7 @@ def configuration(
         hyperparameters: In place of single ones of the configuration's, and single "policy_kwargs" of its.
         residual: Greatest action that the agent adds to the law, as a share of the torque limit; 0: no law.
         landings: See `Configuration`; there are none without a law.
+        law: What the agent adds to, a name in `agents.baselines.TUNABLE`; None: the servo.
         law_model: Model whose tuned parameters the law has; None: that of the environment.
 
     Raises:
@@ -126,6 +128,8 @@ def configuration(
         model = env.get_wrapper_attr("model")
     if landings and not scale:
         raise ValueError(f"landings is {landings}, but with residual 0 there is no law to land the array; leave it out")
+    if law and not scale:
+        raise ValueError(f"law is {law!r}, but with residual 0 the agent adds to none; leave one of them out")
     recorded = (found["landings"] if landings is None else landings) if scale else 0
     if scale:
         _check_positive("landings", recorded)
@@ -140,7 +144,7 @@ def configuration(
         n_envs=n_envs,
         timesteps=timesteps,
         hyperparameters=chosen,
-        residual=residual_on(scale, env_id, law_model or model, recorded) if scale else None,
+        residual=residual_on(scale, law or DEFAULT_LAW, env_id, law_model or model, recorded) if scale else None,
         landings=recorded,
     )
 

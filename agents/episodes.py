@@ -89,7 +89,7 @@ def run_cells(
 
 @dataclass(frozen=True)
 class Trial:
-    """One episode of one candidate: what, where, and at which place among the candidates."""
+    """One episode of one candidate: what, where, at which place among the candidates, and what wear costs extra."""
 
     controller: str
     env_id: str
@@ -97,12 +97,15 @@ class Trial:
     parameters: Parameters
     candidate: int
     seed: int
+    wear_cost: float
 
 
 def trial_return(trial: Trial) -> float:
-    """The return of a trial's episode."""
+    """The return of a trial's episode, less what its deepest wear costs extra."""
     env = _environment(trial.env_id, trial.keywords)
-    return float(run_episode(env, make_baseline(trial.controller, env, trial.parameters), trial.seed)["return"])
+    figures = run_episode(env, make_baseline(trial.controller, env, trial.parameters), trial.seed)
+    value = float(figures["return"])
+    return value - trial.wear_cost * float(figures["wear_depth_max_m"]) / 1e-15 if trial.wear_cost else value
 
 
 @lru_cache(maxsize=1)
@@ -117,11 +120,15 @@ def mean_returns(
     env_kwargs: Mapping[str, Any],
     seeds: Sequence[int],
     workers: Workers,
+    wear_cost: float = 0.0,
 ) -> list[float]:
-    """Mean return of each candidate for the parameters of a baseline, over the same episodes."""
+    """Mean return of each candidate for the parameters of a baseline, over the same episodes.
+
+    With a `wear_cost`, 1e-15 m of the deepest wear over a whole episode lower its return by that.
+    """
     keywords = json.dumps(env_kwargs, sort_keys=True)
     trials = [
-        Trial(controller, env_id, keywords, parameters, k, seed)
+        Trial(controller, env_id, keywords, parameters, k, seed, wear_cost)
         for k, parameters in enumerate(candidates)
         for seed in seeds
     ]

@@ -40,9 +40,10 @@ class Args:
     """paper or robust: the passive deployment, all tuned baselines and the shipped policies of a scenario, nominal or
     randomised, on flexible-clearance with 6 elements; names the folder too"""
     controllers: list[str] = field(default_factory=list)
-    """baselines (passive, brake, damper, servo, shaped, open-loop, servo-untuned), receding-horizon (a search with the
-    simulator itself; slow), shipped policies and run folders; several runs under one name, NAME=FOLDER NAME=FOLDER, are
-    pooled as training seeds of one controller; none: those of the suite, else passive, brake and servo"""
+    """baselines (passive, brake, damper, servo, shaped, open-loop, soft-start, servo-untuned), receding-horizon (a
+    search with the simulator itself; slow), shipped policies and run folders; several runs under one name,
+    NAME=FOLDER NAME=FOLDER, are pooled as training seeds of one controller; none: those of the suite, else passive,
+    brake and servo"""
     episodes: int = 100
     """episodes of each controller"""
     seed: int = 0

@@ -9,26 +9,28 @@ import numpy as np
 from agents.baselines import TUNABLE, episodes_spent, load_parameters, read_parameters
 from agents.torque_laws import Controller, Signals, TorqueLaw
 
-LAW = "servo"
+DEFAULT_LAW = "servo"
 
 
-def residual_on(scale: float, env_id: str, model: str, recorded: int) -> dict[str, Any]:
-    """What describes a residual on the servo as it is tuned now: the law, its parameters and their cost, and the scale.
+def residual_on(scale: float, law: str, env_id: str, model: str, recorded: int) -> dict[str, Any]:
+    """What describes a residual on a law as it is tuned now: the law, its parameters and their cost, and the scale.
 
     Args:
         scale: Greatest action that the agent adds, as a share of the torque limit.
+        law: Name in `agents.baselines.TUNABLE`.
         env_id: Environment id.
         model: Whose tuned parameters to take.
         recorded: Episodes of the law that training looks at, beyond those that tuning it took.
 
     Raises:
-        ValueError: the scale is not in (0, 1], or the servo has no parameters for the environment.
+        ValueError: the scale is not in (0, 1], or there is no such law, or it has no parameters for the environment.
     """
     _check_scale(scale)
+    _check_law(law)
     return {
-        "law": LAW,
-        "parameters": asdict(load_parameters(LAW, env_id, model)),
-        "tuning_episodes": episodes_spent(LAW, env_id, model) + recorded,
+        "law": law,
+        "parameters": asdict(load_parameters(law, env_id, model)),
+        "tuning_episodes": episodes_spent(law, env_id, model) + recorded,
         "scale": scale,
     }
 
@@ -43,10 +45,14 @@ def base_law(residual: Mapping[str, Any], signals: Signals) -> TorqueLaw:
         raise ValueError(
             f"residual has the keys {sorted(residual)}; expected law, parameters, tuning_episodes and scale"
         )
-    if residual["law"] not in TUNABLE:
-        raise ValueError(f"residual law is {residual['law']!r}; available: {', '.join(TUNABLE)}")
+    _check_law(residual["law"])
     _check_scale(residual["scale"])
     return TUNABLE[residual["law"]](signals, read_parameters(residual["law"], residual["parameters"]))
+
+
+def _check_law(law: str) -> None:
+    if law not in TUNABLE:
+        raise ValueError(f"residual law is {law!r}; available: {', '.join(TUNABLE)}")
 
 
 def _check_scale(scale: float) -> None:

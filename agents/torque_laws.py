@@ -362,3 +362,36 @@ class OpenLoopTorque(TunableLaw[OpenLoopParameters]):
         torques = self.parameters.torques
         torque = np.interp(1.0 - to_go, np.linspace(0.0, 1.0, len(torques)), torques)
         return np.where(to_go > 0.0, torque, 0.0)
+
+
+@dataclass(frozen=True)
+class SoftStartParameters(ServoParameters):
+    """Parameters of `SoftStartServo`; the field metadata hold the range that tuning searches.
+
+    Attributes:
+        torques: Every 4/3 s from the start of the deployment [N m].
+        handover: When the servo begins to take over [s].
+        blending: Time that it takes for that [s].
+    """
+
+    torques: tuple[float, ...] = field(default=(0.0,) * 12, metadata={"bounds": (-0.5, 0.5)})
+    handover: float = _bounded(12.0, 8.0, 15.0)
+    blending: float = _bounded(2.0, 0.1, 5.0)
+
+
+class SoftStartServo(VelocityProfileServo):
+    """A servo that lands the array, after a torque over time that starts it gently.
+
+    The servo alone has the array hurry at once, to have time for the landing, and nearly all wear of a soft deployment
+    comes from that. The last latch ends what is left of the torque over time.
+    """
+
+    parameters: SoftStartParameters
+    defaults = SoftStartParameters()
+
+    def _torque(self, entries: Mapping[str, np.ndarray], all_latched: np.ndarray) -> np.ndarray:
+        p = self.parameters
+        time = (1.0 - entries["time_to_deadline"]) * self._signals.deadline
+        of_time = np.interp(time, np.arange(len(p.torques)) * 4.0 / 3.0, p.torques)
+        of_servo = np.where(all_latched, 1.0, np.clip((time - p.handover) / p.blending, 0.0, 1.0))
+        return (1.0 - of_servo) * of_time + of_servo * super()._torque(entries, all_latched)

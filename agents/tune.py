@@ -1,6 +1,7 @@
 """Tune the baselines by CMA-ES on the environment's return: `python -m agents.tune`."""
 
 import json
+import math
 import shlex
 import sys
 from collections.abc import Callable, Sequence
@@ -25,13 +26,15 @@ class Args:
     """Tune a baseline by CMA-ES on the mean return and write its parameters for the model to agents/configs."""
 
     controller: str = "servo"
-    """baseline to tune: brake, damper, servo, shaped or open-loop"""
+    """baseline to tune: brake, damper, servo, shaped, open-loop or soft-start"""
     episodes: int = 1600
     """budget of training episodes"""
     episodes_per_candidate: int = 4
     """episodes a candidate is judged by, the same for all of a generation"""
     validation_episodes: int = 20
     """episodes that decide between the candidates left at the end"""
+    wear_cost: float = 0.0
+    """what 1e-15 m of the deepest wear cost beside the return, which charges for wear after latching alone"""
     refine: str | None = None
     """environment id whose parameters for the model to start from instead of the default ones, searching closer to
     them"""
@@ -188,13 +191,16 @@ def main(argv: Sequence[str] | None = None) -> None:
         nonlocal simulated
         simulated += len(points) * len(seeds)
         parameters = [from_unit(cls, np.clip(point, 0.0, 1.0)) for point in points]
-        return [-value for value in mean_returns(args.controller, parameters, args.env_id, env_kwargs, seeds, workers)]
+        returns = mean_returns(args.controller, parameters, args.env_id, env_kwargs, seeds, workers, args.wear_cost)
+        return [-value for value in returns]
 
     with make_env(args.env_id, env_kwargs) as env:
         model = env.get_wrapper_attr("model")
     validation = episode_seeds("validation", args.seed, args.validation_episodes)
     if args.episodes_per_candidate < 1:
         raise ValueError(f"--episodes-per-candidate is {args.episodes_per_candidate}; give a positive number")
+    if not 0.0 <= args.wear_cost < math.inf:
+        raise ValueError(f"--wear-cost is {args.wear_cost}; give a finite number that is not negative")
     start = load_parameters(args.controller, args.refine, model) if args.refine else untuned
     spent = episodes_spent(args.controller, args.refine, model) if args.refine else 0
     candidates = tune(

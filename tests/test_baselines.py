@@ -22,6 +22,8 @@ from agents.torque_laws import (
     ServoParameters,
     ShapedProfileParameters,
     Signals,
+    SoftStartParameters,
+    SoftStartServo,
     VelocityProfileServo,
     ViscousDamper,
 )
@@ -42,6 +44,9 @@ LIMIT = 0.5
 SIGNALS = Signals(NAMES, LIMIT)
 TIME_LEFT = 0.3 * SIGNALS.deadline  # in the observations of `observe`
 SERVO = replace(ServoParameters(), difference_damping=3.0, postlock_damping=2.0)
+SOFT_START = SoftStartParameters(
+    **vars(SERVO), torques=tuple(np.linspace(-0.2, 0.24, 12).tolist()), handover=10.0, blending=4.0
+)
 
 
 @pytest.fixture(scope="module")
@@ -72,6 +77,7 @@ def controllers():
         ViscousDamper(SIGNALS, DamperParameters(0.5, 1.5)),
         InputShapedProfile(SIGNALS),
         OpenLoopTorque(SIGNALS, OpenLoopParameters(tuple(np.linspace(-0.5, 0.5, 16).tolist()))),
+        SoftStartServo(SIGNALS, SOFT_START),
     ]
 
 
@@ -112,6 +118,42 @@ def test_a_servo_that_follows_its_profile_is_done_ahead_of_the_deadline_however_
     follow = solve_ivp(lambda t, s: servo.reference_rate(s, left - t), (0.0, left - RESERVE), [start], max_step=0.01)
     assert follow.y[0, -1] > 0.98
     assert np.all(servo.reference_rate(follow.y[0], left - follow.t) >= servo.reference_rate(follow.y[0]))
+
+
+def at_time(time, opening=0.0, rate=0.0, latched=0.0):
+    """As `observe`, but at a time [s]."""
+    observation = observe(opening, rate, latched)
+    observation[NAMES.index("time_to_deadline")] = 1.0 - time / SIGNALS.deadline
+    return observation
+
+
+@pytest.mark.parametrize(("opening", "rate"), [(0.0, 0.0), (0.6, 0.3)])
+def test_a_soft_start_knows_nothing_but_the_clock_until_it_hands_over(opening, rate):
+    law = SoftStartServo(SIGNALS, SOFT_START)
+    times = np.array([0.0, 1.0, 4.0 / 3.0, 6.0, 9.99])
+    torques = LIMIT * np.concatenate([law.predict(at_time(time, opening, rate))[0] for time in times])
+    # From -0.2 N m on, 0.04 N m more every 4/3 s.
+    assert torques == pytest.approx(-0.2 + 0.03 * times, abs=1e-6)
+
+
+def test_a_soft_start_hands_over_to_the_servo_by_and_by():
+    law, servo = SoftStartServo(SIGNALS, SOFT_START), VelocityProfileServo(SIGNALS, SERVO)
+    half = 0.5 * (servo.predict(at_time(12.0, 0.5, 0.07))[0] * LIMIT - 0.2 + 0.03 * 12.0)
+    assert law.predict(at_time(12.0, 0.5, 0.07))[0] * LIMIT == pytest.approx(half, abs=1e-6)
+    assert law.predict(at_time(14.0, 0.9, 0.02))[0] == servo.predict(at_time(14.0, 0.9, 0.02))[0]
+
+
+def test_the_last_latch_ends_a_soft_start():
+    law, servo = SoftStartServo(SIGNALS, SOFT_START), VelocityProfileServo(SIGNALS, SERVO)
+    latched = at_time(5.0, 1.0, 0.02, latched=1.0)
+    assert law.predict(latched)[0] == servo.predict(latched)[0]
+
+
+def test_the_tuned_soft_start_wears_the_bearings_half_as_much_as_the_servo():
+    env = make_env(env_kwargs=with_model({}, "flexible-clearance", 4))
+    servo, soft = (run_episode(env, make_baseline(name, env), seed=0) for name in ("servo", "soft-start"))
+    assert soft["wear_depth_max_m"] < 0.6 * servo["wear_depth_max_m"]
+    assert soft["latched"]
 
 
 def test_servo_opposes_joint_1_after_the_last_latch():

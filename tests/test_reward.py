@@ -192,7 +192,9 @@ def wide_set():
     generator = np.random.default_rng(0)
     laws = [constant(action) for action in (-1.0, -0.5, -0.25, 0.0, 0.25, 0.5, 1.0)]
     laws += [erratic(seed) for seed in range(3)]
-    for law in TUNABLE.values():
+    for name, law in TUNABLE.items():
+        if name == "soft-start":  # An open-loop torque and then a servo: both are there already.
+            continue
         parameters = type(law.defaults)
         for _ in range(8):
             controller = law(signals, from_unit(parameters, generator.random(len(bounds(parameters)))))

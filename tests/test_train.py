@@ -93,15 +93,19 @@ def test_a_run_keeps_its_model_and_elements_and_is_resumed_and_evaluated_on_them
         run("--resume", first, "--elements", 2, "--out", tmp_path / "third")
 
 
-def test_a_residual_agent_starts_as_the_law_it_adds_to_and_the_run_keeps_that_law(tmp_path):
+@pytest.mark.parametrize("law", ["servo", "soft-start"])
+def test_a_residual_agent_starts_as_the_law_it_adds_to_and_the_run_keeps_that_law(tmp_path, law):
     small = ["--timesteps", 20, "--n-envs", 1, "--hyperparams", "n_steps=10", "batch_size=10", "learning_rate=0.0"]
-    folder = run(*RIGID, "--residual", 0.3, "--landings", 4, *small, "--out", tmp_path / "run")
+    folder = run(*RIGID, "--residual", 0.3, "--law", law, "--landings", 4, *small, "--out", tmp_path / "run")
     residual = runs.read_config(folder)["residual"]
     env = make_env()
+    assert residual["law"] == law
     assert residual["scale"] == 0.3
-    assert residual["parameters"] == asdict(load_parameters("servo", "solar_env/Deploy-v0", "rigid-clearance"))
+    assert residual["parameters"] == runs.jsonable(
+        asdict(load_parameters(law, "solar_env/Deploy-v0", "rigid-clearance"))
+    )
     observations = env.observation_space.sample()[None] * np.linspace(0.0, 1.0, 20)[:, None].astype(np.float32)
-    base = make_baseline("servo", env).predict(observations)[0]
+    base = make_baseline(law, env).predict(observations)[0]
     assert np.array_equal(runs.load_policy(folder, env).predict(observations, deterministic=True)[0], base)
     trained = ResidualController(
         OpenLoopTorque(Signals.of(env), OpenLoopParameters((0.2,) * 16)), residual, Signals.of(env)
@@ -532,6 +536,8 @@ def test_there_is_a_model_for_every_configuration_of_the_randomised_scenario(alg
         (["--hyperparams", "policy_kwargs=3"], "policy_kwargs is 3; give a dictionary"),
         (["--residual", "0", "--elements", "4"], "--elements 4: the panels of rigid-clearance have none"),
         (["--residual", "0", "--landings", "7"], "landings is 7, but with residual 0 there is no law"),
+        (["--residual", "0", "--law", "servo"], "law is 'servo', but with residual 0 the agent adds to none"),
+        (["--law", "serve"], "residual law is 'serve'; available: brake"),
         (["--env-kwargs", "scenario=randomised"], "leave the keyword out and choose --env-id"),
         (["--env-kwargs", "max_episode_steps=20"], "max_episode_steps cuts off have no landing to judge"),
         (["--eval-episodes", "0"], "the number of episodes is 0; choose one from 1"),
@@ -566,6 +572,7 @@ def test_a_folder_with_a_run_is_not_overwritten(ppo_run):
         (["--seed", "1"], "--seed 1 contradicts the run to resume, which has 0"),
         (["--n-envs", "3"], "--n-envs 3 contradicts the run to resume, which has 2"),
         (["--residual", "0.5"], "--residual 0.5 contradicts the run to resume"),
+        (["--law", "soft-start"], "--law soft-start contradicts the run to resume, which has servo"),
         (["--landings", "5"], "--landings 5 contradicts the run to resume, which has 4"),
         (["--hyperparams", "n_steps=200"], "--hyperparams .* contradicts the run to resume"),
     ],

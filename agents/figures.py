@@ -90,9 +90,10 @@ def comparison_figure(summary: Mapping[str, Mapping[str, Any]], path: Path) -> N
         ("return", "minus return", -1.0),
         ("peak_postlock_force_N", "peak post-lock force [N]", 1.0),
         ("postlock_sliding_work_J", "post-lock sliding work [mJ]", 1e3),
+        ("wear_depth_max_m", "largest wear depth [1e-15 m]", 1e15),
     )
     names = list(summary)[::-1]
-    figure = Figure(figsize=(11, 0.6 + 0.32 * len(names)), layout="constrained")
+    figure = Figure(figsize=(13.5, 0.6 + 0.32 * len(names)), layout="constrained")
     for axes, (key, label, factor) in zip(figure.subplots(1, len(panels), sharey=True), panels, strict=True):
         for row, name in enumerate(names):
             value = summary[name][key]

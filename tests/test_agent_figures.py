@@ -33,12 +33,13 @@ def test_a_comparison_shows_means_intervals_and_the_worst_of_every_controller_in
         "return": Estimate(-2.0, -3.0, -1.5, -9.0, -1.0, 5),
         "peak_postlock_force_N": Estimate(20.0, 15.0, 30.0, 10.0, 90.0, 5),
         "postlock_sliding_work_J": Estimate(2e-3, 1e-3, 3e-3, 1e-4, 9e-3, 5),
+        "wear_depth_max_m": Estimate(5e-15, 4e-15, 6e-15, 3e-15, 7e-15, 5),
     }
     better = {name: Estimate(*(0.1 * number for number in vars(value).values())) for name, value in figures.items()}
     comparison_figure({"passive": figures, "servo": better}, tmp_path / "figure.png")
     panels = saved_figures[0].axes
     rows = {text.get_text(): row for row, text in enumerate(panels[0].get_yticklabels())}
-    shown = [(2.0, [1.5, 3.0], 9.0), (20.0, [15.0, 30.0], 90.0), (2.0, [1.0, 3.0], 9.0)]
+    shown = [(2.0, [1.5, 3.0], 9.0), (20.0, [15.0, 30.0], 90.0), (2.0, [1.0, 3.0], 9.0), (5.0, [4.0, 6.0], 7.0)]
     for axes, (mean, ends, worst) in zip(panels, shown, strict=True):
         for name, factor in (("passive", 1.0), ("servo", 0.1)):
             found = [line.get_xdata() for line in axes.lines if set(line.get_ydata()) == {rows[name]}]

@@ -82,19 +82,25 @@ def run_figure(
 def comparison_figure(summary: Mapping[str, Mapping[str, Any]], path: Path) -> None:
     """Draw what a comparison says of every controller: interquartile means with their intervals, and the worst episode.
 
+    A figure that is zero for all of them has no panel, as wear where joints are ideal.
+
     Args:
         summary: As `agents.report.summarize` returns it.
         path: File to write.
     """
-    panels = (
+    panels = [
         ("return", "minus return", -1.0),
         ("peak_postlock_force_N", "peak post-lock force [N]", 1.0),
         ("postlock_sliding_work_J", "post-lock sliding work [mJ]", 1e3),
         ("wear_depth_max_m", "largest wear depth [1e-15 m]", 1e15),
-    )
+    ]
+    panels = [
+        panel for panel in panels if panel[0] == "return" or any(of[panel[0]].mean > 0 for of in summary.values())
+    ]
     names = list(summary)[::-1]
-    figure = Figure(figsize=(13.5, 0.6 + 0.32 * len(names)), layout="constrained")
-    for axes, (key, label, factor) in zip(figure.subplots(1, len(panels), sharey=True), panels, strict=True):
+    figure = Figure(figsize=(0.5 + 3.25 * len(panels), 0.6 + 0.32 * len(names)), layout="constrained")
+    across = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
+    for axes, (key, label, factor) in zip(across, panels, strict=True):
         for row, name in enumerate(names):
             value = summary[name][key]
             if value.count == 0:

@@ -1,5 +1,7 @@
 """Figures of agents show what they were given, in the units of their axes."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -45,6 +47,17 @@ def test_a_comparison_shows_means_intervals_and_the_worst_of_every_controller_in
             found = [line.get_xdata() for line in axes.lines if set(line.get_ydata()) == {rows[name]}]
             for values, exact in zip(found, (ends, [mean], [worst]), strict=True):
                 np.testing.assert_allclose(values, np.multiply(exact, factor))
+
+
+def test_a_comparison_has_no_panel_for_what_is_zero_whoever_controls(tmp_path, saved_figures):
+    figures = {
+        "return": Estimate(-2.0, -3.0, -1.5, -9.0, -1.0, 5),
+        "peak_postlock_force_N": Estimate(20.0, 15.0, 30.0, 10.0, 90.0, 5),
+        "postlock_sliding_work_J": Estimate(0.0, 0.0, 0.0, 0.0, 0.0, 5),
+        "wear_depth_max_m": Estimate(math.nan, math.nan, math.nan, math.nan, math.nan, 0),
+    }
+    comparison_figure({"passive": figures}, tmp_path / "figure.png")
+    assert [axes.get_xlabel() for axes in saved_figures[0].axes] == ["minus return", "peak post-lock force [N]"]
 
 
 def test_the_transfer_matrix_has_its_rows_for_training_and_its_columns_for_judging(tmp_path, saved_figures):

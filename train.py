@@ -28,7 +28,7 @@ BASELINES = ("passive", "servo-untuned", "servo")
 # The cheapest model from which agents that beat the servo transfer to six elements, see `agents.transfer`, and as many
 # steps on it as leave a training with its comparison within ten minutes on two cores.
 MODEL = {"model": "flexible-clearance", "elements": 2}
-TIMESTEPS = 120_000
+TIMESTEPS = 86_400
 
 
 @dataclass
@@ -38,7 +38,7 @@ class Args:
     algo: str | None = None
     """algorithm: ppo, sac or td3; None: ppo, or that of the run to resume"""
     timesteps: int | None = None
-    """environment steps to train for; None: at most 120,000, or the number in agents/configs for a model that was named
+    """environment steps to train for; None: at most 86,400, or the number in agents/configs for a model that was named
     and for the whole torque, or as many as the run to resume was given"""
     seed: int | None = None
     """seed of networks, exploration and training episodes, and chooses those of the comparison; None: 0, or that of the

@@ -60,9 +60,9 @@ def ppo_run(tmp_path_factory):
 @pytest.mark.parametrize(
     ("arguments", "model", "elements", "timesteps"),
     [
-        ([], "flexible-clearance", 2, 120_000),
+        ([], "flexible-clearance", 2, 86_400),
         (["--elements", "4", "--timesteps", "500"], "flexible-clearance", 4, 500),
-        (["--algo", "sac"], "flexible-clearance", 2, 97_200),
+        (["--algo", "sac"], "flexible-clearance", 2, 86_400),
         (["--model", "flexible-clearance"], "flexible-clearance", None, 216_000),
         (["--env-kwargs", "model=rigid-clearance"], "rigid-clearance", None, 216_000),
         (["--residual", "0"], "rigid-clearance", None, 432_000),

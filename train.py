@@ -153,13 +153,18 @@ def check_comparison(args: Args, seed: int) -> None:
     episode_seeds("evaluation", seed, args.eval_episodes)
 
 
+def references(config: configurations.Configuration) -> list[str]:
+    """What a run is compared with: the baselines, and the law that it adds to if that is none of them."""
+    law = [config.residual["law"]] if config.residual else []
+    return list(dict.fromkeys([*BASELINES, *law]))
+
+
 def compare(
     args: Args, config: configurations.Configuration, folders: Sequence[Path], out: Path, command: str
 ) -> tuple[Summary, Tables]:
     """Compare runs, as training seeds of one controller, with the baselines; for the rest see `write_comparison`."""
     seed = args.seed or 0 if args.seeds else config.seed
-    references = dict.fromkeys([*BASELINES, *([config.residual["law"]] if config.residual else [])])
-    controllers = [*references, *(f"{config.algo}={folder}" for folder in folders)]
+    controllers = [*references(config), *(f"{config.algo}={folder}" for folder in folders)]
     rows = evaluate(
         controllers,
         args.eval_episodes,
@@ -207,9 +212,9 @@ def draw(folder: Path, config: configurations.Configuration, returns: dict[str, 
     episodes: dict[str, list[Step]] = {config.algo: [], "passive": []}
     run_episode(env, runs.load_policy(folder, env), seed, episodes[config.algo].append)
     run_episode(env, make_baseline("passive", env), seed, episodes["passive"].append)
-    references = {name: value for name, value in returns.items() if name in BASELINES}
+    levels = {name: returns[name] for name in references(config)}
     signals: Any = env.unwrapped
-    run_figure(folder, references, episodes, signals.observation_names, signals.task.torque_limit)
+    run_figure(folder, levels, episodes, signals.observation_names, signals.task.torque_limit)
 
 
 if __name__ == "__main__":

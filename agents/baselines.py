@@ -20,7 +20,6 @@ from agents.torque_laws import (
     ServoParameters,
     ShapedProfileParameters,
     Signals,
-    SoftStartParameters,
     SoftStartServo,
     TorqueLaw,
     TunableLaw,
@@ -31,14 +30,7 @@ from agents.torque_laws import (
 CONFIGS = Path(__file__).parent / "configs"
 FALLBACK_MODEL = "rigid-clearance"  # whose parameters a model without its own gets
 
-Parameters = (
-    BrakeParameters
-    | DamperParameters
-    | ServoParameters
-    | SoftStartParameters
-    | ShapedProfileParameters
-    | OpenLoopParameters
-)
+Parameters = BrakeParameters | DamperParameters | ServoParameters | ShapedProfileParameters | OpenLoopParameters
 
 TUNABLE: dict[str, type[TunableLaw[Any]]] = {
     "brake": ConstantBrake,

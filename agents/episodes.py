@@ -104,8 +104,7 @@ def trial_return(trial: Trial) -> float:
     """The return of a trial's episode, less what its deepest wear costs extra."""
     env = _environment(trial.env_id, trial.keywords)
     figures = run_episode(env, make_baseline(trial.controller, env, trial.parameters), trial.seed)
-    value = float(figures["return"])
-    return value - trial.wear_cost * float(figures["wear_depth_max_m"]) / 1e-15 if trial.wear_cost else value
+    return float(figures["return"]) - trial.wear_cost * float(figures["wear_depth_max_m"]) / 1e-15
 
 
 @lru_cache(maxsize=1)
@@ -120,11 +119,11 @@ def mean_returns(
     env_kwargs: Mapping[str, Any],
     seeds: Sequence[int],
     workers: Workers,
-    wear_cost: float = 0.0,
+    wear_cost: float,
 ) -> list[float]:
     """Mean return of each candidate for the parameters of a baseline, over the same episodes.
 
-    With a `wear_cost`, 1e-15 m of the deepest wear over a whole episode lower its return by that.
+    1e-15 m of the deepest wear over a whole episode lower its return by `wear_cost`.
     """
     keywords = json.dumps(env_kwargs, sort_keys=True)
     trials = [

@@ -12,17 +12,18 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from agents import configurations, learn, runs
+from agents import runs
 from agents.arguments import parse_arguments, run_command
-from agents.baselines import make_baseline
+from agents.comparison.figures import run_figure
+from agents.comparison.report import Summary, Tables, write_comparison
+from agents.comparison.suites import WHOLE_TORQUE_MODEL
 from agents.environments import DEFAULT_ENV_ID, check_seeds, episode_seeds, make_env, with_model
 from agents.evaluate import efforts, evaluate
-from agents.figures import run_figure
-from agents.report import Summary, Tables, write_comparison
+from agents.laws.baselines import make_baseline
+from agents.learning import configurations, learn
 from agents.rollout import Step, run_episode
-from agents.suites import WHOLE_TORQUE_MODEL
 from solar_env.array import DEFAULT_ELEMENTS
-from solar_env.campaigns import Workers
+from solar_env.support.campaigns import Workers
 
 BASELINES = ("passive", "servo-untuned", "servo")
 # The cheapest model from which agents that beat the servo transfer to six elements, see `agents.transfer`, and as many

@@ -12,14 +12,15 @@ from typing import Any
 
 import numpy as np
 
-from agents import configurations, learn, runs
+from agents import runs
 from agents.arguments import parse_arguments, run_command
+from agents.comparison.figures import learning_curves_figure
+from agents.comparison.suites import SUITES, TRAINING_MODEL, WHOLE_TORQUE_MODEL
 from agents.environments import check_seeds, with_model
-from agents.figures import learning_curves_figure
-from agents.suites import SUITES, TRAINING_MODEL, WHOLE_TORQUE_MODEL
-from solar_env.campaigns import Workers
-from solar_env.readme import FIGURE_FOLDER
-from solar_env.registration import ENVIRONMENTS
+from agents.learning import configurations, learn
+from solar_env.environment.registration import ENVIRONMENTS
+from solar_env.support.campaigns import Workers
+from solar_env.support.readme import FIGURE_FOLDER
 
 FIGURE, TABLE = "learning_curves.png", "learning_curves.csv"
 

@@ -9,21 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from agents.arguments import parse_arguments, run_command
-from agents.controllers import UNTRAINED, effort, observation_of, resolved, trained_in, trained_on
-from agents.environments import (
-    DEFAULT_ENV_ID,
-    episode_seeds,
-    make_env,
-    with_model,
-    with_sampling,
-    without_sampling,
-)
-from agents.episodes import episode_cell, run_cells
-from agents.figures import comparison_figure
-from agents.report import Row, write_comparison
-from agents.suites import MODEL, SUITES, suite_controllers
-from solar_env.campaigns import ONE, Cell, Workers
-from solar_env.readme import FIGURE_FOLDER, check_readme, replace_in_readme
+from agents.comparison.controllers import UNTRAINED, effort, observation_of, resolved, trained_in, trained_on
+from agents.comparison.episodes import episode_cell, run_cells
+from agents.comparison.figures import comparison_figure
+from agents.comparison.report import Row, write_comparison
+from agents.comparison.suites import MODEL, SUITES, suite_controllers
+from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_sampling, without_sampling
+from solar_env.support.campaigns import ONE, Cell, Workers
+from solar_env.support.readme import FIGURE_FOLDER, check_readme, replace_in_readme
 
 STORE = "episodes.jsonl"
 FIGURE = "comparison.png"
@@ -115,8 +108,8 @@ def evaluate(
     """Run every controller on the same evaluation episodes.
 
     Args:
-        controllers: See `agents.controllers.load_controller`; optionally as ``NAME=SPEC``. A tuned baseline has
-            the parameters for the environment's model, see `agents.baselines.load_parameters`.
+        controllers: See `agents.comparison.controllers.load_controller`; optionally as ``NAME=SPEC``. A tuned
+            baseline has the parameters for the environment's model, see `agents.laws.baselines.load_parameters`.
         episodes: Episodes of each controller.
         seed: Chooses the block of evaluation seeds.
         env_id: Environment id.
@@ -149,7 +142,7 @@ def evaluate(
 
 
 def efforts(controllers: Sequence[str], env_id: str, env_kwargs: Mapping[str, Any]) -> dict[str, str]:
-    """Controller -> what was simulated to tune or train it, as `agents.controllers.effort`, times its runs."""
+    """Controller -> what was simulated to tune or train it, as `controllers.effort`, times its runs."""
     with make_env(env_id, env_kwargs) as env:
         model = env.get_wrapper_attr("model")
     found: dict[str, list[str]] = {}

@@ -25,14 +25,14 @@ except ImportError as missing:
 
 from agents import runs, shipped
 from agents.arguments import parse_arguments, run_command
-from agents.baselines import BASELINES
-from agents.controllers import UNTRAINED
+from agents.comparison.controllers import UNTRAINED
+from agents.comparison.report import Row, tabulate
 from agents.environments import episode_seeds, make_env
-from agents.features import LIMIT, DriveFeatures
-from agents.report import Row, tabulate
+from agents.laws.baselines import BASELINES
+from agents.learning.features import LIMIT, DriveFeatures
 from agents.rollout import run_episode
 from agents.shipped import Description, Layer, PolicyNetwork, ShippedPolicy
-from solar_env.hardware import Hardware
+from solar_env.environment.hardware import Hardware
 
 OPSET = 17
 IR_VERSION = 8  # the one that came with the opset, so that runtimes as old as the opset read the file
@@ -80,7 +80,8 @@ def network_of(model: BaseAlgorithm) -> PolicyNetwork:
     if not fits:
         raise ValueError(
             f"the policy computes {', '.join(type(leaf).__name__ for leaf in [parts[0], *leaves])}; exported can be "
-            "fully connected layers on the features of agents.features with one activation, Tanh or ReLU, between them"
+            "fully connected layers on the features of agents.learning.features with one activation, Tanh or ReLU, "
+            "between them"
         )
     features = cast(DriveFeatures, parts[0])
     layers = [_layer(features.matrix, features.offset)]

@@ -15,7 +15,7 @@ from stable_baselines3 import PPO, SAC, TD3
 from stable_baselines3.common.base_class import BaseAlgorithm
 
 from agents.environments import make_env
-from agents.residual import ResidualController
+from agents.laws.residual import ResidualController
 from agents.torque_laws import Controller, Signals
 
 ALGORITHMS: dict[str, type[BaseAlgorithm]] = {"ppo": PPO, "sac": SAC, "td3": TD3}

@@ -11,13 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from agents import configurations, learn, runs
+from agents import runs
 from agents.arguments import parse_arguments, run_command
-from agents.baselines import CONFIGS
+from agents.comparison.suites import TRAINING_MODEL, WHOLE_TORQUE_MODEL
 from agents.environments import DEFAULT_ENV_ID, with_model
-from agents.suites import TRAINING_MODEL, WHOLE_TORQUE_MODEL
+from agents.laws.baselines import CONFIGS
+from agents.learning import configurations, learn
 from agents.tune import minimise
-from solar_env.campaigns import Workers
+from solar_env.support.campaigns import Workers
 
 SIGNIFICANT_DIGITS = 3
 SPREAD = 0.1  # of the first generation, as a share of the ranges: much further out agents shake the array to pieces

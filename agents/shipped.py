@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import gymnasium
 import numpy as np
 
-from agents.residual import ResidualController
+from agents.laws.residual import ResidualController
 from agents.torque_laws import Controller, Signals
 
 SHIPPED = Path(__file__).parent / "policies"
@@ -44,7 +44,7 @@ class PolicyNetwork:
 
     Attributes:
         layers: From the observation to the mean of the action; the first, in float64, gives features of the
-            observation, see `agents.features`, the others are float32.
+            observation, see `agents.learning.features`, the others are float32.
         gates: From the observation to what the features are multiplied by once it is clipped to [0, 1]; float64.
         feature_limit: The features are clipped to plus and minus this before.
         activation: Between the other layers: relu or tanh.
@@ -171,7 +171,7 @@ class Description:
         deadline: Unit of the observed time [s].
         control_period: For which an action is held [s].
         postlock_window: Unit of the observed time since the last latch [s].
-        residual: {"law": name in `agents.baselines.TUNABLE`, "parameters": those of the law, "tuning_episodes": what
+        residual: {"law": name in `baselines.TUNABLE`, "parameters": those of the law, "tuning_episodes": what
             they have cost, "scale": share of the torque limit}; the action is then ``clip(law + scale * network, -1,
             1)``. None: it is the network's.
     """

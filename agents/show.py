@@ -11,14 +11,14 @@ from PIL import Image, ImageDraw, ImageFont
 from tqdm import tqdm
 
 from agents.arguments import parse_arguments, run_command
-from agents.controllers import load_controller, observation_of
+from agents.comparison.controllers import load_controller, observation_of
+from agents.comparison.figures import deployments_figure
+from agents.comparison.suites import MODEL
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_sampling
 from agents.evaluate import check_names, split_controller
-from agents.figures import deployments_figure
 from agents.rollout import Step, run_episode
-from agents.suites import MODEL
 from agents.torque_laws import Controller
-from solar_env.readme import FIGURE_FOLDER
+from solar_env.support.readme import FIGURE_FOLDER
 
 FIGURE, ANIMATION = "deployments.png", "deployments.gif"
 WIDTH, CAPTION = 640, 28  # of the animation, and height of a controller's name in it [pixels]

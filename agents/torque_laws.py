@@ -9,7 +9,7 @@ from typing import Any, Generic, Protocol, TypeVar
 import gymnasium
 import numpy as np
 
-from solar_env.task import Task
+from solar_env.environment.task import Task
 
 
 class Controller(Protocol):

@@ -8,15 +8,16 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from agents import configurations, learn, runs
+from agents import runs
 from agents.arguments import parse_arguments, run_command
+from agents.comparison.figures import transfer_figure
+from agents.comparison.report import header, summarize
+from agents.comparison.statistics import Estimate
 from agents.environments import DEFAULT_ENV_ID, check_seeds, episode_seeds, with_model
 from agents.evaluate import STORE, evaluate
-from agents.figures import transfer_figure
-from agents.report import header, summarize
-from agents.statistics import Estimate
-from solar_env.campaigns import Workers
-from solar_env.readme import FIGURE_FOLDER, check_readme, replace_in_readme
+from agents.learning import configurations, learn
+from solar_env.support.campaigns import Workers
+from solar_env.support.readme import FIGURE_FOLDER, check_readme, replace_in_readme
 
 FIGURE, TABLE = "transfer.png", "transfer.md"
 BEGIN = "<!-- transfer: written by `python -m agents.transfer --readme` -->"

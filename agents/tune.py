@@ -15,10 +15,10 @@ from tqdm import tqdm
 
 from agents import runs
 from agents.arguments import parse_arguments, run_command
-from agents.baselines import CONFIGS, TUNABLE, Parameters, episodes_spent, load_parameters
+from agents.comparison.episodes import mean_returns
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_sampling
-from agents.episodes import mean_returns
-from solar_env.campaigns import Workers
+from agents.laws.baselines import CONFIGS, TUNABLE, Parameters, episodes_spent, load_parameters
+from solar_env.support.campaigns import Workers
 
 
 @dataclass

@@ -12,11 +12,11 @@ from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvObs, VecEnvStepReturn
 
 from agents.environments import DEFAULT_ENV_ID, make_vector_env
-from agents.residual import added, base_law
+from agents.laws.residual import added, base_law
 from agents.torque_laws import Signals
 
 LAW_REWARD = "law_reward"
-"""Key in the infos of landings (`agents.landings`): what a torque law was rewarded by in the same period."""
+"""Key in the infos of landings (`agents.learning.landings`): what a torque law was rewarded by in the same period."""
 
 
 class NativeVecEnv(VecEnv):
@@ -139,7 +139,7 @@ class LogarithmicCharges(VecEnvWrapper):
 
     A missed deadline costs some hundred times what a soft landing does. It would set the scale of normalised rewards
     for good, and with it leave nothing to learn of the landing. Small costs stay what they are, and worse stays worse.
-    Of landings (`agents.landings`) what the law alone would have cost is given back, so that the law itself earns 0.
+    Of landings (`learning.landings`) what the law alone would have cost is given back, so that the law itself earns 0.
 
     Args:
         venv: What to wrap.

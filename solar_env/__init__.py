@@ -8,30 +8,30 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from .array import MODELS, ArrayParameters, build
-from .hardware import Hardware
-from .mechanics.diagnosis import SimulationWarning
-from .mechanics.integrators import GeneralizedAlpha, Rosenbrock, RungeKutta
-from .registration import register_environments
+from solar_env.array import MODELS, ArrayParameters, build
+from solar_env.environment.hardware import Hardware
+from solar_env.environment.registration import register_environments
+from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Rosenbrock, RungeKutta
+from solar_env.mechanics.running.diagnosis import SimulationWarning
 
 if TYPE_CHECKING:
-    from .deployment import simulate
-    from .env import SolarArrayEnv
-    from .mechanics.errors import SimulationError
-    from .mechanics.simulation import Simulation
-    from .mechanics.trajectory import Trajectory
-    from .vector_env import SolarArrayVectorEnv
+    from solar_env.array.deployment import simulate
+    from solar_env.environment.env import SolarArrayEnv
+    from solar_env.environment.vector_env import SolarArrayVectorEnv
+    from solar_env.mechanics.running.errors import SimulationError
+    from solar_env.mechanics.running.simulation import Simulation
+    from solar_env.mechanics.running.trajectory import Trajectory
 
 __version__ = "0.1.0"
 
 # Public names whose modules need the compiler: imported on first use.
 _LAZY = {
-    "simulate": ".deployment",
-    "SolarArrayEnv": ".env",
-    "SolarArrayVectorEnv": ".vector_env",
-    "SimulationError": ".mechanics.errors",
-    "Simulation": ".mechanics.simulation",
-    "Trajectory": ".mechanics.trajectory",
+    "simulate": ".array.deployment",
+    "SolarArrayEnv": ".environment.env",
+    "SolarArrayVectorEnv": ".environment.vector_env",
+    "SimulationError": ".mechanics.running.errors",
+    "Simulation": ".mechanics.running.simulation",
+    "Trajectory": ".mechanics.running.trajectory",
 }
 
 __all__ = [

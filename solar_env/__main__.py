@@ -9,7 +9,7 @@ import warnings
 
 COMMANDS = {
     "simulate": ("solar_env.commands.simulate", "simulate one deployment"),
-    "verify": ("solar_env.verification.command", "run the cases with known answers"),
+    "verify": ("solar_env.commands.verify", "run the cases with known answers"),
     "chart": ("solar_env.commands.chart", "measure speed against accuracy and draw it"),
     "stability": ("solar_env.commands.stability", "map where methods fail, and check that the library says so"),
     "paper": ("solar_env.commands.paper", "draw the figures of the paper and judge what it says"),
@@ -33,7 +33,7 @@ def main(arguments: list[str] | None = None) -> int:
         if name in arguments[:1]:
             importlib.import_module(module).add_arguments(subparser)
     args = parser.parse_args(arguments)
-    from .mechanics.errors import SimulationError
+    from solar_env.mechanics.running.errors import SimulationError
 
     usual, warnings.formatwarning = warnings.formatwarning, _one_line
     try:

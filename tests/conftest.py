@@ -79,8 +79,9 @@ def saved_figures(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
 @pytest.fixture
 def configs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder of configurations of its own, with a brake tuned for two of the models."""
-    from agents import baselines, tune
+    from agents import tune
     from agents.environments import DEFAULT_ENV_ID
+    from agents.laws import baselines
 
     for module in (baselines, tune):
         monkeypatch.setattr(module, "CONFIGS", tmp_path)

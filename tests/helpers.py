@@ -13,9 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters, build
-from solar_env.mechanics import model as m
-from solar_env.mechanics.build import compile_mechanism
-from solar_env.mechanics.description import (
+from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.equations.build import compile_mechanism
+from solar_env.mechanics.equations.system import add_mass_products, make_workspace, stored_energies
+from solar_env.mechanics.integrators.recording import make_recorder
+from solar_env.mechanics.integrators.settings import GeneralizedAlpha, RungeKutta
+from solar_env.mechanics.joints.joint import ANGLE, joint_forces
+from solar_env.mechanics.mechanism.description import (
     GROUND,
     Bearing,
     Body,
@@ -28,14 +32,10 @@ from solar_env.mechanics.description import (
     Spring,
     Stop,
 )
-from solar_env.mechanics.diagnosis import SimulationWarning
-from solar_env.mechanics.integrators import GeneralizedAlpha, RungeKutta
-from solar_env.mechanics.joint import ANGLE, joint_forces
-from solar_env.mechanics.recording import make_recorder
-from solar_env.mechanics.simulation import Simulation
-from solar_env.mechanics.system import add_mass_products, make_workspace, stored_energies
-from solar_env.mechanics.trajectory import contact_record
-from solar_env.studies.motion import Motion
+from solar_env.mechanics.running.diagnosis import SimulationWarning
+from solar_env.mechanics.running.simulation import Simulation
+from solar_env.mechanics.running.trajectory import contact_record
+from solar_env.studies.common.motion import Motion
 
 Vector = NDArray[np.float64]
 
@@ -272,7 +272,7 @@ def single_steps(mechanism: Mechanism, integrator: Any) -> Simulation:
 
 def attempt(simulation: Simulation, end_time: float) -> bool:
     """Let a simulation of :func:`single_steps` try one step; whether it has reached ``end_time``."""
-    from solar_env.mechanics.errors import SimulationError
+    from solar_env.mechanics.running.errors import SimulationError
 
     try:
         simulation.advance(end_time)

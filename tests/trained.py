@@ -4,10 +4,11 @@ from pathlib import Path
 
 import numpy as np
 
-from agents import configurations, export, learn, runs
+from agents import export, runs
+from agents.comparison.report import write_comparison
 from agents.environments import DEFAULT_ENV_ID
 from agents.evaluate import evaluate
-from agents.report import write_comparison
+from agents.learning import configurations, learn
 
 COMMAND = "python train.py --seed 7"
 QUICK = {"model": "rigid-ideal", "control_period": 0.5, "postlock_window": 2.0, "observation": "drive"}

@@ -7,7 +7,7 @@ import os
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from ..campaigns import Workers
+    from solar_env.support.campaigns import Workers
 
 
 def add_worker_arguments(parser: argparse.ArgumentParser) -> None:
@@ -24,6 +24,6 @@ def chosen_workers(args: argparse.Namespace) -> Workers:
     Raises:
         ValueError: if there are no processes.
     """
-    from ..campaigns import Workers
+    from solar_env.support.campaigns import Workers
 
     return Workers(args.jobs, args.cluster)

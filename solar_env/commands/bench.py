@@ -7,9 +7,9 @@ from pathlib import Path
 
 from rich.console import Console
 
-from ..array import MODELS
-from ..progress import counting_bar
-from ..readme import check_readme, replace_in_readme
+from solar_env.array import MODELS
+from solar_env.support.progress import counting_bar
+from solar_env.support.readme import check_readme, replace_in_readme
 
 FILE = "bench.md"
 BEGIN, END = "<!-- bench: written by `python -m solar_env bench --readme` -->", "<!-- end of bench -->"
@@ -33,7 +33,7 @@ def run_command(args: argparse.Namespace) -> int:
         OSError: if the tables cannot be written.
     """
     # The measurements need the compiler, --help does not.
-    from ..studies.throughput import measurements, tables
+    from solar_env.studies.throughput.throughput import measurements, tables
 
     if args.readme:
         check_readme(BEGIN, END)

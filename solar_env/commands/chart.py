@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from ..readme import FIGURE_FOLDER, PACKAGE, check_readme, replace_in_readme
+from solar_env.support.readme import FIGURE_FOLDER, PACKAGE, check_readme, replace_in_readme
 
 BEGIN, END = "<!-- side by side: written by `python -m solar_env chart --readme` -->", "<!-- end of side by side -->"
 STUDIES = ("work-precision", "ensembles", "levels", "growth", "side-by-side")
@@ -38,10 +38,12 @@ def run_command(args: argparse.Namespace) -> int:
         ValueError: if figures are to be drawn of tables that do not exist.
     """
     # The studies need the compiler, --help does not.
-    from ..campaigns import Workers
-    from ..studies.charts import draw, measure
+    from solar_env.studies.precision.charts import draw, measure
+    from solar_env.support.campaigns import Workers
 
-    tables, figures = (PACKAGE / "studies" / "data", FIGURE_FOLDER) if args.readme else (args.out, args.out)
+    tables, figures = (
+        (PACKAGE / "studies" / "precision" / "data", FIGURE_FOLDER) if args.readme else (args.out, args.out)
+    )
     names = (args.only,) if args.only else STUDIES
     if args.readme:
         check_readme(BEGIN, END)

@@ -7,9 +7,9 @@ from pathlib import Path
 
 from rich.console import Console
 
-from ..array import PRESETS
-from ..readme import FIGURE_FOLDER
-from ._workers import add_worker_arguments, chosen_workers
+from solar_env.array import PRESETS
+from solar_env.commands._workers import add_worker_arguments, chosen_workers
+from solar_env.support.readme import FIGURE_FOLDER
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -33,9 +33,9 @@ def run_command(args: argparse.Namespace) -> int:
         OSError: if a file cannot be read or written.
     """
     # The studies need the compiler, --help does not.
-    from ..studies.design_map import FILE, measure
-    from ..studies.design_plot import draw_design
-    from ..studies.tables import read_table
+    from solar_env.studies.common.tables import read_table
+    from solar_env.studies.design.design_map import FILE, measure
+    from solar_env.studies.design.design_plot import draw_design
 
     if args.members < 1:
         raise ValueError(f"members = {args.members} must be at least 1")

@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from rich.progress import track
 
-from ..readme import FIGURE_FOLDER
+from solar_env.support.readme import FIGURE_FOLDER
 
 # A moment after latching, with the journals in flight.
 FRAME_TIME = 13.6  # s
@@ -36,16 +36,16 @@ def draw_frame(path: Path) -> None:
 
 def draw_deployment(path: Path) -> None:
     """Angles, forces, torques, energies, journal paths and wear of the default deployment."""
-    from ..deployment import simulate
-    from ..plots import plot_deployment
+    from solar_env.array.deployment import simulate
+    from solar_env.pictures.plots import plot_deployment
 
     plot_deployment(simulate(), path)
 
 
 def draw_flexible(path: Path) -> None:
     """Rigid beside flexible panels: angles, contact forces after latching and deflections."""
-    from ..deployment import panel_deflections, simulate
-    from ..plots import plot_comparison
+    from solar_env.array.deployment import panel_deflections, simulate
+    from solar_env.pictures.plots import plot_comparison
 
     models = ("rigid-clearance", "flexible-clearance")
     runs = [simulate(model=model, duration=COMPARED_TIME, output_step=1e-3) for model in models]
@@ -54,8 +54,8 @@ def draw_flexible(path: Path) -> None:
 
 def draw_stability(path: Path) -> None:
     """Bounces under generalized-alpha: where a fixed step fails."""
-    from ..studies.stability_maps import measure_map
-    from ..studies.stability_plot import draw_map
+    from solar_env.studies.stability.stability_maps import measure_map
+    from solar_env.studies.stability.stability_plot import draw_map
 
     with TemporaryDirectory() as folder:
         table = Path(folder) / "map.csv"

@@ -8,10 +8,10 @@ from pathlib import Path
 
 from rich.console import Console
 
-from ..array import PRESETS, ArrayParameters
-from ..progress import counting_bar
-from ..readme import FIGURE_FOLDER
-from ._workers import add_worker_arguments, chosen_workers
+from solar_env.array import PRESETS, ArrayParameters
+from solar_env.commands._workers import add_worker_arguments, chosen_workers
+from solar_env.support.progress import counting_bar
+from solar_env.support.readme import FIGURE_FOLDER
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -43,9 +43,9 @@ def run_command(args: argparse.Namespace) -> int:
         OSError: if a file cannot be written.
     """
     # The studies need the compiler, --help does not.
-    from ..studies.ground_test import FILE, Deployment, as_rows, clearances_after, wear_campaign
-    from ..studies.ground_test_plot import draw_ground_test
-    from ..studies.tables import provenance, read_table, write_table
+    from solar_env.studies.common.tables import provenance, read_table, write_table
+    from solar_env.studies.design.ground_test import FILE, Deployment, as_rows, clearances_after, wear_campaign
+    from solar_env.studies.design.ground_test_plot import draw_ground_test
 
     check = min(10, args.deployments) if args.check is None else args.check
     if not 0 <= check <= args.deployments:

@@ -9,8 +9,8 @@ from rich.box import SIMPLE
 from rich.console import Console
 from rich.table import Table
 
-from ..ladder import PACKAGED_TABLE, QUESTIONS, Answer, read_answers, steps
-from ..readme import FIGURE_FOLDER
+from solar_env.array.ladder import PACKAGED_TABLE, QUESTIONS, Answer, read_answers, steps
+from solar_env.support.readme import FIGURE_FOLDER
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -34,8 +34,8 @@ def run_command(args: argparse.Namespace) -> int:
         OSError: if a file cannot be written.
     """
     # The studies need the compiler, --help does not.
-    from ..studies.ladder import FILE, measure
-    from ..studies.ladder_plot import draw_ladder
+    from solar_env.studies.ladder.ladder import FILE, measure
+    from solar_env.studies.ladder.plot import draw_ladder
 
     tables, figures = (PACKAGED_TABLE.parent, FIGURE_FOLDER) if args.readme else (args.out, args.out)
     if not args.draw:

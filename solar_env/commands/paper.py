@@ -7,9 +7,9 @@ from pathlib import Path
 
 from rich.console import Console
 
-from ..progress import counting_bar
-from ..readme import FIGURE_FOLDER, PACKAGE, check_readme, replace_in_readme
-from ._workers import add_worker_arguments, chosen_workers
+from solar_env.commands._workers import add_worker_arguments, chosen_workers
+from solar_env.support.progress import counting_bar
+from solar_env.support.readme import FIGURE_FOLDER, PACKAGE, check_readme, replace_in_readme
 
 BEGIN, END = "<!-- claims: written by `python -m solar_env paper --readme` -->", "<!-- end of claims -->"
 
@@ -37,13 +37,13 @@ def run_command(args: argparse.Namespace) -> int:
         OSError: if a file cannot be written.
     """
     # The engine needs the compiler, --help does not.
-    from ..campaigns import each_done
-    from ..paper.cases import Run, simulate_run
-    from ..paper.claims import CLAIMS
-    from ..paper.drawings import draw_figure
-    from ..paper.figures import FIGURES
-    from ..paper.survey import as_json, as_markdown, judge, planned_runs
-    from ..studies.tables import provenance, read_table, write_table
+    from solar_env.studies.common.tables import provenance, read_table, write_table
+    from solar_env.studies.paper.cases import Run, simulate_run
+    from solar_env.studies.paper.claims import CLAIMS
+    from solar_env.studies.paper.drawings import draw_figure
+    from solar_env.studies.paper.figures import FIGURES
+    from solar_env.studies.paper.survey import as_json, as_markdown, judge, planned_runs
+    from solar_env.support.campaigns import each_done
 
     unknown = [number for number in args.figure or () if number not in FIGURES]
     if unknown:
@@ -78,7 +78,7 @@ def run_command(args: argparse.Namespace) -> int:
         return 0
     findings = [judge(claim, motions) for claim in CLAIMS]
     text = as_json(findings)
-    claims = PACKAGE / "paper" / "claims.json" if args.readme else args.out / "claims.json"
+    claims = PACKAGE / "studies" / "paper" / "claims.json" if args.readme else args.out / "claims.json"
     claims.write_text(text + "\n", encoding="utf-8")
     if args.readme:
         replace_in_readme(BEGIN, END, as_markdown(findings).rstrip("\n"))

@@ -13,13 +13,13 @@ from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
-from ..array import DEFAULT_ELEMENTS, MODELS, PRESETS, ArrayParameters, check_elements, check_model
-from ..integrators import INTEGRATORS, default_integrator, make_integrator
-from ..ladder import DEFAULT_TOLERANCE, QUESTIONS, Answer, cheapest, read_answers
-from ..mechanics.integrators import Rosenbrock, RungeKutta
+from solar_env.array import DEFAULT_ELEMENTS, MODELS, PRESETS, ArrayParameters, check_elements, check_model
+from solar_env.array.ladder import DEFAULT_TOLERANCE, QUESTIONS, Answer, cheapest, read_answers
+from solar_env.array.methods import INTEGRATORS, default_integrator, make_integrator
+from solar_env.mechanics.integrators.settings import Rosenbrock, RungeKutta
 
 if TYPE_CHECKING:
-    from ..mechanics.trajectory import Trajectory
+    from solar_env.mechanics.running.trajectory import Trajectory
 
 DEFAULT_MODEL = "rigid-clearance"
 _NOTEWORTHY_SHARE = 0.1  # of steps at the limit of stability, above which the command says so
@@ -82,8 +82,8 @@ def run_command(args: argparse.Namespace) -> int:
             raise ValueError(f"the folder of {path} does not exist")
     name = args.integrator or default_integrator(model).name
     integrator = make_integrator(name, model, args.step, args.rtol)
-    from ..deployment import panel_deflections, simulate
-    from .warmup import warm_up
+    from solar_env.array.deployment import panel_deflections, simulate
+    from solar_env.commands.warmup import warm_up
 
     console = Console(stderr=True)
     if answer is not None:
@@ -113,7 +113,7 @@ def run_command(args: argparse.Namespace) -> int:
     if args.out:
         trajectory.save(args.out)
     if args.plot:
-        from ..plots import plot_deployment
+        from solar_env.pictures.plots import plot_deployment
 
         flexible = model.startswith("flexible")
         plot_deployment(trajectory, args.plot, panel_deflections(trajectory) if flexible else None)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from ..progress import counting_bar
+from solar_env.support.progress import counting_bar
 
 _COLUMNS = 100
 
@@ -29,7 +29,7 @@ def run_command(args: argparse.Namespace) -> int:
         OSError: if a table cannot be read or written.
     """
     # The maps need the compiler, --help does not.
-    from ..studies.stability_maps import MAPS
+    from solar_env.studies.stability.stability_maps import MAPS
 
     if args.only is not None and args.only not in MAPS:
         raise ValueError(f"map {args.only!r} is unknown; choose from {', '.join(MAPS)}")
@@ -40,7 +40,7 @@ def run_command(args: argparse.Namespace) -> int:
 
 
 def _measure(names: list[str], quick: bool, folder: Path) -> None:
-    from ..studies.stability_maps import MAPS, measure_map
+    from solar_env.studies.stability.stability_maps import MAPS, measure_map
 
     cells = sum(1 for name in names for _ in MAPS[name].cells(quick))
     with counting_bar(Console(stderr=True)) as progress:
@@ -52,9 +52,9 @@ def _measure(names: list[str], quick: bool, folder: Path) -> None:
 
 def _report(name: str, folder: Path) -> int:
     """Draw a map and print its figures; 1 if a failure passed in silence."""
-    from ..studies.maps import silent_failures
-    from ..studies.stability_plot import draw_map
-    from ..studies.tables import read_table
+    from solar_env.studies.common.tables import read_table
+    from solar_env.studies.stability.maps import silent_failures
+    from solar_env.studies.stability.stability_plot import draw_map
 
     path = folder / f"{name}.csv"
     table = read_table(path)

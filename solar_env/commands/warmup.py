@@ -11,8 +11,8 @@ from pathlib import Path
 
 from rich.console import Console
 
-from ..array import MODELS, ArrayParameters, build
-from ..integrators import make_integrator
+from solar_env.array import MODELS, ArrayParameters, build
+from solar_env.array.methods import make_integrator
 
 # All models run with the kernels of the first by default, which "runge-kutta" shares; "paper" has those of the second.
 _ADAPTIVE, _ALPHA = "rosenbrock", "generalized-alpha"
@@ -27,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def load_kernels(model: str, integrator: str) -> float:
     """Run a moment of a model so that its kernels are compiled or loaded; returns the wall time it took [s]."""
-    from ..mechanics.simulation import Simulation
+    from solar_env.mechanics.running.simulation import Simulation
 
     start = time.perf_counter()
     Simulation(build(ArrayParameters(), model), make_integrator(integrator, model)).advance(1e-3)
@@ -41,7 +41,7 @@ def load_all_models(integrator: str) -> list[float]:
 
 def compile_part(part: str) -> None:
     """Compile, or load, one of the functions of ``compilation.py`` for the default array."""
-    from ..mechanics import compilation
+    from solar_env.mechanics.running import compilation
 
     getattr(compilation, part)(build(ArrayParameters(), MODELS[0]))
 
@@ -64,8 +64,8 @@ def kernels_are_compiled(integrator: str) -> bool:
     """Whether the cache holds the kernels of an integrator for these very sources, or none are to be compiled."""
     import numba
 
-    from ..mechanics.adaptive import advance_lanes
-    from ..mechanics.generalized_alpha import advance_alpha
+    from solar_env.mechanics.integrators.adaptive import advance_lanes
+    from solar_env.mechanics.integrators.generalized_alpha import advance_alpha
 
     kernel = advance_alpha if _family(integrator) == _ALPHA else advance_lanes
     return bool(numba.config.DISABLE_JIT) or any(
@@ -89,7 +89,7 @@ def run_command(args: argparse.Namespace) -> int:
     """Compile the kernels of all models and integrators, those of the environments included."""
     import gymnasium
 
-    from ..registration import ENVIRONMENTS
+    from solar_env.environment.registration import ENVIRONMENTS
 
     console = Console()
     start = time.perf_counter()

@@ -9,7 +9,7 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from .checks import Row
+from solar_env.verification.checks import Row
 
 
 def make_table(rows: Sequence[Row]) -> Table:

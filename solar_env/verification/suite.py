@@ -4,24 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from . import (
-    array_impacts,
-    beam_dynamics,
-    beam_elements,
-    beam_statics,
-    beam_vibration,
-    chains,
-    clearance_linkages,
-    conservation,
-    flexible_array,
-    impact,
-    latching,
-    linkages,
-    pendulum,
-    sliding,
-    stops,
+from solar_env.verification.arrays import conservation, latching
+from solar_env.verification.arrays import flexible as flexible_array
+from solar_env.verification.arrays import impacts as array_impacts
+from solar_env.verification.beams import (
+    dynamics as beam_dynamics,
 )
-from .checks import Check, Row
+from solar_env.verification.beams import (
+    elements as beam_elements,
+)
+from solar_env.verification.beams import (
+    statics as beam_statics,
+)
+from solar_env.verification.beams import (
+    vibration as beam_vibration,
+)
+from solar_env.verification.checks import Check, Row
+from solar_env.verification.impacts import impact, sliding, stops
+from solar_env.verification.linkages import chains, clearance_linkages, linkages, pendulum
 
 CASES: dict[str, Callable[[], Iterator[Check]]] = {
     "restitution": impact.restitution_curve,

@@ -1,0 +1,216 @@
+"""Figures: of a training run, with the learned deployment beside the passive one, and of a comparison."""
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
+
+from agents import runs
+from agents.comparison.report import HIGHER_IS_BETTER
+from agents.rollout import Step
+
+
+def plot_learning_curve(axes: Axes, folder: Path, reference_returns: Mapping[str, float]) -> None:
+    """Costs, minus returns, of training and validation episodes over environment steps; references as lines."""
+    before = runs.read_config(folder)["timesteps_before"]
+    episodes = np.genfromtxt(folder / "monitor.csv", delimiter=",", skip_header=1, names=True, ndmin=1)
+    with np.load(folder / "evaluations.npz") as history:
+        steps, validation = history["timesteps"], history["results"].mean(axis=1)
+    axes.plot(before + np.cumsum(episodes["l"]), -episodes["r"], ".", ms=2, alpha=0.4, label="training episode")
+    axes.plot(steps, -validation, "o-", ms=3, label="validation, mean")
+    for style, (name, value) in zip(("--", ":", "-."), reference_returns.items(), strict=False):
+        axes.axhline(-value, ls=style, color="0.3", lw=1, label=name)
+    axes.set(xlabel="environment steps", ylabel="minus the return", yscale="log")
+    axes.legend(fontsize=7)
+
+
+def plot_episodes(
+    axes: Sequence[Axes], episodes: Mapping[str, Sequence[Step]], names: Sequence[str], torque_limit: float
+) -> None:
+    """Angles, commanded torque and charged impact of one episode of each controller, on three axes."""
+    joints = [i for i, name in enumerate(names) if name.startswith("theta_")]
+    for color, (controller, steps) in enumerate(episodes.items()):
+        time = [step.time_s for step in steps]
+        for style, joint in zip(("-", "--", ":"), joints, strict=False):
+            opening = [step.observation[joint] for step in steps]
+            label = f"{controller}, joint {names[joint].removeprefix('theta_')}"
+            axes[0].plot(time, opening, style, color=f"C{color}", lw=1, label=label)
+        torque = [float(step.action[0]) * torque_limit for step in steps]
+        axes[1].step(time, torque, where="pre", color=f"C{color}", lw=1, label=controller)
+        impact = -np.cumsum([step.reward_terms["peak_impact"] for step in steps])
+        axes[2].step(time, impact, where="post", color=f"C{color}", lw=1, label=controller)
+    axes[0].set(xlabel="time [s]", ylabel="opening [lock angle]")
+    axes[1].set(xlabel="time [s]", ylabel="commanded torque [N m]")
+    axes[2].set(xlabel="time [s]", ylabel="charged peak impact [return]")
+    for ax in axes:
+        ax.legend(fontsize=7)
+
+
+def run_figure(
+    folder: Path,
+    reference_returns: Mapping[str, float],
+    episodes: Mapping[str, Sequence[Step]],
+    names: Sequence[str],
+    torque_limit: float,
+) -> Path:
+    """Draw ``figure.png`` of the run in `folder`.
+
+    Args:
+        folder: A finished run.
+        reference_returns: Controller -> return, drawn as lines into the learning curve.
+        episodes: Controller -> steps of one episode.
+        names: Names of the observation entries.
+        torque_limit: Motor torque of a unit action [N m].
+
+    Returns:
+        The path of the figure.
+    """
+    figure = Figure(figsize=(11, 7), layout="constrained")
+    axes = figure.subplots(2, 2)
+    plot_learning_curve(axes[0, 0], folder, reference_returns)
+    plot_episodes([axes[0, 1], axes[1, 0], axes[1, 1]], episodes, names, torque_limit)
+    path = folder / "figure.png"
+    figure.savefig(path, dpi=150)
+    return path
+
+
+def comparison_figure(summary: Mapping[str, Mapping[str, Any]], path: Path) -> None:
+    """Draw what a comparison says of every controller: interquartile means with their intervals, and the worst episode.
+
+    A figure that is zero for all of them has no panel, as wear where joints are ideal.
+
+    Args:
+        summary: As `agents.comparison.report.summarize` returns it.
+        path: File to write.
+    """
+    panels = [
+        ("return", "minus return", -1.0),
+        ("peak_postlock_force_N", "peak post-lock force [N]", 1.0),
+        ("postlock_sliding_work_J", "post-lock sliding work [mJ]", 1e3),
+        ("wear_depth_max_m", "largest wear depth [1e-15 m]", 1e15),
+    ]
+    panels = [
+        panel for panel in panels if panel[0] == "return" or any(of[panel[0]].mean > 0 for of in summary.values())
+    ]
+    names = list(summary)[::-1]
+    figure = Figure(figsize=(0.5 + 3.25 * len(panels), 0.6 + 0.32 * len(names)), layout="constrained")
+    across = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
+    for axes, (key, label, factor) in zip(across, panels, strict=True):
+        for row, name in enumerate(names):
+            value = summary[name][key]
+            if value.count == 0:
+                continue
+            ends = sorted((factor * value.lower, factor * value.upper))
+            worst = factor * (value.minimum if key in HIGHER_IS_BETTER else value.maximum)
+            axes.plot(ends, [row, row], "-", color="C0", lw=4, solid_capstyle="butt", alpha=0.6)
+            axes.plot(factor * value.mean, row, "o", color="C0", ms=5)
+            axes.plot(worst, row, "x", color="C1", ms=5)
+        axes.set_xscale("log")
+        least, greatest = np.log10(axes.get_xlim())
+        if math.ceil(least) <= greatest:  # the labels between powers of ten would overlap
+            axes.xaxis.set_minor_formatter(NullFormatter())
+        axes.set_yticks(range(len(names)), names)
+        axes.set_xlabel(label)
+        axes.grid(axis="x", alpha=0.3)
+    figure.suptitle("interquartile mean with 95 % interval; x: worst episode", fontsize=9)
+    figure.savefig(path, dpi=130)
+
+
+def transfer_figure(returns: Mapping[str, Mapping[str, float]], path: Path) -> None:
+    """Draw a matrix of returns: what was trained on downwards, what it is judged on across.
+
+    Args:
+        returns: Judged on -> trained on -> return.
+        path: File to write.
+    """
+    across, down = list(returns), list(next(iter(returns.values())))
+    cost = np.array([[-returns[column][row] for column in across] for row in down])
+    figure = Figure(figsize=(1.8 + 1.2 * len(across), 1.2 + 0.5 * len(down)), layout="constrained")
+    axes = figure.subplots()
+    image = axes.imshow(np.log10(cost), aspect="auto", cmap="viridis_r")
+    for i, j in np.ndindex(*cost.shape):
+        axes.text(j, i, f"{-cost[i, j]:.3g}", ha="center", va="center", color="w", fontsize=9)
+    axes.set_xticks(range(len(across)), across)
+    axes.set_yticks(range(len(down)), down)
+    axes.set(xlabel="judged on", ylabel="trained on")
+    figure.colorbar(image, label="log10 of minus the return")
+    figure.savefig(path, dpi=130)
+
+
+def learning_curves_figure(curves: Mapping[tuple[str, str], tuple[np.ndarray, np.ndarray]], path: Path) -> None:
+    """Draw validation returns over environment steps, panel by panel: medians over training seeds, and their range.
+
+    Agents that add to the servo begin as the servo.
+
+    Args:
+        curves: (panel, algorithm) -> steps (n,), mean validation returns (seeds, n).
+        path: File to write.
+    """
+    panels = list(dict.fromkeys(panel for panel, _ in curves))
+    across = min(len(panels), 2)
+    down = math.ceil(len(panels) / across)
+    figure = Figure(figsize=(5.5 * across, 3.6 * down), layout="constrained")
+    for axes, panel in zip(figure.subplots(down, across, squeeze=False).flat, panels, strict=False):
+        for color, algo in enumerate(algo for title, algo in curves if title == panel):
+            steps, returns = curves[panel, algo]
+            axes.plot(steps, -np.median(returns, axis=0), color=f"C{color}", label=f"{algo}, {len(returns)} seeds")
+            axes.fill_between(steps, -returns.max(axis=0), -returns.min(axis=0), color=f"C{color}", alpha=0.15, lw=0)
+        axes.set(yscale="log", xlabel="environment steps", ylabel="minus the validation return", title=panel)
+        axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 1.5, 2.0, 3.0, 5.0, 7.0)))  # some in less than a decade
+        axes.yaxis.set_major_formatter("{x:g}")
+        axes.yaxis.set_minor_formatter(NullFormatter())
+        axes.grid(alpha=0.3)
+        axes.legend(fontsize=7)
+    figure.savefig(path, dpi=130)
+
+
+def deployments_figure(
+    episodes: Mapping[str, Sequence[Step]], names: Sequence[str], torque_limit: float, path: Path
+) -> None:
+    """Draw what controllers do and what comes of it, one below the other over time: torque, rates, forces, charges.
+
+    Args:
+        episodes: Controller -> steps of one episode.
+        names: Names of the observation entries.
+        torque_limit: Motor torque of a unit action [N m].
+        path: File to write.
+    """
+    figure = Figure(figsize=(10, 9), layout="constrained")
+    torque, rates, forces, charges = figure.subplots(4, 1, sharex=True)
+    columns = [i for i, name in enumerate(names) if name in ("rate_1", "rate_2")]
+    applied = list(names).index("motor_torque")
+    for color, (controller, steps) in enumerate(episodes.items()):
+        style: dict[str, Any] = {"color": f"C{color}", "lw": 1}
+        time = [step.time_s for step in steps]
+        torque.step(
+            time, [step.observation[applied] * torque_limit for step in steps], where="pre", label=controller, **style
+        )
+        for line, column in zip(("-", "--"), columns, strict=False):
+            rates.plot(
+                time,
+                [step.observation[column] for step in steps],
+                line,
+                label=f"{controller}, {names[column]}",
+                **style,
+            )
+        forces.step(time, [step.peak_forces.max() for step in steps], where="pre", label=controller, **style)
+        cost = -np.cumsum([step.reward_terms["peak_impact"] + step.reward_terms["wear"] for step in steps])
+        charges.step(time, cost, where="post", label=controller, **style)
+    forces.set_yscale("symlog", linthresh=1.0)
+    charges.set_yscale("symlog", linthresh=1e-3)
+    for axes, label in (
+        (torque, "motor torque [N m]"),
+        (rates, "joint rates [rad/s]"),
+        (forces, "peak force in a period [N]"),
+        (charges, "charged so far"),
+    ):
+        axes.set_ylabel(label)
+        axes.grid(alpha=0.3)
+        axes.legend(fontsize=7)
+    charges.set_xlabel("time [s]")
+    figure.savefig(path, dpi=130)

@@ -1,0 +1,185 @@
+"""A comparison of controllers as numbers, as tables in Markdown, and as files."""
+
+import csv
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from agents import runs
+from agents.comparison.statistics import Estimate, difference, estimate, improvement, interquartile_mean
+from agents.laws.baselines import BASELINES
+
+# Figure -> (heading, factor to the heading's unit); the tables show these, the CSV file has all.
+TABLE: dict[str, tuple[str, float]] = {
+    "return": ("return", 1.0),
+    "peak_postlock_force_N": ("peak post-lock force [N]", 1.0),
+    "postlock_impulse_Ns": ("post-lock impulse [N s]", 1.0),
+    "postlock_sliding_work_J": ("post-lock sliding work [mJ]", 1e3),
+    "wear_depth_max_m": ("largest wear depth [1e-15 m]", 1e15),
+    "latch_times_s": ("last latch [s]", 1.0),
+    "motor_work_J": ("motor work [J]", 1.0),
+}
+HIGHER_IS_BETTER = frozenset({"return"})
+
+Row = dict[str, Any]
+Summary = dict[str, dict[str, Any]]
+
+
+def summarize(rows: Sequence[Row]) -> Summary:
+    """Controller -> latched fraction, an estimate of every figure of `TABLE`, and comparisons with the references.
+
+    Those are the `references`. With each there are paired differences, episode by episode, for both had the same seed,
+    and the probability of a higher return.
+    """
+    by_run: dict[str, dict[str, list[Row]]] = {}
+    for row in sorted(rows, key=lambda row: row["episode"]):
+        by_run.setdefault(row["controller"], {}).setdefault(row["spec"], []).append(row)
+    compared_with = references(rows)
+    summary: Summary = {}
+    for name in dict.fromkeys(row["controller"] for row in rows):
+        mine = [row for run in by_run[name].values() for row in run]
+        entry: dict[str, Any] = {"runs": len(by_run[name]), "latched": sum(r["latched"] for r in mine) / len(mine)}
+        for figure in (figure for figure in TABLE if figure in mine[0]):
+            values = _values(by_run[name], figure)
+            entry[figure] = estimate(values)
+            for reference in compared_with:
+                base = _values(by_run[reference], figure)
+                entry[f"{figure} - {reference}"] = difference(values, base)
+                if figure == "return":
+                    entry[f"better than {reference}"] = improvement(values, base)
+        summary[name] = entry
+    return summary
+
+
+def _values(by_run: Mapping[str, Sequence[Row]], figure: str) -> list[np.ndarray]:
+    """A figure (episodes,) of every run."""
+    return [np.array([row[figure] for row in run]) for run in by_run.values()]
+
+
+def references(rows: Sequence[Row]) -> list[str]:
+    """What the others are compared with: the first controller, and the baseline with the highest mean return."""
+    names = list(dict.fromkeys(row["controller"] for row in rows))
+    returns = {
+        name: float(interquartile_mean(np.array([row["return"] for row in rows if row["controller"] == name])))
+        for name in dict.fromkeys(row["controller"] for row in rows if row["spec"] in BASELINES)
+    }
+    best = max(returns, key=returns.__getitem__, default=names[0])
+    return list(dict.fromkeys([names[0], best]))
+
+
+@dataclass(frozen=True)
+class Tables:
+    """A comparison in Markdown.
+
+    Attributes:
+        scores: Every controller's own figures.
+        differences: The others' from each of the `references`; empty for one controller alone.
+        effort: What was simulated to tune or train them; empty where nothing was.
+    """
+
+    scores: str
+    differences: str
+    effort: str = ""
+
+    def __str__(self) -> str:
+        return self._page(self.differences)
+
+    def folded(self) -> str:
+        """For a page: the differences open with a click."""
+        summary = "<summary>Differences, episode by episode</summary>"
+        folded = f"<details>\n{summary}\n\n{self.differences}\n\n</details>"
+        return self._page(folded if self.differences else "")
+
+    def _page(self, differences: str) -> str:
+        return "\n\n".join(filter(None, (self.scores, differences, self.effort))) + "\n"
+
+
+def tabulate(rows: Sequence[Row]) -> Tables:
+    """The comparison as tables, with what the numbers are."""
+    return _tables(rows, summarize(rows))
+
+
+def _tables(rows: Sequence[Row], summary: Summary) -> Tables:
+    names = list(summary)
+    figures = [figure for figure in TABLE if figure in summary[names[0]]]
+    episodes = len({row["episode"] for row in rows})
+    head = ["controller", "latched", *(TABLE[figure][0] for figure in figures)]
+    scores = [
+        f"Interquartile mean over {episodes} evaluation episodes, the same for every controller, with a 95 % "
+        "bootstrap interval, and the worst episode. Post-lock figures are those of deployments that latched.",
+        "",
+        *header(head),
+    ]
+    for name, entry in summary.items():
+        label = f"{name} ({entry['runs']} runs)" if entry["runs"] > 1 else name
+        cells = [_cell(entry[figure], figure) for figure in figures]
+        scores.append(f"| {label} | {entry['latched']:.0%} | " + " | ".join(cells) + " |")
+    differences = []
+    for reference in references(rows) if len(names) > 1 else []:
+        differences += [
+            "",
+            f"Difference from {reference}, episode by episode, and share of the episodes with a higher return:",
+            "",
+            *header(["controller", *(TABLE[figure][0] for figure in figures), "better in"]),
+        ]
+        for name in names:
+            if name != reference:
+                cells = [_cell(summary[name][f"{figure} - {reference}"], figure, worst=False) for figure in figures]
+                better = summary[name][f"better than {reference}"]
+                share = f"{better.mean:.0%} [{better.lower:.0%}, {better.upper:.0%}]"
+                differences.append(f"| {name} | " + " | ".join([*cells, share]) + " |")
+    return Tables("\n".join(scores), "\n".join(differences[1:]))
+
+
+def header(names: Sequence[str]) -> list[str]:
+    """The two lines that a table of Markdown begins with."""
+    return ["| " + " | ".join(names) + " |", "|" + " --- |" * len(names)]
+
+
+def _cell(value: Estimate, figure: str, worst: bool = True) -> str:
+    if value.count == 0:
+        return "-"
+    factor = TABLE[figure][1]
+    text = f"{value.mean * factor:.4g} [{value.lower * factor:.4g}, {value.upper * factor:.4g}]"
+    extreme = value.minimum if figure in HIGHER_IS_BETTER else value.maximum
+    return text + (f"; worst {extreme * factor:.4g}" if worst else "")
+
+
+def write_comparison(
+    folder: Path, rows: Sequence[Row], settings: Mapping[str, Any], effort: Mapping[str, str]
+) -> tuple[Summary, Tables]:
+    """Write ``episodes.csv``, ``metrics.json`` and ``comparison.md`` into `folder`; returns summary and tables.
+
+    Args:
+        folder: Made where it does not exist.
+        rows: As `agents.evaluate.evaluate` returns them.
+        settings: How they came about.
+        effort: Controller -> what was simulated to tune or train it, where anything was.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    columns = list(dict.fromkeys(column for row in rows for column in row))
+    with (folder / "episodes.csv").open("w", newline="") as file:
+        writer = csv.DictWriter(file, columns)
+        writer.writeheader()
+        writer.writerows(rows)
+    summary = summarize(rows)
+    tables = _tables(rows, summary)
+    if effort:
+        spent = ", ".join(f"{name} {what}" for name, what in effort.items())
+        tables = replace(tables, effort=f"Simulated to tune or train: {spent}.")
+    controllers = {name: {key: _plain(value) for key, value in entry.items()} for name, entry in summary.items()}
+    content = {"settings": settings, "versions": runs.versions(), "controllers": controllers}
+    runs.write_json(folder / "metrics.json", content)
+    (folder / "comparison.md").write_text(str(tables))
+    return summary, tables
+
+
+def _plain(value: Any) -> Any:
+    """Estimates as dictionaries; NaN, which JSON lacks, as null."""
+    if isinstance(value, Estimate):
+        return {key: _plain(v) for key, v in asdict(value).items()}
+    return None if isinstance(value, float) and math.isnan(value) else value

@@ -1,0 +1,94 @@
+"""Agents that add to a tuned torque law instead of commanding the whole torque."""
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from agents.laws.baselines import TUNABLE, episodes_spent, load_parameters, read_parameters
+from agents.torque_laws import Controller, Signals, TorqueLaw
+
+DEFAULT_LAW = "servo"
+
+
+def residual_on(scale: float, law: str, env_id: str, model: str, recorded: int) -> dict[str, Any]:
+    """What describes a residual on a law as it is tuned now: the law, its parameters and their cost, and the scale.
+
+    Args:
+        scale: Greatest action that the agent adds, as a share of the torque limit.
+        law: Name in `agents.laws.baselines.TUNABLE`.
+        env_id: Environment id.
+        model: Whose tuned parameters to take.
+        recorded: Episodes of the law that training looks at, beyond those that tuning it took.
+
+    Raises:
+        ValueError: the scale is not in (0, 1], or there is no such law, or it has no parameters for the environment.
+    """
+    _check_scale(scale)
+    _check_law(law)
+    return {
+        "law": law,
+        "parameters": asdict(load_parameters(law, env_id, model)),
+        "tuning_episodes": episodes_spent(law, env_id, model) + recorded,
+        "scale": scale,
+    }
+
+
+def base_law(residual: Mapping[str, Any], signals: Signals) -> TorqueLaw:
+    """The law that a residual is added to.
+
+    Raises:
+        ValueError: the description is not one of `residual_on`; the message names what is wrong with it.
+    """
+    if set(residual) != {"law", "parameters", "tuning_episodes", "scale"}:
+        raise ValueError(
+            f"residual has the keys {sorted(residual)}; expected law, parameters, tuning_episodes and scale"
+        )
+    _check_law(residual["law"])
+    _check_scale(residual["scale"])
+    return TUNABLE[residual["law"]](signals, read_parameters(residual["law"], residual["parameters"]))
+
+
+def _check_law(law: str) -> None:
+    if law not in TUNABLE:
+        raise ValueError(f"residual law is {law!r}; available: {', '.join(TUNABLE)}")
+
+
+def _check_scale(scale: float) -> None:
+    if not 0.0 < scale <= 1.0:
+        raise ValueError(f"residual = {scale!r}; give a share of the torque limit above 0 and up to 1")
+
+
+def added(base: np.ndarray, action: np.ndarray, scale: float) -> np.ndarray:
+    """Base action plus the agent's, in units of the torque limit; any shape."""
+    return np.clip(base + np.float32(scale) * np.clip(action, -1.0, 1.0), -1.0, 1.0)
+
+
+class ResidualController:
+    """A policy together with the law that it adds to.
+
+    Args:
+        policy: What the agent has learned.
+        residual: As `residual_on` describes it.
+        signals: What the environment observes and takes.
+
+    Raises:
+        ValueError: as `base_law`.
+    """
+
+    def __init__(self, policy: Controller, residual: Mapping[str, Any], signals: Signals) -> None:
+        self._policy = policy
+        self._law = base_law(residual, signals)
+        self._scale = residual["scale"]
+
+    def predict(
+        self,
+        observation: np.ndarray,
+        state: tuple[np.ndarray, ...] | None = None,
+        episode_start: np.ndarray | None = None,
+        deterministic: bool = False,
+    ) -> tuple[np.ndarray, tuple[np.ndarray, ...] | None]:
+        """Map observations (n_obs,) or (n, n_obs) to actions (1,) or (n, 1) in [-1, 1]."""
+        action, state = self._policy.predict(observation, state, episode_start, deterministic)
+        return added(self._law.predict(observation)[0], action, self._scale), state

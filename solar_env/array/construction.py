@@ -1,0 +1,137 @@
+"""The mechanism that array parameters describe, folded, and the outline of its main body."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solar_env.array.parameters import DEFAULT_ELEMENTS, ArrayParameters, check_elements, check_model
+from solar_env.mechanics.mechanism.description import Body, CableLoop, FlexibleBody, Joint, Mechanism, Point, Spring
+
+AnyBody = Body | FlexibleBody
+
+
+def _panel(
+    parameters: ArrayParameters,
+    name: str,
+    elements: int | None,
+    hinge: Point,
+    angle: float,
+    velocity: Point,
+    spin: float,
+) -> AnyBody:
+    """A panel as a rigid body (``elements`` None) or as a beam; ``velocity`` is that of its hinge."""
+    p = parameters
+    section = p.panel_width * p.panel_thickness
+    if elements is None:
+        mass = p.panel_density * section * p.panel_length
+        inertia = mass * (p.panel_length**2 + p.panel_thickness**2) / 12.0
+        return Body(name, mass, inertia, p.panel_length, (p.panel_length / 2, 0.0), hinge, angle, velocity, spin)
+    return FlexibleBody(
+        name,
+        p.panel_length,
+        elements,
+        linear_density=p.panel_density * section,
+        axial_stiffness=p.panel_young * section,
+        bending_stiffness=p.panel_young * section * p.panel_thickness**2 / 12.0,
+        damping=p.panel_damping,
+        position=hinge,
+        angle=angle,
+        velocity=velocity,
+        spin=spin,
+    )
+
+
+def _turning(spin: float, arm: Point) -> Point:
+    """Velocity of the end of an arm that turns about its other end."""
+    return (-spin * arm[1], spin * arm[0])
+
+
+def build(parameters: ArrayParameters, model: str = "rigid-clearance", elements: int = DEFAULT_ELEMENTS) -> Mechanism:
+    """Describe the array as a mechanism, folded, with its initial rates.
+
+    Args:
+        parameters: of the array.
+        model: one of MODELS.
+        elements: of each panel; rigid models do not use it.
+
+    Raises:
+        ValueError: if the model is unknown or the number of elements refused.
+    """
+    clearance = check_model(model).endswith("clearance")
+    check_elements(elements)
+    panel_elements = elements if model.startswith("flexible") else None
+    p = parameters
+    # Base points of the main body: below the hinge's height at the centroid, and the hinge itself.
+    bodies: list[AnyBody] = [
+        Body(
+            "main body",
+            p.body_mass,
+            p.body_inertia,
+            # Base points must not lie too close to each other.
+            length=p.hinge_x if p.hinge_x > 1e-3 * p.body_size else p.body_size,
+            centroid=(0.0, -p.hinge_y),
+            position=(0.0, p.hinge_y),
+            velocity=_turning(p.initial_spin, (0.0, p.hinge_y)),
+            spin=p.initial_spin,
+            fixed=p.body_fixed,
+        )
+    ]
+    joints, cables = [], []
+    stop = p.stop()
+    hinge = (p.hinge_x, p.hinge_y)
+    velocity, spin = _turning(p.initial_spin, hinge), p.initial_spin
+    for k in range(p.panel_count):
+        sign = 1 if k % 2 == 0 else -1
+        angle = -sign * math.pi / 2
+        spin += sign * p.by_joint("initial_rate", k)
+        bodies.append(_panel(p, f"panel {k + 1}", panel_elements, hinge, angle, velocity, spin))
+        lock = p.lock_angle(k)
+        joints.append(
+            Joint(
+                name=f"joint {k + 1}",
+                inboard=bodies[k].name,
+                outboard=bodies[k + 1].name,
+                inboard_point=(p.panel_length, 0.0) if k else (p.hinge_x, 0.0),
+                outboard_point=(0.0, 0.0),
+                sign=sign,
+                folded_angle=-sign * math.pi if k else angle,
+                middle=lock / 2,
+                bearing=p.bearing(k) if clearance else None,
+                spring=Spring(p.by_joint("spring_stiffness", k), p.by_joint("spring_preload_angle", k)),
+                stop=stop,
+                lock_angle=lock,
+                stow_angle=0.0,
+            )
+        )
+        if k:
+            ratio = lock / p.lock_angle(k - 1)
+            cables.append(
+                CableLoop(
+                    joints[k - 1].name,
+                    joints[k].name,
+                    p.cable_stiffness,
+                    wheel_ratio=ratio,
+                    torque_ratio=ratio if p.cable_torque_ratio is None else p.cable_torque_ratio,
+                    preload_torque=p.cable_preload_force * p.cable_wheel_radius,
+                )
+            )
+        # Folded, a panel lies along the y axis.
+        panel = (0.0, p.panel_length * math.sin(angle))
+        turning = _turning(spin, panel)
+        hinge = (hinge[0], hinge[1] + panel[1])
+        velocity = (velocity[0] + turning[0], velocity[1])
+    return Mechanism(tuple(bodies), tuple(joints), tuple(cables), wear_bins=p.wear_bins)
+
+
+def main_body_corners(parameters: ArrayParameters, base_points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Corners (4, 2) of the main body [m], in order round it, from its two base points (2, 2)."""
+    p = parameters
+    along = base_points[1] - base_points[0]
+    along = along / np.hypot(*along)
+    across = np.array([-along[1], along[0]])
+    centroid = base_points[0] - p.hinge_y * across
+    half = p.body_size / 2
+    return np.array([centroid + half * (i * along + j * across) for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))])

@@ -1,0 +1,88 @@
+"""Simulating a deployment of the array as a whole: parameters and model level in, trajectory out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solar_env.array.construction import build
+from solar_env.array.methods import default_integrator
+from solar_env.array.parameters import DEFAULT_ELEMENTS, ArrayParameters
+from solar_env.mechanics.analysis.geometry import centreline
+from solar_env.mechanics.equations.build import compile_mechanism
+from solar_env.mechanics.integrators.settings import Integrator
+from solar_env.mechanics.running.simulation import simulate as simulate_mechanism
+from solar_env.mechanics.running.trajectory import Trajectory
+
+
+def simulate(
+    parameters: ArrayParameters | Mapping[str, Any] | None = None,
+    *,
+    model: str = "rigid-clearance",
+    elements: int = DEFAULT_ELEMENTS,
+    duration: float = 30.0,
+    integrator: Integrator | None = None,
+    output_step: float = 0.01,
+    progress: Callable[[float], None] | None = None,
+) -> Trajectory:
+    """Simulate a deployment from the folded array at rest.
+
+    Args:
+        parameters: a parameter set, or changes to the default one by name.
+        model: one of ``array.MODELS``.
+        elements: beam elements of each panel; rigid models do not use it.
+        duration: [s].
+        integrator: defaults to :func:`default_integrator` of the model.
+        output_step: distance of the samples [s]; independent of the integration step.
+        progress: called with the simulated time [s] now and then; the result does not depend on it.
+
+    Returns:
+        The trajectory. With flexible panels and the explicit integrator, look at its ``stability_bound_share``: where
+        it is large, the stability of the method on the panels' axial vibration sets the cost of the run, and a looser
+        tolerance does not make it cheaper.
+
+    Raises:
+        ValueError: for an unknown model, parameter or value, or a refused number of elements.
+        SimulationError: if the run cannot go on.
+
+    Warns:
+        SimulationWarning: if the result is less accurate than it looks, see ``Simulation.check``; or if the contact law
+            does not give the restitution that is asked for.
+    """
+    if not isinstance(parameters, ArrayParameters):
+        parameters = ArrayParameters().with_changes(parameters or {})
+    return simulate_mechanism(
+        build(parameters, model, elements),
+        duration,
+        integrator=integrator or default_integrator(model),
+        output_step=output_step,
+        progress=progress,
+        metadata={"model": model, "elements": elements, "parameters": parameters.to_dict()},
+    )
+
+
+def panel_deflections(trajectory: Trajectory) -> NDArray[np.float64]:
+    """Deflection of every panel's middle from the chord between its ends, over the samples of a deployment.
+
+    Args:
+        trajectory: as :func:`simulate` returns it, or loaded from a file.
+
+    Returns:
+        (nt, panels) [m]; positive to the left of the way from the inner hinge to the tip, zero for rigid panels.
+    """
+    details = trajectory.metadata
+    parameters = ArrayParameters().with_changes(details["parameters"])
+    model, _ = compile_mechanism(build(parameters, details["model"], details["elements"]))
+    bodies = range(1, parameters.panel_count + 1)
+    return np.stack([_middle_deflection(centreline(model, trajectory.coordinates, body, 2)) for body in bodies], axis=1)
+
+
+def _middle_deflection(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Distance (nt,) [m] of the middle one of (nt, k, 2) points [m] from the line through the first and the last."""
+    if points.shape[1] == 2:
+        return np.zeros(len(points))
+    chord, arm = points[:, -1] - points[:, 0], points[:, points.shape[1] // 2] - points[:, 0]
+    return (chord[:, 0] * arm[:, 1] - chord[:, 1] * arm[:, 0]) / np.hypot(chord[:, 0], chord[:, 1])

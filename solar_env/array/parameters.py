@@ -1,0 +1,366 @@
+"""The deployable solar array: its parameters and the mechanism they describe.
+
+Scene and defaults: Y. Li, C. Wang and W. Huang, "Dynamics analysis of planar rigid-flexible coupling deployable solar
+array system with multiple revolute clearance joints", Mech. Syst. Signal Process. 117 (2019) 188-209,
+(below: the paper), Table 1. What the paper leaves open is marked "chosen".
+
+A free-floating main body carries a chain of N panels, folded like an accordion: joint 1 opens from 0 to pi/2 and every
+further joint from 0 to pi, in alternating senses. At t = 0 the journals are centred and, by default, everything is at
+rest.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields, replace
+from typing import Any, ClassVar
+
+import numpy as np
+
+from solar_env.mechanics.joints.laws import damping_factor, exit_speed_ratio, hertz_stiffness
+from solar_env.mechanics.mechanism.description import (
+    Bearing,
+    FlexibleBody,
+    Stop,
+)
+from solar_env.mechanics.running.diagnosis import check_restitution
+
+MODELS = ("rigid-ideal", "rigid-clearance", "flexible-ideal", "flexible-clearance")
+DEFAULT_ELEMENTS = 6
+
+_POSITIVE = (
+    "body_mass",
+    "body_inertia",
+    "body_size",
+    "panel_length",
+    "panel_width",
+    "panel_thickness",
+    "panel_density",
+    "panel_young",
+    "cable_wheel_radius",
+    "latch_stiffness",
+    "latch_ramp_depth",
+    "journal_radius",
+    "journal_young",
+    "bearing_young",
+    "minimum_impact_speed",
+    "bearing_width",
+)
+_NOT_NEGATIVE = (
+    "panel_damping",
+    "cable_stiffness",
+    "cable_preload_force",
+    "latch_gap",
+    "latch_damping",
+    "friction_coefficient",
+    "friction_speed_zero",
+    "wear_coefficient",
+)
+# Parameters for which None is a value.
+_OPTIONAL = ("cable_torque_ratio", "contact_stiffness")
+
+
+@dataclass(frozen=True)
+class ArrayParameters:
+    """Parameters of the array in SI units. Bad values are refused on construction with a ValueError.
+
+    A contact law that turns the restitution into quite another exit speed is accepted with a SimulationWarning.
+
+    Quantities by joint or by panel take one number, or a sequence whose last entry also holds for all further joints.
+    Lists and arrays become tuples, NumPy's numbers Python's.
+
+    Attributes:
+        panel_count: number of panels N; the paper's is 2.
+        body_mass: main body [kg]; 1 m cube of 1500 kg/m3.
+        body_inertia: about its centroid [kg m2].
+        body_fixed: whether the main body is held in place; the paper's floats.
+        hinge_x, hinge_y: root hinge from the main body's centroid [m], hinge_x not negative; mid-side (chosen: the
+            paper does not say).
+        body_size: side of the main body [m].
+        panel_length, panel_width, panel_thickness: [m].
+        panel_density: [kg/m3].
+        panel_young: modulus of elasticity E of the panels, used by flexible models [Pa].
+        panel_damping: retardation time of the panels' material [s]: stress = E (strain + panel_damping * strain rate)
+            (chosen: it damps kilohertz modes and leaves bending below 100 Hz alone; the paper has none).
+        spring_stiffness: torsion springs, by joint [N m/rad].
+        spring_preload_angle: angle at which a spring is relaxed, by joint [rad].
+        cable_stiffness: closed cable loops between neighbouring joints [N m/rad] (chosen: keeps the joint angles at
+            1 : 2 within a degree up to the latching).
+        cable_torque_ratio: torque on the inner over that on the outer joint of a loop; None takes the wheel ratio
+            (2 at the root), which conserves energy (chosen); 1 is the couple that the paper's latch time points to.
+        cable_preload_force: of a strand [N]; a strand's tension is never negative (chosen: no strand goes
+            slack).
+        cable_wheel_radius: of the outer joint's wheel [m] (chosen: it sets only the torque at which a strand
+            goes slack).
+        latch_gap: free play of latch and stow stop to either side [rad] (chosen, like the four below: together they
+            give contact forces of some hundred newtons after latching, like the paper's Fig. 10).
+        latch_stiffness: [N m/rad^exponent].
+        latch_exponent: of the stop's elastic torque.
+        latch_ramp_depth: depth over which the stop's damping is ramped in [rad].
+        latch_damping: [N m s/rad].
+        clearance: bearing radius minus journal radius, by joint [m].
+        journal_radius: [m].
+        contact_law: "lankarani-nikravesh", "flores" or "hertz".
+        restitution: coefficient of restitution of the contact law.
+        contact_stiffness: K [N/m^1.5]; None computes it by the paper's Eq 40 from the radii and the four moduli that
+            follow, by joint; it then rises as the clearance shrinks.
+        journal_young, journal_poisson, bearing_young, bearing_poisson: moduli [Pa] and Poisson's ratios, used only
+            for Eq 40; a steel journal in a brass bearing.
+        minimum_impact_speed: lower bound of the impact speed in the damping term [m/s] (chosen: a hundredth of the
+            slower impacts').
+        friction_coefficient: Coulomb's.
+        friction_speed_zero, friction_speed_full: sliding speeds between which friction sets in [m/s] (chosen: below
+            those of impacts, which see all of Coulomb's friction).
+        friction_sliding: "material" for the speed of the material points in contact; "centres" for the paper's Eq 35,
+            which leaves the bodies' rotation out.
+        wear_coefficient: Archard's k = K_W/H [m2/N] (chosen so that the deepest bin of one deployment comes to the
+            order of 1e-14 to 1e-13 m, as the paper reports).
+        bearing_width: axial length of the bearings [m] (chosen: the hinge line spans the panel).
+        wear_bins: circumferential bins of each surface.
+        initial_spin: angular velocity of the main body about its centroid at t = 0 [rad/s].
+        initial_rate: rate of the joint angles at t = 0, by joint, positive opens [rad/s].
+    """
+
+    # Quantities that may differ from joint to joint.
+    BY_JOINT: ClassVar[tuple[str, ...]] = ("spring_stiffness", "spring_preload_angle", "clearance", "initial_rate")
+    # What decides how many numbers describe the mechanism and its state.
+    STRUCTURAL: ClassVar[tuple[str, ...]] = ("panel_count", "body_fixed", "wear_bins")
+    # Everything that is a real number.
+    CONTINUOUS: ClassVar[frozenset[str]]
+    # Parameters that must stay below another one.
+    BELOW_ANOTHER: ClassVar[tuple[str, ...]] = ("clearance", "friction_speed_zero")
+
+    panel_count: int = 2
+    body_mass: float = 1500.0
+    body_inertia: float = 250.0
+    body_fixed: bool = False
+    hinge_x: float = 0.5
+    hinge_y: float = 0.0
+    body_size: float = 1.0
+    panel_length: float = 1.5
+    panel_width: float = 1.0
+    panel_thickness: float = 0.02
+    panel_density: float = 200.0
+    panel_young: float = 280e6
+    panel_damping: float = 1e-5
+    spring_stiffness: float | tuple[float, ...] = (0.1, 0.075)
+    spring_preload_angle: float | tuple[float, ...] = (math.pi / 2, math.pi)
+    cable_stiffness: float = 20.0
+    cable_torque_ratio: float | None = None
+    cable_preload_force: float = 50.0
+    cable_wheel_radius: float = 0.05
+    latch_gap: float = 0.01
+    latch_stiffness: float = 1e3
+    latch_exponent: float = 1.0
+    latch_ramp_depth: float = 1e-3
+    latch_damping: float = 10.0
+    clearance: float | tuple[float, ...] = 2e-4
+    journal_radius: float = 0.01
+    contact_law: str = "lankarani-nikravesh"
+    restitution: float = 0.9
+    contact_stiffness: float | None = 7.39e10
+    journal_young: float = 207e9
+    journal_poisson: float = 0.3
+    bearing_young: float = 105e9
+    bearing_poisson: float = 0.34
+    minimum_impact_speed: float = 1e-4
+    friction_coefficient: float = 0.15
+    friction_speed_zero: float = 1e-4
+    friction_speed_full: float = 1e-3
+    friction_sliding: str = "material"
+    wear_coefficient: float = 1e-14
+    bearing_width: float = 1.0
+    wear_bins: int = 360
+    initial_spin: float = 0.0
+    initial_rate: float | tuple[float, ...] = 0.0
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            object.__setattr__(self, item.name, _plain(getattr(self, item.name)))
+            self._check_type(item.name, getattr(self, item.name), item.default)
+        for name in _POSITIVE:
+            self._require(name, getattr(self, name) > 0.0, "must be positive")
+        for name in _NOT_NEGATIVE:
+            self._require(name, getattr(self, name) >= 0.0, "must not be negative")
+        self._require("hinge_x", self.hinge_x >= 0.0, "must not be negative: the panels open towards +x")
+        self._require("latch_exponent", self.latch_exponent >= 1.0, "must be at least 1")
+        for name in ("journal_poisson", "bearing_poisson"):
+            self._require(name, -1.0 < getattr(self, name) <= 0.5, "must lie in (-1, 0.5]")
+        self._require(
+            "friction_speed_zero",
+            self.friction_speed_zero < self.friction_speed_full,
+            f"must be below friction_speed_full = {self.friction_speed_full!r}",
+        )
+        self._require("panel_count", 1 <= self.panel_count <= 100, "must lie between 1 and 100")
+        self._require("wear_bins", 1 <= self.wear_bins <= 100_000, "must lie between 1 and 100000")
+        self._require(
+            "clearance",
+            min(self._entries("clearance")) > 0.0,
+            "must be positive; for no clearance choose an ideal model",
+        )
+        self._require(
+            "clearance", max(self._entries("clearance")) < self.journal_radius, "must be below journal_radius"
+        )
+        self._require("spring_stiffness", min(self._entries("spring_stiffness")) >= 0.0, "must not be negative")
+        self._require("restitution", 0.0 < self.restitution <= 1.0, "must lie in (0, 1]")
+        self._require(
+            "friction_sliding", self.friction_sliding in ("material", "centres"), "must be material or centres"
+        )
+        self._require("initial_spin", self.initial_spin == 0.0 or not self.body_fixed, "needs a body that is not fixed")
+        factor = damping_factor(self.contact_law, self.restitution)
+        if self.contact_law != "hertz":
+            check_restitution(self.contact_law, self.restitution, exit_speed_ratio(factor))
+        for joint in range(self.panel_count):
+            self._require("contact_stiffness", self.stiffness_of_contact(joint) > 0.0, "must be positive")
+        if self.cable_torque_ratio is not None:
+            self._require("cable_torque_ratio", self.cable_torque_ratio >= 0.0, "must not be negative")
+
+    def _check_type(self, name: str, value: Any, default: Any) -> None:
+        if isinstance(default, (str, bool)):
+            self._require(name, isinstance(value, type(default)), f"must be of type {type(default).__name__}")
+            return
+        if value is None and name in _OPTIONAL:
+            return
+        entries = value if isinstance(value, tuple) else (value,)
+        self._require(name, name in self.BY_JOINT or not isinstance(value, tuple), "must be a single number")
+        self._require(name, len(entries) > 0, "must not be empty")
+        for entry in entries:
+            number = isinstance(entry, (int, float)) and not isinstance(entry, bool)
+            self._require(name, number and math.isfinite(entry), "must be a finite number")
+        if isinstance(default, int):
+            self._require(name, isinstance(value, int), "must be a whole number")
+        if isinstance(value, tuple) and value != default:
+            self._require(name, len(value) <= self.panel_count, f"has more entries than panels ({self.panel_count})")
+
+    def _require(self, name: str, condition: bool, rule: str) -> None:
+        if not condition:
+            raise ValueError(f"{name} = {getattr(self, name)!r} {rule}")
+
+    def _entries(self, name: str) -> tuple[float, ...]:
+        value = getattr(self, name)
+        return value if isinstance(value, tuple) else (value,)
+
+    def by_joint(self, name: str, joint: int) -> float:
+        """Entry of a quantity by joint for ``joint``, counted from 0; the last one holds for all further joints."""
+        entries = self._entries(name)
+        return float(entries[min(joint, len(entries) - 1)])
+
+    @classmethod
+    def preset(cls, name: str) -> ArrayParameters:
+        """Named parameter sets: "default", and "paper", which reads the paper as literally as its results allow.
+
+        "paper": hinge at the side's end that the folded panels point away from and a cable couple of torque ratio 1,
+        which together reproduce its latch time; sliding speed of the joint centres (its Eq 35).
+
+        Raises:
+            ValueError: if the name is unknown.
+        """
+        if name not in PRESETS:
+            raise ValueError(f"preset {name!r} is unknown; choose from {', '.join(PRESETS)}")
+        return cls(**PRESETS[name])
+
+    def with_changes(self, changes: Mapping[str, Any]) -> ArrayParameters:
+        """A copy with some parameters changed.
+
+        Raises:
+            ValueError: if a name is unknown or a value is refused.
+        """
+        for name in changes:
+            self.check_name(name)
+        return replace(self, **changes)
+
+    @classmethod
+    def check_name(cls, name: str) -> None:
+        """Check that there is a parameter of this name.
+
+        Raises:
+            ValueError: if there is none; the message shows what comes close.
+        """
+        known = [item.name for item in fields(cls)]
+        if name not in known:
+            close = difflib.get_close_matches(name, known, n=1)
+            hint = f"; did you mean {close[0]!r}?" if close else f"; known are {', '.join(known)}"
+            raise ValueError(f"parameter {name!r} is unknown{hint}")
+
+    def lock_angle(self, joint: int) -> float:
+        """Angle at which a joint latches [rad]: pi/2 at the root, pi further out."""
+        return math.pi / 2 if joint == 0 else math.pi
+
+    def stop(self) -> Stop:
+        """The stop of latch and stow stop."""
+        return Stop(
+            self.latch_gap, self.latch_stiffness, self.latch_exponent, self.latch_ramp_depth, self.latch_damping
+        )
+
+    def stiffness_of_contact(self, joint: int) -> float:
+        """Contact stiffness K of a joint [N/m^1.5], as given or by the paper's Eq 40."""
+        if self.contact_stiffness is not None:
+            return self.contact_stiffness
+        return hertz_stiffness(
+            self.journal_radius + self.by_joint("clearance", joint),
+            self.journal_radius,
+            self.bearing_young,
+            self.bearing_poisson,
+            self.journal_young,
+            self.journal_poisson,
+        )
+
+    def bearing(self, joint: int) -> Bearing:
+        """The clearance bearing of a joint, counted from 0."""
+        return Bearing(
+            clearance=self.by_joint("clearance", joint),
+            journal_radius=self.journal_radius,
+            stiffness=self.stiffness_of_contact(joint),
+            damping_factor=damping_factor(self.contact_law, self.restitution),
+            minimum_impact_speed=self.minimum_impact_speed,
+            friction_coefficient=self.friction_coefficient,
+            friction_speeds=(self.friction_speed_zero, self.friction_speed_full),
+            material_sliding=self.friction_sliding == "material",
+            wear_coefficient=self.wear_coefficient,
+            width=self.bearing_width,
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """All parameters as values that JSON keeps; :meth:`with_changes` takes them back."""
+        return {name: list(value) if isinstance(value, tuple) else value for name, value in asdict(self).items()}
+
+
+ArrayParameters.CONTINUOUS = frozenset(
+    item.name for item in fields(ArrayParameters) if not isinstance(item.default, (str, int))
+)
+
+
+def _plain(value: Any) -> Any:
+    """A value with Python's types in place of NumPy's, and tuples in place of lists."""
+    if isinstance(value, (np.generic, np.ndarray)):
+        value = value.tolist()
+    return tuple(_plain(entry) for entry in value) if isinstance(value, (list, tuple)) else value
+
+
+PRESETS: dict[str, dict[str, Any]] = {
+    "default": {},
+    "paper": {"hinge_y": -0.5, "cable_torque_ratio": 1.0, "friction_sliding": "centres", "panel_damping": 0.0},
+}
+
+
+def check_model(model: str) -> str:
+    """Return ``model`` if it is one of MODELS.
+
+    Raises:
+        ValueError: otherwise.
+    """
+    if model not in MODELS:
+        raise ValueError(f"model {model!r} is unknown; choose from {', '.join(MODELS)}")
+    return model
+
+
+def check_elements(elements: int) -> int:
+    """Return ``elements`` if a panel can be divided into so many beam elements.
+
+    Raises:
+        ValueError: otherwise.
+    """
+    FlexibleBody("panel", 1.0, elements, linear_density=1.0, axial_stiffness=1.0, bending_stiffness=1.0)
+    return elements

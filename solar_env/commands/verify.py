@@ -1,0 +1,65 @@
+"""``python -m solar_env verify``: run the cases with known answers."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from rich.console import Console
+
+from solar_env.support.progress import counting_bar
+from solar_env.verification.checks import Row
+from solar_env.verification.report import make_table, to_json
+
+_NARROWEST = 140  # columns, where the output is not a terminal
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("--only", metavar="NAME", help="run one case; a name that is none lists them")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the rows (- for standard output)")
+
+
+def run_command(args: argparse.Namespace) -> int:
+    """Run, print the table, write what was asked for; 1 if a row fails, else 0.
+
+    Raises:
+        ValueError: if the case is unknown or the folder of the JSON file does not exist.
+    """
+    # The cases need the compiler, --help does not.
+    from solar_env.verification.suite import select
+
+    names = select(args.only)
+    to_standard_output = str(args.json) == "-"
+    if args.json and not to_standard_output and not args.json.parent.is_dir():
+        raise ValueError(f"the folder of {args.json} does not exist")
+    rows = _run_with_progress(args.only, len(names))
+    if to_standard_output:
+        print(to_json(rows))
+    else:
+        console = Console()
+        if not console.is_terminal:
+            console.width = max(console.width, _NARROWEST)
+        console.print(make_table(rows))
+        if args.json:
+            args.json.write_text(to_json(rows) + "\n")
+    return 0 if all(row.passed for row in rows) else 1
+
+
+def _run_with_progress(only: str | None, count: int) -> list[Row]:
+    from solar_env.verification.suite import run
+
+    with counting_bar(Console(stderr=True)) as progress:
+        task = progress.add_task("", total=count)
+        started = False
+
+        def announce(name: str) -> None:
+            nonlocal started
+            progress.update(
+                task,
+                advance=1 if started else 0,
+                description=name if started else f"{name} (compiles kernels the first time: a few minutes at most)",
+            )
+            started = True
+
+        return run(only, announce)

@@ -1,0 +1,279 @@
+"""Episodes of the control task, lane by lane: what a single environment and a vector of them have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+
+from solar_env.array import ArrayParameters
+from solar_env.environment.film import Film
+from solar_env.environment.sensors import Memory
+from solar_env.environment.setup import Changes, Setup
+from solar_env.environment.task import REWARD_TERMS, begin_periods, end_periods, observe_lanes, wear_depths
+from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.running.batch import Batch
+
+
+class SavedEpisode(NamedTuple):
+    """An episode between two of its steps: see :meth:`Episodes.save`.
+
+    Attributes:
+        parameters: of the episode.
+        state: of the simulation, mid-contact included.
+        charged: (2,) for peak forces and for wear so far.
+        terms: (3,) of the latest reward.
+        sensors: their memory, the state of their noise included.
+    """
+
+    parameters: ArrayParameters
+    state: m.State
+    charged: NDArray[np.float64]
+    terms: NDArray[np.float64]
+    sensors: Memory
+
+
+class Episodes:
+    """One episode after another in each of several lanes.
+
+    Attributes:
+        setup: what they share.
+        designs: parameters by lane, before anything is drawn.
+        parameters: by lane, of the present episode.
+        observations: (lanes, entries) float32, the latest, as the sensors show them.
+        terms: (lanes, 3) of the latest reward, in the order of REWARD_TERMS.
+        terminated: (lanes,) whether the present episode has ended.
+    """
+
+    def __init__(
+        self, setup: Setup, designs: Sequence[ArrayParameters], threads: int | None = None, recorded: bool = False
+    ) -> None:
+        """Without episodes yet: they begin with :meth:`reset`.
+
+        Args:
+            setup: what they share.
+            designs: parameters by lane, before anything is drawn.
+            threads: see ``Batch``.
+            recorded: whether force peaks are kept for frames.
+        """
+        self.setup = setup
+        self.designs = tuple(designs)
+        self.parameters = list(designs)
+        lanes = len(designs)
+        self._sensors = setup.sensors(lanes)
+        self.observations = self._sensors.observed
+        self.terms = np.zeros((lanes, len(REWARD_TERMS)))
+        self.terminated = np.zeros(lanes, dtype=np.bool_)
+        self._charged = np.zeros((lanes, 2))
+        self._end_times = np.zeros(lanes)
+        # What the kernels need to know of the task and of what is observed.
+        self._numbers = setup.task.numbers(setup.hardware)
+        present = self._sensors.present
+        bounds = (self._sensors.low[:present], self._sensors.high[:present])
+        self._observed = (setup.observation == "privileged", *bounds)
+        self._threads = threads
+        self._batch: Batch | None = None
+        self._films: list[Film] | None = [Film(setup) for _ in range(lanes)] if recorded else None
+
+    @property
+    def batch(self) -> Batch:
+        """The simulations.
+
+        Raises:
+            gymnasium.error.ResetNeeded: before the first reset.
+        """
+        if self._batch is None:
+            raise gymnasium.error.ResetNeeded("call reset() before using the simulation")
+        return self._batch
+
+    @property
+    def times(self) -> NDArray[np.float64]:
+        """(lanes,) time of each episode [s]; a copy."""
+        return np.array(self.batch.states.clock["time"][:, 0])
+
+    def check_changes(self, lanes: NDArray[np.int64], changes: Sequence[Changes]) -> None:
+        """Check changes of the parameters of episodes in some lanes, before anything is seeded or drawn.
+
+        Raises:
+            ValueError: for unknown parameters, refused values, or values that change the mechanism's structure.
+        """
+        for lane, change in zip(lanes, changes, strict=True):
+            self.setup.check_changes(self.designs[lane], change)
+
+    def reset(
+        self, lanes: NDArray[np.int64], generators: Sequence[np.random.Generator], changes: Sequence[Changes]
+    ) -> None:
+        """Fold arrays and draw their parameters.
+
+        Args:
+            lanes: (k,) which; the first time all, in order.
+            generators: (k,) of random numbers.
+            changes: (k,) of parameters, after the draw.
+
+        Raises:
+            gymnasium.error.ResetNeeded: if not all lanes have begun an episode yet.
+            ValueError: for unknown parameters or refused values, see :meth:`check_changes`; or if the lanes' designs
+                differ in structure.
+        """
+        if self._batch is None and lanes.size < len(self.parameters):
+            raise gymnasium.error.ResetNeeded("the first reset must be one of all lanes")
+        drawn = [
+            self.setup.draw(self.designs[lane], generator, change)
+            for lane, generator, change in zip(lanes, generators, changes, strict=True)
+        ]
+        simulations = [self.setup.simulation(parameters) for parameters in drawn]
+        if self._batch is None:
+            self._batch = Batch(simulations, self._threads)
+        else:
+            for lane, simulation in zip(lanes, simulations, strict=True):
+                self._batch.replace(int(lane), simulation)
+        for lane, parameters in zip(lanes, drawn, strict=True):
+            self.parameters[lane] = parameters
+            if self._films is not None:
+                self._films[lane] = Film(self.setup)
+        self.terminated[lanes] = False
+        self.terms[lanes] = 0.0
+        self._charged[lanes] = 0.0
+        self._observe(lanes)
+        self._sensors.begin(lanes, generators)
+
+    def _observe(self, lanes: NDArray[np.int64]) -> None:
+        """Write what ideal sensors see of the present states."""
+        batch = self.batch
+        observe_lanes(batch.models, batch.states, self._numbers, *self._observed, lanes, self._sensors.exact)
+
+    def step(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> None:
+        """Hold motor torques for one control period.
+
+        Args:
+            lanes: (k,) which.
+            actions: (lanes,) motor torques in units of the torque limit; clipped to [-1, 1].
+
+        Raises:
+            SimulationError: if a simulation cannot go on.
+
+        Warns:
+            SimulationWarning: as ``Simulation.check``.
+        """
+        self.begin(lanes, actions)
+        self.batch.advance(lanes, self._end_times)
+        self.end(lanes)
+
+    def begin(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> None:
+        """Set the motor torques of a control period, and when it ends."""
+        begin_periods(self.batch.states, self._numbers, lanes, actions, self._end_times)
+
+    def end(self, lanes: NDArray[np.int64]) -> None:
+        """Charge and observe a control period."""
+        batch = self.batch
+        end_periods(
+            batch.models,
+            batch.states,
+            self._numbers,
+            *self._observed,
+            lanes,
+            self._charged,
+            self.terms,
+            self._sensors.exact,
+            self.terminated,
+        )
+        self._sensors.measure(lanes)
+        if self._films is not None:
+            for lane in lanes:
+                self._films[lane].add(batch.simulations[lane].state)
+
+    def save(self, lane: int) -> SavedEpisode:
+        """The present episode of a lane, to be gone on with later, in any lane of episodes with the same setup.
+
+        Raises:
+            gymnasium.error.ResetNeeded: before the first reset.
+        """
+        state = self.batch.simulations[lane].snapshot()
+        charged, terms = self._charged[lane].copy(), self.terms[lane].copy()
+        return SavedEpisode(self.parameters[lane], state, charged, terms, self._sensors.memory(lane))
+
+    def restore(self, lane: int, saved: SavedEpisode) -> None:
+        """Go on with a saved episode: the same actions lead to the same bits. Frames begin their force history anew.
+
+        Raises:
+            gymnasium.error.ResetNeeded: before the first reset.
+            ValueError: if the episode's structure is not that of this setup, or other entries were observed; the
+                present episode goes on then.
+        """
+        self._sensors.check(saved.sensors)
+        simulation = self.setup.simulation(saved.parameters)
+        simulation.restore(saved.state)
+        self.batch.replace(lane, simulation)
+        self.parameters[lane] = saved.parameters
+        self._charged[lane], self.terms[lane], self.terminated[lane] = saved.charged, saved.terms, False
+        self._sensors.recall(lane, saved.sensors)
+        if self._films is not None:
+            self._films[lane] = Film(self.setup)
+
+    def futures(self, lane: int, count: int, threads: int | None = None) -> Episodes:
+        """Copies of the present episode of a lane, which go on without touching it.
+
+        Each has the original's whole state, mid-contact included, its parameters, its charges so far and its motor, and
+        goes on to the same bits under the same actions. They observe the entries of "drive" with perfect sensors: no
+        random number is drawn.
+
+        Args:
+            lane: of the original.
+            count: number of copies, the lanes of what is returned.
+            threads: see ``Batch``.
+
+        Raises:
+            gymnasium.error.ResetNeeded: before the first reset.
+            ValueError: if ``count`` or ``threads`` is not positive.
+        """
+        state, parameters = self.batch.simulations[lane].state, self.parameters[lane]
+        simulations = [self.setup.simulation(parameters) for _ in range(count)]
+        for simulation in simulations:
+            simulation.restore(state)
+        copies = Episodes(self.setup.with_exact_observations(), [parameters] * count, threads)
+        copies._batch = Batch(simulations, threads)
+        copies.terms[:] = self.terms[lane]
+        copies.terminated[:] = self.terminated[lane]
+        copies._charged[:] = self._charged[lane]
+        copies._observe(np.arange(count))
+        return copies
+
+    def figures(self, lane: int) -> dict[str, Any]:
+        """The physical figures of an episode, after a look at its accuracy.
+
+        Warns:
+            SimulationWarning: if it was less accurate than it looks, see ``Simulation.check``.
+        """
+        simulation = self.batch.simulations[lane]
+        simulation.check()
+        state = simulation.state
+        joints = state.joints
+        by_joint = m.joint_integrals(state.integrals)
+        locked = float(state.clock["latched_joints"][0] > 0)
+        return {
+            "latched": bool(joints["latched"].all()),
+            "latch_times_s": [
+                float(t) if own else None for t, own in zip(joints["latch_time"], joints["latched"], strict=True)
+            ],
+            "peak_postlock_force_N": joints["postlock_peak_force"].tolist(),
+            "postlock_impulse_Ns": ((by_joint[:, m.IMPULSE] - joints["lock_impulse"]) * locked).tolist(),
+            "postlock_sliding_work_J": ((by_joint[:, m.SLIDING_WORK] - joints["lock_sliding_work"]) * locked).tolist(),
+            "wear_depth_max_m": wear_depths(state).tolist(),
+            "contact_starts": joints["contact_starts"].tolist(),
+            "motor_work_J": float(by_joint[0, m.MOTOR_WORK]),
+            "energy_residual_J": simulation.energy_residual(),
+            "duration_s": simulation.time,
+        }
+
+    def close(self) -> None:
+        """End the threads."""
+        if self._batch is not None:
+            self._batch.close()
+
+    def render(self, lane: int) -> NDArray[np.uint8]:
+        """Draw the present state; (540, 960, 3) uint8. The episodes must be recorded."""
+        assert self._films is not None
+        return self._films[lane].draw(self.batch.simulations[lane], self.parameters[lane])

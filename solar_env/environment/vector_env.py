@@ -1,0 +1,388 @@
+"""The Gymnasium vector environment: many deploying arrays that advance together on all cores."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from numbers import Integral
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.utils import seeding
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from numpy.typing import NDArray
+
+from solar_env.array import DEFAULT_ELEMENTS, ArrayParameters
+from solar_env.environment.env import RESET_OPTIONS, Observation, SolarArrayEnv, checked_render_mode, first_info
+from solar_env.environment.episodes import Episodes, SavedEpisode
+from solar_env.environment.hardware import Hardware
+from solar_env.environment.scenarios import Ranges, Scenario, scenario_named
+from solar_env.environment.setup import Setup
+from solar_env.environment.task import REWARD_TERMS, Task
+from solar_env.mechanics.running.simulation import Simulation
+
+Actions = NDArray[np.float32]
+Flags = NDArray[np.bool_]
+Results = tuple[Observation, NDArray[np.float64], Flags, Flags, dict[str, Any]]
+
+
+class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
+    """Several of :class:`~solar_env.SolarArrayEnv`, which describes actions, observations, rewards and info.
+
+    ``gymnasium.make_vec("solar_env/Deploy-v0", num_envs=64)`` makes it. All lanes advance in one compiled call a
+    thread, without the interpreter lock; the threads share a queue of lanes, so that lanes full of impacts do not keep
+    the others waiting. Lane i gives what a single environment gives with the same seed and actions, to the last bit,
+    whatever the number of lanes and threads. Returned arrays are the caller's.
+
+    It keeps to the conventions of ``gymnasium.vector.SyncVectorEnv``: an integer seed s gives lane i the seed s + i,
+    ``info`` holds arrays with masks, and in autoreset mode SAME_STEP ``final_obs`` and ``final_info``. With DISABLED,
+    ``reset(options={"reset_mask": mask})`` begins new episodes in some lanes.
+
+    Args:
+        num_envs: number of lanes.
+        max_episode_steps: control periods after which an episode is truncated; None for none.
+        autoreset_mode: a ``gymnasium.vector.AutoresetMode``, or its value.
+        num_threads: most threads; by default as many as there are processors for this process.
+        parameters: as for the single environment, or a sequence with an entry for every lane.
+        model, elements, question, tolerance, torque_limit, control_period, deadline, postlock_window, observation,
+        scenario, randomize, hardware, render_mode: as for the single environment.
+    """
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        model: str = "rigid-clearance",
+        parameters: ArrayParameters | Mapping[str, Any] | Sequence[ArrayParameters | Mapping[str, Any]] | None = None,
+        *,
+        max_episode_steps: int | None = None,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        num_threads: int | None = None,
+        elements: int = DEFAULT_ELEMENTS,
+        question: str | None = None,
+        tolerance: float | None = None,
+        torque_limit: float = 0.5,
+        control_period: float = 0.1,
+        deadline: float = 20.0,
+        postlock_window: float = 10.0,
+        observation: str = "drive",
+        scenario: str = "nominal",
+        randomize: Ranges | None = None,
+        hardware: Hardware | Mapping[str, Any] | None = None,
+        render_mode: str | None = None,
+    ) -> None:
+        """See the class.
+
+        Raises:
+            ValueError: for an unknown name or a refused value; the message says which.
+        """
+        counts: dict[str, Any] = {
+            "num_envs": num_envs,
+            "max_episode_steps": max_episode_steps,
+            "num_threads": num_threads,
+        }
+        for name, number in counts.items():
+            whole = isinstance(number, Integral) and not isinstance(number, bool)
+            if number is not None and not (whole and number >= 1):
+                raise ValueError(f"{name} = {number!r} must be a whole number, at least 1")
+        self.num_envs = int(num_envs)
+        self.render_mode = checked_render_mode(render_mode)
+        self.autoreset_mode = AutoresetMode(autoreset_mode)
+        designs = _designs(parameters, num_envs, scenario_named(scenario))
+        self.task = Task(torque_limit, control_period, deadline, postlock_window)
+        self.metadata = {
+            **SolarArrayEnv.metadata,
+            "render_fps": 1.0 / self.task.control_period,
+            "autoreset_mode": self.autoreset_mode,
+        }
+        self._setup = Setup(
+            model,
+            designs[0],
+            elements,
+            question,
+            tolerance,
+            self.task,
+            observation,
+            scenario,
+            randomize,
+            hardware,
+        )
+        self.model, self.elements = self._setup.model, self._setup.elements
+        self.scenario, self.hardware = scenario, self._setup.hardware
+        self.parameters, self.randomize = designs, self._setup.randomize
+        self.observation_names = self._setup.observation_names
+        self.single_observation_space = self._setup.observation_space()
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.single_action_space = self._setup.action_space()
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self.episodes = Episodes(self._setup, designs, num_threads, recorded=render_mode is not None)
+        self._generators: list[np.random.Generator | None] = [None] * num_envs
+        self._seeds: list[int] = [-1] * num_envs
+        self._longest = max_episode_steps
+        self._all_lanes = np.arange(num_envs)
+        self._elapsed = np.zeros(num_envs, dtype=np.int64)
+        self._ended = np.zeros(num_envs, dtype=np.bool_)
+        self._actions = np.zeros((num_envs, 1))
+
+    @property  # type: ignore[misc]
+    def np_random(self) -> tuple[np.random.Generator, ...]:  # type: ignore[override]
+        """The lanes' generators of random numbers."""
+        return tuple(self._generator(lane) for lane in range(self.num_envs))
+
+    @property
+    def np_random_seed(self) -> tuple[int, ...]:  # type: ignore[override]
+        """The lanes' seeds."""
+        self.np_random  # noqa: B018 - seeds those that have none yet
+        return tuple(self._seeds)
+
+    def _generator(self, lane: int) -> np.random.Generator:
+        generator = self._generators[lane]
+        if generator is None:
+            generator, self._seeds[lane] = seeding.np_random()
+            self._generators[lane] = generator
+        return generator
+
+    def reset(
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
+        """Fold the arrays and draw their parameters.
+
+        Args:
+            seed: of lane 0, the others have those that follow; or one by lane; None continues the sequences.
+            options: {"parameters": {name: value}} changes parameters for this episode, in all lanes alike or, as a
+                sequence of such mappings, by lane; {"reset_mask": (num_envs,) bool} resets some lanes only.
+
+        Raises:
+            ValueError: for unknown options, parameters or refused values, or a wrong number of seeds; the present
+                episodes go on then.
+            TypeError: if the mask is no array of bool.
+            gymnasium.error.ResetNeeded: if a mask leaves out lanes that have never been reset.
+        """
+        given = dict(options or {})
+        mask = given.pop("reset_mask", None)
+        unknown = set(given) - RESET_OPTIONS
+        if unknown:
+            raise ValueError(
+                f"reset options {sorted(unknown)} are unknown; there are 'parameters' and, of a vector, 'reset_mask'"
+            )
+        if mask is not None and (not isinstance(mask, np.ndarray) or mask.dtype != np.bool_):
+            raise TypeError(f"reset_mask = {mask!r} must be an array of bool")
+        if mask is not None and (mask.shape != (self.num_envs,) or not mask.any()):
+            raise ValueError(f"reset_mask = {mask!r} must have shape ({self.num_envs},) and name at least one lane")
+        seeds = _by_lane(seed, self.num_envs)
+        if len(seeds) != self.num_envs:
+            raise ValueError(f"{len(seeds)} seeds were given for {self.num_envs} lanes")
+        lanes = self._all_lanes if mask is None else np.flatnonzero(mask)
+        changes = given.get("parameters") or {}
+        by_lane = list(changes) if isinstance(changes, Sequence) else [changes] * self.num_envs
+        if len(by_lane) != self.num_envs:
+            raise ValueError(f"changed parameters were given for {len(by_lane)} lanes; there are {self.num_envs}")
+        chosen = [by_lane[lane] for lane in lanes]
+        self.episodes.check_changes(lanes, chosen)
+        for lane in lanes:
+            if seeds[lane] is not None:
+                self._generators[lane], self._seeds[lane] = seeding.np_random(seeds[lane])
+        self._fold(lanes, chosen)
+        infos: dict[str, Any] = {}
+        for lane in lanes:
+            self._add_info(infos, first_info(), int(lane))
+        return self.episodes.observations.copy(), infos
+
+    def _fold(self, lanes: NDArray[np.int64], changes: Sequence[Mapping[str, Any]]) -> None:
+        self.episodes.reset(lanes, [self._generator(int(lane)) for lane in lanes], changes)
+        self._ended[lanes] = False
+        self._elapsed[lanes] = 0
+
+    def step(self, actions: Actions) -> Results:
+        """Hold a motor torque in every lane for one control period.
+
+        Args:
+            actions: (num_envs, 1) motor torques in units of the torque limit; clipped to [-1, 1].
+
+        Raises:
+            gymnasium.error.ResetNeeded: before the first reset, and where an episode has ended with autoreset disabled.
+            ValueError: if the actions have the wrong shape or are not finite.
+            SimulationError: if a simulation cannot go on.
+
+        Warns:
+            SimulationWarning: if an episode was less accurate than it looks, see ``Simulation.check``.
+        """
+        if np.shape(actions) != self._actions.shape:
+            raise ValueError(f"actions have shape {np.shape(actions)}, expected {self._actions.shape}")
+        self._actions[...] = actions
+        if not np.isfinite(self._actions).all():
+            lane = int(np.argmin(np.isfinite(self._actions[:, 0])))
+            raise ValueError(f"action = {self._actions[lane]!r} of lane {lane} is not finite")
+        episodes = self.episodes
+        lanes = self._all_lanes
+        if self._ended.any():
+            folded = np.flatnonzero(self._ended)
+            if self.autoreset_mode is AutoresetMode.DISABLED:
+                raise gymnasium.error.ResetNeeded(
+                    f"the episodes of lanes {folded.tolist()} have ended: call reset(options={{'reset_mask': ...}})"
+                )
+            lanes = np.flatnonzero(~self._ended)
+            self._fold(folded, [{}] * folded.size)
+        episodes.step(lanes, self._actions[:, 0])
+        self._elapsed[lanes] += 1
+        terminations = episodes.terminated.copy()
+        truncations = np.zeros(self.num_envs, dtype=np.bool_)
+        if self._longest is not None:
+            np.greater_equal(self._elapsed, self._longest, out=truncations)
+        np.logical_or(terminations, truncations, out=self._ended)
+        terms = episodes.terms
+        rewards = terms[:, 0] + terms[:, 1] + terms[:, 2]
+        infos = self._infos()
+        if self._ended.any():
+            self._end_episodes(np.flatnonzero(self._ended), terminations, infos)
+        return episodes.observations.copy(), rewards, terminations, truncations, infos
+
+    def _infos(self) -> dict[str, Any]:
+        everywhere = {f"_{name}": np.ones(self.num_envs, dtype=np.bool_) for name in ("time_s", "reward_terms")}
+        terms: dict[str, Any] = {}
+        for k, name in enumerate(REWARD_TERMS):
+            terms[name] = self.episodes.terms[:, k].copy()
+            terms[f"_{name}"] = np.ones(self.num_envs, dtype=np.bool_)
+        return {"time_s": self.episodes.times, "reward_terms": terms, **everywhere}
+
+    def _end_episodes(self, lanes: NDArray[np.int64], terminations: Flags, infos: dict[str, Any]) -> None:
+        """Add what the last step of an episode tells, and begin the next episodes if that is to be in the same step."""
+        episodes = self.episodes
+        figures = {lane: episodes.figures(lane) for lane in lanes.tolist() if terminations[lane]}
+        if self.autoreset_mode is not AutoresetMode.SAME_STEP:
+            for lane, deployment in figures.items():
+                self._add_info(infos, {"deployment": deployment}, lane)
+            return
+        for lane in lanes.tolist():
+            final: dict[str, Any] = {
+                "time_s": float(infos["time_s"][lane]),
+                "reward_terms": {name: float(infos["reward_terms"][name][lane]) for name in REWARD_TERMS},
+            }
+            if lane in figures:
+                final["deployment"] = figures[lane]
+            self._add_info(infos, {"final_obs": episodes.observations[lane].copy(), "final_info": final}, lane)
+        self._fold(lanes, [{}] * lanes.size)
+        for lane in lanes.tolist():
+            self._add_info(infos, first_info(), lane)
+
+    def restore(self, lane: int, saved: SavedEpisode) -> None:
+        """Go on with a saved episode in one lane; see :meth:`Lane.restore_episode`."""
+        self.episodes.restore(lane, saved)
+        self._ended[lane] = False
+        self._elapsed[lane] = round(self.episodes.times[lane] / self.task.control_period)
+
+    def lane(self, lane: int) -> Lane:
+        """What one lane shows of itself."""
+        return Lane(self, range(self.num_envs)[lane])
+
+    def render(self) -> tuple[NDArray[np.uint8] | None, ...]:  # type: ignore[override]
+        """Draw every lane's present state; (540, 960, 3) uint8 each."""
+        if self.render_mode is None:
+            gymnasium.logger.warn(
+                'render() does nothing without a render mode; make the environment with render_mode="rgb_array"'
+            )
+            return (None,) * self.num_envs
+        return tuple(self.episodes.render(lane) for lane in range(self.num_envs))
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """End the threads."""
+        self.episodes.close()
+
+
+class Lane:
+    """One lane as the single environment that it stands for: its own attributes, and those of the whole vector."""
+
+    def __init__(self, env: SolarArrayVectorEnv, index: int) -> None:
+        self._env, self._index = env, index
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            # Copies ask for such names before there is a vector.
+            raise AttributeError(f"a lane has no {name!r}")
+        return getattr(self._env, name)
+
+    @property
+    def simulation(self) -> Simulation:
+        """The running simulation; its state can be saved and restored between steps.
+
+        Raises:
+            gymnasium.error.ResetNeeded: before the first reset.
+        """
+        return self._env.episodes.batch.simulations[self._index]
+
+    @property
+    def parameters(self) -> ArrayParameters:
+        """Parameters before anything is drawn."""
+        return self._env.episodes.designs[self._index]
+
+    @property
+    def episode_parameters(self) -> ArrayParameters:
+        """Parameters of the present episode."""
+        return self._env.episodes.parameters[self._index]
+
+    @property
+    def np_random(self) -> np.random.Generator:
+        """The generator of random numbers."""
+        return self._env.np_random[self._index]
+
+    @property
+    def np_random_seed(self) -> int:
+        """The seed."""
+        return self._env.np_random_seed[self._index]
+
+    @property
+    def observation_space(self) -> gymnasium.Space[Observation]:
+        """Space of one observation."""
+        return self._env.single_observation_space
+
+    @property
+    def action_space(self) -> gymnasium.Space[Actions]:
+        """Space of one action."""
+        return self._env.single_action_space
+
+    def save_episode(self) -> SavedEpisode:
+        """The present episode, to be gone on with by :meth:`restore_episode`, here or in a lane of an equal vector.
+
+        Raises:
+            gymnasium.error.ResetNeeded: before the first reset, and where the episode has ended.
+        """
+        if self._env.episodes.terminated[self._index]:
+            raise gymnasium.error.ResetNeeded(f"the episode of lane {self._index} has ended")
+        return self._env.episodes.save(self._index)
+
+    def restore_episode(self, saved: SavedEpisode) -> Observation:
+        """Go on with a saved episode: the same actions lead to the same bits.
+
+        Returns:
+            (entries,) what was observed last.
+
+        Raises:
+            gymnasium.error.ResetNeeded: before the first reset.
+            ValueError: if the saved array has another structure.
+        """
+        self._env.restore(self._index, saved)
+        return self._env.episodes.observations[self._index].copy()
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """Draw the present state; (540, 960, 3) uint8."""
+        return self._env.episodes.render(self._index) if self._env.render_mode else None
+
+
+def _by_lane(seed: int | Sequence[int | None] | None, lanes: int) -> list[int | None]:
+    if seed is None:
+        return [None] * lanes
+    if isinstance(seed, (int, np.integer)):
+        return [int(seed) + lane for lane in range(lanes)]
+    return [None if entry is None else int(entry) for entry in seed]
+
+
+def _designs(
+    parameters: ArrayParameters | Mapping[str, Any] | Sequence[ArrayParameters | Mapping[str, Any]] | None,
+    lanes: int,
+    scenario: Scenario,
+) -> list[ArrayParameters]:
+    """The parameters by lane."""
+    entries = list(parameters) if isinstance(parameters, Sequence) else [parameters] * lanes
+    if len(entries) != lanes:
+        raise ValueError(f"parameters has {len(entries)} entries for num_envs = {lanes} lanes; give one for each")
+    return [scenario.design(entry) for entry in entries]

@@ -1,0 +1,280 @@
+"""Arrays of a compiled mechanism: the constant :class:`Model`, the mutable :class:`State`, status codes.
+
+Elements of one kind are rows of one structured array, so that a kernel reads ``joint.contact_stiffness`` by name
+and the number of arrays that cross from Python to a kernel stays small. All quantities are in SI units.
+
+Generalized coordinates ``q`` come in pairs (x, y). A rigid body owns two base points, that is four natural
+coordinates (Garcia de Jalon and Bayo, Kinematic and Dynamic Simulation of Multibody Systems, Springer 1994,
+doi:10.1007/978-1-4612-2600-0); a flexible one position and slope of every node (``flexible.py``).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solar_env.mechanics.numerics.profile import Elimination
+
+# Body kinds.
+FIXED, RIGID, FLEXIBLE = 0, 1, 2
+# Accelerations that solve the equations of motion, or do so to a step's tolerance; those of generalized-alpha.
+EXACT, APPROXIMATE, ALGORITHMIC = 1, 2, 3
+# Joint kinds.
+IDEAL, CLEARANCE = 0, 1
+# Reading of the sliding speed in the friction law.
+MATERIAL_POINTS, JOINT_CENTRES = 0, 1
+
+
+def _record(members: list[tuple[str, type]]) -> np.dtype[np.void]:
+    """Rows whose members are also attributes outside compiled code, so that the kernels run uncompiled too."""
+    return np.dtype((np.record, np.dtype(members, align=True)))
+
+
+body_type = _record(
+    [
+        ("kind", np.int64),
+        ("offset", np.int64),  # first generalized coordinate
+        ("coordinates", np.int64),  # number of generalized coordinates
+        ("length", np.float64),  # distance of the base points, or of the ends
+        # Rigid: mass matrix [[m11 I, m12 + n12 J], [m12 - n12 J, m22 I]], J the quarter turn, and its inverse (w..).
+        ("m11", np.float64),
+        ("m22", np.float64),
+        ("m12", np.float64),
+        ("n12", np.float64),
+        ("w11", np.float64),
+        ("w22", np.float64),
+        ("w12", np.float64),
+        ("x12", np.float64),
+        # Flexible.
+        ("elements", np.int64),
+        ("element_length", np.float64),
+        ("axial_stiffness", np.float64),
+        ("bending_stiffness", np.float64),
+        ("damping", np.float64),
+        ("band", np.int64),  # first row in `mass_band` and `mass_factor`
+    ]
+)
+
+# A marker is a point of a body with the body's direction there:
+# position = (a1 + b1 J) p1 + (a2 + b2 J) p2, direction = c1 p1 + p2, with p1, p2 two coordinate pairs.
+marker_type = _record(
+    [
+        ("i1", np.int64),
+        ("i2", np.int64),
+        ("a1", np.float64),
+        ("b1", np.float64),
+        ("a2", np.float64),
+        ("b2", np.float64),
+        ("c1", np.float64),
+    ]
+)
+
+joint_type = _record(
+    [
+        ("kind", np.int64),
+        ("inboard", np.int64),  # marker with the bearing
+        ("outboard", np.int64),  # marker with the journal
+        ("row", np.int64),  # first constraint row of an ideal joint
+        ("angle_limited", np.int64),  # whether a torque depends on the angle, which must then not wrap
+        # Joint angle: theta = middle + sign * (angle from the inboard direction turned by `turn` to the outboard one).
+        ("sign", np.float64),
+        ("middle", np.float64),
+        ("turn_cos", np.float64),
+        ("turn_sin", np.float64),
+        # Torques about the joint angle.
+        ("spring_stiffness", np.float64),
+        ("spring_preload_angle", np.float64),
+        ("has_latch", np.int64),
+        ("lock_angle", np.float64),
+        ("has_stow_stop", np.int64),
+        ("stow_angle", np.float64),
+        ("stop_gap", np.float64),
+        ("stop_stiffness", np.float64),
+        ("stop_exponent", np.float64),
+        ("stop_ramp_depth", np.float64),
+        ("stop_damping", np.float64),
+        # Journal in bearing.
+        ("clearance", np.float64),
+        ("journal_radius", np.float64),
+        ("contact_stiffness", np.float64),
+        ("damping_factor", np.float64),  # d of F = K depth^1.5 (1 + d rate / impact speed)
+        ("minimum_impact_speed", np.float64),
+        ("friction_coefficient", np.float64),
+        ("friction_speed_zero", np.float64),
+        ("friction_speed_full", np.float64),
+        ("sliding_speed", np.int64),
+        ("wear_coefficient", np.float64),
+        ("bearing_width", np.float64),
+    ]
+)
+
+cable_type = _record(
+    [
+        ("joint_a", np.int64),
+        ("joint_b", np.int64),
+        ("wheel_ratio", np.float64),
+        ("torque_ratio", np.float64),
+        ("stiffness", np.float64),
+        ("preload_torque", np.float64),
+    ]
+)
+
+# Prescribed rotation of a marker's direction, see `description.Drive`.
+drive_type = _record(
+    [
+        ("row", np.int64),
+        ("marker", np.int64),
+        ("angle", np.float64),
+        ("rate", np.float64),
+        ("ramp_time", np.float64),
+    ]
+)
+
+# Constant torque on a marker's direction.
+load_torque_type = _record([("marker", np.int64), ("torque", np.float64)])
+
+joint_state_type = _record(
+    [
+        ("in_contact", np.int64),
+        ("impact_speed", np.float64),  # approach speed with which the present contact began
+        ("contact_start", np.float64),
+        ("contact_duration", np.float64),  # predicted at its start
+        ("contact_peak", np.float64),
+        ("contact_impulse", np.float64),  # values of the joint's integrals when the contact began
+        ("contact_sliding_work", np.float64),
+        ("contact_starts", np.int64),
+        ("peak_force", np.float64),
+        ("postlock_peak_force", np.float64),
+        ("recent_peak_force", np.float64),  # since the caller last set it to zero
+        ("lock_impulse", np.float64),  # values of the joint's integrals at the first latching
+        ("lock_sliding_work", np.float64),
+        ("latched", np.int64),
+        ("latch_time", np.float64),
+        ("stop_engaged", np.int64),  # whether the latch's or the stow stop's torque is evaluated
+        ("motor_torque", np.float64),  # input, set between calls
+    ]
+)
+
+clock_type = _record(
+    [
+        ("time", np.float64),
+        ("step_size", np.float64),
+        ("last_error", np.float64),
+        ("last_step", np.float64),  # step for which the auxiliary accelerations of generalized-alpha stand
+        ("steps", np.int64),
+        ("rejected_steps", np.int64),
+        ("evaluations", np.int64),
+        ("factorizations", np.int64),
+        ("stability_bound_steps", np.int64),  # explicit steps that the flexible bodies' stability limit has bounded
+        ("explicit_wait", np.int64),  # explicit steps before the next linearly implicit one is tried
+        ("explicit_patience", np.int64),  # how long that was the last time
+        ("latched_joints", np.int64),
+        ("initial_energy", np.float64),
+        ("energy_scale", np.float64),  # sum of the magnitudes of the initial energies
+        ("acceleration_current", np.int64),  # whether State.a belongs to the present q, v and inputs: 0, or one below
+        # Where and with what value a failed call stopped.
+        ("failure_time", np.float64),
+        ("failure_joint", np.int64),
+        ("failure_value", np.float64),
+    ]
+)
+
+# Running time integrals: these of every joint, joint by joint, then those of the whole mechanism.
+NORMAL_DISSIPATION, FRICTION_DISSIPATION, SLIDING_WORK, IMPULSE, MOTOR_WORK, STOP_DISSIPATION, CABLE_WORK = range(7)
+INTEGRALS_PER_JOINT = 7
+# Work of drives and load torques; energy that the material damping of flexible bodies took.
+EXTERNAL_WORK, MATERIAL_DISSIPATION = -2, -1
+GLOBAL_INTEGRALS = 2
+
+
+def joint_integrals(integrals: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(..., joints, INTEGRALS_PER_JOINT) view of the integrals (..., count) by joint."""
+    by_joint = integrals[..., :-GLOBAL_INTEGRALS]
+    return by_joint.reshape(*by_joint.shape[:-1], -1, INTEGRALS_PER_JOINT)
+
+
+# Stored energies, in this order; the last one is the potential of all constant forces.
+KINETIC, SPRING, CABLE, LATCH, CONTACT, ELASTIC, GRAVITY = range(7)
+ENERGY_NAMES = ("kinetic", "spring", "cable", "latch", "contact", "elastic", "gravity")
+ENERGIES = len(ENERGY_NAMES)
+
+# Most coordinates that one linear constraint acts on: two points, of two coordinate pairs each.
+ROW_ENTRIES = 8
+
+
+class Elements(NamedTuple):
+    """The elements of all flexible bodies, in blocks (``flexible.py``)."""
+
+    offset: NDArray[np.int64]  # (blocks, LANES) first coordinate
+    inverse_length: NDArray[np.float64]  # (blocks, LANES)
+    constants: NDArray[np.float64]  # (blocks, 3 * LANES)
+    filled: NDArray[np.int64]  # (blocks,) number of elements
+
+
+class Constraints(NamedTuple):
+    """Linear constraints: row r is the sum over k < size[r] of value[r, k] * q[coordinate[r, k]] = target[r]."""
+
+    size: NDArray[np.int64]  # (m,)
+    coordinate: NDArray[np.int64]  # (m, ROW_ENTRIES)
+    value: NDArray[np.float64]  # (m, ROW_ENTRIES); those of drives are set at run time
+    target: NDArray[np.float64]  # (m,)
+    bodies: NDArray[np.int64]  # (m, 2) the bodies that a row acts on; -1 for none
+    driven: NDArray[np.int64]  # (m,) whether the row belongs to a drive
+
+
+class Model(NamedTuple):
+    """Constant arrays of a compiled mechanism with n coordinates and m linear constraint rows."""
+
+    bodies: NDArray[np.void]
+    markers: NDArray[np.void]
+    joints: NDArray[np.void]
+    cables: NDArray[np.void]
+    drives: NDArray[np.void]
+    load_torques: NDArray[np.void]
+    constant_force: NDArray[np.float64]  # (n,) generalized force of weight and constant loads
+    constraints: Constraints
+    elements: Elements
+    mass_band: NDArray[np.float64]  # (rows, 4) lower bands of the flexible bodies' mass matrices
+    mass_factor: NDArray[np.float64]  # (rows, 4) their factors
+    elimination: Elimination
+    error_weight: NDArray[np.float64]  # (n,) of a coordinate in error norms: for slopes [m], else 1
+    length_scale: float
+    stable_step: float  # largest step [s] with which the explicit method is stable on the free flexible bodies
+
+
+class State(NamedTuple):
+    """Everything that changes; copying these arrays copies the simulation, mid-contact included."""
+
+    q: NDArray[np.float64]  # (n,) generalized coordinates
+    v: NDArray[np.float64]  # (n,) velocities
+    a: NDArray[np.float64]  # (n,) accelerations
+    algorithmic_a: NDArray[np.float64]  # (n,) auxiliary accelerations of generalized-alpha
+    multipliers: NDArray[np.float64]  # (m + bodies,) of the linear constraints, then of the body lengths
+    integrals: NDArray[np.float64]  # (INTEGRALS_PER_JOINT * joints + GLOBAL_INTEGRALS,)
+    power: NDArray[np.float64]  # time derivatives of the integrals
+    joints: NDArray[np.void]
+    wear_journal: NDArray[np.float64]  # (joints, bins) depth
+    wear_bearing: NDArray[np.float64]  # (joints, bins) depth
+    clock: NDArray[np.void]  # (1,)
+
+
+def copy_state(state: State) -> State:
+    """Return an independent copy of ``state``."""
+    return State._make(array.copy() for array in state)
+
+
+# Status codes of the kernels; ``errors.py`` turns them into exceptions.
+(
+    DONE,
+    STEP_TOO_SMALL,
+    NOT_FINITE,
+    SINGULAR_CONSTRAINTS,
+    NEWTON_FAILED,
+    JOINT_ANGLE_RANGE,
+    CONTACT_TOO_DEEP,
+    TOO_MANY_STEPS,
+    PAUSED,
+    EVENTS_PILE_UP,
+) = range(10)

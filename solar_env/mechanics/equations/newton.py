@@ -1,0 +1,101 @@
+"""The matrix of Newton's equations, [[a M + b C + c K, Phi_q^T], [Phi_q, 0]], put together from its parts.
+
+Mass M, damping C and stiffness K share one profile (``profile.py``), so that their sum with any weights is a pass over
+their entries: a change of the step needs no new tangents.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from solar_env.mechanics.arrays.model import FLEXIBLE, RIGID, Model
+from solar_env.mechanics.bodies.cable_element import add_body_mass
+from solar_env.mechanics.bodies.rigid import add_body_matrix
+from solar_env.mechanics.equations.system import Workspace
+from solar_env.mechanics.equations.tangent import TangentScratch, fill_tangents, make_tangent_scratch
+from solar_env.mechanics.numerics.jit import njit, njit_inner
+from solar_env.mechanics.numerics.profile import ProfileMatrix, add_entry, make_profile_matrix
+
+
+class NewtonMatrices(NamedTuple):
+    """The parts of the matrix, and the matrix or its factors."""
+
+    mass: ProfileMatrix  # constant
+    stiffness: ProfileMatrix  # minus the slope of the applied forces by coordinates
+    damping: ProfileMatrix  # and by velocities
+    matrix: ProfileMatrix
+    tangent: TangentScratch
+
+
+def make_newton_matrices(model: Model, work: Workspace) -> NewtonMatrices:
+    """Allocate the matrices and fill the mass matrix."""
+    mass = make_profile_matrix(model.elimination)
+    fill_mass(model, mass)
+    return NewtonMatrices(
+        mass=mass,
+        stiffness=make_profile_matrix(model.elimination),
+        damping=make_profile_matrix(model.elimination),
+        matrix=make_profile_matrix(model.elimination),
+        tangent=make_tangent_scratch(work),
+    )
+
+
+@njit
+def fill_mass(model, matrix):
+    """Add the bodies' mass matrices to ``matrix``."""
+    for b in range(model.bodies.size):
+        body = model.bodies[b]
+        if body.kind == FLEXIBLE:
+            add_body_mass(body, model.mass_band, 1.0, model.elimination, matrix)
+        elif body.kind == RIGID:
+            add_body_matrix(body, 1.0, 0.0, model.elimination, matrix)
+
+
+@njit
+def linearize_forces(model, joint_states, q, v, newton):
+    """Stiffness and damping at a configuration for which the workspace of ``newton.tangent`` is current."""
+    fill_tangents(model, joint_states, q, v, newton.tangent, newton.stiffness, newton.damping)
+
+
+@njit_inner
+def _weighted_sum(mass, damping, stiffness, weights, out):
+    """Write the weighted sum of three arrays (blocks, 16) to a fourth."""
+    a, b, c = weights
+    for i in range(out.shape[0]):
+        for k in range(out.shape[1]):
+            out[i, k] = a * mass[i, k] + b * damping[i, k] + c * stiffness[i, k]
+
+
+@njit
+def assemble(model, q, multipliers, row_value, newton, weights):
+    """Put the matrix together.
+
+    Args:
+        q: (n,) coordinates, for the direction of the rigid bodies' length constraints.
+        multipliers: (m + bodies,), for the stiffness of these constraints.
+        row_value: (m, ROW_ENTRIES) the linear constraints' rows.
+        weights: of mass, damping and stiffness.
+    """
+    elimination, constraints, matrix = model.elimination, model.constraints, newton.matrix
+    mass, damping, stiffness = newton.mass, newton.damping, newton.stiffness
+    _weighted_sum(mass.diagonal, damping.diagonal, stiffness.diagonal, weights, matrix.diagonal)
+    _weighted_sum(mass.lower, damping.lower, stiffness.lower, weights, matrix.lower)
+    _weighted_sum(mass.upper, damping.upper, stiffness.upper, weights, matrix.upper)
+    n, m = q.size, constraints.size.size
+    for r in range(m):
+        for k in range(constraints.size[r]):
+            i, value = constraints.coordinate[r, k], row_value[r, k]
+            add_entry(elimination, matrix, n + r, i, value)
+            add_entry(elimination, matrix, i, n + r, value)
+    for body_index in range(model.bodies.size):
+        body = model.bodies[body_index]
+        if body.kind == RIGID:
+            row = n + m + body_index
+            k = body.offset
+            add_body_matrix(body, 0.0, weights[2] * multipliers[m + body_index], elimination, matrix)
+            for axis in range(2):
+                d = q[k + 2 + axis] - q[k + axis]
+                add_entry(elimination, matrix, row, k + axis, -d)
+                add_entry(elimination, matrix, row, k + 2 + axis, d)
+                add_entry(elimination, matrix, k + axis, row, -d)
+                add_entry(elimination, matrix, k + 2 + axis, row, d)

@@ -1,0 +1,290 @@
+"""Generalized-alpha for the index-3 equations M a + Phi_q^T lambda = Q(q, v, t), Phi(q, t) = 0: the run.
+
+One step is in ``alpha_step.py``.
+
+Fixed steps divide a call evenly. Adaptive steps follow the change of the accelerations, and are shortened to end near a
+bearing wall when a contact begins that they would not resolve.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from solar_env.mechanics.arrays.model import (
+    ALGORITHMIC,
+    CLEARANCE,
+    DONE,
+    INTEGRALS_PER_JOINT,
+    NEWTON_FAILED,
+    NOT_FINITE,
+    PAUSED,
+    SINGULAR_CONSTRAINTS,
+    SLIDING_WORK,
+    STEP_TOO_SMALL,
+    TOO_MANY_STEPS,
+    Model,
+    State,
+)
+from solar_env.mechanics.equations.system import (
+    Workspace,
+    applied_forces,
+    make_workspace,
+    normal_inverse_mass,
+    store_constraint_loads,
+)
+from solar_env.mechanics.integrators.alpha_step import Iteration, attempt_step, make_iteration, restart
+from solar_env.mechanics.integrators.history import (
+    check_state,
+    fail,
+    impact_step_limit,
+    latch,
+    settle_joints,
+    start_contact,
+)
+from solar_env.mechanics.integrators.recording import pause_due, record_sample, sample_due
+from solar_env.mechanics.joints.contact import impact_scales
+from solar_env.mechanics.joints.joint import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, penetration, relative
+from solar_env.mechanics.numerics.jit import njit, njit_inner, njit_merged
+from solar_env.mechanics.numerics.linear import copy_into
+
+_SMALLEST_STEP = 1e-12  # s
+
+
+class AlphaArrays(NamedTuple):
+    """Scratch arrays of :func:`advance_alpha`; nothing in them outlives a call."""
+
+    work: Workspace
+    scratch: Workspace  # for evaluations that leave the other as it is
+    iteration: Iteration
+
+
+def make_alpha_arrays(model: Model, state: State) -> AlphaArrays:
+    """Allocate the arrays for a mechanism."""
+    work = make_workspace(model, state)
+    return AlphaArrays(work, make_workspace(model, state), make_iteration(model, state, work))
+
+
+@njit_inner
+def prepare(model, state, it, work):
+    """Contact modes, depths and powers at the start of a step.
+
+    A journal that flies freely gets its present approach speed as the impact speed, should the step end in contact.
+    """
+    joints, markers, joint_states = model.joints, model.markers, state.joints
+    for j in range(joints.size):
+        joint = joints[j]
+        work.impact_speeds[j] = 0.0
+        # Newton's iteration meets stops wherever they are; nothing is frozen as in the explicit method.
+        joint_states[j].stop_engaged = 1
+        if joint.kind == CLEARANCE:
+            it.depth[j], it.depth_rate[j] = penetration(joint, markers, state.q, state.v)
+            if joint_states[j].in_contact:
+                work.impact_speeds[j] = joint_states[j].impact_speed
+            else:
+                work.impact_speeds[j] = max(it.depth_rate[j], joint.minimum_impact_speed)
+    applied_forces(model, joint_states, state.q, state.v, work)
+    store_constraint_loads(model, state.multipliers, state.clock[0].time, state.q, work)
+    copy_into(it.power, work.power)
+    for j in range(joints.size):
+        it.angle[j] = work.loads[j, ANGLE]
+
+
+@njit_merged
+def error_norm(model, state, it, settings, h):
+    """Local error in units of the tolerance, from the change of the accelerations (Zienkiewicz and Xie 1991).
+
+    O. C. Zienkiewicz and Y. M. Xie, Earthq. Eng. Struct. Dyn. 20 (1991) 871, doi:10.1002/eqe.4290200907.
+    Multipliers are left out.
+    """
+    worst = 0.0
+    factor = abs(settings.beta - 1.0 / 6.0) * h
+    for i in range(state.q.size):
+        estimate = factor * abs(it.auxiliary[i] - state.algorithmic_a[i])
+        scale = settings.rtol * (settings.velocity_scale + max(abs(state.v[i]), abs(it.v[i])))
+        ratio = estimate / scale
+        if not ratio <= worst:
+            worst = ratio
+    return worst
+
+
+@njit_merged
+def landing_step(model, state, it, scratch, settings, h):
+    """A step that ends near the wall if a contact begins inside this one and ``h`` does not resolve it, else ``h``."""
+    joints, joint_states, markers = model.joints, state.joints, model.markers
+    shorter = h
+    for j in range(joints.size):
+        joint = joints[j]
+        if joint.kind != CLEARANCE or joint_states[j].in_contact:
+            continue
+        depth, _ = penetration(joint, markers, it.q, it.v)
+        if depth <= 0.0:
+            continue
+        scratch.loads[j, ECCENTRICITY_X], scratch.loads[j, ECCENTRICITY_Y] = relative(joint, markers, it.q)
+        inverse_mass = normal_inverse_mass(model, it.q, it.v, j, scratch)
+        speed = max(it.depth_rate[j], joint.minimum_impact_speed)
+        _, duration = impact_scales(joint.contact_stiffness, inverse_mass, speed)
+        flight = -it.depth[j] / speed
+        wanted = max(min(flight, 0.5 * h), duration / settings.impact_resolution)
+        shorter = min(shorter, wanted)
+    return shorter
+
+
+@njit_inner
+def record_until(model, state, it, scratch, recorder, work, h):
+    """Take the samples inside the solved step: cubic Hermite for positions, its derivative for velocities."""
+    n = state.q.size
+    start = state.clock[0].time
+    end = start + h
+    copy_into(scratch.impact_speeds, work.impact_speeds)
+    while sample_due(recorder, end):
+        s = min(max((recorder.times[recorder.filled[0]] - start) / h, 0.0), 1.0) if h > 0.0 else 0.0
+        for i in range(n):
+            rise = it.q[i] - state.q[i]
+            slope0, slope1 = h * state.v[i], h * it.v[i]
+            c2 = 3.0 * rise - 2.0 * slope0 - slope1
+            c3 = slope0 + slope1 - 2.0 * rise
+            it.scratch_q[i] = state.q[i] + s * (slope0 + s * (c2 + s * c3))
+            if h > 0.0:
+                it.scratch_v[i] = (slope0 + s * (2.0 * c2 + 3.0 * s * c3)) / h
+            else:
+                it.scratch_v[i] = state.v[i]
+        for k in range(state.integrals.size):
+            # Trapezoid over the share: the power is taken as linear in the step.
+            it.integrals[k] = state.integrals[k] + s * h * (it.power[k] + 0.5 * s * (work.power[k] - it.power[k]))
+        record_sample(
+            recorder,
+            model,
+            state.joints,
+            it.scratch_q,
+            it.scratch_v,
+            start + s * h,
+            it.integrals,
+            scratch,
+            it.scratch_a,
+            it.scratch_multipliers,
+            it.energies,
+        )
+
+
+@njit_merged
+def accept(model, state, it, work, scratch, recorder, h):
+    """Move to the end of the solved step and book what happened on the way."""
+    joints, joint_states, integrals = model.joints, state.joints, state.integrals
+    clock = state.clock[0]
+    start = clock.time
+    store_constraint_loads(model, it.multipliers, start + h, it.q, work)
+    if recorder.times.size > 0:
+        record_until(model, state, it, scratch, recorder, work, h)
+    for k in range(integrals.size):
+        integrals[k] += 0.5 * h * (it.power[k] + work.power[k])
+    copy_into(state.q, it.q)
+    copy_into(state.v, it.v)
+    copy_into(state.a, it.a)
+    copy_into(state.algorithmic_a, it.auxiliary)
+    copy_into(state.multipliers, it.multipliers)
+    clock.time = start + h
+    clock.steps += 1
+    for j in range(joints.size):
+        joint = joints[j]
+        if joint.kind == CLEARANCE and not joint_states[j].in_contact:
+            depth, _ = penetration(joint, model.markers, state.q, state.v)
+            if depth > 0.0:
+                share = it.depth[j] / (it.depth[j] - depth) if it.depth[j] < 0.0 else 0.0
+                scratch.loads[j, ECCENTRICITY_X] = work.loads[j, ECCENTRICITY_X]
+                scratch.loads[j, ECCENTRICITY_Y] = work.loads[j, ECCENTRICITY_Y]
+                start_contact(model, state, j, state.q, state.v, start + share * h, work.impact_speeds[j], scratch)
+        angle = work.loads[j, ANGLE]
+        if joint.has_latch and not joint_states[j].latched and angle >= joint.lock_angle:
+            rise = angle - it.angle[j]
+            latch(state, j, start + h * ((joint.lock_angle - it.angle[j]) / rise if rise > 0.0 else 1.0))
+        k = INTEGRALS_PER_JOINT * j + SLIDING_WORK
+        it.sliding_work[j] = 0.5 * h * (it.power[k] + work.power[k])
+    settle_joints(model, state, work.loads, it.sliding_work, start, it.depth, recorder)
+
+
+@njit_merged
+def next_step(state, settings, remaining):
+    """Step to try: the fixed one, divided so that a whole number of them ends the call, or the controller's."""
+    if settings.rtol == 0.0:
+        return remaining / math.ceil(remaining / settings.step - 1e-9)
+    clock = state.clock[0]
+    wanted = clock.step_size if clock.step_size > 0.0 else settings.step
+    wanted = min(wanted, settings.max_step, impact_step_limit(state, clock.time, settings.impact_resolution))
+    if wanted >= remaining:
+        return remaining
+    # Two even steps rather than one followed by a sliver.
+    return 0.5 * remaining if 2.0 * wanted > remaining else wanted
+
+
+@njit_merged
+def judge(model, state, it, scratch, settings, h, convergence):
+    """Step to retry with, or 0 to accept. Sets the controller's next step."""
+    clock = state.clock[0]
+    clock.failure_value = convergence
+    if not convergence <= 1.0:
+        return 0.25 * h
+    shorter = landing_step(model, state, it, scratch, settings, h)
+    if shorter < h:
+        return shorter
+    error = error_norm(model, state, it, settings, h)
+    clock.failure_value = error
+    if not error <= 1.0:
+        return h * max(0.9 * error**-0.5, 0.2)
+    grow = min(0.9 * max(error, 1e-6) ** -0.5, 2.0)
+    # A change of step costs a restart: keep the step unless much is gained.
+    clock.step_size = max(clock.step_size, h * grow) if grow > 1.5 else h
+    return 0.0
+
+
+@njit
+def advance_alpha(model, state, settings, recorder, end_time, arrays):
+    """Advance ``state`` in place to ``end_time`` [s]; returns a status code."""
+    work, scratch, it = arrays
+    clock = state.clock[0]
+    status = DONE
+    taken = 0
+    if recorder.times.size > 0 and sample_due(recorder, clock.time):
+        prepare(model, state, it, work)
+        copy_into(it.q, state.q)
+        copy_into(it.v, state.v)
+        record_until(model, state, it, scratch, recorder, work, 0.0)
+    while clock.time < end_time:
+        if pause_due(recorder, clock.time, model.joints.size):
+            status = PAUSED
+            break
+        if taken >= settings.max_steps:
+            status = fail(state, TOO_MANY_STEPS, -1, float(taken))
+            break
+        taken += 1
+        h = next_step(state, settings, end_time - clock.time)
+        last = h >= end_time - clock.time
+        prepare(model, state, it, work)
+        retry = 1.0
+        while retry > 0.0:
+            if clock.acceleration_current != ALGORITHMIC or abs(h - clock.last_step) > 1e-9 * h:
+                if not restart(model, state, it, work, settings, h):
+                    return fail(state, SINGULAR_CONSTRAINTS, -1, 0.0)
+                clock.acceleration_current = ALGORITHMIC
+                clock.last_step = h
+            convergence = attempt_step(model, state, it, work, settings, h)
+            if settings.rtol == 0.0:
+                if not convergence <= 1.0:
+                    finite = math.isfinite(convergence)
+                    return fail(state, NEWTON_FAILED if finite else NOT_FINITE, -1, convergence)
+                break
+            retry = judge(model, state, it, scratch, settings, h, convergence)
+            if retry > 0.0:
+                clock.rejected_steps += 1
+                last = False
+                h = retry
+                clock.step_size = h
+                if h < _SMALLEST_STEP:
+                    return fail(state, STEP_TOO_SMALL, -1, clock.failure_value)
+        accept(model, state, it, work, scratch, recorder, h)
+        if last:
+            clock.time = end_time
+        status = check_state(model, state, work.loads)
+        if status != DONE:
+            break
+    return status

@@ -1,0 +1,167 @@
+"""What a mechanism remembers: contacts, latches, wear and peak forces. Called on accepted steps only."""
+
+from __future__ import annotations
+
+import math
+
+from solar_env.mechanics.arrays.model import (
+    CLEARANCE,
+    CONTACT_TOO_DEEP,
+    DONE,
+    IMPULSE,
+    INTEGRALS_PER_JOINT,
+    JOINT_ANGLE_RANGE,
+    SLIDING_WORK,
+)
+from solar_env.mechanics.equations.system import normal_inverse_mass
+from solar_env.mechanics.integrators.recording import record_contact
+from solar_env.mechanics.joints.contact import impact_scales
+from solar_env.mechanics.joints.joint import (
+    ANGLE,
+    ECCENTRICITY_X,
+    ECCENTRICITY_Y,
+    NORMAL,
+    RATE,
+    direction,
+    penetration,
+    stop_depth,
+)
+from solar_env.mechanics.joints.wear import add_wear, pressed_half_angle
+from solar_env.mechanics.numerics.jit import njit, njit_inner, njit_inner_inlined, njit_merged
+
+# A contact counts as an impact, to be resolved by steps of its own, for this many predicted durations.
+IMPACT_DURATIONS = 2.0
+
+
+@njit_inner
+def start_contact(model, state, j, q, v, time, approach_speed, work):
+    """Open a contact of joint ``j`` with its approach speed [m/s], bounded below."""
+    joint = model.joints[j]
+    own = state.joints[j]
+    own.in_contact = 1
+    own.impact_speed = max(approach_speed, joint.minimum_impact_speed)
+    own.contact_start = time
+    own.contact_peak = 0.0
+    own.contact_impulse = state.integrals[INTEGRALS_PER_JOINT * j + IMPULSE]
+    own.contact_sliding_work = state.integrals[INTEGRALS_PER_JOINT * j + SLIDING_WORK]
+    own.contact_starts += 1
+    inverse_mass = normal_inverse_mass(model, q, v, j, work)
+    _, own.contact_duration = impact_scales(joint.contact_stiffness, inverse_mass, own.impact_speed)
+
+
+@njit_inner
+def end_contact(state, j, time, recorder):
+    """Close the contact of joint ``j`` and record it."""
+    own = state.joints[j]
+    record_contact(recorder, j, own, state.integrals, time)
+    own.in_contact = 0
+    own.impact_speed = 0.0
+
+
+@njit_inner_inlined
+def note_force(own, force, postlock):
+    """Raise a joint's running maxima to a force [N]."""
+    own.contact_peak = max(own.contact_peak, force)
+    own.peak_force = max(own.peak_force, force)
+    own.recent_peak_force = max(own.recent_peak_force, force)
+    if postlock:
+        own.postlock_peak_force = max(own.postlock_peak_force, force)
+
+
+@njit
+def latch(state, j, time):
+    """Latch joint ``j`` for good. The first latching starts the post-lock record of every joint."""
+    state.joints[j].latched = 1
+    state.joints[j].latch_time = time
+    if state.clock[0].latched_joints == 0:
+        for k in range(state.joints.size):
+            state.joints[k].lock_impulse = state.integrals[INTEGRALS_PER_JOINT * k + IMPULSE]
+            state.joints[k].lock_sliding_work = state.integrals[INTEGRALS_PER_JOINT * k + SLIDING_WORK]
+    state.clock[0].latched_joints += 1
+
+
+@njit_merged
+def wear_contact(joint, markers, q, ex, ey, depth, sliding_work, wear_journal, wear_bearing):
+    """Wear both surfaces of a joint by the sliding work [J] of one accepted step."""
+    half = pressed_half_angle(max(depth, 0.0), joint.clearance)
+    worn_section = joint.wear_coefficient * sliding_work / joint.bearing_width
+    # Angles of the line of centres in the frames of the two bodies.
+    ox, oy = direction(markers[joint.outboard], q)
+    ix, iy = direction(markers[joint.inboard], q)
+    journal_angle = math.atan2(ox * ey - oy * ex, ox * ex + oy * ey)
+    bearing_angle = math.atan2(ix * ey - iy * ex, ix * ex + iy * ey)
+    add_wear(wear_journal, journal_angle, half, worn_section, joint.journal_radius)
+    add_wear(wear_bearing, bearing_angle, half, worn_section, joint.journal_radius + joint.clearance)
+
+
+@njit_inner
+def settle_joints(model, state, loads, sliding_work, start_time, start_depth, recorder):
+    """Book an accepted step: wear, force maxima, and the ends of contacts and stops that have opened.
+
+    Args:
+        model, state: of the mechanism, the state at the end of the step.
+        loads: of the accepted state.
+        sliding_work: (joints,) of the step [J].
+        start_time: of the step [s].
+        start_depth: (joints,) penetration at its start [m].
+        recorder: takes the contacts that have ended.
+    """
+    joints, markers, joint_states, q, v = model.joints, model.markers, state.joints, state.q, state.v
+    wear_journal, wear_bearing = state.wear_journal, state.wear_bearing
+    postlock = state.clock[0].latched_joints > 0
+    for j in range(joints.size):
+        joint, own = joints[j], joint_states[j]
+        if own.stop_engaged:
+            stop, sign = stop_depth(joint, own.latched, loads[j, ANGLE])
+            # On the very face it stays engaged unless it opens, or the same engagement would be found for ever.
+            own.stop_engaged = stop > 0.0 or (stop > -1e-9 and sign * loads[j, RATE] <= 0.0)
+        if joint.kind != CLEARANCE:
+            note_force(own, loads[j, NORMAL], postlock)
+        elif own.in_contact:
+            note_force(own, loads[j, NORMAL], postlock)
+            depth, rate = penetration(joint, markers, q, v)
+            if joint.wear_coefficient > 0.0 and sliding_work[j] > 0.0:
+                ex, ey = loads[j, ECCENTRICITY_X], loads[j, ECCENTRICITY_Y]
+                wear_contact(joint, markers, q, ex, ey, depth, sliding_work[j], wear_journal[j], wear_bearing[j])
+            time = state.clock[0].time
+            # One that has begun just now, on the very wall, may not end at once: time would stand still.
+            if depth <= 0.0 and rate < 0.0 and own.contact_start < time:
+                # Linear estimate of when the surfaces parted inside the step.
+                share = start_depth[j] / (start_depth[j] - depth) if start_depth[j] > 0.0 else 1.0
+                end_contact(state, j, start_time + share * (time - start_time), recorder)
+
+
+@njit_merged
+def impact_step_limit(state, time, resolution):
+    """Greatest step [s] that resolves the impacts under way with ``resolution`` steps each."""
+    joint_states = state.joints
+    limit = math.inf
+    for j in range(joint_states.size):
+        own = joint_states[j]
+        if own.in_contact and time - own.contact_start < IMPACT_DURATIONS * own.contact_duration:
+            limit = min(limit, own.contact_duration / resolution)
+    return limit
+
+
+@njit_inner_inlined
+def fail(state, status, joint, value):
+    """Note where and why a call stops."""
+    state.clock[0].failure_joint = joint
+    state.clock[0].failure_value = value
+    return status
+
+
+@njit_merged
+def check_state(model, state, loads):
+    """Status of an accepted state: contact depths and joint angles within what the model describes."""
+    joints, markers = model.joints, model.markers
+    for j in range(joints.size):
+        joint = joints[j]
+        if joint.kind == CLEARANCE and state.joints[j].in_contact:
+            depth, _ = penetration(joint, markers, state.q, state.v)
+            if depth > joint.journal_radius:
+                return fail(state, CONTACT_TOO_DEEP, j, depth)
+        if joint.angle_limited and abs(loads[j, ANGLE] - joint.middle) > 0.95 * math.pi:
+            # The angle nears the branch cut of its measurement.
+            return fail(state, JOINT_ANGLE_RANGE, j, loads[j, ANGLE])
+    return DONE

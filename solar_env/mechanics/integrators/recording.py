@@ -1,0 +1,109 @@
+"""What a run keeps: samples at requested times and one line for every contact. Both are optional."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solar_env.mechanics.arrays.model import ENERGY_NAMES, IMPULSE, INTEGRALS_PER_JOINT, SLIDING_WORK, Model, State
+from solar_env.mechanics.equations.system import accelerations, stored_energies
+from solar_env.mechanics.joints.joint import OUTBOARD_SPIN
+from solar_env.mechanics.numerics.jit import njit_inner
+from solar_env.mechanics.numerics.linear import copy_into
+
+# Loads up to here are kept; the spins behind them are internal.
+RECORDED_LOADS = OUTBOARD_SPIN
+CONTACT_FIELDS = ("joint", "start_s", "end_s", "impact_speed", "peak_force", "impulse", "sliding_work")
+
+
+class Recorder(NamedTuple):
+    """Sample times with the table they fill, and the table of contacts."""
+
+    times: NDArray[np.float64]  # (samples,), ascending
+    samples: NDArray[np.float64]  # (samples, columns), see `sample_columns`
+    contacts: NDArray[np.float64]  # (capacity, len(CONTACT_FIELDS)); capacity 0 keeps none
+    filled: NDArray[np.int64]  # [samples taken, contacts kept]
+    pause: NDArray[np.float64]  # (1,) the first accepted step that reaches this time [s] is the last of a call
+
+
+def sample_columns(model: Model, state: State) -> dict[str, slice]:
+    """Slices of a sample row: coordinates, velocities, loads by joint, stored energies, integrals."""
+    n, joints = state.q.size, model.joints.size
+    sizes = {
+        "q": n,
+        "v": n,
+        "loads": joints * RECORDED_LOADS,
+        "energies": len(ENERGY_NAMES),
+        "integrals": state.integrals.size,
+    }
+    slices, start = {}, 0
+    for name, size in sizes.items():
+        slices[name] = slice(start, start + size)
+        start += size
+    return slices
+
+
+def make_recorder(model: Model, state: State, times: NDArray[np.float64], contact_capacity: int) -> Recorder:
+    """Allocate a recorder for the given sample times [s] and number of contacts between two drains."""
+    columns = sample_columns(model, state)["integrals"].stop
+    return Recorder(
+        np.ascontiguousarray(times, dtype=np.float64),
+        np.zeros((len(times), columns)),
+        np.zeros((contact_capacity, len(CONTACT_FIELDS))),
+        np.zeros(2, dtype=np.int64),
+        np.full(1, math.inf),
+    )
+
+
+@njit_inner
+def sample_due(recorder, time):
+    """Whether a requested sample time has been reached."""
+    return recorder.filled[0] < recorder.times.size and recorder.times[recorder.filled[0]] <= time
+
+
+@njit_inner
+def pause_due(recorder, time, joints):
+    """Whether the caller is to be heard: at the time it asked for, and before the contacts run out of room.
+
+    A call that pauses does not land on anything: the next one goes on to the same bits.
+    """
+    capacity = recorder.contacts.shape[0]
+    return time >= recorder.pause[0] or (capacity > 0 and recorder.filled[1] + joints > capacity)
+
+
+@njit_inner
+def record_sample(recorder, model, joint_states, q, v, time, integrals, work, a, multipliers, energies):
+    """Evaluate the loads at an (interpolated) state and store one row."""
+    accelerations(model, joint_states, q, v, time, work, a, multipliers)
+    stored_energies(model, joint_states, q, v, work.loads, energies)
+    row = recorder.samples[recorder.filled[0]]
+    n = q.size
+    copy_into(row[:n], q)
+    copy_into(row[n : 2 * n], v)
+    k = 2 * n
+    for j in range(model.joints.size):
+        for c in range(RECORDED_LOADS):
+            row[k] = work.loads[j, c]
+            k += 1
+    copy_into(row[k : k + energies.size], energies)
+    copy_into(row[k + energies.size :], integrals)
+    recorder.filled[0] += 1
+
+
+@njit_inner
+def record_contact(recorder, j, own, integrals, end):
+    """Store the line of a contact of joint ``j`` that has just ended."""
+    if recorder.contacts.shape[0] == 0:
+        return
+    row = recorder.contacts[recorder.filled[1]]
+    row[0] = j
+    row[1] = own.contact_start
+    row[2] = end
+    row[3] = own.impact_speed
+    row[4] = own.contact_peak
+    row[5] = integrals[INTEGRALS_PER_JOINT * j + IMPULSE] - own.contact_impulse
+    row[6] = integrals[INTEGRALS_PER_JOINT * j + SLIDING_WORK] - own.contact_sliding_work
+    recorder.filled[1] += 1

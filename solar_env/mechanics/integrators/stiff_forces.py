@@ -1,0 +1,291 @@
+"""Linearly implicit treatment of forces that are stiff along one direction each: stops and lasting contacts.
+
+The end slope of a beam element has next to no inertia, so that a latch's damper slows it within microseconds; a journal
+that rests in its bearing could vibrate on the contact's stiffness within milliseconds. Explicit steps would have to
+follow, whether anything moves or not. But this stiffness has a known shape. Let g be the gradient of the stop's angle
+or the contact's depth, w the accelerations by a unit force with its friction, k and c stiffness and damping: the
+Jacobian's stiff part A maps velocities u and accelerations a to the accelerations - w (k g.u + c g.a) and, for
+contacts, the accelerations' part along g to velocities. A W-method (T. Steihaug and A. Wolfbrandt, Math. Comput. 33
+(1979) 521, doi:10.1090/S0025-5718-1979-0521273-8) takes it in,
+
+k_i = f(y + h sum_j alpha_ij k_j) + h A sum_j gamma_ij k_j + h gamma_i r,
+
+with a system of equations of one unknown a force for every stage: its rate of change. With A = 0 it is the Runge-Kutta
+method itself. In the last term (E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, 1996, section
+IV.7, doi:10.1007/978-3-642-05221-7), which contacts need, r is the rate of change of f that A leaves out: the force
+that a contact must balance moves with everything else.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from solar_env.mechanics.arrays.model import (
+    FRICTION_DISSIPATION,
+    IMPULSE,
+    INTEGRALS_PER_JOINT,
+    MATERIAL_POINTS,
+    SLIDING_WORK,
+    STOP_DISSIPATION,
+)
+from solar_env.mechanics.equations.system import acceleration_response, accelerations, prepare_response
+from solar_env.mechanics.integrators.history import IMPACT_DURATIONS
+from solar_env.mechanics.joints.contact import friction_ramp, normal_force_slopes
+from solar_env.mechanics.joints.joint import (
+    add_point_force,
+    add_torque,
+    joint_motion,
+    penetration,
+    relative,
+    spin,
+    stop_torque,
+)
+from solar_env.mechanics.numerics.jit import njit_inlined, njit_inner, njit_inner_inlined, njit_merged
+from solar_env.mechanics.numerics.linear import copy_into, lu_factor, lu_solve
+
+# gamma_ij on and below the diagonal, for the stages of Kutta's 3/8 rule and for the one that only the error estimate
+# uses. They solve: order 3 for any A, for the embedded estimate as well; order 4 for linear equations whose Jacobian is
+# A, whose vibrations decay at every step size (A-stable; to a third per step at infinity).
+DIAGONAL = 0.5
+COUPLING = (
+    (0.0, 0.0, 0.0, 0.0),
+    (-2.0 / 3.0, 0.0, 0.0, 0.0),
+    (-1.0 / 6.0, -0.5, 0.0, 0.0),
+    (1.5, 1.5, -3.0, 0.0),
+    (1.875, -0.375, -1.125, -0.375),
+)
+# Below this product of step and decay rate, or of step and angular frequency, the explicit method needs no help.
+_STIFF_DAMPING = 0.3
+_STIFF_CONTACT = 2.4
+# Of the step: over it the rate of change is measured.
+_PROBE = 0.1
+
+
+@njit_inlined
+def product(a, b):
+    """Scalar product."""
+    total = 0.0
+    for i in range(a.size):
+        total += a[i] * b[i]
+    return total
+
+
+@njit_inlined
+def past_sum(values, stage, i):
+    """Sum over the stages before ``stage`` of gamma_ij times entry ``i`` of ``values`` (stages, entries)."""
+    total = 0.0
+    for s in range(min(stage, 4)):
+        total += COUPLING[stage][s] * values[s, i]
+    return total
+
+
+@njit_inlined
+def contact_directions(joint, markers, q, v, gradient, force):
+    """Write the gradient of a contact's depth and the generalized force of a unit opening force with its friction."""
+    outboard, inboard = markers[joint.outboard], markers[joint.inboard]
+    ex, ey = relative(joint, markers, q)
+    ux, uy = relative(joint, markers, v)
+    radius = math.sqrt(ex * ex + ey * ey)
+    nx, ny = ex / radius, ey / radius
+    add_point_force(outboard, nx, ny, gradient)
+    add_point_force(inboard, -nx, -ny, gradient)
+    slip = uy * nx - ux * ny
+    lever = joint.journal_radius + radius
+    if joint.sliding_speed == MATERIAL_POINTS:
+        slip += joint.journal_radius * spin(outboard, q, v) - lever * spin(inboard, q, v)
+    ramp = friction_ramp(slip, joint.friction_speed_zero, joint.friction_speed_full)
+    friction = joint.friction_coefficient * ramp
+    copy_into(force, gradient)
+    add_point_force(outboard, -friction * ny, friction * nx, force)
+    add_point_force(inboard, friction * ny, -friction * nx, force)
+    add_torque(outboard, q, friction * joint.journal_radius, force)
+    add_torque(inboard, q, -friction * lever, force)
+
+
+@njit_inner_inlined
+def lasts(own, time):
+    """Whether a joint is in contact and its impact, which has steps of its own, over."""
+    return own.in_contact != 0 and time - own.contact_start >= IMPACT_DURATIONS * own.contact_duration
+
+
+@njit_inner_inlined
+def may_be_stiff(model, state):
+    """Whether some force could be stiff: a look that costs next to nothing."""
+    flexible, time, found = model.stable_step < math.inf, state.clock[0].time, False
+    joint_states = state.joints
+    for j in range(joint_states.size):
+        own = joint_states[j]
+        found = found or (own.stop_engaged != 0 if flexible else lasts(own, time))
+    return found
+
+
+@njit_merged
+def collect(model, state, work, stiff, h):
+    """Enter the forces that are stiff over a step ``h``; returns their number, and whether contacts are among them.
+
+    Beams have inertias so small that a stop's damping is stiff, and axial vibrations that bound the step more than
+    a contact does; between rigid bodies it is the other way round.
+    """
+    joints, markers, q, v = model.joints, model.markers, state.q, state.v
+    flexible = model.stable_step < math.inf
+    # Typed: a literal would have Numba compile the functions that take it twice.
+    count, prepared = np.int64(0), False
+    for j in range(joints.size):
+        joint, own = joints[j], state.joints[j]
+        stiffness, damping = 0.0, 0.0
+        if flexible and own.stop_engaged:
+            angle, rate, _, _ = joint_motion(joint, markers, q, v)
+            _, _, _, by_rate = stop_torque(joint, own, angle, rate)
+            damping = -by_rate
+        elif not flexible and lasts(own, state.clock[0].time):
+            depth, rate = penetration(joint, markers, q, v)
+            stiffness, damping = normal_force_slopes(
+                depth, rate, joint.contact_stiffness, joint.damping_factor, own.impact_speed
+            )
+        if stiffness == 0.0 and damping == 0.0:
+            continue
+        if not prepared:
+            if not prepare_response(model, q, state.clock[0].time, work):
+                return count, False
+            prepared = True
+        gradient, response = stiff.gradient[count], stiff.response[count]
+        for i in range(q.size):
+            gradient[i] = 0.0
+        if flexible:
+            add_torque(markers[joint.outboard], q, joint.sign, gradient)
+            add_torque(markers[joint.inboard], q, -joint.sign, gradient)
+            copy_into(work.row_force, gradient)
+        else:
+            contact_directions(joint, markers, q, v, gradient, work.row_force)
+        acceleration_response(model, q, work, work.row_force, response)
+        inverse_mass = product(gradient, response)
+        if stiffness > 0.0:
+            if max(h * h * stiffness * inverse_mass / _STIFF_CONTACT, h * damping * inverse_mass) < _STIFF_CONTACT:
+                continue
+        elif h * damping * inverse_mass < _STIFF_DAMPING:
+            continue
+        stiff.joint[count] = j
+        stiff.stiffness[count] = stiffness
+        stiff.damping[count] = damping
+        count += 1
+    return count, not flexible
+
+
+@njit_merged
+def separate_motions(stiff, count):
+    """Combine the responses to motions that change one gradient's coordinate each; False if these depend on another."""
+    if not lu_factor(stiff.matrix, count):
+        return False
+    for k in range(count):
+        for i in range(count):
+            stiff.past[i] = 0.0
+        stiff.past[k] = 1.0
+        lu_solve(stiff.matrix, count, stiff.past)
+        motion = stiff.motion[k]
+        for x in range(motion.size):
+            motion[x] = 0.0
+            for i in range(count):
+                motion[x] += stiff.past[i] * stiff.response[i, x]
+    return True
+
+
+@njit_merged
+def measure_rest(model, state, work, stiff, count, start, h):
+    """Rate of change of the accelerations ``start`` (n,) that A leaves out, by a difference along the motion."""
+    q, v, time = state.q, state.v, state.clock[0].time
+    delta = _PROBE * h
+    q1, v1, rest = stiff.probe_q, stiff.probe_v, stiff.rest
+    for i in range(q.size):
+        q1[i] = q[i] + delta * v[i]
+        v1[i] = v[i] + delta * start[i]
+    state.clock[0].evaluations += 1
+    if not accelerations(model, state.joints, q1, v1, time + delta, work, rest, state.multipliers):
+        return False
+    for i in range(q.size):
+        rest[i] = (rest[i] - start[i]) / delta
+    for k in range(count):
+        gradient = stiff.gradient[k]
+        rate = stiff.stiffness[k] * product(gradient, v) + stiff.damping[k] * product(gradient, start)
+        for i in range(q.size):
+            rest[i] += rate * stiff.response[k, i]
+    return True
+
+
+@njit_inner
+def begin_step(model, state, work, stiff, start, h):
+    """Prepare the treatment of the forces that are stiff over a step ``h``; returns their number.
+
+    Args:
+        model, state: of the mechanism, at the start of the step.
+        work: workspace, changed.
+        stiff: a ``runge_kutta.StiffForces``, filled.
+        start: (n,) accelerations at the start of the step.
+        h: step [s].
+    """
+    count, contacts = collect(model, state, work, stiff, h)
+    if count == 0:
+        return 0
+    for i in range(count):
+        for k in range(count):
+            stiff.coupling[i, k] = product(stiff.gradient[i], stiff.response[k])
+            stiff.matrix[i, k] = stiff.coupling[i, k]
+    if contacts and not (separate_motions(stiff, count) and measure_rest(model, state, work, stiff, count, start, h)):
+        return 0
+    for i in range(count):
+        stiff.resistance[i] = stiff.damping[i] + h * DIAGONAL * stiff.stiffness[i]
+        for k in range(count):
+            stiff.matrix[i, k] = h * DIAGONAL * stiff.coupling[i, k]
+        stiff.matrix[i, i] += 1.0 / stiff.resistance[i]
+    return count if lu_factor(stiff.matrix, count) else 0
+
+
+@njit_inner_inlined
+def correct_stage(stiff, stage, h, velocity, acceleration, power):
+    """Turn the velocities, accelerations and powers of a stage into its derivatives."""
+    count = stiff.active[0]
+    force_rate, right, a = stiff.force_rate, stiff.force_rate[stage], acceleration[stage]
+    share = DIAGONAL
+    for s in range(min(stage, 4)):
+        share += COUPLING[stage][s]
+    for x in range(a.size):
+        a[x] += h * share * stiff.rest[x]
+    for i in range(count):
+        stiff.past[i] = past_sum(force_rate, stage, i)
+    for i in range(count):
+        gradient, stiffness = stiff.gradient[i], stiff.stiffness[i]
+        right[i] = product(gradient, a)
+        for c in range(count):
+            right[i] -= h * stiff.coupling[i, c] * stiff.past[c]
+        if stiffness > 0.0:
+            rate = product(gradient, velocity[stage]) + h * past_sum(stiff.closing, stage, i)
+            right[i] += stiffness / stiff.resistance[i] * rate
+    lu_solve(stiff.matrix, count, right)
+    for i in range(count):
+        force = h * (DIAGONAL * right[i] + stiff.past[i])
+        for x in range(a.size):
+            a[x] -= force * stiff.response[i, x]
+        first = INTEGRALS_PER_JOINT * stiff.joint[i]
+        if stiff.stiffness[i] > 0.0:
+            add_force_to_powers(power[stage], first, force)
+        else:
+            # What the stop takes with the torque that the step goes by, not the one that the stage's speed would give.
+            power[stage, first + STOP_DISSIPATION] += force * product(stiff.gradient[i], velocity[stage])
+    for i in range(count):
+        if stiff.stiffness[i] > 0.0:
+            stiff.closing[stage, i] = product(stiff.gradient[i], a)
+            speed = h * (DIAGONAL * stiff.closing[stage, i] + past_sum(stiff.closing, stage, i))
+            for x in range(a.size):
+                velocity[stage, x] += speed * stiff.motion[i, x]
+
+
+@njit_inlined
+def add_force_to_powers(power, first, force):
+    """Raise a contact's normal force [N], which stays compressive, with the powers that are in proportion to it."""
+    normal = power[first + IMPULSE]
+    if normal > 0.0:
+        scale = max(1.0 + force / normal, 0.0)
+        power[first + FRICTION_DISSIPATION] *= scale
+        power[first + SLIDING_WORK] *= scale
+        power[first + IMPULSE] *= scale

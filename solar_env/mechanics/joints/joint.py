@@ -1,0 +1,295 @@
+"""What acts in a joint: spring, latch and stow stop, motor and cable loop about its angle; contact in its bearing.
+
+Every joint joins an outboard marker (the journal) to an inboard one (the bearing). A torque acts as the gradient of
+the direction angle, so that it does no work on a body's stretch; a contact force acts at one material point on both
+bodies, so that linear and angular momentum are conserved exactly.
+"""
+
+from __future__ import annotations
+
+import math
+
+from solar_env.mechanics.arrays.model import (
+    CABLE_WORK,
+    CLEARANCE,
+    FRICTION_DISSIPATION,
+    IMPULSE,
+    INTEGRALS_PER_JOINT,
+    MATERIAL_POINTS,
+    MOTOR_WORK,
+    NORMAL_DISSIPATION,
+    SLIDING_WORK,
+    STOP_DISSIPATION,
+)
+from solar_env.mechanics.joints.contact import friction_ramp, normal_force
+from solar_env.mechanics.numerics.jit import njit, njit_inlined, njit_inner_inlined
+
+# Columns of the table of joint loads that one evaluation fills.
+(
+    ECCENTRICITY_X,
+    ECCENTRICITY_Y,
+    ANGLE,
+    RATE,
+    NORMAL,
+    TANGENTIAL,
+    FORCE_X,
+    FORCE_Y,
+    SPRING_TORQUE,
+    CABLE_TORQUE,
+    STOP_TORQUE,
+    MOTOR_TORQUE,
+    OUTBOARD_SPIN,
+    INBOARD_SPIN,
+) = range(14)
+LOAD_COLUMNS = 14
+
+
+@njit_inlined
+def point(marker, x):
+    """Marker's position from coordinates, or its velocity from velocities: the map is linear."""
+    i, k = marker.i1, marker.i2
+    return (
+        marker.a1 * x[i] - marker.b1 * x[i + 1] + marker.a2 * x[k] - marker.b2 * x[k + 1],
+        marker.a1 * x[i + 1] + marker.b1 * x[i] + marker.a2 * x[k + 1] + marker.b2 * x[k],
+    )
+
+
+@njit_inlined
+def direction(marker, x):
+    """Marker's direction vector (as long as the body, or as a beam is stretched there), or its rate from velocities."""
+    i, k = marker.i1, marker.i2
+    return marker.c1 * x[i] + x[k], marker.c1 * x[i + 1] + x[k + 1]
+
+
+@njit_inlined
+def relative(joint, markers, x):
+    """Journal centre minus bearing centre from coordinates, or its rate from velocities."""
+    ox, oy = point(markers[joint.outboard], x)
+    ix, iy = point(markers[joint.inboard], x)
+    return ox - ix, oy - iy
+
+
+@njit_inlined
+def penetration(joint, markers, q, v):
+    """Penetration depth [m], negative for a gap, and its rate [m/s]."""
+    ex, ey = relative(joint, markers, q)
+    ux, uy = relative(joint, markers, v)
+    radius = math.sqrt(ex * ex + ey * ey)
+    if radius == 0.0:
+        return -joint.clearance, math.sqrt(ux * ux + uy * uy)
+    return radius - joint.clearance, (ex * ux + ey * uy) / radius
+
+
+@njit_inlined
+def add_point_force(marker, fx, fy, force):
+    """Add the generalized force of a force at the marker."""
+    i, k = marker.i1, marker.i2
+    force[i] += marker.a1 * fx + marker.b1 * fy
+    force[i + 1] += marker.a1 * fy - marker.b1 * fx
+    force[k] += marker.a2 * fx + marker.b2 * fy
+    force[k + 1] += marker.a2 * fy - marker.b2 * fx
+
+
+@njit_inlined
+def add_torque(marker, q, torque, force):
+    """Add the generalized force of a torque on the marker's direction: torque times the gradient of its angle."""
+    dx, dy = direction(marker, q)
+    scale = torque / (dx * dx + dy * dy)
+    i, k = marker.i1, marker.i2
+    force[i] -= marker.c1 * scale * dy
+    force[i + 1] += marker.c1 * scale * dx
+    force[k] -= scale * dy
+    force[k + 1] += scale * dx
+
+
+@njit_inlined
+def spin(marker, q, v):
+    """Angular velocity [rad/s] of the marker's direction."""
+    dx, dy = direction(marker, q)
+    ux, uy = direction(marker, v)
+    return (dx * uy - dy * ux) / (dx * dx + dy * dy)
+
+
+@njit_inlined
+def joint_motion(joint, markers, q, v):
+    """Joint angle [rad], its rate, and the spins of the outboard and the inboard body [rad/s]."""
+    outboard, inboard = markers[joint.outboard], markers[joint.inboard]
+    ox, oy = direction(outboard, q)
+    ix, iy = direction(inboard, q)
+    px, py = direction(outboard, v)
+    jx, jy = direction(inboard, v)
+    outboard_spin = (ox * py - oy * px) / (ox * ox + oy * oy)
+    inboard_spin = (ix * jy - iy * jx) / (ix * ix + iy * iy)
+    tx = joint.turn_cos * ix - joint.turn_sin * iy
+    ty = joint.turn_sin * ix + joint.turn_cos * iy
+    angle = joint.middle + joint.sign * math.atan2(tx * oy - ty * ox, tx * ox + ty * oy)
+    return angle, joint.sign * (outboard_spin - inboard_spin), outboard_spin, inboard_spin
+
+
+@njit_inlined
+def one_sided_stop(joint, depth, closing_rate):
+    """Resisting torque of one stop face, its elastic part, and its slopes by depth and by closing rate.
+
+    k depth^e plus damping that a cubic STEP ramps in over `stop_ramp_depth`; never pulls (BISTOP, paper Eqs 5-7).
+    """
+    if depth <= 0.0:
+        return 0.0, 0.0, 0.0, 0.0
+    exponent = joint.stop_exponent
+    elastic = joint.stop_stiffness * depth**exponent
+    s = min(depth / joint.stop_ramp_depth, 1.0)
+    damping = joint.stop_damping * s * s * (3.0 - 2.0 * s)
+    torque = elastic + damping * closing_rate
+    if torque <= 0.0:
+        return 0.0, elastic, 0.0, 0.0
+    slope = exponent * elastic / depth + joint.stop_damping * 6.0 * s * (1.0 - s) / joint.stop_ramp_depth * closing_rate
+    return torque, elastic, slope, damping
+
+
+@njit_inlined
+def stop_depth(joint, latched, angle):
+    """Depth [rad] in latch or stow stop, negative outside, and the sign of the torque that resists it."""
+    below_stow = joint.stow_angle - joint.stop_gap - angle if joint.has_stow_stop else -math.inf
+    if latched:
+        beyond = angle - joint.lock_angle
+        depth = abs(beyond) - joint.stop_gap
+        if depth >= below_stow:
+            return depth, -1.0 if beyond > 0.0 else 1.0
+    return below_stow, 1.0
+
+
+@njit_inlined
+def stop_torque(joint, own, angle, rate):
+    """Torque of latch and stow stop on the joint angle, its elastic part, and its slopes by angle and rate.
+
+    A stop that is not engaged exerts none: within a step of the explicit method this keeps the torque smooth.
+    """
+    if not own.stop_engaged:
+        return 0.0, 0.0, 0.0, 0.0
+    depth, sign = stop_depth(joint, own.latched, angle)
+    torque, elastic, slope, damping = one_sided_stop(joint, depth, -sign * rate)
+    return sign * torque, sign * elastic, -slope, -damping
+
+
+@njit
+def stop_energy(joint, own, angle):
+    """Elastic energy [J] of latch and stow stop."""
+    depth, _ = stop_depth(joint, own.latched, angle)
+    if depth <= 0.0 or not own.stop_engaged:
+        return 0.0
+    return joint.stop_stiffness * depth ** (joint.stop_exponent + 1.0) / (joint.stop_exponent + 1.0)
+
+
+@njit_inlined
+def cable_torque(cable, stretch):
+    """Torque of a closed cable loop on its outer joint, its slope, and its energy, at a wheel-angle mismatch [rad].
+
+    Two strands of equal stiffness; when the torque reaches twice the preload's, one is slack and only the other acts
+    on (tensions are never negative: paper, Eqs 2-4).
+    """
+    taut_limit = 2.0 * cable.preload_torque / cable.stiffness if cable.stiffness > 0.0 else math.inf
+    if abs(stretch) <= taut_limit:
+        return cable.stiffness * stretch, cable.stiffness, 0.5 * cable.stiffness * stretch * stretch
+    excess = abs(stretch) - taut_limit
+    torque = 2.0 * cable.preload_torque + 0.5 * cable.stiffness * excess
+    energy = (
+        0.5 * cable.stiffness * taut_limit**2 + (cable.preload_torque * 2.0 + 0.25 * cable.stiffness * excess) * excess
+    )
+    return math.copysign(torque, stretch), 0.5 * cable.stiffness, energy
+
+
+@njit_inner_inlined
+def joint_torques(model, joint_states, q, v, loads, power):
+    """Fill angles, rates, spins and the spring, stop, motor and cable torques of every joint; their powers too."""
+    joints, markers, cables = model.joints, model.markers, model.cables
+    for j in range(joints.size):
+        joint = joints[j]
+        angle, rate, outboard_spin, inboard_spin = joint_motion(joint, markers, q, v)
+        own = joint_states[j]
+        stop, elastic, _, _ = stop_torque(joint, own, angle, rate)
+        motor = own.motor_torque
+        loads[j, ANGLE] = angle
+        loads[j, RATE] = rate
+        loads[j, OUTBOARD_SPIN] = outboard_spin
+        loads[j, INBOARD_SPIN] = inboard_spin
+        loads[j, SPRING_TORQUE] = joint.spring_stiffness * (joint.spring_preload_angle - angle)
+        loads[j, STOP_TORQUE] = stop
+        loads[j, MOTOR_TORQUE] = motor
+        loads[j, CABLE_TORQUE] = 0.0
+        first = INTEGRALS_PER_JOINT * j
+        power[first + MOTOR_WORK] = motor * rate
+        power[first + STOP_DISSIPATION] = (elastic - stop) * rate
+        power[first + CABLE_WORK] = 0.0
+    for c in range(cables.size):
+        cable = cables[c]
+        a, b = cable.joint_a, cable.joint_b
+        torque, _, _ = cable_torque(cable, cable.wheel_ratio * loads[a, ANGLE] - loads[b, ANGLE])
+        loads[a, CABLE_TORQUE] -= cable.torque_ratio * torque
+        loads[b, CABLE_TORQUE] += torque
+        # Nothing unless the torque ratio differs from the wheel ratio.
+        power[INTEGRALS_PER_JOINT * a + CABLE_WORK] += (
+            torque * (cable.wheel_ratio - cable.torque_ratio) * loads[a, RATE]
+        )
+
+
+@njit_inlined
+def joint_forces(model, joint_states, impact_speeds, q, v, loads, force, power):
+    """Evaluate every joint: fill ``loads`` and ``power``, add the generalized forces to ``force``.
+
+    Args:
+        impact_speeds: (joints,) speed with which the present contact began; 0 means that the journal flies freely
+            and no contact force acts in this step.
+        loads: (joints, LOAD_COLUMNS), filled.
+        power: time derivatives of the state's integrals, filled.
+    """
+    joint_torques(model, joint_states, q, v, loads, power)
+    joints, markers = model.joints, model.markers
+    for j in range(joints.size):
+        joint = joints[j]
+        outboard, inboard = markers[joint.outboard], markers[joint.inboard]
+        torque = joint.sign * (
+            loads[j, SPRING_TORQUE] + loads[j, CABLE_TORQUE] + loads[j, STOP_TORQUE] + loads[j, MOTOR_TORQUE]
+        )
+        outboard_torque, inboard_torque = torque, -torque
+        normal, tangential, fx, fy = 0.0, 0.0, 0.0, 0.0
+        ex, ey = 0.0, 0.0
+        first = INTEGRALS_PER_JOINT * j
+        power[first + NORMAL_DISSIPATION] = 0.0
+        power[first + FRICTION_DISSIPATION] = 0.0
+        power[first + SLIDING_WORK] = 0.0
+        power[first + IMPULSE] = 0.0
+        if joint.kind == CLEARANCE:
+            ex, ey = relative(joint, markers, q)
+            if impact_speeds[j] > 0.0:
+                radius = math.sqrt(ex * ex + ey * ey)
+                depth = radius - joint.clearance
+                if depth > 0.0:
+                    ux, uy = relative(joint, markers, v)
+                    nx, ny = ex / radius, ey / radius
+                    rate = ux * nx + uy * ny
+                    centre_slip = uy * nx - ux * ny
+                    lever = joint.journal_radius + radius
+                    slip = centre_slip + joint.journal_radius * loads[j, OUTBOARD_SPIN] - lever * loads[j, INBOARD_SPIN]
+                    normal, elastic = normal_force(
+                        depth, rate, joint.contact_stiffness, joint.damping_factor, impact_speeds[j]
+                    )
+                    law_slip = slip if joint.sliding_speed == MATERIAL_POINTS else centre_slip
+                    ramp = friction_ramp(law_slip, joint.friction_speed_zero, joint.friction_speed_full)
+                    tangential = -joint.friction_coefficient * ramp * normal
+                    fx = -normal * nx - tangential * ny
+                    fy = -normal * ny + tangential * nx
+                    outboard_torque += joint.journal_radius * tangential
+                    inboard_torque -= lever * tangential
+                    add_point_force(outboard, fx, fy, force)
+                    add_point_force(inboard, -fx, -fy, force)
+                    power[first + NORMAL_DISSIPATION] = (normal - elastic) * rate
+                    power[first + FRICTION_DISSIPATION] = -tangential * slip
+                    power[first + SLIDING_WORK] = normal * abs(law_slip)
+                    power[first + IMPULSE] = normal
+        loads[j, ECCENTRICITY_X] = ex
+        loads[j, ECCENTRICITY_Y] = ey
+        loads[j, NORMAL] = normal
+        loads[j, TANGENTIAL] = tangential
+        loads[j, FORCE_X] = fx
+        loads[j, FORCE_Y] = fy
+        add_torque(outboard, q, outboard_torque, force)
+        add_torque(inboard, q, inboard_torque, force)

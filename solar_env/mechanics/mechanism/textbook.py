@@ -1,0 +1,290 @@
+"""Textbook mechanisms as descriptions of the same parts that the solar array is built from.
+
+Links are straight, with the centroid at mid-length unless a function says otherwise; x points to the right, y
+up, and link angles are measured from the x axis, counter-clockwise positive. All quantities in SI units.
+Every initial state meets the constraints: positions and velocities follow from the crank's by closing the
+loop, and the journals of clearance joints start centred.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from solar_env.mechanics.joints.laws import damping_factor
+from solar_env.mechanics.mechanism.description import GROUND, Bearing, Body, Drive, Guide, Joint, Mechanism, Point
+
+STANDARD_GRAVITY = 9.81  # m/s2, as textbooks round it
+SLIDER_CRANK_PINS = ("ground-crank", "crank-rod", "rod-slider")
+FOUR_BAR_PINS = ("ground-crank", "crank-coupler", "coupler-rocker", "ground-rocker")
+
+
+@dataclass(frozen=True)
+class Link:
+    """A straight link between two pins, with its centroid halfway.
+
+    Attributes:
+        length: between the pins [m].
+        mass: [kg].
+        inertia: about the centroid [kg m2].
+    """
+
+    length: float
+    mass: float
+    inertia: float
+
+    @classmethod
+    def slender(cls, length: float, mass: float) -> Link:
+        """A uniform slender rod: inertia = mass * length^2 / 12."""
+        return cls(length, mass, mass * length**2 / 12.0)
+
+    def body(self, name: str, position: complex, angle: float, velocity: complex, spin: float) -> Body:
+        """The link as a body whose first pin moves as given; complex numbers stand for points, x + i y."""
+        start, motion = (position.real, position.imag), (velocity.real, velocity.imag)
+        centroid = (self.length / 2.0, 0.0)
+        return Body(name, self.mass, self.inertia, self.length, centroid, start, angle, motion, spin)
+
+
+# Inboard body, outboard body, and the pin in the frame of each.
+_Pin = tuple[str, str, Point, Point]
+
+
+def _pinned(pins: Mapping[str, _Pin], clearances: Mapping[str, Bearing] | None) -> tuple[Joint, ...]:
+    bearings = dict(clearances or {})
+    joints = tuple(Joint(name, *pin, bearing=bearings.pop(name, None)) for name, pin in pins.items())
+    if bearings:
+        raise ValueError(f"clearances name the unknown pin {min(bearings)!r}; the pins are {', '.join(pins)}")
+    return joints
+
+
+def pendulum(
+    length: float = 1.0, mass: float = 1.0, angle: float = 0.0, gravity: float = STANDARD_GRAVITY
+) -> Mechanism:
+    """A simple pendulum: a point mass on a massless link, pinned at the origin.
+
+    The body has equal point masses at both ends, of which the one in the pin does not move; so its inertia is
+    regular and the multiplier of its length is exactly the link's tension divided by the length [N/m].
+
+    Args:
+        length: [m].
+        mass: of the bob [kg].
+        angle: of the link from the x axis at t = 0 [rad]; 0 is horizontal.
+        gravity: towards -y [m/s2].
+
+    Raises:
+        ValueError: if length or mass is not positive.
+    """
+    body = Link(length, 2.0 * mass, 0.5 * mass * length**2).body("bob", 0j, angle, 0j, 0.0)
+    joint = Joint("pivot", GROUND, "bob", (0.0, 0.0), (0.0, 0.0))
+    return Mechanism((body,), (joint,), gravity=(0.0, -gravity))
+
+
+def double_pendulum(
+    upper: Link | None = None,
+    lower: Link | None = None,
+    angles: tuple[float, float] = (0.0, 0.0),
+    spins: tuple[float, float] = (0.0, 0.0),
+    gravity: float = STANDARD_GRAVITY,
+) -> Mechanism:
+    """Two links in a row, the upper one pinned at the origin.
+
+    Args:
+        upper, lower: slender rods of 1 m and 1 kg if not given.
+        angles: of both links from the x axis at t = 0 [rad].
+        spins: angular velocities at t = 0 [rad/s].
+        gravity: towards -y [m/s2].
+    """
+    upper = upper or Link.slender(1.0, 1.0)
+    lower = lower or Link.slender(1.0, 1.0)
+    elbow = cmath.rect(upper.length, angles[0])
+    bodies = (
+        upper.body("upper link", 0j, angles[0], 0j, spins[0]),
+        lower.body("lower link", elbow, angles[1], 1j * spins[0] * elbow, spins[1]),
+    )
+    joints = (
+        Joint("shoulder", GROUND, "upper link", (0.0, 0.0), (0.0, 0.0)),
+        Joint("elbow", "upper link", "lower link", (upper.length, 0.0), (0.0, 0.0)),
+    )
+    return Mechanism(bodies, joints, gravity=(0.0, -gravity))
+
+
+def flores_bearing(clearance: float = 5e-4) -> Bearing:
+    """Bearing of Flores' slider-crank: radius 10 mm, friction 0.03, Lankarani-Nikravesh with restitution 0.9.
+
+    P. Flores, Nonlinear Dyn. 61 (2010) 633, doi:10.1007/s11071-010-9676-8.
+
+    Args:
+        clearance: radial [m]; the journal's radius is what it leaves of the bearing's.
+
+    Raises:
+        ValueError: if the clearance is not positive or exceeds the bearing's radius.
+    """
+    return Bearing(
+        clearance=clearance,
+        journal_radius=0.010 - clearance,
+        stiffness=6.61e10,
+        damping_factor=damping_factor("lankarani-nikravesh", 0.9),
+        friction_coefficient=0.03,
+    )
+
+
+def slider_crank(
+    crank: Link | None = None,
+    rod: Link | None = None,
+    slider_mass: float = 0.14,
+    crank_rate: float = 5000.0 * 2.0 * math.pi / 60.0,
+    crank_angle: float = 0.0,
+    gravity: float = 0.0,
+    clearances: Mapping[str, Bearing] | None = None,
+) -> Mechanism:
+    """Slider-crank with a crank that turns at a constant rate; the slider moves freely along the x axis.
+
+    The defaults are those of P. Flores, Nonlinear Dyn. 61 (2010) 633, doi:10.1007/s11071-010-9676-8, without
+    gravity: crank 0.05 m, 0.30 kg, 1e-4 kg m2; rod 0.12 m, 0.21 kg, 2.5e-4 kg m2; slider 0.14 kg; 5000 rpm.
+
+    Args:
+        crank, rod: links; None takes the defaults.
+        slider_mass: [kg].
+        crank_rate: [rad/s].
+        crank_angle: at t = 0 [rad].
+        gravity: towards -y [m/s2].
+        clearances: bearings by pin, a name of SLIDER_CRANK_PINS; pins that are left out are ideal.
+
+    Raises:
+        ValueError: if a pin is unknown, or the rod is too short for the crank angle.
+    """
+    crank = crank or Link(0.05, 0.30, 1e-4)
+    rod = rod or Link(0.12, 0.21, 2.5e-4)
+    crank_pin = cmath.rect(crank.length, crank_angle)
+    if not abs(crank_pin.imag) < rod.length:
+        raise ValueError(f"rod.length = {rod.length!r} m is too short for crank_angle = {crank_angle!r}")
+    rod_angle = math.asin(-crank_pin.imag / rod.length)
+    crank_pin_velocity = 1j * crank_rate * crank_pin
+    rod_spin = -crank_pin_velocity.imag / (rod.length * math.cos(rod_angle))
+    along = cmath.rect(rod.length, rod_angle)
+    slider_velocity = (crank_pin_velocity + 1j * rod_spin * along).real
+    size = crank.length  # of the slider's frame; any will do, for the slider does not turn
+    place, motion = ((crank_pin + along).real, 0.0), (slider_velocity, 0.0)
+    bodies = (
+        crank.body("crank", 0j, crank_angle, 0j, crank_rate),
+        rod.body("rod", crank_pin, rod_angle, crank_pin_velocity, rod_spin),
+        Body("slider", slider_mass, slider_mass * size**2 / 12.0, size, (0.0, 0.0), place, 0.0, motion),
+    )
+    pins: dict[str, _Pin] = {
+        "ground-crank": (GROUND, "crank", (0.0, 0.0), (0.0, 0.0)),
+        "crank-rod": ("crank", "rod", (crank.length, 0.0), (0.0, 0.0)),
+        "rod-slider": ("rod", "slider", (rod.length, 0.0), (0.0, 0.0)),
+    }
+    joints = _pinned(pins, clearances)
+    guides = tuple(Guide("slider", (x, 0.0), (0.0, 1.0)) for x in (0.0, size))
+    drives = (Drive("crank", crank_angle, crank_rate),)
+    return Mechanism(bodies, joints, guides=guides, drives=drives, gravity=(0.0, -gravity))
+
+
+def four_bar(
+    crank: Link | None = None,
+    coupler: Link | None = None,
+    rocker: Link | None = None,
+    ground_length: float = 0.40,
+    crank_rate: float = 2.0 * math.pi,
+    crank_angle: float = math.pi / 2.0,
+    gravity: float = STANDARD_GRAVITY,
+    clearances: Mapping[str, Bearing] | None = None,
+) -> Mechanism:
+    """Four-bar linkage with a crank that turns at a constant rate, in its open configuration.
+
+    Crank and rocker are pinned at (0, 0) and (ground_length, 0). The default slender links make a
+    crank-rocker: 0.10 m, 0.35 m and 0.25 m with 1 kg a metre, one turn a second (chosen).
+
+    Args:
+        crank, coupler, rocker: links; None takes the defaults.
+        ground_length: distance of the fixed pins [m].
+        crank_rate: [rad/s].
+        crank_angle: at t = 0 [rad].
+        gravity: towards -y [m/s2].
+        clearances: bearings by pin, a name of FOUR_BAR_PINS; pins that are left out are ideal.
+
+    Raises:
+        ValueError: if a pin is unknown, or the links do not close at the crank angle.
+    """
+    crank = crank or Link.slender(0.10, 0.10)
+    coupler = coupler or Link.slender(0.35, 0.35)
+    rocker = rocker or Link.slender(0.25, 0.25)
+    crank_pin = cmath.rect(crank.length, crank_angle)
+    diagonal = ground_length - crank_pin
+    reach = abs(diagonal)
+    cosine = (reach**2 + coupler.length**2 - rocker.length**2) / (2.0 * reach * coupler.length)
+    if not abs(cosine) < 1.0:
+        raise ValueError(f"the links do not close at crank_angle = {crank_angle!r}")
+    coupler_angle = cmath.phase(diagonal) + math.acos(cosine)
+    rocker_arm = crank_pin + cmath.rect(coupler.length, coupler_angle) - ground_length
+    rocker_angle = cmath.phase(rocker_arm)
+    # Velocities close the loop: crank + coupler = rocker, projected on the directions of rocker and coupler.
+    sine = math.sin(rocker_angle - coupler_angle)
+    coupler_spin = -crank_rate * crank.length * math.sin(rocker_angle - crank_angle) / (coupler.length * sine)
+    rocker_spin = -crank_rate * crank.length * math.sin(coupler_angle - crank_angle) / (rocker.length * sine)
+    bodies = (
+        crank.body("crank", 0j, crank_angle, 0j, crank_rate),
+        coupler.body("coupler", crank_pin, coupler_angle, 1j * crank_rate * crank_pin, coupler_spin),
+        rocker.body("rocker", complex(ground_length), rocker_angle, 0j, rocker_spin),
+    )
+    pins: dict[str, _Pin] = {
+        "ground-crank": (GROUND, "crank", (0.0, 0.0), (0.0, 0.0)),
+        "crank-coupler": ("crank", "coupler", (crank.length, 0.0), (0.0, 0.0)),
+        "coupler-rocker": ("coupler", "rocker", (coupler.length, 0.0), (rocker.length, 0.0)),
+        "ground-rocker": (GROUND, "rocker", (ground_length, 0.0), (0.0, 0.0)),
+    }
+    joints = _pinned(pins, clearances)
+    drives = (Drive("crank", crank_angle, crank_rate),)
+    return Mechanism(bodies, joints, drives=drives, gravity=(0.0, -gravity))
+
+
+def bouncing_block(
+    bearing: Bearing, mass: float = 1.0, speed: float = 0.1, housing_mass: float | None = None
+) -> Mechanism:
+    """A block bouncing to and fro in a gap: a journal on a diameter of its bearing, centred at t = 0.
+
+    Args:
+        bearing: the gap is twice its clearance; without friction the block stays on the x axis.
+        mass: of the block [kg].
+        speed: along x at t = 0 [m/s].
+        housing_mass: of a free housing that carries the bearing [kg]; None fixes the bearing.
+    """
+    radius = bearing.journal_radius
+    block = Body("block", mass, 0.5 * mass * radius**2, radius, (0.0, 0.0), velocity=(speed, 0.0))
+    if housing_mass is None:
+        return Mechanism((block,), (Joint("gap", GROUND, "block", (0.0, 0.0), (0.0, 0.0), bearing=bearing),))
+    housing = Body("housing", housing_mass, housing_mass * radius**2, radius, (0.0, 0.0))
+    joint = Joint("gap", "housing", "block", (0.0, 0.0), (0.0, 0.0), bearing=bearing)
+    return Mechanism((housing, block), (joint,))
+
+
+def loaded_journal(
+    bearing: Bearing, load: float = 10.0, lean: float = 0.0, rate: float | None = None, wear_bins: int = 1
+) -> Mechanism:
+    """A journal of 1 kg, loaded by a force, in a bearing that is fixed to the ground.
+
+    It starts at rest, or turning, at the depth that carries the load. Driven at a constant rate it slides and
+    wears. Left free and turned by a motor torque on its joint, it creeps with the friction that balances the
+    torque; the flywheel on it (0.01 kg m2) keeps it from rolling to and fro in the bearing.
+
+    Args:
+        bearing: clearance, friction and wear.
+        load: [N], towards -y.
+        lean: initial place of the journal's centre, off the bottom towards -x [rad].
+        rate: prescribed angular velocity [rad/s]; None leaves the journal free, at rest.
+        wear_bins: circumferential bins of each surface.
+
+    Raises:
+        ValueError: if the load is not positive.
+    """
+    if not load > 0.0:
+        raise ValueError(f"load = {load!r} N must be positive")
+    reach = bearing.clearance + (load * math.cos(lean) / bearing.stiffness) ** (2.0 / 3.0)
+    place = (-reach * math.sin(lean), -reach * math.cos(lean))
+    journal = Body("journal", 1.0, 0.01, bearing.journal_radius, (0.0, 0.0), place, spin=rate or 0.0)
+    joint = Joint("journal bearing", GROUND, "journal", (0.0, 0.0), (0.0, 0.0), bearing=bearing)
+    drives = () if rate is None else (Drive("journal", 0.0, rate),)
+    return Mechanism((journal,), (joint,), drives=drives, gravity=(0.0, -load), wear_bins=wear_bins)

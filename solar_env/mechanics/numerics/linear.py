@@ -1,0 +1,76 @@
+"""Small dense linear algebra without allocation, for matrices of a few dozen rows."""
+
+from __future__ import annotations
+
+import math
+
+from solar_env.mechanics.numerics.jit import njit, njit_inlined
+
+
+@njit_inlined
+def copy_into(target, source):
+    """Copy a vector; in a hot loop several times cheaper than a slice assignment."""
+    for i in range(target.size):
+        target[i] = source[i]
+
+
+@njit
+def cholesky_factor(a, n):
+    """Factor the symmetric positive definite a[:n, :n] in place into its lower triangle; False if it is singular.
+
+    The diagonal is kept inverted: divisions would take most of the time of small systems.
+    """
+    for i in range(n):
+        for j in range(i):
+            s = a[i, j]
+            for k in range(j):
+                s -= a[i, k] * a[j, k]
+            a[i, j] = s * a[j, j]
+        s = a[i, i]
+        for k in range(i):
+            s -= a[i, k] * a[i, k]
+        # A pivot lost to cancellation means a redundant row.
+        if not s > 1e-12 * a[i, i]:
+            return False
+        a[i, i] = 1.0 / math.sqrt(s)
+    return True
+
+
+@njit
+def cholesky_solve(a, n, b):
+    """Solve in place for ``b`` (n,) with the factor of :func:`cholesky_factor`."""
+    for i in range(n):
+        s = b[i]
+        for k in range(i):
+            s -= a[i, k] * b[k]
+        b[i] = s * a[i, i]
+    for i in range(n - 1, -1, -1):
+        s = b[i]
+        for k in range(i + 1, n):
+            s -= a[k, i] * b[k]
+        b[i] = s * a[i, i]
+
+
+@njit
+def lu_factor(a, n):
+    """Factor a[:n, :n], whose symmetric part is positive definite, in place without pivoting; False if it is not."""
+    for k in range(n):
+        if not a[k, k] > 0.0:
+            return False
+        for i in range(k + 1, n):
+            a[i, k] /= a[k, k]
+            for j in range(k + 1, n):
+                a[i, j] -= a[i, k] * a[k, j]
+    return True
+
+
+@njit
+def lu_solve(a, n, b):
+    """Solve in place for ``b`` (n,) with the factors of :func:`lu_factor`."""
+    for i in range(n):
+        for k in range(i):
+            b[i] -= a[i, k] * b[k]
+    for i in range(n - 1, -1, -1):
+        for k in range(i + 1, n):
+            b[i] -= a[i, k] * b[k]
+        b[i] /= a[i, i]

@@ -1,0 +1,280 @@
+"""Sparse direct solution of Newton's equations: block triangular factors within the profile of the matrix.
+
+The unknowns are eliminated along the chain of bodies, node by node, every multiplier right after the last coordinate
+that it acts on. In this order the profile (A. George and J. W. H. Liu, Computer Solution of Large Sparse Positive
+Definite Systems, Prentice-Hall 1981, chapter 4) is narrow, so that work and storage grow linearly with the number of
+elements and bodies, and no pivot needs to be exchanged: what precedes a multiplier is the positive definite matrix of
+the bodies that it holds together, which makes its own pivot negative.
+
+Places come in blocks of four, the coordinates of a node: products of 4 x 4 blocks keep the processor's vector registers
+filled. Places without an unknown fill the blocks of multipliers up.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solar_env.mechanics.numerics.jit import njit, njit_inlined, njit_inner, njit_inner_inlined
+
+BLOCK = 4
+_ENTRIES = BLOCK * BLOCK
+# Block and entry of a place without a division.
+_SHIFT, _REST = 2, 3
+
+
+class Elimination(NamedTuple):
+    """Order of the unknowns (coordinates, multipliers of rows, multipliers of lengths) and the profile."""
+
+    position: NDArray[np.int64]  # (unknowns,) place in the order; -1 for those that are held
+    empty: NDArray[np.int64]  # places without an unknown
+    first: NDArray[np.int64]  # (blocks,) first block in the profile of each row of blocks
+    base: NDArray[np.int64]  # (blocks,) the number of block (row, column) is base[row] + column
+
+
+class ProfileMatrix(NamedTuple):
+    """A matrix with a symmetric profile, or its factors, in blocks of BLOCK x BLOCK entries."""
+
+    lower: NDArray[np.float64]  # (.., 16) rows of blocks below the diagonal, in turn; each block column by column
+    upper: NDArray[np.float64]  # (.., 16) columns of blocks above the diagonal, in turn; each block row by row
+    diagonal: NDArray[np.float64]  # (blocks, 16) blocks on the diagonal, row by row
+
+
+def make_elimination(position: NDArray[np.int64], couplings: list[tuple[int, int]]) -> Elimination:
+    """Profile for an order of elimination, which may leave places empty, and the pairs of unknowns that are coupled."""
+    blocks = int(position.max()) // BLOCK + 1 if position.size else 0
+    first = np.arange(blocks)
+    places = np.sort(position[np.array(couplings, dtype=np.int64).reshape(-1, 2)], axis=1)
+    low, high = places[places[:, 0] >= 0].T // BLOCK
+    np.minimum.at(first, high, low)
+    begin = np.concatenate(([0], np.cumsum(np.arange(blocks) - first)[:-1])) if blocks else np.zeros(0, dtype=np.int64)
+    return Elimination(
+        position.astype(np.int64),
+        np.setdiff1d(np.arange(BLOCK * blocks), position).astype(np.int64),
+        first.astype(np.int64),
+        (begin - first).astype(np.int64),
+    )
+
+
+def make_profile_matrix(elimination: Elimination) -> ProfileMatrix:
+    """Allocate a matrix of zeros, see :func:`clear`."""
+    blocks = elimination.first.size
+    size = int((np.arange(blocks) - elimination.first).sum())
+    matrix = ProfileMatrix(np.zeros((size, _ENTRIES)), np.zeros((size, _ENTRIES)), np.zeros((blocks, _ENTRIES)))
+    clear(elimination, matrix)
+    return matrix
+
+
+@njit
+def clear(elimination, matrix):
+    """Set all entries to zero, but those of empty places on the diagonal to one."""
+    for array in (matrix.lower, matrix.upper, matrix.diagonal):
+        for i in range(array.shape[0]):
+            for k in range(_ENTRIES):
+                array[i, k] = 0.0
+    for place in elimination.empty:
+        matrix.diagonal[place // BLOCK, (BLOCK + 1) * (place % BLOCK)] = 1.0
+
+
+@njit_inlined
+def add_entry(elimination, matrix, i, j, value):
+    """Add to the entry of the unknowns ``i`` (row) and ``j`` (column); nothing if one of them is held."""
+    place, other = elimination.position[i], elimination.position[j]
+    if place < 0 or other < 0:
+        return
+    row, column = place >> _SHIFT, other >> _SHIFT
+    k, c = place & _REST, other & _REST
+    if row > column:
+        matrix.lower[elimination.base[row] + column, BLOCK * c + k] += value
+    elif row < column:
+        matrix.upper[elimination.base[column] + row, BLOCK * k + c] += value
+    else:
+        matrix.diagonal[row, BLOCK * k + c] += value
+
+
+def dense(elimination: Elimination, matrix: ProfileMatrix) -> NDArray[np.float64]:
+    """The matrix by unknowns, with zero rows and columns for those that are held."""
+    unknowns, blocks = elimination.position.size, elimination.first.size
+    lower, upper, diagonal = (array.reshape(-1, BLOCK, BLOCK) for array in matrix)
+    ordered = np.zeros((blocks, blocks, BLOCK, BLOCK))
+    for r in range(blocks):
+        f, b = elimination.first[r], elimination.base[r]
+        ordered[r, f:r] = lower[b + f : b + r].transpose(0, 2, 1)
+        ordered[f:r, r] = upper[b + f : b + r]
+        ordered[r, r] = diagonal[r]
+    by_place = ordered.transpose(0, 2, 1, 3).reshape(BLOCK * blocks, BLOCK * blocks)
+    result = np.zeros((unknowns, unknowns))
+    free = np.flatnonzero(elimination.position >= 0)
+    result[np.ix_(free, free)] = by_place[np.ix_(elimination.position[free], elimination.position[free])]
+    return result
+
+
+@njit_inlined
+def enter(x, place, value):
+    """Set the entry of a vector (blocks, BLOCK); nothing if the unknown is held."""
+    if place >= 0:
+        x[place >> _SHIFT, place & _REST] = value
+
+
+@njit_inlined
+def add_to(x, place, value):
+    """Add to the entry of a vector (blocks, BLOCK); nothing if the unknown is held."""
+    if place >= 0:
+        x[place >> _SHIFT, place & _REST] += value
+
+
+@njit_inlined
+def taken(x, place):
+    """The entry of a vector (blocks, BLOCK); zero if the unknown is held."""
+    return x[place >> _SHIFT, place & _REST] if place >= 0 else 0.0
+
+
+# Blocks are handed on as views: that their indices are constants tells the compiler that no entry overlaps another.
+
+
+@njit_inner_inlined
+def _subtract_product(out, left, right):
+    """Subtract left^T right from ``out``, all row by row."""
+    for i in range(BLOCK):
+        a, b, c, d = left[i], left[4 + i], left[8 + i], left[12 + i]
+        y0 = out[4 * i] - a * right[0] - b * right[4] - c * right[8] - d * right[12]
+        y1 = out[4 * i + 1] - a * right[1] - b * right[5] - c * right[9] - d * right[13]
+        y2 = out[4 * i + 2] - a * right[2] - b * right[6] - c * right[10] - d * right[14]
+        y3 = out[4 * i + 3] - a * right[3] - b * right[7] - c * right[11] - d * right[15]
+        out[4 * i], out[4 * i + 1], out[4 * i + 2], out[4 * i + 3] = y0, y1, y2, y3
+
+
+@njit_inner_inlined
+def _scale(block, inverse):
+    """Replace the block B, column by column, by B times ``inverse``."""
+    for i in range(BLOCK):
+        b0, b1, b2, b3 = block[i], block[4 + i], block[8 + i], block[12 + i]
+        y0 = b0 * inverse[0] + b1 * inverse[4] + b2 * inverse[8] + b3 * inverse[12]
+        y1 = b0 * inverse[1] + b1 * inverse[5] + b2 * inverse[9] + b3 * inverse[13]
+        y2 = b0 * inverse[2] + b1 * inverse[6] + b2 * inverse[10] + b3 * inverse[14]
+        y3 = b0 * inverse[3] + b1 * inverse[7] + b2 * inverse[11] + b3 * inverse[15]
+        block[i], block[4 + i], block[8 + i], block[12 + i] = y0, y1, y2, y3
+
+
+@njit_inner
+def _invert(block, s0, s1, s2, s3):
+    """Invert the block without exchange of pivots.
+
+    False if a pivot is not finite, or has lost all its digits: it is tiny beside the entry ``s0`` .. that it was.
+    """
+    sizes = (s0, s1, s2, s3)
+    for p in range(BLOCK):
+        pivot = block[5 * p]
+        if not 1e-14 * abs(sizes[p]) < abs(pivot) < math.inf:
+            return False
+        inverse = 1.0 / pivot
+        block[5 * p] = 1.0
+        r0, r1 = block[4 * p] * inverse, block[4 * p + 1] * inverse
+        r2, r3 = block[4 * p + 2] * inverse, block[4 * p + 3] * inverse
+        for row in range(BLOCK):
+            if row != p:
+                factor = block[4 * row + p]
+                block[4 * row + p] = 0.0
+                block[4 * row] -= factor * r0
+                block[4 * row + 1] -= factor * r1
+                block[4 * row + 2] -= factor * r2
+                block[4 * row + 3] -= factor * r3
+        block[4 * p], block[4 * p + 1], block[4 * p + 2], block[4 * p + 3] = r0, r1, r2, r3
+    return True
+
+
+@njit
+def profile_factor(elimination, matrix):
+    """Factor in place into a unit lower and an upper block triangle; False if a pivot vanishes or is not finite.
+
+    The inverses of the blocks on the diagonal are kept there.
+    """
+    first, base = elimination.first, elimination.base
+    lower, upper, diagonal = matrix.lower, matrix.upper, matrix.diagonal
+    for r in range(first.size):
+        f, row = first[r], base[r]
+        pivot = diagonal[r]
+        s0, s1, s2, s3 = pivot[0], pivot[5], pivot[10], pivot[15]
+        for c in range(f, r):
+            above, left, right = base[c], lower[row + c], upper[row + c]
+            for k in range(max(f, first[c]), c):
+                _subtract_product(right, lower[above + k], upper[row + k])
+                _subtract_product(left, upper[above + k], lower[row + k])
+            _scale(left, diagonal[c])
+            _subtract_product(pivot, left, right)
+        if not _invert(pivot, s0, s1, s2, s3):
+            return False
+    return True
+
+
+@njit_inner_inlined
+def _times(block, x0, x1, x2, x3):
+    """A block, row by row, times a vector."""
+    return (
+        block[0] * x0 + block[1] * x1 + block[2] * x2 + block[3] * x3,
+        block[4] * x0 + block[5] * x1 + block[6] * x2 + block[7] * x3,
+        block[8] * x0 + block[9] * x1 + block[10] * x2 + block[11] * x3,
+        block[12] * x0 + block[13] * x1 + block[14] * x2 + block[15] * x3,
+    )
+
+
+@njit_inner_inlined
+def _transposed_times(block, x):
+    """A block, column by column, times a vector (BLOCK,)."""
+    a, b, c, d = x[0], x[1], x[2], x[3]
+    return (
+        block[0] * a + block[4] * b + block[8] * c + block[12] * d,
+        block[1] * a + block[5] * b + block[9] * c + block[13] * d,
+        block[2] * a + block[6] * b + block[10] * c + block[14] * d,
+        block[3] * a + block[7] * b + block[11] * c + block[15] * d,
+    )
+
+
+@njit
+def profile_solve(elimination, matrix, b):
+    """Solve in place for ``b`` (blocks, BLOCK), in the order of elimination, with :func:`profile_factor`'s factors."""
+    first, base = elimination.first, elimination.base
+    lower, upper, diagonal = matrix.lower, matrix.upper, matrix.diagonal
+    for r in range(first.size):
+        here = b[r]
+        y0, y1, y2, y3 = here[0], here[1], here[2], here[3]
+        for c in range(first[r], r):
+            x0, x1, x2, x3 = _transposed_times(lower[base[r] + c], b[c])
+            y0, y1, y2, y3 = y0 - x0, y1 - x1, y2 - x2, y3 - x3
+        here[0], here[1], here[2], here[3] = y0, y1, y2, y3
+    for r in range(first.size - 1, -1, -1):
+        here = b[r]
+        y0, y1, y2, y3 = _times(diagonal[r], here[0], here[1], here[2], here[3])
+        here[0], here[1], here[2], here[3] = y0, y1, y2, y3
+        for c in range(first[r], r):
+            x0, x1, x2, x3 = _times(upper[base[r] + c], y0, y1, y2, y3)
+            there = b[c]
+            there[0] -= x0
+            there[1] -= x1
+            there[2] -= x2
+            there[3] -= x3
+
+
+@njit
+def profile_product(elimination, matrix, x, out):
+    """Write the matrix times ``x`` to ``out``, both (blocks, BLOCK) in the order of elimination."""
+    first, base = elimination.first, elimination.base
+    lower, upper, diagonal = matrix.lower, matrix.upper, matrix.diagonal
+    for r in range(first.size):
+        here = x[r]
+        x0, x1, x2, x3 = here[0], here[1], here[2], here[3]
+        y0, y1, y2, y3 = _times(diagonal[r], x0, x1, x2, x3)
+        for c in range(first[r], r):
+            z0, z1, z2, z3 = _transposed_times(lower[base[r] + c], x[c])
+            y0, y1, y2, y3 = y0 + z0, y1 + z1, y2 + z2, y3 + z3
+            z0, z1, z2, z3 = _times(upper[base[r] + c], x0, x1, x2, x3)
+            there = out[c]
+            there[0] += z0
+            there[1] += z1
+            there[2] += z2
+            there[3] += z3
+        result = out[r]
+        result[0], result[1], result[2], result[3] = y0, y1, y2, y3

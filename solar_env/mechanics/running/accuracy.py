@@ -1,0 +1,123 @@
+"""Looks after the accuracy of a run, and warns (``diagnosis.py``) where it is less than it seems."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, steps_per_impact
+from solar_env.mechanics.running.diagnosis import check_constraint_forces, check_energy, check_impact_steps
+
+if TYPE_CHECKING:
+    from solar_env.mechanics.running.simulation import Simulation
+
+# Between looks at a run that goes on call by call: a look takes as long as some hundred steps.
+STEPS_BETWEEN_LOOKS = 10_000
+# After a change of integrator or step, while multipliers settle, constraint forces are looked at in every call.
+_SETTLING_CALLS = 30
+
+
+class AccuracyWatch:
+    """What was already told of a simulation, and when it was last looked at. Every shortcoming is told once."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+        self._told: set[str] = set()
+        self._steps = 0
+        self._integrator: Integrator | None = None
+        self._settling = 0
+
+    def after_call(self) -> None:
+        """What every call to advance ends with: a few microseconds, and now and then a closer look."""
+        simulation = self._simulation
+        if isinstance(simulation.integrator, GeneralizedAlpha):
+            self.check_impacts()
+            if simulation.integrator is not self._integrator:
+                self._integrator, self._settling = simulation.integrator, _SETTLING_CALLS
+            if self._settling > 0:
+                self._settling -= 1
+                self._check_forces()
+        if abs(simulation.state.clock["steps"][0] - self._steps) >= STEPS_BETWEEN_LOOKS:
+            self.check()
+
+    def check(self) -> None:
+        """Look at everything; see ``Simulation.check``."""
+        simulation = self._simulation
+        self._steps = int(simulation.state.clock["steps"][0])
+        chosen = simulation.integrator
+        self.check_impacts()
+        if isinstance(chosen, GeneralizedAlpha):
+            self._check_forces()
+        if "energy" not in self._told:
+            remedy = "reduce the step, or give rtol"
+            if chosen.rtol is not None:
+                remedy = f"tighten rtol = {chosen.rtol:g}"
+            residual, turnover = simulation.energy_book()
+            self._tell("energy", check_energy(simulation.time, residual, turnover, remedy))
+
+    def check_impacts(self, contacts: NDArray[np.void] | None = None) -> None:
+        """Look at whether a fixed step resolves the impacts: the latest of every joint, or those of a contact table."""
+        simulation = self._simulation
+        chosen = simulation.integrator
+        if "impacts" in self._told or not isinstance(chosen, GeneralizedAlpha) or chosen.rtol is not None:
+            return
+        durations = simulation.state.joints["contact_duration"]
+        struck = durations > 0.0
+        if not struck.any():
+            return
+        if contacts is not None:
+            # An impact is the shorter the harder it is: duration ~ speed^(-1/5).
+            durations = durations * _hardest_over_latest(contacts, durations.size) ** -0.2
+        shortest = float(durations[struck].min())
+        steps = shortest / float(simulation.state.clock["last_step"][0])
+        self._tell("impacts", check_impact_steps(steps, steps_per_impact(chosen.rho_inf), shortest))
+
+    def _check_forces(self) -> None:
+        simulation = self._simulation
+        if "forces" not in self._told and simulation.state.clock["steps"][0] > 0:
+            defect, largest = simulation.constraint_force_defect()
+            self._tell("forces", check_constraint_forces(simulation.time, defect, largest))
+
+    def _tell(self, what: str, told: bool) -> None:
+        if told:
+            self._told.add(what)
+
+
+def _hardest_over_latest(contacts: NDArray[np.void], joints: int) -> NDArray[np.float64]:
+    """(joints,) greatest impact speed over that of the latest contact."""
+    ratios = np.ones(joints)
+    for j in np.unique(contacts["joint"]):
+        speeds = contacts["impact_speed"][contacts["joint"] == j]
+        ratios[j] = speeds.max() / speeds[-1]
+    return ratios
+
+
+def limits_of_the_laws(
+    joints: NDArray[np.void],
+    contacts: NDArray[np.void],
+    penetration: NDArray[np.float64],
+    normal: NDArray[np.float64],
+    tangential: NDArray[np.float64],
+) -> dict[str, Any]:
+    """How often contact and friction left the range in which their laws mean something, for a trajectory's metadata.
+
+    Args:
+        joints: (nj,) of the model.
+        contacts: table of contacts.
+        penetration: (nt, nj) [m].
+        normal, tangential: (nt, nj) contact forces [N].
+    """
+    slow = contacts["impact_speed"] <= joints["minimum_impact_speed"][contacts["joint"]]
+    loose = joints["kind"] == m.CLEARANCE
+    pressed = normal[:, loose] > 0.0
+    coulomb = joints["friction_coefficient"][loose] * normal[:, loose]
+    creeping = pressed & (np.abs(tangential[:, loose]) < 0.999 * coulomb)
+    cut_off = (penetration[:, loose] > 0.0) & ~pressed
+    return {
+        "slow_contacts": int(slow.sum()),
+        "creeping_share": float(creeping.sum() / max(pressed.sum(), 1)),
+        "cut_off_share": float(cut_off.sum() / max(cut_off.sum() + pressed.sum(), 1)),
+    }

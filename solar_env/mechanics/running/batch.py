@@ -1,0 +1,182 @@
+"""Many mechanisms of one structure that advance together, on all cores, in one compiled call a thread."""
+
+from __future__ import annotations
+
+import math
+import os
+import time
+from concurrent.futures import ThreadPoolExecutor
+from functools import cached_property
+from typing import Any
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.arrays.lanes import allocate_lanes, check_structure, copied, fill_lane, lane_view
+from solar_env.mechanics.integrators.adaptive import advance_lanes, make_adaptive_arrays
+from solar_env.mechanics.integrators.recording import make_recorder
+from solar_env.mechanics.integrators.settings import RungeKutta
+from solar_env.mechanics.running.accuracy import STEPS_BETWEEN_LOOKS
+from solar_env.mechanics.running.simulation import Simulation, adaptive_settings
+
+# Time that a further thread must save [s]: waking one takes about as long.
+_WORK_FOR_A_THREAD = 1e-4
+
+
+class Batch:
+    """Lanes of simulations whose arrays lie side by side.
+
+    The threads take lane after lane from one queue, those that needed most steps the last time first, so that a few
+    lanes full of impacts do not keep the others waiting. A lane's result does not depend on the others, nor on the
+    number of threads: it is that of its :class:`Simulation` alone, bit for bit.
+
+    Attributes:
+        simulations: by lane; they can be read, saved, restored and advanced singly too.
+        models, states: arrays of all lanes (``lanes.py``).
+        threads: most threads that advance lanes at the same time.
+    """
+
+    def __init__(self, simulations: list[Simulation], threads: int | None = None) -> None:
+        """Move simulations into a batch.
+
+        Args:
+            simulations: with one adaptive integrator, of mechanisms of one structure.
+            threads: by default as many as there are processors for this process.
+
+        Raises:
+            ValueError: if there are none, if the integrators differ or are not adaptive Runge-Kutta methods, if the
+                mechanisms differ in structure, or if ``threads`` is not positive.
+        """
+        if not simulations:
+            raise ValueError("a batch needs at least one simulation")
+        if threads is not None and threads < 1:
+            raise ValueError(f"threads = {threads!r} must be at least 1")
+        first = simulations[0]
+        if not isinstance(first.integrator, RungeKutta):
+            raise ValueError(f"a batch cannot use {first.integrator.name!r}; use RungeKutta or Rosenbrock")
+        # Uncompiled, taking a lane from the queue would not be atomic.
+        available = 1 if numba.config.DISABLE_JIT else threads or available_processors()
+        count = len(simulations)
+        self.threads = min(available, count)
+        self.integrator = first.integrator
+        self.models, self.states = allocate_lanes(first.model, count), allocate_lanes(first.state, count)
+        self._settings = adaptive_settings(first.integrator)
+        self._recorder = make_recorder(first.model, first.state, np.zeros(0), 0)
+        self._arrays = [make_adaptive_arrays(first.model, first.state) for _ in range(self.threads)]
+        self._statuses, self._counter = np.zeros(count, dtype=np.int64), np.zeros(1, dtype=np.int64)
+        self._steps, self._last_steps, self._steps_looked = (np.zeros(count, dtype=np.int64) for _ in range(3))
+        self._work_expected = math.inf
+        self._process = os.getpid()
+        self.simulations = list(simulations)
+        for lane, simulation in enumerate(simulations):
+            self.replace(lane, simulation)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """For copies and pickles: threads stay behind."""
+        return {name: value for name, value in vars(self).items() if name != "_threads"}
+
+    def __setstate__(self, values: dict[str, Any]) -> None:
+        """Let the copied simulations share their memory with the copied lanes again."""
+        vars(self).update(values)
+        for lane, simulation in enumerate(self.simulations):
+            simulation.move_to(lane_view(self.models, lane), lane_view(self.states, lane))
+
+    def replace(self, lane: int, simulation: Simulation) -> None:
+        """Put another simulation into a lane; that which was there goes on alone, with arrays of its own.
+
+        Raises:
+            ValueError: if the integrator or the structure of the mechanism is another.
+        """
+        if simulation.integrator != self.integrator:
+            raise ValueError(f"the batch integrates with {self.integrator}, not with {simulation.integrator}")
+        check_structure(self.models, simulation.model)
+        check_structure(self.states, simulation.state)
+        before = self.simulations[lane]
+        if before is not simulation:
+            before.move_to(copied(before.model), copied(before.state))
+        fill_lane(self.models, lane, simulation.model)
+        fill_lane(self.states, lane, simulation.state)
+        simulation.move_to(lane_view(self.models, lane), lane_view(self.states, lane))
+        self.simulations[lane] = simulation
+        self._steps_looked[lane] = self._steps[lane] = simulation.state.clock["steps"][0]
+        self._last_steps[lane] = 0
+
+    def advance(self, lanes: NDArray[np.int64], end_times: NDArray[np.float64]) -> None:
+        """Advance some lanes, and look at their accuracy now and then as :meth:`Simulation.advance` does.
+
+        Args:
+            lanes: (k,) indices.
+            end_times: (lanes of the batch,) [s]; those of the lanes named are used.
+
+        Raises:
+            SimulationError: if a lane cannot go on; a note names the lane. It stays at its last accepted step, the
+                others have advanced.
+
+        Warns:
+            SimulationWarning: as :meth:`Simulation.check`.
+        """
+        queue = lanes[np.argsort(-self._last_steps[lanes], kind="stable")]
+        self._counter[0] = 0
+        worth = self._work_expected / _WORK_FOR_A_THREAD
+        threads = max(1, int(min(self.threads, queue.size, worth)))
+        start = time.perf_counter()
+        helpers = [self._pool.submit(self._work, k, queue, end_times) for k in range(1, threads)]
+        self._work(0, queue, end_times)
+        for helper in helpers:
+            helper.result()
+        self._work_expected = threads * (time.perf_counter() - start)
+        steps = self.states.clock["steps"][:, 0]
+        np.subtract(steps, self._steps, out=self._last_steps)
+        self._steps[:] = steps
+        if self._statuses[lanes].any():
+            self._raise_first_failure(lanes)
+        for lane in np.flatnonzero(np.abs(steps - self._steps_looked) >= STEPS_BETWEEN_LOOKS):
+            self._steps_looked[lane] = steps[lane]
+            self.simulations[lane].check()
+
+    def _work(self, thread: int, queue: NDArray[np.int64], end_times: NDArray[np.float64]) -> None:
+        advance_lanes(
+            self.models,
+            self.states,
+            self._settings,
+            self._recorder,
+            queue,
+            self._counter,
+            end_times,
+            self._statuses,
+            self._arrays[thread],
+        )
+
+    def _raise_first_failure(self, lanes: NDArray[np.int64]) -> None:
+        failed = [int(lane) for lane in np.sort(lanes) if self._statuses[lane] != m.DONE]
+        try:
+            self.simulations[failed[0]].raise_unless_done(int(self._statuses[failed[0]]))
+        except Exception as error:
+            others = f", and others in {failed[1:]}" if len(failed) > 1 else ""
+            error.add_note(f"in lane {failed[0]} of the batch{others}")
+            raise
+
+    @property
+    def _pool(self) -> ThreadPoolExecutor:
+        if self._process != os.getpid():
+            # Threads do not survive a fork.
+            self.__dict__.pop("_threads", None)
+            self._process = os.getpid()
+        return self._threads
+
+    @cached_property
+    def _threads(self) -> ThreadPoolExecutor:
+        return ThreadPoolExecutor(max(self.threads - 1, 1), thread_name_prefix="lanes")
+
+    def close(self) -> None:
+        """End the threads; they start again when they are needed."""
+        if "_threads" in self.__dict__:
+            self._threads.shutdown()
+            del self._threads
+
+
+def available_processors() -> int:
+    """Number of processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -1,0 +1,114 @@
+"""What the figures of all studies share: colours of methods, panels, saving. Figures are drawn from tables alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solar_env.pictures.plots import COLOURS, STYLE
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+MARKERS = ("o", "s", "D", "^", "v", "P", "X", "*", "<", ">")
+FLOOR = "#c8ced6"
+
+
+def look_of(names: Sequence[str]) -> dict[str, dict[str, Any]]:
+    """Colour and marker by name, in the order of the names."""
+    return {
+        name: {"color": COLOURS[k % len(COLOURS)], "marker": MARKERS[k % len(MARKERS)]}
+        for k, name in enumerate(dict.fromkeys(names))
+    }
+
+
+def make_figure(
+    rows: int, columns: int, size: tuple[float, float], entries: int, gap: float = 0.5
+) -> tuple[Figure, NDArray[Any]]:
+    """A figure with (rows, columns) axes, and room for titles above and a legend below.
+
+    Args:
+        rows: of axes.
+        columns: of axes.
+        size: of one axes with its labels [inch].
+        entries: of the legend.
+        gap: between rows of axes, for their labels [inch].
+    """
+    import matplotlib as mpl
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    with mpl.rc_context(STYLE):
+        width = size[0] * columns + 0.3
+        below = 0.75 + 0.16 * -(-entries // _legend_columns(width))
+        height = (size[1] - 0.5 + gap) * rows + 0.45 + below - gap
+        figure = Figure(figsize=(width, height))
+        FigureCanvasAgg(figure)
+        axes = figure.subplots(rows, columns, squeeze=False)
+        figure.subplots_adjust(
+            left=0.7 / width,
+            right=1.0 - 0.2 / width,
+            bottom=below / height,
+            top=1.0 - 0.45 / height,
+            wspace=0.75 / (size[0] - 0.75),
+            hspace=gap / (size[1] - 0.5),
+        )
+    return figure, axes
+
+
+def _legend_columns(width: float) -> int:
+    return max(1, int(width / 1.9))
+
+
+def positive_points(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The points that logarithmic axes can show, in their order."""
+    shown = np.isfinite(x) & np.isfinite(y) & (x > 0.0) & (y > 0.0)
+    return x[shown], y[shown]
+
+
+def use_decades(axis: Axes, which: str) -> None:
+    """A logarithmic axis, "x" or "y", with labels at decades alone and at least one decade wide."""
+    from matplotlib.ticker import NullFormatter
+
+    own, limits = (axis.xaxis, axis.get_xlim()) if which == "x" else (axis.yaxis, axis.get_ylim())
+    low, high = np.log10(limits)
+    if high - low < 1.2:
+        low, high = np.floor(low), np.ceil(high)
+        (axis.set_xlim if which == "x" else axis.set_ylim)(10.0**low, 10.0**high)
+    own.set_minor_formatter(NullFormatter())
+
+
+def draw_floor(axis: Axes, floor: float) -> None:
+    """Shade the errors below which references disagree."""
+    if np.isfinite(floor) and floor > 0.0:
+        axis.axvspan(0.0, floor, color=FLOOR, alpha=0.5, linewidth=0.0, zorder=0)
+        axis.axvline(floor, color=FLOOR, linewidth=0.8, zorder=0)
+
+
+def save(figure: Figure, path: Path, names: Sequence[str], look: dict[str, dict[str, Any]], note: str = "") -> None:
+    """Write a figure with a legend of the names and a note below; the same tables give the same file."""
+    import matplotlib as mpl
+    from matplotlib.lines import Line2D
+
+    with mpl.rc_context(STYLE):
+        handles = [Line2D([], [], linewidth=1.0, markersize=4, label=name, **look[name]) for name in names]
+        columns = _legend_columns(figure.get_figwidth())
+        place = (0.5, 0.18 / figure.get_figheight())
+        figure.legend(handles=handles, loc="lower center", ncols=columns, bbox_to_anchor=place)
+        if note:
+            figure.text(0.5, 0.04 / figure.get_figheight(), note, ha="center", va="bottom", fontsize=7)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        figure.savefig(path, dpi=160)
+
+
+def short(value: float) -> str:
+    """A number in five characters or so."""
+    if value == 0.0 or 0.01 <= abs(value) < 1000.0:
+        return f"{value:.3g}"
+    mantissa, exponent = f"{value:.0e}".split("e")
+    return f"{mantissa}e{int(exponent)}"

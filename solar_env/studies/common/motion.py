@@ -1,0 +1,129 @@
+"""What a study simulates, and what it keeps of a run, whichever program made it."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solar_env.array import ArrayParameters, build
+from solar_env.mechanics.integrators.settings import Integrator
+from solar_env.mechanics.mechanism.description import Mechanism
+from solar_env.mechanics.running.diagnosis import SimulationWarning
+from solar_env.mechanics.running.simulation import simulate
+from solar_env.mechanics.running.trajectory import Trajectory, contact_record
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A deployment from rest.
+
+    Attributes:
+        model: one of ``array.MODELS``.
+        parameters: of the array.
+        duration: [s].
+        sample_step: distance of the sampled angles [s].
+        elements: of each panel; rigid models do not use it.
+        every_contact: whether all contacts are asked for; programs that can only sample must then do so every step.
+    """
+
+    model: str
+    parameters: ArrayParameters
+    duration: float
+    sample_step: float
+    elements: int = 6
+    every_contact: bool = False
+
+    def mechanism(self) -> Mechanism:
+        """The array as the project's own simulator takes it."""
+        return build(self.parameters, self.model, self.elements)
+
+    @property
+    def sample_times(self) -> Array:
+        """(nt,) times of the samples [s], from 0 to the duration."""
+        count = math.ceil(self.duration / self.sample_step - 1e-9)
+        return np.append(np.arange(count) * self.sample_step, self.duration)
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A run: nt samples, nj joints; nan where the program that made it does not say.
+
+    Attributes:
+        time: (nt,) [s].
+        angles: (nt, nj) [rad].
+        latch_times: (nj,) [s], nan if not latched.
+        contacts: of type ``contact_record``, in the order of their starts.
+        wall_time: of the integration alone, without compiling or assembling [s].
+        steps, evaluations, factorizations: counts; evaluations of the right-hand side or residual.
+        energy_residual: energy that the books do not account for, over the energy put in.
+        constraint_drift: greatest violation of a constraint at the end [m], for methods that do not project.
+        totals: name -> (nj,) what the run sums up after the first latching, see ``statistics``.
+    """
+
+    time: Array
+    angles: Array
+    latch_times: Array
+    contacts: NDArray[np.void]
+    wall_time: float
+    steps: float = math.nan
+    evaluations: float = math.nan
+    factorizations: float = math.nan
+    energy_residual: float = math.nan
+    constraint_drift: float = math.nan
+    totals: dict[str, Array] = field(default_factory=dict)
+
+
+Solver = Callable[[Scene], Motion]
+
+
+def no_contacts() -> NDArray[np.void]:
+    """An empty table of contacts."""
+    return np.zeros(0, dtype=contact_record)
+
+
+def run_own(scene: Scene, integrator: Integrator) -> Motion:
+    """A scene with one of the project's own integrators.
+
+    Raises:
+        SimulationError: if the run cannot go on.
+    """
+    with warnings.catch_warnings():
+        # What the library warns of is measured here.
+        warnings.simplefilter("ignore", SimulationWarning)
+        trajectory = simulate(scene.mechanism(), scene.duration, integrator=integrator, output_step=scene.sample_step)
+    return from_trajectory(trajectory)
+
+
+def from_trajectory(trajectory: Trajectory) -> Motion:
+    """What is kept of the project's own run."""
+    energies = trajectory.energies
+    lost = sum(
+        float(energies[name][-1])
+        for name in ("contact_dissipation", "friction_dissipation", "latch_dissipation", "material_dissipation")
+    )
+    put_in = trajectory.energy_put_in
+    return Motion(
+        time=trajectory.time,
+        angles=trajectory.angles,
+        latch_times=trajectory.latch_times,
+        contacts=np.sort(trajectory.contacts, order="start_s"),
+        wall_time=float(trajectory.metadata["wall_time_s"]),
+        steps=float(trajectory.metadata["steps"]),
+        evaluations=float(trajectory.metadata["evaluations"]),
+        factorizations=float(trajectory.metadata["factorizations"]),
+        energy_residual=trajectory.energy_residual / put_in,
+        totals={
+            "impulse": trajectory.postlock_impulse,
+            "sliding_work": trajectory.postlock_sliding_work,
+            "wear_depth": trajectory.wear_depth,
+            "peak_force": trajectory.postlock_peak_force,
+            "energy_lost": np.full(len(trajectory.wear_depth), lost / put_in),
+        },
+    )

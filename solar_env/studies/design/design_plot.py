@@ -1,0 +1,55 @@
+"""Pictures of the design maps, from their table alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+
+from solar_env.pictures.plots import STYLE
+from solar_env.studies.common.drawing import short
+from solar_env.studies.common.tables import Table
+from solar_env.studies.design.design_map import MAPS, DesignMap
+
+PICTURE = "design.png"
+QUANTITIES = {
+    "wear_m": ("deepest wear of the worse joint [1e-14 m]", 1e14),
+    "force_N": ("peak post-lock force [kN]", 1e-3),
+}
+
+
+def draw_design(table: Table, folder: Path) -> Path:
+    """Draw the maps of wear and of force; returns the picture's file."""
+    with mpl.rc_context({**STYLE, "axes.grid": False}):
+        figure = Figure(figsize=(10.0, 8.0), layout="constrained")
+        FigureCanvasAgg(figure)
+        axes = figure.subplots(len(MAPS), len(QUANTITIES), squeeze=False)
+        for (name, design), row in zip(MAPS.items(), axes, strict=True):
+            for (quantity, (title, unit)), axis in zip(QUANTITIES.items(), row, strict=True):
+                _draw_map(axis, table.where(map=name), design, quantity, unit)
+                axis.set_title(title)
+        path = folder / PICTURE
+        figure.savefig(path, dpi=100)
+    return path
+
+
+def _draw_map(axis: Axes, table: Table, design: DesignMap, quantity: str, unit: float) -> None:
+    """One map, its median and the half-width of its quartiles in every cell."""
+    shape = (len(design.y_values), len(design.x_values))
+    median, low, high = (unit * table.column(quantity + end).reshape(shape) for end in ("", "_low", "_high"))
+    norm = LogNorm(median.min(), median.max())
+    axis.imshow(median, origin="lower", aspect="auto", cmap="YlOrRd", norm=norm)
+    for (i, k), value in np.ndenumerate(median):
+        text = f"{short(value)}\n±{short(float(high[i, k] - low[i, k]) / 2.0)}"
+        axis.text(k, i, text, ha="center", va="center", fontsize=7, color="white" if norm(value) > 0.6 else "black")
+    for x, y in design.marked:
+        place = (design.x_values.index(x) - 0.46, design.y_values.index(y) - 0.46)
+        axis.add_patch(mpl.patches.Rectangle(place, 0.92, 0.92, fill=False, linewidth=1.8))
+    axis.set_xticks(range(shape[1]), [f"{value:g}" for value in design.x_values])
+    axis.set_yticks(range(shape[0]), [f"{value:g}" for value in design.y_values])
+    axis.set(xlabel=design.x, ylabel=design.y)

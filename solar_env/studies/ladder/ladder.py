@@ -1,0 +1,178 @@
+"""The ladder of model levels: what each errs by and costs, question by question, measured into a table."""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+
+from solar_env.array import ArrayParameters
+from solar_env.array.ladder import QUESTIONS, Answer
+from solar_env.environment.env import SolarArrayEnv
+from solar_env.studies.common.tables import Row, provenance, write_table
+from solar_env.studies.ladder.answers import mean_error, own_half_width, own_ranking_half_width, ranking_error
+from solar_env.studies.ladder.runs import CONTROLLERS, Level, Run, control, deploy
+from solar_env.support.progress import counting_bar
+
+RANKING = "controller-ranking"
+FILE = "ladder.csv"
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How much is measured.
+
+    Attributes:
+        elements: of the flexible levels; the last, with clearance, is the reference.
+        duration: of deployments on the springs alone [s]; they latch at 12.3 s.
+        members: runs of each level.
+        ideal_members: runs of each level with ideal joints, which have no chaos to average over.
+        controlled_members: runs of each level under each controller; not more with ideal joints than above.
+        window: time simulated after the last latching under a controller [s].
+    """
+
+    elements: tuple[int, ...] = (1, 2, 4, 6, 12)
+    duration: float = 22.5
+    members: int = 16
+    ideal_members: int = 3
+    controlled_members: int = 8
+    window: float = 10.0
+
+    @property
+    def levels(self) -> tuple[Level, ...]:
+        """From rigid panels with ideal joints to the reference."""
+        flexible = (
+            Level(f"flexible-{joint}", elements) for joint in ("ideal", "clearance") for elements in self.elements
+        )
+        return (Level("rigid-ideal"), Level("rigid-clearance"), *flexible)
+
+    def deployments_of(self, level: Level) -> int:
+        """How often a level is deployed on its springs alone."""
+        return self.ideal_members if level.model.endswith("ideal") else self.members
+
+    def controlled_runs_of(self, level: Level) -> int:
+        """How often a level is deployed under each controller."""
+        most = self.controlled_members
+        return min(most, self.ideal_members) if level.model.endswith("ideal") else most
+
+
+FULL = Plan()
+QUICK = Plan(elements=(1, 2, 4), duration=17.0, members=4, ideal_members=2, controlled_members=2, window=4.0)
+
+Announce = Callable[[str], None]
+
+
+def count_runs(plan: Plan) -> int:
+    """How many runs :func:`run_ladder` announces."""
+    return sum(plan.deployments_of(level) + len(CONTROLLERS) * plan.controlled_runs_of(level) for level in plan.levels)
+
+
+def run_ladder(plan: Plan, announce: Announce) -> list[Row]:
+    """Run every level, member by member, so that what disturbs the machine meets all levels alike.
+
+    Args:
+        plan: what and how often.
+        announce: called with a description before each run.
+
+    Returns:
+        A row for every question and level, with the columns of ``solar_env.array.ladder.Answer``.
+    """
+    deployed: dict[Level, list[Run]] = {level: [] for level in plan.levels}
+    controlled: dict[Level, list[Run]] = {level: [] for level in plan.levels}
+    for member in range(max(plan.members, plan.ideal_members)):
+        for level in plan.levels:
+            if member < plan.deployments_of(level):
+                announce(f"{level.name}, run {member + 1}")
+                deployed[level].append(deploy(level, member, plan.duration))
+    for member in range(plan.controlled_members):
+        for level in plan.levels:
+            if member < plan.controlled_runs_of(level):
+                label = f"{level.name}, run {member + 1}, "
+                controlled[level].append(control(level, member, plan.window, partial(_announce_after, label, announce)))
+    return rows_of(deployed, controlled)
+
+
+def _announce_after(label: str, announce: Announce, name: str) -> None:
+    announce(label + name)
+
+
+def rows_of(deployed: Mapping[Level, Sequence[Run]], controlled: Mapping[Level, Sequence[Run]]) -> list[Row]:
+    """Rows of the table from the runs of all levels, of which the last one is the reference."""
+    rows: list[Row] = []
+    for question in QUESTIONS:
+        runs = controlled if question == RANKING else deployed
+        reference = list(runs)[-1]
+        for level, own in runs.items():
+            error, half_width = error_of(question, own, None if level == reference else runs[reference])
+            answer = Answer(
+                question,
+                level.model,
+                level.elements,
+                error,
+                half_width,
+                statistics.median(run.wall for run in own) / statistics.median(run.wall for run in runs[reference]),
+                statistics.fmean(run.evaluations for run in own),
+                len(own),
+            )
+            rows.append(dict(vars(answer)))
+    return rows
+
+
+def error_of(question: str, own: Sequence[Run], reference: Sequence[Run] | None) -> tuple[float, float]:
+    """Error of a level and the half-width of its sampling band.
+
+    Args:
+        question: one of ``solar_env.array.ladder.QUESTIONS``.
+        own: runs of the level.
+        reference: runs of the reference; None if the level is the reference, which then has no error and the half-width
+            of its own mean.
+    """
+    level = np.stack([run.answers[question] for run in own])
+    other = level if reference is None else np.stack([run.answers[question] for run in reference])
+    if question == RANKING:
+        return (0.0, own_ranking_half_width(level)) if reference is None else ranking_error(level, other)
+    scale = np.abs(other.mean(axis=0)).sum(axis=-1)
+    if question == "tip-motion":
+        parameters = ArrayParameters()
+        scale = np.full(other.shape[1], parameters.panel_count * parameters.panel_length)
+    return (0.0, own_half_width(level, scale)) if reference is None else mean_error(level, other, scale)
+
+
+def measure(quick: bool, folder: Path, console: Console) -> Path:
+    """Measure the ladder and write its table; returns the file.
+
+    Args:
+        quick: whether to take two minutes instead of a quarter of an hour.
+        folder: for the table.
+        console: for what is told on the way.
+    """
+    plan = QUICK if quick else FULL
+    with counting_bar(console) as progress:
+        task = progress.add_task("loading kernels (the first time compiles them)", total=count_runs(plan))
+        _warm_up(plan)
+        rows = run_ladder(plan, lambda run: progress.update(task, advance=1, description=run))
+    made_by = provenance(
+        f"python -m solar_env ladder{' --quick' if quick else ''}",
+        reference=f"{plan.levels[-1].name}: the finest level measured, which is not the truth",
+        parameters="the defaults of ArrayParameters; each member's root hinge moved by 1e-8 m",
+        integrators="the default of each model",
+        duration_s=plan.duration,
+        window_s=plan.window,
+        controllers="; ".join(f"{p.name} ({p.torque:g} N m from {p.start:g} s)" for p in CONTROLLERS),
+    )
+    path = folder / FILE
+    write_table(path, rows, made_by)
+    return path
+
+
+def _warm_up(plan: Plan) -> None:
+    """Run a moment of every level, so that compiling and loading are not measured."""
+    for level in plan.levels:
+        env = SolarArrayEnv(level.model, elements=level.panel_elements)
+        env.reset()
+        env.step([0.0])

@@ -1,0 +1,78 @@
+"""Figure of the ladder, from its table alone: a panel a question, cost against error, and the level chosen."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from solar_env.array.ladder import QUESTIONS, Answer, steps
+from solar_env.pictures.plots import STYLE
+from solar_env.studies.common.drawing import look_of, make_figure, save, use_decades
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_COLUMNS = 4
+_SMALLEST = 1e-6  # errors below are drawn here
+_STEPS = "#7c8896"
+_NOTE = (
+    "mark: error and 95 % sampling half-width, from which tolerance on a level answers; line to its left: half-width; "
+    "numbers: elements; grey: the level chosen"
+)
+
+
+def draw_ladder(answers: Sequence[Answer], folder: Path) -> Path:
+    """Draw wall time over the reference's against error for every question measured; returns the file."""
+    import matplotlib as mpl
+
+    asked = [question for question in QUESTIONS if any(answer.question == question for answer in answers)]
+    names = list(dict.fromkeys(answer.model for answer in answers))
+    look = look_of(names)
+    rows = -(-len(asked) // _COLUMNS)
+    figure, axes = make_figure(rows, _COLUMNS, (2.6, 2.2), len(names), gap=0.7)
+    with mpl.rc_context(STYLE):
+        for axis, question in zip(axes.flat, asked, strict=False):
+            _draw_panel(axis, [answer for answer in answers if answer.question == question], look)
+            axis.set_title(question)
+            axis.set_xlabel("share of pairs" if question == "controller-ranking" else "error (relative), tolerance")
+            axis.set_ylabel("wall time / reference's")
+        for axis in axes.flat[len(asked) :]:
+            axis.set_axis_off()
+    path = folder / "ladder.png"
+    save(figure, path, names, look, _NOTE)
+    return path
+
+
+def _draw_panel(axis: Axes, answers: Sequence[Answer], look: dict[str, dict[str, Any]]) -> None:
+    axis.set_xscale("log")
+    axis.set_yscale("log")
+    for answer in answers:
+        bound = max(answer.bound, _SMALLEST)
+        style = look[answer.model]
+        if answer.error > 0.0:
+            axis.plot([answer.error, bound], [answer.cost_ratio] * 2, linewidth=0.8, color=style["color"])
+        axis.plot([bound], [answer.cost_ratio], markersize=4, linestyle="none", **style)
+        if answer.elements:
+            side = -1 if answer.model.endswith("clearance") else 1
+            axis.annotate(
+                str(answer.elements),
+                (bound, answer.cost_ratio),
+                xytext=(4 * side, -5),
+                textcoords="offset points",
+                ha="left" if side > 0 else "right",
+                fontsize=6,
+                color=style["color"],
+            )
+    _draw_steps(axis, steps(answers, answers[0].question))
+    use_decades(axis, "x")
+    use_decades(axis, "y")
+
+
+def _draw_steps(axis: Axes, chosen: Sequence[Answer]) -> None:
+    """The cost of the cheapest level against the tolerance; none to the left of the finest."""
+    bounds = [max(answer.bound, _SMALLEST) for answer in chosen]
+    costs = [answer.cost_ratio for answer in chosen]
+    start, end = 0.4 * bounds[0], 2.0 * axis.get_xlim()[1]
+    axis.step([*bounds, end], [*costs, costs[-1]], where="post", color=_STEPS, linewidth=2.5, alpha=0.5, zorder=1)
+    axis.set_xlim(start, end)

@@ -1,0 +1,144 @@
+"""The paper's figures, drawn from their tables alone, panel for panel."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from solar_env.array import MODELS
+from solar_env.pictures.plots import BEARING, COLOURS, FAINT, STYLE
+from solar_env.studies.common.tables import Table
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+JOINTS = (1, 2)  # as the columns of the tables count them
+PHASES = ("initial", "deployment", "after latching")
+
+
+def draw_figure(table: Table, kind: str, title: str, path: Path) -> None:
+    """Draw a table to a PNG file; the same table gives the same file.
+
+    Args:
+        table: of a figure.
+        kind: of the figure, a key of DRAWERS.
+        title: above the drawing.
+        path: of the picture, in a folder that exists.
+    """
+    with mpl.rc_context(STYLE):
+        figure = Figure(layout="constrained")
+        FigureCanvasAgg(figure)
+        DRAWERS[kind](figure, table)
+        figure.suptitle(title, fontsize=9)
+        figure.savefig(path, dpi=80)
+
+
+def _draw_angles(figure: Figure, table: Table) -> None:
+    figure.set_size_inches(5.0, 3.0)
+    axis = figure.subplots()
+    for joint in JOINTS:
+        axis.plot(table.column("time_s"), table.column(f"angle_{joint}_deg"), color=COLOURS[joint - 1])
+    _finish_time(axis, table, "joint angle [deg]")
+    axis.legend([f"joint {joint}" for joint in JOINTS])
+
+
+def _draw_path(figure: Figure, table: Table) -> None:
+    figure.set_size_inches(9.0, 6.0)
+    axes = figure.subplot_mosaic([list(PHASES), ["x"] * 3, ["y"] * 3], height_ratios=(3.0, 1.0, 1.0))
+    time, phase, x, y = (table.column(name) for name in ("time_s", "phase", "x_um", "y_um"))
+    clearance = float(table.column("clearance_um")[0])
+    around = np.linspace(0.0, 2.0 * np.pi, 361)
+    for number, name in enumerate(PHASES, start=1):
+        axis, own = axes[name], phase == number
+        axis.plot(clearance * np.cos(around), clearance * np.sin(around), color=BEARING)
+        axis.plot(x[own], y[own], color=COLOURS[number - 1], linewidth=1.5 if number == 2 else 0.4)
+        axis.set(aspect="equal", title=name, xlabel="x [µm]", ylabel="y [µm]")
+    for name, values in (("x", x), ("y", y)):
+        axes[name].plot(time, values, color=COLOURS[0], linewidth=0.5)
+        _finish_time(axes[name], table, f"{name} [µm]")
+        for number in (2, 3):
+            if np.any(phase == number):
+                axes[name].axvline(time[phase == number][0], color=FAINT, linestyle=":")
+
+
+def _draw_forces(figure: Figure, table: Table) -> None:
+    _draw_by_joint(figure, table, "force_{}_N", "contact force [N]")
+
+
+def _draw_torques(figure: Figure, table: Table) -> None:
+    _draw_by_joint(figure, table, "torque_{}_Nm", "torque [N m]")
+
+
+def _draw_by_joint(figure: Figure, table: Table, column: str, label: str) -> None:
+    figure.set_size_inches(6.0, 4.0)
+    for joint, axis in zip(JOINTS, figure.subplots(2, sharex=True), strict=True):
+        axis.plot(table.column("time_s"), table.column(column.format(joint)), color=COLOURS[joint - 1], linewidth=0.6)
+        _finish_time(axis, table, f"joint {joint}\n{label}")
+
+
+def _draw_models(figure: Figure, table: Table) -> None:
+    """Angles or rates of the models, and their differences from the first model's in each of the three phases."""
+    figure.set_size_inches(13.0, 5.0)
+    time, phase = table.column("time_s"), table.column("phase")
+    quantity, unit = ("angles", "deg") if f"{MODELS[0]}_angles_1_deg" in table.rows[0] else ("rates", "deg_s")
+    for joint, row in zip(JOINTS, figure.subplots(2, 4, sharex="col"), strict=True):
+        reference = table.column(f"{MODELS[0]}_{quantity}_{joint}_{unit}")
+        for colour, model in zip(COLOURS, MODELS, strict=False):
+            values = table.column(f"{model}_{quantity}_{joint}_{unit}")
+            row[0].plot(time, values, color=colour, label=model, linewidth=0.8)
+            for number, axis in enumerate(row[1:], start=1):
+                own = phase == number
+                axis.plot(time[own], (values - reference)[own], color=colour, linewidth=0.6)
+        row[0].set_ylabel(f"joint {joint}\n{quantity} [{unit.replace('_', '/')}]")
+        row[1].set_ylabel(f"difference from {MODELS[0]}")
+    for axis, name in zip(figure.axes, (quantity, *PHASES), strict=False):
+        axis.set_title(name)
+    for axis in figure.axes[4:]:
+        axis.set_xlabel("time [s]")
+    figure.axes[0].legend()
+
+
+def _draw_wear(figure: Figure, table: Table) -> None:
+    figure.set_size_inches(7.0, 3.6)
+    angle = np.radians(table.column("angle_deg"))
+    for joint, axis in zip(JOINTS, figure.subplots(1, 2, subplot_kw={"projection": "polar"}), strict=True):
+        for surface, colour in (("bearing", BEARING), ("journal", COLOURS[1])):
+            depth = table.column(f"{surface}_{joint}_m")
+            axis.plot(np.append(angle, angle[0]), np.append(depth, depth[0]), color=colour, label=surface)
+        axis.set_title(f"joint {joint}: wear depth [m]")
+    figure.legend(["bearing", "journal"], loc="outside lower center", ncols=2)
+
+
+def _draw_four_bar(figure: Figure, table: Table) -> None:
+    figure.set_size_inches(9.0, 3.4)
+    for axis, quantity in zip(figure.subplots(1, 2), table.values("quantity"), strict=True):
+        for colour, turns in zip(COLOURS, table.where(quantity=quantity).values("turns"), strict=False):
+            own = table.where(quantity=quantity, turns=turns)
+            label = f"turn {turns}" if turns else "ideal joint"
+            axis.plot(own.column("angle_deg"), own.column("value"), color=colour, label=label, linewidth=0.7)
+        axis.set(ylabel=quantity, xlim=(0.0, 360.0))
+    for axis, label in zip(figure.axes, ("crank angle", "angle round the bearing"), strict=True):
+        axis.set_xlabel(f"{label} [deg]")
+        axis.legend()
+
+
+def _finish_time(axis: Axes, table: Table, label: str) -> None:
+    axis.set(xlabel="time [s]", ylabel=label, xlim=(0.0, float(table.column("time_s").max())))
+    axis.label_outer()
+
+
+DRAWERS: Mapping[str, Callable[[Figure, Table], None]] = {
+    "angles": _draw_angles,
+    "path": _draw_path,
+    "forces": _draw_forces,
+    "torques": _draw_torques,
+    "models": _draw_models,
+    "wear": _draw_wear,
+    "four-bar": _draw_four_bar,
+}

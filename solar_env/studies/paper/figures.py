@@ -1,0 +1,186 @@
+"""One function a figure of the paper: from trajectories to the rows of its table.
+
+The paper's figures are drawn from these tables alone (``drawings.py``). Angles are in degrees and paths in micrometres,
+as on its axes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solar_env.array import MODELS
+from solar_env.mechanics.running.trajectory import Trajectory
+from solar_env.studies.common.tables import Row
+from solar_env.studies.paper.cases import FOUR_BAR_TURNS, SAMPLES_PER_TURN, Member, simulate_four_bar
+from solar_env.studies.paper.phases import greatest_force, phase_of
+
+Array = NDArray[np.float64]
+
+# s; forces are the greatest of windows of this length, for samples would miss impacts.
+FORCE_WINDOW = 0.01
+JOINTS = (0, 1)
+
+
+@dataclass(frozen=True)
+class PaperFigure:
+    """A figure of the paper.
+
+    Attributes:
+        number: in the paper.
+        title: what it shows.
+        kind: how it is drawn, a key of ``drawings.DRAWERS``.
+        cases: names of the deployments that it needs.
+        rows: its table from these deployments.
+    """
+
+    number: int
+    title: str
+    kind: str
+    cases: tuple[str, ...]
+    rows: Callable[[Member], list[Row]]
+
+    @property
+    def stem(self) -> str:
+        """Name of its files, without the suffix."""
+        return f"figure-{self.number:02d}"
+
+
+def _rows(columns: Mapping[str, Array]) -> list[Row]:
+    """Rows of a table from its columns, with nine digits."""
+    names = list(columns)
+    digits = [[float(f"{x:.9g}") for x in column] for column in columns.values()]
+    return [dict(zip(names, cells, strict=True)) for cells in zip(*digits, strict=True)]
+
+
+def _angles(case: str) -> Callable[[Member], list[Row]]:
+    def rows(member: Member) -> list[Row]:
+        motion = member[case]
+        return _rows({"time_s": motion.time, **_by_joint("angle", "deg", np.degrees(motion.angles))})
+
+    return rows
+
+
+def _by_joint(name: str, unit: str, values: Array) -> dict[str, Array]:
+    return {f"{name}_{joint + 1}_{unit}": values[:, joint] for joint in JOINTS}
+
+
+def _path(case: str, joint: int) -> Callable[[Member], list[Row]]:
+    def rows(member: Member) -> list[Row]:
+        motion = member[case]
+        x, y = 1e6 * motion.eccentricity[:, joint].T
+        clearance = np.full(len(x), 1e6 * motion.clearance[joint])
+        phase = phase_of(motion, joint).astype(float)
+        return _rows({"time_s": motion.time, "phase": phase, "x_um": x, "y_um": y, "clearance_um": clearance})
+
+    return rows
+
+
+def _contact_forces(case: str) -> Callable[[Member], list[Row]]:
+    def rows(member: Member) -> list[Row]:
+        motion = member[case]
+        edges = np.linspace(0.0, float(motion.time[-1]), round(float(motion.time[-1]) / FORCE_WINDOW) + 1)
+        forces = np.stack([greatest_force(motion, joint, edges) for joint in JOINTS], axis=1)
+        return _rows({"time_s": 0.5 * (edges[1:] + edges[:-1]), **_by_joint("force", "N", forces)})
+
+    return rows
+
+
+def _torques(case: str, quantity: str) -> Callable[[Member], list[Row]]:
+    def rows(member: Member) -> list[Row]:
+        motion = member[case]
+        return _rows({"time_s": motion.time, **_by_joint("torque", "Nm", getattr(motion, quantity))})
+
+    return rows
+
+
+def _four_models(quantity: str, unit: str) -> Callable[[Member], list[Row]]:
+    def rows(member: Member) -> list[Row]:
+        reference = member["rigid-clearance"]
+        columns = {"time_s": reference.time, "phase": phase_of(reference, 0).astype(float)}
+        for model in MODELS:
+            values = np.degrees(getattr(member[model], quantity))
+            columns |= _by_joint(f"{model}_{quantity}", unit, values)
+        return _rows(columns)
+
+    return rows
+
+
+def _wear(case: str) -> Callable[[Member], list[Row]]:
+    def rows(member: Member) -> list[Row]:
+        motion = member[case]
+        bins = motion.wear_bearing.shape[1]
+        columns = {"angle_deg": (np.arange(bins) + 0.5) * 360.0 / bins}
+        for joint in JOINTS:
+            columns[f"bearing_{joint + 1}_m"] = motion.wear_bearing[joint]
+            columns[f"journal_{joint + 1}_m"] = motion.wear_journal[joint]
+        return _rows(columns)
+
+    return rows
+
+
+def _four_bar(member: Member) -> list[Row]:
+    """Crank moment in the last of 5, 15 and 25 turns, and of the ideal linkage (0 turns), and the wear by then."""
+    rows: list[Row] = []
+    motions = {0: simulate_four_bar(1, with_clearance=False)}
+    motions |= {turns: simulate_four_bar(turns, with_clearance=True) for turns in FOUR_BAR_TURNS}
+    for turns, motion in motions.items():
+        rows += [
+            {"quantity": "crank moment [N m]", "turns": turns, "angle_deg": angle, "value": value}
+            for angle, value in _moment_of_last_turn(motion)
+        ]
+        if turns:
+            depths = motion.wear_bearing.max(axis=0)
+            rows += [
+                {"quantity": "wear depth [m]", "turns": turns, "angle_deg": (b + 0.5) * 360.0 / len(depths), "value": d}
+                for b, d in enumerate(depths.tolist())
+            ]
+    return rows
+
+
+def _moment_of_last_turn(motion: Trajectory) -> Iterator[tuple[float, float]]:
+    """Crank angle [deg] since the start of the last turn, and the drive's mean moment [N m] over each sample."""
+    work = motion.energies["external_work"][-SAMPLES_PER_TURN - 1 :]
+    angle = 2.0 * math.pi / SAMPLES_PER_TURN
+    moments = np.diff(work) / angle
+    for k, moment in enumerate(moments.tolist()):
+        yield (k + 0.5) * math.degrees(angle), moment
+
+
+def _of_model(first: int, case: str) -> Iterator[PaperFigure]:
+    """The five figures that the paper gives each model with clearance: two paths, forces, latch and cable torques."""
+    for joint in JOINTS:
+        title = f"path of the journal of joint {joint + 1} in the three phases, {case}"
+        yield PaperFigure(first + joint, title, "path", (case,), _path(case, joint))
+    yield PaperFigure(first + 2, f"contact forces, {case}", "forces", (case,), _contact_forces(case))
+    for number, quantity in ((first + 3, "latch_torque"), (first + 4, "cable_torque")):
+        title = f"{quantity.replace('_', ' ')}s, {case}"
+        yield PaperFigure(number, title, "torques", (case,), _torques(case, quantity))
+
+
+def _all() -> Iterator[PaperFigure]:
+    yield PaperFigure(5, "four-bar linkage with a clearance joint: crank moment and wear", "four-bar", (), _four_bar)
+    for number, case in ((6, "rigid-ideal"), (7, "flexible-ideal")):
+        yield PaperFigure(number, f"joint angles, {case}", "angles", (case,), _angles(case))
+    yield from _of_model(8, "rigid-clearance")
+    yield from _of_model(13, "flexible-clearance")
+    yield PaperFigure(
+        18, "joint angles of the four models and their differences", "models", MODELS, _four_models("angles", "deg")
+    )
+    yield PaperFigure(
+        19, "joint rates of the four models and their differences", "models", MODELS, _four_models("rates", "deg_s")
+    )
+    for model in (1, 2):
+        case = f"distribution-{model}"
+        sizes = "0.1 and 0.2 mm" if model == 1 else "0.2 and 0.1 mm"
+        yield PaperFigure(
+            19 + model, f"contact forces, model {model} ({sizes})", "forces", (case,), _contact_forces(case)
+        )
+        yield PaperFigure(21 + model, f"wear depth, model {model} ({sizes})", "wear", (case,), _wear(case))
+
+
+FIGURES: Mapping[int, PaperFigure] = {figure.number: figure for figure in sorted(_all(), key=lambda f: f.number)}

@@ -1,0 +1,117 @@
+"""The peer's array with flexible panels."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import Any
+
+import numpy as np
+
+from solar_env.studies.peers.exudyn_parts import Builder, items
+
+
+def joint_angles(turn: Any, root: Any, tip: Any, outer: Any) -> tuple[Any, Any]:
+    """Joint angles of flexible panels [rad] from the main body's turn and three slope vectors (x, y)."""
+    first = np.arctan2(root[0], -root[1]) - turn
+    between = np.arctan2(tip[0] * outer[1] - tip[1] * outer[0], tip[0] * outer[0] + tip[1] * outer[1])
+    second = math.pi - between
+    return first, np.where(second > 1.75 * math.pi, second - 2.0 * math.pi, second)
+
+
+class FlexibleBuilder(Builder):
+    """Cable elements in absolute nodal coordinates."""
+
+    def build(self) -> None:
+        """Add everything to the system and assemble it."""
+        p, system, elements = self.p, self.system, self.array.scene.elements
+        base, body = self.base()
+        length = p.panel_length / elements
+        section = p.panel_width * p.panel_thickness
+        bending = p.panel_young * section * p.panel_thickness**2 / 12.0
+        panels, cables = [], []
+        for start, sense in ((p.hinge_y, -1.0), (p.hinge_y - p.panel_length, 1.0)):
+            nodes = [
+                system.AddNode(
+                    items.NodePoint2DSlope1(referenceCoordinates=[p.hinge_x, start + sense * k * length, 0.0, sense])
+                )
+                for k in range(elements + 1)
+            ]
+            panels.append(nodes)
+            cables.append(
+                [
+                    system.AddObject(
+                        items.ObjectANCFCable2D(
+                            length=length,
+                            massPerLength=p.panel_density * section,
+                            bendingStiffness=bending,
+                            axialStiffness=p.panel_young * section,
+                            bendingDamping=p.panel_damping * bending,
+                            axialDamping=p.panel_damping * p.panel_young * section,
+                            nodeNumbers=list(pair),
+                        )
+                    )
+                    for pair in itertools.pairwise(nodes)
+                ]
+            )
+        # (body, x, y) of bearing and journal of each joint.
+        ends = [
+            ((body, p.hinge_x, p.hinge_y), (cables[0][0], 0.0, 0.0)),
+            ((cables[0][-1], length, 0.0), (cables[1][0], 0.0, 0.0)),
+        ]
+        markers = [(self.point(*bearing), self.point(*journal)) for bearing, journal in ends]
+        self.joints(markers)
+        coordinates = self._torques(ends, markers)
+        self.watch([base, panels[0][0], panels[0][-1], panels[1][0]])
+        slopes = [panels[0][0], panels[0][-1], panels[1][0]]
+        places: list[list[int]] = []
+
+        def angles() -> tuple[float, float]:
+            data = system.systemData
+            if not places:
+                places.append([data.GetNodeLTGODE2(base)[2]])
+                places.extend(list(data.GetNodeLTGODE2(node)[2:4]) for node in slopes)
+            q = data.GetODE2Coordinates()
+            turn = q[places[0][0]]
+            root, tip, outer = (
+                (q[x], q[y] + start) for (x, y), start in zip(places[1:], (-1.0, -1.0, 1.0), strict=True)
+            )
+            return joint_angles(turn, root, tip, outer)
+
+        self.latches([(self.ground, marker) for marker in coordinates], angles)
+
+    def _torques(self, ends: Any, markers: list[tuple[int, int]]) -> list[int]:
+        """Springs and cable loop between the slopes; returns markers of the relative rotations."""
+        p, system = self.p, self.system
+        rotations = []
+        # Rotation of the outboard relative to the inboard side when folded, and sense of the joint angle.
+        for j, (folded, sense) in enumerate(((-math.pi / 2, 1.0), (math.pi, -1.0))):
+            data = system.AddNode(items.NodeGenericData(initialCoordinates=[folded], numberOfDataCoordinates=1))
+            system.AddObject(
+                items.ObjectConnectorTorsionalSpringDamper(
+                    markerNumbers=list(markers[j]),
+                    nodeNumber=data,
+                    stiffness=p.by_joint("spring_stiffness", j),
+                    offset=folded + sense * p.by_joint("spring_preload_angle", j),
+                )
+            )
+            data = system.AddNode(items.NodeGenericData(initialCoordinates=[0.0], numberOfDataCoordinates=1))
+            (inner, *at_inner), (outer, *at_outer) = ends[j]
+            rotations.append(
+                system.AddMarker(
+                    items.MarkerBodiesRelativeRotationCoordinate(
+                        bodyNumbers=[inner, outer],
+                        nodeNumber=data,
+                        localPosition0=[*at_inner, 0.0],
+                        localPosition1=[*at_outer, 0.0],
+                        axis0=[0, 0, 1],
+                        offset=folded,
+                    )
+                )
+            )
+        system.AddObject(
+            items.ObjectConnectorCoordinateSpringDamperExt(
+                markerNumbers=rotations, stiffness=p.cable_stiffness, factor0=-2.0, factor1=1.0
+            )
+        )
+        return rotations

@@ -1,0 +1,70 @@
+"""Figure of the cost's growth, from its table alone, with fitted exponents."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solar_env.pictures.plots import STYLE
+from solar_env.studies.common.drawing import look_of, make_figure, save, use_decades
+from solar_env.studies.common.tables import Table
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+COSTS = {
+    "wall_per_step_s": "wall time of a step [s]",
+    "wall_per_simulated_second": "wall time of a simulated second [s]",
+}
+COUNTS = {"elements": "elements of a panel", "panels": "panels"}
+
+
+def fitted_exponent(counts: NDArray[np.float64], costs: NDArray[np.float64]) -> float:
+    """Exponent p of the least-squares fit of costs (n,) by a counts^p over the upper half of the range of counts.
+
+    Small models have a cost of their own that does not grow, which the lower half would mix in.
+    """
+    upper = counts >= min(np.sqrt(counts.min() * counts.max()), np.sort(counts)[-2])
+    return float(np.polyfit(np.log(counts[upper]), np.log(costs[upper]), 1)[0])
+
+
+def draw_growth(rows: Table, folder: Path) -> list[Path]:
+    """Draw cost against elements and against panels; returns the file."""
+    import matplotlib as mpl
+
+    names = [f"{row['model']}, {row['method']}" for row in rows.rows]
+    look = look_of(names)
+    figure, axes = make_figure(len(COSTS), len(COUNTS), (3.4, 2.4), len(look))
+    with mpl.rc_context(STYLE):
+        for column, (varied, count_label) in zip(axes.T, COUNTS.items(), strict=True):
+            for axis, (cost, label) in zip(column, COSTS.items(), strict=True):
+                _draw_panel(axis, rows.where(varied=varied), cost, look)
+                axis.set_xlabel(count_label)
+                axis.set_ylabel(label)
+    path = folder / "growth.png"
+    note = (
+        "numbers: fitted exponents over the upper half of the range; with explicit methods the stable step shrinks too"
+    )
+    save(figure, path, list(dict.fromkeys(names)), look, note)
+    return [path]
+
+
+def _draw_panel(axis: Axes, rows: Table, cost: str, look: dict[str, dict[str, str]]) -> None:
+    axis.set_xscale("log", base=2)
+    axis.set_yscale("log")
+    for model, method in dict.fromkeys((row["model"], row["method"]) for row in rows.rows):
+        own = rows.where(model=model, method=method)
+        counts, costs = own.column("count"), own.column(cost)
+        style = look[f"{model}, {method}"]
+        axis.plot(counts, costs, markersize=3.5, **style)  # type: ignore[arg-type]
+        exponent = fitted_exponent(counts, costs)
+        axis.annotate(
+            f"{exponent:.2f}", (counts[-1], costs[-1]), (4, 0), textcoords="offset points", color=style["color"]
+        )
+    low, high = axis.get_xlim()
+    axis.set_xlim(low, 1.25 * high)
+    axis.xaxis.set_major_formatter("{x:g}")
+    use_decades(axis, "y")

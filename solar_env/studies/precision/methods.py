@@ -1,0 +1,177 @@
+"""The methods that are charted, by name, each at several steps or tolerances from the coarsest to the finest.
+
+A further integrator is one more line of METHODS.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, Rosenbrock, RungeKutta
+from solar_env.studies.common.motion import Motion, Scene, run_own
+from solar_env.studies.peers.scipy_methods import run_scipy
+
+MISSING_PEER = "Exudyn is not installed, its methods are left out: pip install -e '.[peers]'"
+
+Settings = tuple[float, ...]
+Solve = Callable[[Scene, float], Motion]
+
+
+@dataclass(frozen=True)
+class Method:
+    """A way to simulate a scene.
+
+    Attributes:
+        name: in tables and legends.
+        setting: what is varied: "rtol" or "step" [s].
+        solve: scene and setting to motion; raises SimulationError if the run cannot go on.
+        deployments: model -> settings for whole deployments; a model that is not there is left out.
+        impacts: model -> settings for the impacts of the initial phase.
+        dear: model -> further settings for whole deployments, long runs that only the full chart makes.
+        needs: distribution that must be installed besides the project.
+    """
+
+    name: str
+    setting: str
+    solve: Solve
+    deployments: Mapping[str, Settings]
+    impacts: Mapping[str, Settings]
+    dear: Mapping[str, Settings] = field(default_factory=dict)
+    needs: str | None = None
+
+    @property
+    def available(self) -> bool:
+        """Whether what the method needs is installed."""
+        return self.needs is None or importlib.util.find_spec(self.needs) is not None
+
+
+def own(make: Callable[[float], Integrator]) -> Solve:
+    """A solver from one of the project's integrators, made from a setting."""
+    return lambda scene, setting: run_own(scene, make(setting))
+
+
+def scipy(name: str) -> Solve:
+    """A solver from one of SciPy's integrators."""
+    return lambda scene, rtol: run_scipy(scene, name, rtol)
+
+
+def exudyn(solver: str) -> Solve:
+    """A solver from one of Exudyn's, see ``exudyn_runs``; loaded when it runs."""
+
+    def solve(scene: Scene, setting: float) -> Motion:
+        from solar_env.studies.peers.exudyn_runs import run_exudyn
+
+        return run_exudyn(scene, solver, setting)
+
+    return solve
+
+
+def _by_model(
+    rigid_ideal: Settings = (),
+    rigid_clearance: Settings = (),
+    flexible_ideal: Settings = (),
+    flexible_clearance: Settings = (),
+) -> dict[str, Settings]:
+    named = {
+        "rigid-ideal": rigid_ideal,
+        "rigid-clearance": rigid_clearance,
+        "flexible-ideal": flexible_ideal,
+        "flexible-clearance": flexible_clearance,
+    }
+    return {model: settings for model, settings in named.items() if settings}
+
+
+def _impacts(rigid: Settings, flexible: Settings = ()) -> dict[str, Settings]:
+    return _by_model(rigid_clearance=rigid, flexible_clearance=flexible)
+
+
+# fmt: off
+METHODS: tuple[Method, ...] = (
+    Method(
+        "runge-kutta", "rtol", own(lambda rtol: RungeKutta(rtol=rtol)),
+        _by_model((1e-4, 1e-6, 1e-8, 1e-10, 1e-11, 1e-12), (1e-4, 1e-5, 5e-7, 1e-8, 1e-10, 1e-11, 1e-12),
+                  (1e-3, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9), (1e-3, 1e-5, 1e-6, 1e-8, 1e-9)),
+        _impacts((1e-4, 1e-5, 5e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12), (1e-3, 1e-5, 1e-6, 1e-8, 1e-10, 1e-11, 1e-12)),
+    ),
+    Method(
+        "rosenbrock", "rtol", own(lambda rtol: Rosenbrock(rtol=rtol)),
+        _by_model((), (), (1e-2, 1e-3, 1e-4, 1e-5, 1e-6), (1e-2, 1e-3, 1e-4, 1e-5)),
+        _impacts((), (1e-3, 1e-4, 1e-5, 1e-6)),
+    ),
+    Method(
+        "generalized-alpha", "step", own(lambda step: GeneralizedAlpha(step=step)),
+        _by_model((1e-2, 1e-3, 1e-4), (1e-4, 5e-5, 2e-5, 1e-5), (1e-2, 5e-3, 2e-3, 1e-3, 1e-4), (1e-4, 5e-5, 2e-5)),
+        _impacts((1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 2e-6), (1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 2e-6)),
+    ),
+    Method(
+        "generalized-alpha, adaptive", "rtol", own(lambda rtol: GeneralizedAlpha(rtol=rtol)),
+        _by_model((1e-3, 1e-5, 1e-7), (1e-4, 1e-5, 1e-6, 1e-7), (1e-3, 1e-4, 1e-5), (1e-3, 1e-4)),
+        _impacts((1e-4, 1e-5, 1e-6, 1e-7, 1e-8), (1e-3, 1e-4, 1e-5, 1e-6)),
+    ),
+    Method(
+        "paper's scheme", "step", own(lambda step: GeneralizedAlpha(step=step, rho_inf=1.0)),
+        _by_model((1e-2, 1e-3, 1e-4), (1e-4, 5e-5, 2e-5), (1e-2, 1e-3, 1e-4), (1e-4, 5e-5)),
+        _impacts((1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 2e-6), (1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 2e-6)),
+    ),
+    Method(
+        "SciPy DOP853", "rtol", scipy("DOP853"),
+        _by_model((1e-4, 1e-6, 1e-8, 1e-11, 1e-12)),
+        _impacts((1e-6, 1e-8, 1e-10, 1e-12, 1e-13), (1e-4, 1e-6, 1e-8, 1e-10, 1e-11)),
+        dear=_by_model((), (1e-6, 1e-9, 1e-11, 1e-12), (1e-8,), (1e-8,)),
+    ),
+    Method(
+        "SciPy Radau", "rtol", scipy("Radau"),
+        _by_model((1e-3, 1e-5, 1e-7, 1e-9), (), (1e-2, 1e-3, 1e-4, 1e-5)),
+        _impacts((1e-4, 1e-6, 1e-8), (1e-3, 1e-4, 1e-6)), dear=_by_model((), (1e-4, 1e-6)),
+    ),
+    Method(
+        "Exudyn generalized-alpha", "step", exudyn("generalized-alpha"),
+        _by_model((1e-2, 1e-3, 1e-4), (1e-4, 5e-5, 2e-5), (5e-3, 1e-3)),
+        _impacts((1e-4, 5e-5, 2e-5, 1e-5), (1e-4, 5e-5, 2e-5, 1e-5)),
+        dear=_by_model(flexible_ideal=(1e-4,), flexible_clearance=(5e-4, 1e-4)), needs="exudyn",
+    ),
+    Method(
+        "Exudyn explicit", "step", exudyn("explicit"),
+        _by_model((5e-2, 1e-2, 1e-3), (5e-5, 2e-5, 1e-5)), _impacts((5e-5, 2e-5, 1e-5, 5e-6)), needs="exudyn",
+    ),
+)
+# fmt: on
+
+# Two methods that have no code in common but the forces, each at its two smallest tolerances where that takes no hours.
+Pairs = tuple[tuple[str, Settings], ...]
+DEPLOYMENT_REFERENCES: dict[str, Pairs] = {
+    "rigid-ideal": (("runge-kutta", (1e-12, 1e-11)), ("SciPy DOP853", (1e-12, 1e-11))),
+    "rigid-clearance": (("runge-kutta", (1e-12, 1e-11)), ("SciPy DOP853", (1e-12, 1e-11))),
+    "flexible-ideal": (("runge-kutta", (1e-9, 1e-8)), ("SciPy DOP853", (1e-8,))),
+    "flexible-clearance": (("runge-kutta", (1e-9, 1e-8)), ("SciPy DOP853", (1e-8,))),
+}
+IMPACT_REFERENCES: dict[str, Pairs] = {
+    "rigid-clearance": (("runge-kutta", (1e-12, 1e-11)), ("SciPy DOP853", (1e-13, 1e-12))),
+    "flexible-clearance": (("runge-kutta", (1e-12, 1e-11)), ("SciPy DOP853", (1e-11, 1e-10))),
+}
+# Of short plans: with clearance what is left is chaos, whatever the method.
+SHORT_REFERENCES: dict[str, Pairs] = {
+    "rigid-ideal": (("runge-kutta", (1e-12,)), ("SciPy DOP853", (1e-12,))),
+    "rigid-clearance": (("runge-kutta", (1e-12,)), ("generalized-alpha, adaptive", (1e-7,))),
+    "flexible-ideal": (("runge-kutta", (1e-9,)), ("SciPy DOP853", (1e-8,))),
+    "flexible-clearance": (("runge-kutta", (1e-9,)), ("generalized-alpha, adaptive", (1e-4,))),
+}
+
+
+def find_method(name: str) -> Method:
+    """A method by its name.
+
+    Raises:
+        ValueError: if the name is unknown.
+    """
+    for method in METHODS:
+        if method.name == name:
+            return method
+    raise ValueError(f"method {name!r} is unknown; choose from {', '.join(dict.fromkeys(m.name for m in METHODS))}")
+
+
+def peer_is_missing() -> bool:
+    """Whether a method must be left out because what it needs is not installed."""
+    return any(not method.available for method in METHODS)

@@ -1,0 +1,138 @@
+"""Figures of work against precision, from its tables alone: a column of panels a model, a row a measure of cost."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from solar_env.pictures.plots import STYLE
+from solar_env.studies.common.drawing import draw_floor, look_of, make_figure, positive_points, save, use_decades
+from solar_env.studies.common.tables import Table
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+COSTS = (("wall_s", "wall time [s]"), ("evaluations", "evaluations"), ("factorizations", "factorisations"))
+_SIZE = (2.6, 1.9)  # of one panel with its labels [inch]
+
+
+@dataclass(frozen=True)
+class Question:
+    """One figure.
+
+    Attributes:
+        file: its name without suffix.
+        scene: kind of scene.
+        error: column of the error.
+        label: of the error's axis.
+        note: what the reader must know.
+        counts: whether the "error" is a number of right predictions, on a linear axis.
+    """
+
+    file: str
+    scene: str
+    error: str
+    label: str
+    note: str
+    counts: bool = False
+
+
+_FLOOR_NOTE = "grey: what two independent methods disagree by"
+QUESTIONS = (
+    Question("angles", "deployment", "angle_error_rad", "error of angles before the latch [rad]", _FLOOR_NOTE),
+    Question("latch", "deployment", "latch_error_s", "error of latch times [s]", _FLOOR_NOTE),
+    Question(
+        "impacts", "impacts", "impact_force_error", "error of the first impacts' peak forces",
+        f"{_FLOOR_NOTE}; first impacts of each joint",
+    ),
+    Question(
+        "horizon", "impacts", "impacts_predicted", "impacts with the right peak force (1 %)",
+        "more is better; beyond the horizon two independent methods disagree", counts=True,
+    ),
+    Question(
+        "energy", "deployment", "energy_residual", "energy not in the books / energy put in",
+        "not an error of the motion: what the method's own energy balance leaves open",
+    ),
+)  # fmt: skip
+
+
+def draw_work_precision(rows: Table, floors: Table, folder: Path) -> list[Path]:
+    """Draw the figure of every question that the tables have an answer to; returns the files."""
+    drawn = []
+    for question in QUESTIONS:
+        asked = rows.where(scene=question.scene)
+        if asked.rows:
+            drawn.append(_draw(question, asked, floors.where(scene=question.scene), rows, folder))
+    return drawn
+
+
+def _draw(question: Question, rows: Table, floors: Table, everything: Table, folder: Path) -> Path:
+    import matplotlib as mpl
+
+    look = look_of([str(name) for name in everything.values("method")])
+    names = [str(name) for name in rows.values("method") if _shows(rows.where(method=name), question)]
+    models = rows.values("model")
+    figure, axes = make_figure(len(COSTS), len(models), _SIZE, len(names))
+    with mpl.rc_context(STYLE):
+        for column, model in zip(axes.T, models, strict=True):
+            known = floors.where(model=model)
+            floor = float(known.rows[0][question.error]) if question.error in known.rows[0] else 0.0
+            for axis, (cost, label) in zip(column, COSTS, strict=True):
+                _draw_panel(axis, rows.where(model=model), question, cost, look)
+                draw_floor(axis, floor)
+                axis.set_ylabel(label)
+            column[0].set_title(_title(rows.where(model=model), floors.where(model=model)), fontsize=7.5)
+            column[-1].set_xlabel(question.label)
+            _share_errors(column, question)
+    path = folder / f"{question.file}.png"
+    save(figure, path, names, look, question.note)
+    return path
+
+
+def _shows(rows: Table, question: Question) -> bool:
+    """Whether a method has a point in the figure."""
+    errors = rows.column(question.error)
+    return bool(np.any(np.isfinite(errors) & ((errors > 0.0) | question.counts)))
+
+
+def _draw_panel(axis: Axes, rows: Table, question: Question, cost: str, look: dict[str, dict[str, Any]]) -> None:
+    """Points of every method from its coarsest to its finest setting."""
+    axis.set_xscale("linear" if question.counts else "log")
+    axis.set_yscale("log")
+    drawn = 0
+    for name in rows.values("method"):
+        own = rows.where(method=name)
+        errors, costs = own.column(question.error), own.column(cost)
+        errors, costs = (errors, costs) if question.counts else positive_points(errors, costs)
+        axis.plot(errors, costs, markersize=3.5, **look[str(name)])
+        drawn += len(errors)
+    if drawn == 0:
+        axis.text(0.5, 0.5, "none", transform=axis.transAxes, ha="center", color="#7c8896")
+        axis.set_yticks([])
+        return
+    use_decades(axis, "y")
+
+
+def _share_errors(column: Any, question: Question) -> None:
+    """The panels of a model have one scale of errors."""
+    limits = [axis.get_xlim() for axis in column if len(axis.get_yticks())]
+    for axis in column if limits else ():
+        axis.set_xlim(min(low for low, _ in limits), max(high for _, high in limits))
+        if not question.counts:
+            use_decades(axis, "x")
+
+
+def _title(rows: Table, floors: Table) -> str:
+    """Model; its elements, impacts that errors are taken over, runs that could not go on."""
+    first, known = rows.rows[0], floors.rows[0]
+    details = [f"{first['elements']} elements"] if first["elements"] else []
+    if math.isfinite(float(known["impacts_compared"])):
+        details.append(f"{known['impacts_compared']:g} of {known['impacts_in_horizon']:g} impacts")
+    failed = sum(1 for row in rows.rows if row["failure"])
+    if failed:
+        details.append(f"{failed} failed")
+    return f"{first['model']}\n{', '.join(details)}"

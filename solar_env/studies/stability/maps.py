@@ -1,0 +1,220 @@
+"""Maps of where methods fail: what a map is, and how its cells are measured.
+
+A map has two axes and one or more panels. Each cell is one small run with a known answer; it is put in a class, and
+what the library said about it (an error, a warning, a figure of the result) is kept beside it. A cell that fails
+without a word is a fault of the library: see :func:`silent_failures`.
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+from solar_env.mechanics.running.diagnosis import SimulationWarning
+from solar_env.mechanics.running.errors import SimulationError
+from solar_env.studies.common.tables import Cell as TableCell
+from solar_env.studies.common.tables import Table
+
+Value = float | int
+Result = TypeVar("Result")
+
+FINE = "fine"
+OVER_DAMPED = "over-damped"  # loses what no law takes
+GROWING = "growing"  # gains, or alternates ever more
+SPIKES = "spikes"  # is wrong for a while, then recovers
+WRONG = "wrong value"  # finishes with another answer
+STIFF = "stiff"  # is right, with steps far shorter than the motion asks for
+BLOW_UP = "blow-up"  # ends in nonsense
+NO_END = "does not end"  # takes more steps than it was allowed to
+NO_SOLUTION = "Newton failure"  # ends in an error of the iteration
+LIMITED = "held back"  # the library changed what was asked for, and says so
+CREEPS = "creeps"  # as the law has it, but not as dry friction does
+CUT_OFF = "cut off"  # the law would pull, and is cut off at zero
+REFUSED = "refused"  # not accepted as input
+CLASSES = (
+    FINE,
+    LIMITED,
+    STIFF,
+    CREEPS,
+    CUT_OFF,
+    OVER_DAMPED,
+    WRONG,
+    SPIKES,
+    GROWING,
+    NO_END,
+    NO_SOLUTION,
+    BLOW_UP,
+    REFUSED,
+)
+
+# How the library can say something.
+ERROR, WARNING, FIGURE, SILENT = "error", "warning", "figure", ""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """An axis of a map.
+
+    Attributes:
+        column: name of its column in the table.
+        label: what it is, with its unit.
+        quick: the values of a quick run.
+        full: the values of a full run.
+    """
+
+    column: str
+    label: str
+    quick: tuple[Value, ...]
+    full: tuple[Value, ...]
+
+
+@dataclass(frozen=True)
+class Cell:
+    """What was measured at one place of a map.
+
+    Attributes:
+        kind: one of CLASSES.
+        value: the measured quantity; nan if the run raised.
+        said: how the library said that something is wrong: ERROR, WARNING, FIGURE or SILENT.
+        message: what it said.
+    """
+
+    kind: str
+    value: float
+    said: str = SILENT
+    message: str = ""
+
+
+@dataclass(frozen=True)
+class StabilityMap:
+    """A map of where methods fail.
+
+    Attributes:
+        name: of the command line and of the files.
+        title: heading of the figure.
+        x, y: axes.
+        panels: names of the panels, from left to right.
+        quantity: what the value of a cell is, with its unit.
+        advice: one sentence that says what to do about the failures.
+        measure: panel, x and y to the cell.
+        limit: panel and y to the theoretical limit on x; nan where there is none.
+        limit_label: what the limit is and where it comes from; empty if there is none.
+        bare: panels that show a method without the library's care, of which no word is expected.
+    """
+
+    name: str
+    title: str
+    x: Axis
+    y: Axis
+    panels: tuple[str, ...]
+    quantity: str
+    advice: str
+    measure: Callable[[str, float, float], Cell]
+    limit: Callable[[str, float], float] = lambda panel, y: math.nan
+    limit_label: str = ""
+    bare: tuple[str, ...] = ()
+
+    def cells(self, quick: bool) -> Iterator[tuple[str, Value, Value]]:
+        """(panel, x, y) of every cell of a quick or full run."""
+        for panel in self.panels:
+            for y in self.y.quick if quick else self.y.full:
+                for x in self.x.quick if quick else self.x.full:
+                    yield panel, x, y
+
+    def row(self, panel: str, x: Value, y: Value) -> Mapping[str, TableCell]:
+        """Measure a cell and return its row of the table."""
+        cell = self.measure(panel, x, y)
+        return {
+            "panel": panel,
+            self.x.column: x,
+            self.y.column: y,
+            "class": cell.kind,
+            "value": cell.value,
+            "limit": self.limit(panel, y),
+            "said": cell.said,
+            "message": cell.message,
+        }
+
+    def description(self) -> dict[str, str]:
+        """What a figure needs to know beside the rows; kept with the table's provenance."""
+        return {
+            "title": self.title,
+            "x": self.x.column,
+            "y": self.y.column,
+            "x label": self.x.label,
+            "y label": self.y.label,
+            "value": self.quantity,
+            "limit": self.limit_label,
+            "bare": "; ".join(self.bare),
+            "advice": self.advice,
+        }
+
+
+@dataclass(frozen=True)
+class Heard(Generic[Result]):
+    """What a run returned and said.
+
+    Attributes:
+        result: what it returned; None if it raised.
+        said: ERROR, WARNING or SILENT.
+        message: of the error, or of all warnings.
+        failure: class of the error: NO_SOLUTION, NO_END, BLOW_UP or REFUSED; empty if there was none.
+    """
+
+    result: Result | None
+    said: str
+    message: str
+    failure: str
+
+    def classified(self, kind: str, value: float) -> Cell:
+        """A cell of this class, with what was said."""
+        return Cell(kind, value, self.said, self.message)
+
+    def failed(self) -> Cell:
+        """The cell of a run that raised."""
+        return Cell(self.failure, math.nan, self.said, self.message)
+
+
+def listen(run: Callable[[], Result]) -> Heard[Result]:
+    """Run, and note errors and warnings of the library instead of passing them on."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", SimulationWarning)
+        try:
+            result = run()
+        except SimulationError as error:
+            kinds = {"newton": NO_SOLUTION, "step_size": NO_SOLUTION, "steps": NO_END}
+            return Heard(None, ERROR, str(error), kinds.get(error.reason, BLOW_UP))
+        except ValueError as error:
+            return Heard(None, ERROR, str(error), REFUSED)
+    message = "; ".join(str(one.message) for one in caught)
+    return Heard(result, WARNING if message else SILENT, message, "")
+
+
+def classify_ratios(lowest: float, highest: float, tolerance: float) -> str:
+    """Class of a quantity over its exact value, from the lowest and the highest ratio that was seen.
+
+    Args:
+        lowest, highest: 1 if all is well.
+        tolerance: what is still fine; twice the exact value, or more, is a blow-up.
+    """
+    if not highest <= 2.0:
+        return BLOW_UP
+    if highest > 1.0 + tolerance:
+        return GROWING
+    return OVER_DAMPED if lowest < 1.0 - tolerance else FINE
+
+
+def silent_failures(table: Table) -> Table:
+    """The rows of a map that fail although the library said nothing; there should be none. Bare panels do not count."""
+    bare = table.provenance["bare"].split("; ")
+    kept = (row for row in table.rows if row["class"] != FINE and row["said"] == SILENT and row["panel"] not in bare)
+    return Table(tuple(kept), table.provenance)
+
+
+def log_range(first: float, last: float, count: int) -> tuple[float, ...]:
+    """``count`` values from first to last at equal ratios, rounded to three digits."""
+    ratio = (last / first) ** (1.0 / (count - 1))
+    return tuple(float(f"{first * ratio**k:.3g}") for k in range(count))

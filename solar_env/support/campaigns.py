@@ -1,0 +1,193 @@
+"""Many independent simulations: on several processes or machines, and resumed where they were interrupted.
+
+:func:`each_done` hands simulations to joblib; a campaign is a set of them whose results a file keeps as they come.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import version
+from itertools import islice
+from pathlib import Path
+from typing import Any, TypeVar
+
+from joblib import Parallel, delayed
+
+Task = TypeVar("Task")
+Result = TypeVar("Result")
+Cell = Mapping[str, Any]
+
+
+CLUSTERS = ("ray",)
+# Of each processor of a cluster; the last of them leave the others waiting, an interruption costs so many.
+_TASKS_AT_A_TIME = 4
+
+
+@dataclass(frozen=True)
+class Workers:
+    """Where tasks run.
+
+    Attributes:
+        jobs: number of processes, 1 or more; None for one a processor, of this machine or of the cluster. A cluster
+            starts no more.
+        cluster: "ray" for the Ray cluster that this machine belongs to (``ray start``), whose machines must have the
+            package installed too; None for this machine alone.
+    """
+
+    jobs: int | None = 1
+    cluster: str | None = None
+
+    def __post_init__(self) -> None:
+        if self.jobs is not None and self.jobs < 1:
+            raise ValueError(f"jobs = {self.jobs!r} must be at least 1")
+        if self.cluster not in (None, *CLUSTERS):
+            raise ValueError(f"cluster {self.cluster!r} is unknown; choose from {', '.join(CLUSTERS)}")
+
+
+def _join_ray() -> int:
+    """Connect to the cluster; returns how many processors it has."""
+    try:
+        import ray
+        from ray.util.joblib import register_ray
+    except ImportError as error:
+        raise ValueError("Ray is not installed; pip install 'solar-env[cluster]'") from error
+    if not ray.is_initialized():
+        ray.init(address="auto", log_to_driver=False)
+    register_ray()
+    return int(ray.cluster_resources()["CPU"])
+
+
+ONE = Workers()
+
+
+def each_done(
+    function: Callable[[Task], Result], tasks: Iterable[Task], workers: Workers = ONE
+) -> Iterator[tuple[Task, Result]]:
+    """Call ``function`` for every task, and yield each task with its result as it is done.
+
+    With one job everything happens in this process and in order. On a cluster results come some at a time.
+
+    Args:
+        function: at the top of a module, like its results something that can be pickled.
+        tasks: its arguments.
+        workers: where.
+
+    Raises:
+        ValueError: if Ray is asked for and not installed.
+        ConnectionError: if there is no cluster.
+        Exception: whatever ``function`` raises.
+    """
+    calls = (delayed(_with_task)(function, task) for task in tasks)
+    if workers.cluster is None:
+        yield from Parallel(n_jobs=workers.jobs or -1, return_as="generator_unordered")(calls)
+        return
+    # Joblib's way to Ray hands results over only when all are there: hence some at a time.
+    processors = _join_ray()
+    jobs = min(workers.jobs or processors, processors)
+    # A processor for every process: else Ray may put them all on one machine.
+    placed = {"ray_remote_args": {"num_cpus": 1}}
+    with Parallel(n_jobs=jobs, backend=workers.cluster, batch_size=1, **placed) as parallel:
+        while some := list(islice(calls, _TASKS_AT_A_TIME * jobs)):
+            yield from parallel(some)
+
+
+def _with_task(function: Callable[[Task], Result], task: Task) -> tuple[Task, Result]:
+    return task, function(task)
+
+
+class Campaign:
+    """Cells of a map or of an ensemble, whose results are kept in a file of JSON lines.
+
+    The first line of the file says what made it: the function, its settings and a hash of the package's code. Results
+    that were made by anything else are refused, not mixed.
+
+    Args:
+        function: from a cell to a result that JSON keeps; at the top of a module.
+        cells: arguments; mappings that JSON keeps, no two alike.
+        store: file of the results.
+        settings: what else the results hang on.
+
+    Raises:
+        ValueError: if the file belongs to another campaign, or two cells are alike.
+    """
+
+    def __init__(
+        self,
+        function: Callable[[Cell], Any],
+        cells: Sequence[Cell],
+        store: Path,
+        settings: Mapping[str, Any] | None = None,
+    ) -> None:
+        self._function = function
+        self.cells = tuple(cells)
+        self._store = store
+        keys = [_key(cell) for cell in self.cells]
+        if len(set(keys)) < len(keys):
+            raise ValueError("two cells of the campaign are alike")
+        name = f"{function.__module__}.{function.__qualname__}"
+        self._made_by = {"function": name, "code": _code_digest(), "settings": dict(settings or {})}
+        self._results: dict[str, Any] = {}
+        kept = store.read_text(encoding="utf-8").splitlines(keepends=True) if store.exists() else []
+        # An interruption may have cut the last line short: then its cell is done again.
+        whole = [line for line in kept if line.endswith("\n")]
+        if whole:
+            self._load(whole, set(keys))
+            if len(whole) < len(kept):
+                store.write_text("".join(whole), encoding="utf-8")
+        else:
+            store.parent.mkdir(parents=True, exist_ok=True)
+            store.write_text(json.dumps(self._made_by, sort_keys=True) + "\n", encoding="utf-8")
+
+    def _load(self, lines: Sequence[str], keys: set[str]) -> None:
+        if json.loads(lines[0]) != json.loads(json.dumps(self._made_by)):
+            raise ValueError(
+                f"{self._store} was made by other code or with other settings; delete it or choose another"
+            )
+        for line in lines[1:]:
+            row = json.loads(line)
+            key = _key(row["cell"])
+            if key in keys:
+                self._results[key] = row["result"]
+
+    @property
+    def missing(self) -> tuple[Cell, ...]:
+        """The cells that are not done, in their order."""
+        return tuple(cell for cell in self.cells if _key(cell) not in self._results)
+
+    def run(self, workers: Workers = ONE) -> Iterator[Cell]:
+        """Do what is missing, and yield each cell when its result is in the file."""
+        with self._store.open("a", encoding="utf-8") as file:
+            for cell, result in each_done(self._function, self.missing, workers):
+                file.write(json.dumps({"cell": dict(cell), "result": result}) + "\n")
+                file.flush()
+                self._results[_key(cell)] = json.loads(json.dumps(result))
+                yield cell
+
+    def results(self) -> list[Any]:
+        """The results of all cells, in their order.
+
+        Raises:
+            ValueError: if some are missing.
+        """
+        if self.missing:
+            raise ValueError(f"{len(self.missing)} of {len(self.cells)} cells are not done; run the campaign first")
+        return [self._results[_key(cell)] for cell in self.cells]
+
+
+@cache
+def _code_digest() -> str:
+    """Hash of the package's sources and of the versions of what computes for it."""
+    digest = hashlib.sha256()
+    for path in sorted(Path(__file__).parent.parent.rglob("*.py")):
+        digest.update(path.read_bytes())
+    for package in ("numba", "numpy", "scipy"):
+        digest.update(version(package).encode())
+    return digest.hexdigest()[:16]
+
+
+def _key(cell: Cell) -> str:
+    return json.dumps(dict(cell), sort_keys=True)

@@ -1,0 +1,59 @@
+"""Cases of the deployment: latch times of the rigid array."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from solar_env.array import ArrayParameters, build
+from solar_env.array.deployment import simulate as simulate_array
+from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
+from solar_env.mechanics.running.simulation import simulate
+from solar_env.verification.arrays.theory import latch_time, latch_time_by_quadrature
+from solar_env.verification.checks import Check
+
+# A cable that hardly stretches and never slackens.
+STIFF_CABLE: dict[str, Any] = {"cable_stiffness": 1e5, "cable_preload_force": 1e9}
+PAPER = "Li, Wang and Huang, Mech. Syst. Signal Process. 117 (2019) 188"
+COUPLE: dict[str, Any] = {"cable_torque_ratio": 1.0}
+# name, changes to the parameters
+REDUCTIONS: tuple[tuple[str, dict[str, Any]], ...] = (
+    ("main body fixed", {"body_fixed": True}),
+    ("free, hinge at mid-side", {}),
+    ("cable couple, main body fixed", {"body_fixed": True, **COUPLE}),
+    ("cable couple, free, hinge at mid-side", COUPLE),
+    ("cable couple, free, hinge at (0.5, -0.5)", {"hinge_y": -0.5, **COUPLE}),
+    ("cable couple, free, hinge at (0.5, 0.5)", {"hinge_y": 0.5, **COUPLE}),
+)
+
+
+def latch_times() -> Iterator[Check]:
+    """Rigid-ideal array with a stiff cable loop against the reduction to one degree of freedom."""
+    integrators: tuple[Integrator, ...] = (RungeKutta(rtol=1e-8), GeneralizedAlpha(step=2e-3))
+    for name, changes in REDUCTIONS:
+        parameters = ArrayParameters(**changes, **STIFF_CABLE)
+        conservative = "cable_torque_ratio" not in changes
+        expected = latch_time_by_quadrature(parameters) if conservative else latch_time(parameters)
+        source = "theta2 = 2 theta1: " + ("quadrature of the energy" if conservative else "reduced equation of motion")
+        for integrator in integrators:
+            motion = simulate(build(parameters, "rigid-ideal"), expected + 0.05, integrator=integrator, output_step=1.0)
+            yield Check(
+                quantity=f"latch time, {name} [s], {integrator.name}",
+                expected=expected,
+                obtained=float(motion.latch_times.max()),
+                tolerance=1e-3,
+                source=source,
+            )
+
+
+def paper_latch_time() -> Iterator[Check]:
+    """The `paper` preset with clearance, beside the end of the paper's contact phase."""
+    motion = simulate_array(ArrayParameters.preset("paper"), model="rigid-clearance", duration=13.5)
+    for joint, time in enumerate(motion.latch_times):
+        yield Check(
+            quantity=f"rigid-clearance, paper preset: latch time of joint {joint + 1} [s]",
+            expected=(13.175, 13.183)[joint],
+            obtained=float(time),
+            tolerance=0.1,
+            source=f"{PAPER}, end of the contact phase",
+        )

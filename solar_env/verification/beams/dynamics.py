@@ -1,0 +1,208 @@
+"""Cases of beams in large motion: spin-up, falling pendulum, free flight; order of the implicit integrator."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
+from solar_env.mechanics.joints.joint import FORCE_X, FORCE_Y
+from solar_env.mechanics.mechanism.beams import (
+    BEAM,
+    PENDULUM_BEAM,
+    SPIN_UP_BEAM,
+    Beam,
+    flexible_pendulum,
+    free_beam,
+    spin_up_beam,
+)
+from solar_env.mechanics.mechanism.description import Load
+from solar_env.mechanics.mechanism.textbook import STANDARD_GRAVITY
+from solar_env.mechanics.running.simulation import Simulation, simulate
+from solar_env.verification.arrays.conservation import momenta
+from solar_env.verification.beams.fields import flexible_body, tip
+from solar_env.verification.beams.strain_theory import StrainBeam
+from solar_env.verification.beams.theory import FALLING_TIPS, spin_up_angle, spinning_extension
+from solar_env.verification.checks import Check
+
+STRAIN_BEAM = "beam in direction and stretch instead of positions, Legendre polynomials, SciPy's DOP853"
+SIMO = "J. C. Simo and L. Vu-Quoc, J. Appl. Mech. 53 (1986) 855, without shear: two methods agreed to the digits given"
+BERZERI = "M. Berzeri and A. A. Shabana, J. Sound Vib. 235 (2000) 539: two methods agreed to the tolerance"
+
+SPIN_RATE, RAMP_TIME = 6.0, 15.0
+# The falling pendulum with a hundredfold bending stiffness and damping: smooth, so that both methods converge.
+DAMPED_PENDULUM_BEAM = replace(PENDULUM_BEAM, bending_stiffness=100.0 * PENDULUM_BEAM.bending_stiffness, damping=0.01)
+
+
+def spin_up() -> Iterator[Check]:
+    """A beam spun up about its end: lag of the tip, and its steady stretch."""
+    beam, elements = SPIN_UP_BEAM, 16
+    mechanism = spin_up_beam(beam, elements, SPIN_RATE, RAMP_TIME)
+    motion = simulate(mechanism, 20.0, integrator=GeneralizedAlpha(step=2e-3), output_step=0.01)
+    turned = np.array([spin_up_angle(t, SPIN_RATE, RAMP_TIME)[0] for t in motion.time])
+    local = tip(flexible_body(mechanism), motion.coordinates) * np.exp(-1j * turned)
+    lowest = int(local.imag.argmin())
+    late = motion.time > RAMP_TIME
+    extension = spinning_extension(beam.length, beam.linear_density, beam.axial_stiffness, SPIN_RATE)
+    for name, expected, obtained, tolerance, source in (
+        ("largest lag of the tip [m]", -0.5738, local[lowest].imag, 1e-4, SIMO),
+        ("time of the largest lag [s]", 6.76, motion.time[lowest], 0.01, SIMO),
+        # One percent: the beam goes on swinging by 1e-3 m, which shortens its projection.
+        (
+            "mean extension after the spin-up [m]",
+            extension,
+            local.real[late].mean() - beam.length,
+            0.01 * extension,
+            "exact: E A r'' = -rho A rate^2 r",
+        ),
+    ):
+        yield Check(
+            quantity=f"{name}, {elements} elements",
+            expected=expected,
+            obtained=float(obtained),
+            tolerance=tolerance,
+            source=source,
+        )
+    times = [3.0, 6.0, 9.0, 12.0, 15.0, 18.0]
+    reference = StrainBeam(beam, 5, 1, root_angle=lambda t: spin_up_angle(t, SPIN_RATE, RAMP_TIME))
+    places = reference.tips([0.0, *times], rtol=1e-6)[1:]
+    difference = [
+        abs(tip(flexible_body(mechanism), motion.coordinates[round(t / 0.01)]) - p)
+        for t, p in zip(times, places, strict=True)
+    ]
+    yield Check(
+        quantity=f"greatest distance of the tips at t = 3, 6, .. 18 s [m], {elements} elements",
+        expected=0.0,
+        obtained=float(max(difference)),
+        tolerance=1e-4,
+        source=STRAIN_BEAM,
+    )
+    yield Check(
+        quantity="energy residual over the energy put in",
+        expected=0.0,
+        obtained=motion.energy_residual / motion.energy_put_in,
+        tolerance=1e-4,
+        source="conservation of energy: stored = work of the drive",
+    )
+
+
+def falling_pendulum() -> Iterator[Check]:
+    """Flexible pendulums released from the horizontal: the published one, and a damped, stiffer one."""
+    elements = 32
+    mechanism = flexible_pendulum(PENDULUM_BEAM, elements)
+    simulation = Simulation(mechanism, GeneralizedAlpha(step=1e-3))
+    for time, (x, y, tolerance) in FALLING_TIPS.items():
+        simulation.advance(time)
+        place = tip(flexible_body(mechanism), simulation.state.q)
+        for axis, expected, obtained in (("x", x, place.real), ("y", y, place.imag)):
+            yield Check(
+                quantity=f"{axis} of the tip at t = {time:g} s [m], {elements} elements",
+                expected=expected,
+                obtained=float(obtained),
+                tolerance=tolerance,
+                source=BERZERI,
+            )
+    times, elements = [0.25, 0.5, 0.75, 1.0], 16
+    places = StrainBeam(DAMPED_PENDULUM_BEAM, 10, 7, gravity=STANDARD_GRAVITY).tips([0.0, *times], rtol=1e-8)[1:]
+    mechanism = flexible_pendulum(DAMPED_PENDULUM_BEAM, elements)
+    choices: tuple[tuple[Integrator, float], ...] = ((RungeKutta(rtol=1e-8), 2e-5), (GeneralizedAlpha(step=5e-4), 1e-4))
+    for integrator, tolerance in choices:
+        simulation = Simulation(mechanism, integrator)
+        for time, expected in zip(times, places, strict=True):
+            simulation.advance(time)
+            yield Check(
+                quantity=f"damped, stiffer: distance of the tip at t = {time:g} s [m], {integrator.name}",
+                expected=0.0,
+                obtained=float(abs(tip(flexible_body(mechanism), simulation.state.q) - expected)),
+                tolerance=tolerance,
+                source=STRAIN_BEAM,
+            )
+
+
+def free_flight() -> Iterator[Check]:
+    """A floppy beam without supports: momenta, and the motion of the centre of mass under constant loads."""
+    beam, elements = Beam(1.5, 4.0, 2e4, 2.0), 6
+    duration, spin = 1.0, 4.0
+    force, torque, middle = (3.0, -5.0), 2.0, 0.5 * beam.length
+    velocity = complex(0.4, -0.2)
+    variants: tuple[tuple[str, tuple[Load, ...]], ...] = (
+        ("no loads", ()),
+        ("force at mid-span", (Load(BEAM, (middle, 0.0), force),)),
+        ("force at the tip", (Load(BEAM, (beam.length, 0.0), force),)),
+        ("torque at the tip", (Load(BEAM, (beam.length, 0.0), torque=torque),)),
+    )
+    # Tolerances of angular momentum and energy. Moments are integrated by the trapezoidal rule; generalized-alpha
+    # has (omega h)^2, and damps the high modes that a sudden torque excites.
+    integrators: tuple[tuple[Integrator, float, float], ...] = (
+        (RungeKutta(rtol=1e-8), 1e-6, 1e-6),
+        (GeneralizedAlpha(step=1e-3), 1e-5, 1e-3),
+    )
+    for name, loads in variants:
+        mechanism = free_beam(beam, elements, (velocity.real, velocity.imag), spin, 0.3, loads)
+        body = flexible_body(mechanism)
+        centre_velocity = velocity + 1j * spin * middle * cmath.rect(1.0, 0.3)
+        for integrator, angular_tolerance, energy_tolerance in integrators:
+            motion = simulate(mechanism, duration, integrator=integrator, output_step=1e-3)
+            linear, angular = momenta(mechanism, motion)
+            pull = sum((complex(*load.force) for load in loads), 0j)
+            expected = beam.mass * centre_velocity + pull * motion.time
+            moment = np.full_like(motion.time, sum(load.torque for load in loads))
+            for load in loads:
+                node = body.node(load.point)
+                place = motion.coordinates[:, 4 * node] + 1j * motion.coordinates[:, 4 * node + 1]
+                moment = moment + (place.conj() * complex(*load.force)).imag
+            impulse = np.concatenate([[0.0], np.cumsum(0.5 * (moment[1:] + moment[:-1]) * np.diff(motion.time))])
+            figures = (
+                (
+                    "linear momentum less F t, relative",
+                    np.abs(linear[:, 0] - expected).max() / np.abs(expected).max(),
+                    1e-9,
+                    "exact: m v = m v0 + F t",
+                ),
+                (
+                    "angular momentum less the integral of the moments, relative",
+                    np.abs(angular[:, 0] - angular[0, 0] - impulse).max() / np.abs(angular).max(),
+                    angular_tolerance,
+                    "exact: dL/dt = moment of the loads about the origin",
+                ),
+                (
+                    "energy residual over the energy at hand",
+                    motion.energy_residual / (motion.energy_put_in + np.abs(motion.energies["gravity"]).max()),
+                    energy_tolerance,
+                    "conservation of energy",
+                ),
+            )
+            for figure, obtained, tolerance, source in figures:
+                yield Check(
+                    quantity=f"{name}: {figure}, {integrator.name}",
+                    expected=0.0,
+                    obtained=float(obtained),
+                    tolerance=tolerance,
+                    source=source,
+                )
+
+
+def implicit_order() -> Iterator[Check]:
+    """Order of generalized-alpha with flexible bodies, in coordinates and in the force of the pivot."""
+    mechanism, time = flexible_pendulum(DAMPED_PENDULUM_BEAM, 4), 0.5
+
+    def run(integrator: Integrator) -> tuple[np.ndarray, np.ndarray]:
+        simulation = Simulation(mechanism, integrator)
+        simulation.advance(time)
+        return simulation.state.q.copy(), simulation.joint_loads()[0, [FORCE_X, FORCE_Y]]
+
+    exact = run(RungeKutta(rtol=1e-11))
+    runs = [run(GeneralizedAlpha(step=step)) for step in (1e-3, 5e-4)]
+    for name, part in (("coordinates", 0), ("the pivot's force", 1)):
+        coarse, fine = (float(np.linalg.norm(result[part] - exact[part])) for result in runs)
+        yield Check(
+            quantity=f"order of convergence in {name}",
+            expected=2.0,
+            obtained=math.log2(coarse / fine),
+            tolerance=0.1,
+            source="M. Arnold and O. Bruls, Multibody Syst. Dyn. 18 (2007) 185",
+        )

@@ -1,0 +1,70 @@
+"""Places and velocities along a flexible body from its nodal coordinates, by SciPy's cubic Hermite splines."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicHermiteSpline
+
+from solar_env.mechanics.mechanism.description import FlexibleBody, Mechanism
+
+Field = NDArray[np.complex128]
+
+
+def flexible_body(mechanism: Mechanism) -> FlexibleBody:
+    """The first body of a mechanism of beams."""
+    body = mechanism.bodies[0]
+    assert isinstance(body, FlexibleBody)
+    return body
+
+
+def coordinates_of(body: FlexibleBody, first: int = 0) -> slice:
+    """Coordinates of a body among those of its mechanism, where they start at ``first``."""
+    return slice(first, first + 4 * (body.elements + 1))
+
+
+def as_complex(coordinates: NDArray[Any]) -> Field:
+    """(points, ...) x + i y of coordinates (..., 2 points) that alternate between x and y."""
+    pairs = coordinates.reshape(*coordinates.shape[:-1], -1, 2)
+    return np.moveaxis(pairs[..., 0] + 1j * pairs[..., 1], -1, 0)
+
+
+def nodes(body: FlexibleBody, values: NDArray[Any], first: int = 0) -> tuple[Field, Field]:
+    """Places (nodes, ...) and slopes of a body whose coordinates start at ``first`` in ``values`` (..., n)."""
+    points = as_complex(np.asarray(values)[..., coordinates_of(body, first)])
+    return points[0::2], points[1::2]
+
+
+def tip(body: FlexibleBody, values: NDArray[Any], first: int = 0) -> Any:
+    """Place x + i y of the last node, or its velocity."""
+    return nodes(body, values, first)[0][-1]
+
+
+def spline(body: FlexibleBody, values: NDArray[Any], first: int = 0) -> CubicHermiteSpline:
+    """The centreline, or its velocity, over the undeformed length."""
+    places, slopes = nodes(body, values, first)
+    return CubicHermiteSpline(np.linspace(0.0, body.length, body.elements + 1), places, slopes)
+
+
+def beam_points(
+    body: FlexibleBody, coordinates: NDArray[Any], velocities: NDArray[Any], first: int = 0
+) -> tuple[Field, Field, NDArray[np.float64]]:
+    """Places and velocities (..., points) along a body, and the mass (points,) [kg] that each stands for.
+
+    Gauss points that integrate products of two such fields exactly.
+    """
+    x, weights = np.polynomial.legendre.leggauss(4)
+    size = body.length / body.elements
+    points = ((np.arange(body.elements)[:, None] + 0.5 * (x + 1.0)) * size).ravel()
+    mass = body.linear_density * np.tile(0.5 * size * weights, body.elements)
+    fields = [np.moveaxis(spline(body, values, first)(points), 0, -1) for values in (coordinates, velocities)]
+    return fields[0], fields[1], mass
+
+
+def straight_coordinates(body: FlexibleBody, start: complex, slope: complex) -> NDArray[np.float64]:
+    """Coordinates of a body whose centreline is start + slope * s; of its velocity for a rigid motion, too."""
+    places = start + slope * np.linspace(0.0, body.length, body.elements + 1)
+    columns = (places.real, places.imag, np.full_like(places.real, slope.real), np.full_like(places.real, slope.imag))
+    return np.column_stack(columns).ravel()

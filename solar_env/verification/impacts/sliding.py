@@ -1,0 +1,190 @@
+"""Cases of lasting contact: friction creep and wear of a loaded journal, calculated by hand.
+
+A journal pressed by the weight W turns in a fixed bearing. Contact force and weight balance, so that normal
+force N and friction T satisfy N^2 + T^2 = W^2; the journal's centre rests at the angle arctan(T / N) off the
+bottom.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
+from solar_env.mechanics.joints.joint import NORMAL, RATE, TANGENTIAL
+from solar_env.mechanics.joints.laws import damping_factor
+from solar_env.mechanics.mechanism.description import Bearing, Body
+from solar_env.mechanics.mechanism.textbook import loaded_journal
+from solar_env.mechanics.running.simulation import Simulation, simulate
+from solar_env.mechanics.running.trajectory import Trajectory
+from solar_env.verification.checks import Check
+
+LOAD, RADIUS, CLEARANCE = 10.0, 0.01, 2e-4
+FRICTION = 0.15
+SPEED_ZERO, SPEED_FULL = 1e-4, 1e-3
+WEAR, WIDTH, BINS = 1e-13, 0.05, 360
+STATICS = "balance of forces and moments"
+ARCHARD = "J. F. Archard, J. Appl. Phys. 24 (1953) 981: volume = k * force * sliding distance"
+RATE_OF_TURNING, TURNS = 20.0, 2  # rad/s, -
+
+
+def _bearing(material_sliding: bool = True) -> Bearing:
+    return Bearing(
+        CLEARANCE,
+        RADIUS,
+        stiffness=7.39e10,
+        damping_factor=damping_factor("lankarani-nikravesh", 0.5),
+        friction_coefficient=FRICTION,
+        friction_speeds=(SPEED_ZERO, SPEED_FULL),
+        material_sliding=material_sliding,
+        wear_coefficient=WEAR,
+        width=WIDTH,
+    )
+
+
+def friction_creep() -> Iterator[Check]:
+    """A journal turned by a torque below the friction limit creeps where the ramp balances it."""
+    integrators: tuple[Integrator, ...] = (RungeKutta(rtol=1e-8), GeneralizedAlpha(step=1e-4))
+    for integrator in integrators:
+        for share in (0.3, 0.9):
+            # Torque balance: T R = torque; share = T / (cf N).
+            normal = LOAD / math.hypot(1.0, share * FRICTION)
+            friction = share * FRICTION * normal
+            simulation = Simulation(loaded_journal(_bearing(), LOAD), integrator)
+            simulation.set_motor_torque(0, friction * RADIUS)
+            simulation.advance(3.0)
+            loads = simulation.joint_loads()[0]
+            figures = (
+                ("sliding speed [m/s]", SPEED_ZERO + (SPEED_FULL - SPEED_ZERO) * share, loads[RATE] * RADIUS),
+                ("normal force [N]", normal, loads[NORMAL]),
+                ("friction force [N]", friction, abs(loads[TANGENTIAL])),
+            )
+            for name, expected, obtained in figures:
+                yield Check(
+                    quantity=f"Ft = {share:g} cf Fn: {name}, {integrator.name}",
+                    expected=expected,
+                    obtained=float(obtained),
+                    tolerance=1e-5,
+                    relative=True,
+                    source=f"exact: v0 + (v1 - v0) Ft / (cf Fn); {STATICS}",
+                )
+
+
+def sliding_speed_readings() -> Iterator[Check]:
+    """With the sliding speed of the joint centres, a journal that spins in its place meets no friction."""
+    torque, duration = 0.5 * FRICTION * LOAD * RADIUS, 0.05
+    mechanism = loaded_journal(_bearing(material_sliding=False), LOAD)
+    simulation = Simulation(mechanism, RungeKutta(rtol=1e-8))
+    simulation.set_motor_torque(0, torque)
+    simulation.advance(duration)
+    journal = mechanism.bodies[0]
+    assert isinstance(journal, Body)
+    inertia = journal.inertia
+    yield Check(
+        quantity="speed of centres: spin after 0.05 s, without friction [rad/s]",
+        expected=torque * duration / inertia,
+        obtained=float(simulation.joint_loads()[0][RATE]),
+        tolerance=1e-8,  # that of the integrator, whose treatment of a lasting contact measures a rate of change
+        relative=True,
+        source="exact: the centres do not slide, so that the torque accelerates the journal freely",
+    )
+
+
+def _worn(housing_angle: float | None = None) -> Trajectory:
+    """Motion of a journal that turns at a constant rate, in the ground or in a fixed housing at an angle [rad]."""
+    mechanism = loaded_journal(_bearing(), LOAD, math.atan(FRICTION), RATE_OF_TURNING, wear_bins=BINS)
+    if housing_angle is not None:
+        housing = Body("housing", 1.0, 1.0, 1.0, (0.0, 0.0), angle=housing_angle, fixed=True)
+        joint = replace(mechanism.joints[0], inboard=housing.name)
+        mechanism = replace(mechanism, bodies=(housing, *mechanism.bodies), joints=(joint,))
+    return simulate(mechanism, TURNS * 2.0 * math.pi / RATE_OF_TURNING, integrator=RungeKutta(rtol=1e-8))
+
+
+def archard_wear() -> Iterator[Check]:
+    """Wear of a journal that turns at a constant rate: volumes, depths over the arc of contact, and its place."""
+    bearing, rate, motion = _bearing(), RATE_OF_TURNING, _worn()
+    duration = TURNS * 2.0 * math.pi / rate
+    # Steady sliding, beyond the ramp: T = cf N.
+    normal = LOAD / math.hypot(1.0, FRICTION)
+    volume = WEAR * normal * RADIUS * rate * duration
+    bin_arc = 2.0 * math.pi / BINS
+    bearing_radius = RADIUS + CLEARANCE
+    depth = (normal / bearing.stiffness) ** (2.0 / 3.0)
+    half_arc = math.acos(CLEARANCE / (CLEARANCE + depth))
+    # The arc of contact stays in its place on the bearing: the bin which it covers most wears deepest.
+    low = 1.5 * math.pi - math.atan(FRICTION) - half_arc
+    high = low + 2.0 * half_arc
+    edges = np.arange(BINS + 1) * bin_arc
+    covered = np.clip(np.minimum(high, edges[1:]) - np.maximum(low, edges[:-1]), 0.0, None)
+    deepest = volume / (WIDTH * bearing_radius * bin_arc) * covered.max() / (2.0 * half_arc)
+    figures = (
+        (
+            "worn volume of the journal [m3]",
+            volume,
+            motion.wear_journal.sum() * RADIUS * bin_arc * WIDTH,
+            1e-6,
+        ),
+        (
+            "worn volume of the bearing [m3]",
+            volume,
+            motion.wear_bearing.sum() * bearing_radius * bin_arc * WIDTH,
+            1e-6,
+        ),
+        (
+            "mean depth on the journal [m]",
+            volume / (2.0 * math.pi * RADIUS * WIDTH),
+            motion.wear_journal.mean(),
+            1e-6,
+        ),
+        ("deepest bin of the bearing [m]", deepest, motion.wear_bearing.max(), 1e-3),
+        ("normal force [N]", normal, motion.normal_force[-1, 0], 1e-5),
+        ("sliding work [J]", normal * RADIUS * rate * duration, motion.sliding_work[-1, 0], 1e-6),
+        (
+            "friction heat [J]",
+            FRICTION * normal * RADIUS * rate * duration,
+            motion.energies["friction_dissipation"][-1],
+            1e-6,
+        ),
+    )
+    for name, expected, obtained, tolerance in figures:
+        yield Check(
+            quantity=name,
+            expected=expected,
+            obtained=float(obtained),
+            tolerance=tolerance,
+            relative=True,
+            source=ARCHARD,
+        )
+    yield from _places_of_wear("bearing", motion, 0.0, half_arc)
+    yield from _places_of_wear("bearing turned by 1 rad", _worn(1.0), 1.0, half_arc)
+
+
+def _places_of_wear(name: str, motion: Trajectory, angle: float, half_arc: float) -> Iterator[Check]:
+    """Where wear falls in the frames of a bearing at ``angle`` [rad] and of a journal that turns in it."""
+    worn, bin_arc = motion.wear_bearing[0], 2.0 * math.pi / BINS
+    middles = (np.arange(BINS) + 0.5) * bin_arc
+    place = 1.5 * math.pi - math.atan(FRICTION) - angle
+    yield Check(
+        quantity=f"{name}: centroid of its wear [rad]",
+        expected=place,
+        obtained=float(worn @ middles / worn.sum()),
+        tolerance=bin_arc**2 / (16.0 * half_arc),  # the two bins that the arc covers in part count at their middles
+        source=f"exact: the line of centres leans by arctan(T / N); {STATICS}",
+    )
+    yield Check(
+        quantity=f"{name}: deepest wear beside the arc of contact [m]",
+        expected=0.0,
+        obtained=float(worn[np.abs(middles - place) > half_arc + bin_arc].max()),
+        tolerance=0.0,
+        source="no contact there",
+    )
+    yield Check(
+        quantity=f"{name}: deepest over mean wear of the journal that turns in it",
+        expected=1.0,
+        obtained=float(motion.wear_journal.max() / motion.wear_journal.mean()),
+        tolerance=0.03,  # a step wears an arc at once
+        source=f"every point of it passes the arc of contact {TURNS} times",
+    )

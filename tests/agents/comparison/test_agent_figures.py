@@ -1,0 +1,116 @@
+"""Figures of agents show what they were given, in the units of their axes."""
+
+import math
+
+import numpy as np
+import pytest
+
+from agents.comparison.figures import (
+    comparison_figure,
+    deployments_figure,
+    learning_curves_figure,
+    plot_episodes,
+    transfer_figure,
+)
+from agents.comparison.statistics import Estimate
+from agents.rollout import Step
+
+NAMES = ("theta_1", "theta_2", "rate_1", "rate_2", "motor_torque")
+
+
+def drawn(axes, label):
+    """The line of a label: abscissae and ordinates."""
+    (line,) = (line for line in axes.lines if line.get_label() == label)
+    return np.asarray(line.get_xdata(), float).tolist(), np.asarray(line.get_ydata(), float).tolist()
+
+
+def episode(force, commanded, applied):
+    """Two periods, the second with an impact."""
+    observations = np.array([[0.1, 0.2, 0.3, 0.4, 0.0], [0.5, 0.6, 0.7, 0.8, applied]])
+    charged = [{"peak_impact": 0.0, "wear": 0.0}, {"peak_impact": -0.25, "wear": -0.5}]
+    return [
+        Step(0.1 * (k + 1), observations[k], np.array([commanded]), np.array([0.0, k * force]), charged[k])
+        for k in range(2)
+    ]
+
+
+def test_a_comparison_shows_means_intervals_and_the_worst_of_every_controller_in_the_units_of_the_axes(
+    tmp_path, saved_figures
+):
+    figures = {
+        "return": Estimate(-2.0, -3.0, -1.5, -9.0, -1.0, 5),
+        "peak_postlock_force_N": Estimate(20.0, 15.0, 30.0, 10.0, 90.0, 5),
+        "postlock_sliding_work_J": Estimate(2e-3, 1e-3, 3e-3, 1e-4, 9e-3, 5),
+        "wear_depth_max_m": Estimate(5e-15, 4e-15, 6e-15, 3e-15, 7e-15, 5),
+    }
+    better = {name: Estimate(*(0.1 * number for number in vars(value).values())) for name, value in figures.items()}
+    comparison_figure({"passive": figures, "servo": better}, tmp_path / "figure.png")
+    panels = saved_figures[0].axes
+    rows = {text.get_text(): row for row, text in enumerate(panels[0].get_yticklabels())}
+    shown = [(2.0, [1.5, 3.0], 9.0), (20.0, [15.0, 30.0], 90.0), (2.0, [1.0, 3.0], 9.0), (5.0, [4.0, 6.0], 7.0)]
+    for axes, (mean, ends, worst) in zip(panels, shown, strict=True):
+        for name, factor in (("passive", 1.0), ("servo", 0.1)):
+            found = [line.get_xdata() for line in axes.lines if set(line.get_ydata()) == {rows[name]}]
+            for values, exact in zip(found, (ends, [mean], [worst]), strict=True):
+                np.testing.assert_allclose(values, np.multiply(exact, factor))
+
+
+def test_a_comparison_has_no_panel_for_what_is_zero_whoever_controls(tmp_path, saved_figures):
+    figures = {
+        "return": Estimate(-2.0, -3.0, -1.5, -9.0, -1.0, 5),
+        "peak_postlock_force_N": Estimate(20.0, 15.0, 30.0, 10.0, 90.0, 5),
+        "postlock_sliding_work_J": Estimate(0.0, 0.0, 0.0, 0.0, 0.0, 5),
+        "wear_depth_max_m": Estimate(math.nan, math.nan, math.nan, math.nan, math.nan, 0),
+    }
+    comparison_figure({"passive": figures}, tmp_path / "figure.png")
+    assert [axes.get_xlabel() for axes in saved_figures[0].axes] == ["minus return", "peak post-lock force [N]"]
+
+
+def test_the_transfer_matrix_has_its_rows_for_training_and_its_columns_for_judging(tmp_path, saved_figures):
+    returns = {"rigid": {"servo": -1.0, "2 elements": -2.0}, "6 elements": {"servo": -3.0, "2 elements": -4.0}}
+    transfer_figure(returns, tmp_path / "figure.png")
+    axes = saved_figures[0].axes[0]
+    columns, rows = ([text.get_text() for text in ticks] for ticks in (axes.get_xticklabels(), axes.get_yticklabels()))
+    shown = {
+        (columns[int(t.get_position()[0])], rows[int(t.get_position()[1])]): float(t.get_text()) for t in axes.texts
+    }
+    assert shown == {(judged, trained): value for judged, row in returns.items() for trained, value in row.items()}
+    np.testing.assert_allclose(axes.images[0].get_array(), np.log10([[1.0, 3.0], [2.0, 4.0]]))
+
+
+def test_a_learning_curve_is_the_median_of_the_seeds_and_their_range_on_the_panel_of_its_task(tmp_path, saved_figures):
+    steps = np.array([0, 10])
+    curves = {
+        ("nominal", "ppo"): (steps, -np.array([[1.0, 0.5], [2.0, 0.7], [6.0, 0.1]])),
+        ("nominal", "sac"): (steps, -np.array([[3.0, 4.0]])),
+        ("randomised", "ppo"): (steps, -np.array([[5.0, 4.0]])),
+    }
+    learning_curves_figure(curves, tmp_path / "figure.png")
+    nominal, randomised = saved_figures[0].axes
+    assert (nominal.get_title(), randomised.get_title()) == ("nominal", "randomised")
+    assert drawn(nominal, "ppo, 3 seeds") == ([0.0, 10.0], [2.0, 0.5])
+    assert drawn(nominal, "sac, 1 seeds") == ([0.0, 10.0], [3.0, 4.0])
+    assert drawn(randomised, "ppo, 1 seeds") == ([0.0, 10.0], [5.0, 4.0])
+    band = nominal.collections[0].get_paths()[0].vertices
+    assert (band[band[:, 0] == 0.0, 1].min(), band[band[:, 0] == 0.0, 1].max()) == (1.0, 6.0)
+
+
+def test_deployments_show_the_torque_that_acts_the_rates_the_forces_and_what_was_charged(tmp_path, saved_figures):
+    deployments_figure({"servo": episode(force=7.0, commanded=1.0, applied=-0.5)}, NAMES, 0.4, tmp_path / "figure.png")
+    torque, rates, forces, charges = saved_figures[0].axes
+    assert drawn(torque, "servo") == ([0.1, 0.2], pytest.approx([0.0, -0.2]))
+    assert drawn(rates, "servo, rate_2") == ([0.1, 0.2], [0.4, 0.8])
+    assert drawn(forces, "servo") == ([0.1, 0.2], [0.0, 7.0])
+    assert drawn(charges, "servo") == ([0.1, 0.2], [0.0, 0.75])
+
+
+def test_the_episodes_of_a_run_show_the_angles_of_each_controller_what_it_asks_for_and_what_impacts_cost():
+    from matplotlib.figure import Figure
+
+    axes = Figure().subplots(3)
+    episodes = {"ppo": episode(1.0, 0.5, 0.0), "passive": episode(1.0, 0.0, 0.0)}
+    plot_episodes(axes, episodes, NAMES, 0.4)
+    assert drawn(axes[0], "ppo, joint 2") == ([0.1, 0.2], [0.2, 0.6])
+    assert drawn(axes[1], "ppo")[1] == pytest.approx([0.2, 0.2])
+    assert drawn(axes[1], "passive")[1] == [0.0, 0.0]
+    assert drawn(axes[2], "ppo")[1] == [0.0, 0.25]

@@ -1,0 +1,277 @@
+"""Seeds, environments, figures of episodes, statistics and the parsing of arguments."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+from scipy.stats import norm
+
+from agents.arguments import parse_arguments, parse_assignments, run_command
+from agents.comparison.statistics import difference, estimate, improvement, interquartile_mean
+from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_sampling
+from agents.rollout import episode_figures
+from solar_env import SimulationError
+
+
+def test_episode_figures_of_the_array_follow_from_those_of_the_joints():
+    deployment = {
+        "latched": True,
+        "latch_times_s": [12.0, 12.5],
+        "peak_postlock_force_N": [300.0, 200.0],
+        "postlock_sliding_work_J": [0.01, 0.02],
+        "contact_starts": [3, 4],
+        "motor_work_J": -0.1,
+    }
+    figures = episode_figures(deployment, {"peak_impact": -3.0, "wear": -1.0})
+    assert figures["return"] == -4.0
+    assert figures["latch_times_s"] == 12.5
+    assert figures["peak_postlock_force_N"] == 300.0
+    assert figures["peak_postlock_force_2_N"] == 200.0
+    assert figures["postlock_sliding_work_J"] == pytest.approx(0.03)
+    assert figures["contact_starts"] == 7
+
+
+def test_seeds_of_different_purposes_and_run_seeds_never_coincide():
+    blocks = [
+        set(episode_seeds(purpose, seed, 10_000))
+        for purpose in ("training", "validation", "evaluation")
+        for seed in (0, 1, 99_999)
+    ]
+    assert len(set.union(*blocks)) == sum(map(len, blocks))
+
+
+@pytest.mark.parametrize(("seed", "count"), [(-1, 1), (100_000, 1), (0, 0), (0, 10_001)])
+def test_seeds_beyond_their_block_are_refused(seed, count):
+    with pytest.raises(ValueError, match="choose one from"):
+        episode_seeds("training", seed, count)
+
+
+def test_nominal_episodes_differ_by_micrometres_and_randomised_ones_as_their_scenario_says():
+    assert with_sampling({}) == {"randomize": {"hinge_x": (0.5 - 5e-6, 0.5 + 5e-6)}}
+    assert with_sampling({"parameters": {"hinge_x": 0.3}})["randomize"] == {"hinge_x": (0.3 - 5e-6, 0.3 + 5e-6)}
+    assert with_sampling({}, "solar_env/DeployRandomised-v0") == {}
+    for given in ({"randomize": {}}, {"randomize": {"clearance": (1e-4, 2e-4)}}):
+        assert with_sampling(given) == given
+
+
+def test_model_and_elements_join_the_environments_keywords():
+    assert with_model({"torque_limit": 0.3}) == {"torque_limit": 0.3}
+    assert with_model({}, "flexible-ideal", 2) == {"model": "flexible-ideal", "elements": 2}
+    assert with_model({"elements": 2}, "flexible-ideal", 2) == {"model": "flexible-ideal", "elements": 2}
+    with make_env(env_kwargs=with_model({}, "flexible-ideal", 2)) as made:
+        assert (made.unwrapped.model, made.unwrapped.elements) == ("flexible-ideal", 2)
+
+
+def test_a_default_model_with_its_elements_gives_way_to_a_model_that_is_named():
+    default = {"model": "flexible-clearance", "elements": 4}
+    assert with_model({}, default=default) == default
+    assert with_model({}, elements=2, default=default) == {"model": "flexible-clearance", "elements": 2}
+    assert with_model({}, "rigid-clearance", default=default) == {"model": "rigid-clearance"}
+    assert with_model({"model": "rigid-ideal"}, default=default) == {"model": "rigid-ideal"}
+
+
+def test_an_automatic_model_is_kept_as_the_level_that_it_stands_for():
+    keywords = {"question": "wear", "tolerance": 0.2, "torque_limit": 0.3}
+    with make_env(env_kwargs={"model": "auto", **keywords}) as automatic:
+        level = {"model": automatic.unwrapped.model, "elements": automatic.unwrapped.elements}
+    assert with_model(keywords, "auto") == {"torque_limit": 0.3, **level}
+
+
+@pytest.mark.parametrize(
+    ("keywords", "option", "message"),
+    [
+        (
+            {"model": "rigid-ideal"},
+            {"model": "flexible-ideal"},
+            "--model flexible-ideal contradicts --env-kwargs model",
+        ),
+        ({"elements": 3}, {"elements": 2}, "--elements 2 contradicts --env-kwargs elements=3"),
+    ],
+)
+def test_options_that_contradict_the_keywords_are_refused(keywords, option, message):
+    with pytest.raises(ValueError, match=message):
+        with_model(keywords, **option)
+
+
+def test_unknown_environment_names_those_there_are():
+    with pytest.raises(ValueError, match=DEFAULT_ENV_ID):
+        make_env("solar_env/Fold-v0")
+
+
+def test_unknown_environment_keyword_is_named():
+    with pytest.raises(ValueError, match="torque_limits"):
+        make_env(DEFAULT_ENV_ID, {"torque_limits": 0.3})
+
+
+def test_interquartile_mean_ignores_the_outer_quarters():
+    assert interquartile_mean(np.array([-1e9, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 1e9])) == 3.5
+
+
+def test_bootstrap_interval_contains_the_point_estimate_and_narrows_with_more_episodes():
+    rng = np.random.default_rng(0)
+    few, many = (estimate([rng.normal(size=n)]) for n in (20, 2000))
+    for result in (few, many):
+        assert result.lower < result.mean < result.upper
+    assert many.upper - many.lower < 0.25 * (few.upper - few.lower)
+
+
+def test_bootstrap_interval_covers_the_truth_about_as_often_as_it_claims():
+    rng = np.random.default_rng(1)
+    results = [estimate([rng.normal(size=50)], seed=i, resamples=400) for i in range(200)]
+    coverage = np.mean([result.lower <= 0.0 <= result.upper for result in results])
+    assert 0.88 <= coverage <= 0.99
+
+
+def test_the_interval_of_runs_on_common_episodes_covers_the_truth_although_episodes_do_not_average_out():
+    """Figures of an episode and of a run, which add up: episodes as hard for one run as for the others."""
+    rng = np.random.default_rng(3)
+    covered = []
+    for _ in range(200):
+        hardness, skill = rng.normal(size=40), rng.normal(scale=0.3, size=(5, 1))
+        result = estimate(list(skill + hardness), resamples=400, mean=lambda values: np.mean(values, axis=-1))
+        covered.append(result.lower <= 0.0 <= result.upper)
+    assert 0.88 <= np.mean(covered) <= 0.99
+
+
+def test_the_interval_of_a_difference_counts_the_runs_of_the_reference_as_a_sample_too():
+    """Equal algorithms whose runs differ: that theirs are few is as good a reason for doubt as that ours are."""
+    rng = np.random.default_rng(4)
+    covered = []
+    for _ in range(200):
+        hardness = rng.normal(size=30)
+        mine, others = (rng.normal(size=(8, 1)) + rng.normal(size=(8, 30)) + hardness for _ in range(2))
+        result = difference(list(mine), list(others))
+        covered.append(result.lower <= 0.0 <= result.upper)
+    assert 0.88 <= np.mean(covered) <= 0.99
+
+
+def test_an_improvement_on_several_runs_is_over_each_of_them():
+    good, bad, between = np.full(8, -1.0), np.full(8, -3.0), np.full(8, -2.0)
+    assert improvement([between], [good, bad]).mean == 0.5
+    assert improvement([good, bad], [good, bad]).mean == 0.5
+
+
+def test_the_probability_of_improvement_is_that_of_two_shifted_normal_laws():
+    """Paired and independent: the difference of two unit normals shifted by d is positive with Phi(d / sqrt 2)."""
+    rng = np.random.default_rng(0)
+    mine, other = rng.normal(0.5, 1.0, 4000), rng.normal(0.0, 1.0, 4000)
+    found = improvement([mine], [other])
+    assert found.lower < norm.cdf(0.5 / np.sqrt(2.0)) < found.upper
+    assert found.upper - found.lower == pytest.approx(2 * 1.96 * np.sqrt(0.64 * 0.36 / 4000), rel=0.1)
+
+
+def test_ties_are_half_an_improvement():
+    same = np.arange(5.0)
+    assert improvement([same], [same]).mean == 0.5
+
+
+def test_differences_between_training_runs_widen_the_interval():
+    rng = np.random.default_rng(2)
+    runs = [rng.normal(loc=offset, scale=0.1, size=50) for offset in (-1.0, 0.0, 1.0)]
+    pooled, apart = estimate([np.concatenate(runs)]), estimate(runs)
+    assert apart.mean == pooled.mean
+    assert apart.upper - apart.lower > 2.0 * (pooled.upper - pooled.lower)
+
+
+def test_missing_figures_are_left_out_of_the_estimate():
+    result = estimate([np.array([1.0, np.nan, 1.0])])
+    assert (result.mean, result.count) == (1.0, 2)
+    assert np.isnan(estimate([np.array([np.nan])]).mean)
+    result = estimate([np.array([1.0, np.nan, 1.0]), np.array([2.0, 2.0, np.nan])])
+    assert (result.lower, result.upper, result.count) == (1.0, 2.0, 4)
+
+
+@pytest.mark.parametrize("separator", ["=", ":"])
+def test_pairs_are_parsed_as_literals_and_bare_words(separator):
+    pairs = ["torque_limit{}0.3", "model{}rigid-ideal", "randomize{}{{'clearance': (1e-4, 2e-4)}}"]
+    assert parse_assignments([pair.format(separator) for pair in pairs]) == {
+        "torque_limit": 0.3,
+        "model": "rigid-ideal",
+        "randomize": {"clearance": (1e-4, 2e-4)},
+    }
+
+
+@pytest.mark.parametrize(
+    ("pair", "message"),
+    [
+        ("0.3", "write key=value"),
+        ("torque_limit=", "write key=value"),
+        ("torque_limit=__import__('os')", "neither a Python literal nor a plain word"),
+    ],
+)
+def test_pairs_that_cannot_be_read_are_refused(pair, message):
+    with pytest.raises(ValueError, match=message):
+        parse_assignments([pair])
+
+
+def test_a_pair_given_twice_is_refused():
+    with pytest.raises(ValueError, match="'a' is given twice"):
+        parse_assignments(["a=1", "a=2"])
+
+
+@dataclass
+class Example:
+    """An example."""
+
+    env_id: str = "x"
+    """the id"""
+    steps: int | None = None
+    """how many"""
+    quiet: bool = False
+    """say nothing"""
+    names: list[str] = field(default_factory=lambda: ["a"])
+    """some names"""
+    keywords: dict[str, object] = field(default_factory=dict)
+    """some pairs"""
+
+
+def test_pairs_add_up_when_their_option_is_repeated():
+    once = parse_arguments(Example, ["--keywords", "a=1", "b=2"])
+    assert parse_arguments(Example, ["--keywords", "a=1", "--keywords", "b=2"]) == once
+    assert parse_arguments(Example, []).keywords == {}
+
+
+@pytest.mark.parametrize(
+    "error",
+    [ValueError("no x; name another"), FileNotFoundError("no x; name another"), SimulationError("no x", 1.0, "step")],
+)
+def test_a_command_that_cannot_go_on_ends_with_a_message(error, capsys):
+    def refuse():
+        raise error
+
+    with pytest.raises(SystemExit) as end:
+        run_command(refuse)
+    assert end.value.code == 2
+    assert capsys.readouterr().err == f"error: {error}\n"
+
+
+def test_an_error_that_is_none_of_the_input_is_shown_whole():
+    with pytest.raises(ZeroDivisionError):
+        run_command(lambda: 1 / 0)
+
+
+def test_a_documented_dataclass_is_a_command_line(capsys):
+    assert parse_arguments(Example, []) == Example()
+    arguments = [
+        "--env-id",
+        "y",
+        "--steps",
+        "3",
+        "--quiet",
+        "--names",
+        "b",
+        "c",
+        "--keywords",
+        "k=1",
+        "l:two",
+    ]
+    assert parse_arguments(Example, arguments) == Example("y", 3, True, ["b", "c"], {"k": 1, "l": "two"})
+    with pytest.raises(SystemExit):
+        parse_arguments(Example, ["--help"])
+    assert "how many" in capsys.readouterr().out
+
+
+def test_an_unreadable_pair_ends_the_command_line_with_its_option(capsys):
+    with pytest.raises(SystemExit):
+        parse_arguments(Example, ["--keywords", "k"])
+    assert "--keywords: cannot read 'k'" in capsys.readouterr().err

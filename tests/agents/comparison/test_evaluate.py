@@ -1,0 +1,313 @@
+"""Comparisons: the same episodes for every controller, and tables that say what was measured."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from agents import shipped
+from agents.comparison.report import references, summarize, tabulate
+from agents.comparison.suites import SUITES
+from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_sampling
+from agents.evaluate import (
+    BEGIN,
+    END,
+    check_names,
+    common_env_id,
+    common_env_kwargs,
+    evaluate,
+    main,
+    split_controller,
+    suite_named,
+)
+from agents.laws.baselines import TUNABLE, episodes_spent, make_baseline
+from agents.rollout import run_episode
+from agents.shipped import load_shipped
+from solar_env.array import MODELS
+from solar_env.support.readme import check_readme
+
+
+@pytest.fixture(scope="module")
+def rows():
+    return evaluate(["passive", "again=passive", "servo-untuned"], episodes=3, seed=5, progress=False)
+
+
+def column(rows, controller, figure):
+    return [row[figure] for row in rows if row["controller"] == controller]
+
+
+def test_the_same_seeds_give_the_same_episodes_for_every_controller(rows):
+    seeds = episode_seeds("evaluation", 5, 3)
+    env = make_env(env_kwargs=with_sampling({}))
+    for controller, law in (("passive", "passive"), ("again", "passive"), ("servo-untuned", "servo-untuned")):
+        assert column(rows, controller, "seed") == seeds
+        alone = [run_episode(env, make_baseline(law, env), seed)["return"] for seed in seeds]
+        assert column(rows, controller, "return") == alone
+
+
+def test_episodes_differ_from_one_another(rows):
+    assert len(set(column(rows, "passive", "peak_postlock_force_N"))) == 3
+
+
+def test_the_return_is_the_sum_of_the_rewards_and_of_its_terms(rows):
+    env = make_env(env_kwargs=with_sampling({}))
+    env.reset(seed=episode_seeds("evaluation", 5, 1)[0])
+    total, ended = 0.0, False
+    while not ended:
+        _, reward, terminated, truncated, _ = env.step(np.zeros(1, np.float32))
+        total, ended = total + reward, terminated or truncated
+    assert column(rows, "passive", "return")[0] == pytest.approx(total)
+    for row in rows:
+        terms = [value for name, value in row.items() if name.startswith("reward_")]
+        assert row["return"] == pytest.approx(sum(terms))
+
+
+def test_paired_differences_vanish_between_equal_controllers(rows):
+    difference = summarize(rows)["again"]["return - passive"]
+    assert (difference.lower, difference.mean, difference.upper) == (0.0, 0.0, 0.0)
+
+
+def test_controllers_are_compared_with_the_first_and_with_the_best_baseline(rows):
+    assert references(rows) == ["passive", "servo-untuned"]
+    learned = [
+        {**row, "controller": "learned", "spec": "runs/learned", "return": row["return"] + 0.1}
+        for row in rows
+        if row["controller"] == "servo-untuned"
+    ]
+    assert references([*rows, *learned]) == ["passive", "servo-untuned"], "the best of those that do not learn"
+    entry = summarize([*rows, *learned])["learned"]
+    assert entry["return - servo-untuned"].mean == pytest.approx(0.1)
+    assert entry["better than servo-untuned"].mean == 1.0
+    tables = tabulate([*rows, *learned])
+    assert "Difference from servo-untuned" in tables.differences
+    assert tables.folded().replace("<details>\n<summary>Differences, episode by episode</summary>\n\n", "").replace(
+        "\n\n</details>", ""
+    ) == str(tables), "the same, but for what folds it"
+
+
+def test_the_command_writes_what_it_prints(tmp_path, capsys):
+    main(["--controllers", "passive", "brake", "--episodes", "2", "--quiet", "--out", str(tmp_path)])
+    text = (tmp_path / "comparison.md").read_text()
+    assert text in capsys.readouterr().out
+    with Image.open(tmp_path / "comparison.png") as figure:
+        assert min(figure.size) > 100
+    spent = episodes_spent("brake", DEFAULT_ENV_ID, "rigid-clearance")
+    assert f"Simulated to tune or train: brake {spent:,} episodes." in text
+    with (tmp_path / "episodes.csv").open() as file:
+        written = list(csv.DictReader(file))
+    assert [row["controller"] for row in written] == ["passive", "passive", "brake", "brake"]
+    metrics = json.loads((tmp_path / "metrics.json").read_text())
+    assert metrics["settings"]["env_kwargs"]["randomize"] == {
+        "hinge_x": list(with_sampling({})["randomize"]["hinge_x"])
+    }
+    forces = [float(row["peak_postlock_force_N"]) for row in written if row["controller"] == "passive"]
+    summary = metrics["controllers"]["passive"]["peak_postlock_force_N"]
+    assert summary["mean"] == pytest.approx(np.mean(forces))
+    assert summary["maximum"] == max(forces)
+
+
+QUICK = ["deadline=0.5", "postlock_window=0.2"]
+
+
+def evaluated_on(folder, *arguments):
+    """The environment keywords that the command records."""
+    main([*arguments, "--episodes", "1", "--quiet", "--out", str(folder)])
+    return json.loads((folder / "metrics.json").read_text())["settings"]["env_kwargs"]
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_the_command_compares_on_the_model_asked_for(tmp_path, model):
+    elements = ["--elements", "1"] if model.startswith("flexible") else []
+    options = ["--controllers", "passive", "--model", model, *elements, "--env-kwargs", *QUICK]
+    used = evaluated_on(tmp_path, *options)
+    assert (used["model"], used.get("elements"), used["deadline"]) == (model, 1 if elements else None, 0.5)
+
+
+def test_elements_of_rigid_panels_are_refused(tmp_path):
+    with pytest.raises(ValueError, match="--elements 4: the panels of rigid-ideal have none"):
+        evaluated_on(tmp_path, "--model", "rigid-ideal", "--elements", "4")
+
+
+def test_an_array_is_the_one_asked_for_whatever_a_policy_was_trained_on(tmp_path):
+    """What was drawn about the usual place of the hinge in training is drawn about the place asked for."""
+    asked = "parameters={'hinge_x': 0.6}"
+    options = ["--controllers", "passive", "ppo-nominal", "--model", "rigid-clearance", "--env-kwargs", asked]
+    low, high = evaluated_on(tmp_path, *options)["randomize"]["hinge_x"]
+    assert (low + high) / 2 == pytest.approx(0.6)
+
+
+def test_a_scenario_as_a_keyword_is_refused_since_nothing_is_tuned_by_it(tmp_path):
+    with pytest.raises(ValueError, match=r"choose --env-id, one of .*DeployRandomised-v0"):
+        evaluated_on(tmp_path, "--controllers", "servo", "--env-kwargs", "scenario=randomised")
+
+
+def test_the_model_of_run_folders_holds_unless_another_is_asked_for(tmp_path):
+    for name, model in (("a", "flexible-ideal"), ("b", "rigid-ideal")):
+        (tmp_path / name).mkdir()
+        config = {"env_id": DEFAULT_ENV_ID, "env_kwargs": {"model": model, "elements": 1, "deadline": 0.5}}
+        (tmp_path / name / "config.json").write_text(json.dumps(config))
+    first, second = str(tmp_path / "a"), str(tmp_path / "b")
+    assert common_env_kwargs([first])["model"] == "flexible-ideal"
+    with pytest.raises(ValueError, match="say with --env-kwargs"):
+        common_env_kwargs([first, second])
+    assert common_env_kwargs([first, second], given=["model"]) == {"elements": 1, "deadline": 0.5}
+
+
+def test_what_was_drawn_in_training_does_not_replace_the_draws_of_another_scenario(tmp_path):
+    drawn = {"model": "rigid-ideal", "randomize": {"hinge_x": [0.499, 0.501]}}
+    (tmp_path / "config.json").write_text(json.dumps({"env_id": DEFAULT_ENV_ID, "env_kwargs": drawn}))
+    assert common_env_kwargs([str(tmp_path)], DEFAULT_ENV_ID) == drawn
+    assert common_env_kwargs([str(tmp_path)], "solar_env/DeployRandomised-v0") == {"model": "rigid-ideal"}
+
+
+def test_an_option_that_contradicts_the_keywords_is_refused(tmp_path):
+    with pytest.raises(ValueError, match="--model rigid-ideal contradicts --env-kwargs model=flexible-ideal"):
+        evaluated_on(tmp_path, "--model", "rigid-ideal", "--env-kwargs", "model=flexible-ideal")
+
+
+def episode(controller, spec, index, force, latched=True):
+    return {
+        "controller": controller,
+        "spec": spec,
+        "episode": index,
+        "latched": latched,
+        "return": -force,
+        "peak_postlock_force_N": force if latched else float("nan"),
+        "postlock_sliding_work_J": 1e-3 * force,
+    }
+
+
+def test_runs_under_one_name_are_pooled_as_training_seeds():
+    rows = [episode("ppo", spec, i, force) for spec, force in (("a", 1.0), ("b", 3.0)) for i in range(4)]
+    entry = summarize(rows)["ppo"]
+    assert entry["runs"] == 2
+    assert entry["return"].mean == -2.0
+    assert (entry["return"].lower, entry["return"].upper) == (-3.0, -1.0)
+
+
+def test_tables_are_in_the_units_of_their_headings():
+    scores = tabulate([episode("x", "x", i, 2.5) for i in range(4)]).scores
+    head, _, row = scores.splitlines()[-3:]
+    cells = dict(zip(head.split(" | "), row.split(" | "), strict=True))
+    assert cells["peak post-lock force [N]"] == "2.5 [2.5, 2.5]; worst 2.5"
+    assert cells["post-lock sliding work [mJ] |"] == "2.5 [2.5, 2.5]; worst 2.5 |"
+
+
+def test_a_controller_is_compared_with_every_run_of_a_reference():
+    rows = [episode("first", spec, i, force) for spec, force in (("a", 1.0), ("b", 3.0)) for i in range(4)]
+    rows += [episode("second", "c", i, 2.5) for i in reversed(range(4))]
+    assert references(rows) == ["first"]
+    entry = summarize(rows)["second"]
+    assert entry["better than first"].mean == 0.5
+    assert entry["return - first"].mean == -0.5
+
+
+def test_different_controllers_of_the_same_name_are_not_pooled_unasked():
+    with pytest.raises(ValueError, match="ppo/seed-0 and sac/seed-0 are both called seed-0; name them"):
+        evaluate(["ppo/seed-0", "sac/seed-0"], 1, 0)
+    check_names(["passive", "agent=ppo/seed-0", "agent=sac/seed-0", "ppo/seed-0"])
+
+
+@pytest.mark.parametrize(
+    ("controllers", "message"),
+    [
+        (["passive", "servo", "servo"], "servo is given 2 times; its episodes would count as many times"),
+        (["a=ppo/seed-0", "a=ppo/seed-0"], "a is given 2 times"),
+        (["a=ppo/seed-0", "a=ppo/seed-0/"], "a is given 2 times"),
+        (["servo", "servo=ppo/seed-0"], "servo and another controller are both called servo"),
+    ],
+)
+def test_nothing_counts_twice_and_nothing_is_taken_for_a_seed_of_a_baseline(controllers, message):
+    with pytest.raises(ValueError, match=message):
+        check_names(controllers)
+
+
+def test_trained_controllers_are_compared_on_the_scenario_they_were_trained_on(tmp_path):
+    for name, env_id in (("a", "solar_env/DeployRandomised-v0"), ("b", DEFAULT_ENV_ID)):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "config.json").write_text(json.dumps({"env_id": env_id}))
+    first, second = str(tmp_path / "a"), str(tmp_path / "b")
+    assert common_env_id(["passive", f"agent={first}"]) == "solar_env/DeployRandomised-v0"
+    assert common_env_id(["passive"]) == DEFAULT_ENV_ID
+    with pytest.raises(ValueError, match=r"trained on different environments: .*; say with --env-id which"):
+        common_env_id([first, second])
+
+
+def test_the_readme_has_a_place_for_the_table_of_every_suite_and_for_nothing_less_than_a_whole_one():
+    for suite in SUITES:
+        check_readme(BEGIN.format(suite), END.format(suite))
+    for options in (["--episodes", "2"], ["--controllers", "passive"], ["--seed", "1"], ["--model", "rigid-ideal"]):
+        with pytest.raises(ValueError, match="--readme writes the result of a whole suite"):
+            main(["--suite", "paper", "--readme", *options])
+    with pytest.raises(ValueError, match="it needs --suite"):
+        main(["--readme"])
+
+
+def test_missed_deployments_lower_the_latched_share_and_not_the_force():
+    rows = [episode("x", "x", 0, 100.0), episode("x", "x", 1, 900.0, latched=False)]
+    entry = summarize(rows)["x"]
+    assert entry["latched"] == 0.5
+    assert entry["peak_postlock_force_N"].mean == 100.0
+    assert "| x | 50% |" in tabulate(rows).scores
+
+
+def test_the_worst_episode_is_the_lowest_return_and_the_highest_force():
+    text = str(tabulate([episode("x", "x", i, force) for i, force in enumerate((100.0, 900.0))]))
+    assert "worst -900" in text
+    assert "worst 900" in text
+
+
+def test_a_controller_may_be_given_a_name():
+    assert split_controller("ppo=runs/a") == ("ppo", "runs/a")
+    assert split_controller("runs/a") == ("a", "runs/a")
+
+
+def test_a_folder_is_a_folder_whatever_signs_are_in_its_name(tmp_path, monkeypatch):
+    (tmp_path / "lr=0.1").mkdir()
+    monkeypatch.chdir(tmp_path)
+    assert split_controller("lr=0.1") == ("lr=0.1", "lr=0.1")
+    assert split_controller("ppo=lr=0.1") == ("ppo", "lr=0.1")
+    assert split_controller(".") == (tmp_path.name, ".")
+    (tmp_path / "best").symlink_to("lr=0.1")
+    assert split_controller("best") == ("best", "best")
+
+
+def test_something_that_is_neither_baseline_nor_run_is_refused(tmp_path):
+    with pytest.raises(
+        FileNotFoundError, match=r"it is no run folder of train\.py, and none of passive, .*ppo-nominal"
+    ):
+        evaluate([str(tmp_path)], episodes=1, seed=0, progress=False)
+
+
+def test_a_run_without_policy_says_so(tmp_path):
+    (tmp_path / "config.json").write_text(json.dumps({"algo": "ppo", "env_kwargs": {}}))
+    with pytest.raises(FileNotFoundError, match=r"has no policy\.zip"):
+        evaluate([str(tmp_path)], episodes=1, seed=0, progress=False)
+
+
+@pytest.mark.parametrize(("name", "env_id"), [("paper", DEFAULT_ENV_ID), ("robust", "solar_env/DeployRandomised-v0")])
+def test_a_suite_is_a_scenario_with_all_that_was_tuned_and_trained_for_it_on_six_elements(name, env_id):
+    found, controllers, env_kwargs = suite_named(name, None, [])
+    assert found == env_id
+    assert env_kwargs == {"model": "flexible-clearance", "elements": 6}
+    trained = [policy for policy in shipped.available() if load_shipped(policy).description.env_id == env_id]
+    assert controllers == ["passive", *TUNABLE, *trained]
+    assert trained
+
+
+def test_what_is_given_takes_the_place_of_a_suites_parts():
+    assert suite_named("paper", None, ["servo"])[1] == ["servo"]
+    with pytest.raises(ValueError, match="no suite 'fast'; available: paper, robust"):
+        suite_named("fast", None, [])
+    with pytest.raises(ValueError, match="--suite paper is about solar_env/Deploy-v0"):
+        suite_named("paper", "solar_env/DeployRandomised-v0", [])
+
+
+def test_the_command_runs_a_suite_in_a_folder_of_its_own(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    main(["--suite", "robust", "--controllers", "passive", "--elements", "1", "--episodes", "1", "--quiet"])
+    settings = json.loads((tmp_path / "evaluation" / "robust" / "metrics.json").read_text())["settings"]
+    assert settings["env_id"] == "solar_env/DeployRandomised-v0"
+    assert settings["env_kwargs"] == {"model": "flexible-clearance", "elements": 1}

@@ -1,0 +1,169 @@
+"""Tuning finds what it looks for within its budget, repeats itself, and keeps what it found."""
+
+import json
+from dataclasses import asdict, fields
+
+import numpy as np
+import pytest
+from stable_baselines3.common.utils import set_random_seed
+
+from agents import tune as tune_module
+from agents.comparison.episodes import mean_returns
+from agents.environments import DEFAULT_ENV_ID, make_env, with_model
+from agents.laws.baselines import TUNABLE, make_baseline
+from agents.rollout import run_episode
+from agents.tune import from_unit, minimise, to_unit, tune
+from solar_env.support.campaigns import Workers
+
+
+@pytest.mark.parametrize("name", TUNABLE)
+def test_parameters_survive_the_way_to_the_unit_cube_and_back(name):
+    cls = type(TUNABLE[name].defaults)
+    count = to_unit(cls()).size
+    inside = from_unit(cls, np.random.default_rng(0).random(count))
+    assert to_unit(inside) == pytest.approx(to_unit(from_unit(cls, to_unit(inside))))
+    for value, default in zip(vars(inside).values(), vars(cls()).values(), strict=True):
+        assert type(value) is type(default)
+    low, high = from_unit(cls, np.zeros(count)), from_unit(cls, np.ones(count))
+    for f in fields(cls):
+        assert np.all(f.metadata["bounds"] == np.array([getattr(low, f.name), getattr(high, f.name)]).T)
+
+
+def test_tuning_finds_a_minimum_within_its_budget_and_repeats_itself():
+    target = np.array([0.2, 0.7, 0.5])
+    calls = []
+
+    def distances(points, seeds):
+        calls.extend([tuple(seeds)] * len(points))
+        return [float(np.sum((point - target) ** 2)) for point in points]
+
+    first = tune(distances, np.full(3, 0.5), 1200, 2, seed=3, progress=False)
+    assert sum(map(len, calls)) <= 1200
+    np.testing.assert_allclose(first[-1], target, atol=1e-3)
+    second = tune(distances, np.full(3, 0.5), 1200, 2, seed=3, progress=False)
+    np.testing.assert_array_equal(first[-1], second[-1])
+
+
+def test_tuning_gives_all_candidates_of_a_generation_the_same_fresh_episodes():
+    calls = []
+
+    def record(points, seeds):
+        calls.extend([tuple(seeds)] * len(points))
+        return [float(point[0]) for point in points]
+
+    tune(record, np.full(2, 0.5), 60, 2, seed=0, progress=False)
+    generations = list(dict.fromkeys(calls))
+    assert calls == [seeds for seeds in generations for _ in range(len(calls) // len(generations))]
+    assert len({seed for seeds in generations for seed in seeds}) == 2 * len(generations)
+
+
+def test_tuning_refuses_a_budget_without_a_generation():
+    with pytest.raises(ValueError, match="a budget of 1 points holds no generation; give at least 6"):
+        tune(lambda point, seeds: 0.0, np.full(2, 0.5), 3, 2, seed=0, progress=False)
+
+
+def test_the_points_of_a_search_do_not_depend_on_what_else_draws_random_numbers():
+    """A training between two generations seeds NumPy's global generator, a finished one that is only read does not."""
+    generations = {}
+    for disturbed in (False, True):
+
+        def costs(points, disturbed=disturbed):
+            generations.setdefault(disturbed, []).append(np.array(points))
+            if disturbed:
+                set_random_seed(0)
+            return [float(point[0]) for point in points]
+
+        minimise(costs, np.full(2, 0.5), 18, seed=0, progress=False)
+    assert len(generations[True]) == 3
+    np.testing.assert_array_equal(generations[True], generations[False])
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--validation-episodes", "0"], "the number of episodes is 0"),
+        (["--episodes-per-candidate", "0"], "--episodes-per-candidate is 0; give a positive number"),
+        (["--wear-cost", "-0.1"], r"--wear-cost is -0\.1; give a finite number that is not negative"),
+    ],
+)
+def test_what_would_end_a_tuning_is_refused_before_it_begins(monkeypatch, options, message):
+    monkeypatch.setattr(tune_module, "mean_returns", lambda *arguments: pytest.fail("simulates"))
+    with pytest.raises(ValueError, match=message):
+        tune_module.main(["--controller", "brake", "--episodes", "6", "--quiet", *options])
+
+
+def test_what_wear_costs_is_the_deepest_of_the_whole_episode():
+    """Springs alone wear the bearings on the way to the latches, which costs nothing in the reward."""
+    short = {"deadline": 2.0, "postlock_window": 0.2}
+    options = ([TUNABLE["brake"].defaults], DEFAULT_ENV_ID, short, [5], Workers(1))
+    free, charged = (mean_returns("brake", *options, wear_cost)[0] for wear_cost in (0.0, 0.5))
+    with make_env(env_kwargs=short) as env:
+        depth = run_episode(env, make_baseline("brake", env, TUNABLE["brake"].defaults), 5)["wear_depth_max_m"]
+    assert depth > 1e-16
+    assert charged == pytest.approx(free - 0.5 * depth / 1e-15)
+
+
+@pytest.fixture
+def judged(monkeypatch):
+    """What gets simulated, which costs nothing here: a brake is the better the nearer its torque is to 0.3 N m."""
+    candidates = []
+
+    def mean_returns(controller, parameters, env_id, env_kwargs, seeds, workers, wear_cost):
+        candidates.append(list(parameters))
+        return [-((p.torque - 0.3) ** 2) for p in parameters]
+
+    monkeypatch.setattr(tune_module, "mean_returns", mean_returns)
+    return candidates
+
+
+def stored(configs):
+    return json.loads((configs / "brake.json").read_text())[DEFAULT_ENV_ID]["rigid-clearance"]
+
+
+def test_the_command_stores_the_best_that_it_found_with_its_return_and_that_of_the_start(configs, judged):
+    tune_module.main(["--controller", "brake", "--episodes", "600", "--quiet", "--validation-episodes", "1"])
+    found = stored(configs)
+    assert found["parameters"]["torque"] == pytest.approx(0.3, abs=0.01)
+    assert found["tuning"]["validation_return"] == -((found["parameters"]["torque"] - 0.3) ** 2)
+    assert found["tuning"]["validation_return"] == max(-((p.torque - 0.3) ** 2) for p in judged[-1])
+    assert found["tuning"]["validation_return_before_tuning"] == -((TUNABLE["brake"].defaults.torque - 0.3) ** 2)
+    assert found["tuning"]["training_episodes"] <= 600
+
+
+def test_refining_starts_from_what_the_model_has_and_stays_closer(configs, judged):
+    budget = ["--episodes", "6", "--episodes-per-candidate", "1", "--validation-episodes", "1"]
+    had = {"parameters": {"torque": 0.25, "onset": 0.5}, "tuning": {"training_episodes": 30}}
+    found, distances = {}, {}
+    for options in ([], ["--refine", DEFAULT_ENV_ID]):
+        judged.clear()
+        (configs / "brake.json").write_text(json.dumps({DEFAULT_ENV_ID: {"rigid-clearance": had}}))
+        tune_module.main(["--controller", "brake", "--quiet", *options, *budget])
+        found[bool(options)] = stored(configs)["tuning"]
+        start = TUNABLE["brake"].defaults.onset if not options else 0.5
+        distances[bool(options)] = np.mean([abs(p.onset - start) for p in judged[0]])
+    assert found[False]["start"] == asdict(TUNABLE["brake"].defaults)
+    assert found[True]["start"] == {"torque": 0.25, "onset": 0.5}
+    assert distances[True] < 0.5 * distances[False]
+    assert found[False]["training_episodes_with_start"] == 6
+    assert found[True]["training_episodes_with_start"] == 36
+
+
+@pytest.mark.parametrize(
+    ("options", "model"),
+    [
+        ([], "rigid-clearance"),
+        (["--model", "flexible-ideal", "--elements", "1"], "flexible-ideal"),
+        (["--model", "flexible-clearance", "--elements", "1"], "flexible-clearance"),
+    ],
+)
+def test_the_command_stores_what_it_tuned_for_a_model_and_keeps_the_other_models(configs, options, model):
+    before = json.loads((configs / "brake.json").read_text())[DEFAULT_ENV_ID]
+    short = ["--env-kwargs", "deadline=0.3", "postlock_window=0.2", "--quiet"]
+    budget = ["--episodes", "6", "--episodes-per-candidate", "1", "--validation-episodes", "1", "--jobs", "1"]
+    tune_module.main(["--controller", "brake", *options, *budget, *short])
+    after = json.loads((configs / "brake.json").read_text())[DEFAULT_ENV_ID]
+    written = after[model]
+    assert written["tuning"]["training_episodes"] == 6
+    assert after == {**before, model: written} != before
+    with make_env(env_kwargs=with_model({}, model)) as made:
+        assert asdict(make_baseline("brake", made).parameters) == written["parameters"]

@@ -1,0 +1,344 @@
+"""Torque laws do what they say, and have the parameters that were tuned for the environment they are used in."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from agents.environments import DEFAULT_ENV_ID, make_env, with_model
+from agents.laws.baselines import BASELINES, load_parameters, make_baseline
+from agents.rollout import run_episode
+from agents.torque_laws import (
+    RESERVE,
+    BrakeParameters,
+    ConstantBrake,
+    DamperParameters,
+    InputShapedProfile,
+    OpenLoopParameters,
+    OpenLoopTorque,
+    Passive,
+    ServoParameters,
+    ShapedProfileParameters,
+    Signals,
+    SoftStartParameters,
+    SoftStartServo,
+    VelocityProfileServo,
+    ViscousDamper,
+)
+from solar_env.array import MODELS
+
+NAMES = (
+    "theta_1",
+    "theta_2",
+    "rate_1",
+    "rate_2",
+    "latched_1",
+    "latched_2",
+    "motor_torque",
+    "time_to_deadline",
+    "time_since_latch",
+)
+LIMIT = 0.5
+SIGNALS = Signals(NAMES, LIMIT)
+TIME_LEFT = 0.3 * SIGNALS.deadline  # in the observations of `observe`
+SERVO = replace(ServoParameters(), difference_damping=3.0, postlock_damping=2.0)
+SOFT_START = SoftStartParameters(
+    **vars(SERVO), torques=tuple(np.linspace(-0.2, 0.24, 12).tolist()), handover=10.0, blending=4.0
+)
+
+
+@pytest.fixture(scope="module")
+def env():
+    made = make_env()
+    yield made
+    made.close()
+
+
+def observe(opening=0.0, rate=0.0, latched=0.0, names=NAMES):
+    """Both joints `opening` of their lock angles open, at `rate` lock angles a second."""
+    values = {
+        "theta_1": opening,
+        "theta_2": opening,
+        "rate_1": rate * np.pi / 2,
+        "rate_2": rate * np.pi,
+        "latched_1": latched,
+        "latched_2": latched,
+    }
+    return np.array([values.get(name, 0.3) for name in names], dtype=np.float32)
+
+
+def controllers():
+    return [
+        Passive(SIGNALS),
+        ConstantBrake(SIGNALS, BrakeParameters(torque=0.1, onset=0.5)),
+        VelocityProfileServo(SIGNALS, SERVO),
+        ViscousDamper(SIGNALS, DamperParameters(0.5, 1.5)),
+        InputShapedProfile(SIGNALS),
+        OpenLoopTorque(SIGNALS, OpenLoopParameters(tuple(np.linspace(-0.5, 0.5, 16).tolist()))),
+        SoftStartServo(SIGNALS, SOFT_START),
+    ]
+
+
+@pytest.mark.parametrize("opening", [0.0, 0.5, 0.99, 1.0])
+def test_servo_torque_is_zero_on_the_profile(opening):
+    servo = VelocityProfileServo(SIGNALS, SERVO)
+    action, _ = servo.predict(observe(opening, servo.reference_rate(opening, TIME_LEFT)))
+    assert action == pytest.approx(0.0, abs=1e-5)
+
+
+def test_servo_drives_below_the_profile_and_brakes_above_it():
+    servo = VelocityProfileServo(SIGNALS, SERVO)
+    reference = servo.reference_rate(0.5, TIME_LEFT)
+    assert servo.predict(observe(0.5, reference - 0.01))[0] > 0.0
+    assert servo.predict(observe(0.5, reference + 0.01))[0] < 0.0
+
+
+def test_servo_profile_slows_down_to_the_latch_rate():
+    rates = VelocityProfileServo(SIGNALS, SERVO).reference_rate(np.linspace(0.0, 1.0, 101))
+    assert np.all(np.diff(rates) <= 0.0)
+    assert rates[0] == pytest.approx(SERVO.cruise_rate)
+    assert rates[-1] == pytest.approx(SERVO.latch_rate)
+
+
+def test_servo_damps_the_rate_difference_of_the_joints():
+    observation = observe(0.5, VelocityProfileServo(SIGNALS, SERVO).reference_rate(0.5, TIME_LEFT))
+    # The weighted opening rate keeps to the profile: joint 1 is 0.01 / s faster, joint 2 as much slower.
+    observation[2] += 0.01 * np.pi / 2
+    observation[3] -= 0.01 * np.pi
+    servo = VelocityProfileServo(SIGNALS, replace(SERVO, joint_2_weight=0.5))
+    expected = -SERVO.difference_damping * 0.02 / LIMIT
+    assert servo.predict(observation)[0] == pytest.approx(expected, rel=1e-3)
+
+
+@pytest.mark.parametrize(("start", "left"), [(0.0, SIGNALS.deadline), (0.3, 2.0), (0.95, 1.0)])
+def test_a_servo_that_follows_its_profile_is_done_ahead_of_the_deadline_however_late_it_is(start, left):
+    servo = VelocityProfileServo(SIGNALS, SERVO)
+    follow = solve_ivp(lambda t, s: servo.reference_rate(s, left - t), (0.0, left - RESERVE), [start], max_step=0.01)
+    assert follow.y[0, -1] > 0.98
+    assert np.all(servo.reference_rate(follow.y[0], left - follow.t) >= servo.reference_rate(follow.y[0]))
+
+
+def at_time(time, opening=0.0, rate=0.0, latched=0.0):
+    """As `observe`, but at a time [s]."""
+    observation = observe(opening, rate, latched)
+    observation[NAMES.index("time_to_deadline")] = 1.0 - time / SIGNALS.deadline
+    return observation
+
+
+@pytest.mark.parametrize(("opening", "rate"), [(0.0, 0.0), (0.6, 0.3)])
+def test_a_soft_start_knows_nothing_but_the_clock_until_it_hands_over(opening, rate):
+    law = SoftStartServo(SIGNALS, SOFT_START)
+    times = np.array([0.0, 1.0, 4.0 / 3.0, 6.0, 9.99])
+    torques = LIMIT * np.concatenate([law.predict(at_time(time, opening, rate))[0] for time in times])
+    # From -0.2 N m on, 0.04 N m more every 4/3 s.
+    assert torques == pytest.approx(-0.2 + 0.03 * times, abs=1e-6)
+
+
+def test_a_soft_start_hands_over_to_the_servo_by_and_by():
+    law, servo = SoftStartServo(SIGNALS, SOFT_START), VelocityProfileServo(SIGNALS, SERVO)
+    half = 0.5 * (servo.predict(at_time(12.0, 0.5, 0.07))[0] * LIMIT - 0.2 + 0.03 * 12.0)
+    assert law.predict(at_time(12.0, 0.5, 0.07))[0] * LIMIT == pytest.approx(half, abs=1e-6)
+    assert law.predict(at_time(14.0, 0.9, 0.02))[0] == servo.predict(at_time(14.0, 0.9, 0.02))[0]
+
+
+def test_the_last_latch_ends_a_soft_start():
+    law, servo = SoftStartServo(SIGNALS, SOFT_START), VelocityProfileServo(SIGNALS, SERVO)
+    latched = at_time(5.0, 1.0, 0.02, latched=1.0)
+    assert law.predict(latched)[0] == servo.predict(latched)[0]
+
+
+def test_the_tuned_soft_start_wears_the_bearings_half_as_much_as_the_servo():
+    env = make_env(env_kwargs=with_model({}, "flexible-clearance", 4))
+    servo, soft = (run_episode(env, make_baseline(name, env), seed=0) for name in ("servo", "soft-start"))
+    assert soft["wear_depth_max_m"] < 0.6 * servo["wear_depth_max_m"]
+    assert soft["latched"]
+
+
+def test_servo_opposes_joint_1_after_the_last_latch():
+    servo = VelocityProfileServo(SIGNALS, SERVO)
+    action, _ = servo.predict(observe(1.0, 0.02, latched=1.0))
+    assert action == pytest.approx(-SERVO.postlock_damping * 0.02 * np.pi / 2 / LIMIT, rel=1e-5)
+
+
+def test_servo_holds_joint_1_at_its_lock_angle_after_the_last_latch():
+    servo = VelocityProfileServo(SIGNALS, replace(SERVO, postlock_stiffness=4.0))
+    action, _ = servo.predict(observe(1.01, latched=1.0))
+    assert action == pytest.approx(-4.0 * 0.01 * np.pi / 2 / LIMIT, rel=1e-4)
+
+
+def test_a_filtered_servo_keeps_its_share_of_the_motor_torque_before_and_after_the_last_latch():
+    plain, filtered = (VelocityProfileServo(SIGNALS, replace(SERVO, smoothing=share)) for share in (0.0, 0.8))
+    motor = 0.3  # of the limit, as `observe` has it for all that it does not say
+    for observation in (observe(0.9, 0.04), observe(1.01, 0.02, latched=1.0)):
+        wanted = 0.8 * motor + 0.2 * plain.predict(observation)[0]
+        np.testing.assert_allclose(filtered.predict(observation)[0], wanted, rtol=1e-5)
+
+
+def test_brake_acts_between_its_onset_and_the_last_latch():
+    brake = ConstantBrake(SIGNALS, BrakeParameters(torque=0.1, onset=0.5))
+    openings = np.stack([observe(0.4), observe(0.6), observe(1.0, latched=1.0)])
+    actions, _ = brake.predict(openings)
+    np.testing.assert_allclose(actions[:, 0], [0.0, -0.1 / LIMIT, 0.0], rtol=1e-6)
+
+
+def test_brake_still_acts_while_one_joint_has_yet_to_latch():
+    observation = observe(1.0)
+    observation[NAMES.index("latched_1")] = 1.0
+    assert ConstantBrake(SIGNALS).predict(observation)[0] < 0.0
+
+
+def test_damper_opposes_the_rate_of_joint_1_by_its_coefficient_of_the_phase():
+    damper = ViscousDamper(SIGNALS, DamperParameters(damping=0.5, postlock_damping=2.0))
+    opening, latched = observe(0.5, 0.1), observe(1.0, 0.1, latched=1.0)
+    assert damper.predict(opening)[0] == pytest.approx(-0.5 * 0.1 * np.pi / 2 / LIMIT, rel=1e-5)
+    assert damper.predict(latched)[0] == pytest.approx(-2.0 * 0.1 * np.pi / 2 / LIMIT, rel=1e-5)
+
+
+def test_the_shaped_profile_goes_from_rest_to_the_latch_rate_and_its_rate_is_its_derivative():
+    p = ShapedProfileParameters(duration=10.0, latch_rate=0.02, vibration_period=2.0)
+    time = np.linspace(0.0, 15.0, 30_001)
+    opening, rate = InputShapedProfile(SIGNALS, p).reference(time)
+    assert (opening[0], rate[0]) == (0.0, 0.0)
+    assert rate[time > 11.0] == pytest.approx(0.02)
+    assert np.interp(11.5, time, opening) == pytest.approx(1.02), "late by a quarter of the period, on average"
+    assert np.gradient(opening, time) == pytest.approx(rate, abs=1e-4)
+
+
+def test_a_shaped_profile_leaves_a_vibration_of_its_period_at_rest():
+    """An undamped oscillator that is carried along with the profile."""
+
+    def swing_after(shaped_period):
+        period = 1.5
+        profile = InputShapedProfile(
+            SIGNALS, ShapedProfileParameters(duration=4.0, latch_rate=0.05, vibration_period=shaped_period)
+        )
+        w = 2.0 * np.pi / period
+
+        def slope(time, state):
+            opening, _ = profile.reference(np.asarray(time))
+            return [state[1], -w * w * (state[0] - opening)]
+
+        end = solve_ivp(slope, (0.0, 6.0), [0.0, 0.0], rtol=1e-9, atol=1e-12, max_step=0.02)
+        opening, rate = profile.reference(end.t)
+        deviation = np.hypot(end.y[0] - opening, (end.y[1] - rate) / w)
+        return deviation[end.t > 4.0 + period].max()
+
+    assert swing_after(1.5) < 1e-4 * swing_after(0.0)
+
+
+def test_shaped_profile_torque_is_zero_on_the_profile():
+    p = ShapedProfileParameters(duration=10.0, latch_rate=0.02, vibration_period=0.0)
+    law = InputShapedProfile(SIGNALS, p)
+    opening, rate = law.reference(np.array(6.0))
+    on_it = observe(float(opening), float(rate))
+    on_it[NAMES.index("time_to_deadline")] = 1.0 - 6.0 / SIGNALS.deadline
+    assert law.predict(on_it)[0] == pytest.approx(0.0, abs=1e-5)
+    on_it[NAMES.index("theta_1")] -= 0.1
+    assert law.predict(on_it)[0] > 0.0
+
+
+def test_open_loop_torque_follows_the_clock_alone_and_ends_with_the_deadline():
+    torques = tuple(np.linspace(-0.4, 0.2, 16).tolist())
+    law = OpenLoopTorque(SIGNALS, OpenLoopParameters(torques))
+    for to_go, torque in ((1.0, -0.4), (0.5, -0.1), (1e-6, 0.2), (0.0, 0.0)):
+        for other in (observe(0.1), observe(0.9, 0.3), observe(1.0, latched=1.0)):
+            other[NAMES.index("time_to_deadline")] = to_go
+            assert law.predict(other)[0] == pytest.approx(torque / LIMIT, abs=1e-5)
+
+
+@pytest.mark.parametrize("controller", controllers(), ids=lambda c: type(c).__name__)
+def test_batched_prediction_equals_the_single_ones(controller):
+    rng = np.random.default_rng(0)
+    batch = rng.uniform(-1.0, 1.0, (20, len(NAMES))).astype(np.float32)
+    actions, _ = controller.predict(batch)
+    assert actions.shape == (20, 1)
+    assert actions.dtype == np.float32
+    assert np.all(np.abs(actions) <= 1.0)
+    np.testing.assert_array_equal(actions, [controller.predict(row)[0] for row in batch])
+
+
+def test_entries_are_found_by_name_not_by_position():
+    shuffled = NAMES[::-1]
+    straight = VelocityProfileServo(SIGNALS, SERVO).predict(observe(0.4, 0.02))[0]
+    reversed_ = VelocityProfileServo(Signals(shuffled, LIMIT), SERVO).predict(observe(0.4, 0.02, names=shuffled))[0]
+    assert straight == reversed_ != 0.0
+
+
+def test_servo_without_a_second_joint_is_refused_by_name():
+    with pytest.raises(ValueError, match=r"VelocityProfileServo reads theta_2, rate_2"):
+        VelocityProfileServo(Signals(("theta_1", "rate_1", "latched_1")))
+
+
+def test_unknown_baseline_is_refused(env):
+    with pytest.raises(ValueError, match="no baseline 'break'"):
+        make_baseline("break", env)
+
+
+def test_environment_without_tuned_parameters_names_the_command():
+    command = r"agents\.tune --controller servo --env-id other/Env-v0 --model flexible-ideal"
+    with pytest.raises(ValueError, match=command):
+        load_parameters("servo", "other/Env-v0", "flexible-ideal")
+
+
+@pytest.mark.parametrize("keywords", [{}, {"model": "rigid-clearance"}, {"elements": 1}])
+def test_a_baseline_has_the_parameters_tuned_for_the_environments_own_model(configs, keywords):
+    with make_env(env_kwargs=keywords) as made:
+        assert make_baseline("brake", made).parameters.torque == 0.1
+
+
+@pytest.mark.parametrize("elements", [1, 3])
+def test_tuned_parameters_hold_for_any_number_of_elements(configs, elements):
+    with make_env(env_kwargs={"model": "flexible-clearance", "elements": elements}) as made:
+        assert make_baseline("brake", made).parameters.torque == 0.2
+
+
+def test_a_model_that_nothing_was_tuned_for_gets_the_rigid_parameters_and_says_so(configs):
+    with (
+        make_env(env_kwargs={"model": "flexible-ideal"}) as made,
+        pytest.warns(UserWarning, match=r"tuned for flexible-ideal; it gets those for rigid-clearance.*--model flex"),
+    ):
+        assert make_baseline("brake", made).parameters.torque == 0.1
+
+
+def test_without_rigid_parameters_to_fall_back_on_another_model_is_refused(configs):
+    (configs / "brake.json").write_text(json.dumps({DEFAULT_ENV_ID: {"flexible-clearance": {}}}))
+    with pytest.raises(ValueError, match=r"no parameters for .* with model 'flexible-ideal'"):
+        load_parameters("brake", DEFAULT_ENV_ID, "flexible-ideal")
+
+
+@pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")
+@pytest.mark.parametrize("model", [model for model in MODELS if model.endswith("clearance")])
+@pytest.mark.parametrize("name", BASELINES)
+def test_every_baseline_deploys_the_nominal_array(model, name):
+    env = make_env(env_kwargs={"model": model, "elements": 1})
+    figures = run_episode(env, make_baseline(name, env), seed=0)
+    assert figures["latched"]
+    assert figures["latch_times_s"] <= 20.0
+
+
+def test_passive_does_no_motor_work(env):
+    assert run_episode(env, Passive(Signals.of(env)), seed=0)["motor_work_J"] == 0.0
+
+
+def test_tuned_servo_latches_softer_than_the_springs_alone(env):
+    passive, servo = (run_episode(env, make_baseline(name, env), seed=0) for name in ("passive", "servo"))
+    assert servo["return"] > passive["return"]
+    assert servo["peak_postlock_force_N"] < 0.5 * passive["peak_postlock_force_N"]
+
+
+def test_the_servo_tuned_for_flexible_panels_is_better_there_than_the_one_tuned_for_rigid_ones():
+    with make_env(env_kwargs=with_model({}, "flexible-clearance", 2)) as flexible:
+        rigid = load_parameters("servo", DEFAULT_ENV_ID, "rigid-clearance")
+        own, other = (run_episode(flexible, make_baseline("servo", flexible, p), seed=0) for p in (None, rigid))
+    assert own["return"] > 0.5 * other["return"]
+    assert own["peak_postlock_force_N"] < 0.5 * other["peak_postlock_force_N"]
+
+
+def test_a_brake_that_stalls_the_array_misses_the_deadline_and_has_no_postlock_figures(env):
+    stalled = run_episode(env, ConstantBrake(Signals.of(env), BrakeParameters(torque=0.5)), seed=0)
+    passive = run_episode(env, Passive(Signals.of(env)), seed=0)
+    assert not stalled["latched"]
+    assert np.isnan(stalled["peak_postlock_force_N"])
+    assert stalled["return"] < passive["return"]

@@ -1,0 +1,155 @@
+"""Controllers of every kind are found by name, and a name that is none says so."""
+
+import json
+import shutil
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from trained import QUICK
+
+from agents import shipped
+from agents.comparison import episodes
+from agents.comparison.controllers import (
+    SEARCH,
+    effort,
+    load_controller,
+    observation_of,
+    policy_files,
+    resolved,
+    trained_on,
+)
+from agents.comparison.episodes import episode_cell
+from agents.environments import DEFAULT_ENV_ID, make_env
+from agents.evaluate import efforts, evaluate
+from agents.laws.baselines import BASELINES, CONFIGS, TUNABLE, load_parameters
+from agents.shipped import Description, Layer, PolicyNetwork, ShippedPolicy
+from agents.torque_laws import Passive, ServoParameters, Signals, VelocityProfileServo
+
+
+@pytest.fixture
+def env():
+    return make_env(env_kwargs={"model": "rigid-clearance"})
+
+
+@pytest.fixture
+def policy(env, tmp_path, monkeypatch):
+    """A shipped policy that pulls with a third of the limit."""
+    signals = Signals.of(env)
+    features = Layer(np.eye(len(signals.names)), np.zeros(len(signals.names)))
+    gates = Layer(np.zeros_like(features.weights), np.ones_like(features.biases))
+    layer = Layer(np.zeros((1, len(signals.names)), np.float32), np.full(1, -1.0 / 3.0, np.float32))
+    description = Description(
+        algorithm="ppo",
+        feature_limit=1.0,
+        activation="tanh",
+        output="clip",
+        mean_limit=None,
+        training_steps=12_000,
+        env_id="solar_env/Deploy-v0",
+        env_kwargs={"model": "rigid-clearance", "observation": "drive"},
+        observation_names=signals.names,
+        torque_limit=signals.torque_limit,
+        deadline=signals.deadline,
+        control_period=signals.control_period,
+        postlock_window=signals.postlock_window,
+        residual=None,
+    )
+    (tmp_path / "third").mkdir()
+    network = PolicyNetwork((features, layer), gates, 1.0, "tanh", "clip")
+    shipped.save(tmp_path / "third", ShippedPolicy(network, description))
+    monkeypatch.setattr(shipped, "SHIPPED", tmp_path)
+    return description
+
+
+def test_a_trained_controller_observes_what_it_did_in_training_and_any_other_what_it_is_given(policy):
+    assert observation_of("third") == {"observation": "drive"}
+    assert observation_of("servo") == {}
+
+
+def test_a_shipped_policy_is_a_controller_by_its_name(env, policy):
+    observation, _ = env.reset(seed=0)
+    assert load_controller("third", env).predict(observation)[0] == pytest.approx([-1.0 / 3.0])
+    assert trained_on("third") == policy.env_kwargs
+    assert effort("third", policy.env_id, "rigid-clearance") == "12,000 steps"
+    assert [path.name for path in policy_files("third")] == ["policy.npz", "policy.json"]
+
+
+def test_a_shipped_policy_is_not_used_where_its_actions_mean_something_else(policy):
+    with pytest.raises(ValueError, match=r"torque_limit is 0\.3; the policy was trained with 0\.5"):
+        load_controller("third", make_env(env_kwargs={"torque_limit": 0.3}))
+
+
+@pytest.mark.parametrize("name", [*BASELINES, SEARCH])
+def test_what_was_not_trained_has_neither_files_nor_training_data(name):
+    assert policy_files(name) == []
+    assert trained_on(name) is None
+
+
+@pytest.mark.parametrize("name", BASELINES)
+def test_a_baseline_is_the_one_of_its_name(env, name):
+    law = load_controller(name, env)
+    assert type(law) is TUNABLE.get(name, Passive if name == "passive" else VelocityProfileServo)
+    if name in TUNABLE:
+        assert law.parameters == load_parameters(name, "solar_env/Deploy-v0", "rigid-clearance")
+    elif name == "servo-untuned":
+        assert law.parameters == ServoParameters()
+
+
+def test_a_run_is_not_used_where_its_actions_mean_something_else(finished):
+    run, _ = finished["ppo"]
+    with pytest.raises(ValueError, match=r"torque_limit is 0\.3; the policy was trained with 0\.5"):
+        load_controller(str(run), make_env(env_kwargs={**QUICK, "torque_limit": 0.3}))
+
+
+def test_what_a_run_cost_are_its_steps_those_of_the_runs_before_it_and_the_episodes_of_its_law(tmp_path):
+    config = {"timesteps": 300, "timesteps_before": 1_000, "residual": {"tuning_episodes": 1_874}}
+    (tmp_path / "config.json").write_text(json.dumps(config))
+    assert effort(str(tmp_path), DEFAULT_ENV_ID, "rigid-clearance") == "1,300 steps and 1,874 episodes for the law"
+    (tmp_path / "config.json").write_text(json.dumps({**config, "residual": None}))
+    runs = [f"ppo={tmp_path}", f"ppo={tmp_path}/", "passive"]
+    assert efforts(runs, DEFAULT_ENV_ID, {}) == {"ppo": "2 x 1,300 steps"}
+
+
+def test_an_evaluation_goes_on_with_what_is_finished_but_not_with_a_policy_or_a_baseline_that_has_changed(
+    policy, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(episodes, "CONFIGS", tmp_path)
+    for name in TUNABLE:
+        shutil.copy(CONFIGS / f"{name}.json", tmp_path)
+
+    def motor_work(seed=0):
+        episodes._agents_digest.cache_clear()
+        rows = evaluate(
+            ["third"], 1, seed, env_kwargs=policy.env_kwargs, progress=False, store=tmp_path / "store.jsonl"
+        )
+        return rows[0]["motor_work_J"]
+
+    first = motor_work()
+    assert motor_work() == first
+    third = shipped.load_shipped("third")
+    *features, layer = third.network.layers
+    stronger = replace(third.network, layers=(*features, layer._replace(biases=2.0 * layer.biases)))
+    shipped.save(tmp_path / "third", ShippedPolicy(stronger, policy))
+    assert motor_work() != first
+    (tmp_path / "brake.json").write_text("{}")
+    with pytest.raises(ValueError, match="was made by other code or with other settings"):
+        motor_work(seed=1)
+
+
+def test_a_policy_observes_in_a_comparison_what_it_observed_in_training(policy, tmp_path):
+    """With a history there would be three times the entries, which the policy refuses."""
+    keywords = {**policy.env_kwargs, "observation": "history"}
+    evaluate(["third"], 1, 0, env_kwargs=keywords, progress=False)
+
+
+def test_a_name_of_nothing_says_what_there_is(env):
+    with pytest.raises(FileNotFoundError, match=r"no controller 'runs/nothing': .* none of passive, .*ppo-nominal"):
+        load_controller("runs/nothing", env)
+
+
+def test_a_shipped_policy_stays_itself_beside_a_folder_of_its_name(policy, tmp_path, monkeypatch):
+    (tmp_path / "elsewhere" / "third").mkdir(parents=True)
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    assert episode_cell("third", policy.env_id, policy.env_kwargs, seed=0)["spec"] == "third"
+    assert resolved("runs/one") == str(tmp_path / "elsewhere" / "runs" / "one")

@@ -1,0 +1,202 @@
+"""The search tries futures without touching the present, keeps its promises, and is never worse than its base law."""
+
+import pickle
+
+import gymnasium
+import numpy as np
+import pytest
+
+from agents.comparison.controllers import SEARCH, load_controller
+from agents.environments import DEFAULT_ENV_ID, make_env
+from agents.laws.baselines import BASELINES, make_baseline
+from agents.laws.receding_horizon import RecedingHorizon, SearchSettings
+from agents.rollout import run_episode
+from agents.torque_laws import DamperParameters, Signals, ViscousDamper
+
+RANDOMISED = "solar_env/DeployRandomised-v0"
+# Strong springs deploy the array within three seconds.
+SHORT = {
+    "parameters": {"spring_stiffness": 2.0},
+    "randomize": {"clearance": (1e-4, 3e-4)},
+    "deadline": 4.0,
+    "postlock_window": 0.3,
+}
+QUICK = SearchSettings(knots=4, candidates=5, elites=2, replan_every=12, initial_deviation=0.2, least_deviation=0.02)
+
+
+def make(env_id=DEFAULT_ENV_ID, **keywords):
+    return make_env(env_id, {**SHORT, **keywords})
+
+
+def damper(env):
+    """A law that latches the strong springs' array in time."""
+    return ViscousDamper(Signals.of(env), DamperParameters(0.5, 0.5))
+
+
+def search(env, seed=0):
+    return RecedingHorizon(env, damper(env), QUICK, seed)
+
+
+def played(env, controller, seed=0):
+    """Return, actions and predicted returns of an episode."""
+    actions = []
+    figures = run_episode(env, controller, seed, lambda step: actions.append(step.action))
+    return figures["return"], np.array(actions), controller.predicted_returns
+
+
+def brought_into_contact(env):
+    """Step on until a joint has latched and a journal touches its bearing."""
+    env.reset(seed=3)
+    for _ in range(60):
+        observation, *_ = env.step([0.1])
+        joints = env.unwrapped.simulation.state.joints
+        if joints["latched"].any() and joints["in_contact"].any():
+            return observation
+    raise AssertionError("no contact to begin with")
+
+
+def everything(env):
+    """All that goes into the rest of an episode, as bytes."""
+    unwrapped = env.unwrapped
+    episodes = unwrapped._episodes
+    kept = [
+        unwrapped.simulation.snapshot(),
+        unwrapped.simulation.model,
+        episodes.parameters,
+        episodes.observations,
+        episodes.terms,
+        episodes.terminated,
+        episodes._charged,
+        vars(episodes._sensors),
+        unwrapped.np_random.bit_generator.state,
+    ]
+    return pickle.dumps(kept)
+
+
+@pytest.mark.parametrize("env_id", [DEFAULT_ENV_ID, RANDOMISED])
+def test_futures_go_on_to_the_bits_of_the_environment_from_the_middle_of_a_contact(env_id):
+    env = make(env_id)
+    brought_into_contact(env)
+    futures = env.unwrapped.futures(3)
+    assert futures.parameters == [env.unwrapped.episode_parameters] * 3
+    for action in (0.3, -0.8, 0.1, 0.0):
+        futures.step(np.arange(3), np.array([action, -1.0, action]))
+        *_, info = env.step([action])
+        for lane in (0, 2):
+            for mine, theirs in zip(futures.batch.simulations[lane].state, env.unwrapped.simulation.state, strict=True):
+                assert mine.tobytes() == theirs.tobytes()
+            assert futures.terms[lane].tolist() == list(info["reward_terms"].values())
+    assert not np.array_equal(futures.observations[0], futures.observations[1])
+
+
+def test_futures_are_seen_by_perfect_sensors_and_moved_by_the_motor_of_the_environment():
+    env = make(RANDOMISED, observation="history")
+    brought_into_contact(env)
+    futures = env.unwrapped.futures(1)
+    loads = env.unwrapped.simulation.joint_loads()
+    observed = dict(zip(futures.setup.observation_names, futures.observations[0], strict=True))
+    assert "theta_1_1_ago" not in observed
+    assert observed["theta_2"] == np.float32(loads[1, 2] / np.pi)
+    assert observed["rate_1"] == np.float32(loads[0, 3])
+    before = observed["motor_torque"]
+    futures.step(np.zeros(1, np.int64), np.array([-1.0]))
+    assert before - 0.2 <= futures.observations[0, 6] < before, "a motor of 1 N m/s changes by 0.1 N m in a period"
+
+
+def test_futures_need_an_episode():
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        make().unwrapped.futures(2)
+
+
+@pytest.mark.parametrize("env_id", [DEFAULT_ENV_ID, RANDOMISED])
+def test_planning_leaves_the_environment_as_it_was_to_the_last_bit(env_id):
+    env = make(env_id)
+    observation = brought_into_contact(env)
+    before = everything(env)
+    search(env).predict(observation)
+    assert everything(env) == before
+
+
+@pytest.mark.parametrize("env_id", [DEFAULT_ENV_ID, RANDOMISED])
+def test_what_was_predicted_comes_to_pass_and_predictions_only_improve(env_id):
+    env = make(env_id)
+    realised, actions, predicted = played(env, search(env))
+    assert realised == pytest.approx(predicted[-1], rel=1e-12)
+    assert len(predicted) == -(-len(actions) // QUICK.replan_every)
+    assert np.all(np.diff(predicted) >= 0.0)
+    assert predicted[-1] > predicted[0]
+
+
+def test_the_plan_is_better_than_the_base_law():
+    env = make()
+    alone = run_episode(env, damper(env), 0)["return"]
+    realised, _, predicted = played(env, search(env))
+    assert predicted[0] >= alone
+    assert realised > alone
+
+
+def test_on_the_nominal_array_it_is_no_worse_than_the_tuned_servo():
+    env = make_env()
+    servo = make_baseline("servo", env)
+    settings = SearchSettings(candidates=4, elites=2, iterations=1, replan_every=100)
+    realised, _, predicted = played(env, RecedingHorizon(env, servo, settings))
+    assert realised == pytest.approx(predicted[-1], rel=1e-12)
+    assert realised >= run_episode(env, servo, 0)["return"]
+
+
+def test_with_residuals_too_small_to_matter_it_does_what_the_base_law_does():
+    env = make()
+    slight = SearchSettings(candidates=3, elites=2, initial_deviation=1e-60, least_deviation=1e-60)
+    expected = []
+    run_episode(env, damper(env), 0, lambda step: expected.append(step.action))
+    _, actions, _ = played(env, RecedingHorizon(env, damper(env), slight))
+    np.testing.assert_array_equal(actions, expected)
+
+
+def test_it_repeats_itself_to_the_last_bit_and_depends_on_its_seed():
+    env = make(RANDOMISED, model="rigid-ideal")
+    controller = search(env)
+    first, again = played(env, controller), played(env, controller)
+    fresh, other = played(env, search(env)), played(env, search(env, seed=1))
+    for repeated in (again, fresh):
+        assert repeated[0] == first[0]
+        assert repeated[1].tobytes() == first[1].tobytes()
+        assert repeated[2] == first[2]
+    assert other[2] != first[2]
+
+
+def test_actions_have_the_shape_of_the_observation_and_the_bounds_of_the_action_space():
+    env = make(model="rigid-ideal")
+    observation, _ = env.reset(seed=0)
+    controller = search(env)
+    one, _ = controller.predict(observation)
+    assert one in env.action_space
+    row, _ = controller.predict(observation[np.newaxis])
+    np.testing.assert_array_equal(row, [one])
+
+
+def test_it_is_a_controller_on_the_tuned_servo_but_no_baseline_that_others_are_measured_by():
+    assert SEARCH not in BASELINES
+    env = make_env()
+    controller = load_controller(SEARCH, env)
+    assert isinstance(controller, RecedingHorizon)
+    assert controller._base.parameters == make_baseline("servo", env).parameters
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("knots", 1),
+        ("candidates", 24.0),
+        ("elites", 24),
+        ("iterations", 0),
+        ("replan_every", True),
+        ("initial_deviation", np.inf),
+        ("initial_deviation", np.nan),
+        ("least_deviation", 0.0),
+        ("least_deviation", 1.0),
+    ],
+)
+def test_wrong_settings_are_refused_by_name(name, value):
+    with pytest.raises(ValueError, match=f"{name} = "):
+        SearchSettings(**{name: value})

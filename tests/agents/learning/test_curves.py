@@ -1,0 +1,67 @@
+"""Learning curves are those of the runs, a run for every agent, scenario and seed, and nothing is trained twice."""
+
+import csv
+import itertools
+
+import numpy as np
+import pytest
+
+from agents import curves
+from agents.learning import configurations, learn
+
+QUICK = [
+    *["--algos", "ppo", "--seeds", "3", "7", "--timesteps", "20", "--landings", "8", "--jobs", "1", "--quiet"],
+    *["--model", "rigid-ideal"],
+    *["--hyperparams", "n_steps=10", "batch_size=10", "--env-kwargs", "postlock_window=0.2"],
+]
+
+
+@pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")
+def test_every_agent_has_a_curve_of_every_seed_in_every_scenario(tmp_path, monkeypatch):
+    monkeypatch.setattr(learn, "VALIDATION_EPISODES", 2)
+    options = [*QUICK, "--whole", "--out", str(tmp_path)]
+    curves.main(options)
+    with (tmp_path / curves.TABLE).open() as file:
+        rows = list(csv.DictReader(file))
+    scenarios = {"paper": "nominal", "robust": "randomised"}
+    tasks = ("rigid-ideal, added to the servo", "rigid-clearance, whole torque")
+    found = {(row["task"], row["algorithm"], row["seed"]) for row in rows}
+    assert found == {
+        (f"{scenario}, {task}", "ppo", seed) for scenario in scenarios.values() for task in tasks for seed in "37"
+    }
+    for suite, task, seed in itertools.product(scenarios, tasks, "37"):
+        run = f"{suite}-ppo{'-whole' if 'whole' in task else ''}-{seed}"
+        mine = [row for row in rows if (row["task"], row["seed"]) == (f"{scenarios[suite]}, {task}", seed)]
+        with np.load(tmp_path / run / "evaluations.npz") as history:
+            assert [int(row["steps"]) for row in mine] == history["timesteps"].tolist()
+            assert [float(row["validation return"]) for row in mine] == history["results"].mean(axis=1).tolist()
+    begins = [("servo" in row["task"], float(row["validation return"])) for row in rows if row["steps"] == "0"]
+    assert min(value for added, value in begins if added) > max(value for added, value in begins if not added)
+    assert (tmp_path / curves.FIGURE).stat().st_size > 0
+    assert configurations.stored_configuration(tmp_path / "paper-ppo-whole-7").residual is None
+    assert configurations.stored_configuration(tmp_path / "robust-ppo-7").residual["law"] == "servo"
+
+    monkeypatch.setattr(learn, "train_one", lambda training: pytest.fail("trained again"))
+    curves.main(options)
+
+
+def test_a_curve_is_the_mean_of_each_validation(tmp_path):
+    for seed in range(2):
+        (tmp_path / str(seed)).mkdir()
+        np.savez(
+            tmp_path / str(seed) / "evaluations.npz", timesteps=[5, 10], results=[[seed, seed + 2.0], [seed, seed]]
+        )
+    steps, returns = curves.curve([tmp_path / "0", tmp_path / "1"])
+    assert steps.tolist() == [5, 10]
+    assert returns.tolist() == [[1.0, 0.0], [2.0, 1.0]]
+
+
+def test_a_seed_given_twice_is_refused(tmp_path):
+    with pytest.raises(ValueError, match="seed 3 is given 2 times; give it once"):
+        curves.main([*QUICK, "--seeds", "3", "7", "3", "--out", str(tmp_path)])
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_scenario_that_does_not_exist_is_refused(tmp_path):
+    with pytest.raises(ValueError, match="no suite 'calm'; available: paper, robust"):
+        curves.main([*QUICK, "--suites", "calm", "--out", str(tmp_path)])

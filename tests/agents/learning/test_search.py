@@ -1,0 +1,143 @@
+"""The search for hyperparameters stays within its ranges, keeps the best, and does not train twice."""
+
+import json
+import shutil
+from dataclasses import asdict
+
+import numpy as np
+import pytest
+from stable_baselines3.common.utils import set_random_seed
+
+from agents import runs, search
+from agents.comparison.suites import SUITES
+from agents.environments import DEFAULT_ENV_ID
+from agents.laws.baselines import CONFIGS
+from agents.learning import configurations, learn
+
+
+@pytest.mark.parametrize("env_id", SUITES.values(), ids=SUITES)
+@pytest.mark.parametrize("whole", [False, True], ids=["added", "whole"])
+@pytest.mark.parametrize("algo", search.SPACES)
+def test_the_point_of_a_configuration_gives_that_configuration_back(algo, whole, env_id):
+    entry = configurations.entry(algo, env_id, whole)
+    point = search.point(search.start(algo, env_id, whole), algo, whole)
+    config = search.trial(search.Args(algo=algo, env_id=env_id, whole=whole), {}, point)
+    scale = config.residual["scale"] if config.residual else 0.0
+    assert scale == pytest.approx(0.0 if whole else entry["residual"], rel=1e-2)
+    found, expected = dict(config.hyperparameters), dict(entry["hyperparameters"])
+    inner, outer = found.pop("policy_kwargs"), expected.pop("policy_kwargs")
+    assert inner["net_arch"] == outer["net_arch"]
+    assert inner.get("log_std_init") == pytest.approx(outer.get("log_std_init"), abs=0.02)
+    assert {k: v for k, v in found.items() if k not in search.SPACES[algo]} == {
+        k: v for k, v in expected.items() if k not in search.SPACES[algo]
+    }
+    for name in set(expected) & set(search.SPACES[algo]):
+        assert found[name] == pytest.approx(expected[name], rel=1e-2)
+
+
+@pytest.mark.parametrize("whole", [False, True], ids=["added", "whole"])
+@pytest.mark.parametrize("algo", search.SPACES)
+def test_points_stay_within_the_ranges(algo, whole):
+    for name, r in search.space(algo, whole).items():
+        values = [r.value(unit) for unit in np.linspace(0.0, 1.0, 11)]
+        assert (values[0], values[-1]) == (r.low, r.high), name
+        assert values == sorted(values)
+        assert [r.value(r.share(value)) for value in values] == values
+
+
+@pytest.fixture
+def written(tmp_path, monkeypatch):
+    """A copy of the configurations, which searches read and write."""
+    folder = tmp_path / "configs"
+    shutil.copytree(CONFIGS, folder)
+    for module in (configurations, search):
+        monkeypatch.setattr(module, "CONFIGS", folder)
+    return folder
+
+
+def chosen(config, name):
+    return config.residual["scale"] if name == "residual" else config.hyperparameters[name]
+
+
+def train_best_at(monkeypatch, name, best):
+    """Replace training by one whose return is highest at a value of a hyperparameter; returns what gets trained."""
+    trained = []
+
+    def pretend(training):
+        set_random_seed(0)  # as every training does
+        trained.append(training.folder.name)
+        value = -abs(np.log(chosen(training.config, name) / best))
+        np.savez(training.folder / "evaluations.npz", results=np.array([[value - 1.0], [value]]))
+        runs.write_json(training.folder / runs.CONFIG, asdict(training.config))
+        runs.write_json(training.folder / runs.TIMING, {})
+
+    monkeypatch.setattr(learn, "train_one", pretend)
+    return trained
+
+
+@pytest.mark.parametrize(
+    ("algo", "whole", "name"),
+    [("ppo", False, "residual"), ("sac", True, "learning_rate"), ("td3", False, "learning_rate")],
+)
+def test_a_search_finds_what_trains_best_and_writes_it_where_it_belongs(
+    tmp_path, monkeypatch, written, algo, whole, name
+):
+    before = {w: configurations.entry(algo, DEFAULT_ENV_ID, w) for w in (False, True)}
+    start = search.start(algo, DEFAULT_ENV_ID, whole)
+    best = 1.5 * start[name]
+    train_best_at(monkeypatch, name, best)
+    options = ["--algo", algo, "--trials", "24", "--out", str(tmp_path / "search"), "--jobs", "1", "--quiet"]
+    search.main([*options, *(["--whole"] if whole else [])])
+    after = {w: configurations.entry(algo, DEFAULT_ENV_ID, w) for w in (False, True)}
+    found, record = search.start(algo, DEFAULT_ENV_ID, whole), after[whole]["search"]
+    assert abs(np.log(found[name] / best)) < 0.2
+    assert record["start"] == start
+    assert record["validation_return"] == pytest.approx(-abs(np.log(found[name] / best)))
+    assert record["validation_return_before"] == pytest.approx(-np.log(1.5))
+    kept = ("hyperparameters", "search", "residual")
+    assert {k: v for k, v in after[whole].items() if k not in kept} == {
+        k: v for k, v in before[whole].items() if k not in kept
+    }
+    if whole:
+        assert after[False] == before[False]
+    else:
+        assert after[True] == before[True] | {"residual": after[True]["residual"]}
+
+
+def test_no_trial_is_trained_twice_and_a_search_that_is_repeated_gives_the_same(tmp_path, monkeypatch, written):
+    trained = train_best_at(monkeypatch, "residual", 0.1)
+    options = ["--trials", "24", "--out", str(tmp_path / "search"), "--jobs", "1", "--quiet"]
+    search.main(options)
+    found = configurations.entry("ppo", DEFAULT_ENV_ID)
+    assert len(trained) == found["search"]["trials"] == 25
+    shutil.rmtree(tmp_path / "search" / "trial-20")
+    search.main([*options, "--repeat"])
+    assert trained[25:] == ["trial-20"], "what is missing is trained, the rest is not"
+    repeated = configurations.entry("ppo", DEFAULT_ENV_ID)
+    assert repeated["search"].pop("command") == found["search"].pop("command") + " --repeat"
+    assert repeated == found
+    with pytest.raises(ValueError, match="holds a run with another configuration"):
+        search.main(options)  # goes on from what was found
+
+
+def test_there_must_be_a_search_to_repeat(written):
+    entries = json.loads((written / "sac.json").read_text())
+    entries[DEFAULT_ENV_ID]["whole_torque"].pop("search", None)
+    (written / "sac.json").write_text(json.dumps(entries))
+    with pytest.raises(ValueError, match=r"sac\.json records no such search for 'solar_env/Deploy-v0'"):
+        search.main(["--algo", "sac", "--whole", "--repeat"])
+
+
+def test_trials_train_on_as_many_landings_as_they_are_told():
+    point = search.point(search.start("ppo", DEFAULT_ENV_ID), "ppo", whole=False)
+    assert search.trial(search.Args(landings=7), {}, point).landings == 7
+
+
+def test_what_cannot_be_searched_is_refused():
+    with pytest.raises(ValueError, match="nothing to search for 'dqn'; choose from ppo, sac, td3"):
+        search.main(["--algo", "dqn"])
+
+
+def test_a_run_is_scored_by_the_last_third_of_its_validations(tmp_path):
+    np.savez(tmp_path / "evaluations.npz", results=-np.repeat([9.0, 1.0, 7.0, 4.0, 3.0], 2).reshape(5, 2))
+    assert search.score(tmp_path) == -3.5

@@ -1,0 +1,46 @@
+"""Validation: on episodes of its own, and what is kept is never worse there than what training began with."""
+
+import numpy as np
+import pytest
+
+from agents import runs
+from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env
+from agents.learning import configurations, learn
+
+
+def configuration():
+    """Steps so large that training makes the agent worse than the law it adds to."""
+    spoiling = {"n_steps": 50, "batch_size": 50, "learning_rate": 1.0}
+    return configurations.configuration(
+        "ppo", DEFAULT_ENV_ID, {"model": "rigid-ideal"}, 0, 1, 100, spoiling, residual=0.5, landings=2
+    )
+
+
+@pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")
+def test_every_validation_has_the_validation_episodes_of_the_runs_seed():
+    config = configuration()
+    venv = learn.make_validation_env(config, threads=1)
+    env = make_env(config.env_id, config.env_kwargs)
+    for _ in range(2):
+        venv.reset()
+        designs = venv.get_attr("episode_parameters")
+        seeds = episode_seeds("validation", config.seed, learn.VALIDATION_EPISODES)
+        for seed, design in zip(seeds, designs, strict=True):
+            env.reset(seed=seed)
+            assert env.unwrapped.episode_parameters == design
+        venv.step(np.zeros((len(designs), 1), np.float32))
+
+
+@pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")
+def test_a_training_that_spoils_the_agent_keeps_it_as_it_was_and_so_does_one_that_goes_on(tmp_path, monkeypatch):
+    monkeypatch.setattr(learn, "VALIDATION_EPISODES", 2)
+    first, second = tmp_path / "first", tmp_path / "second"
+    for folder in (first, second):
+        folder.mkdir()
+    learn.train(configuration(), first, progress=False, threads=1)
+    with np.load(first / "evaluations.npz") as history:
+        before, after = history["results"].mean(axis=1)
+    assert after < before
+    assert runs.algorithm("ppo").load(first / runs.POLICY).num_timesteps == 0
+    learn.train(configurations.resumed_configuration(first), second, first, progress=False, threads=1)
+    assert (second / runs.POLICY).read_bytes() == (first / runs.POLICY).read_bytes()

@@ -1,0 +1,111 @@
+"""The policies that come with the package: that they are whole, act alike in all their forms, and land softly."""
+
+from typing import NamedTuple
+
+import numpy as np
+import onnxruntime
+import pytest
+
+from agents import shipped
+from agents.comparison.controllers import load_controller
+from agents.comparison.suites import MODEL, SUITES
+from agents.environments import episode_seeds, make_env
+from agents.rollout import run_episode
+from agents.shipped import load_shipped
+from solar_env import Rosenbrock
+from solar_env.environment import setup as episode_setup
+
+POLICIES = shipped.available()
+
+
+EPISODES = 3
+
+
+class Deployment(NamedTuple):
+    """One on six elements: what was observed (periods, entries), its figures, and the wear of all bins together [m]."""
+
+    observed: np.ndarray
+    figures: dict[str, float]
+    wear: float
+
+
+def deploy(name, controller, episode=0):
+    """The deployment of a policy's scenario, on an evaluation seed, under a controller."""
+    description = load_shipped(name).description
+    env = make_env(description.env_id, {**description.env_kwargs, **MODEL})
+    seen = []
+    seed = episode_seeds("evaluation", 2, EPISODES)[episode]
+    figures = run_episode(env, load_controller(controller, env), seed, lambda step: seen.append(step.observation))
+    state = env.unwrapped.simulation.state
+    return Deployment(np.array(seen, np.float32), figures, state.wear_journal.sum() + state.wear_bearing.sum())
+
+
+@pytest.fixture(scope="module")
+def deployments():
+    """Policy -> the deployment under the policy, and the passive one."""
+    return {name: (deploy(name, name), deploy(name, "passive")) for name in POLICIES}
+
+
+def test_every_suite_has_a_policy_that_was_trained_on_its_scenario():
+    assert {load_shipped(name).description.env_id for name in POLICIES} == set(SUITES.values())
+
+
+@pytest.mark.parametrize("name", POLICIES)
+def test_onnx_acts_as_the_network_in_a_deployment(name, deployments):
+    observed = deployments[name][0].observed
+    session = onnxruntime.InferenceSession(shipped.SHIPPED / name / shipped.ONNX)
+    actions = session.run(["action"], {"observation": observed})[0]
+    expected = load_shipped(name).network.predict(observed)[0]
+    assert np.abs(expected).max() > 0.1
+    np.testing.assert_allclose(actions, expected, rtol=0.0, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", POLICIES)
+def test_a_policy_latches_in_time_with_a_tenth_of_the_passive_deployments_force_and_wear(name, deployments):
+    soft, passive = deployments[name]
+    assert soft.figures["latched"]
+    assert soft.figures["latch_times_s"] < load_shipped(name).description.deadline
+    assert soft.figures["peak_postlock_force_N"] < 0.1 * passive.figures["peak_postlock_force_N"]
+    assert soft.figures["postlock_sliding_work_J"] < 0.1 * passive.figures["postlock_sliding_work_J"]
+    assert soft.wear < 0.1 * passive.wear  # over the whole deployment, most of it before the latches
+
+
+def test_the_policy_with_a_soft_start_takes_nine_tenths_off_the_deepest_wear_too(deployments):
+    soft, passive = deployments["ppo-soft-start"]
+    assert soft.figures["wear_depth_max_m"] < 0.1 * passive.figures["wear_depth_max_m"]
+
+
+@pytest.mark.parametrize("name", POLICIES)
+def test_a_policy_costs_less_than_the_law_that_it_adds_to(name):
+    law = load_shipped(name).description.residual["law"]
+    policys, laws = (
+        np.mean([deploy(name, controller, episode).figures["return"] for episode in range(EPISODES)])
+        for controller in (name, law)
+    )
+    assert 0.0 < -policys < -0.9 * laws
+
+
+@pytest.mark.parametrize("name", POLICIES)
+def test_a_card_says_what_a_policy_was_trained_on_how_it_scored_and_where_it_ends(name):
+    card = (shipped.SHIPPED / name / shipped.CARD).read_text()
+    assert card.startswith(f"# {name}\n")
+    assert load_shipped(name).description.env_id in card
+    for heading in ("## Training", "## Scores", "## Limits", "## Use"):
+        assert heading in card
+    assert "None were measured." not in card
+
+
+@pytest.mark.slow
+def test_the_nominal_policy_lands_more_softly_than_its_law_at_a_hundredth_of_the_tolerance_too(monkeypatch):
+    description = load_shipped("ppo-nominal").description
+
+    def mean_cost(controller):
+        env = make_env(description.env_id, {**description.env_kwargs, **MODEL, "elements": 4})
+        law = load_controller(controller, env)
+        return -np.mean([run_episode(env, law, seed)["return"] for seed in episode_seeds("evaluation", 0, 12)])
+
+    usual = mean_cost("ppo-nominal")
+    monkeypatch.setattr(episode_setup, "default_integrator", lambda model: Rosenbrock(rtol=1e-6))
+    policy, servo = mean_cost("ppo-nominal"), mean_cost("servo")
+    assert policy < 0.8 * servo
+    assert policy == pytest.approx(usual, rel=0.35)

@@ -1,0 +1,225 @@
+"""Policies as plain arrays: that they act as the run did, that nothing is unpickled, and what is refused."""
+
+import json
+import pickle
+from pathlib import Path
+
+import numpy as np
+import onnxruntime
+import pytest
+from trained import QUICK, TRAINED, random_observations
+
+from agents import export, runs, shipped
+from agents.environments import make_env
+from agents.laws import baselines
+from agents.laws.baselines import make_baseline, read_parameters
+from agents.learning.features import LIMIT, whole_motion
+from agents.rollout import run_episode
+from agents.shipped import Layer, PolicyNetwork, load_shipped
+
+RESIDUAL = {"law": "servo", "parameters": {}, "tuning_episodes": 0, "scale": 0.2}
+
+
+@pytest.fixture
+def own(finished, tmp_path):
+    """A copy of an exported policy that a test may spoil."""
+    for path in finished["ppo"][1].iterdir():
+        (tmp_path / path.name).write_bytes(path.read_bytes())
+    return tmp_path
+
+
+def spoil_description(folder, **changes):
+    content = json.loads((folder / shipped.DESCRIPTION).read_text())
+    (folder / shipped.DESCRIPTION).write_text(json.dumps({**content, **changes}))
+
+
+def spoil_arrays(folder, **changes):
+    with np.load(folder / shipped.ARRAYS) as file:
+        arrays = dict(file)
+    np.savez(folder / shipped.ARRAYS, **{**arrays, **changes})
+
+
+def test_the_first_layer_and_its_limit_are_the_features_of_the_observation(finished):
+    policy = load_shipped(finished["ppo"][1])
+    features = whole_motion(policy.description.observation_names)
+    for array, expected in zip((*policy.network.layers[0], *policy.network.gates), features, strict=True):
+        np.testing.assert_array_equal(array, expected)
+    assert policy.network.feature_limit == policy.description.feature_limit == LIMIT
+
+
+def test_features_are_clipped_and_gated_and_not_activated():
+    features = Layer(np.array([[3.0, 0.0]]), np.zeros(1))
+    gates = Layer(np.array([[0.0, 2.0]]), np.full(1, -0.5))
+    output = Layer(np.full((1, 1), 0.5, np.float32), np.zeros(1, np.float32))
+    network = PolicyNetwork((features, output), gates, feature_limit=1.5, activation="relu", output="clip")
+    observations = np.array(
+        [[-2.0, 1.0], [-0.2, 1.0], [0.2, 1.0], [2.0, 1.0], [2.0, 0.5], [2.0, 0.2]], dtype=np.float32
+    )
+    expected = np.array([[-0.75], [-0.3], [0.3], [0.75], [0.375], [0.0]])
+    np.testing.assert_allclose(network.predict(observations)[0], expected, atol=1e-6)
+    session = onnxruntime.InferenceSession(export.onnx_model(network).SerializeToString())
+    np.testing.assert_allclose(session.run(None, {"observation": observations})[0], expected, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", TRAINED)
+def test_a_shipped_policy_deploys_the_array_as_the_run_does(finished, name):
+    run, folder = finished[name]
+    policy = load_shipped(folder)
+    env = make_env(policy.description.env_id, policy.description.env_kwargs)
+    policy.check(env)
+    expected, figures = (run_episode(env, controller, seed=5) for controller in (runs.load_policy(run, env), policy))
+    assert figures == pytest.approx(expected, rel=1e-3, abs=1e-6, nan_ok=True)
+
+
+def test_a_residual_is_added_to_its_law_with_the_parameters_that_it_was_shipped_with(finished, monkeypatch):
+    policy = load_shipped(finished["residual"][1])
+    residual = policy.description.residual
+    assert residual == runs.read_config(finished["residual"][0])["residual"]
+    env = make_env(policy.description.env_id, policy.description.env_kwargs)
+    servo = make_baseline("servo", env, read_parameters("servo", residual["parameters"]))
+    observations = random_observations(100)
+    expected = servo.predict(observations)[0] + residual["scale"] * policy.network.predict(observations)[0]
+    np.testing.assert_allclose(policy.predict(observations)[0], np.clip(expected, -1.0, 1.0), rtol=0.0, atol=1e-6)
+    monkeypatch.setattr(baselines, "CONFIGS", Path("retuned"))
+    again = load_shipped(finished["residual"][1])
+    np.testing.assert_array_equal(again.predict(observations)[0], policy.predict(observations)[0])
+
+
+def test_loading_needs_neither_pickle_nor_learning_libraries(finished, run_python):
+    program = """
+import pickle, sys
+pickle.load = pickle.loads = pickle.Unpickler = None
+from agents.shipped import load_shipped
+print(load_shipped(sys.argv[1]).predict([0.0] * 9)[0].shape)
+print([name for name in ("torch", "stable_baselines3", "onnx") if name in sys.modules])
+"""
+    assert run_python(program, str(finished["sac"][1])).splitlines() == ["(1,)", "[]"]
+
+
+class Payload:
+    """What runs when it is unpickled."""
+
+    def __reduce__(self):
+        return pytest.fail, ("unpickled",)
+
+
+def test_pickled_content_is_refused_and_not_run(own):
+    objects = np.array([Payload()], dtype=object)
+    spoil_arrays(own, weights_1=objects)
+    with pytest.raises(ValueError, match=r"policy\.npz cannot be read as plain arrays, and is not unpickled: Object"):
+        load_shipped(own)
+    (own / shipped.ARRAYS).write_bytes(pickle.dumps(Payload()))
+    with pytest.raises(ValueError, match=r"policy\.npz cannot be read as plain arrays, and is not unpickled"):
+        load_shipped(own)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"weights_3": np.zeros((64, 63), np.float32)}, r"layer 3: weights have shape \(64, 63\), but layer 2 has 64"),
+        ({"weights_2": np.zeros((64, 9), np.float32)}, r"layer 2: weights have shape \(64, 9\), but layer 1 has 11"),
+        ({"biases_3": np.zeros(63, np.float32)}, r"layer 3: biases have shape \(63,\), but weights have .*\(64, 64\)"),
+        (
+            {f"weights_{key}": np.zeros((11, 8)) for key in (1, "gates")},
+            r"layer 1: weights have shape \(11, 8\); expected 9 inputs.*theta",
+        ),
+        ({"weights_1": np.zeros((11, 9), np.float32)}, "layer 1: weights are of type float32; expected float64"),
+        ({"weights_2": np.zeros((64, 11))}, "layer 2: weights are of type float64; expected float32"),
+        ({"biases_1": np.full(11, np.nan)}, "layer 1: biases hold nan"),
+        ({"biases_4": np.zeros((1, 1), np.float32)}, r"layer 4: biases have shape \(1, 1\); expected 1 dimension"),
+        ({"weights_gates": np.zeros((11, 8))}, r"gates: weights have shape .* expected those of layer 1"),
+        ({"biases_gates": np.full(11, np.inf)}, "gates: biases hold inf"),
+        ({"weights_9": np.zeros((1, 1), np.float32)}, r"policy\.npz holds \['biases_1', .*expected weights_1"),
+    ],
+)
+def test_arrays_that_do_not_fit_are_named(own, changes, message):
+    spoil_arrays(own, **changes)
+    with pytest.raises(ValueError, match=f"{own}.*{message}"):
+        load_shipped(own)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"format": 1}, r"policy\.json has format 1; this version reads format 3"),
+        ({"colour": "red"}, r"policy\.json has the keys .*'colour'.*; expected"),
+        ({"activation": "elu"}, "activation is 'elu'; choose from relu, tanh"),
+        ({"output": "none"}, "output is 'none'; choose from clip, tanh"),
+        ({"feature_limit": 0.0}, "feature_limit is 0.0; give a positive finite number"),
+        ({"feature_limit": "two"}, "'<' not supported"),
+        ({"mean_limit": -1.0}, "mean_limit is -1.0; give a positive"),
+        ({"mean_limit": "two"}, "'<' not supported"),
+        (
+            {"residual": {"law": "servo"}},
+            r"residual has the keys \['law'\]; expected law, parameters, tuning_episodes and",
+        ),
+        ({"residual": {**RESIDUAL, "law": "serve"}}, "residual law is 'serve'; available: brake"),
+        (
+            {"residual": RESIDUAL},
+            r"the keys are \[\]; expected \['cruise_rate'",
+        ),
+        (
+            {"residual": {**RESIDUAL, "law": "brake", "parameters": {"torque": 0.1, "onset": 0.0}, "scale": 2}},
+            "residual = 2; give a share",
+        ),
+    ],
+)
+def test_descriptions_that_do_not_fit_are_named(own, changes, message):
+    spoil_description(own, **changes)
+    with pytest.raises(ValueError, match=f"{own}.*{message}"):
+        load_shipped(own)
+
+
+def test_an_unknown_policy_is_answered_with_those_that_there_are(finished, monkeypatch):
+    monkeypatch.setattr(shipped, "SHIPPED", finished["ppo"][1].parent)
+    with pytest.raises(FileNotFoundError, match=r"no shipped policy 'nobody'.*available: ppo, residual, sac, td3"):
+        load_shipped("nobody")
+    assert load_shipped("td3").description.algorithm == "td3"
+
+
+def test_observations_and_environments_of_another_kind_are_refused(finished):
+    policy = load_shipped(finished["ppo"][1])
+    with pytest.raises(ValueError, match=r"the observation has shape \(3, 8\); expected \(9,\) or \(n, 9\)"):
+        policy.predict(np.zeros((3, 8)))
+    for keywords, message in [
+        ({"torque_limit": 0.3}, r"torque_limit is 0\.3; the policy was trained with 0\.5"),
+        ({"control_period": 0.1}, r"control_period is 0\.1; the policy was trained with 0\.5"),
+        ({"postlock_window": 5.0}, r"postlock_window is 5\.0; the policy was trained with 2\.0"),
+        ({"observation": "history"}, r"names is .*theta_1_1_ago"),
+    ]:
+        with make_env(env_kwargs={**QUICK, **keywords}) as env, pytest.raises(ValueError, match=message):
+            policy.check(env)
+
+
+FEATURES = Layer(np.zeros((3, 2)), np.zeros(3))
+OUTPUT = Layer(np.zeros((1, 3), np.float32), np.zeros(1, np.float32))
+GATES = Layer(np.zeros((3, 2)), np.ones(3))
+EMPTY = Layer(np.zeros((0, 2)), np.zeros(0))
+
+
+@pytest.mark.parametrize(
+    ("layers", "message"),
+    [
+        ((), "there are 0 layers; a policy network needs features and an output"),
+        ((FEATURES,), "there are 1 layers; a policy network needs features and an output"),
+        ((EMPTY, OUTPUT), r"layer 1: weights have shape \(0, 2\)"),
+    ],
+)
+def test_empty_networks_are_refused(layers, message):
+    with pytest.raises(ValueError, match=message):
+        PolicyNetwork(layers, GATES, 2.0, "relu", "tanh")
+
+
+@pytest.mark.parametrize("limit", [0.0, -2.0, np.inf, np.nan])
+def test_features_need_a_positive_finite_limit(limit):
+    with pytest.raises(ValueError, match=f"feature_limit is {limit}; give a positive finite number"):
+        PolicyNetwork((FEATURES, OUTPUT), GATES, limit, "relu", "tanh")
+
+
+@pytest.mark.parametrize("name", TRAINED)
+def test_a_shipped_policy_acts_alone_as_among_others_to_the_last_bit(finished, name):
+    policy = load_shipped(finished[name][1])
+    observations = random_observations(100)
+    together = policy.predict(observations)[0]
+    np.testing.assert_array_equal(together, [policy.predict(observation)[0] for observation in observations])
+    np.testing.assert_array_equal(together[7:9], policy.predict(observations[7:9])[0])

@@ -1,0 +1,235 @@
+"""The command line does what its help says, and refuses wrong input before the compiler is loaded."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from solar_env.__main__ import main
+from solar_env.array import MODELS
+from solar_env.array.deployment import simulate
+from solar_env.commands import figures
+from solar_env.commands.simulate import parse_changes
+from solar_env.mechanics.integrators.settings import RungeKutta
+from solar_env.mechanics.running.diagnosis import SimulationWarning
+
+REQUIRED_KEYS = {
+    "model",
+    "status",
+    "latch_times_s",
+    "peak_contact_force_N",
+    "peak_postlock_force_N",
+    "contact_starts",
+    "sliding_work_J",
+    "wear_depth_max_m",
+    "energy_residual_J",
+    "steps",
+    "rejected_steps",
+    "wall_time_s",
+    "theta_end_rad",
+}
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_simulate_writes_summary_trajectory_and_figure(tmp_path, model):
+    from solar_env import Trajectory
+
+    files = {name: tmp_path / f"run.{name}" for name in ("json", "npz", "png")}
+    status = main(
+        ["simulate", "--model", model, "--elements", "2", "--duration", "4",
+         "--set", "clearance=1e-4,2e-4", "friction_coefficient=0.1", "spring_stiffness=2",
+         "--json", str(files["json"]), "--out", str(files["npz"]), "--plot", str(files["png"])]
+    )  # fmt: skip
+    assert status == 0
+    summary = json.loads(files["json"].read_text())
+    assert set(summary) >= REQUIRED_KEYS
+    assert (summary["model"], summary["status"]) == (model, "completed")
+    assert None not in summary["latch_times_s"]
+    trajectory = Trajectory.load(files["npz"])
+    assert trajectory.summary() == summary
+    assert np.array_equal(trajectory.clearance, [1e-4, 2e-4] if model.endswith("clearance") else [0.0, 0.0])
+    assert trajectory.metadata["elements"] == 2
+    assert trajectory.coordinates.shape[1] == (4 + 2 * 12 if model.startswith("flexible") else 12)
+    assert files["png"].stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--model", "rigid"], ["rigid", "rigid-ideal", "flexible-clearance"]),
+        (["--elements", "0"], ["elements", "0"]),
+        (["--model", "flexible-ideal", "--elements", "1001"], ["elements", "1001"]),
+        (["--set", "panel_young=0"], ["panel_young", "0"]),
+        (["--set", "clearence=1e-4"], ["clearence", "clearance"]),
+        (["--set", "clearance"], ["clearance", "key=value"]),
+        (["--set", "clearance=0"], ["clearance", "positive"]),
+        (["--set", "body_mass=-1"], ["body_mass", "-1"]),
+        (["--set", "clearance=nan"], ["clearance", "finite"]),
+        (["--set", "clearance=1e-4,1e-4,1e-4"], ["clearance", "panels"]),
+        (["--preset", "papers"], ["papers", "paper"]),
+        (["--integrator", "euler"], ["euler", "runge-kutta"]),
+        (["--integrator", "paper", "--step", "0"], ["step", "0.0"]),
+        (["--integrator", "paper", "--rtol", "1e-3"], ["rtol", "paper"]),
+        (["--rtol", "-1"], ["rtol", "-1"]),
+        (["--duration", "-1"], ["duration", "-1"]),
+        (["--duration", "nan"], ["duration", "nan"]),
+        (["--out", "no/such/folder/run.npz"], ["folder", "no/such/folder"]),
+    ],
+)
+def test_wrong_input_exits_with_2_and_names_the_thing(arguments, words, capsys):
+    assert main(["simulate", *arguments]) == 2
+    message = capsys.readouterr().err
+    for word in words:
+        assert word in message
+
+
+@pytest.mark.parametrize("integrator", ["generalized-alpha", "paper"])
+@pytest.mark.parametrize("model", MODELS)
+def test_every_model_runs_with_the_other_integrators_too(model, integrator, capsys):
+    arguments = ["--model", model, "--elements", "1", "--duration", "0.05", "--integrator", integrator]
+    # The step does not resolve impacts; the paper's scheme lets the constraint forces alternate.
+    warns = model.endswith("clearance") or integrator == "paper"
+    with pytest.warns(SimulationWarning) if warns else contextlib.nullcontext():
+        assert main(["simulate", *arguments, "--json", "-"]) == 0
+    summary = json.loads(capsys.readouterr().out)
+    expected = simulate(model=model, elements=1, duration=0.05).angles[-1]
+    # The fixed step of 0.1 ms is coarse for the first impacts of the journals.
+    assert summary["theta_end_rad"] == pytest.approx(expected, rel=0.3 if model.endswith("clearance") else 1e-2)
+    assert summary["energy_residual_J"] < 1e-4
+
+
+def said_on_the_console(capsys, *options):
+    """What the command writes to standard error, when standard output holds the summary and nothing else."""
+    assert main(["simulate", "--duration", "0.2", "--json", "-", *options]) == 0
+    captured = capsys.readouterr()
+    json.loads(captured.out)
+    return captured.err
+
+
+def test_simulate_says_on_one_line_when_stability_bounds_the_steps(capsys):
+    options = ["--model", "flexible-ideal", "--integrator", "runge-kutta", "--rtol", "1e-7"]
+    said = said_on_the_console(capsys, *options, "--elements", "6")
+    share = simulate(model="flexible-ideal", duration=0.2, integrator=RungeKutta(rtol=1e-7)).stability_bound_share
+    assert share > 0.1
+    (line,) = (line for line in said.splitlines() if "stability" in line)
+    assert line.startswith(f"{100.0 * share:.0f} % of the steps")
+    assert line.endswith("a looser tolerance does not make them longer, the integrator 'rosenbrock' does")
+    assert "stability" not in said_on_the_console(capsys, *options, "--elements", "1")
+
+
+def test_simulate_takes_the_default_integrator_of_the_model(capsys):
+    for model, integrator in (("rigid-ideal", "runge-kutta"), ("flexible-ideal", "rosenbrock")):
+        assert main(["simulate", "--model", model, "--elements", "1", "--duration", "0.1", "--json", "-"]) == 0
+        assert json.loads(capsys.readouterr().out)["integrator"] == integrator
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ["--model", "rigid-ideal"],
+        ["--model", "rigid-clearance"],
+        ["--model", "rigid-clearance", "--rtol", "1e-2"],
+        ["--model", "flexible-ideal"],
+        ["--model", "flexible-ideal", "--integrator", "generalized-alpha"],
+    ],
+)
+def test_without_flexible_panels_or_explicit_steps_simulate_says_nothing_of_stability(capsys, options):
+    assert "stability" not in said_on_the_console(capsys, *options)
+
+
+def test_warmup_names_every_model_and_environment(capsys):
+    assert main(["warmup"]) == 0
+    printed = capsys.readouterr().out
+    for name in (*MODELS, "solar_env/Deploy-v0"):
+        assert name in printed
+
+
+def test_figures_draws_every_picture(tmp_path, monkeypatch):
+    # Just beyond the latching, which the pictures need.
+    monkeypatch.setattr(figures, "FRAME_TIME", 0.5)
+    monkeypatch.setattr(figures, "COMPARED_TIME", 12.4)
+    assert main(["figures", "--out", str(tmp_path / "new")]) == 0
+    assert {path.name for path in (tmp_path / "new").iterdir()} == set(figures.PICTURES)
+    assert {path.name for path in figures.FIGURE_FOLDER.iterdir()} >= set(figures.PICTURES), "those of the package"
+
+
+@pytest.mark.parametrize("model", ["rigid-clearance", "flexible-clearance"])
+def test_a_run_that_cannot_go_on_exits_with_2_and_says_when_and_why(capsys, model):
+    assert main(["simulate", "--model", model, "--duration", "2", "--integrator", "paper", "--step", "0.05"]) == 2
+    message = capsys.readouterr().err
+    assert "at t =" in message
+    assert "Newton" in message
+    assert "reduce the step" in message
+
+
+def test_changes_are_parsed_as_numbers_tuples_and_words():
+    changes = parse_changes(["clearance=1e-4,2e-4", "panel_count=3", "contact_law=flores", "body_fixed=True"])
+    assert changes == {"clearance": (1e-4, 2e-4), "panel_count": 3, "contact_law": "flores", "body_fixed": True}
+
+
+def test_help_of_every_command_needs_no_compiler():
+    program = (
+        "import sys\n"
+        "from solar_env.__main__ import COMMANDS, main\n"
+        "for name in COMMANDS:\n"
+        "    try:\n"
+        "        main([name, '--help'])\n"
+        "    except SystemExit as stop:\n"
+        "        assert stop.code == 0\n"
+        "assert 'numba' not in sys.modules\n"
+    )
+    subprocess.run([sys.executable, "-c", program], check=True, capture_output=True)
+
+
+def test_a_missing_command_is_an_error():
+    with pytest.raises(SystemExit) as stop:
+        main([])
+    assert stop.value.code == 2
+
+
+def test_stability_measures_a_map_draws_it_and_says_what_to_do(tmp_path, capsys):
+    arguments = ["stability", "--only", "pull-off", "--out", str(tmp_path / "new")]
+    assert main([*arguments, "--quick"]) == 0
+    assert {path.name for path in (tmp_path / "new").iterdir()} == {"pull-off.csv", "pull-off.png"}
+    printed = capsys.readouterr().out
+    assert "forces are cut off at zero" in printed
+    assert "cut off" in printed
+    # Drawn again, from the table alone.
+    (tmp_path / "new" / "pull-off.png").unlink()
+    before = (tmp_path / "new" / "pull-off.csv").read_bytes()
+    assert main([*arguments, "--draw"]) == 0
+    assert (tmp_path / "new" / "pull-off.png").stat().st_size > 10_000
+    assert (tmp_path / "new" / "pull-off.csv").read_bytes() == before
+
+
+def test_stability_exits_with_1_if_a_failure_passed_in_silence(tmp_path, capsys):
+    arguments = ["stability", "--only", "friction-step", "--out", str(tmp_path)]
+    assert main([*arguments, "--quick"]) == 0
+    table = tmp_path / "friction-step.csv"
+    table.write_text(table.read_text().replace(",error,", ",,"))
+    assert main([*arguments, "--draw"]) == 1
+    assert "passed without a word" in capsys.readouterr().out
+
+
+def test_an_unknown_map_or_a_missing_table_exits_with_2(tmp_path, capsys):
+    assert main(["stability", "--only", "impacts", "--out", str(tmp_path)]) == 2
+    assert "impact-implicit" in capsys.readouterr().err
+    assert main(["stability", "--draw", "--out", str(tmp_path)]) == 2
+    assert "impact-implicit.csv" in capsys.readouterr().err
+
+
+def test_simulate_shows_a_warning_on_one_line(capsys):
+    program = (
+        "import sys\n"
+        "from solar_env.__main__ import main\n"
+        "sys.exit(main(['simulate', '--integrator', 'paper', '--duration', '0.3', '--json', '-']))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], check=True, capture_output=True, text=True)
+    (line,) = (line for line in done.stderr.splitlines() if "an impact of" in line)
+    assert line.startswith("warning: an impact of")
+    assert "give rtol" in line

@@ -1,0 +1,453 @@
+"""The reward ranks controllers as the physical figures do, and no trick pays."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import gymnasium
+import numpy as np
+import pytest
+from scipy.stats import spearmanr
+
+import solar_env
+from agents.environments import with_sampling
+from agents.laws.baselines import TUNABLE
+from agents.torque_laws import DamperParameters, Signals, ViscousDamper
+from agents.tune import bounds, from_unit
+from solar_env.array.methods import default_integrator
+from solar_env.environment.task import REWARD_TERMS, Task
+from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.joints.joint import ANGLE
+
+ID = "solar_env/Deploy-v0"
+SAMPLING = with_sampling({}, ID)["randomize"]
+TASK = Task()
+WORST_DEPLOYMENT = -2.0 * TASK.largest_charge
+# The outer joint latches and the root, which the motor works on, is left behind.
+SOFT_CABLE = {"cable_stiffness": 0.02}
+
+
+@dataclass
+class Run:
+    """One episode: actions, times at the ends of the steps, terms of the reward, and the figures at its end."""
+
+    actions: list[float] = field(default_factory=list)
+    times: list[float] = field(default_factory=list)
+    terms: list[list[float]] = field(default_factory=list)
+    figures: dict = field(default_factory=dict)
+
+    @property
+    def total(self):
+        return float(np.sum(self.terms))
+
+    @property
+    def latched(self):
+        return bool(self.figures["latched"])
+
+    @property
+    def last_latch(self):
+        return max(self.figures["latch_times_s"])
+
+    @property
+    def force(self):
+        return sum(self.figures["peak_postlock_force_N"])
+
+    @property
+    def work(self):
+        return sum(self.figures["postlock_sliding_work_J"])
+
+
+def deploy(laws, **keywords):
+    """An episode of every law, side by side; a law makes an action of an observation and the number of the step."""
+    env = gymnasium.make_vec(ID, num_envs=len(laws), **keywords)
+    observations, _ = env.reset(seed=0)
+    runs = [Run() for _ in laws]
+    step = 0
+    while not all(run.figures for run in runs):
+        # Lanes whose episode has ended are kept folded, which costs next to nothing.
+        actions = [
+            -1.0 if run.figures else float(np.clip(law(own, step), -1.0, 1.0))
+            for run, law, own in zip(runs, laws, observations, strict=True)
+        ]
+        observations, _, terminations, truncations, info = env.step(np.array(actions)[:, None])
+        assert not truncations.any()
+        for lane, run in enumerate(runs):
+            if run.figures:
+                continue
+            run.actions.append(actions[lane])
+            run.times.append(float(info["time_s"][lane]))
+            run.terms.append([float(info["reward_terms"][name][lane]) for name in REWARD_TERMS])
+            if terminations[lane]:
+                run.figures = {name: values[lane] for name, values in info["deployment"].items() if name[0] != "_"}
+        step += 1
+    env.close()
+    return runs
+
+
+def mean_total(runs):
+    return float(np.mean([run.total for run in runs]))
+
+
+def constant(action):
+    return lambda observation, step: action
+
+
+def any_latched(observation):
+    return observation[4] + observation[5] > 0.5
+
+
+def all_latched(observation):
+    return observation[4] * observation[5] > 0.5
+
+
+def held_short_at(opening):
+    """A feedback that opens both joints to a share of their lock angles, gently enough not to run past."""
+
+    def law(observation, step):
+        mean = 0.5 * (observation[0] + observation[1])
+        rate = 0.5 * (observation[2] / (math.pi / 2) + observation[3] / math.pi)
+        return 40.0 * (np.clip(0.2 * (opening - mean), -0.06, 0.06) - rate)
+
+    return law
+
+
+def folded_until(step_of_release):
+    """The passive deployment, begun later."""
+    return lambda observation, step: -1.0 if step < step_of_release else 0.0
+
+
+def chatter(pattern, phase=0):
+    return lambda observation, step: pattern[(step + phase) % len(pattern)]
+
+
+def phases(pattern):
+    return [chatter(pattern, phase) for phase in range(len(pattern))]
+
+
+def in_turn(before, after, switch):
+    """One law until the switch closes, then another."""
+    return lambda observation, step: (after if switch(observation) else before)(observation, step)
+
+
+def erratic(seed):
+    actions = np.random.default_rng(seed).uniform(-1.0, 1.0, 400)
+    return lambda observation, step: actions[step]
+
+
+def viscous(damping, postlock_damping):
+    law = ViscousDamper(Signals.of(gymnasium.make(ID)), DamperParameters(damping, postlock_damping))
+    return lambda observation, step: law.predict(observation)[0][0]
+
+
+def step_of(time, run):
+    """Number of the step in which a time falls."""
+    return int(np.searchsorted(run.times, time))
+
+
+class Record(NamedTuple):
+    """What an array has felt at the end of every step, (steps, joints); but wear, (joints,), is that at the end."""
+
+    peaks: np.ndarray
+    work: np.ndarray
+    impulse: np.ndarray
+    angles: np.ndarray
+    wear: np.ndarray
+
+
+def physical_record(run, **changes):
+    """The same torques on an array that knows of no task: peak forces of the steps [N]; the rest from the start on."""
+    model = "rigid-clearance"
+    array = solar_env.build(solar_env.ArrayParameters().with_changes(changes), model)
+    simulation = solar_env.Simulation(array, default_integrator(model))
+    state, rows = simulation.state, []
+    for action, end in zip(run.actions, run.times, strict=True):
+        simulation.set_motor_torque(0, TASK.torque_limit * action)
+        state.joints["recent_peak_force"] = 0.0
+        simulation.advance(end)
+        integrals = m.joint_integrals(state.integrals)
+        sums = integrals[:, m.SLIDING_WORK], integrals[:, m.IMPULSE]
+        rows.append(np.array([state.joints["recent_peak_force"], *sums, simulation.joint_loads()[:, ANGLE]]))
+    return Record(*np.stack(rows, axis=1), np.maximum(state.wear_journal, state.wear_bearing).max(axis=1))
+
+
+def assert_charged(terms, peaks, work, first, last):
+    """The terms add up to what the record says from the first latching, in the step `first`, to the step `last`.
+
+    When in the step `first` it latched, the record does not say: that step counts not at all, or wholly.
+    """
+    peak_impact, wear, _ = np.sum(terms[: last + 1], axis=0)
+    peak = [peaks[start : last + 1].max(axis=0).sum() for start in (first + 1, first)]
+    slid = [(work[last] - work[start]).sum() for start in (first, first - 1)]
+    assert peak[0] * (1.0 - 1e-9) <= -peak_impact * TASK.force_scale <= peak[1] * (1.0 + 1e-9)
+    assert slid[0] * (1.0 - 1e-9) <= -wear * TASK.work_scale <= slid[1] * (1.0 + 1e-9)
+    assert slid[1] < 1.1 * slid[0], "the step of the latching is short enough for a test"
+
+
+@pytest.fixture(scope="module")
+def wide_set():
+    """Controllers from all over: every torque law with parameters anywhere in their ranges, and torques of no law."""
+    signals = Signals.of(gymnasium.make(ID))
+    generator = np.random.default_rng(0)
+    laws = [constant(action) for action in (-1.0, -0.5, -0.25, 0.0, 0.25, 0.5, 1.0)]
+    laws += [erratic(seed) for seed in range(3)]
+    for name, law in TUNABLE.items():
+        if name == "soft-start":  # An open-loop torque and then a servo: both are there already.
+            continue
+        parameters = type(law.defaults)
+        for _ in range(8):
+            controller = law(signals, from_unit(parameters, generator.random(len(bounds(parameters)))))
+            laws.append(lambda observation, step, own=controller: own.predict(observation)[0][0])
+    return deploy(laws)
+
+
+@pytest.fixture(scope="module")
+def deployments(wide_set):
+    """Returns, peak forces [N] and sliding work [J] of the controllers that deploy the array."""
+    deployed = [run for run in wide_set if run.latched]
+    assert len(deployed) >= 30
+    return tuple(np.array([getattr(run, name) for run in deployed]) for name in ("total", "force", "work"))
+
+
+@pytest.fixture(scope="module")
+def passive():
+    """Passive deployments that differ by micrometres, which spreads what impacts make of them."""
+    return deploy([constant(0.0)] * 6, randomize=SAMPLING)
+
+
+def rank_correlation(one, other):
+    return float(spearmanr(one, other).statistic)
+
+
+def test_limits_durations_and_prices_are_the_documented_ones():
+    assert Task(0.5, 0.1, 20, 10, 500, 0.05, 12, 25) == TASK
+    assert gymnasium.make(ID).unwrapped.task == TASK
+
+
+def test_500_newtons_and_a_twentieth_of_a_joule_cost_one_each(passive):
+    for run in passive:
+        peak_impact, wear, missed = np.sum(run.terms, axis=0)
+        assert peak_impact == pytest.approx(-run.force / 500.0, rel=1e-9)
+        assert wear == pytest.approx(-run.work / 0.05, rel=1e-9)
+        assert missed == 0.0
+
+
+def test_the_passive_deployment_returns_what_the_documentation_promises(passive):
+    """Up to the spread of deployments that differ by micrometres, which another processor's rounding spreads too."""
+    alone = deploy([constant(0.0)])[0]
+    assert alone.total == pytest.approx(-3.4, abs=0.2)
+    assert mean_total(passive) == pytest.approx(-3.4, abs=0.2)
+
+
+def test_the_return_ranks_deployments_as_force_and_wear_together_do(deployments):
+    """As their product does, which knows of no prices.
+
+    0.95 stands for a tenth of the pairs in another order, half of what `model="auto"` allows a model to get wrong.
+    """
+    total, force, work = deployments
+    assert rank_correlation(total, -force * work) > 0.95
+
+
+def test_the_return_agrees_with_force_and_with_wear_better_than_these_agree_with_each_other(deployments):
+    """They are at odds: no order of the controllers can be that of both. A return that left one out would fail."""
+    total, force, work = deployments
+    between = rank_correlation(force, work)
+    assert between < 0.8
+    assert rank_correlation(total, -force) > between + 0.1
+    assert rank_correlation(total, -work) > between + 0.1
+
+
+@pytest.mark.parametrize("figure", ["force", "work"])
+def test_a_figure_that_is_a_third_larger_is_ranked_so(deployments, figure):
+    """In nine of ten pairs at least, and wrongly less than half as often as by a return that left the figure out.
+
+    Less than a third is within what rigid panels leave open.
+    """
+    total, force, work = deployments
+    values, left = {"force": (force, work), "work": (work, force)}[figure]
+    one, other = np.triu_indices(len(total), 1)
+    apart = np.abs(np.log(values[one] / values[other])) > math.log(4.0 / 3.0)
+    assert apart.sum() > 200
+
+    def wrong(score):
+        return np.mean(((score[one] > score[other]) == (values[one] > values[other]))[apart])
+
+    assert wrong(total) < 0.1
+    assert wrong(total) < 0.5 * wrong(-left)
+
+
+def test_whoever_misses_the_deadline_ranks_below_all_who_deploy(wide_set):
+    missed = [run.total for run in wide_set if not run.latched]
+    assert len(missed) >= 3
+    assert max(missed) < WORST_DEPLOYMENT < min(run.total for run in wide_set if run.latched)
+
+
+def test_no_controller_ends_an_episode_before_its_time(wide_set):
+    for run in wide_set:
+        end = run.last_latch + TASK.postlock_window if run.latched else TASK.deadline
+        assert run.times[-1] == run.figures["duration_s"] == pytest.approx(end, abs=1e-9)
+        assert len(run.times) == math.ceil(end / TASK.control_period - 1e-9)
+
+
+def test_holding_the_array_folded_or_short_of_its_latches_never_pays(passive):
+    runs = deploy([constant(-1.0), *(held_short_at(opening) for opening in (0.5, 0.9, 0.985))])
+    for run in runs:
+        assert run.figures["latch_times_s"] == [None, None]
+        assert run.total == -TASK.missed_deadline_cost < WORST_DEPLOYMENT < min(alone.total for alone in passive)
+
+
+@pytest.mark.parametrize(
+    ("law", "keywords"),
+    [
+        # Passively the outer joint latches at 12.28 s and the root at 12.30 s.
+        (constant(0.0), {"deadline": 12.29}),
+        (constant(-1.0), {"parameters": SOFT_CABLE}),
+        (in_turn(constant(0.0), constant(-1.0), any_latched), {"parameters": SOFT_CABLE}),
+    ],
+    ids=["by chance", "root held folded", "root pushed back"],
+)
+def test_latching_one_joint_and_not_the_other_never_pays(law, keywords):
+    run = deploy([law], **keywords)[0]
+    root, outer = run.figures["latch_times_s"]
+    assert root is None
+    assert outer is not None
+    peak_impact, _, missed = np.sum(run.terms, axis=0)
+    assert missed == -TASK.missed_deadline_cost
+    assert peak_impact < 0.0, "what the one latching did is charged on top"
+    assert run.total < missed < WORST_DEPLOYMENT
+
+
+@pytest.mark.parametrize("model", ["rigid-clearance", "rigid-ideal"])
+def test_how_close_to_the_deadline_it_latched_makes_no_difference(model):
+    for action in (0.0, 0.6):
+        ample = deploy([constant(action)], model=model)[0]
+        deadline = TASK.control_period * math.ceil(ample.last_latch / TASK.control_period)
+        tight = deploy([constant(action)], model=model, deadline=deadline)[0]
+        assert tight.terms == ample.terms
+        assert tight.times[-1] == pytest.approx(ample.last_latch + TASK.postlock_window)
+        assert sum(sum(terms) for terms in tight.terms[round(deadline / TASK.control_period) :]) < 0.0
+
+
+def test_what_happens_after_the_deadline_is_charged_as_an_array_without_one_feels_it():
+    """Of an array that latches half a second before the deadline of 20 s."""
+    late = deploy([folded_until(920)], control_period=0.01)[0]
+    assert late.latched
+    assert min(late.figures["latch_times_s"]) > 19.0
+    assert late.times[-1] == pytest.approx(late.last_latch + 10.0)
+    first = step_of(min(late.figures["latch_times_s"]), late)
+    record = physical_record(late)
+    assert_charged(late.terms, record.peaks, record.work, first, len(late.times) - 1)
+
+
+def test_only_what_happens_after_the_first_latching_is_charged_and_then_in_both_joints():
+    """Of an array whose root latches nine seconds after the outer joint."""
+    run = deploy([constant(0.0)], parameters=SOFT_CABLE, control_period=0.02)[0]
+    root, outer = run.figures["latch_times_s"]
+    assert outer + 5.0 < root
+    record = physical_record(run, **SOFT_CABLE)
+    peaks, work = record.peaks, record.work
+    first, second = step_of(outer, run), step_of(root, run)
+    assert np.all(peaks[:first].max(axis=0) > 10.0)
+    assert np.all(work[first - 1] > 1e-3)
+    assert not np.any(run.terms[:first])
+    before = second - 1
+    assert peaks[first + 1 : second, 0].max() > 10.0, "the open joint has a share in what comes next"
+    assert work[before, 0] > work[first, 0] + 1e-3
+    assert_charged(run.terms, peaks, work, first, before)
+    assert_charged(run.terms, peaks, work, first, len(run.times) - 1)
+
+
+def test_the_figures_of_an_episode_are_those_of_the_same_torques_without_a_task():
+    """Of an array whose root latches nine seconds after the outer joint, while the motor swings to and fro."""
+    (run,) = deploy([lambda observation, step: 0.3 * math.sin(0.05 * step)], parameters=SOFT_CABLE, control_period=0.02)
+    record = physical_record(run, **SOFT_CABLE)
+    first = step_of(min(run.figures["latch_times_s"]), run)
+    for name, so_far in (("postlock_impulse_Ns", record.impulse), ("postlock_sliding_work_J", record.work)):
+        least, greatest = (so_far[-1] - so_far[start] for start in (first, first - 1))
+        assert np.all(least * (1.0 - 1e-9) <= run.figures[name]), name
+        assert np.all(run.figures[name] <= greatest * (1.0 + 1e-9)), name
+        assert np.all(so_far[-1] > greatest + 0.1 * least), "what came before the latching would show"
+    turned = np.diff(record.angles, axis=0, prepend=0.0)[:, 0]
+    work = TASK.torque_limit * np.array(run.actions) @ turned
+    assert abs(work) > 0.01
+    assert run.figures["motor_work_J"] == pytest.approx(work, rel=1e-5)
+    assert run.figures["wear_depth_max_m"] == pytest.approx(record.wear.tolist(), rel=1e-9, abs=0.0)
+
+
+def test_impacts_on_the_way_are_not_charged_however_hard():
+    """Of an array that is shaken for four seconds and then led to its latches softly."""
+    shaking, damper = chatter((1, -1)), viscous(3.0, 3.0)
+    run = deploy([lambda observation, step: (shaking if step < 40 else damper)(observation, step)])[0]
+    peaks = physical_record(run).peaks
+    first = step_of(min(run.figures["latch_times_s"]), run)
+    before, after = peaks[:first].max(axis=0).sum(), peaks[first:].max(axis=0).sum()
+    assert before > 1.2 * after
+    assert np.sum(run.terms, axis=0)[0] >= -after / TASK.force_scale * (1.0 + 1e-9)
+
+
+@pytest.mark.parametrize("pattern", [(1, 1, -1, -1), (1, -1, -1), (1, 1, -1), (1, -1, -1, -1)], ids=str)
+def test_chattering_on_the_way_gains_nothing_over_its_mean(pattern, passive):
+    """Averaged over its phase, which shifts the joints' vibration against the latching, and that shifts the impact."""
+    mean = float(np.mean(pattern))
+    nothing = constant(0.0)
+    steady = deploy([in_turn(constant(mean), nothing, all_latched)] * 2, randomize=SAMPLING) if mean else passive
+    shaken = deploy([in_turn(law, nothing, all_latched) for law in phases(pattern)], randomize=SAMPLING)
+    assert mean_total(shaken) < mean_total(steady)
+
+
+def test_neither_chatter_nor_pressing_with_full_torque_gains_anything_over_a_damper():
+    damper = viscous(3.0, 3.0)
+    alone = deploy([damper] * 3, randomize=SAMPLING)
+    shaking = [*phases((1, -1)), *phases((1, 1, -1, -1))]
+    pressing = [constant(1.0), constant(-1.0)]
+    best = min(run.total for run in alone)
+    for when in ("before", "after", "both"):
+        laws = {
+            "before": [in_turn(law, damper, all_latched) for law in shaking],
+            "after": [in_turn(damper, law, all_latched) for law in shaking + pressing],
+            "both": phases((1, -1)),
+        }[when]
+        for run in deploy(laws, randomize=SAMPLING):
+            assert run.latched
+            assert run.total < best, when
+
+
+@pytest.mark.parametrize("model", ["rigid-ideal", "flexible-ideal", "rigid-clearance"])
+def test_the_return_does_not_depend_on_how_finely_a_torque_is_cut(model):
+    """Up to the tolerance of the integration, or to the spread of deployments that differ by micrometres."""
+    torques = np.random.default_rng(1).uniform(-1.0, 1.0, 300)
+    lanes = 6 if model.endswith("clearance") else 1
+    totals = []
+    for pieces in (1, 2):
+        runs = deploy(
+            [lambda observation, step, cut=pieces: torques[step // cut]] * lanes,
+            model=model,
+            elements=1,
+            control_period=0.1 / pieces,
+            randomize=SAMPLING,
+        )
+        totals.append([run.total for run in runs])
+    whole, cut = np.mean(totals, axis=1)
+    # Four standard errors of a difference of means; without clearances nothing is left to chance.
+    spread = 4.0 * np.sqrt(np.var(totals, axis=1, ddof=1).sum() / lanes) if lanes > 1 else 0.0
+    assert cut == pytest.approx(whole, rel=0.01, abs=spread)
+
+
+def test_charges_stop_at_their_bound_however_violent_the_deployment():
+    """With a motor two hundred times as strong."""
+    shaken, thrown, dropped = deploy(
+        [in_turn(constant(1.0), chatter((1, -1)), any_latched), constant(1.0), constant(-1.0)], torque_limit=100.0
+    )
+    assert shaken.force > TASK.largest_charge * TASK.force_scale
+    assert shaken.work > TASK.largest_charge * TASK.work_scale
+    assert np.sum(shaken.terms, axis=0) == pytest.approx([-TASK.largest_charge, -TASK.largest_charge, 0.0], abs=1e-12)
+    for run in (shaken, thrown, dropped):
+        assert np.max(run.terms) <= 0.0
+        assert np.cumsum(run.terms, axis=0).min() >= -TASK.missed_deadline_cost - 1e-12
+    assert dropped.total == -TASK.missed_deadline_cost < shaken.total < thrown.total
+
+
+def test_a_task_in_which_not_deploying_would_pay_is_refused():
+    with pytest.raises(ValueError, match=r"missed_deadline_cost.*twice largest_charge"):
+        Task(missed_deadline_cost=2.0 * TASK.largest_charge)

@@ -1,0 +1,270 @@
+"""Scenarios draw what they say; sensors and motor are as imperfect as their numbers, and perfect by default."""
+
+from __future__ import annotations
+
+import math
+
+import gymnasium
+import numpy as np
+import pytest
+
+from solar_env import ArrayParameters, Hardware
+from solar_env.environment.registration import ENVIRONMENTS
+from solar_env.environment.scenarios import SCENARIOS
+from solar_env.mechanics.arrays.model import MOTOR_WORK, joint_integrals
+from solar_env.mechanics.joints.joint import ANGLE
+
+NOMINAL, RANDOMISED = "solar_env/Deploy-v0", "solar_env/DeployRandomised-v0"
+JOINTS = 2
+ANGLES, RATES, LATCHED = range(JOINTS), range(JOINTS, 2 * JOINTS), range(2 * JOINTS, 3 * JOINTS)
+TORQUE, SINCE_LATCH = 3 * JOINTS, 3 * JOINTS + 2
+LOCK = np.array([math.pi / 2, math.pi])
+# Deploys within three seconds.
+STRONG = {"spring_stiffness": 2.0}
+
+
+def make(name=NOMINAL, **keywords):
+    return gymnasium.make(name, model="rigid-ideal", **keywords).unwrapped
+
+
+def watch(env, actions, seed=0):
+    """(steps + 1, entries) observations of an episode's beginning."""
+    first, _ = env.reset(seed=seed)
+    return np.array([first, *(env.step([action])[0] for action in actions)])
+
+
+def test_every_scenario_is_made_by_its_id_or_by_the_keyword():
+    assert set(ENVIRONMENTS.values()) == set(SCENARIOS)
+    for name, scenario in ENVIRONMENTS.items():
+        by_id, by_keyword = make(name), make(scenario=scenario)
+        assert by_id.scenario == scenario
+        assert np.array_equal(watch(by_id, [0.1, -0.2, 0.3]), watch(by_keyword, [0.1, -0.2, 0.3]))
+    with pytest.raises(ValueError, match=r"calm.*nominal, randomised"):
+        make(scenario="calm")
+
+
+def test_the_nominal_scenario_is_perfect_and_always_the_same():
+    env = make()
+    assert env.hardware == Hardware()
+    assert env.randomize == {}
+    assert env.parameters == ArrayParameters()
+    assert np.array_equal(watch(env, [0.2] * 5, seed=1), watch(env, [0.2] * 5, seed=2))
+
+
+def test_the_randomised_scenario_draws_everything_within_its_ranges():
+    env = make(RANDOMISED)
+    drawn = {name: [] for name in env.randomize}
+    for seed in range(200):
+        env.reset(seed=seed)
+        for name, values in drawn.items():
+            values.append(getattr(env.episode_parameters, name))
+    for name, values in drawn.items():
+        low, high = (np.asarray(bound) for bound in env.randomize[name])
+        sample = np.asarray(values)
+        assert np.all((low <= sample) & (sample <= high)), name
+        assert np.all(np.ptp(sample, axis=0) > 0.9 * (high - low)), name
+        if sample.ndim == 2:
+            assert abs(np.corrcoef(sample.T)[0, 1]) < 0.3, f"{name} is drawn for every joint by itself"
+
+
+def test_the_randomised_scenario_is_the_documented_one():
+    env = make(RANDOMISED)
+    documented = {
+        "clearance": (0.05e-3, 0.5e-3),
+        "friction_coefficient": (0.05, 0.3),
+        "restitution": (0.7, 0.95),
+        "spring_stiffness": ((0.09, 0.0675), (0.11, 0.0825)),
+        "cable_stiffness": (18.0, 22.0),
+        "panel_young": (252e6, 308e6),
+        "initial_rate": (0.0, 0.01),
+        "initial_spin": (-0.005, 0.005),
+    }
+    assert set(env.randomize) == set(documented)
+    for name, pair in documented.items():
+        for bound, expected in zip(env.randomize[name], pair, strict=True):
+            by_joint = np.broadcast_to(expected, np.shape(bound))
+            assert np.asarray(bound) == pytest.approx(by_joint, rel=1e-12), name
+    assert env.hardware == Hardware(5e-4, 1e-3, 2 * math.pi / 2**13, 1, 0.1, 1.0)
+    assert env.parameters == ArrayParameters(contact_law="flores")
+
+
+def test_ten_per_cent_are_ten_per_cent_of_every_joints_own_stiffness():
+    low, high = SCENARIOS["randomised"].randomize["spring_stiffness"]
+    assert low == pytest.approx((0.09, 0.0675))
+    assert high == pytest.approx((0.11, 0.0825))
+
+
+def test_keywords_change_a_scenario_or_take_the_place_of_its_parts():
+    env = make(RANDOMISED, randomize={"clearance": (1e-4, (2e-4, 3e-4))}, hardware={"sensor_delay": 0})
+    assert env.randomize == {"clearance": ((1e-4, 1e-4), (2e-4, 3e-4))}
+    assert env.hardware == SCENARIOS["randomised"].hardware.with_changes({"sensor_delay": 0})
+    assert make(RANDOMISED, hardware=Hardware()).hardware == Hardware()
+    assert make(RANDOMISED, parameters={"body_mass": 900.0}).parameters == ArrayParameters(
+        contact_law="flores", body_mass=900.0
+    )
+
+
+def test_noise_has_the_standard_deviation_asked_for_and_leaves_the_rest_alone():
+    hardware = {"angle_noise": 1e-3, "rate_noise": 2e-3}
+    exact = watch(make(), [0.0] * 110)
+    noisy = np.array([watch(make(hardware=hardware), [0.0] * 110, seed=seed) for seed in range(5)])
+    error = (noisy - exact)[:, 10:]  # away from the bounds
+    assert np.std(error[:, :, ANGLES] * LOCK) == pytest.approx(1e-3, rel=0.06)
+    assert np.std(error[:, :, RATES]) == pytest.approx(2e-3, rel=0.06)
+    assert abs(np.mean(error[:, :, RATES])) < 4 * 2e-3 / math.sqrt(1000)
+    others = [*LATCHED, TORQUE, TORQUE + 1, SINCE_LATCH]
+    assert np.all(error[:, :, others] == 0.0)
+
+
+def test_noise_comes_with_the_seed():
+    env = make(hardware={"rate_noise": 1e-3})
+    assert np.array_equal(watch(env, [0.0] * 4, seed=3), watch(env, [0.0] * 4, seed=3))
+    assert not np.array_equal(watch(env, [0.0] * 4, seed=3), watch(env, [0.0] * 4, seed=4))
+
+
+def test_an_encoder_shows_multiples_of_its_resolution_the_nearest_ones():
+    resolution = 0.01
+    exact = watch(make(), [0.0] * 60)[:, ANGLES] * LOCK
+    shown = watch(make(hardware={"encoder_resolution": resolution}), [0.0] * 60)[:, ANGLES] * LOCK
+    steps = shown / resolution
+    assert np.allclose(steps, np.rint(steps), atol=1e-4)
+    assert np.max(np.abs(shown - exact)) <= 0.5 * resolution * (1 + 1e-4)
+    assert np.ptp(shown) > 10 * resolution
+
+
+@pytest.mark.parametrize("delay", [1, 3])
+def test_what_is_measured_comes_late_and_what_the_controller_knows_does_not(delay):
+    actions = np.sin(np.arange(60.0))
+    keywords = {"parameters": STRONG, "postlock_window": 5.0}
+    exact = watch(make(**keywords), actions)
+    late = watch(make(hardware={"sensor_delay": delay}, **keywords), actions)
+    measured = [*ANGLES, *RATES, *LATCHED, SINCE_LATCH]
+    assert np.array_equal(late[delay:, measured], exact[:-delay, measured])
+    assert np.all(late[:delay, measured] == exact[0, measured]), "before that, what was seen at the start"
+    known = [TORQUE, TORQUE + 1]
+    assert np.array_equal(late[:, known], exact[:, known])
+    assert exact[-1, LATCHED[0]] == 1.0, "the delay of a latching is among what was compared"
+
+
+def test_the_history_is_what_was_observed_before():
+    hardware = {"rate_noise": 1e-3, "sensor_delay": 1}
+    env = make(observation="history", hardware=hardware)
+    seen = watch(env, [0.3, -0.1, 0.5, 0.2, 0.0, 0.7])
+    names = list(env.observation_names)
+    for name in ("theta_1", "theta_2", "rate_1", "rate_2", "motor_torque"):
+        now = seen[:, names.index(name)]
+        for back in (1, 2, 3):
+            before = seen[:, names.index(f"{name}_{back}_ago")]
+            assert np.array_equal(before[back:], now[:-back])
+            assert np.all(before[:back] == now[0])
+
+
+def test_a_history_of_perfect_sensors_starts_with_what_they_see():
+    history, drive = watch(make(observation="history"), [0.5] * 6), watch(make(), [0.5] * 6)
+    assert np.array_equal(history[:, : drive.shape[1]], drive)
+
+
+def test_the_motor_follows_like_a_system_of_first_order():
+    lag = 0.3
+    torque = watch(make(hardware={"motor_lag": lag}), [0.8] * 10)[:, TORQUE]
+    time = 0.1 * np.arange(11)
+    assert torque == pytest.approx(0.8 * (1.0 - np.exp(-time / lag)), abs=1e-6)
+
+
+def test_the_motor_torque_changes_no_faster_than_its_limit():
+    env = make(hardware={"torque_rate_limit": 0.75}, torque_limit=0.5)
+    torque = 0.5 * watch(env, [1.0] * 8 + [-1.0] * 16)[:, TORQUE]
+    rate = np.diff(torque) / 0.1
+    assert np.max(np.abs(rate)) == pytest.approx(0.75, rel=1e-5)
+    assert torque[7] == pytest.approx(0.5, rel=1e-6)
+    assert torque[-1] == pytest.approx(-0.5, rel=1e-6)
+
+
+def test_the_torque_that_acts_is_the_one_that_is_observed():
+    """The motor's work over a period is its constant torque times what the joint has turned."""
+    env = make(hardware={"motor_lag": 0.2, "torque_rate_limit": 1.0})
+    env.reset(seed=0)
+    angle, work = 0.0, 0.0
+    for action in (1.0, 1.0, -1.0, 0.3):
+        torque = env.step([action])[0][TORQUE] * env.task.torque_limit
+        turned = env.simulation.joint_loads()[0, ANGLE] - angle
+        done = joint_integrals(env.simulation.state.integrals)[0, MOTOR_WORK] - work
+        assert done == pytest.approx(torque * turned, rel=1e-5)
+        angle, work = angle + turned, work + done
+
+
+@pytest.mark.parametrize("model", ["rigid-clearance", "flexible-clearance"])
+def test_a_vector_of_randomised_arrays_equals_single_ones_to_the_last_bit(model):
+    keywords = {"model": model, "elements": 2, "observation": "history", "parameters": STRONG, "postlock_window": 1.0}
+    vector = gymnasium.make_vec(RANDOMISED, num_envs=3, autoreset_mode="NextStep", **keywords)
+    actions = np.random.default_rng(0).uniform(-1, 1, (50, 3, 1)).astype(np.float32)
+    seen = [vector.reset(seed=7)[0], *(vector.step(action)[0] for action in actions)]
+    for lane in range(3):
+        env = gymnasium.make(RANDOMISED, **keywords).unwrapped
+        alone, over = [env.reset(seed=7 + lane)[0]], False
+        for action in actions[:, lane]:
+            if over:
+                alone.append(env.reset()[0])
+                over = False
+            else:
+                observation, _, over, _, _ = env.step(action)
+                alone.append(observation)
+        assert np.array_equal(np.array(alone), np.array(seen)[:, lane])
+    vector.close()
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"angle_noise": -1e-3}, ["angle_noise", "-0.001", "not negative"]),
+        ({"rate_noise": math.nan}, ["rate_noise", "nan"]),
+        ({"encoder_resolution": math.inf}, ["encoder_resolution", "inf"]),
+        ({"sensor_delay": 0.5}, ["sensor_delay", "0.5", "whole number"]),
+        ({"sensor_delay": -1}, ["sensor_delay", "-1"]),
+        ({"sensor_delay": 2.0}, ["sensor_delay", "2.0", "whole number"]),
+        ({"sensor_delay": 101}, ["sensor_delay", "101"]),
+        ({"motor_lag": "slow"}, ["motor_lag", "'slow'", "number"]),
+        ({"torque_rate_limit": 0.0}, ["torque_rate_limit", "0.0", "positive"]),
+        ({"colour": 1.0}, ["colour", "angle_noise"]),
+    ],
+)
+def test_impossible_hardware_is_refused_by_name(changes, words):
+    with pytest.raises(ValueError, match="(?s)" + ".*".join(words)):
+        make(hardware=changes)
+
+
+@pytest.mark.parametrize(
+    ("ranges", "words"),
+    [
+        ({"friction_coefficient": ((0.1, 0.1), (0.2, 0.2))}, ["friction_coefficient", "single number"]),
+        ({"clearance": ((1e-4, 3e-4), (2e-4, 2e-4))}, ["clearance", "low <= high"]),
+        ({"clearance": (1e-4, 2e-4, 3e-4)}, ["clearance", "pair"]),
+        ({"clearance": ((1e-4, 1e-4, 1e-4), 2e-4)}, ["clearance", "1 to 2 entries"]),
+        ({"clearance": ((), 2e-4)}, ["clearance", "1 to 2 entries"]),
+        ({"cable_torque_ratio": (None, 1.0)}, ["cable_torque_ratio", "None", "finite number"]),
+        ({"friction_coefficient": ("low", "high")}, ["friction_coefficient", "low", "finite number"]),
+        ({"wear_bins": (10, 20)}, ["wear_bins", "cannot be drawn"]),
+        ({"body_fixed": (False, True)}, ["body_fixed", "cannot be drawn"]),
+        ({"contact_law": ("flores", "hertz")}, ["contact_law", "cannot be drawn"]),
+        # Each of the two ranges is possible, but not their greatest and least value together.
+        (
+            {"friction_speed_zero": (1e-4, 8e-4), "friction_speed_full": (5e-4, 1e-3)},
+            ["friction_speed_zero", "0.0008", "friction_speed_full", "0.0005"],
+        ),
+        ({"clearance": (1e-4, 9e-3), "journal_radius": (8e-3, 0.02)}, ["clearance", "0.009", "journal_radius"]),
+    ],
+)
+def test_ranges_that_make_no_sense_are_refused_by_name(ranges, words):
+    with pytest.raises(ValueError, match="(?s)" + ".*".join(words)):
+        make(randomize=ranges)
+
+
+def test_the_privileged_observation_shows_what_is_behind_the_sensors():
+    perfect = {"angle_noise": 0.0, "rate_noise": 0.0, "encoder_resolution": 0.0, "sensor_delay": 0}
+    behind = [
+        watch(make(RANDOMISED, observation="privileged", hardware=hardware), [0.5, -0.5, 0.2], seed=5)
+        for hardware in ({}, perfect)
+    ]
+    beyond = SINCE_LATCH + 1
+    assert np.array_equal(behind[0][:, beyond:], behind[1][:, beyond:])
+    assert not np.array_equal(behind[0][:, RATES], behind[1][:, RATES])

@@ -1,0 +1,433 @@
+"""The vector environment is many single ones, bit for bit, and keeps Gymnasium's conventions for vectors."""
+
+from __future__ import annotations
+
+import copy
+import ctypes
+import gc
+import os
+import pickle
+import platform
+from functools import partial
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
+
+import solar_env
+from solar_env.mechanics.running.errors import SimulationError
+
+ID = "solar_env/Deploy-v0"
+RANGES = {"clearance": (1e-4, 3e-4), "friction_coefficient": (0.05, 0.3)}
+# Springs that deploy the array within three seconds.
+STRONG = {"spring_stiffness": 2.0}
+LANES = 5
+
+
+def make_vector(lanes=LANES, **keywords):
+    return gymnasium.make_vec(ID, num_envs=lanes, **keywords)
+
+
+def make_sync(mode=AutoresetMode.NEXT_STEP, lanes=LANES, **keywords):
+    return SyncVectorEnv([partial(gymnasium.make, ID, **keywords)] * lanes, autoreset_mode=mode)
+
+
+def random_actions(steps, lanes=LANES, seed=0):
+    return np.random.default_rng(seed).uniform(-1.0, 1.0, (steps, lanes, 1)).astype(np.float32)
+
+
+def assert_same(one, other, where="result"):
+    """Equal to the last bit, in type and shape too."""
+    assert type(one) is type(other), where
+    if isinstance(one, dict):
+        assert set(one) == set(other), where
+        for key in one:
+            assert_same(one[key], other[key], f"{where}[{key!r}]")
+    elif isinstance(one, (tuple, list)):
+        assert len(one) == len(other), where
+        for k, pair in enumerate(zip(one, other, strict=True)):
+            assert_same(*pair, f"{where}[{k}]")
+    elif isinstance(one, np.ndarray):
+        assert (one.dtype, one.shape) == (other.dtype, other.shape), where
+        if one.dtype == object:
+            assert_same(one.tolist(), other.tolist(), where)
+        else:
+            assert one.tobytes() == other.tobytes(), where
+    else:
+        assert one == other, where
+
+
+def test_make_vec_takes_it_without_being_told():
+    env = make_vector(3)
+    assert type(env.unwrapped).__name__ == "SolarArrayVectorEnv"
+    assert env.num_envs == 3
+    assert env.spec.id == ID
+    assert env.metadata["autoreset_mode"] is AutoresetMode.NEXT_STEP
+
+
+@pytest.mark.parametrize("longest", [None, 23], ids=["whole episodes", "truncated"])
+@pytest.mark.parametrize("mode", AutoresetMode)
+def test_it_gives_what_sync_vector_env_gives_bit_for_bit(mode, longest):
+    keywords = {"randomize": RANGES, "parameters": STRONG, "max_episode_steps": longest, "postlock_window": 2.0}
+    native, sync = make_vector(autoreset_mode=mode, **keywords), make_sync(mode, **keywords)
+    assert_same(native.reset(seed=7), sync.reset(seed=7))
+    ended = 0
+    for actions in random_actions(75):
+        one, other = native.step(actions), sync.step(actions)
+        assert_same(one, other)
+        over = one[2] | one[3]
+        ended += over.sum()
+        if mode is AutoresetMode.DISABLED and over.any():
+            options = {"reset_mask": over}
+            assert_same(native.reset(options=dict(options)), sync.reset(options=dict(options)))
+    assert ended >= LANES
+
+
+@pytest.mark.parametrize("model", ["rigid-ideal", "rigid-clearance", "flexible-ideal", "flexible-clearance"])
+def test_a_lane_equals_the_single_environment_with_its_seed(model):
+    keywords = {"model": model, "elements": 2, "randomize": RANGES, "parameters": STRONG, "observation": "privileged"}
+    native = make_vector(**keywords)
+    first, _ = native.reset(seed=11)
+    steps = [native.step(actions) for actions in random_actions(12)]
+    for lane in range(LANES):
+        single = gymnasium.make(ID, **keywords)
+        assert_same(single.reset(seed=11 + lane)[0], first[lane])
+        for actions, (observations, rewards, *_) in zip(random_actions(12), steps, strict=True):
+            observation, reward, *_ = single.step(actions[lane])
+            assert_same(observation, observations[lane])
+            assert reward == rewards[lane]
+
+
+@pytest.mark.parametrize("lanes", [1, 2, 7])
+def test_results_depend_neither_on_the_number_of_threads_nor_on_that_of_lanes(lanes):
+    runs = []
+    for threads in (1, 2, 5):
+        env = make_vector(lanes, num_threads=threads, randomize=RANGES, parameters=STRONG)
+        env.reset(seed=5)
+        runs.append([env.step(actions[:lanes]) for actions in random_actions(25, 7)])
+    assert_same(runs[0], runs[1])
+    assert_same(runs[0], runs[2])
+    few = make_vector(1, randomize=RANGES, parameters=STRONG)
+    few.reset(seed=5)
+    for actions, step in zip(random_actions(25, 7), runs[0], strict=True):
+        assert_same(few.step(actions[:1])[0][0], step[0][0])
+
+
+def test_lanes_may_have_parameters_of_their_own():
+    designs = [{"spring_stiffness": 2.0}, {"spring_stiffness": 1.0, "clearance": 4e-4}]
+    env = make_vector(2, parameters=designs)
+    env.reset(seed=0)
+    for lane, design in enumerate(designs):
+        single = gymnasium.make(ID, parameters=design)
+        single.reset(seed=0)
+        for actions in random_actions(5, 2):
+            single.step(actions[lane])
+        lone = single.unwrapped.simulation.state
+        assert env.unwrapped.episodes.parameters[lane].spring_stiffness == design["spring_stiffness"]
+        if lane == 0:
+            for actions in random_actions(5, 2):
+                env.step(actions)
+        assert env.unwrapped.episodes.batch.simulations[lane].state.q.tobytes() == lone.q.tobytes()
+    with pytest.raises(ValueError, match="parameters has 2 entries for num_envs = 3"):
+        make_vector(3, parameters=designs)
+
+
+@pytest.mark.parametrize("parameters", [[{}, {"wear_bins": 90}], [{}, {"clearance": -1.0}], [{}, 3], [{}]])
+def test_a_reset_that_is_refused_begins_nothing_and_draws_nothing(parameters):
+    env, other = (make_vector(2, randomize=RANGES) for _ in range(2))
+    for each in (env, other):
+        each.reset(seed=0)
+        each.step(random_actions(1, 2)[0])
+    with pytest.raises(ValueError, match=r"wear_bins = 90 changes|clearance = -1|must be a mapping|given for 1 lanes"):
+        env.reset(options={"parameters": parameters})
+    assert_same(env.step(random_actions(1, 2)[0]), other.step(random_actions(1, 2)[0]))
+    assert_same(env.reset(), other.reset())
+
+
+def test_lanes_of_different_structure_are_refused():
+    env = make_vector(2, parameters=[{}, {"wear_bins": 90}])
+    with pytest.raises(ValueError, match=r"wear_journal of shape \(2, 90\), the others of the batch \(2, 360\)"):
+        env.reset(seed=0)
+
+
+def test_parameters_by_lane_go_to_their_lanes_under_a_mask_too():
+    env = make_vector(3, autoreset_mode=AutoresetMode.DISABLED)
+    env.reset(seed=0)
+    options = {"parameters": [{"clearance": 1e-4}, {}, {"clearance": 3e-4}]}
+    env.reset(options={**options, "reset_mask": np.array([False, True, True])})
+    assert [parameters.clearance for parameters in env.unwrapped.episodes.parameters] == [2e-4, 2e-4, 3e-4]
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])
+@pytest.mark.parametrize("model", ["rigid-clearance", "flexible-clearance"])
+def test_a_copy_goes_on_as_the_original_and_tells_the_same(model, copied):
+    env = make_vector(3, model=model, elements=1, parameters=STRONG, postlock_window=0.5, randomize=RANGES).unwrapped
+    env.reset(seed=1)
+    actions = random_actions(45, 3)
+    for action in actions[:10]:
+        env.step(action)
+    other = copied(env)
+    before = env.lane(1).simulation.snapshot()
+    infos = []
+    for action in actions[10:]:
+        results, copies = env.step(action), other.step(action)
+        assert_same(results, copies)
+        infos.append(results[4])
+    assert any("deployment" in info for info in infos)
+    # States that were saved go into the copy's lanes, too.
+    other.lane(1).simulation.restore(before)
+    assert other.episodes.times[1] == pytest.approx(1.0)
+    lane = copy.copy(env.lane(2))
+    assert lane.simulation is env.lane(2).simulation
+    for each in (env, other):
+        each.close()
+
+
+def test_a_single_environment_that_was_copied_tells_the_same():
+    env = gymnasium.make(ID, parameters=STRONG, postlock_window=0.5)
+    env.reset(seed=1)
+    for _ in range(5):
+        env.step([0.1])
+    other, over = copy.deepcopy(env), False
+    while not over:
+        results, copies = env.step([0.1]), other.step([0.1])
+        assert_same(results, copies)
+        over = results[2]
+    assert results[4]["deployment"]["latched"]
+
+
+def test_returned_arrays_are_the_callers():
+    env = make_vector(2)
+    observations, _ = env.reset(seed=0)
+    kept = [observations.copy()]
+    results = [observations]
+    for actions in random_actions(3, 2):
+        step = env.step(actions)
+        results += [*step[:4], step[4]["time_s"], step[4]["reward_terms"]["wear"]]
+        kept += [array.copy() for array in results[-6:]]
+    for result, saved in zip(results, kept, strict=True):
+        assert result.tobytes() == saved.tobytes()
+        result[...] = 1
+    assert_same(env.step(random_actions(1, 2)[0])[0].shape, (2, 9))
+
+
+def test_seeds_are_by_lane_and_none_goes_on():
+    env = make_vector(3, randomize=RANGES)
+    env.reset(seed=[4, None, 9])
+    assert env.np_random_seed[0] == 4
+    assert env.np_random_seed[2] == 9
+    drawn = env.unwrapped.episodes.parameters[0].clearance
+    env.reset()
+    assert env.unwrapped.episodes.parameters[0].clearance != drawn
+    env.reset(seed=4)
+    assert env.unwrapped.episodes.parameters[0].clearance == drawn
+    with pytest.raises(ValueError, match="2 seeds were given for 3 lanes"):
+        env.reset(seed=[1, 2])
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "message"),
+    [
+        (lambda env: env.step(np.zeros((3, 1))), ValueError, r"shape \(3, 1\), expected \(2, 1\)"),
+        (lambda env: env.step(np.array([[0.0], [np.nan]])), ValueError, "of lane 1 is not finite"),
+        (lambda env: env.reset(options={"mask": 1}), ValueError, r"options \['mask'\] are unknown"),
+        (lambda env: env.reset(options={"reset_mask": [True, False]}), TypeError, "array of bool"),
+        (lambda env: env.reset(options={"reset_mask": np.zeros(2, bool)}), ValueError, "at least one lane"),
+        (lambda env: env.reset(options={"parameters": {"clearance": -1.0}}), ValueError, "clearance"),
+    ],
+)
+def test_wrong_input_is_refused(call, error, message):
+    env = make_vector(2)
+    env.reset(seed=0)
+    with pytest.raises(error, match=message):
+        call(env)
+
+
+@pytest.mark.parametrize(
+    ("keywords", "message"),
+    [
+        ({"lanes": 0}, "num_envs = 0"),
+        ({"lanes": 2.5}, "num_envs = 2.5 must be a whole number"),
+        ({"num_threads": 0}, "num_threads = 0"),
+        ({"num_threads": 1.5}, "num_threads = 1.5"),
+        ({"max_episode_steps": np.nan}, "max_episode_steps = nan"),
+        ({"max_episode_steps": 0}, "max_episode_steps = 0"),
+        ({"render_mode": "human"}, "render_mode 'human'"),
+        ({"model": "soft"}, "model 'soft'"),
+        ({"autoreset_mode": "Never"}, "Never"),
+    ],
+)
+def test_wrong_keywords_are_refused(keywords, message):
+    with pytest.raises(ValueError, match=message):
+        make_vector(**keywords)
+
+
+def test_steps_need_a_reset():
+    env = make_vector(2, autoreset_mode=AutoresetMode.DISABLED, max_episode_steps=1)
+    with pytest.raises(gymnasium.error.ResetNeeded, match="before using"):
+        env.step(np.zeros((2, 1)))
+    with pytest.raises(gymnasium.error.ResetNeeded, match="all lanes"):
+        env.reset(options={"reset_mask": np.array([True, False])})
+    env.reset(seed=0)
+    env.step(np.zeros((2, 1)))
+    with pytest.raises(gymnasium.error.ResetNeeded, match=r"lanes \[0, 1\] have ended"):
+        env.step(np.zeros((2, 1)))
+
+
+def test_a_lane_that_cannot_go_on_is_named_and_leaves_the_others_alone():
+    env = make_vector(3, autoreset_mode=AutoresetMode.DISABLED, model="rigid-ideal")
+    env.reset(seed=0)
+    broken = env.unwrapped.episodes.batch.simulations[1]
+    broken.state.v[:] = np.nan
+    broken.state.clock["acceleration_current"] = 0
+    with pytest.raises(SimulationError) as caught:
+        env.step(np.zeros((3, 1)))
+    assert caught.value.__notes__ == ["in lane 1 of the batch"]
+    env.reset(options={"reset_mask": np.array([False, True, False])})
+    observations, *_ = env.step(np.zeros((3, 1)))
+    assert np.isfinite(observations).all()
+
+
+def test_a_simulation_of_an_earlier_episode_stays_as_it_was():
+    env = make_vector(2)
+    env.reset(seed=0)
+    env.step(np.ones((2, 1)))
+    earlier = env.unwrapped.episodes.batch.simulations[0]
+    coordinates = earlier.state.q.copy()
+    env.reset()
+    env.step(np.zeros((2, 1)))
+    assert earlier.state.q.tobytes() == coordinates.tobytes()
+    earlier.advance(0.2)
+    assert earlier.time == 0.2
+
+
+def test_a_lane_can_be_saved_and_restored():
+    env = make_vector(2, parameters=STRONG)
+    env.reset(seed=0)
+    for actions in random_actions(20, 2):
+        env.step(actions)
+    saved = [simulation.snapshot() for simulation in env.unwrapped.episodes.batch.simulations]
+    first = env.step(np.zeros((2, 1)))[0]
+    for simulation, snapshot in zip(env.unwrapped.episodes.batch.simulations, saved, strict=True):
+        simulation.restore(snapshot)
+    assert_same(env.step(np.zeros((2, 1)))[0], first)
+
+
+@pytest.mark.parametrize("observation", ["drive", "history", "privileged"])
+def test_a_saved_episode_goes_on_to_the_same_bits_in_any_lane_as_often_as_one_likes(observation):
+    """Mid-contact, with a noisy and late drive, after other episodes have come and gone in its lane."""
+    env = make_vector(scenario="randomised", observation=observation, max_episode_steps=60).unwrapped
+    env.reset(seed=4)
+    actions = random_actions(60)
+    for action in actions[:30]:
+        observed = env.step(action)[0]
+    saved, parameters = env.lane(1).save_episode(), env.lane(1).episode_parameters
+    assert env.lane(1).simulation.state.joints["in_contact"].any()
+
+    def goes_on(lane):
+        return [
+            [np.array(part[lane]) for part in env.step(np.tile(action[1], (LANES, 1)))[:4]] for action in actions[30:]
+        ]
+
+    expected = goes_on(1)
+    assert expected[-1][3], "the episode is truncated after its sixtieth period"
+    env.reset(seed=9)
+    for lane in (0, 1, 1):
+        assert_same(env.lane(lane).restore_episode(saved), observed[1])
+        assert env.lane(lane).episode_parameters == parameters
+        assert_same(goes_on(lane), expected)
+
+
+def test_what_cannot_be_saved_or_restored_is_refused():
+    env = make_vector(autoreset_mode="Disabled", deadline=0.1).unwrapped
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        env.lane(0).save_episode()
+    env.reset(seed=0)
+    saved = env.lane(0).save_episode()
+    env.step(random_actions(1)[0])
+    with pytest.raises(gymnasium.error.ResetNeeded, match="the episode of lane 0 has ended"):
+        env.lane(0).save_episode()
+    other = make_vector(model="flexible-clearance", elements=2).unwrapped
+    other.reset(seed=0)
+    with pytest.raises(ValueError, match=r"snapshot\.q has shape"):
+        other.lane(0).restore_episode(saved)
+    other = make_vector(2, observation="history").unwrapped
+    other.reset(seed=0)
+    other.step(random_actions(1, 2)[0])
+    with pytest.raises(ValueError, match=r"observed entries of shape \(9,\), these sensors \(24,\)"):
+        other.lane(0).restore_episode(saved)
+    assert other.episodes.times.tolist() == pytest.approx([0.1, 0.1])
+
+
+def test_frames_are_those_of_single_environments():
+    env = make_vector(2, render_mode="rgb_array", randomize=RANGES)
+    env.reset(seed=0)
+    env.step(np.ones((2, 1)))
+    frames = env.render()
+    single = gymnasium.make(ID, render_mode="rgb_array", randomize=RANGES)
+    single.reset(seed=1)
+    single.step(np.ones(1))
+    assert np.array_equal(frames[1], single.render())
+    with pytest.warns(UserWarning, match="does nothing without a render mode"):
+        assert make_vector(2).render() == (None, None)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")
+def test_it_goes_on_in_a_forked_process(run_python):
+    program = """
+import os
+import gymnasium, numpy as np, solar_env
+env = gymnasium.make_vec("solar_env/Deploy-v0", num_envs=4, num_threads=2)
+env.reset(seed=0)
+first = env.step(np.zeros((4, 1)))[0]
+reader, writer = os.pipe()
+if os.fork() == 0:
+    os.write(writer, env.step(np.zeros((4, 1)))[0].tobytes())
+    os._exit(0)
+os.wait()
+there = np.frombuffer(os.read(reader, 4096), np.float32).reshape(4, -1)
+print(np.array_equal(there, env.step(np.zeros((4, 1)))[0]))
+"""
+    assert run_python(program).split() == ["True"]
+
+
+def test_closing_twice_is_fine():
+    env = make_vector(2, num_threads=2)
+    env.reset(seed=0)
+    env.step(np.zeros((2, 1)))
+    env.close()
+    env.close()
+    assert solar_env.__name__ == "solar_env"
+
+
+def used_memory():
+    """Pages in memory without those that the allocator keeps for later."""
+    gc.collect()
+    ctypes.CDLL("libc.so.6").malloc_trim(0)
+    with open("/proc/self/statm") as file:
+        return int(file.read().split()[1])
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="another allocator")
+@pytest.mark.parametrize(("model", "steps"), [("rigid-ideal", 1_000_000), ("rigid-clearance", 200_000)])
+def test_very_many_random_steps_stay_finite_keep_their_energy_book_and_leak_nothing(model, steps):
+    lanes = 128
+    ranges = {**RANGES, "cable_stiffness": (18.0, 22.0), "latch_damping": (5.0, 20.0), "panel_density": (180.0, 220.0)}
+    env = make_vector(lanes, model=model, randomize=ranges, autoreset_mode=AutoresetMode.SAME_STEP)
+    env.reset(seed=0)
+    random = np.random.default_rng(0)
+    memory, worst, ended = [], 0.0, 0
+    for step in range(steps // lanes):
+        observations, rewards, terminations, _, infos = env.step(random.uniform(-1.0, 1.0, (lanes, 1)))
+        assert np.isfinite(observations).all()
+        assert np.isfinite(rewards).all()
+        if step % (steps // lanes // 8) == 0:
+            memory.append(used_memory())
+        if terminations.any():
+            ended += terminations.sum()
+            worst = max(worst, np.abs(infos["final_info"]["deployment"]["energy_residual_J"][terminations]).max())
+    assert ended > steps / 300
+    assert worst < 1e-4
+    assert max(memory[2:]) < 1.01 * max(memory[:2])

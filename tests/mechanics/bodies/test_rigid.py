@@ -1,0 +1,240 @@
+"""Rigid bodies in natural coordinates, against Newton and Euler and against clouds of point masses."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from helpers import Vector, turned
+
+from solar_env.mechanics.bodies.rigid import (
+    add_mass_product,
+    inverse_mass_parameters,
+    kinetic_energy,
+    mass_parameters,
+    project_lengths,
+    solve_body,
+)
+from solar_env.mechanics.equations.build import compile_mechanism
+from solar_env.mechanics.mechanism.description import Body, Mechanism
+
+TURN = np.array([[0.0, -1.0], [1.0, 0.0]])
+
+
+class Example(NamedTuple):
+    """A body of arbitrary centroid in an arbitrary motion."""
+
+    body: Body
+    rows: np.ndarray
+    q: Vector
+    v: Vector
+    centroid: Vector  # position
+    mass_matrix: np.ndarray
+
+
+def blocks(m11: float, m22: float, m12: float, n12: float) -> np.ndarray:
+    coupling = m12 * np.eye(2) + n12 * TURN
+    return np.block([[m11 * np.eye(2), coupling], [coupling.T, m22 * np.eye(2)]])
+
+
+@pytest.fixture(params=range(5))
+def example(request: pytest.FixtureRequest) -> Example:
+    rng = np.random.default_rng(request.param)
+    body = Body(
+        "b",
+        mass=float(rng.uniform(0.1, 10.0)),
+        inertia=float(rng.uniform(0.1, 10.0)),
+        length=float(rng.uniform(0.3, 3.0)),
+        centroid=tuple(rng.normal(size=2).tolist()),
+        position=tuple(rng.normal(size=2).tolist()),
+        angle=float(rng.uniform(-3.0, 3.0)),
+        velocity=tuple(rng.normal(size=2).tolist()),
+        spin=float(rng.normal()),
+    )
+    model, state = compile_mechanism(Mechanism((body,)))
+    centroid = state.q[:2] + turned(body.centroid, body.angle)
+    matrix = blocks(*mass_parameters(body.mass, body.inertia, body.length, body.centroid))
+    return Example(body, model.bodies, state.q, state.v, centroid, matrix)
+
+
+def rigid_fields(q: Vector) -> np.ndarray:
+    """Velocities (3, 4) of the base points in two translations and a rotation about the origin."""
+    return np.array([[1, 0, 1, 0], [0, 1, 0, 1], [-q[1], q[0], -q[3], q[2]]], dtype=float)
+
+
+def length_gradient(q: Vector) -> Vector:
+    d = q[2:] - q[:2]
+    return np.concatenate([-d, d])
+
+
+def product(rows: np.ndarray, a: Vector) -> Vector:
+    out = np.zeros_like(a)
+    add_mass_product(rows[0], a, out)
+    return out
+
+
+def test_the_kinetic_energy_is_that_of_translation_and_rotation(example: Example) -> None:
+    body = example.body
+    arm = example.centroid - example.q[:2]
+    velocity = np.array(body.velocity) + body.spin * TURN @ arm
+    expected = 0.5 * body.mass * velocity @ velocity + 0.5 * body.inertia * body.spin**2
+    assert kinetic_energy(example.rows[0], example.v) == pytest.approx(expected, rel=1e-13)
+
+
+def test_the_kinetic_energy_is_that_of_the_particles_that_make_up_the_body() -> None:
+    rng = np.random.default_rng(7)
+    masses, points = rng.uniform(0.1, 1.0, 50), rng.normal(size=(50, 2))
+    mass, centroid = masses.sum(), masses @ points / masses.sum()
+    inertia = masses @ np.sum((points - centroid) ** 2, axis=1)
+    body = Body("b", mass, inertia, 0.8, tuple(centroid), angle=0.4, velocity=(0.3, -0.2), spin=1.7)
+    model, state = compile_mechanism(Mechanism((body,)))
+    velocities = np.array([0.3, -0.2]) + 1.7 * np.array([TURN @ turned(point, 0.4) for point in points])
+    expected = 0.5 * masses @ np.sum(velocities**2, axis=1)
+    assert kinetic_energy(model.bodies[0], state.v) == pytest.approx(expected, rel=1e-13)
+
+
+def test_the_mass_matrix_times_its_inverse_is_the_identity(example: Example) -> None:
+    inverse = blocks(*inverse_mass_parameters(*(example.rows[name][0] for name in ("m11", "m22", "m12", "n12"))))
+    assert example.mass_matrix @ inverse == pytest.approx(np.eye(4), abs=1e-13 * np.linalg.cond(example.mass_matrix))
+
+
+def test_the_mass_matrix_is_positive_definite(example: Example) -> None:
+    assert np.array_equal(example.mass_matrix, example.mass_matrix.T)
+    assert np.linalg.eigvalsh(example.mass_matrix).min() > 0.0
+
+
+def test_the_mass_product_is_the_matrix_times_the_vector_and_is_added(example: Example) -> None:
+    a = np.random.default_rng(3).normal(size=4)
+    out = np.ones(4)
+    add_mass_product(example.rows[0], a, out)
+    assert out == pytest.approx(1.0 + example.mass_matrix @ a, rel=1e-13, abs=1e-13)
+
+
+def test_momentum_read_through_the_mass_matrix_is_newtons(example: Example) -> None:
+    body = example.body
+    p = rigid_fields(example.q) @ example.mass_matrix @ example.v
+    velocity = np.array(body.velocity) + body.spin * TURN @ (example.centroid - example.q[:2])
+    assert p[:2] == pytest.approx(body.mass * velocity, rel=1e-12)
+    moment = body.mass * (example.centroid[0] * velocity[1] - example.centroid[1] * velocity[0])
+    assert p[2] == pytest.approx(moment + body.inertia * body.spin, rel=1e-12)
+
+
+def test_the_solved_acceleration_keeps_the_length(example: Example) -> None:
+    a, force = np.zeros(4), np.random.default_rng(4).normal(size=4)
+    solve_body(example.rows[0], example.q, example.v, force, a, 1.0)
+    d, u = example.q[2:] - example.q[:2], example.v[2:] - example.v[:2]
+    scale = float(np.abs(d) @ np.abs(a[2:] - a[:2]) + u @ u)
+    assert d @ (a[2:] - a[:2]) + u @ u == pytest.approx(0.0, abs=1e-14 * scale)
+
+
+def test_the_solved_acceleration_and_multiplier_balance_the_force(example: Example) -> None:
+    a, force = np.zeros(4), np.random.default_rng(5).normal(size=4)
+    multiplier = solve_body(example.rows[0], example.q, example.v, force, a, 1.0)
+    balance = example.mass_matrix @ a + multiplier * length_gradient(example.q) - force
+    scale = np.linalg.cond(example.mass_matrix) * np.abs(force).max()
+    assert balance == pytest.approx(0.0, abs=1e-14 * scale)
+
+
+def test_the_solved_acceleration_is_that_of_newton_and_euler(example: Example) -> None:
+    body, q = example.body, example.q
+    a, force = np.zeros(4), np.random.default_rng(6).normal(size=4)
+    solve_body(example.rows[0], q, example.v, force, a, 1.0)
+    total = force[:2] + force[2:]
+    moment = sum(
+        (p - example.centroid)[0] * f[1] - (p - example.centroid)[1] * f[0]
+        for p, f in ((q[:2], force[:2]), (q[2:], force[2:]))
+    )
+    alpha = moment / body.inertia
+    # Of the first base point: centroid's, plus rotation about it.
+    arm = q[:2] - example.centroid
+    expected = total / body.mass + alpha * TURN @ arm - body.spin**2 * arm
+    assert a[:2] == pytest.approx(expected, rel=1e-11, abs=1e-12)
+    d = q[2:] - q[:2]
+    assert a[2:] - a[:2] == pytest.approx(alpha * TURN @ d - body.spin**2 * d, rel=1e-11, abs=1e-12)
+
+
+def test_without_the_velocity_term_the_compliance_is_linear(example: Example) -> None:
+    rng = np.random.default_rng(8)
+    forces, solved = rng.normal(size=(2, 4)), np.zeros((3, 4))
+    for force, a in zip((*forces, 2.0 * forces[0] - 3.0 * forces[1]), solved, strict=True):
+        solve_body(example.rows[0], example.q, example.v, force, a, 0.0)
+    scale = np.abs(solved).max() * np.linalg.cond(example.mass_matrix)
+    assert solved[2] == pytest.approx(2.0 * solved[0] - 3.0 * solved[1], abs=1e-14 * scale)
+
+
+def test_a_fixed_body_does_not_accelerate() -> None:
+    model, state = compile_mechanism(Mechanism((Body("b", 1.0, 1.0, 1.0, (0.5, 0.0), fixed=True),)))
+    a = np.ones(4)
+    assert solve_body(model.bodies[0], state.q, state.v, np.ones(4), a, 1.0) == 0.0
+    assert not a.any()
+
+
+def disturbed(example: Example, size: float) -> tuple[Vector, Vector]:
+    rng = np.random.default_rng(9)
+    return example.q + size * rng.normal(size=4), example.v + size * rng.normal(size=4)
+
+
+def test_projection_leaves_the_length_wrong_to_second_order_only(example: Example) -> None:
+    def violation(size: float) -> float:
+        q, v = disturbed(example, size)
+        project_lengths(example.rows, q, v)
+        return abs(np.hypot(*(q[2:] - q[:2])) - example.body.length)
+
+    assert violation(1e-3) < 1e-4
+    # Ten times smaller a disturbance, a hundred times smaller a remainder.
+    assert violation(1e-4) == pytest.approx(violation(1e-3) / 100.0, rel=0.1)
+    assert violation(1e-8) < 4e-16 * max(1.0, example.body.length) * 10
+
+
+def test_projected_velocities_do_not_stretch_the_body(example: Example) -> None:
+    q, v = disturbed(example, 1e-9)
+    v += np.random.default_rng(10).normal(size=4)
+    project_lengths(example.rows, q, v)
+    # The velocity is projected with the direction before the position's correction, which is of order 1e-9.
+    assert (q[2:] - q[:2]) @ (v[2:] - v[:2]) == pytest.approx(0.0, abs=1e-7)
+
+
+def test_projection_of_a_projected_state_changes_nothing(example: Example) -> None:
+    q, v = disturbed(example, 1e-8)
+    project_lengths(example.rows, q, v)
+    again_q, again_v = q.copy(), v.copy()
+    project_lengths(example.rows, again_q, again_v)
+    rounding = 1e-14 * np.linalg.cond(example.mass_matrix)
+    assert again_q == pytest.approx(q, abs=rounding)
+    assert again_v == pytest.approx(v, abs=rounding)
+
+
+def test_projection_changes_neither_momentum_nor_centroid(example: Example) -> None:
+    size = 0.1
+    before_q, before_v = disturbed(example, size)
+    q, v = before_q.copy(), before_v.copy()
+    project_lengths(example.rows, q, v)
+    assert np.abs(q - before_q).max() > 1e-3
+    # Momenta of any motion are taken about a point where the configuration stood: the change is a force along its line.
+    fields = rigid_fields(before_q)
+    rounding = 1e-14 * np.linalg.cond(example.mass_matrix) * np.abs(fields).max()
+    for change in (q - before_q, v - before_v):
+        assert fields @ product(example.rows, change) == pytest.approx(0.0, abs=rounding)
+
+
+def test_projection_is_the_smallest_change_in_the_mass_metric(example: Example) -> None:
+    before_q, before_v = disturbed(example, 0.1)
+    q, v = before_q.copy(), before_v.copy()
+    project_lengths(example.rows, q, v)
+    change = v - before_v
+    # Any other velocity that does not stretch the body differs by a rigid motion and is farther away.
+    assert change @ length_gradient(before_q) == pytest.approx(-before_v @ length_gradient(before_q), rel=1e-12)
+    distance = change @ product(example.rows, change)
+    for field in rigid_fields(before_q):
+        for amount in (-0.1, 0.1):
+            other = change + amount * field
+            assert other @ product(example.rows, other) > distance
+
+
+def test_mass_parameters_of_a_uniform_rod_are_those_of_the_textbook() -> None:
+    # Rod of mass m between its base points: m/3, m/3, m/6 (Garcia de Jalon and Bayo 1994).
+    m11, m22, m12, n12 = mass_parameters(6.0, 6.0 * 2.0**2 / 12.0, 2.0, (1.0, 0.0))
+    assert (m11, m22, m12, n12) == pytest.approx((2.0, 2.0, 1.0, 0.0), rel=1e-14)
+    assert math.isclose(m11 + m22 + 2.0 * m12, 6.0)

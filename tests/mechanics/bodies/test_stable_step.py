@@ -1,0 +1,203 @@
+"""The explicit method's largest stable step for a beam: stability function, frequencies, and real vibrations."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers import Vector
+from scipy.linalg import eigh
+
+from solar_env.mechanics.bodies.cable_element import add_mass_product, mass_band
+from solar_env.mechanics.bodies.cable_element_tangent import add_elastic_tangents, make_element_slopes
+from solar_env.mechanics.bodies.stable_step import largest_frequencies, stable_step
+from solar_env.mechanics.equations.build import compile_mechanism
+from solar_env.mechanics.integrators.settings import RungeKutta
+from solar_env.mechanics.mechanism.description import Body, FlexibleBody, Mechanism
+from solar_env.mechanics.numerics.profile import dense, make_profile_matrix
+from solar_env.mechanics.running.simulation import Simulation, simulate
+
+AXIAL = FlexibleBody("beam", 1.7, 3, linear_density=0.8, axial_stiffness=5.0, bending_stiffness=1e-3)
+BENDING = replace(AXIAL, bending_stiffness=0.6)
+BEAMS = {"axial": AXIAL, "bending": BENDING}
+
+
+def frequencies(beam: FlexibleBody) -> Vector:
+    return largest_frequencies(
+        beam.elements,
+        beam.length / beam.elements,
+        beam.linear_density,
+        beam.axial_stiffness,
+        beam.bending_stiffness,
+    )
+
+
+def matrices(beam: FlexibleBody) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Mass, damping and stiffness of the free straight beam, as the kernels have them."""
+    model, state = compile_mechanism(Mechanism((beam,)))
+    body, size = model.bodies[0], state.q.size
+    mass = np.zeros((size, size))
+    for row in range(size):
+        add_mass_product(body, model.mass_band, np.eye(size)[row], mass[row])
+    parts = [make_profile_matrix(model.elimination) for _ in range(2)]
+    add_elastic_tangents(model.elements, state.q, state.v, make_element_slopes(), model.elimination, *parts)
+    stiffness, damping = (dense(model.elimination, part)[:size, :size] for part in parts)
+    return mass, damping, stiffness
+
+
+def amplification(z: complex | Vector) -> complex | Vector:
+    return 1.0 + z + z**2 / 2.0 + z**3 / 6.0 + z**4 / 24.0
+
+
+@pytest.mark.parametrize("omega", [1.0, 250.0])
+def test_undamped_vibrations_are_stable_up_to_the_end_of_the_imaginary_axis(omega: float) -> None:
+    assert omega * stable_step(np.array([omega]), 0.0) == pytest.approx(2.828427, abs=2e-4)
+
+
+@pytest.mark.parametrize("omega", [1.0, 250.0])
+def test_overdamped_vibrations_are_stable_up_to_the_end_of_the_real_axis(omega: float) -> None:
+    # Eigenvalues -omega (half +- sqrt(half^2 - 1)); the larger one counts.
+    half = 50.0
+    damping = 2.0 * half / omega
+    rate = omega * (half + math.sqrt(half**2 - 1.0))
+    assert rate * stable_step(np.array([omega]), damping) == pytest.approx(2.785294, abs=2e-4)
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.1, 0.5, 1.0, 1.9, 2.1, 10.0])
+def test_the_stable_step_ends_where_the_amplification_passes_one(damping: float) -> None:
+    omega = 1.0
+    step = stable_step(np.array([omega]), damping)
+    eigenvalues = np.roots([1.0, damping * omega**2, omega**2])
+    inside = np.abs(amplification(np.outer(np.linspace(0.0, 0.9999, 500) * step, eigenvalues)))
+    assert inside.max() <= 1.0 + 1e-12
+    assert np.abs(amplification(1.001 * step * eigenvalues)).max() > 1.0
+
+
+def test_the_most_demanding_frequency_counts() -> None:
+    # With damping the highest one, whatever the order.
+    for damping in (0.0, 0.01, 1.0):
+        both = [stable_step(np.array(pair), damping) for pair in ((3.0, 50.0), (50.0, 3.0))]
+        assert both == [stable_step(np.array([50.0]), damping)] * 2
+
+
+@pytest.mark.parametrize("elements", [1, 2, 5, 12])
+def test_the_largest_frequencies_are_those_of_the_kernels_matrices(elements: int) -> None:
+    beam = replace(BENDING, elements=elements)
+    mass, _, stiffness = matrices(beam)
+    for axis, expected in enumerate(frequencies(beam)):
+        own = slice(axis, None, 2)
+        squares = eigh(stiffness[own, own], mass[own, own], eigvals_only=True)
+        assert expected == pytest.approx(math.sqrt(squares[-1]), rel=1e-10)
+    assert frequencies(beam).max() == pytest.approx(math.sqrt(eigh(stiffness, mass, eigvals_only=True)[-1]), rel=1e-10)
+
+
+def test_the_largest_frequencies_of_a_single_element_are_the_textbooks() -> None:
+    length, density, axial, bending = 0.7, 0.8, 5.0, 0.6
+    # Roots of mu^2 - 180 mu + 1680 = 0, and the greater one of the free element's 720 and 8400.
+    expected = (
+        math.sqrt((90.0 + math.sqrt(6420.0)) * axial / density) / length,
+        math.sqrt(8400.0 * bending / density) / length**2,
+    )
+    assert largest_frequencies(1, length, density, axial, bending) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("elements", [13, 20, 40])
+def test_beyond_a_dozen_elements_the_largest_frequencies_hardly_change(elements: int) -> None:
+    beam = replace(BENDING, elements=elements)
+    mass, _, stiffness = matrices(beam)
+    for axis, expected in enumerate(frequencies(beam)):
+        own = slice(axis, None, 2)
+        exact = math.sqrt(eigh(stiffness[own, own], mass[own, own], eigvals_only=True)[-1])
+        assert expected == pytest.approx(exact, rel=5e-3)
+
+
+def vibrate(beam: FlexibleBody, step: float, steps: int) -> float:
+    """Growth of a random vibration's energy under the classical Runge-Kutta method, on the linear equations."""
+    mass, damping, stiffness = matrices(beam)
+    inverse, size = np.linalg.inv(mass), len(mass)
+    system = np.block([[np.zeros((size, size)), np.eye(size)], [-inverse @ stiffness, -inverse @ damping]])
+    state = np.random.default_rng(0).normal(size=2 * size)
+
+    def energy(x: Vector) -> float:
+        u, v = x[:size], x[size:]
+        return float(u @ stiffness @ u + v @ mass @ v)
+
+    start = energy(state)
+    for _ in range(steps):
+        k1 = system @ state
+        k2 = system @ (state + 0.5 * step * k1)
+        k3 = system @ (state + 0.5 * step * k2)
+        k4 = system @ (state + step * k3)
+        state = state + step / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+    return energy(state) / start
+
+
+@pytest.mark.parametrize("beam", BEAMS.values(), ids=BEAMS.keys())
+@pytest.mark.parametrize("elements", [1, 3, 12, 20])
+@pytest.mark.parametrize("half", [0.0, 0.2, 3.0], ids=["undamped", "damped", "overdamped"])
+def test_the_stable_step_separates_decay_from_growth(beam: FlexibleBody, elements: int, half: float) -> None:
+    beam = replace(beam, elements=elements)
+    # ``half`` is the damping ratio of the highest frequency.
+    beam = replace(beam, damping=2.0 * half / frequencies(beam).max())
+    limit = compile_mechanism(Mechanism((beam,)))[0].stable_step
+    assert limit == stable_step(frequencies(beam), beam.damping)
+    assert vibrate(beam, 0.99 * limit, 1000) < 1.0
+    assert vibrate(beam, 1.01 * limit, 1000) > 1e6
+
+
+def test_rigid_bodies_bound_no_step_and_the_stiffest_beam_counts() -> None:
+    rigid = Body("rigid", 1.0, 1.0, 1.0, (0.0, 0.0))
+    assert compile_mechanism(Mechanism((rigid,)))[0].stable_step == math.inf
+    stiff = replace(AXIAL, name="stiff", axial_stiffness=500.0)
+    limits = [
+        compile_mechanism(Mechanism(bodies))[0].stable_step for bodies in ((AXIAL,), (stiff,), (AXIAL, rigid, stiff))
+    ]
+    assert limits[0] > limits[1] == limits[2]
+
+
+def shaken(beam: FlexibleBody, step: float) -> Simulation:
+    """A beam at rest but for tiny random velocities, about to take steps of a given size without error control."""
+    simulation = Simulation(Mechanism((beam,)), RungeKutta(rtol=0.1, velocity_scale=1e9, max_step=step))
+    simulation.state.v[:] = 1e-9 * np.random.default_rng(0).normal(size=simulation.state.v.size)
+    simulation.state.clock["step_size"] = step
+    simulation.state.clock["last_error"] = 1.0
+    return simulation
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.05])
+@pytest.mark.parametrize("factor", [0.98, 1.02])
+def test_the_explicit_integrator_is_stable_just_below_that_step_and_not_above(factor: float, damping: float) -> None:
+    beam = replace(AXIAL, damping=damping)
+    limit = compile_mechanism(Mechanism((beam,)))[0].stable_step
+    simulation = shaken(beam, factor * limit)
+    # Without the bound that the integrator would keep by itself.
+    simulation.model = simulation.model._replace(stable_step=math.inf)
+    before = simulation.stored_energies().sum()
+    simulation.advance(150.0 * factor * limit)
+    assert simulation.state.clock["steps"][0] in (150, 151)
+    growth = simulation.stored_energies().sum() / before
+    assert growth <= 1.0 if factor < 1.0 else growth > 100.0
+
+
+def test_the_explicit_integrator_keeps_the_bound_by_itself_and_counts_its_steps() -> None:
+    limit = compile_mechanism(Mechanism((AXIAL,)))[0].stable_step
+    simulation = shaken(AXIAL, 100.0 * limit)
+    before = simulation.stored_energies().sum()
+    simulation.advance(500.0 * limit)
+    assert simulation.stored_energies().sum() <= before
+    clock = simulation.state.clock[0]
+    assert 500 < clock.steps < 530
+    assert clock.steps - 1 <= clock.stability_bound_steps <= clock.steps
+    rigid = Body("rigid", 1.0, 1.0, 1.0, (0.0, 0.0), spin=1.0)
+    assert simulate(Mechanism((rigid,)), 1.0).summary()["stability_bound_steps"] == 0
+
+
+def test_the_mass_band_is_half_of_a_symmetric_matrix() -> None:
+    band = mass_band(2, 0.5, 3.0)
+    assert band.shape == (6, 4)
+    # What lies before the first column does not exist.
+    assert not band[0, :3].any()
+    assert not band[1, :2].any()
+    assert band[:, 3].min() > 0.0

@@ -1,0 +1,164 @@
+"""Arrays of a compiled mechanism, status codes, and the exceptions that they become."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import fields, replace
+
+import numba
+import numpy as np
+import pytest
+from helpers import ROUND_BEARING, chain, fingerprint, pendulum
+
+from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.equations.build import compile_mechanism
+from solar_env.mechanics.mechanism.description import Body, Mechanism
+from solar_env.mechanics.running.errors import _CAUSES, SimulationError, raise_for_status
+
+
+def example() -> Mechanism:
+    return chain(np.random.default_rng(1), angles=np.array([0.3, 0.8]), eccentricities=np.full((2, 2), 0.01))
+
+
+def test_a_copied_state_shares_nothing_with_the_original() -> None:
+    _, state = compile_mechanism(example())
+    copy = m.copy_state(state)
+    assert fingerprint(copy) == fingerprint(state)
+    for name, mine, theirs in zip(state._fields, state, copy, strict=True):
+        assert not np.shares_memory(mine, theirs), name
+
+
+@pytest.mark.parametrize(
+    "row_type",
+    [
+        m.body_type,
+        m.marker_type,
+        m.joint_type,
+        m.cable_type,
+        m.drive_type,
+        m.load_torque_type,
+        m.joint_state_type,
+        m.clock_type,
+    ],
+)
+def test_rows_are_views_whose_members_are_attributes(row_type: np.dtype[np.void]) -> None:
+    rows = np.zeros(2, dtype=row_type)
+    for name in row_type.names or ():
+        row = rows[1]
+        setattr(row, name, 3)
+        assert rows[name].tolist() == [0, 3]
+        assert getattr(row, name) == 3
+
+
+def test_integrals_and_energies_are_numbered_without_gaps() -> None:
+    integrals = [
+        m.NORMAL_DISSIPATION,
+        m.FRICTION_DISSIPATION,
+        m.SLIDING_WORK,
+        m.IMPULSE,
+        m.MOTOR_WORK,
+        m.STOP_DISSIPATION,
+        m.CABLE_WORK,
+    ]
+    assert sorted(integrals) == list(range(m.INTEGRALS_PER_JOINT))
+    assert [m.ENERGY_NAMES[k] for k in (m.KINETIC, m.SPRING, m.CABLE, m.LATCH, m.CONTACT, m.ELASTIC, m.GRAVITY)] == [
+        "kinetic",
+        "spring",
+        "cable",
+        "latch",
+        "contact",
+        "elastic",
+        "gravity",
+    ]
+    # Those of the whole mechanism are counted from the end.
+    assert sorted((m.EXTERNAL_WORK, m.MATERIAL_DISSIPATION)) == list(range(-m.GLOBAL_INTEGRALS, 0))
+
+
+def test_whole_numbers_in_a_description_compile_no_kernel_anew() -> None:
+    decimal = Body(
+        "b", mass=2.0, inertia=1.0, length=1.0, centroid=(0.0, 0.0), position=(1.0, 2.0), velocity=(1.0, 0.0)
+    )
+    whole = Body("b", mass=2, inertia=1, length=1, centroid=(0, 0), position=(1, 2), velocity=(1, 0))
+    compiled = [compile_mechanism(Mechanism((body,), gravity=(0, -1))) for body in (decimal, whole)]
+    assert numba.typeof(compiled[0]) == numba.typeof(compiled[1])
+    assert fingerprint(compiled[0][1]) == fingerprint(compiled[1][1])
+
+
+def test_mechanisms_of_any_size_share_their_compiled_kernels() -> None:
+    assert numba.typeof(compile_mechanism(pendulum())) == numba.typeof(compile_mechanism(example()))
+
+
+def test_every_array_is_contiguous() -> None:
+    model, state = compile_mechanism(example())
+    for part in (model, model.constraints, model.elimination, state):
+        for name, array in part._asdict().items():
+            assert isinstance(array, tuple) or np.isscalar(array) or array.flags.c_contiguous, name
+
+
+def test_a_bearing_arrives_in_its_joint_row_unchanged() -> None:
+    model, _ = compile_mechanism(example())
+    row = model.joints[0]
+    renamed = {"stiffness": "contact_stiffness", "width": "bearing_width"}
+    for item in fields(ROUND_BEARING):
+        if item.name in ("friction_speeds", "material_sliding"):
+            continue
+        assert row[renamed.get(item.name, item.name)] == getattr(ROUND_BEARING, item.name), item.name
+    assert (row["friction_speed_zero"], row["friction_speed_full"]) == ROUND_BEARING.friction_speeds
+    assert row["sliding_speed"] == m.MATERIAL_POINTS
+
+
+def test_only_joints_whose_torque_depends_on_the_angle_limit_it() -> None:
+    free, sprung = (compile_mechanism(pendulum(spring=spring))[0] for spring in (None, pendulum().joints[0].spring))
+    assert free.joints["angle_limited"][0] == 0
+    assert sprung.joints["angle_limited"][0] == 1
+
+
+def test_a_fixed_body_does_not_move_whatever_velocity_it_is_given() -> None:
+    body = Body("b", 1.0, 1.0, 1.0, (0.0, 0.0), velocity=(3.0, 4.0), spin=5.0, fixed=True)
+    _, state = compile_mechanism(Mechanism((body,)))
+    assert not state.v.any()
+
+
+def test_latch_times_start_unknown() -> None:
+    _, state = compile_mechanism(replace(example(), wear_bins=7))
+    assert np.isnan(state.joints["latch_time"]).all()
+    assert state.wear_journal.shape == state.wear_bearing.shape == (2, 7)
+
+
+FAILURES = [
+    m.STEP_TOO_SMALL,
+    m.NOT_FINITE,
+    m.SINGULAR_CONSTRAINTS,
+    m.NEWTON_FAILED,
+    m.JOINT_ANGLE_RANGE,
+    m.CONTACT_TOO_DEEP,
+    m.TOO_MANY_STEPS,
+    m.EVENTS_PILE_UP,
+]
+
+
+@pytest.mark.parametrize("status", FAILURES)
+def test_every_failure_names_its_time_and_a_remedy(status: int) -> None:
+    with pytest.raises(SimulationError, match=r"at t = 1\.5 s .*(; |, or )") as caught:
+        raise_for_status(status, 1.5, 1, math.pi)
+    assert caught.value.time == 1.5
+    assert caught.value.reason.isidentifier()
+
+
+def test_status_codes_and_reasons_are_distinct() -> None:
+    codes = [m.DONE, m.PAUSED, *FAILURES]
+    assert sorted(codes) == list(range(len(codes)))
+    assert set(_CAUSES) == set(FAILURES)
+    reasons = set()
+    for status in FAILURES:
+        with pytest.raises(SimulationError) as caught:
+            raise_for_status(status, 0.0, 0, 0.0)
+        reasons.add(caught.value.reason)
+    assert len(reasons) == len(FAILURES)
+
+
+def test_failures_of_a_joint_count_joints_from_one_and_give_the_value() -> None:
+    with pytest.raises(SimulationError, match=r"joint 2 .*3\.142 rad"):
+        raise_for_status(m.JOINT_ANGLE_RANGE, 0.0, 1, math.pi)
+    with pytest.raises(SimulationError, match=r"joint 1 sank 0\.02 m"):
+        raise_for_status(m.CONTACT_TOO_DEEP, 0.0, 0, 0.02)

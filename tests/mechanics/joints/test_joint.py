@@ -1,0 +1,334 @@
+"""Joint forces: power balance, conservation of momentum, springs, stops, cable loops and contact geometry."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+import pytest
+from helpers import ROUND_BEARING, ROUND_STOP, Forces, Vector, block, central_difference, chain, turned
+
+from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.joints import joint as columns
+from solar_env.mechanics.joints.joint import cable_torque, one_sided_stop, penetration, point, stop_torque
+from solar_env.mechanics.mechanism.description import CableLoop, Mechanism, Spring
+
+# Angle of either joint relative to the latch at 0.9 and the stow stop at 0, both with 0.05 of free play.
+SITUATIONS = {
+    "free": (0.4, 0.5),
+    "in the latch": (1.1, 0.7),
+    "deep in the latch": (1.5, 0.2),
+    "in the stow stop": (-0.2, -0.6),
+}
+# Penetration of either joint; the clearance is 0.1.
+DEPTHS = {"flying": (-0.03, -0.05), "touching": (0.02, 0.06)}
+
+
+def random_state(
+    seed: int,
+    situation: str = "free",
+    depths: str = "touching",
+    *,
+    material: bool = True,
+    cables: tuple[CableLoop, ...] = (),
+    impact_speed: float = 0.5,
+) -> Forces:
+    """A chain of three bodies in a random motion."""
+    rng = np.random.default_rng(seed)
+    directions = rng.uniform(-math.pi, math.pi, 2)
+    radii = ROUND_BEARING.clearance + np.array(DEPTHS[depths])
+    mechanism = chain(
+        rng,
+        angles=np.array(SITUATIONS[situation]),
+        eccentricities=radii[:, None] * np.stack([np.cos(directions), np.sin(directions)], axis=1),
+        bearing=replace(ROUND_BEARING, material_sliding=material),
+        cables=cables,
+    )
+    forces = Forces(mechanism, impact_speed)
+    states = forces.state.joints
+    states["latched"] = "latch" in situation
+    states["stop_engaged"] = 1
+    states["motor_torque"] = rng.normal(size=2)
+    return forces
+
+
+LOOPS = {
+    "no cable": (),
+    "taut cable": (CableLoop("joint 0", "joint 1", 1.7, 2.0, 2.0),),
+    "couple": (CableLoop("joint 0", "joint 1", 1.7, 2.0, 1.0),),
+    "slack cable": (CableLoop("joint 0", "joint 1", 1.7, 2.0, 2.0, preload_torque=0.05),),
+    "slack couple": (CableLoop("joint 0", "joint 1", 1.7, 2.0, 1.0, preload_torque=0.05),),
+}
+
+
+@pytest.mark.parametrize(
+    ("situation", "depths", "loop"),
+    list(product(SITUATIONS, DEPTHS, ["taut cable"])) + [("free", "touching", loop) for loop in LOOPS],
+)
+@pytest.mark.parametrize("material", [True, False], ids=["material points", "joint centres"])
+def test_the_power_of_the_forces_is_work_put_in_less_losses_less_growth_of_stored_energy(
+    situation: str, depths: str, loop: str, material: bool
+) -> None:
+    for seed in range(5):
+        forces = random_state(seed, situation, depths, material=material, cables=LOOPS[loop])
+        q, v = forces.state.q, forces.state.v
+
+        def stored(time: Vector, forces: Forces = forces, q: Vector = q, v: Vector = v) -> Vector:
+            return forces.stored(q + time[0] * v, v)[[m.SPRING, m.CABLE, m.LATCH, m.CONTACT]].sum()[None]
+
+        growth = central_difference(stored, np.zeros(1))[0, 0]
+        force = forces.force(q, v)
+        powers = forces.integral_powers().sum(axis=0)
+        put_in = powers[m.MOTOR_WORK] + powers[m.CABLE_WORK]
+        lost = powers[[m.NORMAL_DISSIPATION, m.FRICTION_DISSIPATION, m.STOP_DISSIPATION]].sum()
+        scale = float(np.abs(force) @ np.abs(v))
+        # A stop or a cable limit within the difference's reach would show as a kink; 1e-8 leaves none unnoticed.
+        assert force @ v == pytest.approx(put_in - lost - growth, abs=1e-8 * scale)
+
+
+@pytest.mark.parametrize(("situation", "depths"), list(product(SITUATIONS, DEPTHS)))
+@pytest.mark.parametrize("loop", LOOPS)
+def test_joint_forces_change_neither_linear_nor_angular_momentum(situation: str, depths: str, loop: str) -> None:
+    for seed in range(5):
+        forces = random_state(seed, situation, depths, cables=LOOPS[loop])
+        q = forces.state.q
+        force = forces.force(q, forces.state.v)
+        # Power in a motion of the whole mechanism: two translations and a turn about the origin.
+        turn = np.stack([-q[1::2], q[0::2]], axis=1).ravel()
+        for field in (np.tile([1.0, 0.0], q.size // 2), np.tile([0.0, 1.0], q.size // 2), turn):
+            scale = float(np.abs(force) @ np.abs(field))
+            assert force @ field == pytest.approx(0.0, abs=1e-14 * scale + 1e-15)
+
+
+def test_joint_forces_do_no_work_on_the_stretch_of_a_body_by_torques() -> None:
+    forces = random_state(3, "in the latch", "flying", cables=LOOPS["couple"])
+    q = forces.state.q
+    force = forces.force(q, forces.state.v)
+    for k in range(0, q.size, 4):
+        d = q[k + 2 : k + 4] - q[k : k + 2]
+        assert d @ (force[k + 2 : k + 4] - force[k : k + 2]) == pytest.approx(0.0, abs=1e-13 * np.abs(force).max())
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_joint_angle_and_its_rate_are_those_of_the_description(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    # The range of the angle reaches pi to either side of its middle, 0.4.
+    angles = 0.4 + rng.uniform(-math.pi, math.pi, 3) * 0.999
+    mechanism = chain(rng, angles=angles, eccentricities=np.zeros((3, 2)), stop=None)
+    forces = Forces(mechanism)
+    forces.force(forces.state.q, forces.state.v)
+    spins = np.array([body.spin for body in mechanism.bodies])
+    signs = np.array([joint.sign for joint in mechanism.joints])
+    assert forces.work.loads[:, columns.ANGLE] == pytest.approx(angles, abs=1e-13)
+    assert forces.work.loads[:, columns.RATE] == pytest.approx(signs * np.diff(spins), abs=1e-13)
+    assert forces.work.loads[:, columns.OUTBOARD_SPIN] == pytest.approx(spins[1:], abs=1e-13)
+    assert forces.work.loads[:, columns.INBOARD_SPIN] == pytest.approx(spins[:-1], abs=1e-13)
+
+
+def test_markers_move_with_their_body() -> None:
+    rng = np.random.default_rng(0)
+    mechanism = chain(rng, angles=np.array([0.3]), eccentricities=np.zeros((1, 2)))
+    forces = Forces(mechanism)
+    body, joint = mechanism.bodies[1], mechanism.joints[0]
+    marker = forces.model.markers[forces.model.joints["outboard"][0]]
+    arm = turned(joint.outboard_point, body.angle)
+    assert point(marker, forces.state.q) == pytest.approx(np.array(body.position) + arm, abs=1e-14)
+    velocity = np.array(body.velocity) + body.spin * np.array([-arm[1], arm[0]])
+    assert point(marker, forces.state.v) == pytest.approx(velocity, abs=1e-14)
+
+
+def test_the_spring_pulls_towards_its_preload_angle() -> None:
+    forces = random_state(0, "free", "flying")
+    forces.force(forces.state.q, forces.state.v)
+    assert forces.work.loads[:, columns.SPRING_TORQUE] == pytest.approx(1.3 * (0.7 - np.array(SITUATIONS["free"])))
+
+
+def test_penetration_is_eccentricity_less_clearance_and_its_rate_the_approach() -> None:
+    forces = Forces(block(velocity=(0.3, 0.4), position=(6e-4, 8e-4)))
+    joint, markers = forces.model.joints[0], forces.model.markers
+    depth, rate = penetration(joint, markers, forces.state.q, forces.state.v)
+    assert depth == pytest.approx(0.0, abs=1e-18)
+    assert rate == pytest.approx(0.5, rel=1e-14)
+
+
+def test_a_centred_journal_approaches_the_wall_whichever_way_it_goes() -> None:
+    forces = Forces(block(velocity=(-0.3, 0.4)))
+    assert penetration(forces.model.joints[0], forces.model.markers, forces.state.q, forces.state.v) == (-1e-3, 0.5)
+
+
+def contact_of_block(velocity: tuple[float, float], *, material: bool = True, spin: float = 0.0) -> Vector:
+    """Loads of a block whose journal, centred in the block, is pressed 0.1 deep into the bearing's wall at +x."""
+    bearing = replace(ROUND_BEARING, material_sliding=material)
+    forces = Forces(block(velocity=velocity, position=(0.2, 0.0), bearing=bearing, spin=spin), impact_speed=1.0)
+    forces.force(forces.state.q, forces.state.v)
+    return forces.work.loads[0]
+
+
+def test_the_wall_pushes_back_and_friction_opposes_the_sliding() -> None:
+    loads = contact_of_block((0.1, 5.0))
+    normal = 50.0 * 0.1**1.5 * (1.0 + 0.7 * 0.1)
+    assert loads[columns.NORMAL] == pytest.approx(normal, rel=1e-12)
+    assert loads[columns.TANGENTIAL] == pytest.approx(-0.4 * normal, rel=1e-12)
+    assert loads[columns.FORCE_X : columns.FORCE_Y + 1] == pytest.approx([-normal, -0.4 * normal], rel=1e-12)
+
+
+def test_a_journal_that_spins_in_place_slides_at_its_material_points_only() -> None:
+    # Rim speed 0.3 m * 20 rad/s: above the full speed of 3 m/s.
+    assert contact_of_block((0.0, 0.0), spin=20.0)[columns.TANGENTIAL] == pytest.approx(-0.4 * 50.0 * 0.1**1.5)
+    assert contact_of_block((0.0, 0.0), spin=20.0, material=False)[columns.TANGENTIAL] == 0.0
+
+
+def test_a_journal_that_rolls_does_not_slide() -> None:
+    # Centre speed v, rim speed -v at the contact: no slip, though the centres move.
+    assert contact_of_block((0.0, 4.0), spin=-4.0 / 0.3)[columns.TANGENTIAL] == 0.0
+    assert contact_of_block((0.0, 4.0), spin=-4.0 / 0.3, material=False)[columns.TANGENTIAL] < 0.0
+
+
+def test_a_journal_in_flight_feels_no_force_even_where_its_path_crosses_the_wall() -> None:
+    forces = Forces(block(position=(0.2, 0.0), bearing=ROUND_BEARING), impact_speed=0.0)
+    assert not forces.force(forces.state.q, forces.state.v).any()
+    assert not forces.integral_powers().any()
+
+
+def test_sliding_work_and_impulse_grow_with_the_normal_force() -> None:
+    forces = Forces(block(velocity=(0.1, 5.0), position=(0.2, 0.0), bearing=ROUND_BEARING), impact_speed=1.0)
+    forces.force(forces.state.q, forces.state.v)
+    normal = forces.work.loads[0, columns.NORMAL]
+    powers = forces.integral_powers()[0]
+    assert powers[m.IMPULSE] == normal
+    assert powers[m.SLIDING_WORK] == pytest.approx(5.0 * normal, rel=1e-14)
+
+
+CABLE = CableLoop("a", "b", stiffness=4.0, wheel_ratio=2.0, torque_ratio=2.0, preload_torque=0.6)
+
+
+def cable_row(cable: CableLoop) -> np.record:
+    row = np.zeros(1, dtype=m.cable_type)
+    for name in ("stiffness", "wheel_ratio", "torque_ratio", "preload_torque"):
+        row[name] = getattr(cable, name)
+    return row[0]
+
+
+def test_a_cable_loop_halves_its_stiffness_when_one_strand_goes_slack() -> None:
+    # Slack at twice the preload's torque: 2 * 0.6 / 4 = 0.3 rad.
+    row = cable_row(CABLE)
+    for stretch, torque, slope in ((0.1, 0.4, 4.0), (-0.2, -0.8, 4.0), (0.5, 1.2 + 0.4, 2.0), (-1.3, -1.2 - 2.0, 2.0)):
+        found = cable_torque(row, stretch)
+        assert found[:2] == pytest.approx((torque, slope), rel=1e-14)
+    below, above = cable_torque(row, 0.3 - 1e-12), cable_torque(row, 0.3 + 1e-12)
+    assert above[0] - below[0] == pytest.approx(0.0, abs=1e-11)
+    assert above[2] - below[2] == pytest.approx(0.0, abs=1e-11)
+
+
+def test_a_cable_torque_is_the_slope_of_its_energy() -> None:
+    row = cable_row(CABLE)
+    for stretch in (-1.0, -0.31, -0.1, 0.0, 0.2, 0.29, 0.7):
+        # Quadratic pieces: no truncation.
+        slope = (cable_torque(row, stretch + 1e-4)[2] - cable_torque(row, stretch - 1e-4)[2]) / 2e-4
+        assert cable_torque(row, stretch)[0] == pytest.approx(slope, abs=1e-11)
+
+
+def test_a_cable_of_infinite_preload_never_slackens_and_one_of_none_is_slack_at_once() -> None:
+    tight, loose = (cable_row(replace(CABLE, preload_torque=p)) for p in (math.inf, 0.0))
+    assert cable_torque(tight, 1e6)[0] == pytest.approx(4e6)
+    assert cable_torque(loose, 0.1)[0] == pytest.approx(0.2)
+
+
+def test_a_cable_of_no_stiffness_pulls_on_nothing() -> None:
+    assert cable_torque(cable_row(replace(CABLE, stiffness=0.0)), 0.7) == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("torque_ratio", [2.0, 1.0])
+def test_a_cable_loop_torques_both_its_joints_in_its_torque_ratio(torque_ratio: float) -> None:
+    forces = random_state(0, cables=(CableLoop("joint 0", "joint 1", 1.7, 2.0, torque_ratio),))
+    forces.force(forces.state.q, forces.state.v)
+    first, second = forces.work.loads[:, columns.CABLE_TORQUE]
+    a, b = SITUATIONS["free"]
+    assert second == pytest.approx(1.7 * (2.0 * a - b), rel=1e-12)
+    assert first == pytest.approx(-torque_ratio * second, rel=1e-12)
+    cable_power = forces.integral_powers()[:, m.CABLE_WORK]
+    expected = second * (2.0 - torque_ratio) * forces.work.loads[0, columns.RATE]
+    assert cable_power == pytest.approx([expected, 0.0], rel=1e-12)
+
+
+def stop_of(situation: str, angle: float, rate: float, *, latched: bool, engaged: bool = True) -> tuple[float, ...]:
+    """Stop torque of the first joint, with its elastic part and slopes."""
+    forces = random_state(0, situation)
+    own = forces.state.joints[0]
+    own.latched, own.stop_engaged = int(latched), int(engaged)
+    return stop_torque(forces.model.joints[0], own, angle, rate)
+
+
+def test_a_latched_joint_is_held_from_both_sides_of_its_lock_angle() -> None:
+    assert stop_of("free", 0.9 + 0.05 + 0.2, 0.0, latched=True)[0] == pytest.approx(-3.0 * 0.2**1.5)
+    assert stop_of("free", 0.9 - 0.05 - 0.2, 0.0, latched=True)[0] == pytest.approx(3.0 * 0.2**1.5)
+    for angle in (0.86, 0.9, 0.94):
+        assert stop_of("free", angle, 5.0, latched=True)[0] == 0.0
+
+
+def test_a_joint_that_has_not_latched_swings_through_its_lock_angle() -> None:
+    assert stop_of("free", 1.5, 3.0, latched=False) == (0.0, 0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("latched", [False, True])
+def test_the_stow_stop_holds_a_joint_whether_latched_or_not(latched: bool) -> None:
+    # Of two stops that a joint is past, the deeper one acts: the latch holds a joint that is folded back.
+    torque = stop_of("free", -0.05 - 0.2, 0.0, latched=latched)[0]
+    assert torque == pytest.approx(3.0 * (1.1 if latched else 0.2) ** 1.5)
+
+
+def test_a_stop_that_is_not_engaged_exerts_no_torque() -> None:
+    assert stop_of("free", 1.5, 3.0, latched=True, engaged=False) == (0.0, 0.0, 0.0, 0.0)
+
+
+def stop_row() -> np.record:
+    row = np.zeros(1, dtype=m.joint_type)
+    for name in ("gap", "stiffness", "exponent", "ramp_depth", "damping"):
+        row[f"stop_{name}"] = getattr(ROUND_STOP, name)
+    return row[0]
+
+
+def test_a_stop_sets_in_smoothly_and_never_pulls() -> None:
+    row = stop_row()
+    assert one_sided_stop(row, 0.0, 5.0) == (0.0, 0.0, 0.0, 0.0)
+    assert one_sided_stop(row, 1e-9, 5.0)[0] == pytest.approx(0.0, abs=1e-12)
+    assert one_sided_stop(row, 0.1, -100.0) == (0.0, pytest.approx(3.0 * 0.1**1.5), 0.0, 0.0)
+
+
+def test_the_damping_of_a_stop_is_full_beyond_its_ramp() -> None:
+    row = stop_row()
+    for depth in (0.3, 0.31, 2.0):
+        torque, elastic, _, damping = one_sided_stop(row, depth, 0.4)
+        assert damping == 2.0
+        assert torque - elastic == pytest.approx(0.8, rel=1e-13)
+    # A cubic ramp: half the damping at half its depth.
+    assert one_sided_stop(row, 0.15, 0.4)[3] == pytest.approx(1.0, rel=1e-13)
+
+
+def test_an_ideal_joint_has_neither_gap_nor_contact() -> None:
+    rng = np.random.default_rng(0)
+    mechanism = chain(rng, angles=np.array([0.4]), eccentricities=np.zeros((1, 2)), bearing=None, stop=None)
+    forces = Forces(mechanism, impact_speed=1.0)
+    forces.force(forces.state.q, forces.state.v)
+    assert not forces.work.loads[0, [columns.ECCENTRICITY_X, columns.ECCENTRICITY_Y, columns.TANGENTIAL]].any()
+    assert not forces.integral_powers()[0, [m.SLIDING_WORK, m.NORMAL_DISSIPATION]].any()
+
+
+def test_a_mechanism_without_joints_feels_gravity_alone() -> None:
+    mechanism = chain(np.random.default_rng(0), angles=np.zeros(0), eccentricities=np.zeros((0, 2)))
+    forces = Forces(Mechanism(mechanism.bodies, gravity=(1.0, -2.0)))
+    assert not forces.force(forces.state.q, forces.state.v).any()
+    weight = forces.model.constant_force
+    assert weight[0::2].sum() == pytest.approx(mechanism.bodies[0].mass, rel=1e-14)
+    assert weight[1::2].sum() == pytest.approx(-2.0 * mechanism.bodies[0].mass, rel=1e-14)
+
+
+def test_a_spring_is_optional() -> None:
+    assert Spring(0.0, 1.0).stiffness == 0.0
+    mechanism = chain(
+        np.random.default_rng(0), angles=np.array([0.4]), eccentricities=np.zeros((1, 2)), spring=None, stop=None
+    )
+    forces = Forces(mechanism)
+    assert not forces.force(forces.state.q, forces.state.v).any()

@@ -1,0 +1,225 @@
+"""Mechanisms as data: every wrong input is refused by an exception that names the thing and the value."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from solar_env.mechanics.equations.build import compile_mechanism
+from solar_env.mechanics.joints.joint import ANGLE
+from solar_env.mechanics.mechanism.description import (
+    GROUND,
+    Bearing,
+    Body,
+    CableLoop,
+    Drive,
+    FlexibleBody,
+    Guide,
+    Joint,
+    Load,
+    Mechanism,
+    Spring,
+    Stop,
+)
+from solar_env.mechanics.running.simulation import Simulation
+
+BODY = Body("arm", 1.0, 0.1, 1.0, (0.5, 0.0))
+SPRING = Spring(1.0, 0.5)
+STOP = Stop(0.01, 100.0, 1.0, 1e-3, 1.0)
+BEARING = Bearing(1e-3, 0.01, 1e9, 0.1)
+JOINT = Joint("pin", GROUND, "arm", (0.0, 0.0), (0.0, 0.0), spring=SPRING, stop=STOP, lock_angle=1.0)
+OTHER = replace(JOINT, name="other")
+CABLE = CableLoop("pin", "other", 1.0, 2.0, 2.0)
+GUIDE = Guide("arm", (0.0, 0.0), (0.0, 1.0))
+DRIVE = Drive("arm", 0.0, 1.0)
+LOAD = Load("arm", (0.1, 0.0), (1.0, 2.0), 0.3)
+BEAM = FlexibleBody("beam", 1.5, 4, linear_density=0.8, axial_stiffness=5.0, bending_stiffness=0.6)
+MECHANISM = Mechanism((BODY, BEAM), (JOINT, OTHER), (CABLE,), (GUIDE,), (DRIVE,), (LOAD,))
+PARTS: list[Any] = [BODY, BEAM, SPRING, STOP, BEARING, JOINT, CABLE, GUIDE, DRIVE, LOAD, MECHANISM]
+
+NOT_POSITIVE = {
+    BODY: ("mass", "inertia", "length"),
+    BEAM: ("length", "linear_density", "axial_stiffness", "bending_stiffness"),
+    STOP: ("stiffness", "ramp_depth"),
+    BEARING: ("clearance", "journal_radius", "stiffness", "minimum_impact_speed", "width"),
+    CABLE: ("wheel_ratio",),
+}
+NEGATIVE = {
+    BEAM: ("damping",),
+    DRIVE: ("ramp_time",),
+    SPRING: ("stiffness",),
+    STOP: ("gap", "damping"),
+    BEARING: ("damping_factor", "friction_coefficient", "wear_coefficient"),
+    CABLE: ("stiffness", "torque_ratio", "preload_torque"),
+}
+
+
+def refuses(part: Any, name: str, value: Any, rule: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(f"{type(part).__name__}.{name} = {value!r}: {rule}")):
+        replace(part, **{name: value})
+
+
+@pytest.mark.parametrize(("part", "name"), [(p, n) for p, names in NOT_POSITIVE.items() for n in names])
+@pytest.mark.parametrize("value", [0.0, -1.0])
+def test_a_quantity_that_must_be_positive_is_refused_otherwise(part: Any, name: str, value: Any) -> None:
+    refuses(part, name, value, "must be positive")
+
+
+@pytest.mark.parametrize(("part", "name"), [(p, n) for p, names in NEGATIVE.items() for n in names])
+def test_a_quantity_that_must_not_be_negative_is_refused_if_it_is_and_may_be_zero(part: Any, name: str) -> None:
+    refuses(part, name, -1e-9, "must not be negative")
+    assert getattr(replace(part, **{name: 0.0}), name) == 0.0
+
+
+def numbers() -> list[tuple[Any, str]]:
+    """Every number of every part."""
+    found = []
+    for part in PARTS:
+        for item in fields(part):
+            value = getattr(part, item.name)
+            point = isinstance(value, tuple) and len(value) == 2 and all(isinstance(x, float) for x in value)
+            if isinstance(value, float) or point:
+                found.append((part, item.name))
+    return found
+
+
+@pytest.mark.parametrize(("part", "name"), numbers(), ids=lambda x: x if isinstance(x, str) else type(x).__name__)
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
+def test_every_number_of_every_part_must_be_finite(part: Any, name: str, bad: float) -> None:
+    value = (bad, 0.5) if isinstance(getattr(part, name), tuple) else bad
+    if name == "preload_torque" and bad == math.inf:
+        assert replace(part, **{name: bad}).preload_torque == math.inf  # a loop that never slackens
+        return
+    with pytest.raises(ValueError, match=f"{type(part).__name__}.{name} = ") as caught:
+        replace(part, **{name: value})
+    assert repr(value) in str(caught.value)
+
+
+def test_a_stop_softer_than_linear_is_refused() -> None:
+    refuses(STOP, "exponent", 0.5, "must be at least 1")
+
+
+@pytest.mark.parametrize("speeds", [(1e-3, 1e-3), (2e-3, 1e-3), (-1e-3, 1e-3)])
+def test_friction_speeds_must_rise_from_zero(speeds: tuple[float, float]) -> None:
+    refuses(BEARING, "friction_speeds", speeds, "must satisfy 0 <= first < second")
+
+
+def test_a_direction_must_have_length_one() -> None:
+    refuses(GUIDE, "normal", (1.0, 1.0), "must have length 1")
+
+
+def test_a_sense_of_rotation_is_plus_or_minus_one() -> None:
+    refuses(JOINT, "sign", 0, "must be +1 or -1")
+
+
+def test_a_body_cannot_be_joined_to_itself() -> None:
+    with pytest.raises(ValueError, match=r"Joint\.outboard = 'arm': must differ from the inboard body"):
+        replace(JOINT, inboard="arm")
+
+
+@pytest.mark.parametrize("name", ["lock_angle", "stow_angle"])
+def test_a_latch_or_stow_stop_needs_a_stop(name: str) -> None:
+    bare = replace(JOINT, stop=None, lock_angle=None)
+    refuses(bare, name, 1.0, "needs a stop")
+
+
+@pytest.mark.parametrize("part", [BODY, BEAM])
+def test_the_fixed_frames_name_is_taken(part: Any) -> None:
+    refuses(part, "name", GROUND, "is reserved for the fixed frame")
+
+
+@pytest.mark.parametrize("elements", [2.0, True, "3", None])
+def test_elements_are_counted_in_whole_numbers(elements: Any) -> None:
+    refuses(BEAM, "elements", elements, "must be a whole number")
+
+
+@pytest.mark.parametrize("elements", [0, -1, 1001])
+def test_a_beam_has_between_one_and_a_thousand_elements(elements: int) -> None:
+    refuses(BEAM, "elements", elements, "must lie between 1 and 1000")
+    assert [replace(BEAM, elements=n).elements for n in (1, 1000)] == [1, 1000]
+
+
+def test_the_nodes_of_a_beam_are_found_by_their_points() -> None:
+    assert [BEAM.node((x, 0.0)) for x in np.linspace(0.0, 1.5, 5)] == [0, 1, 2, 3, 4]
+    # Rounding is forgiven.
+    assert replace(BEAM, elements=7).node((1.5 / 7.0 * 3.0 * (1.0 + 1e-15), 0.0)) == 3
+    with pytest.raises(ValueError, match=re.escape("FlexibleBody.point = (0.3, 0.0): is not a node of flexible body")):
+        BEAM.node((0.3, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"bodies": ()}, "bodies = ()"),
+        ({"wear_bins": 0}, "wear_bins = 0: must be at least 1"),
+        ({"bodies": (BODY, BODY)}, "names must be unique"),
+        ({"bodies": (BODY, replace(BEAM, name="arm"))}, "names must be unique"),
+        ({"joints": (JOINT, JOINT), "cables": ()}, "names must be unique"),
+        (
+            {"joints": (replace(JOINT, outboard="leg"), OTHER)},
+            "'leg': is not a body of the mechanism ['arm', 'beam', 'ground']",
+        ),
+        ({"guides": (replace(GUIDE, body="leg"),)}, "'leg': is not a body"),
+        ({"drives": (replace(DRIVE, body="leg"),)}, "'leg': is not a body"),
+        ({"loads": (replace(LOAD, body="leg"),)}, "'leg': is not a body"),
+        ({"guides": (replace(GUIDE, body=GROUND),)}, "'ground': does not move"),
+        ({"loads": (replace(LOAD, body=GROUND),)}, "'ground': does not move"),
+        ({"drives": (replace(DRIVE, body=GROUND),)}, "'ground': does not move"),
+        ({"cables": (replace(CABLE, joint_b="knee"),)}, "'knee': is not a joint of the mechanism ['other', 'pin']"),
+    ],
+)
+def test_a_mechanism_whose_parts_do_not_fit_is_refused(changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(message)):
+        replace(MECHANISM, **changes)
+
+
+def test_parts_are_frozen() -> None:
+    for part in PARTS:
+        with pytest.raises(AttributeError):
+            setattr(part, fields(part)[0].name, None)
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.3, 2.0, -3.0])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_joint_angle_is_measured_from_its_folded_angle_in_its_sense(sign: int, turn: float) -> None:
+    arm = replace(BODY, angle=0.7 + sign * turn)
+    joint = Joint("pin", GROUND, "arm", (0.0, 0.0), (0.0, 0.0), sign=sign, folded_angle=0.7)
+    loads = Simulation(Mechanism((arm,), (joint,))).joint_loads()
+    assert loads[0, ANGLE] == pytest.approx(turn, abs=1e-14)
+
+
+def test_base_points_stand_and_move_as_described() -> None:
+    body = Body("b", 1.0, 1.0, 2.0, (0.0, 0.0), position=(1.0, -1.0), angle=0.5, velocity=(0.1, 0.2), spin=3.0)
+    _, state = compile_mechanism(Mechanism((body,)))
+    along, across = np.array([math.cos(0.5), math.sin(0.5)]), np.array([-math.sin(0.5), math.cos(0.5)])
+    assert state.q == pytest.approx(np.concatenate([[1.0, -1.0], np.array([1.0, -1.0]) + 2.0 * along]), abs=1e-15)
+    assert state.v == pytest.approx(np.concatenate([[0.1, 0.2], np.array([0.1, 0.2]) + 6.0 * across]), abs=1e-15)
+
+
+def test_a_guide_keeps_its_point_on_the_line_and_a_drive_its_angle() -> None:
+    normal = (math.cos(1.0), math.sin(1.0))
+    start = (0.25 * normal[0], 0.25 * normal[1])
+    slider = Body("slider", 2.0, 0.3, 1.0, (0.3, 0.2), position=start, angle=0.4, spin=1.5)
+    mechanism = Mechanism(
+        (slider,),
+        guides=(Guide("slider", (0.0, 0.0), normal, offset=0.25),),
+        drives=(Drive("slider", 0.4, 1.5),),
+        gravity=(0.0, -1.0),
+    )
+    simulation = Simulation(mechanism)
+    simulation.advance(2.0)
+    q = simulation.state.q
+    assert np.dot(normal, q[:2]) == pytest.approx(0.25, abs=1e-12)
+    assert math.atan2(q[3] - q[1], q[2] - q[0]) == pytest.approx(math.remainder(0.4 + 3.0, 2 * math.pi), abs=1e-12)
+    # Along the line gravity alone acts on the centroid, which turns about the base point.
+    along = (-math.sin(1.0), math.cos(1.0))
+    arms = [(0.3 * math.cos(a) - 0.2 * math.sin(a), 0.3 * math.sin(a) + 0.2 * math.cos(a)) for a in (0.4, 3.4)]
+    speed = 1.5 * np.dot(along, (-arms[0][1], arms[0][0]))
+    travel = speed * 2.0 - 0.5 * math.cos(1.0) * 2.0**2
+    expected = np.dot(along, arms[0]) + travel - np.dot(along, arms[1])
+    assert np.dot(along, q[:2]) == pytest.approx(expected, abs=1e-5)

@@ -1,0 +1,162 @@
+"""A run that finishes but is wrong warns; one that is right keeps silent. Warnings are errors in these tests."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from dataclasses import replace
+
+import gymnasium
+import numpy as np
+import pytest
+from helpers import block, pendulum
+
+from solar_env.array import ArrayParameters, build
+from solar_env.array.deployment import simulate as simulate_deployment
+from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
+from solar_env.mechanics.mechanism.description import Bearing, Stop
+from solar_env.mechanics.mechanism.textbook import bouncing_block, four_bar
+from solar_env.mechanics.mechanism.textbook import pendulum as point_pendulum
+from solar_env.mechanics.running.diagnosis import SimulationWarning
+from solar_env.mechanics.running.simulation import Simulation, simulate
+from solar_env.studies.stability.stop_maps import swinging_link
+
+# Impacts of some 0.5 ms.
+GAP = Bearing(2e-4, 0.01, 7.39e10, damping_factor=0.0)
+
+
+def told_by(run: Callable[[], object]) -> list[str]:
+    """What a run says."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        run()
+    return [str(one.message) for one in caught]
+
+
+def told(simulation: Simulation, end: float) -> list[str]:
+    """What one call says."""
+    return told_by(lambda: simulation.advance(end))
+
+
+@pytest.mark.parametrize("rho_inf", [0.0, 0.5, 0.8, 1.0])
+def test_impacts_that_a_fixed_step_does_not_resolve_are_told_and_told_once(rho_inf: float) -> None:
+    simulation = Simulation(bouncing_block(GAP, 6.0), GeneralizedAlpha(step=2e-4, rho_inf=rho_inf))
+    (first,) = told(simulation, 0.01)
+    assert "steps, and an exit speed good to 1 % needs" in first
+    assert told(simulation, 0.02) == []
+
+
+def test_a_resolving_fixed_step_and_an_adaptive_one_are_silent_about_impacts() -> None:
+    for chosen in (GeneralizedAlpha(step=2e-5), GeneralizedAlpha(rtol=1e-5), RungeKutta()):
+        simulation = Simulation(bouncing_block(GAP, 6.0), chosen)
+        simulation.advance(0.02)
+        assert simulation.state.joints["contact_starts"][0] > 3
+
+
+def run_block(bearing: Bearing, chosen: Integrator) -> None:
+    simulate(bouncing_block(bearing, 6.0), 0.2, integrator=chosen)
+
+
+def run_slowed(bearing: Bearing, chosen: Integrator) -> None:
+    """A block that is slow from the start, whose impacts last longer."""
+    simulation = Simulation(bouncing_block(bearing, 6.0, speed=1e-3), chosen)
+    simulation.advance(1.0)
+
+
+def test_simulate_judges_by_its_hardest_impact_not_the_latest() -> None:
+    damped = replace(GAP, damping_factor=0.7)
+    duration = 4.7e-4
+    # Enough for the last, slow impacts, too long for the first ones.
+    step = GeneralizedAlpha(step=duration / 7.5)
+    assert any(one.startswith("an impact of 0.00046") for one in told_by(lambda: run_block(damped, step)))
+    assert not any(one.startswith("an impact of") for one in told_by(lambda: run_slowed(damped, step)))
+
+
+def test_energy_that_a_latch_gains_under_a_long_step_is_told() -> None:
+    said = told_by(lambda: simulate(swinging_link(1e8), 0.4, integrator=GeneralizedAlpha(step=1e-3)))
+    (one,) = (one for one in said if "that no force accounts for" in one)
+    assert "has gained" in one
+    assert one.endswith("turned over; reduce the step, or give rtol")
+
+
+def test_energy_that_a_loose_tolerance_loses_is_told_with_the_tolerance() -> None:
+    with pytest.warns(SimulationWarning, match=r"turned over; tighten rtol = 0\.1"):
+        simulate(
+            bouncing_block(GAP, 6.0), 0.05, integrator=RungeKutta(rtol=0.1, impact_resolution=4.0, velocity_scale=10.0)
+        )
+
+
+def test_a_run_that_goes_on_call_by_call_is_looked_at_every_ten_thousand_steps() -> None:
+    simulation = Simulation(swinging_link(1e8), GeneralizedAlpha(step=1e-3))
+    said: list[str] = []
+    for k in range(1, 12):
+        before = int(simulation.state.clock["steps"][0])
+        said += told(simulation, float(k))
+        assert simulation.state.clock["steps"][0] == before + 1000
+    assert sum("that no force accounts for" in one for one in said) == 1
+
+
+def test_constraint_forces_that_alternate_are_told() -> None:
+    with pytest.warns(SimulationWarning, match=r"constraint forces .* choose rho_inf = 0"):
+        simulate(build(ArrayParameters(), "rigid-ideal"), 2.0, integrator=GeneralizedAlpha(rho_inf=1.0))
+
+
+def test_a_change_of_step_that_sets_constraint_forces_swinging_is_told() -> None:
+    simulation = Simulation(point_pendulum(), GeneralizedAlpha(step=0.01, rho_inf=0.95))
+    simulation.advance(1.0)
+    simulation.integrator = GeneralizedAlpha(step=0.008, rho_inf=0.95)
+    said: list[str] = []
+    for k in range(1, 31):
+        said += told(simulation, 1.0 + 0.008 * k)
+    assert len(said) == 1
+    assert "constraint forces" in said[0]
+
+
+@pytest.mark.parametrize("chosen", [RungeKutta(), GeneralizedAlpha(step=1e-3), GeneralizedAlpha(rtol=1e-6)])
+def test_good_runs_are_silent(chosen: Integrator) -> None:
+    for mechanism in (pendulum(), point_pendulum(), four_bar(), build(ArrayParameters(), "rigid-ideal")):
+        simulation = Simulation(mechanism, chosen)
+        # Calls that end where a pendulum rests included.
+        for k in range(1, 25):
+            simulation.advance(0.1 * k)
+            simulation.check()
+    simulate(block((0.0, 0.0), bearing=GAP), 0.1, integrator=chosen)
+
+
+def test_the_defaults_are_silent_for_a_whole_deployment() -> None:
+    for model in ("rigid-ideal", "rigid-clearance"):
+        simulate_deployment(model=model, duration=16.0)
+
+
+def test_the_environment_looks_at_the_accuracy_when_an_episode_ends() -> None:
+    env = gymnasium.make("solar_env/Deploy-v0").unwrapped
+    env.reset(seed=0)
+    # Energy from nowhere.
+    env.simulation.state.clock["initial_energy"] -= 0.1
+
+    def run_to_the_end() -> None:
+        while not env.step(np.zeros(1, dtype=np.float32))[2]:
+            pass
+
+    (one,) = told_by(run_to_the_end)
+    assert "gained 0.1 J that no force accounts for" in one
+
+
+def test_contacts_below_the_minimum_impact_speed_are_counted() -> None:
+    slow, fast = (simulate(bouncing_block(GAP, 6.0, speed), 2.5 * GAP.clearance / speed) for speed in (5e-5, 5e-3))
+    assert slow.metadata["slow_contacts"] == slow.contact_starts[0] == 1
+    assert fast.metadata["slow_contacts"] == 0
+    assert slow.summary()["slow_contacts"] == 1
+
+
+def test_a_step_of_fewer_than_four_to_an_impact_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"impact_resolution = 2\.0 must be at least 4"):
+        RungeKutta(impact_resolution=2.0)
+    with pytest.raises(ValueError, match=r"impact_resolution = 8\.0 must be at least 23"):
+        GeneralizedAlpha(rtol=1e-4, rho_inf=0.0, impact_resolution=8.0)
+
+
+def test_a_damped_latch_under_the_default_tolerance_is_silent() -> None:
+    link = swinging_link(1e6)
+    stop = Stop(0.01, 1e6, exponent=1.0, ramp_depth=1e-3, damping=10.0)
+    simulate(replace(link, joints=(replace(link.joints[0], stop=stop),)), 0.3)

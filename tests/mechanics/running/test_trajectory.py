@@ -1,0 +1,296 @@
+"""The result of a run: shapes, summary, and saving."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers import block, pendulum, rotor
+
+from solar_env.array.deployment import simulate as simulate_deployment
+from solar_env.array.methods import default_integrator
+from solar_env.mechanics.arrays.model import ENERGY_NAMES
+from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
+from solar_env.mechanics.running.simulation import simulate
+from solar_env.mechanics.running.trajectory import Trajectory
+
+JOINTS, SAMPLES, BINS = 2, 201, 360
+# Figures of the summary that are lists by joint, and the attributes that hold them.
+PLAIN_LISTS = {
+    "latch_times_s": "latch_times",
+    "peak_contact_force_N": "peak_force",
+    "peak_postlock_force_N": "postlock_peak_force",
+    "postlock_impulse_Ns": "postlock_impulse",
+    "postlock_sliding_work_J": "postlock_sliding_work",
+    "contact_starts": "contact_starts",
+}
+COUNTED = (
+    "steps",
+    "rejected_steps",
+    "evaluations",
+    "factorizations",
+    "stability_bound_steps",
+    "slow_contacts",
+    "creeping_share",
+    "cut_off_share",
+    "wall_time_s",
+)
+
+
+@pytest.fixture(scope="module")
+def run() -> Trajectory:
+    return simulate_deployment(duration=2.0)
+
+
+@pytest.fixture(scope="module")
+def latched() -> Trajectory:
+    """Springs that deploy the array within three seconds."""
+    return simulate_deployment({"spring_stiffness": 2.0}, duration=5.0)
+
+
+def test_arrays_have_the_documented_shapes(run: Trajectory) -> None:
+    by_joint = (SAMPLES, JOINTS)
+    assert run.time.shape == (SAMPLES,)
+    assert run.coordinates.shape == run.velocities.shape == (SAMPLES, 12)
+    for name in (
+        "angles",
+        "rates",
+        "penetration",
+        "normal_force",
+        "tangential_force",
+        "spring_torque",
+        "cable_torque",
+        "latch_torque",
+        "motor_torque",
+        "sliding_work",
+        "impulse",
+    ):
+        assert getattr(run, name).shape == by_joint, name
+    assert run.eccentricity.shape == run.joint_force.shape == (*by_joint, 2)
+    assert run.wear_journal.shape == run.wear_bearing.shape == (JOINTS, BINS)
+    for name in ("latch_times", "peak_force", "postlock_peak_force", "contact_starts", "clearance", "journal_radius"):
+        assert getattr(run, name).shape == (JOINTS,), name
+
+
+def test_a_sample_is_consistent_in_itself(run: Trajectory) -> None:
+    assert run.penetration == pytest.approx(np.hypot(*np.moveaxis(run.eccentricity, 2, 0)) - run.clearance, abs=1e-15)
+    force = np.hypot(run.normal_force, run.tangential_force)
+    assert np.hypot(*np.moveaxis(run.joint_force, 2, 0)) == pytest.approx(force, rel=1e-12, abs=1e-12)
+    assert np.all(run.normal_force[run.penetration < 0.0] == 0.0)
+    assert run.normal_force.max() > 0.0
+    # Friction stays inside its cone.
+    assert np.all(np.abs(run.tangential_force) <= 0.15 * run.normal_force * (1 + 1e-12))
+    assert run.spring_torque == pytest.approx(
+        np.array([0.1, 0.075]) * (np.array([math.pi / 2, math.pi]) - run.angles), abs=1e-12
+    )
+
+
+def test_the_energies_are_the_documented_ones_and_sum_up(run: Trajectory) -> None:
+    stored = set(ENERGY_NAMES)
+    put_in = {"motor_work", "cable_work", "external_work"}
+    lost = {"contact_dissipation", "friction_dissipation", "latch_dissipation", "material_dissipation"}
+    assert set(run.energies) == stored | put_in | lost | {"residual"}
+    kept = np.sum([run.energies[name] for name in stored | lost], axis=0)
+    total = kept - np.sum([run.energies[name] for name in put_in], axis=0)
+    assert run.energies["residual"] == pytest.approx(total - total[0], abs=1e-14)
+    assert run.energy_residual == np.abs(run.energies["residual"]).max()
+    assert run.energy_put_in == pytest.approx(0.5 * 0.1 * (math.pi / 2) ** 2 + 0.5 * 0.075 * math.pi**2, rel=1e-12)
+
+
+def test_the_share_of_steps_that_stability_bounds_grows_with_the_elements() -> None:
+    integrator = RungeKutta(rtol=1e-7)
+    one, six = (
+        simulate_deployment(model="flexible-ideal", elements=elements, duration=0.2, integrator=integrator)
+        for elements in (1, 6)
+    )
+    assert 0.0 < one.stability_bound_share < 0.1 < six.stability_bound_share <= 1.0
+    assert six.stability_bound_share == six.summary()["stability_bound_steps"] / six.summary()["steps"]
+
+
+def test_a_looser_tolerance_leaves_the_steps_that_stability_bounds_as_they_are() -> None:
+    tight, loose = (
+        simulate_deployment(model="flexible-ideal", duration=0.2, integrator=RungeKutta(rtol=rtol))
+        for rtol in (1e-5, 1e-3)
+    )
+    assert min(tight.stability_bound_share, loose.stability_bound_share) > 0.95
+    assert loose.metadata["steps"] == pytest.approx(tight.metadata["steps"], rel=0.01)
+
+
+@pytest.mark.parametrize("integrator", [RungeKutta(rtol=1e-2), GeneralizedAlpha(step=2e-5)])
+def test_stability_bounds_no_step_of_rigid_bodies(integrator: Integrator) -> None:
+    for model in ("rigid-ideal", "rigid-clearance"):
+        assert simulate_deployment(model=model, duration=0.2, integrator=integrator).stability_bound_share == 0.0
+
+
+def test_stability_bounds_no_step_of_generalized_alpha() -> None:
+    run = simulate_deployment(model="flexible-ideal", elements=1, duration=0.05, integrator=GeneralizedAlpha())
+    assert run.stability_bound_share == 0.0
+
+
+def test_angles_go_on_through_full_turns() -> None:
+    run = simulate(rotor(1e3), 20.0, integrator=GeneralizedAlpha(step=1e-2))
+    assert np.ptp(run.angles) == 0.0
+    spinning = simulate(block((0.0, 0.0), spin=10.0), 3.0)
+    assert spinning.angles[-1, 0] == pytest.approx(30.0, rel=1e-6)
+
+
+def test_the_summary_has_the_fields_that_scripts_rely_on(run: Trajectory) -> None:
+    summary = run.summary()
+    scalars = {"model", "status", "energy_residual_J", "steps", "rejected_steps", "wall_time_s"}
+    lists = {
+        "latch_times_s",
+        "peak_contact_force_N",
+        "peak_postlock_force_N",
+        "contact_starts",
+        "sliding_work_J",
+        "wear_depth_max_m",
+        "theta_end_rad",
+    }
+    assert scalars | lists <= set(summary)
+    for name in lists:
+        assert isinstance(summary[name], list), name
+        assert len(summary[name]) == JOINTS, name
+    assert (summary["model"], summary["status"]) == ("rigid-clearance", "completed")
+    assert summary["steps"] > 0 < summary["wall_time_s"]
+
+
+def test_the_summary_holds_the_figures_of_the_run(run: Trajectory) -> None:
+    summary = run.summary()
+    assert summary["duration_s"] == 2.0
+    assert summary["theta_end_rad"] == run.angles[-1].tolist()
+    assert summary["sliding_work_J"] == run.sliding_work[-1].tolist()
+    assert summary["peak_contact_force_N"] == run.peak_force.tolist()
+    assert summary["contact_starts"] == run.contact_starts.tolist()
+    deepest = [max(run.wear_journal[j].max(), run.wear_bearing[j].max()) for j in range(JOINTS)]
+    assert summary["wear_depth_max_m"] == deepest
+    assert summary["energy_residual_J"] == run.energy_residual
+
+
+def test_each_figure_of_the_summary_is_the_one_that_its_name_says(run: Trajectory) -> None:
+    """Of a trajectory in which no two figures are alike."""
+    pairs = {name: np.array([k + 0.25, k + 0.5]) for k, name in enumerate(PLAIN_LISTS.values(), start=1)}
+    counts = {name: k for k, name in enumerate(COUNTED, start=100)}
+    figures: dict[str, Any] = {**pairs, "metadata": {**run.metadata, **counts}}
+    summary = replace(run, **figures).summary()
+    for name, attribute in PLAIN_LISTS.items():
+        assert summary.pop(name) == pairs[attribute].tolist(), name
+    for name, count in counts.items():
+        assert summary.pop(name) == count, name
+    assert summary == {
+        "model": "rigid-clearance",
+        "elements": run.metadata["elements"],
+        "integrator": "runge-kutta",
+        "status": "completed",
+        "duration_s": run.time[-1],
+        "sliding_work_J": run.sliding_work[-1].tolist(),
+        "wear_depth_max_m": np.maximum(run.wear_journal, run.wear_bearing).max(axis=1).tolist(),
+        "theta_end_rad": run.angles[-1].tolist(),
+        "energy_residual_J": np.abs(run.energies["residual"]).max(),
+        "energy_put_in_J": run.energy_put_in,
+    }
+
+
+def test_what_counts_as_after_the_latching_begins_with_the_first_latching(latched: Trajectory) -> None:
+    first = np.nanmin(latched.latch_times)
+    before, after = (np.searchsorted(latched.time, first) + step for step in (-1, 0))
+    assert 0 < before < after < len(latched.time) - 100
+    for total, so_far in (
+        (latched.postlock_impulse, latched.impulse),
+        (latched.postlock_sliding_work, latched.sliding_work),
+    ):
+        assert np.all(so_far[-1] - so_far[after] <= total)
+        assert np.all(total <= so_far[-1] - so_far[before])
+        assert np.all(total < 0.98 * so_far[-1])
+    for joint in range(JOINTS):
+        own = latched.contacts[latched.contacts["joint"] == joint]
+        later, there = own[own["start_s"] > first], own[~(own["end_s"] < first)]
+        assert later["peak_force"].max() <= latched.postlock_peak_force[joint] <= there["peak_force"].max()
+
+
+def test_the_summary_is_strict_json_with_null_for_what_did_not_happen(run: Trajectory) -> None:
+    text = json.dumps(run.summary(), allow_nan=False)
+    assert json.loads(text) == run.summary()
+    assert run.summary()["latch_times_s"] == [None, None]
+
+
+def test_a_saved_trajectory_loads_as_it_was(run: Trajectory, tmp_path: Path) -> None:
+    path = tmp_path / "run.npz"
+    run.save(path)
+    loaded = Trajectory.load(path)
+    for item in fields(Trajectory):
+        mine, theirs = getattr(run, item.name), getattr(loaded, item.name)
+        if item.name == "energies":
+            assert set(mine) == set(theirs)
+            for name in mine:
+                assert mine[name].tobytes() == theirs[name].tobytes(), name
+        elif item.name == "metadata":
+            assert mine == theirs
+        else:
+            assert mine.dtype == theirs.dtype, item.name
+            assert mine.tobytes() == theirs.tobytes(), item.name
+    assert loaded.summary() == run.summary()
+
+
+def test_a_name_without_suffix_is_kept(run: Trajectory, tmp_path: Path) -> None:
+    run.save(str(tmp_path / "run"))
+    assert [path.name for path in tmp_path.iterdir()] == ["run"]
+    assert Trajectory.load(str(tmp_path / "run")).summary() == run.summary()
+
+
+def test_metadata_say_what_was_run_and_how(run: Trajectory) -> None:
+    assert run.metadata["model"] == "rigid-clearance"
+    assert run.metadata["integrator"] == "runge-kutta"
+    assert run.metadata["parameters"]["clearance"] == 2e-4
+    assert run.metadata["integrator_settings"]["rtol"] == default_integrator("rigid-clearance").rtol
+    json.dumps(run.metadata, allow_nan=False)
+
+
+def foreign_npz(path: Path) -> None:
+    np.savez(path, time=np.zeros(3), other=np.ones(2))
+
+
+def single_array(path: Path) -> None:
+    with path.open("wb") as file:
+        np.save(file, np.zeros(3))
+
+
+def text(path: Path) -> None:
+    path.write_text("time,angle\n0,1\n")
+
+
+def empty(path: Path) -> None:
+    path.touch()
+
+
+@pytest.mark.parametrize("write", [foreign_npz, single_array, text, empty])
+def test_a_foreign_file_is_refused_by_name(write: Callable[[Path], None], tmp_path: Path) -> None:
+    path = tmp_path / "foreign.npz"
+    write(path)
+    with pytest.raises(ValueError, match=r"foreign\.npz is not a saved trajectory"):
+        Trajectory.load(path)
+
+
+def test_a_foreign_npz_is_refused_with_what_it_lacks(tmp_path: Path) -> None:
+    path = tmp_path / "foreign.npz"
+    foreign_npz(path)
+    with pytest.raises(ValueError, match="it lacks coordinates, velocities, angles"):
+        Trajectory.load(path)
+
+
+def test_a_missing_file_is_reported_as_missing(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError):
+        Trajectory.load(tmp_path / "nothing.npz")
+
+
+def test_a_run_without_contacts_has_an_empty_table_of_them(tmp_path: Path) -> None:
+    run = simulate(pendulum(), 0.1)
+    assert len(run.contacts) == 0
+    run.save(tmp_path / "run.npz")
+    loaded = Trajectory.load(tmp_path / "run.npz")
+    assert loaded.contacts.dtype == run.contacts.dtype

@@ -1,0 +1,137 @@
+"""Maps of designs, and campaigns in which wear is carried over."""
+
+from __future__ import annotations
+
+import itertools
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from solar_env.__main__ import main
+from solar_env.array import ArrayParameters
+from solar_env.studies.common.plans import FAST_PARAMETERS
+from solar_env.studies.common.tables import read_table
+from solar_env.studies.design import design_map, ground_test
+from solar_env.studies.design.ground_test import Deployment, as_rows, clearances_after, wear_campaign
+
+FAST_DURATION = 4.0
+
+
+def fast(wear_coefficient: float, **changes: Any) -> ArrayParameters:
+    return FAST_PARAMETERS.with_changes({"wear_coefficient": wear_coefficient, **changes})
+
+
+@pytest.fixture
+def short(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ground_test, "DURATION", FAST_DURATION)
+
+
+def test_a_cell_holds_every_member_of_its_ensemble(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(design_map, "DURATION", 0.5)
+    cell = {"preset": "default", "map": "clearances", "x": 1e-4, "y": 3e-4, "members": 2}
+    result = design_map.measure_cell(cell)
+    assert np.shape(result["wear_m"]) == np.shape(result["force_N"]) == (2, 2)
+    assert result == design_map.measure_cell(cell)
+    assert result["wear_m"] != design_map.measure_cell({**cell, "x": 3e-4})["wear_m"]
+
+
+def test_both_axes_of_both_maps_are_varied() -> None:
+    assert design_map.changes("clearances", 1e-4, 3e-4) == {"clearance": (1e-4, 3e-4)}
+    changes = design_map.changes("stiffnesses", 300.0, 40.0)
+    parameters = ArrayParameters().with_changes(changes)
+    assert (parameters.latch_stiffness, parameters.cable_stiffness) == (300.0, 40.0)
+
+
+def test_the_design_command_measures_resumes_and_draws(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    small = {
+        "clearances": design_map.DesignMap("c1", "c2", (1e-4, 2e-4), (1e-4,), marked=((2e-4, 1e-4),)),
+        "stiffnesses": design_map.DesignMap("latch", "cable", (1e3,), (10.0, 20.0)),
+    }
+    for module in ("design_map", "design_plot"):
+        monkeypatch.setattr(f"solar_env.studies.{module}.MAPS", small)
+    monkeypatch.setattr(design_map, "DURATION", 13.0)
+    command = ["design", "--members", "1", "--jobs", "1", "--out", str(tmp_path)]
+    assert main(command) == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"design.csv", "design.jsonl", "design.png"}
+    table = read_table(tmp_path / "design.csv")
+    assert len(table.rows) == 4
+    joints = np.stack([table.column("force_N_joint_1"), table.column("force_N_joint_2")])
+    assert table.column("force_N") == pytest.approx(joints.max(axis=0))
+
+    def refuse(cell: Any) -> None:
+        raise AssertionError(cell)
+
+    refuse.__module__, refuse.__qualname__ = design_map.__name__, "measure_cell"
+    monkeypatch.setattr(design_map, "measure_cell", refuse)
+    assert main(command) == 0, "nothing is measured again"
+    assert main([*command, "--preset", "paper"]) == 2
+    assert "other settings" in capsys.readouterr().err
+
+
+@pytest.mark.usefixtures("short")
+def test_extrapolated_wear_is_that_of_ten_direct_deployments() -> None:
+    parameters = fast(1e-7)
+    campaigns = [list(wear_campaign(parameters, 10, growth, members=4)) for growth in (0.06, 0.0)]
+    assert len(campaigns[0]) <= 4
+    assert len(campaigns[1]) == 10
+    for before, after in itertools.pairwise(campaigns[1]):
+        assert after.clearance == pytest.approx(before.clearance + before.wear, rel=1e-15, abs=0.0)
+    (extrapolated, error), (direct, other) = (clearances_after(campaign, 10) for campaign in campaigns)
+    initial = campaigns[0][0].clearance
+    assert np.all(direct > 1.03 * initial)
+    assert np.all(np.abs(extrapolated - direct) < 3.0 * np.hypot(error, other) + 0.01 * (direct - initial))
+
+
+@pytest.mark.usefixtures("short")
+def test_wear_that_changes_nothing_is_simulated_once() -> None:
+    (only,) = wear_campaign(fast(1e-14), 1000, 0.01, members=2)
+    assert only.repeated == 1000
+    clearance, _ = clearances_after([only], 1000)
+    # 1e-11 m or so, of 2e-4.
+    assert clearance - only.clearance == pytest.approx(1000 * only.wear, rel=1e-6, abs=0.0)
+    assert np.all(only.wear > 0.0)
+
+
+@pytest.mark.usefixtures("short")
+def test_without_wear_nothing_changes() -> None:
+    (only,) = wear_campaign(fast(0.0), 7, 0.0, members=2)
+    assert (only.repeated, only.wear.tolist()) == (7, [0.0, 0.0])
+
+
+def test_wear_between_deployments_is_linear() -> None:
+    def deployment(number: int, wear: float, repeated: int) -> Deployment:
+        one = np.ones(1)
+        return Deployment(number, 100.0 * one, wear * one, 0.5 * one, one, one, repeated)
+
+    campaign = [deployment(0, 1.0, 4), deployment(4, 3.0, 6)]
+    clearance, error = clearances_after(campaign, 6)
+    assert clearance[0] == pytest.approx(100.0 + sum((1.0, 1.5, 2.0, 2.5, 3.0, 3.0)))
+    assert error[0] == pytest.approx(0.5 * np.hypot(1.0 + 0.75 + 0.5 + 0.25, 0.25 + 0.5 + 0.75 + 1.0 + 1.0))
+    with pytest.raises(ValueError, match="ends before deployment 11"):
+        clearances_after(campaign, 11)
+    assert [row["repeated"] for row in as_rows(campaign, "direct")] == [4, 6]
+
+
+@pytest.mark.parametrize(
+    ("numbers", "named"), [((0, 0.1, 2), "deployments = 0"), ((1, 0.1, 1), "members = 1"), ((1, -0.1, 2), "growth")]
+)
+def test_campaigns_that_make_no_sense_are_refused(numbers: tuple[int, float, int], named: str) -> None:
+    deployments, growth, members = numbers
+    with pytest.raises(ValueError, match=named):
+        next(wear_campaign(ArrayParameters(), deployments, growth, members))
+
+
+@pytest.mark.usefixtures("short")
+def test_the_ground_test_command_compares_with_direct_simulation(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ["ground-test", "--deployments", "3", "--check", "2", "--members", "2", "--jobs", "1"]
+    assert main([*command, "--wear-coefficient", "1e-14", "--out", str(tmp_path)]) == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"ground_test.csv", "ground_test.png"}
+    assert read_table(tmp_path / "ground_test.csv").values("kind") == ("extrapolated", "direct")
+    assert "clearances after 2 deployments, direct" in capsys.readouterr().out
+    assert main([*command[:3], "--check", "4", "--out", str(tmp_path)]) == 2

@@ -1,0 +1,332 @@
+"""The ladder: its table says what is measured again, and the cheapest level that answers is the one that is taken."""
+
+from __future__ import annotations
+
+import copy
+import functools
+import json
+import math
+from dataclasses import replace
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+from solar_env import SolarArrayEnv
+from solar_env.__main__ import main
+from solar_env.array import DEFAULT_ELEMENTS, MODELS
+from solar_env.array.ladder import (
+    DEFAULT_QUESTION,
+    DEFAULT_TOLERANCE,
+    PACKAGED_TABLE,
+    QUESTIONS,
+    Answer,
+    cheapest,
+    read_answers,
+    steps,
+)
+from solar_env.studies.common.tables import read_table
+from solar_env.studies.ladder import ladder
+from solar_env.studies.ladder.answers import (
+    discordant_share,
+    mean_error,
+    own_half_width,
+    own_ranking_half_width,
+    ranking_error,
+)
+from solar_env.studies.ladder.runs import CONTROLLERS, Level, deploy
+
+TINY = ladder.Plan(elements=(1,), duration=12.6, members=2, ideal_members=1, controlled_members=1, window=0.2)
+
+
+def answer(model="rigid-ideal", error=0.1, half_width=0.0, cost=1.0, question="wear", elements=0):
+    return Answer(question, model, elements, error, half_width, cost, 1.0, 1)
+
+
+LEVELS = (
+    answer("rigid-ideal", 1.0, 0.0, 0.01),
+    answer("rigid-clearance", 0.2, 0.02, 0.1),
+    answer("flexible-ideal", 1.0, 0.0, 0.5, elements=2),
+    answer("flexible-clearance", 0.05, 0.02, 0.4, elements=2),
+    answer("flexible-clearance", 0.0, 0.03, 1.0, elements=12),
+    answer("rigid-ideal", 0.001, 0.0, 0.01, question="latch-time"),
+)
+
+
+@pytest.mark.parametrize(
+    ("tolerance", "model", "elements"),
+    [
+        (2.0, "rigid-ideal", 0),
+        (0.3, "rigid-clearance", 0),
+        (0.21, "flexible-clearance", 2),  # sampling counts
+        (0.07, "flexible-clearance", 2),
+        (0.06, "flexible-clearance", 12),
+        (0.03, "flexible-clearance", 12),
+    ],
+)
+def test_the_cheapest_level_within_the_tolerance_is_taken(tolerance, model, elements):
+    chosen = cheapest(LEVELS, "wear", tolerance)
+    assert (chosen.model, chosen.elements) == (model, elements)
+
+
+@pytest.mark.parametrize(
+    ("question", "tolerance", "words"),
+    [
+        ("wear", 0.02, ["'wear'", "0.02", "flexible-clearance, 12 elements", "0.03", "choose"]),
+        ("wears", 0.1, ["wears", "latch-time", "controller-ranking"]),
+        ("impulse", 0.1, ["impulse", "python -m solar_env ladder"]),
+        ("wear", 0.0, ["tolerance", "0.0"]),
+        ("wear", math.nan, ["tolerance", "nan"]),
+        ("wear", math.inf, ["tolerance", "inf"]),
+    ],
+)
+def test_what_cannot_be_answered_is_refused_by_name(question, tolerance, words):
+    with pytest.raises(ValueError, match=".*".join(words)):
+        cheapest(LEVELS, question, tolerance)
+
+
+@pytest.mark.parametrize("question", QUESTIONS)
+def test_steps_are_what_is_chosen_as_the_tolerance_grows(question):
+    answers = read_answers()
+    chosen = steps(answers, question)
+    assert [step.bound for step in chosen] == sorted(step.bound for step in chosen)
+    for step in chosen:
+        assert cheapest(answers, question, step.bound * (1.0 + 1e-12) + 1e-15) == step
+    # All resamples of the finest level may rank controllers alike: then it meets every tolerance.
+    if chosen[0].bound > 0.0:
+        with pytest.raises(ValueError, match="no level"):
+            cheapest(answers, question, 0.999 * chosen[0].bound)
+
+
+@pytest.mark.parametrize("text", ["", "question,model\nwear,rigid-ideal\n", "# command: none\nquestion\nwear\n"])
+def test_another_file_is_no_table(tmp_path, text):
+    path = tmp_path / "ladder.csv"
+    path.write_text(text)
+    if text:
+        with pytest.raises(ValueError, match=r"ladder\.csv is not a table"):
+            read_answers(path)
+    else:
+        assert read_answers(path) == ()
+    with pytest.raises(ValueError, match=r"absent\.csv does not exist.*measure"):
+        read_answers(tmp_path / "absent.csv")
+
+
+def test_the_table_of_the_package_answers_every_question_at_every_level_and_says_how_it_was_made():
+    answers = read_answers()
+    assert {a.question for a in answers} == set(QUESTIONS)
+    for question in QUESTIONS:
+        own = [a for a in answers if a.question == question]
+        assert {a.model for a in own} == set(MODELS)
+        (reference,) = (a for a in own if a.error == 0.0)
+        assert (reference.model, reference.cost_ratio) == ("flexible-clearance", 1.0)
+        assert reference.elements == max(a.elements for a in own)
+        # Unlike a mean, a ranking can come out the same in all resamples.
+        assert all(a.half_width > 0.0 or question == "controller-ranking" for a in own)
+        assert all(a.half_width >= 0.0 and a.evaluations > 0 for a in own)
+    made_by = read_table(PACKAGED_TABLE).provenance
+    assert made_by["command"] == "python -m solar_env ladder"
+    assert "not the truth" in made_by["reference"]
+
+
+# Measured again -------------------------------------------------------------------------------------------------------
+
+
+@functools.cache
+def deployed(level, duration):
+    return deploy(level, 0, duration)
+
+
+@pytest.mark.parametrize("question", ["latch-time", "tip-motion"])
+@pytest.mark.parametrize(
+    "level",
+    [
+        Level("rigid-ideal"),
+        Level("rigid-clearance"),
+        Level("flexible-ideal", 1),
+        Level("flexible-clearance", 1),
+        Level("flexible-clearance", 2),
+    ],
+    ids=str,
+)
+def test_a_sample_of_the_table_is_measured_again(question, level):
+    answers = [a for a in read_answers() if a.question == question]
+    (stated,) = (a for a in answers if (a.model, a.elements) == (level.model, level.elements))
+    (reference,) = (a for a in answers if a.error == 0.0)
+    duration = float(read_table(PACKAGED_TABLE).provenance["duration_s"])
+    own = deployed(level, duration)
+    finest = deployed(Level(reference.model, reference.elements), duration)
+    error, _ = ladder.error_of(question, [own], [finest])
+    # One run of each ensemble scatters more than the ensembles' means; 3.3 standard deviations, for 1.96 in the table.
+    band = 3.3 / 1.96 * stated.half_width * math.sqrt(stated.members + reference.members)
+    assert error == pytest.approx(stated.error, abs=band, rel=0.02)
+
+
+# Errors and bands -----------------------------------------------------------------------------------------------------
+
+
+def test_the_error_is_that_of_the_worst_quantity_and_single_runs_have_no_band():
+    reference = np.array([[[1.0], [2.0]]])
+    level = np.array([[[1.1], [1.0]]])
+    assert mean_error(level, reference, np.array([1.0, 2.0])) == pytest.approx((0.5, 0.0))
+    moved = np.array([[[3.0, 4.0]]])
+    assert mean_error(moved, np.zeros((1, 1, 2)), np.array([10.0])) == pytest.approx((0.5, 0.0))
+
+
+@pytest.mark.parametrize("members", [4, 8, 16])
+def test_bands_hold_the_true_difference_about_as_often_as_they_say(members):
+    random, held = np.random.default_rng(1), 0
+    for _ in range(200):
+        level = 1.0 + 0.1 * random.normal(size=(members, 1, 1))
+        reference = 1.0 + 0.1 * random.normal(size=(members, 1, 1))
+        error, half_width = mean_error(level, reference, np.ones(1))
+        held += error <= half_width
+    assert 0.86 <= held / 200 <= 0.99
+
+
+def test_the_reference_is_known_to_the_band_of_its_own_mean():
+    values = 5.0 + np.random.default_rng(0).normal(size=(400, 1, 1))
+    assert own_half_width(values, np.full(1, 5.0)) == pytest.approx(1.96 / math.sqrt(400) / 5.0, rel=0.1)
+
+
+def test_rankings_err_by_the_share_of_pairs_in_the_wrong_order_and_ties_count_half():
+    reference = np.array([[1.0, 1.0], [2.0, 2.0], [3.0, 3.0]])
+    assert discordant_share(reference, reference) == 0.0
+    assert discordant_share(reference[::-1], reference) == 1.0
+    assert discordant_share(np.array([[1.0, 0.0], [3.0, 0.0], [2.0, 0.0]]), reference) == pytest.approx(2.5 / 6.0)
+    assert ranking_error(reference[np.newaxis, ::-1], reference[np.newaxis]) == (1.0, 0.0)
+
+
+def test_a_ranking_is_less_certain_the_more_the_runs_scatter():
+    clear = np.array([[1.0], [2.0], [3.0]])
+    scatter = np.random.default_rng(0).normal(size=(8, 3, 1))
+    widths = [own_ranking_half_width(clear + size * scatter) for size in (0.01, 2.0)]
+    assert widths[0] == 0.0
+    assert widths[1] > 0.0
+
+
+# The command ----------------------------------------------------------------------------------------------------------
+
+
+def test_the_command_writes_table_and_figure_draws_from_the_table_alone_and_leaves_the_package_alone(
+    tmp_path, monkeypatch, capsys
+):
+    monkeypatch.setattr(ladder, "QUICK", TINY)
+    packaged = PACKAGED_TABLE.read_bytes()
+    arguments = ["ladder", "--out", str(tmp_path)]
+    assert main([*arguments, "--quick"]) == 0
+    assert PACKAGED_TABLE.read_bytes() == packaged
+    assert {path.name for path in tmp_path.iterdir()} == {"ladder.csv", "ladder.png"}
+    printed = capsys.readouterr().out
+    assert all(question in printed for question in QUESTIONS)
+    answers = read_answers(tmp_path / "ladder.csv")
+    assert len(answers) == len(QUESTIONS) * len(TINY.levels)
+    assert all(math.isfinite(a.bound) and a.cost_ratio > 0.0 for a in answers)
+    by_level = {(a.question, a.model): a for a in answers}
+    assert by_level["wear", "flexible-clearance"].members == 2
+    assert by_level["wear", "rigid-ideal"].error == 1.0, "ideal joints do not wear"
+    assert by_level["latch-time", "rigid-ideal"].error < 0.01
+    assert read_table(tmp_path / "ladder.csv").provenance["command"] == "python -m solar_env ladder --quick"
+    # Drawn again, from the table alone.
+    figure, table = (tmp_path / "ladder.png").read_bytes(), (tmp_path / "ladder.csv").read_bytes()
+    monkeypatch.setattr(ladder, "measure", None)
+    assert main([*arguments, "--draw"]) == 0
+    assert ((tmp_path / "ladder.png").read_bytes(), (tmp_path / "ladder.csv").read_bytes()) == (figure, table)
+
+
+def test_announcements_are_as_many_as_were_counted(monkeypatch):
+    monkeypatch.setattr(ladder, "deploy", lambda level, member, duration: None)
+
+    def control(level, member, window, announce):
+        for profile in CONTROLLERS:
+            announce(profile.name)
+
+    monkeypatch.setattr(ladder, "control", control)
+    monkeypatch.setattr(ladder, "rows_of", lambda deployed, controlled: [])
+    for plan in (ladder.QUICK, ladder.FULL, replace(TINY, members=1, ideal_members=3)):
+        announced = []
+        ladder.run_ladder(plan, announced.append)
+        assert len(announced) == ladder.count_runs(plan)
+
+
+def test_drawing_without_a_table_says_what_to_do(tmp_path, capsys):
+    assert main(["ladder", "--draw", "--out", str(tmp_path)]) == 2
+    assert "measure it" in capsys.readouterr().err
+
+
+def test_a_deployment_that_does_not_latch_is_refused():
+    with pytest.raises(ValueError, match="has not latched within 1 s"):
+        deploy(Level("rigid-ideal"), 0, 1.0)
+
+
+# Its users ------------------------------------------------------------------------------------------------------------
+
+
+def test_simulate_takes_the_level_that_answers_and_says_so(tmp_path, capsys):
+    path = tmp_path / "run.npz"
+    arguments = ["simulate", "--question", "tip-motion", "--tolerance", "0.02", "--duration", "0.05"]
+    assert main([*arguments, "--json", "-", "--out", str(path)]) == 0
+    captured = capsys.readouterr()
+    chosen = cheapest(read_answers(), "tip-motion", 0.02)
+    assert json.loads(captured.out)["model"] == chosen.model
+    assert f"{chosen.level}: the cheapest level for tip-motion" in captured.err
+    assert "not with these" not in captured.err
+    from solar_env import Trajectory
+
+    assert Trajectory.load(path).metadata["elements"] == (chosen.elements or DEFAULT_ELEMENTS)
+    assert main([*arguments, "--json", "-", "--set", "body_mass=1000"]) == 0
+    assert "not with these" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--question", "wears"], ["wears", "latch-time"]),
+        (["--question", "wear", "--tolerance", "1e-9"], ["wear", "1e-09", "flexible-clearance"]),
+        (["--question", "wear", "--tolerance", "-1"], ["tolerance", "-1"]),
+        (["--question", "wear", "--model", "rigid-ideal"], ["--question", "--model"]),
+        (["--question", "wear", "--elements", "2"], ["--question", "--elements"]),
+        (["--tolerance", "0.1"], ["--tolerance", "--question"]),
+    ],
+)
+def test_simulate_refuses_options_that_contradict_each_other(arguments, words, capsys):
+    assert main(["simulate", *arguments]) == 2
+    message = capsys.readouterr().err
+    for word in words:
+        assert word in message
+
+
+def test_the_environment_takes_the_level_of_the_default_question():
+    env = gymnasium.make("solar_env/Deploy-v0", model="auto").unwrapped
+    chosen = cheapest(read_answers(), DEFAULT_QUESTION, DEFAULT_TOLERANCE)
+    assert (env.model, env.elements) == (chosen.model, chosen.elements or DEFAULT_ELEMENTS)
+
+
+@pytest.mark.parametrize(("question", "tolerance"), [("latch-time", 0.05), ("tip-motion", 0.02)])
+def test_an_environment_that_chose_is_the_one_that_is_named(question, tolerance):
+    env = gymnasium.make("solar_env/Deploy-v0", model="auto", question=question, tolerance=tolerance).unwrapped
+    check_env(env, skip_render_check=True)
+    assert env.model in MODELS
+    named = gymnasium.make("solar_env/Deploy-v0", model=env.model, elements=env.elements).unwrapped
+    first, second = env.reset(seed=1)[0], named.reset(seed=1)[0]
+    for _ in range(5):
+        assert np.array_equal(first, second)
+        first, second = env.step([0.5])[0], named.step([0.5])[0]
+    twin = copy.deepcopy(env)
+    assert np.array_equal(twin.step([0.1])[0], env.step([0.1])[0])
+
+
+@pytest.mark.parametrize(
+    ("keywords", "words"),
+    [
+        ({"question": "wear"}, ["question", "auto", "rigid-clearance"]),
+        ({"tolerance": 0.1}, ["tolerance", "auto"]),
+        ({"model": "auto", "question": "wears"}, ["wears"]),
+        ({"model": "auto", "tolerance": 0.0}, ["tolerance", "0.0"]),
+        ({"model": "auto", "question": "wear", "tolerance": 1e-9}, ["no level", "wear"]),
+        ({"model": "auto", "elements": 2}, ["auto", "elements", "2"]),
+    ],
+)
+def test_the_environment_refuses_what_does_not_choose_a_level(keywords, words):
+    with pytest.raises(ValueError, match=".*".join(words)):
+        SolarArrayEnv(**keywords)

@@ -1,0 +1,125 @@
+"""Maps of where methods fail: classes, what is heard of the library, and which failures count as silent."""
+
+from __future__ import annotations
+
+import math
+import warnings
+
+import pytest
+
+from solar_env.mechanics.running.diagnosis import SimulationWarning
+from solar_env.mechanics.running.errors import SimulationError
+from solar_env.studies.common.tables import Table
+from solar_env.studies.stability.maps import (
+    BLOW_UP,
+    ERROR,
+    FINE,
+    GROWING,
+    NO_END,
+    NO_SOLUTION,
+    OVER_DAMPED,
+    REFUSED,
+    SILENT,
+    WARNING,
+    Axis,
+    Cell,
+    StabilityMap,
+    classify_ratios,
+    listen,
+    log_range,
+    silent_failures,
+)
+
+
+@pytest.mark.parametrize(
+    ("lowest", "highest", "kind"),
+    [
+        (1.0, 1.0, FINE),
+        (0.995, 1.005, FINE),
+        (0.9, 1.0, OVER_DAMPED),
+        (1.0, 1.1, GROWING),
+        (0.1, 1.1, GROWING),
+        (0.0, 2.1, BLOW_UP),
+        (0.0, math.inf, BLOW_UP),
+        (math.nan, math.nan, BLOW_UP),
+    ],
+)
+def test_gain_counts_before_loss_and_nonsense_before_both(lowest: float, highest: float, kind: str) -> None:
+    assert classify_ratios(lowest, highest, 0.01) == kind
+
+
+def warn_and_return() -> int:
+    warnings.warn("too coarse", SimulationWarning, stacklevel=1)
+    warnings.warn("too loose", SimulationWarning, stacklevel=1)
+    return 3
+
+
+def fail(reason: str) -> None:
+    raise SimulationError("at t = 1 s", 1.0, reason)
+
+
+def test_a_run_that_returns_is_heard_with_all_its_warnings() -> None:
+    heard = listen(warn_and_return)
+    assert (heard.result, heard.said, heard.message) == (3, WARNING, "too coarse; too loose")
+    assert heard.classified(FINE, 1.0) == Cell(FINE, 1.0, WARNING, "too coarse; too loose")
+    assert listen(lambda: 3).said == SILENT
+
+
+@pytest.mark.parametrize(
+    ("reason", "kind"),
+    [("newton", NO_SOLUTION), ("step_size", NO_SOLUTION), ("steps", NO_END), ("penetration", BLOW_UP)],
+)
+def test_an_error_of_the_simulation_is_a_class_of_its_own(reason: str, kind: str) -> None:
+    cell = listen(lambda: fail(reason)).failed()
+    assert (cell.kind, cell.said, cell.message) == (kind, ERROR, "at t = 1 s")
+    assert math.isnan(cell.value)
+
+
+def test_input_that_is_refused_is_heard_and_other_errors_are_not_hidden() -> None:
+    assert listen(lambda: int("x")).failed().kind == REFUSED
+    with pytest.raises(ZeroDivisionError):
+        listen(lambda: 1 // 0)
+
+
+def example() -> StabilityMap:
+    return StabilityMap(
+        name="example",
+        title="Example",
+        x=Axis("step_s", "step [s]", (1.0, 2.0), (1.0, 2.0, 3.0)),
+        y=Axis("count", "count", (1,), (1, 2)),
+        panels=("library", "bare"),
+        quantity="sum",
+        advice="Take less.",
+        measure=lambda panel, x, y: Cell(FINE if x + y < 3.0 else GROWING, x + y),
+        limit=lambda panel, y: 3.0 - y,
+        limit_label="theory",
+        bare=("bare",),
+    )
+
+
+def test_rows_bear_the_names_of_the_axes_and_the_limit() -> None:
+    one = example()
+    assert len(list(one.cells(quick=True))) == 4
+    assert len(list(one.cells(quick=False))) == 12
+    assert one.row("library", 2.0, 1) == {
+        "panel": "library",
+        "step_s": 2.0,
+        "count": 1,
+        "class": GROWING,
+        "value": 3.0,
+        "limit": 2.0,
+        "said": SILENT,
+        "message": "",
+    }
+
+
+def test_failures_of_the_library_without_a_word_are_found_and_those_of_bare_methods_are_not_counted() -> None:
+    one = example()
+    rows = tuple(one.row(*cell) for cell in one.cells(quick=True))
+    (row,) = silent_failures(Table(rows, one.description())).rows
+    assert (row["panel"], row["step_s"]) == ("library", 2.0)
+
+
+def test_a_logarithmic_range_has_equal_ratios_and_ends_where_it_should() -> None:
+    values = log_range(1e-3, 10.0, 5)
+    assert values == (1e-3, 1e-2, 0.1, 1.0, 10.0)

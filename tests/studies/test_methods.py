@@ -1,0 +1,79 @@
+import math
+
+import numpy as np
+import pytest
+
+from solar_env.array import MODELS
+from solar_env.studies.common.motion import Scene
+from solar_env.studies.common.plans import FULL
+from solar_env.studies.precision import methods
+
+
+def test_names_are_unique_and_found():
+    names = [method.name for method in methods.METHODS]
+    assert len(set(names)) == len(names)
+    assert all(methods.find_method(name).name == name for name in names)
+    with pytest.raises(ValueError, match=r"'euler' is unknown; .*runge-kutta"):
+        methods.find_method("euler")
+
+
+def test_settings_run_from_the_coarsest_to_the_finest():
+    for method in methods.METHODS:
+        for settings in (*method.deployments.values(), *method.impacts.values(), *method.dear.values()):
+            assert list(settings) == sorted(settings, reverse=True), method.name
+        assert set(method.impacts) <= {"rigid-clearance", "flexible-clearance"}
+
+
+@pytest.mark.parametrize("pairs", [methods.DEPLOYMENT_REFERENCES, methods.SHORT_REFERENCES, methods.IMPACT_REFERENCES])
+def test_every_reference_comes_from_two_different_methods(pairs):
+    for (first, finest), (second, _) in pairs.values():
+        assert methods.find_method(first) is not methods.find_method(second)
+        assert list(finest) == sorted(finest), "the first is right"
+    assert set(methods.DEPLOYMENT_REFERENCES) == set(MODELS)
+
+
+@pytest.mark.parametrize("method", [m for m in methods.METHODS if m.needs is None], ids=lambda m: m.name)
+def test_every_own_and_scipy_method_moves_every_model_that_it_is_listed_for(method):
+    ends = {}
+    for model in (*method.deployments, *method.dear):
+        scene = Scene(model, FULL.parameters, duration=2e-3, sample_step=1e-3, elements=1)
+        motion = method.solve(scene, 1e-4)
+        assert motion.time.tolist() == [0.0, 1e-3, 2e-3]
+        assert motion.angles.shape == (3, 2)
+        assert motion.evaluations > 0
+        assert motion.wall_time > 0.0
+        ends[model] = motion.angles[-1, 0]
+    # The panels start to open as one; bent or not, hinged with or without clearance.
+    if "rigid-ideal" in ends:
+        assert ends["rigid-ideal"] == pytest.approx(1.15e-8, rel=0.1)
+
+
+def test_without_the_peer_its_methods_are_not_available(monkeypatch):
+    monkeypatch.setattr(methods.importlib.util, "find_spec", lambda name: None)
+    assert methods.peer_is_missing()
+    assert {m.name for m in methods.METHODS if not m.available} == {"Exudyn generalized-alpha", "Exudyn explicit"}
+    assert "pip install" in methods.MISSING_PEER
+
+
+@pytest.mark.skipif(methods.peer_is_missing(), reason="needs the extra 'peers'")
+@pytest.mark.parametrize(("solver", "model"), [
+    ("generalized-alpha", "rigid-ideal"), ("explicit", "rigid-ideal"), ("explicit", "rigid-clearance"),
+    ("generalized-alpha", "flexible-ideal"),
+])  # fmt: skip
+def test_the_peer_moves_as_the_projects_own_simulator_does(solver, model):
+    scene = Scene(model, FULL.parameters, duration=0.1, sample_step=0.05, elements=1)
+    peer = methods.exudyn(solver)(scene, 1e-4 if model.endswith("ideal") else 1e-5)
+    own = methods.find_method("runge-kutta").solve(scene, 1e-10)
+    assert peer.time.tolist() == own.time.tolist()
+    tolerance = {"rigid-ideal": 1e-9, "rigid-clearance": 1e-4, "flexible-ideal": 1e-4}[model]
+    assert np.abs(peer.angles - own.angles).max() < tolerance
+    assert math.isnan(peer.energy_residual)
+
+
+@pytest.mark.skipif(methods.peer_is_missing(), reason="needs the extra 'peers'")
+def test_what_the_peer_cannot_express_is_refused():
+    from solar_env.studies.precision.growth import with_panels
+
+    scene = Scene("rigid-ideal", with_panels(FULL.parameters, 3), duration=0.1, sample_step=0.1)
+    with pytest.raises(ValueError, match="panel_count = 3"):
+        methods.exudyn("explicit")(scene, 1e-2)

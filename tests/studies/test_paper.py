@@ -1,0 +1,229 @@
+"""The paper's figures and claims: what it reports of rigid panels, and the algorithms that read it off."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from functools import cache
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from solar_env.__main__ import main
+from solar_env.commands import paper
+from solar_env.mechanics.running.trajectory import Trajectory, contact_record
+from solar_env.studies.common.tables import read_table, write_table
+from solar_env.studies.paper import cases, phases, survey
+from solar_env.studies.paper.claims import CLAIMS
+from solar_env.studies.paper.figures import FIGURES
+from solar_env.support.readme import README
+
+TIME = np.linspace(0.0, 30.0, 3001)
+MEASURED = {
+    row["key"]: row
+    for row in json.loads((paper.PACKAGE / "studies" / "paper" / "claims.json").read_text(encoding="utf-8"))
+}
+# One member of each case, simulated once.
+simulate_once = cache(cases.simulate_case)
+
+
+@pytest.fixture(scope="module")
+def rigid() -> dict[str, Trajectory]:
+    """The paper's rigid deployment with clearance."""
+    return {"rigid-clearance": simulate_once("rigid-clearance")}
+
+
+def made(contacts: list[tuple[int, float, float, float]], **arrays: Any) -> Any:
+    """A trajectory of one quantity or another; contacts are (joint, start, end, peak force)."""
+    table = np.array([(j, start, end, 0.1, peak, 0.0, 0.0) for j, start, end, peak in contacts], dtype=contact_record)
+    return SimpleNamespace(**{"time": TIME, "contacts": table, "latch_times": np.array([13.0, 13.1]), **arrays})
+
+
+def claim(key: str) -> Any:
+    return next(claim for claim in CLAIMS if claim.key == key)
+
+
+@pytest.mark.parametrize("key", [c.key for c in CLAIMS if c.cases == ("rigid-clearance",)])
+def test_rigid_panels_do_what_the_paper_says(rigid: dict[str, Trajectory], key: str) -> None:
+    assert claim(key).holds(claim(key).measure(rigid))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("key", [c.key for c in CLAIMS if c.cases != ("rigid-clearance",)])
+def test_what_the_other_cases_do_is_what_the_table_of_claims_says(key: str) -> None:
+    """Of one member of the ensemble, up to the width of the interval that the members span."""
+    row, own = MEASURED[key], claim(key)
+    width = row["greatest"] - row["least"]
+    value = own.measure({case: simulate_once(case) for case in own.cases})
+    assert row["least"] - width <= value <= row["greatest"] + width
+
+
+def test_the_initial_phase_ends_with_the_first_contact_that_lasts() -> None:
+    motion = made([(1, 0.5, 13.2, 1.0), (0, 0.1, 0.101, 9.0), (0, 0.9, 13.1, 1.0), (0, 14.0, math.nan, 3.0)])
+    assert phases.find_phases(motion, 0) == phases.Phases(0.9, 13.0)
+    assert phases.find_phases(motion, 1) == phases.Phases(0.5, 13.1)
+    assert [int((phases.phase_of(motion, 0) == k).sum()) for k in (1, 2, 3)] == [90, 1210, 1701]
+    assert math.isnan(phases.find_phases(made([(0, 0.1, 0.101, 9.0)]), 0).settled)
+
+
+def test_forces_by_window_hold_the_peaks_that_samples_miss() -> None:
+    force = np.zeros((len(TIME), 2))
+    force[TIME < 1.0, 0] = 2.0
+    motion = made([(0, 1.5, 1.501, 70.0), (0, 0.0, 1.0, 5.0), (1, 0.5, 0.501, 9.0)], normal_force=force)
+    assert phases.greatest_force(motion, 0, np.array([0.0, 1.0, 2.0, 3.0])).tolist() == [2.0, 70.0, 0.0]
+
+
+def test_a_delayed_oscillation_lags() -> None:
+    latched = np.array([10.0, 10.0])
+    # Neither latchings nor lags are multiples of a sample.
+    motions = [
+        made([], angles=np.stack([np.sin(3.0 * (TIME - late))] * 2, axis=1), latch_times=latched + start)
+        for late, start in ((0.0, 0.0), (0.2033, 0.0041))
+    ]
+    assert phases.lag(*motions, joint=0) == pytest.approx(0.2033 - 0.0041, abs=2e-3)
+    assert phases.lag(*reversed(motions), joint=1) == pytest.approx(-0.2033 + 0.0041, abs=2e-3)
+
+
+def test_a_slide_counts_through_the_cut_of_the_angle_and_has_a_sign() -> None:
+    angle = 3.0 + np.clip(20.0 * (TIME - 13.0), 0.0, 1.5)
+    path = 2e-4 * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    motion = made([], eccentricity=np.stack([path, path[:, ::-1]], axis=1), latch_times=np.array([13.0, 13.0]))
+    assert phases.slide_at_latching(motion, 0) == pytest.approx(1.5)
+    assert phases.slide_at_latching(motion, 1) == pytest.approx(-1.5)
+
+
+def test_vibration_is_what_a_running_mean_leaves() -> None:
+    rates = 0.1 * TIME + 0.02 * np.sin(2.0 * math.pi * 4.0 * TIME)
+    motion = made([], rates=np.stack([rates, rates], axis=1))
+    assert phases.vibration(motion, 2.0, 12.0) == pytest.approx(0.02 / math.sqrt(2.0), rel=0.01)
+
+
+def test_every_figure_of_the_paper_is_there() -> None:
+    assert list(FIGURES) == list(range(5, 24))
+    assert {case for figure in FIGURES.values() for case in figure.cases} == set(cases.CASES)
+
+
+@pytest.mark.parametrize("number", [8, 10, 11])
+def test_a_figure_is_drawn_from_its_table_alone(rigid: dict[str, Trajectory], number: int, tmp_path: Any) -> None:
+    from solar_env.studies.paper.drawings import draw_figure
+
+    figure = FIGURES[number]
+    write_table(tmp_path / "table.csv", figure.rows(rigid), {"command": "paper"})
+    for name in ("one.png", "two.png"):
+        draw_figure(read_table(tmp_path / "table.csv"), figure.kind, figure.title, tmp_path / name)
+    assert (tmp_path / "one.png").read_bytes() == (tmp_path / "two.png").read_bytes()
+
+
+def test_the_command_writes_table_and_picture_of_one_figure(tmp_path: Any) -> None:
+    assert main(["paper", "--figure", "6", "--jobs", "1", "--out", str(tmp_path)]) == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"figure-06.csv", "figure-06.png"}
+    table = read_table(tmp_path / "figure-06.csv")
+    assert table.column("angle_2_deg")[-1] == pytest.approx(180.0, abs=2.0)
+    assert table.provenance["figure"] == "6"
+
+
+@pytest.mark.parametrize(("option", "named"), [(["--figure", "4"], "figure 4"), (["--jobs", "0"], "jobs = 0")])
+def test_wrong_input_is_refused(option: list[str], named: str, capsys: Any, tmp_path: Any) -> None:
+    assert main(["paper", *option, "--out", str(tmp_path)]) == 2
+    assert named in capsys.readouterr().err
+
+
+def test_four_bar_wears_more_with_every_turn_and_its_books_close() -> None:
+    motions = [cases.simulate_four_bar(turns, with_clearance=True) for turns in (1, 2)]
+    depths = [motion.wear_bearing.max() for motion in motions]
+    assert 1.5 < depths[1] / depths[0] < 2.5
+    assert abs(motions[1].energy_residual) < 1e-4 * np.abs(motions[1].energies["external_work"]).max()
+
+
+def test_the_crank_moment_of_the_last_turn_does_the_work_that_is_lost_or_stored() -> None:
+    rows = [row for row in FIGURES[5].rows({}) if row["quantity"] == "crank moment [N m]"]
+    ideal, worn = ([row["value"] for row in rows if row["turns"] == turns] for turns in (0, 25))
+    assert np.mean(ideal) == pytest.approx(0.0, abs=1e-6 * np.abs(ideal).max())
+    energies = cases.simulate_four_bar(25, with_clearance=True).energies
+    names = ("friction_dissipation", "contact_dissipation", "kinetic", "contact", "gravity")
+    balance = np.sum([energies[name] for name in names], axis=0)
+    work = balance[-1] - balance[-1 - cases.SAMPLES_PER_TURN]
+    assert np.mean(worn) * 2.0 * math.pi == pytest.approx(work, rel=1e-3)
+    assert energies["friction_dissipation"][-1] > 0.0
+
+
+def judged(values: list[float], at: dict[float, float], monkeypatch: pytest.MonkeyPatch) -> survey.Finding:
+    """A finding whose figure is 1 to agree; `at`: figures by value of the cable's stiffness."""
+    monkeypatch.setattr(survey, "RANGES", {"cable_stiffness": tuple(at)})
+    own = replace(
+        claim("cable-torque"), cases=("rigid-ideal",), measure=lambda member: member["rigid-ideal"], low=1.0, high=1.0,
+        open_parameters=("cable_stiffness",),
+    )  # fmt: skip
+    motions: dict[Any, Any] = {cases.Run("rigid-ideal", k): value for k, value in enumerate(values)}
+    for value, figure in at.items():
+        motions |= {cases.Run("rigid-ideal", k, "cable_stiffness", value): figure for k in range(survey.RANGE_MEMBERS)}
+    return survey.judge(own, motions)
+
+
+def test_a_claim_is_judged_by_the_median_of_the_members(monkeypatch: pytest.MonkeyPatch) -> None:
+    finding = judged([1.0, 1.0, 0.5], {}, monkeypatch)
+    assert (finding.agrees, finding.median, finding.least, finding.why) == (True, 1.0, 0.5, "")
+    assert finding.agreeing == pytest.approx(2.0 / 3.0)
+    assert not judged([1.0, 0.5, 0.5], {}, monkeypatch).agrees
+    assert judged([1.0, 0.5, 0.5], {}, monkeypatch).why == claim("cable-torque").why
+
+
+def test_where_in_the_range_of_an_open_parameter_a_claim_holds_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    finding = judged([0.5], {5.0: 1.0, 80.0: 0.5}, monkeypatch)
+    assert finding.holds_for == {"cable_stiffness": (5.0,)}
+    assert finding.fails_for == {"cable_stiffness": (20.0, 80.0)}, "the default included"
+    text = survey.as_markdown([finding])
+    assert "holds for `cable_stiffness` 5, not 20, 80" in text
+    assert json.loads(survey.as_json([finding]))[0]["fails_for"] == {"cable_stiffness": [20.0, 80.0]}
+
+
+def test_the_claims_need_no_run_that_is_not_planned() -> None:
+    runs = survey.planned_runs(members=2)
+    assert len(runs) == len(set(runs))
+    assert {run.case for run in runs} == set(cases.CASES)
+    assert {run.parameter for run in runs} == {"", *survey.RANGES}
+    assert all(run.changes == {} for run in runs if not run.parameter)
+
+
+def test_the_readme_holds_the_claims_as_measured() -> None:
+    rows = [dict(row) for row in MEASURED.values()]
+    for row, own in zip(rows, CLAIMS, strict=True):
+        assert [row[name] for name in ("key", "statement", "paper", "unit")] == [
+            own.key, own.statement, own.paper, own.unit,
+        ]  # fmt: skip
+        assert row["agrees"] == own.holds(row["median"])
+        assert row["agrees"] or row["why"] == own.why != ""
+        row["low"], row["high"] = own.low, own.high
+    block = README.read_text(encoding="utf-8").split(paper.BEGIN)[1].split(paper.END)[0]
+    assert block.strip() == survey.as_markdown(survey.Finding(**row) for row in rows).strip()
+
+
+def test_wear_and_impacts_are_compared_joint_by_joint() -> None:
+    # Joint 1 has 0.1 mm in the first distribution and 0.2 mm in the second, joint 2 the other way round.
+    late = [(0, 14.0, 14.001, 10.0), (1, 14.0, 14.001, 60.0), (1, 15.0, 15.001, 60.0)]
+    early = [(0, 14.0, 14.001, 30.0), (0, 15.0, 15.001, 30.0), (1, 14.0, 14.001, 20.0), (0, 1.0, 2.0, 9.0)]
+    lasting = [(0, 0.5, 13.0, 1.0), (1, 0.5, 13.0, 1.0)]
+    member = {
+        "distribution-1": made([*lasting, *late], wear_depth=np.array([1.0, 4.0])),
+        "distribution-2": made([*lasting, *early], wear_depth=np.array([3.0, 2.0])),
+    }
+    assert claim("distribution-size-1").measure(member) == pytest.approx(30.0 / 10.0)
+    assert claim("distribution-size-2").measure(member) == pytest.approx(60.0 / 20.0)
+    assert claim("distribution-density").measure(member) == pytest.approx(min(1 / 2, 1 / 2))
+    assert claim("distribution-wear").measure(member) == pytest.approx(3.0 / 4.0)
+    assert claim("distribution-evenness").measure(member) == pytest.approx((3.0 / 2.0) / (4.0 / 1.0))
+
+
+@pytest.mark.parametrize("number", [18, 19, 22])
+def test_figures_of_several_models_and_of_wear_are_drawn(number: int, tmp_path: Any) -> None:
+    from solar_env.studies.paper.drawings import draw_figure
+
+    motion = made([(0, 0.9, 13.1, 1.0)], wear_bearing=np.ones((2, 8)), wear_journal=np.ones((2, 8)),
+                  angles=np.outer(TIME, [1.0, 2.0]), rates=np.ones((len(TIME), 2)))  # fmt: skip
+    figure = FIGURES[number]
+    write_table(tmp_path / "table.csv", figure.rows(dict.fromkeys(cases.CASES, motion)), {"command": "paper"})
+    draw_figure(read_table(tmp_path / "table.csv"), figure.kind, figure.title, tmp_path / "picture.png")
+    assert (tmp_path / "picture.png").stat().st_size > 5000

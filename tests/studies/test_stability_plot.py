@@ -1,0 +1,72 @@
+"""Figures of maps come from their tables alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from solar_env.studies.common.drawing import short
+from solar_env.studies.common.tables import write_table
+from solar_env.studies.stability.maps import CLASSES
+from solar_env.studies.stability.stability_plot import COLOURS, draw_map
+
+ABOUT = {
+    "title": "A map",
+    "x": "step_s",
+    "y": "rho_inf",
+    "x label": "step [s]",
+    "y label": "rho_inf",
+    "value": "gain",
+    "limit": "theory",
+    "bare": "",
+    "advice": "Take shorter steps.",
+}
+
+
+def write_example(path: Path) -> None:
+    rows = [
+        {
+            "panel": panel, "step_s": x, "rho_inf": y, "class": kind, "value": x, "limit": 0.02, "said": said,
+            "message": "",
+        }
+        for panel in ("one", "two")
+        for y in (0, 0.5)
+        for x, kind, said in ((0.01, "fine", ""), (0.1, "growing", "warning"), (1.0, "blow-up", "error"))
+    ]  # fmt: skip
+    write_table(path, rows, ABOUT)
+
+
+@pytest.mark.parametrize("suffix", ["png", "svg"])
+def test_a_table_is_enough_for_a_figure(tmp_path: Path, suffix: str) -> None:
+    write_example(tmp_path / "map.csv")
+    draw_map(tmp_path / "map.csv", tmp_path / f"map.{suffix}")
+    assert (tmp_path / f"map.{suffix}").stat().st_size > 5_000
+
+
+def test_a_figure_shows_title_classes_limit_and_advice(tmp_path: Path) -> None:
+    import matplotlib as mpl
+
+    write_example(tmp_path / "map.csv")
+    with mpl.rc_context({"svg.fonttype": "none"}):
+        draw_map(tmp_path / "map.csv", tmp_path / "map.svg")
+    text = (tmp_path / "map.svg").read_text()
+    for words in ("A map", "one", "two", "growing", "blow-up", "Line: theory", "Take shorter steps."):
+        assert words in text
+
+
+def test_another_table_is_refused_by_name(tmp_path: Path) -> None:
+    write_table(tmp_path / "other.csv", [{"a": 1}], {"title": "x"})
+    with pytest.raises(ValueError, match=r"other\.csv is not the table of a stability map: it lacks advice, x, y"):
+        draw_map(tmp_path / "other.csv", tmp_path / "other.png")
+
+
+def test_every_class_has_a_colour() -> None:
+    assert set(COLOURS) == set(CLASSES)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(0.0, "0"), (1.0, "1"), (0.9132, "0.913"), (2.2e-5, "2e-5"), (-31400.0, "-3e4"), (999.0, "999")]
+)
+def test_numbers_in_cells_are_short(value: float, text: str) -> None:
+    assert short(value) == text

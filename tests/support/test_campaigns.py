@@ -1,0 +1,121 @@
+"""Parallel tasks and campaigns that go on where they were interrupted."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from solar_env.support import campaigns
+from solar_env.support.campaigns import Campaign, Workers, each_done
+
+CELLS = [{"x": x} for x in range(4)]
+CALLS: list[int] = []
+
+
+def square(cell: Any) -> dict[str, int]:
+    CALLS.append(cell["x"])
+    return {"square": cell["x"] ** 2}
+
+
+def cube(cell: Any) -> int:
+    return int(cell["x"] ** 3)
+
+
+@pytest.fixture(autouse=True)
+def fresh() -> None:
+    CALLS.clear()
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_every_task_comes_with_its_own_result(jobs: int) -> None:
+    assert sorted((cell["x"], result) for cell, result in each_done(cube, CELLS, Workers(jobs))) == [
+        (0, 0), (1, 1), (2, 8), (3, 27),
+    ]  # fmt: skip
+
+
+def test_no_process_is_refused() -> None:
+    with pytest.raises(ValueError, match="jobs = 0"):
+        Workers(0)
+
+
+def test_an_interrupted_campaign_does_only_what_is_missing(tmp_path: Path) -> None:
+    store = tmp_path / "deep" / "cells.jsonl"
+    run = Campaign(square, CELLS, store).run()
+    next(run), next(run)
+    run.close()
+    again = Campaign(square, CELLS, store)
+    assert [cell["x"] for cell in again.missing] == [2, 3]
+    with pytest.raises(ValueError, match="2 of 4 cells"):
+        again.results()
+    CALLS.clear()
+    assert [cell["x"] for cell in again.run()] == CALLS == [2, 3]
+    assert again.results() == [{"square": x**2} for x in range(4)]
+    assert Campaign(square, CELLS[::-1], store).results() == [{"square": x**2} for x in (3, 2, 1, 0)]
+
+
+def test_a_line_cut_short_is_done_again(tmp_path: Path) -> None:
+    store = tmp_path / "cells.jsonl"
+    list(Campaign(square, CELLS, store).run())
+    store.write_text(store.read_text()[:-5])
+    again = Campaign(square, CELLS, store)
+    assert [cell["x"] for cell in again.run()] == [3]
+    assert Campaign(square, CELLS, store).results() == [{"square": x**2} for x in range(4)]
+    assert all(json.loads(line) for line in store.read_text().splitlines())
+
+
+def test_results_of_other_code_or_settings_are_not_mixed(tmp_path: Path) -> None:
+    store = tmp_path / "cells.jsonl"
+    list(Campaign(square, CELLS, store, {"members": 8}).run())
+    for function, settings in ((cube, {"members": 8}), (square, {"members": 4}), (square, None)):
+        with pytest.raises(ValueError, match="other code or with other settings"):
+            Campaign(function, CELLS, store, settings)
+
+
+def test_results_of_an_earlier_version_of_the_package_are_not_mixed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store = tmp_path / "cells.jsonl"
+    list(Campaign(square, CELLS[:2], store).run())
+    kept = store.read_text()
+    monkeypatch.setattr(campaigns, "_code_digest", lambda: "0123456789abcdef")
+    with pytest.raises(ValueError, match=f"{store} was made by other code or with other settings"):
+        Campaign(square, CELLS, store)
+    assert store.read_text() == kept
+    monkeypatch.undo()
+    assert len(Campaign(square, CELLS, store).missing) == 2
+
+
+@pytest.mark.parametrize("name", ["support/campaigns.py", "mechanics/joints/contact.py", "studies/stability/maps.py"])
+def test_editing_any_source_makes_other_code_of_the_package(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    source = Path(campaigns.__file__).parents[1]
+    shutil.copytree(source, tmp_path / "solar_env", ignore=shutil.ignore_patterns("__pycache__", "figures"))
+    digest, path = campaigns._code_digest.__wrapped__, tmp_path / "solar_env" / name
+    here = digest()
+    monkeypatch.setattr(campaigns, "__file__", str(tmp_path / "solar_env" / "support" / "campaigns.py"))
+    assert digest() == here
+    whole = path.read_text()
+    path.write_text(whole + "\n# edited\n")
+    assert digest() != here
+    path.write_text(whole)
+    assert digest() == here
+
+
+def test_other_versions_of_what_computes_are_other_code(monkeypatch: pytest.MonkeyPatch) -> None:
+    digest = campaigns._code_digest.__wrapped__
+    here = digest()
+    for package in ("numba", "numpy", "scipy"):
+        monkeypatch.setattr(campaigns, "version", lambda name, changed=package: "0" if name == changed else "1")
+        there = digest()
+        monkeypatch.setattr(campaigns, "version", lambda name: "1")
+        assert len({here, there, digest()}) == 3
+
+
+def test_cells_that_are_alike_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="alike"):
+        Campaign(square, [{"x": 1, "y": 2}, {"y": 2, "x": 1}], tmp_path / "cells.jsonl")

@@ -16,7 +16,7 @@ from solar_env.environment.hardware import Hardware
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.lanes import lane_model, lane_state
 from solar_env.mechanics.joints.joint import joint_motion, relative
-from solar_env.mechanics.numerics.jit import njit, njit_merged
+from solar_env.mechanics.numerics.jit import kernel
 
 OBSERVATIONS = ("drive", "history", "privileged")
 # Control periods that the observation "history" looks back.
@@ -132,7 +132,7 @@ def observation_entries(joints: int, observation: str) -> tuple[Entry, ...]:
     return tuple(entries)
 
 
-@njit_merged
+@kernel(single_caller=True)
 def last_latch(joint_states):
     """Time of the last latching [s], or nan while a joint is open."""
     latest = -math.inf
@@ -143,7 +143,7 @@ def last_latch(joint_states):
     return latest
 
 
-@njit_merged
+@kernel(single_caller=True)
 def observe(model, state, task, privileged, low, high, out):
     """Write the observation of the present state to ``out``, within its bounds, as :func:`observation_entries` lists.
 
@@ -181,7 +181,7 @@ def observe(model, state, task, privileged, low, high, out):
         out[k] = min(max(out[k], low[k]), high[k])
 
 
-@njit_merged
+@kernel(single_caller=True)
 def charge(state, task, charged, terms):
     """Write to ``terms`` what peak force and wear since the first latching cost beyond ``charged``, and raise that."""
     peak, work = 0.0, 0.0
@@ -196,7 +196,7 @@ def charge(state, task, charged, terms):
     charged[0], charged[1] = peak, work
 
 
-@njit_merged
+@kernel(single_caller=True)
 def begin_period(state, task, action):
     """Set the motor torque for an action, and return when its period ends [s].
 
@@ -220,7 +220,7 @@ def begin_period(state, task, action):
     return min(end, latched_at + task.postlock_window if latched_at == latched_at else task.deadline)
 
 
-@njit_merged
+@kernel(single_caller=True)
 def end_period(model, state, task, privileged, low, high, charged, terms, observation):
     """Write reward terms and observation of a period that has ended; returns whether the episode has, too.
 
@@ -243,14 +243,14 @@ def end_period(model, state, task, privileged, low, high, charged, terms, observ
     return terminated
 
 
-@njit
+@kernel
 def begin_periods(states, task, lanes, actions, end_times):
     """:func:`begin_period` for the lanes (k,) named; actions and ends of the periods are by lane."""
     for lane in lanes:
         end_times[lane] = begin_period(lane_state(states, lane), task, actions[lane])
 
 
-@njit
+@kernel
 def end_periods(models, states, task, privileged, low, high, lanes, charged, terms, observations, terminated):
     """:func:`end_period` for the lanes (k,) named; what it writes is by lane."""
     for lane in lanes:
@@ -260,7 +260,7 @@ def end_periods(models, states, task, privileged, low, high, lanes, charged, ter
         )
 
 
-@njit
+@kernel
 def observe_lanes(models, states, task, privileged, low, high, lanes, observations):
     """:func:`observe` for the lanes (k,) named; observations are by lane."""
     for lane in lanes:

@@ -13,7 +13,7 @@ from numba.extending import intrinsic, overload
 from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays.model import Constraints, Elements, Model, State
-from solar_env.mechanics.numerics.jit import njit_inlined
+from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.profile import Elimination
 
 Arrays = TypeVar("Arrays", Model, State)
@@ -81,7 +81,7 @@ def _mapped(function: Any, arrays: Any) -> Any:
     return function(arrays)
 
 
-@njit_inlined
+@kernel(inlined=True)
 def lane_model(models, lane):
     """The model of a lane."""
     constraints, elements, elimination = models.constraints, models.elements, models.elimination
@@ -113,7 +113,7 @@ def lane_model(models, lane):
     )
 
 
-@njit_inlined
+@kernel(inlined=True)
 def lane_state(states, lane):
     """The state of a lane."""
     return State(

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays.model import FLEXIBLE, Elements
-from solar_env.mechanics.numerics.jit import njit, njit_inlined, njit_inner
+from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.profile import add_entry
 
 # Elements whose forces are worked out together, in blocks of constant length; and how many at least.
@@ -141,7 +141,7 @@ def factor_band(band: NDArray[np.float64]) -> NDArray[np.float64]:
     return factor
 
 
-@njit
+@kernel
 def add_mass_product(body, band, a, out):
     """Add the body's M a to ``out`` (n,)."""
     rows = body.coordinates // 2
@@ -159,7 +159,7 @@ def add_mass_product(body, band, a, out):
             out[z + 1] += weight * a[x + 1]
 
 
-@njit
+@kernel
 def solve_mass(body, factor, force, a):
     """Write the body's M^-1 force into ``a`` (n,)."""
     rows, first = body.coordinates // 2, body.band
@@ -185,7 +185,7 @@ def solve_mass(body, factor, force, a):
         l0, l1, l2 = factor[first + i, 0], factor[first + i, 1], factor[first + i, 2]
 
 
-@njit_inlined
+@kernel(inlined=True)
 def add_axial_point(point, x, axial, damping, f):
     """Add one quadrature point's part of the axial force to the tuple that :func:`element_forces` builds up."""
     d, a, b, _, _, _, w = point
@@ -204,7 +204,7 @@ def add_axial_point(point, x, axial, damping, f):
     return f0 + d * nx, f1 + d * ny, f2 + a * nx, f3 + a * ny, f4 + b * nx, f5 + b * ny, power + weight * viscous * rate
 
 
-@njit_inlined
+@kernel(inlined=True)
 def add_bending_point(point, x, bending, damping, f):
     """Add one quadrature point's part of the bending moment to the tuple that :func:`element_forces` builds up."""
     d, a, b, e, g, h, w = point
@@ -234,7 +234,7 @@ def add_bending_point(point, x, bending, damping, f):
     )
 
 
-@njit_inner
+@kernel(inner=True)
 def element_forces(lanes, constants, table):
     """Internal forces of a block of elements, several at a time in the processor's vector registers.
 
@@ -280,7 +280,7 @@ def element_forces(lanes, constants, table):
         table[18 * LANES + i] = f[6]
 
 
-@njit
+@kernel
 def add_elastic_forces(elements, q, v, force, table):
     """Add the internal forces of all flexible bodies to ``force``; returns the power [W] that damping takes.
 
@@ -316,7 +316,7 @@ def add_elastic_forces(elements, q, v, force, table):
     return total
 
 
-@njit
+@kernel
 def elastic_energy(bodies, q):
     """Strain energy [J] of all flexible bodies."""
     total = 0.0
@@ -338,7 +338,7 @@ def elastic_energy(bodies, q):
     return total
 
 
-@njit
+@kernel
 def kinetic_energy(body, band, v):
     """Kinetic energy [J] of the body."""
     total = 0.0
@@ -352,7 +352,7 @@ def kinetic_energy(body, band, v):
     return total
 
 
-@njit
+@kernel
 def add_body_mass(body, band, weight, elimination, matrix):
     """Add weight * (mass matrix of the body) to ``matrix``."""
     for i in range(body.coordinates // 2):

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.mechanics.bodies.cable_element import AXIAL, BENDING, LANES, REGISTER
-from solar_env.mechanics.numerics.jit import njit, njit_inner
+from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.profile import BLOCK
 
 # Elements that are worked on together.
@@ -62,7 +62,7 @@ def _expansion() -> NDArray[np.float64]:
 _EXPANSION = _expansion()
 
 
-@njit_inner
+@kernel(inner=True)
 def _axial_slopes(point, lanes, constants, table, stiffness, viscosity):
     """Slopes of the axial force at a quadrature point by r' and its rate."""
     d, a, b, _, _, _, w = point
@@ -91,7 +91,7 @@ def _axial_slopes(point, lanes, constants, table, stiffness, viscosity):
         viscosity[3 * COLUMNS + i] = viscous * ty * ty
 
 
-@njit_inner
+@kernel(inner=True)
 def _bending_slopes(point, lanes, constants, table, stiffness, viscosity):
     """Slopes of the bending moment at a quadrature point by r' and L r'' and their rates."""
     d, a, b, e, g, h, w = point
@@ -156,7 +156,7 @@ def _bending_slopes(point, lanes, constants, table, stiffness, viscosity):
         viscosity[15 * COLUMNS + i] = viscous * my * my
 
 
-@njit_inner
+@kernel(inner=True)
 def _expand(lanes, local, found):
     """Slopes by chord and slopes from those at the points."""
     for pair in range(9):
@@ -176,7 +176,7 @@ def _expand(lanes, local, found):
                 out[i], out[i + 1], out[i + 2], out[i + 3] = y0, y1, y2, y3
 
 
-@njit_inner
+@kernel(inner=True)
 def _scatter(elimination, matrix, k, inverse, slopes, i):
     """Add an element's slopes by chord and slopes to a matrix by nodes; each node has a block of its own."""
     inner, outer = elimination.position[k] // BLOCK, elimination.position[k + BLOCK] // BLOCK
@@ -196,7 +196,7 @@ def _scatter(elimination, matrix, k, inverse, slopes, i):
             outermost[BLOCK * r + c] += there * right * slopes[other + beyond]
 
 
-@njit
+@kernel
 def add_elastic_tangents(elements, q, v, slopes, elimination, stiffness, damping):
     """Add df/dq and df/dv of the internal forces f, which resist, to two matrices (``profile.py``)."""
     motion = slopes.motion

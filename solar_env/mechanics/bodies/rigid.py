@@ -8,7 +8,7 @@ With J the quarter turn, every 2 x 2 block has the form a I + b J.
 from __future__ import annotations
 
 from solar_env.mechanics.arrays.model import RIGID
-from solar_env.mechanics.numerics.jit import njit, njit_inlined, njit_inner
+from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.profile import add_entry
 
 
@@ -35,7 +35,7 @@ def inverse_mass_parameters(m11: float, m22: float, m12: float, n12: float) -> t
     return m22 / determinant, m11 / determinant, -m12 / determinant, -n12 / determinant
 
 
-@njit_inlined
+@kernel(inlined=True)
 def add_mass_product(body, a, out):
     """Add the body's M a to ``out`` (n,)."""
     k = body.offset
@@ -46,7 +46,7 @@ def add_mass_product(body, a, out):
     out[k + 3] += body.m22 * by + body.m12 * ay - body.n12 * ax
 
 
-@njit_inner
+@kernel(inner=True)
 def add_body_matrix(body, weight, multiplier, elimination, matrix):
     """Add weight * (mass matrix of a rigid body) + multiplier * (second derivative of its length constraint)."""
     k = body.offset
@@ -62,7 +62,7 @@ def add_body_matrix(body, weight, multiplier, elimination, matrix):
         add_entry(elimination, matrix, j, k + 1 - axis, -weight * turn * body.n12)
 
 
-@njit_inlined
+@kernel(inlined=True)
 def solve_free(body, force, a):
     """Acceleration ``a`` of one body under a generalized ``force`` if its length were free."""
     k = body.offset
@@ -76,7 +76,7 @@ def solve_free(body, force, a):
     a[k + 3] = body.w22 * gy + body.w12 * fy - body.x12 * fx
 
 
-@njit_inlined
+@kernel(inlined=True)
 def solve_body(body, q, v, force, a, with_velocity):
     """Acceleration ``a`` of one body under a generalized ``force`` that keeps its length; returns its multiplier.
 
@@ -107,7 +107,7 @@ def solve_body(body, q, v, force, a, with_velocity):
     return multiplier
 
 
-@njit_inlined
+@kernel(inlined=True)
 def project_lengths(bodies, q, v):
     """Return every body to its length, and its velocity to rigid motion, by the smallest change in the mass metric."""
     for b in range(bodies.size):
@@ -133,7 +133,7 @@ def project_lengths(bodies, q, v):
         v[k + 3] -= rate * by
 
 
-@njit
+@kernel
 def kinetic_energy(body, v):
     """Kinetic energy [J] of the body."""
     k = body.offset

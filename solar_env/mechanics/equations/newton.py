@@ -13,7 +13,7 @@ from solar_env.mechanics.bodies.cable_element import add_body_mass
 from solar_env.mechanics.bodies.rigid import add_body_matrix
 from solar_env.mechanics.equations.system import Workspace
 from solar_env.mechanics.equations.tangent import TangentScratch, fill_tangents, make_tangent_scratch
-from solar_env.mechanics.numerics.jit import njit, njit_inner
+from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.profile import ProfileMatrix, add_entry, make_profile_matrix
 
 
@@ -40,7 +40,7 @@ def make_newton_matrices(model: Model, work: Workspace) -> NewtonMatrices:
     )
 
 
-@njit
+@kernel
 def fill_mass(model, matrix):
     """Add the bodies' mass matrices to ``matrix``."""
     for b in range(model.bodies.size):
@@ -51,13 +51,13 @@ def fill_mass(model, matrix):
             add_body_matrix(body, 1.0, 0.0, model.elimination, matrix)
 
 
-@njit
+@kernel
 def linearize_forces(model, joint_states, q, v, newton):
     """Stiffness and damping at a configuration for which the workspace of ``newton.tangent`` is current."""
     fill_tangents(model, joint_states, q, v, newton.tangent, newton.stiffness, newton.damping)
 
 
-@njit_inner
+@kernel(inner=True)
 def _weighted_sum(mass, damping, stiffness, weights, out):
     """Write the weighted sum of three arrays (blocks, 16) to a fourth."""
     a, b, c = weights
@@ -66,7 +66,7 @@ def _weighted_sum(mass, damping, stiffness, weights, out):
             out[i, k] = a * mass[i, k] + b * damping[i, k] + c * stiffness[i, k]
 
 
-@njit
+@kernel
 def assemble(model, q, multipliers, row_value, newton, weights):
     """Put the matrix together.
 

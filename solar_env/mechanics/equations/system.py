@@ -55,7 +55,7 @@ from solar_env.mechanics.joints.joint import (
     spin,
     stop_energy,
 )
-from solar_env.mechanics.numerics.jit import njit, njit_inlined, njit_inner, njit_inner_inlined
+from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import cholesky_factor, cholesky_solve, copy_into
 
 
@@ -101,7 +101,7 @@ def make_workspace(model: Model, state: State) -> Workspace:
     return work
 
 
-@njit_inner_inlined
+@kernel(inner=True, inlined=True)
 def solve_any_body(model, b, q, v, force, a, with_velocity):
     """Acceleration of body ``b`` under a generalized ``force``, see ``rigid.solve_body``; returns its multiplier."""
     body = model.bodies[b]
@@ -111,7 +111,7 @@ def solve_any_body(model, b, q, v, force, a, with_velocity):
     return solve_body(body, q, v, force, a, with_velocity)
 
 
-@njit_inlined
+@kernel(inlined=True)
 def add_row(model, work, r, weight, x):
     """Add ``weight`` times constraint row ``r`` to ``x`` (n,)."""
     coordinate, value = model.constraints.coordinate, work.row_value
@@ -119,7 +119,7 @@ def add_row(model, work, r, weight, x):
         x[coordinate[r, k]] += weight * value[r, k]
 
 
-@njit_inner_inlined
+@kernel(inner=True, inlined=True)
 def row_product(model, work, r, x):
     """Constraint row ``r`` times ``x`` (n,)."""
     coordinate, value = model.constraints.coordinate, work.row_value
@@ -129,7 +129,7 @@ def row_product(model, work, r, x):
     return total
 
 
-@njit_inner
+@kernel(inner=True)
 def fill_column(model, work, r):
     """Inverse mass matrix times constraint row ``r``, into its column, with the stretch of rigid bodies by it."""
     bodies, row_force, column = model.bodies, work.row_force, work.columns[r]
@@ -154,7 +154,7 @@ def fill_column(model, work, r):
                     work.stretch[r, side, axis] = column[i + 2] - column[i]
 
 
-@njit
+@kernel
 def fill_columns(model, work, driven):
     """Fill the columns of the driven rows, which change, or of all others, with their products."""
     m = work.columns.shape[0]
@@ -167,7 +167,7 @@ def fill_columns(model, work, driven):
                 work.free_schur[r, s] = work.free_schur[s, r] = row_product(model, work, s, work.columns[r])
 
 
-@njit
+@kernel
 def drive_angle(drive, time):
     """Prescribed angle [rad], rate and angular acceleration of a drive."""
     span = drive.ramp_time
@@ -180,7 +180,7 @@ def drive_angle(drive, time):
     return drive.angle + scale * angle, scale * rate, scale * (1.0 - math.cos(phase))
 
 
-@njit
+@kernel
 def set_drive_rows(model, time, row_value):
     """Write the rows of prescribed rotations: the body's direction stays parallel to (cos psi, sin psi)."""
     for k in range(model.drives.size):
@@ -195,7 +195,7 @@ def set_drive_rows(model, time, row_value):
         row[3] = c
 
 
-@njit_inner
+@kernel(inner=True)
 def drive_motion(model, drive, time, q, v):
     """Explicit time derivatives of a drive's constraint: its rate at fixed q, and the acceleration's bias."""
     marker = model.markers[drive.marker]
@@ -208,7 +208,7 @@ def drive_motion(model, drive, time, q, v):
     return rate, bias
 
 
-@njit_inner
+@kernel(inner=True)
 def build_schur(model, q, work):
     """Compliance of the linear constraints, factored; False if they are redundant.
 
@@ -238,7 +238,7 @@ def build_schur(model, q, work):
     return cholesky_factor(schur, m)
 
 
-@njit_inner
+@kernel(inner=True)
 def add_columns(model, work, multipliers, x):
     """Subtract the columns times ``multipliers`` from ``x`` (n,), for the flexible bodies."""
     bodies, columns = model.bodies, work.columns
@@ -251,7 +251,7 @@ def add_columns(model, work, multipliers, x):
                     x[i] -= multipliers[r] * columns[r, i]
 
 
-@njit_inner
+@kernel(inner=True)
 def subtract_response(model, q, work, multipliers, x):
     """Subtract from ``x`` (n,) the accelerations by ``multipliers`` of the linear constraints, lengths kept."""
     bodies, row_force, solution = model.bodies, work.row_force, work.solution
@@ -268,7 +268,7 @@ def subtract_response(model, q, work, multipliers, x):
     add_columns(model, work, multipliers, x)
 
 
-@njit_inner
+@kernel(inner=True)
 def apply_linear_constraints(model, q, v, time, work, a, multipliers):
     """Correct the accelerations for the linear constraints; False if they are redundant."""
     bodies, force = model.bodies, work.force
@@ -294,7 +294,7 @@ def apply_linear_constraints(model, q, v, time, work, a, multipliers):
     return True
 
 
-@njit
+@kernel
 def prepare_response(model, q, time, work):
     """Fill the compliance of the linear constraints at a configuration; False if they are redundant."""
     if model.drives.size > 0:
@@ -302,7 +302,7 @@ def prepare_response(model, q, time, work):
     return work.schur.shape[0] == 0 or build_schur(model, q, work)
 
 
-@njit_inner
+@kernel(inner=True)
 def acceleration_response(model, q, work, force, a):
     """Write to ``a`` (n,) what a generalized ``force`` (n,) adds to the accelerations."""
     m = work.schur.shape[0]
@@ -316,7 +316,7 @@ def acceleration_response(model, q, work, force, a):
     subtract_response(model, q, work, work.residual, a)
 
 
-@njit_inlined
+@kernel(inlined=True)
 def applied_forces(model, joint_states, q, v, work):
     """Fill ``work`` with all generalized forces but the constraints', with loads and powers."""
     force, power, markers, torques = work.force, work.power, model.markers, model.load_torques
@@ -331,7 +331,7 @@ def applied_forces(model, joint_states, q, v, work):
     joint_forces(model, joint_states, work.impact_speeds, q, v, work.loads, force, power)
 
 
-@njit_inner_inlined
+@kernel(inner=True, inlined=True)
 def inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers):
     """Accelerations (n,) at a configuration, with loads and powers in ``work``; False if constraints are redundant.
 
@@ -347,13 +347,13 @@ def inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers)
     return apply_linear_constraints(model, q, v, time, work, a, multipliers)
 
 
-@njit
+@kernel
 def accelerations(model, joint_states, q, v, time, work, a, multipliers):
     """:func:`inlined_accelerations` as a call, for places that are not hot."""
     return inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers)
 
 
-@njit_inner
+@kernel(inner=True)
 def store_constraint_loads(model, multipliers, time, q, work):
     """Enter the multipliers of ideal joints as joint forces, and add the drives' power."""
     for j in range(model.joints.size):
@@ -374,7 +374,7 @@ def store_constraint_loads(model, multipliers, time, q, work):
     work.power[work.power.size + EXTERNAL_WORK] += drive_power
 
 
-@njit
+@kernel
 def constraint_drift(model, q, time, work):
     """Greatest violation [m] of the linear constraints; leaves it by row in ``work.residual``."""
     worst = 0.0
@@ -386,7 +386,7 @@ def constraint_drift(model, q, time, work):
     return worst
 
 
-@njit
+@kernel
 def velocity_drift(model, q, v, time, work):
     """Greatest violation [m/s] of the linear constraints' rates; leaves it by row in ``work.residual``."""
     residual = work.residual
@@ -404,7 +404,7 @@ def velocity_drift(model, q, v, time, work):
     return worst
 
 
-@njit_inlined
+@kernel(inlined=True)
 def project(model, q, v, time, work):
     """Return positions and velocities to the constraints by the smallest change in the mass metric.
 
@@ -416,7 +416,7 @@ def project(model, q, v, time, work):
         project_linear(model, q, v, time, work)
 
 
-@njit_inner
+@kernel(inner=True)
 def project_linear(model, q, v, time, work):
     """:func:`project` for the linear constraints."""
     residual = work.residual
@@ -432,7 +432,7 @@ def project_linear(model, q, v, time, work):
     project_lengths(model.bodies, q, v)
 
 
-@njit
+@kernel
 def add_mass_products(model, a, out):
     """Add M a to ``out`` (n,); nothing for fixed bodies."""
     for body in model.bodies:
@@ -442,7 +442,7 @@ def add_mass_products(model, a, out):
             rigid.add_mass_product(body, a, out)
 
 
-@njit
+@kernel
 def stored_energies(model, joint_states, q, v, loads, energies):
     """Fill the stored energies [J] at a configuration whose ``loads`` are current."""
     energies[:] = 0.0
@@ -470,7 +470,7 @@ def stored_energies(model, joint_states, q, v, loads, energies):
         energies[CABLE] += energy
 
 
-@njit
+@kernel
 def normal_inverse_mass(model, q, v, j, work):
     """Inverse effective mass [1/kg] of joint ``j`` along its line of centres: acceleration per unit normal force."""
     joint = model.joints[j]

@@ -32,7 +32,7 @@ from solar_env.mechanics.joints.joint import (
     relative,
     stop_torque,
 )
-from solar_env.mechanics.numerics.jit import njit, njit_inner
+from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.profile import add_entry, clear
 
 
@@ -70,7 +70,7 @@ def make_tangent_scratch(work: Workspace) -> TangentScratch:
     )
 
 
-@njit_inner
+@kernel(inner=True)
 def local_map(joint, markers, q, v, index, b, spin_slope):
     """Fill the joint's 8 coordinate indices, B (4, 8) and d(angular rates)/dq (2, 8)."""
     b[:] = 0.0
@@ -98,14 +98,14 @@ def local_map(joint, markers, q, v, index, b, spin_slope):
         spin_slope[side, k + 2], spin_slope[side, k + 3] = sx, sy
 
 
-@njit
+@kernel
 def angle_hessian(dx, dy):
     """Entries (xx, xy) of the Hessian of atan2(dy, dx); yy = -xx."""
     fourth = (dx * dx + dy * dy) ** 2
     return 2.0 * dx * dy / fourth, (dy * dy - dx * dx) / fourth
 
 
-@njit
+@kernel
 def subtract_angle_hessian(marker, q, torque, elimination, matrix):
     """Subtract torque * Hessian of the marker's angle from ``matrix``."""
     dx, dy = direction(marker, q)
@@ -122,7 +122,7 @@ def subtract_angle_hessian(marker, q, torque, elimination, matrix):
             add_entry(elimination, matrix, first + 1, second + 1, -d * hxx)
 
 
-@njit_inner
+@kernel(inner=True)
 def contact_tangent(joint, markers, q, v, outboard_spin, inboard_spin, impact_speed, stiffness, damping):
     """Add the slopes of (force x, force y, outboard torque, inboard torque); returns the tangential force and lever.
 
@@ -179,7 +179,7 @@ def contact_tangent(joint, markers, q, v, outboard_spin, inboard_spin, impact_sp
     return tangential, lever
 
 
-@njit
+@kernel
 def fill_tangents(model, joint_states, q, v, tangent, by_q, by_v):
     """Fill the matrices (``profile.py``) -dQ/dq, the stiffness, and -dQ/dv, the damping.
 

@@ -62,7 +62,7 @@ from solar_env.mechanics.integrators.runge_kutta import (
 from solar_env.mechanics.integrators.stiff_forces import lasts
 from solar_env.mechanics.joints.contact import normal_force
 from solar_env.mechanics.joints.joint import penetration
-from solar_env.mechanics.numerics.jit import njit, njit_inner, njit_inner_inlined, njit_merged
+from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 from solar_env.mechanics.numerics.profile import clear
 
@@ -104,7 +104,7 @@ def make_adaptive_arrays(model: Model, state: State) -> AdaptiveArrays:
     )
 
 
-@njit_inner
+@kernel(inner=True)
 def refine_peak(model, state, stages, j, h, share):
     """Raise the force maxima of joint ``j`` to the peak inside the step: sampled, then a parabola through the top."""
     joint, own, markers = model.joints[j], state.joints[j], model.markers
@@ -120,7 +120,7 @@ def refine_peak(model, state, stages, j, h, share):
     note_force(own, peak, state.clock[0].latched_joints > 0)
 
 
-@njit_merged
+@kernel(single_caller=True)
 def refine_peaks(model, state, stages, h, share, coarse):
     """Find the force peaks that lie inside the step: where a penetration has turned from growing to falling.
 
@@ -138,7 +138,7 @@ def refine_peaks(model, state, stages, h, share, coarse):
                 refine_peak(model, state, stages, j, h, share)
 
 
-@njit_inner
+@kernel(inner=True)
 def record_until(model, state, stages, stiff, scratch, recorder, h, end):
     """Take the samples that fall inside the accepted part of the step."""
     start = state.clock[0].time
@@ -163,14 +163,14 @@ def record_until(model, state, stages, stiff, scratch, recorder, h, end):
         )
 
 
-@njit_inner_inlined
+@kernel(inner=True, inlined=True)
 def set_impact_speeds(joint_states, impact_speeds):
     """Fill (joints,) with the impact speeds of the contacts under way, and zeros for free journals."""
     for j in range(joint_states.size):
         impact_speeds[j] = joint_states[j].impact_speed if joint_states[j].in_contact else 0.0
 
 
-@njit
+@kernel
 def refresh(model, state, stages, work):
     """Evaluate the first stage at the accepted state, with its contact modes. False if constraints are singular."""
     set_impact_speeds(state.joints, work.impact_speeds)
@@ -189,7 +189,7 @@ def refresh(model, state, stages, work):
     return regular
 
 
-@njit_merged
+@kernel(single_caller=True)
 def measure_depths(model, state, stages):
     """Penetration and its rate at the accepted state, for every clearance joint."""
     joints, markers, q, v = model.joints, model.markers, state.q, state.v
@@ -200,7 +200,7 @@ def measure_depths(model, state, stages):
             depth[j], depth_rate[j] = penetration(joint, markers, q, v)
 
 
-@njit_merged
+@kernel(single_caller=True)
 def move_to(state, stages, h, share):
     """Take over the state at ``share`` of the step, with the integrals up to there."""
     integrals, gain, sliding_work = state.integrals, stages.gain, stages.sliding_work
@@ -221,7 +221,7 @@ def move_to(state, stages, h, share):
     copy_into(state.v, stages.v)
 
 
-@njit_merged
+@kernel(single_caller=True)
 def accept(model, state, stages, stiff, work, scratch, recorder, h, share, event_joint, kind, implicit):
     """Move to ``share`` of the step and book what happened on the way.
 
@@ -259,7 +259,7 @@ def accept(model, state, stages, stiff, work, scratch, recorder, h, share, event
     return True
 
 
-@njit_merged
+@kernel(single_caller=True)
 def prepare_arrays(model, settings, arrays):
     """Fill what the scratch arrays hold of a model.
 
@@ -279,7 +279,7 @@ def prepare_arrays(model, settings, arrays):
         fill_mass(model, arrays.step.newton.mass)
 
 
-@njit_merged
+@kernel(single_caller=True)
 def advance_adaptive(model, state, settings, recorder, end_time, arrays):
     """Advance ``state`` in place to ``end_time`` [s]; returns a status code."""
     work, scratch, stages, stiff, step = arrays
@@ -387,7 +387,7 @@ def advance_adaptive(model, state, settings, recorder, end_time, arrays):
     return status
 
 
-@njit
+@kernel
 def advance_lanes(models, states, settings, recorder, queue, counter, end_times, statuses, arrays):
     """Advance lanes one after the other, next to other threads that do the same.
 

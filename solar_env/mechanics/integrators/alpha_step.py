@@ -29,7 +29,7 @@ from solar_env.mechanics.equations.system import (
     prepare_response,
     project,
 )
-from solar_env.mechanics.numerics.jit import njit_inner, njit_merged
+from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 from solar_env.mechanics.numerics.profile import BLOCK, enter, profile_factor, profile_solve, taken
 
@@ -105,7 +105,7 @@ def make_iteration(model: Model, state: State, work: Workspace) -> Iteration:
     )
 
 
-@njit_merged
+@kernel(single_caller=True)
 def fill_residual(model, state, it, work, time, scale):
     """Right-hand side of Newton's equations: minus the scaled residual of dynamics, minus the constraints."""
     bodies, rhs, force = model.bodies, it.rhs, work.force
@@ -139,7 +139,7 @@ def fill_residual(model, state, it, work, time, scale):
         rhs[i] *= scale
 
 
-@njit_merged
+@kernel(single_caller=True)
 def solve_newton(model, it):
     """Solve Newton's equations for ``it.rhs`` in place; False if the matrix is singular."""
     position, rhs, solution = model.elimination.position, it.rhs, it.solution
@@ -153,7 +153,7 @@ def solve_newton(model, it):
     return True
 
 
-@njit_inner
+@kernel(inner=True)
 def attempt_step(model, state, it, work, settings, h):
     """Solve one step into ``it``; returns the last correction in units of the tolerance (at most 1 if it converged)."""
     n = state.q.size
@@ -210,7 +210,7 @@ def attempt_step(model, state, it, work, settings, h):
     return correction / tolerance
 
 
-@njit_inner
+@kernel(inner=True)
 def restart(model, state, it, work, settings, h):
     """Solve accelerations and multipliers afresh at the accepted state, for steps of size ``h``. False if singular."""
     n = state.q.size

@@ -21,14 +21,14 @@ from solar_env.mechanics.joints.joint import (
     relative,
     stop_depth,
 )
-from solar_env.mechanics.numerics.jit import njit_inner, njit_inner_inlined, njit_merged
+from solar_env.mechanics.numerics.jit import kernel
 
 # Kinds of event inside a step.
 # Typed: Numba would compile the functions that take a literal for each one anew.
 NONE, CONTACT, LATCH, STOP = (np.int64(kind) for kind in range(4))
 
 
-@njit_inner_inlined
+@kernel(inner=True, inlined=True)
 def event_function(model, state, stages, j, kind, h, share):
     """What rises through zero at an event of joint ``j``: a depth, or the angle past the lock."""
     joint, markers = model.joints[j], model.markers
@@ -53,7 +53,7 @@ def event_function(model, state, stages, j, kind, h, share):
     return math.sqrt(ex * ex + ey * ey) - joint.clearance
 
 
-@njit_inner
+@kernel(inner=True)
 def locate(model, state, stages, j, kind, h, low, f_low, high, f_high):
     """Share of the step at which the event function rises through zero: Illinois iteration, ending on its far side."""
     for _ in range(60):
@@ -76,7 +76,7 @@ def locate(model, state, stages, j, kind, h, low, f_low, high, f_high):
     return high
 
 
-@njit_inner
+@kernel(inner=True)
 def locate_at_end(model, state, stages, j, kind, h, f_high):
     """Share of the step at which an event function that is positive at its end has risen through zero."""
     f_low = event_function(model, state, stages, j, kind, h, 0.0)
@@ -85,7 +85,7 @@ def locate_at_end(model, state, stages, j, kind, h, f_high):
     return locate(model, state, stages, j, kind, h, 0.0, f_low, 1.0, f_high)
 
 
-@njit_inner
+@kernel(inner=True)
 def first_touch(model, state, stages, j, h, depth):
     """Share of the step at which the free journal of joint ``j`` meets its bearing; 2 if it does not.
 
@@ -103,7 +103,7 @@ def first_touch(model, state, stages, j, h, depth):
     return 2.0
 
 
-@njit_merged
+@kernel(single_caller=True)
 def first_event(model, state, stages, work, h):
     """Earliest contact start, latching or stop engagement inside the step: (share, joint, kind)."""
     joints, joint_states, loads, depths = model.joints, state.joints, work.loads, stages.depth
@@ -129,7 +129,7 @@ def first_event(model, state, stages, work, h):
     return share, which, what
 
 
-@njit_inner
+@kernel(inner=True)
 def begin_event(model, state, j, kind, scratch):
     """Latch joint ``j``, engage its stop, or start its contact, at the accepted state."""
     time = state.clock[0].time

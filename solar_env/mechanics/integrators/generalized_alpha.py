@@ -45,7 +45,7 @@ from solar_env.mechanics.integrators.history import (
 from solar_env.mechanics.integrators.recording import pause_due, record_sample, sample_due
 from solar_env.mechanics.joints.contact import impact_scales
 from solar_env.mechanics.joints.joint import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, penetration, relative
-from solar_env.mechanics.numerics.jit import njit, njit_inner, njit_merged
+from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 
 _SMALLEST_STEP = 1e-12  # s
@@ -65,7 +65,7 @@ def make_alpha_arrays(model: Model, state: State) -> AlphaArrays:
     return AlphaArrays(work, make_workspace(model, state), make_iteration(model, state, work))
 
 
-@njit_inner
+@kernel(inner=True)
 def prepare(model, state, it, work):
     """Contact modes, depths and powers at the start of a step.
 
@@ -90,7 +90,7 @@ def prepare(model, state, it, work):
         it.angle[j] = work.loads[j, ANGLE]
 
 
-@njit_merged
+@kernel(single_caller=True)
 def error_norm(model, state, it, settings, h):
     """Local error in units of the tolerance, from the change of the accelerations (Zienkiewicz and Xie 1991).
 
@@ -108,7 +108,7 @@ def error_norm(model, state, it, settings, h):
     return worst
 
 
-@njit_merged
+@kernel(single_caller=True)
 def landing_step(model, state, it, scratch, settings, h):
     """A step that ends near the wall if a contact begins inside this one and ``h`` does not resolve it, else ``h``."""
     joints, joint_states, markers = model.joints, state.joints, model.markers
@@ -130,7 +130,7 @@ def landing_step(model, state, it, scratch, settings, h):
     return shorter
 
 
-@njit_inner
+@kernel(inner=True)
 def record_until(model, state, it, scratch, recorder, work, h):
     """Take the samples inside the solved step: cubic Hermite for positions, its derivative for velocities."""
     n = state.q.size
@@ -167,7 +167,7 @@ def record_until(model, state, it, scratch, recorder, work, h):
         )
 
 
-@njit_merged
+@kernel(single_caller=True)
 def accept(model, state, it, work, scratch, recorder, h):
     """Move to the end of the solved step and book what happened on the way."""
     joints, joint_states, integrals = model.joints, state.joints, state.integrals
@@ -203,7 +203,7 @@ def accept(model, state, it, work, scratch, recorder, h):
     settle_joints(model, state, work.loads, it.sliding_work, start, it.depth, recorder)
 
 
-@njit_merged
+@kernel(single_caller=True)
 def next_step(state, settings, remaining):
     """Step to try: the fixed one, divided so that a whole number of them ends the call, or the controller's."""
     if settings.rtol == 0.0:
@@ -217,7 +217,7 @@ def next_step(state, settings, remaining):
     return 0.5 * remaining if 2.0 * wanted > remaining else wanted
 
 
-@njit_merged
+@kernel(single_caller=True)
 def judge(model, state, it, scratch, settings, h, convergence):
     """Step to retry with, or 0 to accept. Sets the controller's next step."""
     clock = state.clock[0]
@@ -237,7 +237,7 @@ def judge(model, state, it, scratch, settings, h, convergence):
     return 0.0
 
 
-@njit
+@kernel
 def advance_alpha(model, state, settings, recorder, end_time, arrays):
     """Advance ``state`` in place to ``end_time`` [s]; returns a status code."""
     work, scratch, it = arrays

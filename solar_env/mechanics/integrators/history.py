@@ -27,13 +27,13 @@ from solar_env.mechanics.joints.joint import (
     stop_depth,
 )
 from solar_env.mechanics.joints.wear import add_wear, pressed_half_angle
-from solar_env.mechanics.numerics.jit import njit, njit_inner, njit_inner_inlined, njit_merged
+from solar_env.mechanics.numerics.jit import kernel
 
 # A contact counts as an impact, to be resolved by steps of its own, for this many predicted durations.
 IMPACT_DURATIONS = 2.0
 
 
-@njit_inner
+@kernel(inner=True)
 def start_contact(model, state, j, q, v, time, approach_speed, work):
     """Open a contact of joint ``j`` with its approach speed [m/s], bounded below."""
     joint = model.joints[j]
@@ -49,7 +49,7 @@ def start_contact(model, state, j, q, v, time, approach_speed, work):
     _, own.contact_duration = impact_scales(joint.contact_stiffness, inverse_mass, own.impact_speed)
 
 
-@njit_inner
+@kernel(inner=True)
 def end_contact(state, j, time, recorder):
     """Close the contact of joint ``j`` and record it."""
     own = state.joints[j]
@@ -58,7 +58,7 @@ def end_contact(state, j, time, recorder):
     own.impact_speed = 0.0
 
 
-@njit_inner_inlined
+@kernel(inner=True, inlined=True)
 def note_force(own, force, postlock):
     """Raise a joint's running maxima to a force [N]."""
     own.contact_peak = max(own.contact_peak, force)
@@ -68,7 +68,7 @@ def note_force(own, force, postlock):
         own.postlock_peak_force = max(own.postlock_peak_force, force)
 
 
-@njit
+@kernel
 def latch(state, j, time):
     """Latch joint ``j`` for good. The first latching starts the post-lock record of every joint."""
     state.joints[j].latched = 1
@@ -80,7 +80,7 @@ def latch(state, j, time):
     state.clock[0].latched_joints += 1
 
 
-@njit_merged
+@kernel(single_caller=True)
 def wear_contact(joint, markers, q, ex, ey, depth, sliding_work, wear_journal, wear_bearing):
     """Wear both surfaces of a joint by the sliding work [J] of one accepted step."""
     half = pressed_half_angle(max(depth, 0.0), joint.clearance)
@@ -94,7 +94,7 @@ def wear_contact(joint, markers, q, ex, ey, depth, sliding_work, wear_journal, w
     add_wear(wear_bearing, bearing_angle, half, worn_section, joint.journal_radius + joint.clearance)
 
 
-@njit_inner
+@kernel(inner=True)
 def settle_joints(model, state, loads, sliding_work, start_time, start_depth, recorder):
     """Book an accepted step: wear, force maxima, and the ends of contacts and stops that have opened.
 
@@ -131,7 +131,7 @@ def settle_joints(model, state, loads, sliding_work, start_time, start_depth, re
                 end_contact(state, j, start_time + share * (time - start_time), recorder)
 
 
-@njit_merged
+@kernel(single_caller=True)
 def impact_step_limit(state, time, resolution):
     """Greatest step [s] that resolves the impacts under way with ``resolution`` steps each."""
     joint_states = state.joints
@@ -143,7 +143,7 @@ def impact_step_limit(state, time, resolution):
     return limit
 
 
-@njit_inner_inlined
+@kernel(inner=True, inlined=True)
 def fail(state, status, joint, value):
     """Note where and why a call stops."""
     state.clock[0].failure_joint = joint
@@ -151,7 +151,7 @@ def fail(state, status, joint, value):
     return status
 
 
-@njit_merged
+@kernel(single_caller=True)
 def check_state(model, state, loads):
     """Status of an accepted state: contact depths and joint angles within what the model describes."""
     joints, markers = model.joints, model.markers

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from solar_env.mechanics.arrays.model import ENERGY_NAMES, IMPULSE, INTEGRALS_PER_JOINT, SLIDING_WORK, Model, State
 from solar_env.mechanics.equations.system import accelerations, stored_energies
 from solar_env.mechanics.joints.joint import OUTBOARD_SPIN
-from solar_env.mechanics.numerics.jit import njit_inner
+from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 
 # Loads up to here are kept; the spins behind them are internal.
@@ -58,13 +58,13 @@ def make_recorder(model: Model, state: State, times: NDArray[np.float64], contac
     )
 
 
-@njit_inner
+@kernel(inner=True)
 def sample_due(recorder, time):
     """Whether a requested sample time has been reached."""
     return recorder.filled[0] < recorder.times.size and recorder.times[recorder.filled[0]] <= time
 
 
-@njit_inner
+@kernel(inner=True)
 def pause_due(recorder, time, joints):
     """Whether the caller is to be heard: at the time it asked for, and before the contacts run out of room.
 
@@ -74,7 +74,7 @@ def pause_due(recorder, time, joints):
     return time >= recorder.pause[0] or (capacity > 0 and recorder.filled[1] + joints > capacity)
 
 
-@njit_inner
+@kernel(inner=True)
 def record_sample(recorder, model, joint_states, q, v, time, integrals, work, a, multipliers, energies):
     """Evaluate the loads at an (interpolated) state and store one row."""
     accelerations(model, joint_states, q, v, time, work, a, multipliers)
@@ -93,7 +93,7 @@ def record_sample(recorder, model, joint_states, q, v, time, integrals, work, a,
     recorder.filled[0] += 1
 
 
-@njit_inner
+@kernel(inner=True)
 def record_contact(recorder, j, own, integrals, end):
     """Store the line of a contact of joint ``j`` that has just ended."""
     if recorder.contacts.shape[0] == 0:

@@ -36,7 +36,7 @@ from solar_env.mechanics.arrays.model import (
 from solar_env.mechanics.equations.newton import NewtonMatrices, assemble, linearize_forces, make_newton_matrices
 from solar_env.mechanics.equations.system import Workspace, applied_forces, store_constraint_loads
 from solar_env.mechanics.integrators.runge_kutta import STAGES, interpolate
-from solar_env.mechanics.numerics.jit import njit_inner, njit_merged
+from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 from solar_env.mechanics.numerics.profile import (
     BLOCK,
@@ -116,7 +116,7 @@ def make_rosenbrock(model: Model, state: State, work: Workspace) -> Rosenbrock:
     )
 
 
-@njit_merged
+@kernel(single_caller=True)
 def add_length_slopes(model, state, a, newton, diagonal):
     """Add the slopes, by coordinates and velocities, of the lengths' acceleration-level rows d.a + u.u = 0."""
     q, v, elimination = state.q, state.v, model.elimination
@@ -131,7 +131,7 @@ def add_length_slopes(model, state, a, newton, diagonal):
                 add_entry(elimination, newton.matrix, first + b, j, slope)
 
 
-@njit_merged
+@kernel(single_caller=True)
 def set_stage(state, stages, step, s, h):
     """Values of the coordinates, velocities, accelerations and multipliers at stage ``s``, and its past terms."""
     q, v, a, past, rate, multipliers = step.q, step.v, step.a, step.past_velocity, step.rate, step.multipliers
@@ -158,7 +158,7 @@ def set_stage(state, stages, step, s, h):
         rate[i] += v[i]
 
 
-@njit_merged
+@kernel(single_caller=True)
 def solve_stage(model, state, stages, step, s, force, diagonal):
     """Increments of stage ``s`` for the applied ``force`` (n,) at its values."""
     elimination, position = model.elimination, model.elimination.position
@@ -197,7 +197,7 @@ def solve_stage(model, state, stages, step, s, force, diagonal):
             ul[k] = inverse * taken(x, position[n + k]) - step.multipliers[k]
 
 
-@njit_merged
+@kernel(single_caller=True)
 def border_length(state, start_a, step, k, row, position, diagonal):
     """Enter a rigid body's length, and what its multiplier's force is beyond the linear one, in a right-hand side."""
     q, v, a, rate, past, x = step.q, step.v, step.a, step.rate, step.past_velocity, step.unknowns
@@ -217,13 +217,13 @@ def border_length(state, start_a, step, k, row, position, diagonal):
     enter(x, position[state.q.size + row], diagonal * length_row)
 
 
-@njit_inner
+@kernel(inner=True)
 def evaluate_forces(model, joint_states, q, v, work):
     """``system.applied_forces`` as a call: inlined at every place it would take long to compile."""
     applied_forces(model, joint_states, q, v, work)
 
 
-@njit_merged
+@kernel(single_caller=True)
 def take_contacts_from_ends(joints, power, gain, h):
     """Put the trapezoidal rule in place of Simpson's for the integrals of contacts.
 
@@ -237,7 +237,7 @@ def take_contacts_from_ends(joints, power, gain, h):
                 gain[k] = 0.5 * h * (power[0, k] + power[STAGES - 1, k])
 
 
-@njit_merged
+@kernel(single_caller=True)
 def estimate_error(model, state, stages, step, settings):
     """Greatest component of the error estimate, which is the last increment, in units of the tolerance."""
     last = ROSENBROCK_STAGES - 1
@@ -255,7 +255,7 @@ def estimate_error(model, state, stages, step, settings):
     return worst
 
 
-@njit_inner
+@kernel(inner=True)
 def attempt_rosenbrock(model, state, stages, step, work, settings, h):
     """Fill a step ``h``, its end going to ``stages`` as in ``runge_kutta.attempt_step``.
 

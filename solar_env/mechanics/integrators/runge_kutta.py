@@ -29,7 +29,7 @@ from solar_env.mechanics.arrays.model import (
 from solar_env.mechanics.equations.system import inlined_accelerations
 from solar_env.mechanics.integrators.stiff_forces import begin_step, correct_stage, may_be_stiff, product
 from solar_env.mechanics.joints.joint import penetration
-from solar_env.mechanics.numerics.jit import njit, njit_inlined, njit_inner, njit_merged
+from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 
 STAGES = 5
@@ -166,7 +166,7 @@ def make_stiff_forces(state: State) -> StiffForces:
     )
 
 
-@njit_inlined
+@kernel(inlined=True)
 def restore_ends(v0, stages, stiff):
     """Undo the correction for stiff forces at both ends: interpolant and further steps take what holds there itself."""
     velocity, acceleration, power = stages.velocity, stages.acceleration, stages.power
@@ -178,7 +178,7 @@ def restore_ends(v0, stages, stiff):
     stiff.active[0] = 0
 
 
-@njit_merged
+@kernel(single_caller=True)
 def attempt_step(model, state, stages, stiff, work, h):
     """Fill the stages of a step ``h``, its end going to ``stages.q``, ``.v`` and ``.gain``. False if singular."""
     q0, v0, joint_states, multipliers = state.q, state.v, state.joints, state.multipliers
@@ -222,7 +222,7 @@ def attempt_step(model, state, stages, stiff, work, h):
     return True
 
 
-@njit_merged
+@kernel(single_caller=True)
 def present_velocity_scale(velocity_scale, weights, v0, v):
     """Velocity scale [m/s] for the present speed of a flexible mechanism."""
     top = 0.0
@@ -231,7 +231,7 @@ def present_velocity_scale(velocity_scale, weights, v0, v):
     return velocity_scale * min(1.0, max((_SLOW * top / velocity_scale) ** 2, _LEAST_SCALE))
 
 
-@njit_inner
+@kernel(inner=True)
 def contact_error(model, stages, stiff, h):
     """Greatest error estimate of a lasting contact's depth, in units of its tolerance, a share of the depth itself."""
     worst = 0.0
@@ -245,7 +245,7 @@ def contact_error(model, stages, stiff, h):
     return worst
 
 
-@njit_merged
+@kernel(single_caller=True)
 def error_norm(model, state, stages, stiff, settings, h):
     """Greatest component of the error estimate in units of the tolerance."""
     v0, v, velocity, acceleration, power = state.v, stages.v, stages.velocity, stages.acceleration, stages.power
@@ -291,7 +291,7 @@ def error_norm(model, state, stages, stiff, settings, h):
     return worst
 
 
-@njit_inlined
+@kernel(inlined=True)
 def quintic_weights(s):
     """Weights of position, velocity * h and acceleration * h^2 at the start, then at the end, at the share ``s``."""
     s3 = s * s * s
@@ -306,14 +306,14 @@ def quintic_weights(s):
     )
 
 
-@njit_inlined
+@kernel(inlined=True)
 def cubic_weights(s):
     """Weights of value and slope * h at the start, then at the end, at the share ``s``."""
     end = s * s * (3.0 - 2.0 * s)
     return 1.0 - end, s * (1.0 - s) * (1.0 - s), end, s * s * (s - 1.0)
 
 
-@njit
+@kernel
 def interpolate(state, stages, h, share):
     """State at ``share`` of the step, into ``stages.scratch_q`` and ``stages.scratch_v``."""
     q0, v0, q1, v1 = state.q, state.v, stages.q, stages.v
@@ -326,7 +326,7 @@ def interpolate(state, stages, h, share):
         v[i] = c0 * v0[i] + c1 * a0 + d0 * v1[i] + d1 * a1
 
 
-@njit_inner
+@kernel(inner=True)
 def interpolate_without_accelerations(state, stages, h, share):
     """Coordinates at ``share`` of the step from those and the velocities at its ends alone, into ``stages.scratch_q``.
 
@@ -339,7 +339,7 @@ def interpolate_without_accelerations(state, stages, h, share):
         q[i] = c0 * q0[i] + d0 * q1[i] + h * (c1 * v0[i] + d1 * v1[i])
 
 
-@njit_inner
+@kernel(inner=True)
 def interpolate_integrals(state, stages, h, share):
     """Integrals at ``share`` of the step, into ``stages.integrals``."""
     integrals, gain, power, base = stages.integrals, stages.gain, stages.power, state.integrals

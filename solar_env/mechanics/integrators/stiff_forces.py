@@ -42,7 +42,7 @@ from solar_env.mechanics.joints.joint import (
     spin,
     stop_torque,
 )
-from solar_env.mechanics.numerics.jit import njit_inlined, njit_inner, njit_inner_inlined, njit_merged
+from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into, lu_factor, lu_solve
 
 # gamma_ij on and below the diagonal, for the stages of Kutta's 3/8 rule and for the one that only the error estimate
@@ -63,7 +63,7 @@ _STIFF_CONTACT = 2.4
 _PROBE = 0.1
 
 
-@njit_inlined
+@kernel(inlined=True)
 def product(a, b):
     """Scalar product."""
     total = 0.0
@@ -72,7 +72,7 @@ def product(a, b):
     return total
 
 
-@njit_inlined
+@kernel(inlined=True)
 def past_sum(values, stage, i):
     """Sum over the stages before ``stage`` of gamma_ij times entry ``i`` of ``values`` (stages, entries)."""
     total = 0.0
@@ -81,7 +81,7 @@ def past_sum(values, stage, i):
     return total
 
 
-@njit_inlined
+@kernel(inlined=True)
 def contact_directions(joint, markers, q, v, gradient, force):
     """Write the gradient of a contact's depth and the generalized force of a unit opening force with its friction."""
     outboard, inboard = markers[joint.outboard], markers[joint.inboard]
@@ -104,13 +104,13 @@ def contact_directions(joint, markers, q, v, gradient, force):
     add_torque(inboard, q, -friction * lever, force)
 
 
-@njit_inner_inlined
+@kernel(inner=True, inlined=True)
 def lasts(own, time):
     """Whether a joint is in contact and its impact, which has steps of its own, over."""
     return own.in_contact != 0 and time - own.contact_start >= IMPACT_DURATIONS * own.contact_duration
 
 
-@njit_inner_inlined
+@kernel(inner=True, inlined=True)
 def may_be_stiff(model, state):
     """Whether some force could be stiff: a look that costs next to nothing."""
     flexible, time, found = model.stable_step < math.inf, state.clock[0].time, False
@@ -121,7 +121,7 @@ def may_be_stiff(model, state):
     return found
 
 
-@njit_merged
+@kernel(single_caller=True)
 def collect(model, state, work, stiff, h):
     """Enter the forces that are stiff over a step ``h``; returns their number, and whether contacts are among them.
 
@@ -173,7 +173,7 @@ def collect(model, state, work, stiff, h):
     return count, not flexible
 
 
-@njit_merged
+@kernel(single_caller=True)
 def separate_motions(stiff, count):
     """Combine the responses to motions that change one gradient's coordinate each; False if these depend on another."""
     if not lu_factor(stiff.matrix, count):
@@ -191,7 +191,7 @@ def separate_motions(stiff, count):
     return True
 
 
-@njit_merged
+@kernel(single_caller=True)
 def measure_rest(model, state, work, stiff, count, start, h):
     """Rate of change of the accelerations ``start`` (n,) that A leaves out, by a difference along the motion."""
     q, v, time = state.q, state.v, state.clock[0].time
@@ -213,7 +213,7 @@ def measure_rest(model, state, work, stiff, count, start, h):
     return True
 
 
-@njit_inner
+@kernel(inner=True)
 def begin_step(model, state, work, stiff, start, h):
     """Prepare the treatment of the forces that are stiff over a step ``h``; returns their number.
 
@@ -241,7 +241,7 @@ def begin_step(model, state, work, stiff, start, h):
     return count if lu_factor(stiff.matrix, count) else 0
 
 
-@njit_inner_inlined
+@kernel(inner=True, inlined=True)
 def correct_stage(stiff, stage, h, velocity, acceleration, power):
     """Turn the velocities, accelerations and powers of a stage into its derivatives."""
     count = stiff.active[0]
@@ -280,7 +280,7 @@ def correct_stage(stiff, stage, h, velocity, acceleration, power):
                 velocity[stage, x] += speed * stiff.motion[i, x]
 
 
-@njit_inlined
+@kernel(inlined=True)
 def add_force_to_powers(power, first, force):
     """Raise a contact's normal force [N], which stays compressive, with the powers that are in proportion to it."""
     normal = power[first + IMPULSE]

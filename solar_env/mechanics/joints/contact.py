@@ -11,13 +11,13 @@ from __future__ import annotations
 
 import math
 
-from solar_env.mechanics.numerics.jit import njit, njit_inlined
+from solar_env.mechanics.numerics.jit import kernel
 
 # Duration of a Hertzian impact in units of (greatest depth / impact speed): 2 sqrt(pi) Gamma(7/5) / Gamma(9/10).
 HERTZ_DURATION = 2.0 * math.sqrt(math.pi) * math.gamma(1.4) / math.gamma(0.9)
 
 
-@njit_inlined
+@kernel(inlined=True)
 def normal_force(depth, rate, stiffness, factor, impact_speed):
     """Normal force [N], compressive positive, and its elastic part, at a penetration depth [m] and its rate [m/s]."""
     if depth <= 0.0:
@@ -26,7 +26,7 @@ def normal_force(depth, rate, stiffness, factor, impact_speed):
     return max(elastic * (1.0 + factor * rate / impact_speed), 0.0), elastic
 
 
-@njit
+@kernel
 def normal_force_slopes(depth, rate, stiffness, factor, impact_speed):
     """Derivatives of :func:`normal_force` with respect to depth and rate."""
     if depth <= 0.0:
@@ -38,7 +38,7 @@ def normal_force_slopes(depth, rate, stiffness, factor, impact_speed):
     return 1.5 * stiffness * root * bracket, stiffness * depth * root * factor / impact_speed
 
 
-@njit_inlined
+@kernel(inlined=True)
 def friction_ramp(sliding_speed, speed_zero, speed_full):
     """Share of the Coulomb force that acts at a sliding speed [m/s], with its sign: 0 below, 1 above the two speeds."""
     magnitude = abs(sliding_speed)
@@ -50,7 +50,7 @@ def friction_ramp(sliding_speed, speed_zero, speed_full):
     return sign * (magnitude - speed_zero) / (speed_full - speed_zero)
 
 
-@njit
+@kernel
 def friction_ramp_slope(sliding_speed, speed_zero, speed_full):
     """Derivative of :func:`friction_ramp`."""
     magnitude = abs(sliding_speed)
@@ -59,7 +59,7 @@ def friction_ramp_slope(sliding_speed, speed_zero, speed_full):
     return 1.0 / (speed_full - speed_zero)
 
 
-@njit
+@kernel
 def impact_scales(stiffness, inverse_mass, impact_speed):
     """Greatest depth [m] and duration [s] of a Hertzian impact (Johnson, Contact Mechanics, 1985, section 11.4)."""
     depth = (1.25 * impact_speed * impact_speed / (inverse_mass * stiffness)) ** 0.4

@@ -22,7 +22,7 @@ from solar_env.mechanics.arrays.model import (
     STOP_DISSIPATION,
 )
 from solar_env.mechanics.joints.contact import friction_ramp, normal_force
-from solar_env.mechanics.numerics.jit import njit, njit_inlined, njit_inner_inlined
+from solar_env.mechanics.numerics.jit import kernel
 
 # Columns of the table of joint loads that one evaluation fills.
 (
@@ -44,7 +44,7 @@ from solar_env.mechanics.numerics.jit import njit, njit_inlined, njit_inner_inli
 LOAD_COLUMNS = 14
 
 
-@njit_inlined
+@kernel(inlined=True)
 def point(marker, x):
     """Marker's position from coordinates, or its velocity from velocities: the map is linear."""
     i, k = marker.i1, marker.i2
@@ -54,14 +54,14 @@ def point(marker, x):
     )
 
 
-@njit_inlined
+@kernel(inlined=True)
 def direction(marker, x):
     """Marker's direction vector (as long as the body, or as a beam is stretched there), or its rate from velocities."""
     i, k = marker.i1, marker.i2
     return marker.c1 * x[i] + x[k], marker.c1 * x[i + 1] + x[k + 1]
 
 
-@njit_inlined
+@kernel(inlined=True)
 def relative(joint, markers, x):
     """Journal centre minus bearing centre from coordinates, or its rate from velocities."""
     ox, oy = point(markers[joint.outboard], x)
@@ -69,7 +69,7 @@ def relative(joint, markers, x):
     return ox - ix, oy - iy
 
 
-@njit_inlined
+@kernel(inlined=True)
 def penetration(joint, markers, q, v):
     """Penetration depth [m], negative for a gap, and its rate [m/s]."""
     ex, ey = relative(joint, markers, q)
@@ -80,7 +80,7 @@ def penetration(joint, markers, q, v):
     return radius - joint.clearance, (ex * ux + ey * uy) / radius
 
 
-@njit_inlined
+@kernel(inlined=True)
 def add_point_force(marker, fx, fy, force):
     """Add the generalized force of a force at the marker."""
     i, k = marker.i1, marker.i2
@@ -90,7 +90,7 @@ def add_point_force(marker, fx, fy, force):
     force[k + 1] += marker.a2 * fy - marker.b2 * fx
 
 
-@njit_inlined
+@kernel(inlined=True)
 def add_torque(marker, q, torque, force):
     """Add the generalized force of a torque on the marker's direction: torque times the gradient of its angle."""
     dx, dy = direction(marker, q)
@@ -102,7 +102,7 @@ def add_torque(marker, q, torque, force):
     force[k + 1] += scale * dx
 
 
-@njit_inlined
+@kernel(inlined=True)
 def spin(marker, q, v):
     """Angular velocity [rad/s] of the marker's direction."""
     dx, dy = direction(marker, q)
@@ -110,7 +110,7 @@ def spin(marker, q, v):
     return (dx * uy - dy * ux) / (dx * dx + dy * dy)
 
 
-@njit_inlined
+@kernel(inlined=True)
 def joint_motion(joint, markers, q, v):
     """Joint angle [rad], its rate, and the spins of the outboard and the inboard body [rad/s]."""
     outboard, inboard = markers[joint.outboard], markers[joint.inboard]
@@ -126,7 +126,7 @@ def joint_motion(joint, markers, q, v):
     return angle, joint.sign * (outboard_spin - inboard_spin), outboard_spin, inboard_spin
 
 
-@njit_inlined
+@kernel(inlined=True)
 def one_sided_stop(joint, depth, closing_rate):
     """Resisting torque of one stop face, its elastic part, and its slopes by depth and by closing rate.
 
@@ -145,7 +145,7 @@ def one_sided_stop(joint, depth, closing_rate):
     return torque, elastic, slope, damping
 
 
-@njit_inlined
+@kernel(inlined=True)
 def stop_depth(joint, latched, angle):
     """Depth [rad] in latch or stow stop, negative outside, and the sign of the torque that resists it."""
     below_stow = joint.stow_angle - joint.stop_gap - angle if joint.has_stow_stop else -math.inf
@@ -157,7 +157,7 @@ def stop_depth(joint, latched, angle):
     return below_stow, 1.0
 
 
-@njit_inlined
+@kernel(inlined=True)
 def stop_torque(joint, own, angle, rate):
     """Torque of latch and stow stop on the joint angle, its elastic part, and its slopes by angle and rate.
 
@@ -170,7 +170,7 @@ def stop_torque(joint, own, angle, rate):
     return sign * torque, sign * elastic, -slope, -damping
 
 
-@njit
+@kernel
 def stop_energy(joint, own, angle):
     """Elastic energy [J] of latch and stow stop."""
     depth, _ = stop_depth(joint, own.latched, angle)
@@ -179,7 +179,7 @@ def stop_energy(joint, own, angle):
     return joint.stop_stiffness * depth ** (joint.stop_exponent + 1.0) / (joint.stop_exponent + 1.0)
 
 
-@njit_inlined
+@kernel(inlined=True)
 def cable_torque(cable, stretch):
     """Torque of a closed cable loop on its outer joint, its slope, and its energy, at a wheel-angle mismatch [rad].
 
@@ -197,7 +197,7 @@ def cable_torque(cable, stretch):
     return math.copysign(torque, stretch), 0.5 * cable.stiffness, energy
 
 
-@njit_inner_inlined
+@kernel(inner=True, inlined=True)
 def joint_torques(model, joint_states, q, v, loads, power):
     """Fill angles, rates, spins and the spring, stop, motor and cable torques of every joint; their powers too."""
     joints, markers, cables = model.joints, model.markers, model.cables
@@ -231,7 +231,7 @@ def joint_torques(model, joint_states, q, v, loads, power):
         )
 
 
-@njit_inlined
+@kernel(inlined=True)
 def joint_forces(model, joint_states, impact_speeds, q, v, loads, force, power):
     """Evaluate every joint: fill ``loads`` and ``power``, add the generalized forces to ``force``.
 

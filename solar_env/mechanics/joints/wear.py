@@ -9,16 +9,16 @@ from __future__ import annotations
 
 import math
 
-from solar_env.mechanics.numerics.jit import njit_inlined
+from solar_env.mechanics.numerics.jit import kernel
 
 
-@njit_inlined
+@kernel(inlined=True)
 def pressed_half_angle(depth, clearance):
     """Half angle [rad] of the arc along which a journal circle overlaps its bearing's: arccos(c / (c + depth))."""
     return math.acos(clearance / (clearance + depth))
 
 
-@njit_inlined
+@kernel(inlined=True)
 def add_wear(depths, angle, half_angle, depth_increment_times_arc, radius):
     """Spread a wear increment over the bins that the arc angle +- half_angle covers, each by its covered share.
 

@@ -1,8 +1,8 @@
-"""The project's ``njit``: Numba with an on-disk cache that cannot go stale.
+"""The project's kernels: compiled by Numba with an on-disk cache that cannot go stale.
 
 Numba's own cache notices an edit of the file that holds a function, but not of the files whose functions it
-calls; cached callers would go on running the old code. Here the cache folder carries a hash of every source
-file that holds kernels, so that any edit compiles afresh.
+calls; cached callers would go on running the old code. Here the cache folder of a kernel carries a hash of its source
+file and of every file of the package that this imports, so that any edit compiles afresh what depends on it.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import os
 import re
 import tempfile
 from collections.abc import Callable
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -20,39 +21,47 @@ import numba
 _PACKAGE = Path(__file__).resolve().parents[2]
 
 
-def _kernel_sources() -> list[Path]:
-    """Files that hold kernels, and what these import of the package: constants and array types are compiled in."""
-    texts = {path: path.read_text(encoding="utf-8") for path in _PACKAGE.rglob("*.py")}
-    found: set[Path] = set()
-    waiting = [path for path, text in texts.items() if "@njit" in text]
+@cache
+def imported_files(path: Path) -> tuple[Path, ...]:
+    """Files of the package that a file of it imports, by its lines ``from solar_env... import ...``."""
+    lines = rf"^ *from {_PACKAGE.name}\.([\w.]+) import (\([^)]*\)|.*)$"
+    files = []
+    for module, names in re.findall(lines, path.read_text(encoding="utf-8"), re.MULTILINE):
+        base = _PACKAGE.joinpath(*module.split("."))
+        # What is imported may be a module, too.
+        places = [base.with_suffix(".py"), base / "__init__.py"]
+        places += [(base / name).with_suffix(".py") for name in re.findall(r"\w+", names)]
+        files += [place for place in places if place.is_file()]
+    return tuple(files)
+
+
+def kernel_sources(path: Path) -> list[Path]:
+    """A file with all that it imports of the package, directly or not: constants and array types are compiled in."""
+    found, waiting = set(), [path]
     while waiting:
-        path = waiting.pop()
-        if path not in found:
-            found.add(path)
-            waiting += [other for other in _imported(texts[path]) if other in texts]
+        source = waiting.pop()
+        if source not in found:
+            found.add(source)
+            waiting += imported_files(source)
     return sorted(found)
 
 
-def _imported(text: str) -> list[Path]:
-    """Files that a module of the package may import from it: each name may be that of a module, too."""
-    paths = []
-    for module, names in re.findall(rf"^from {_PACKAGE.name}\.([\w.]+) import (\([^)]*\)|.*)$", text, re.MULTILINE):
-        base = _PACKAGE.joinpath(*module.split("."))
-        paths += [base.with_suffix(".py"), *((base / name).with_suffix(".py") for name in re.findall(r"\w+", names))]
-    return paths
+@cache
+def cache_folder(path: Path) -> str:
+    """Folder of the compiled kernels of a source file; it is there and can be written.
 
-
-def _cache_directory() -> str:
+    Raises:
+        OSError: if there is none.
+    """
     digest = hashlib.sha256()
-    for source in _kernel_sources():
+    for source in kernel_sources(path):
         digest.update(source.relative_to(_PACKAGE).as_posix().encode())
         digest.update(source.read_bytes())
     base = os.environ.get("NUMBA_CACHE_DIR") or os.path.join(
         os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache"), "solar_env"
     )
-    name = digest.hexdigest()[:16]
     for root in (base, os.path.join(tempfile.gettempdir(), "solar_env")):
-        folder = os.path.join(root, name)
+        folder = os.path.join(root, digest.hexdigest()[:16])
         try:
             os.makedirs(folder, exist_ok=True)
         except OSError:
@@ -62,44 +71,38 @@ def _cache_directory() -> str:
     raise OSError(f"no writable folder for compiled kernels (tried {base!r}); set NUMBA_CACHE_DIR to one")
 
 
-_CACHE_DIRECTORY = _cache_directory()
+def kernel(
+    function: Callable[..., Any] | None = None,
+    *,
+    inner: bool = False,
+    inlined: bool = False,
+    single_caller: bool = False,
+) -> Any:
+    """Compile a function in nopython mode, without the interpreter lock, cached under the hash of its sources.
 
+    It may not allocate. In exchange it does no reference counting, which would otherwise cost two atomic operations for
+    every field taken out of a tuple of arrays: more than half of the run time of small mechanisms.
 
-def _compile(function: Callable[..., Any], **options: Any) -> Any:
+    Args:
+        function: to compile; left out where the decorator has options.
+        inner: only kernels call it; leaving out the way in from Python saves compile time.
+        inlined: LLVM inlines it wherever it is called, which spares passing tuples of arrays.
+        single_caller: one kernel calls it, in one place; it is compiled as a part of that only, which saves time.
+    """
+    if function is None:
+        return partial(kernel, inner=inner, inlined=inlined, single_caller=single_caller)
+    options = {"no_cpython_wrapper": inner, "forceinline": inlined, "inline": "always" if single_caller else "never"}
     previous = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = _CACHE_DIRECTORY
+    numba.config.CACHE_DIR = cache_folder(Path(function.__code__.co_filename).resolve())
     try:
         return numba.njit(
-            cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, no_cfunc_wrapper=True, **options
+            cache=True,
+            nogil=True,
+            error_model="numpy",
+            fastmath={"contract"},
+            no_cfunc_wrapper=True,
+            _nrt=False,
+            **options,
         )(function)
     finally:
         numba.config.CACHE_DIR = previous
-
-
-def njit(function: Callable[..., Any]) -> Any:
-    """Compile a kernel in nopython mode, without the interpreter lock, cached under the hash of all kernel sources.
-
-    The kernel may not allocate. In exchange it does no reference counting, which would otherwise cost two atomic
-    operations for every field taken out of a tuple of arrays: more than half of the run time of small mechanisms.
-    """
-    return _compile(function, _nrt=False)
-
-
-def njit_inner(function: Callable[..., Any]) -> Any:
-    """Like :func:`njit`, for kernels that only kernels call: leaving out the way in from Python saves compile time."""
-    return _compile(function, _nrt=False, no_cpython_wrapper=True)
-
-
-def njit_inner_inlined(function: Callable[..., Any]) -> Any:
-    """Like :func:`njit_inlined`, for kernels that only kernels call."""
-    return _compile(function, _nrt=False, forceinline=True, no_cpython_wrapper=True)
-
-
-def njit_merged(function: Callable[..., Any]) -> Any:
-    """Like :func:`njit`, for kernels with one caller: they are compiled as a part of it only, which saves time."""
-    return _compile(function, _nrt=False, inline="always")
-
-
-def njit_inlined(function: Callable[..., Any]) -> Any:
-    """Like :func:`njit`, for the innermost functions: LLVM inlines them, which spares passing tuples of arrays."""
-    return _compile(function, _nrt=False, forceinline=True)

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import math
 
-from solar_env.mechanics.numerics.jit import njit, njit_inlined
+from solar_env.mechanics.numerics.jit import kernel
 
 
-@njit_inlined
+@kernel(inlined=True)
 def copy_into(target, source):
     """Copy a vector; in a hot loop several times cheaper than a slice assignment."""
     for i in range(target.size):
         target[i] = source[i]
 
 
-@njit
+@kernel
 def cholesky_factor(a, n):
     """Factor the symmetric positive definite a[:n, :n] in place into its lower triangle; False if it is singular.
 
@@ -36,7 +36,7 @@ def cholesky_factor(a, n):
     return True
 
 
-@njit
+@kernel
 def cholesky_solve(a, n, b):
     """Solve in place for ``b`` (n,) with the factor of :func:`cholesky_factor`."""
     for i in range(n):
@@ -51,7 +51,7 @@ def cholesky_solve(a, n, b):
         b[i] = s * a[i, i]
 
 
-@njit
+@kernel
 def lu_factor(a, n):
     """Factor a[:n, :n], whose symmetric part is positive definite, in place without pivoting; False if it is not."""
     for k in range(n):
@@ -64,7 +64,7 @@ def lu_factor(a, n):
     return True
 
 
-@njit
+@kernel
 def lu_solve(a, n, b):
     """Solve in place for ``b`` (n,) with the factors of :func:`lu_factor`."""
     for i in range(n):

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.mechanics.numerics.jit import njit, njit_inlined, njit_inner, njit_inner_inlined
+from solar_env.mechanics.numerics.jit import kernel
 
 BLOCK = 4
 _ENTRIES = BLOCK * BLOCK
@@ -68,7 +68,7 @@ def make_profile_matrix(elimination: Elimination) -> ProfileMatrix:
     return matrix
 
 
-@njit
+@kernel
 def clear(elimination, matrix):
     """Set all entries to zero, but those of empty places on the diagonal to one."""
     for array in (matrix.lower, matrix.upper, matrix.diagonal):
@@ -79,7 +79,7 @@ def clear(elimination, matrix):
         matrix.diagonal[place // BLOCK, (BLOCK + 1) * (place % BLOCK)] = 1.0
 
 
-@njit_inlined
+@kernel(inlined=True)
 def add_entry(elimination, matrix, i, j, value):
     """Add to the entry of the unknowns ``i`` (row) and ``j`` (column); nothing if one of them is held."""
     place, other = elimination.position[i], elimination.position[j]
@@ -112,21 +112,21 @@ def dense(elimination: Elimination, matrix: ProfileMatrix) -> NDArray[np.float64
     return result
 
 
-@njit_inlined
+@kernel(inlined=True)
 def enter(x, place, value):
     """Set the entry of a vector (blocks, BLOCK); nothing if the unknown is held."""
     if place >= 0:
         x[place >> _SHIFT, place & _REST] = value
 
 
-@njit_inlined
+@kernel(inlined=True)
 def add_to(x, place, value):
     """Add to the entry of a vector (blocks, BLOCK); nothing if the unknown is held."""
     if place >= 0:
         x[place >> _SHIFT, place & _REST] += value
 
 
-@njit_inlined
+@kernel(inlined=True)
 def taken(x, place):
     """The entry of a vector (blocks, BLOCK); zero if the unknown is held."""
     return x[place >> _SHIFT, place & _REST] if place >= 0 else 0.0
@@ -135,7 +135,7 @@ def taken(x, place):
 # Blocks are handed on as views: that their indices are constants tells the compiler that no entry overlaps another.
 
 
-@njit_inner_inlined
+@kernel(inner=True, inlined=True)
 def _subtract_product(out, left, right):
     """Subtract left^T right from ``out``, all row by row."""
     for i in range(BLOCK):
@@ -147,7 +147,7 @@ def _subtract_product(out, left, right):
         out[4 * i], out[4 * i + 1], out[4 * i + 2], out[4 * i + 3] = y0, y1, y2, y3
 
 
-@njit_inner_inlined
+@kernel(inner=True, inlined=True)
 def _scale(block, inverse):
     """Replace the block B, column by column, by B times ``inverse``."""
     for i in range(BLOCK):
@@ -159,7 +159,7 @@ def _scale(block, inverse):
         block[i], block[4 + i], block[8 + i], block[12 + i] = y0, y1, y2, y3
 
 
-@njit_inner
+@kernel(inner=True)
 def _invert(block, s0, s1, s2, s3):
     """Invert the block without exchange of pivots.
 
@@ -186,7 +186,7 @@ def _invert(block, s0, s1, s2, s3):
     return True
 
 
-@njit
+@kernel
 def profile_factor(elimination, matrix):
     """Factor in place into a unit lower and an upper block triangle; False if a pivot vanishes or is not finite.
 
@@ -210,7 +210,7 @@ def profile_factor(elimination, matrix):
     return True
 
 
-@njit_inner_inlined
+@kernel(inner=True, inlined=True)
 def _times(block, x0, x1, x2, x3):
     """A block, row by row, times a vector."""
     return (
@@ -221,7 +221,7 @@ def _times(block, x0, x1, x2, x3):
     )
 
 
-@njit_inner_inlined
+@kernel(inner=True, inlined=True)
 def _transposed_times(block, x):
     """A block, column by column, times a vector (BLOCK,)."""
     a, b, c, d = x[0], x[1], x[2], x[3]
@@ -233,7 +233,7 @@ def _transposed_times(block, x):
     )
 
 
-@njit
+@kernel
 def profile_solve(elimination, matrix, b):
     """Solve in place for ``b`` (blocks, BLOCK), in the order of elimination, with :func:`profile_factor`'s factors."""
     first, base = elimination.first, elimination.base
@@ -258,7 +258,7 @@ def profile_solve(elimination, matrix, b):
             there[3] -= x3
 
 
-@njit
+@kernel
 def profile_product(elimination, matrix, x, out):
     """Write the matrix times ``x`` to ``out``, both (blocks, BLOCK) in the order of elimination."""
     first, base = elimination.first, elimination.base

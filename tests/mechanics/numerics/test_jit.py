@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -9,73 +10,77 @@ from pathlib import Path
 import pytest
 
 import solar_env
+from solar_env.mechanics.numerics.jit import cache_folder, kernel_sources
 
 PROGRAM = """
 import sys
+from pathlib import Path
 sys.path.insert(0, sys.argv[1])
 from solar_env.mechanics.numerics import jit
 assert jit.__file__.startswith(sys.argv[1])
-print(jit._CACHE_DIRECTORY)
+print(jit.cache_folder(Path(sys.argv[1]).resolve() / "solar_env" / sys.argv[2]))
 """
+ROOT = Path(solar_env.__file__).resolve().parent
+COMPILING = [path for path in sorted(ROOT.rglob("*.py")) if "@kernel" in path.read_text(encoding="utf-8")]
 
 
 @pytest.fixture
 def package(tmp_path: Path) -> Path:
     """A folder with a copy of the package that may be edited."""
-    source = Path(solar_env.__file__).parent
-    shutil.copytree(source, tmp_path / "copy" / "solar_env", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(ROOT, tmp_path / "copy" / "solar_env", ignore=shutil.ignore_patterns("__pycache__", "figures"))
     return tmp_path / "copy"
 
 
 @pytest.fixture
-def cache_of(package: Path, tmp_path: Path, run_python: Callable[..., str]) -> Callable[[], Path]:
-    def found() -> Path:
+def cache_of(package: Path, tmp_path: Path, run_python: Callable[..., str]) -> Callable[[str], Path]:
+    def found(name: str) -> Path:
         environment = {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONDONTWRITEBYTECODE": "1"}
-        return Path(run_python(PROGRAM, str(package), **environment).strip())
+        return Path(run_python(PROGRAM, str(package), name, **environment).strip())
 
     return found
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "mechanics/numerics/linear.py",
-        "mechanics/arrays/model.py",
-        "mechanics/bodies/rigid.py",
-        "mechanics/joints/contact.py",
-        "mechanics/equations/system.py",
-        "mechanics/integrators/adaptive.py",
-        "environment/task.py",
-    ],
-)
-def test_editing_a_kernels_source_changes_the_cache_folder(
-    package: Path, cache_of: Callable[[], Path], tmp_path: Path, name: str
+def test_every_kernel_that_a_run_calls_stands_behind_the_drivers_cache() -> None:
+    drivers = [ROOT / "mechanics" / "integrators" / name for name in ("adaptive.py", "generalized_alpha.py")]
+    behind = {path for driver in [*drivers, ROOT / "environment" / "task.py"] for path in kernel_sources(driver)}
+    assert len(COMPILING) > 15
+    assert behind >= set(COMPILING)
+
+
+@pytest.mark.parametrize("path", COMPILING, ids=lambda path: path.relative_to(ROOT).as_posix())
+def test_the_sources_of_a_kernel_are_those_that_its_module_imports(path: Path) -> None:
+    imported: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("solar_env"):
+            imported |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
+    files = {ROOT.parent.joinpath(*name.split(".")).with_suffix(".py") for name in imported}
+    assert {file for file in files if file.is_file()} <= set(kernel_sources(path))
+
+
+@pytest.mark.parametrize("name", ["numerics/linear.py", "arrays/model.py", "bodies/rigid.py", "equations/system.py"])
+def test_an_edit_of_what_a_kernel_calls_changes_its_cache_folder(
+    package: Path, cache_of: Callable[[str], Path], tmp_path: Path, name: str
 ) -> None:
-    before = cache_of()
+    driver = "mechanics/integrators/adaptive.py"
+    before = cache_of(driver)
     assert before.parent == tmp_path / "cache"
     assert before.is_dir()
-    assert cache_of() == before
-    path = package / "solar_env" / name
+    assert cache_of(driver) == before
+    path = package / "solar_env" / "mechanics" / name
     path.write_text(path.read_text() + "\n# edited\n")
-    after = cache_of()
+    after = cache_of(driver)
     assert after != before
     assert after.parent == before.parent
 
 
-def test_editing_what_holds_no_kernel_keeps_the_cache(package: Path, cache_of: Callable[[], Path]) -> None:
-    before = cache_of()
-    path = package / "solar_env" / "array" / "construction.py"
-    path.write_text(path.read_text() + "\n# edited\n")
-    assert cache_of() == before
-
-
-def test_every_module_that_compiles_is_watched() -> None:
-    from solar_env.mechanics.numerics.jit import _kernel_sources
-
-    root = Path(solar_env.__file__).parent
-    compiling = {path for path in root.rglob("*.py") if "@njit" in path.read_text()}
-    assert len(compiling) > 5
-    assert compiling <= set(_kernel_sources())
+def test_an_edit_of_what_a_kernel_does_not_call_keeps_its_cache(package: Path, cache_of: Callable[[str], Path]) -> None:
+    driver = "mechanics/integrators/adaptive.py"
+    before, before_task = cache_of(driver), cache_of("environment/task.py")
+    for name in ("array/construction.py", "environment/task.py"):
+        path = package / "solar_env" / name
+        path.write_text(path.read_text() + "\n# edited\n")
+    assert cache_of(driver) == before
+    assert cache_of("environment/task.py") != before_task
 
 
 STALE = """
@@ -100,7 +105,7 @@ def test_a_folder_that_cannot_be_written_is_replaced_by_a_temporary_one(
     # A file stands where the folder should be.
     (tmp_path / "cache").write_text("")
     environment = {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "TMPDIR": str(tmp_path)}
-    folder = Path(run_python(PROGRAM, str(package), **environment).strip())
+    folder = Path(run_python(PROGRAM, str(package), "environment/task.py", **environment).strip())
     assert folder.is_dir()
     assert tmp_path in folder.parents
 
@@ -108,6 +113,4 @@ def test_a_folder_that_cannot_be_written_is_replaced_by_a_temporary_one(
 def test_the_compilers_own_settings_are_left_alone() -> None:
     import numba
 
-    from solar_env.mechanics.numerics import jit
-
-    assert numba.config.CACHE_DIR != jit._CACHE_DIRECTORY
+    assert cache_folder(COMPILING[0]) != numba.config.CACHE_DIR

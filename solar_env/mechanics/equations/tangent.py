@@ -14,10 +14,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.mechanics.arrays.model import CLEARANCE, MATERIAL_POINTS
+from solar_env.mechanics.arrays.model import CLEARANCE
 from solar_env.mechanics.bodies.cable_element_tangent import ElementSlopes, add_elastic_tangents, make_element_slopes
 from solar_env.mechanics.equations.system import Workspace
-from solar_env.mechanics.joints.contact import friction_ramp, friction_ramp_slope, normal_force, normal_force_slopes
+from solar_env.mechanics.joints.contact.normal_force import normal_force
+from solar_env.mechanics.joints.friction.friction_share import friction_share
+from solar_env.mechanics.joints.friction.laws import MATERIAL
 from solar_env.mechanics.joints.joint import (
     ANGLE,
     CABLE_TORQUE,
@@ -141,14 +143,12 @@ def contact_tangent(joint, markers, q, v, outboard_spin, inboard_spin, impact_sp
     tx, ty = -ny, nx
     rate = ux * nx + uy * ny
     slide = ux * tx + uy * ty
-    material = joint.sliding_speed == MATERIAL_POINTS
+    material = joint.sliding == MATERIAL
     slip = slide + joint.journal_radius * outboard_spin - lever * inboard_spin if material else slide
-    normal, _ = normal_force(depth, rate, joint.contact_stiffness, joint.damping_factor, impact_speed)
-    by_depth, by_rate = normal_force_slopes(depth, rate, joint.contact_stiffness, joint.damping_factor, impact_speed)
-    ramp = friction_ramp(slip, joint.friction_speed_zero, joint.friction_speed_full)
-    ramp_slope = friction_ramp_slope(slip, joint.friction_speed_zero, joint.friction_speed_full)
-    per_normal = -joint.friction_coefficient * ramp
-    per_slip = -joint.friction_coefficient * ramp_slope * normal
+    normal, _, by_depth, by_rate = normal_force(joint, depth, rate, impact_speed)
+    share, slope = friction_share(joint, slip)
+    per_normal = -joint.friction_coefficient * share
+    per_slip = -joint.friction_coefficient * slope * normal
     tangential = per_normal * normal
     turn = slide / radius
     for k in range(2):

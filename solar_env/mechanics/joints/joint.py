@@ -15,13 +15,14 @@ from solar_env.mechanics.arrays.model import (
     FRICTION_DISSIPATION,
     IMPULSE,
     INTEGRALS_PER_JOINT,
-    MATERIAL_POINTS,
     MOTOR_WORK,
     NORMAL_DISSIPATION,
     SLIDING_WORK,
     STOP_DISSIPATION,
 )
-from solar_env.mechanics.joints.contact import friction_ramp, normal_force
+from solar_env.mechanics.joints.contact.normal_force import normal_force
+from solar_env.mechanics.joints.friction.friction_share import friction_share
+from solar_env.mechanics.joints.friction.laws import MATERIAL
 from solar_env.mechanics.numerics.jit import kernel
 
 # Columns of the table of joint loads that one evaluation fills.
@@ -269,12 +270,10 @@ def joint_forces(model, joint_states, impact_speeds, q, v, loads, force, power):
                     centre_slip = uy * nx - ux * ny
                     lever = joint.journal_radius + radius
                     slip = centre_slip + joint.journal_radius * loads[j, OUTBOARD_SPIN] - lever * loads[j, INBOARD_SPIN]
-                    normal, elastic = normal_force(
-                        depth, rate, joint.contact_stiffness, joint.damping_factor, impact_speeds[j]
-                    )
-                    law_slip = slip if joint.sliding_speed == MATERIAL_POINTS else centre_slip
-                    ramp = friction_ramp(law_slip, joint.friction_speed_zero, joint.friction_speed_full)
-                    tangential = -joint.friction_coefficient * ramp * normal
+                    normal, elastic, _, _ = normal_force(joint, depth, rate, impact_speeds[j])
+                    law_slip = slip if joint.sliding == MATERIAL else centre_slip
+                    share, _ = friction_share(joint, law_slip)
+                    tangential = -joint.friction_coefficient * share * normal
                     fx = -normal * nx - tangential * ny
                     fy = -normal * ny + tangential * nx
                     outboard_torque += joint.journal_radius * tangential

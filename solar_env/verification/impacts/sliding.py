@@ -14,15 +14,17 @@ from dataclasses import replace
 import numpy as np
 
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
+from solar_env.mechanics.joints.contact import lankarani_nikravesh
+from solar_env.mechanics.joints.contact.power_law import PowerLaw
+from solar_env.mechanics.joints.friction.ramp import RampedCoulomb
 from solar_env.mechanics.joints.joint import NORMAL, RATE, TANGENTIAL
-from solar_env.mechanics.joints.laws import damping_factor
 from solar_env.mechanics.mechanism.description import Bearing, Body
 from solar_env.mechanics.mechanism.textbook import loaded_journal
 from solar_env.mechanics.running.simulation import Simulation, simulate
 from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.verification.checks import Check
 
-LOAD, RADIUS, CLEARANCE = 10.0, 0.01, 2e-4
+LOAD, RADIUS, CLEARANCE, STIFFNESS = 10.0, 0.01, 2e-4, 7.39e10  # N, m, m, N/m^1.5
 FRICTION = 0.15
 SPEED_ZERO, SPEED_FULL = 1e-4, 1e-3
 WEAR, WIDTH, BINS = 1e-13, 0.05, 360
@@ -31,15 +33,14 @@ ARCHARD = "J. F. Archard, J. Appl. Phys. 24 (1953) 981: volume = k * force * sli
 RATE_OF_TURNING, TURNS = 20.0, 2  # rad/s, -
 
 
-def _bearing(material_sliding: bool = True) -> Bearing:
+def _bearing(sliding: str = "material") -> Bearing:
     return Bearing(
         CLEARANCE,
         RADIUS,
-        stiffness=7.39e10,
-        damping_factor=damping_factor("lankarani-nikravesh", 0.5),
+        contact=PowerLaw(STIFFNESS, damping=lankarani_nikravesh.damping(0.5)),
         friction_coefficient=FRICTION,
-        friction_speeds=(SPEED_ZERO, SPEED_FULL),
-        material_sliding=material_sliding,
+        friction=RampedCoulomb(SPEED_ZERO, SPEED_FULL),
+        sliding=sliding,
         wear_coefficient=WEAR,
         width=WIDTH,
     )
@@ -76,7 +77,7 @@ def friction_creep() -> Iterator[Check]:
 def sliding_speed_readings() -> Iterator[Check]:
     """With the sliding speed of the joint centres, a journal that spins in its place meets no friction."""
     torque, duration = 0.5 * FRICTION * LOAD * RADIUS, 0.05
-    mechanism = loaded_journal(_bearing(material_sliding=False), LOAD)
+    mechanism = loaded_journal(_bearing("centres"), LOAD)
     simulation = Simulation(mechanism, RungeKutta(rtol=1e-8))
     simulation.set_motor_torque(0, torque)
     simulation.advance(duration)
@@ -105,14 +106,14 @@ def _worn(housing_angle: float | None = None) -> Trajectory:
 
 def archard_wear() -> Iterator[Check]:
     """Wear of a journal that turns at a constant rate: volumes, depths over the arc of contact, and its place."""
-    bearing, rate, motion = _bearing(), RATE_OF_TURNING, _worn()
+    rate, motion = RATE_OF_TURNING, _worn()
     duration = TURNS * 2.0 * math.pi / rate
     # Steady sliding, beyond the ramp: T = cf N.
     normal = LOAD / math.hypot(1.0, FRICTION)
     volume = WEAR * normal * RADIUS * rate * duration
     bin_arc = 2.0 * math.pi / BINS
     bearing_radius = RADIUS + CLEARANCE
-    depth = (normal / bearing.stiffness) ** (2.0 / 3.0)
+    depth = (normal / STIFFNESS) ** (2.0 / 3.0)
     half_arc = math.acos(CLEARANCE / (CLEARANCE + depth))
     # The arc of contact stays in its place on the bearing: the bin which it covers most wears deepest.
     low = 1.5 * math.pi - math.atan(FRICTION) - half_arc

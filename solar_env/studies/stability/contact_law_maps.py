@@ -135,8 +135,8 @@ RESTITUTION = StabilityMap(
     y=Axis("speed_m_s", "impact speed [m/s]", (1e-6, 1e-5, 1e-4, 1e-2, 1.0), log_range(1e-7, 10.0, 17)),
     panels=LAWS,
     quantity="exit over entry speed",
-    advice="Below a restitution of 0.8 take contact_law = 'flores'; and set minimum_impact_speed below the slowest "
-    "impact that matters, for slower ones bounce as if undamped.",
+    advice="Below a restitution of 0.8 take contact_law = 'restitution'; and set minimum_impact_speed below the "
+    "slowest impact that matters, for slower ones bounce as if undamped.",
     measure=measure_restitution,
     limit=restitution_limit,
     limit_label="to the left the law in closed form is off by more than 0.05",

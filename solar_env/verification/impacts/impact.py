@@ -69,6 +69,22 @@ def restitution_curve() -> Iterator[Check]:
             )
 
 
+def exact_restitution() -> Iterator[Check]:
+    """Exit over entry speed of the law "restitution" against what it is asked for; of five speeds the worst."""
+    for integrator in RESOLVING:
+        for asked in (0.01, *COEFFICIENTS, 0.999):
+            contact = contact_law("restitution", SURFACES, asked)
+            ratios = np.array([_speed_ratio(contact, speed, integrator) for speed in SPEEDS])
+            yield Check(
+                quantity=f"exit/entry speed, restitution, e = {asked:g}, {integrator.name}",
+                expected=asked,
+                obtained=float(ratios[np.argmax(np.abs(ratios - asked))]),
+                tolerance=EXIT_SPEED_ERROR[integrator.name],
+                relative=True,
+                source="the law's own claim",
+            )
+
+
 def _one_impact(contact: PowerLaw, speed: float, integrator: Integrator) -> Trajectory:
     """Motion from the middle of the gap until well before the far wall, sampled 2000 times an impact."""
     duration = undamped_duration(MASS, contact, speed)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from decimal import Decimal, localcontext
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from scipy.integrate import quad
 
 from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
-from solar_env.mechanics.joints.contact import flores, lankarani_nikravesh
+from solar_env.mechanics.joints.contact import flores, lankarani_nikravesh, restitution
 from solar_env.mechanics.joints.contact.hertz import sphere
 from solar_env.mechanics.joints.contact.laws import CONTACT_LAWS, ContactLaw, contact_law
 from solar_env.mechanics.joints.contact.normal_force import contact_energy, impact_scales, normal_force
@@ -28,7 +29,7 @@ SURFACES = Surfaces(
 MASS, SPEED, CLEARANCE = 6.0, 0.05, 2e-4
 INTEGRATORS: tuple[Integrator, ...] = (RungeKutta(), GeneralizedAlpha(rtol=1e-5))
 EVERY_LAW = pytest.mark.parametrize("name", CONTACT_LAWS)
-EVERY_RESTITUTION = pytest.mark.parametrize("restitution", [0.1, 0.5, 0.9, 1.0])
+EVERY_RESTITUTION = pytest.mark.parametrize("coefficient", [0.1, 0.5, 0.9, 1.0])
 
 
 def row(law: ContactLaw) -> np.record:
@@ -39,9 +40,9 @@ def row(law: ContactLaw) -> np.record:
 @EVERY_LAW
 @EVERY_RESTITUTION
 def test_the_compiled_force_is_that_of_the_law_and_rises_from_zero_without_a_jump(
-    name: str, restitution: float
+    name: str, coefficient: float
 ) -> None:
-    law = contact_law(name, SURFACES, restitution)
+    law = contact_law(name, SURFACES, coefficient)
     joint = row(law)
     for depth in (0.0, -1e-12):
         assert normal_force(joint, depth, SPEED, SPEED) == (0.0, 0.0, 0.0, 0.0)
@@ -66,8 +67,8 @@ def test_a_code_that_no_law_has_is_no_other_law() -> None:
 
 @EVERY_LAW
 @EVERY_RESTITUTION
-def test_the_force_never_attracts_and_its_elastic_part_is_the_force_at_rest(name: str, restitution: float) -> None:
-    law = contact_law(name, SURFACES, restitution)
+def test_the_force_never_attracts_and_its_elastic_part_is_the_force_at_rest(name: str, coefficient: float) -> None:
+    law = contact_law(name, SURFACES, coefficient)
     for depth in (1e-9, 1e-6, 1e-4):
         for rate in np.linspace(-50.0, 1.0, 103):
             force, elastic, by_depth, by_rate = law.force(law.parameters(), depth, rate, SPEED)
@@ -78,8 +79,8 @@ def test_the_force_never_attracts_and_its_elastic_part_is_the_force_at_rest(name
 
 @EVERY_LAW
 @EVERY_RESTITUTION
-def test_the_slopes_are_those_of_the_force(name: str, restitution: float) -> None:
-    law = contact_law(name, SURFACES, restitution)
+def test_the_slopes_are_those_of_the_force(name: str, coefficient: float) -> None:
+    law = contact_law(name, SURFACES, coefficient)
 
     def force(depth: float, rate: float) -> float:
         return law.force(law.parameters(), depth, rate, SPEED)[0]
@@ -107,9 +108,9 @@ def test_the_stored_energy_is_the_work_against_the_elastic_force(name: str) -> N
 @EVERY_RESTITUTION
 @pytest.mark.parametrize("integrator", INTEGRATORS, ids=lambda integrator: integrator.name)
 def test_a_block_leaves_the_wall_with_the_speed_that_the_law_claims(
-    name: str, restitution: float, integrator: Integrator
+    name: str, coefficient: float, integrator: Integrator
 ) -> None:
-    law = contact_law(name, SURFACES, restitution)
+    law = contact_law(name, SURFACES, coefficient)
     # Time for the slowest of bounces, and too little for the far wall.
     run = simulate(
         bouncing_block(Bearing(CLEARANCE, 0.01, law), MASS, SPEED), 2.5 * CLEARANCE / SPEED, integrator=integrator
@@ -135,9 +136,9 @@ def test_an_unknown_law_and_a_restitution_outside_its_range_are_refused() -> Non
     with pytest.raises(ValueError, match=r"'dubowsky' is unknown; choose from lankarani-nikravesh, .*hertz"):
         contact_law("dubowsky", SURFACES, 0.9)
     for name in CONTACT_LAWS:
-        for restitution in (0.0, -0.1, 1.0001, math.nan, math.inf):
-            with pytest.raises(ValueError, match=f"restitution = {restitution!r}"):
-                contact_law(name, SURFACES, restitution)
+        for coefficient in (0.0, -0.1, 1.0001, math.nan, math.inf):
+            with pytest.raises(ValueError, match=f"restitution = {coefficient!r}"):
+                contact_law(name, SURFACES, coefficient)
 
 
 @pytest.mark.parametrize(
@@ -179,6 +180,20 @@ def test_damping_factors_are_those_of_the_named_laws() -> None:
     assert contact_law("hertz", SURFACES, 0.3).damping == 0.0
     assert lankarani_nikravesh.damping(0.9) == pytest.approx(0.75 * 0.19, rel=1e-14)
     assert flores.damping(0.5) == pytest.approx(8.0 * 0.5 / (5.0 * 0.5), rel=1e-14)
+
+
+@pytest.mark.parametrize("e", [1e-3, 0.1, 0.5, 0.9, 0.99, 0.9995, 0.9999, 0.9999999])
+def test_the_law_of_exact_restitution_gives_what_it_is_asked_for(e: float) -> None:
+    d = restitution.damping(e)
+    assert PowerLaw(1.0, damping=d).exit_speed_ratio() == pytest.approx(e, abs=1e-9)
+    # The equation to sixty digits, in which the terms of its power series that cancel cannot hide the root.
+    with localcontext(prec=60):
+        for shift, sign in ((-1e-9, 1), (1e-9, -1)):
+            asked, factor = Decimal(e) + Decimal(shift), Decimal(d)
+            room = 1 - factor * asked
+            if room > 0 and asked < 1:
+                defect = (1 + factor).ln() - room.ln() - factor * (1 + asked)
+                assert defect * sign < 0
 
 
 def test_eq_40_gives_the_stiffness_of_steel_in_brass() -> None:

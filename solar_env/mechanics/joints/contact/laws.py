@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from solar_env.mechanics.joints.contact import flores, hertz, lankarani_nikravesh
+from solar_env.mechanics.joints.contact import flores, hertz, lankarani_nikravesh, restitution
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.joints.contact.surfaces import Surfaces
 
@@ -15,10 +15,11 @@ CONTACT_LAWS: dict[str, Callable[[Surfaces, float], ContactLaw]] = {
     "lankarani-nikravesh": lankarani_nikravesh.law,
     "flores": flores.law,
     "hertz": hertz.law,
+    "restitution": restitution.law,
 }
 
 
-def contact_law(name: str, surfaces: Surfaces, restitution: float) -> ContactLaw:
+def contact_law(name: str, surfaces: Surfaces, coefficient: float) -> ContactLaw:
     """The contact law of a name between two surfaces, at a coefficient of restitution in (0, 1].
 
     Raises:
@@ -26,6 +27,6 @@ def contact_law(name: str, surfaces: Surfaces, restitution: float) -> ContactLaw
     """
     if name not in CONTACT_LAWS:
         raise ValueError(f"contact law {name!r} is unknown; choose from {', '.join(CONTACT_LAWS)}")
-    if not 0.0 < restitution <= 1.0:
-        raise ValueError(f"restitution = {restitution!r} must lie in (0, 1]")
-    return CONTACT_LAWS[name](surfaces, restitution)
+    if not 0.0 < coefficient <= 1.0:
+        raise ValueError(f"restitution = {coefficient!r} must lie in (0, 1]")
+    return CONTACT_LAWS[name](surfaces, coefficient)

@@ -8,9 +8,23 @@ methods are compiled in `normal_force.py`; they hold for positive depths.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from typing import ClassVar
+
+
+def impact_defect(d: float, e: float) -> float:
+    """Defect ln[(1 + d) / (1 - d e)] - d (1 + e) of the equation between damping factor and exit over entry speed."""
+    room = 1.0 - d * e
+    return math.log1p(d) - math.log(room) - d * (1.0 + e) if room > 0.0 else math.inf
+
+
+def bisect(function: Callable[[float], float], low: float, high: float) -> float:
+    """Root of a function that is negative at `low` and positive at `high`."""
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if function(middle) > 0.0 else (middle, high)
+    return low
 
 
 @dataclass(frozen=True)
@@ -55,20 +69,12 @@ class PowerLaw:
     def exit_speed_ratio(self) -> float:
         """Exit over entry speed of an impact, whatever mass, speed, stiffness and exponent.
 
-        The equation of motion m depth'' = -F separates: d (1 + e) = ln[(1 + d) / (1 - d e)]. Solved by bisection.
+        The equation of motion m depth'' = -F separates: d (1 + e) = ln[(1 + d) / (1 - d e)].
         """
         d = self.damping
-        if d < 1e-6:
-            return 1.0 - 2.0 / 3.0 * d  # where rounding would hide it
-        low, high = 0.0, min(1.0, 1.0 / d)
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            room = 1.0 - d * middle
-            if room <= 0.0 or math.log1p(d) - math.log(room) > d * (1.0 + middle):
-                high = middle
-            else:
-                low = middle
-        return low
+        if d < 3e-4:
+            return 1.0 - 2.0 / 3.0 * d + 4.0 / 9.0 * d * d  # the terms of the equation cancel there
+        return bisect(lambda e: impact_defect(d, e), 0.0, min(1.0, 1.0 / d))
 
     @staticmethod
     def force(

@@ -21,8 +21,7 @@ import numpy as np
 
 from solar_env.mechanics.joints.contact.laws import ContactLaw, contact_law
 from solar_env.mechanics.joints.contact.surfaces import Surfaces
-from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS
-from solar_env.mechanics.joints.friction.ramp import RampedCoulomb
+from solar_env.mechanics.joints.friction.laws import FRICTION_LAWS, SLIDING_READINGS, FrictionLaw
 from solar_env.mechanics.mechanism.description import (
     Bearing,
     FlexibleBody,
@@ -114,9 +113,11 @@ class ArrayParameters:
             where the stiffness is computed; a steel journal in a brass bearing.
         minimum_impact_speed: lower bound of the impact speed in the damping term [m/s] (chosen: a hundredth of the
             slower impacts').
-        friction_coefficient: Coulomb's.
+        friction_law: "ramp" (the paper's Eq 42), or "brown-mcphee" (smooth, with static friction, setting in at once).
+        friction_coefficient: Coulomb's, of sliding.
+        static_friction_ratio: coefficient of static over that of sliding friction, at least 1; 1 for "ramp".
         friction_speed_zero, friction_speed_full: sliding speeds between which friction sets in [m/s] (chosen: below
-            those of impacts, which see all of Coulomb's friction).
+            those of impacts, which see all of Coulomb's friction); "brown-mcphee" peaks at the second.
         friction_sliding: "material" for the speed of the material points in contact; "centres" for the paper's Eq 35,
             which leaves the bodies' rotation out.
         wear_coefficient: Archard's k = K_W/H [m2/N] (chosen so that the deepest bin of one deployment comes to the
@@ -170,7 +171,9 @@ class ArrayParameters:
     bearing_young: float = 105e9
     bearing_poisson: float = 0.34
     minimum_impact_speed: float = 1e-4
+    friction_law: str = "ramp"
     friction_coefficient: float = 0.15
+    static_friction_ratio: float = 1.0
     friction_speed_zero: float = 1e-4
     friction_speed_full: float = 1e-3
     friction_sliding: str = "material"
@@ -210,6 +213,9 @@ class ArrayParameters:
         self._require("spring_stiffness", min(self._entries("spring_stiffness")) >= 0.0, "must not be negative")
         self._require("restitution", 0.0 < self.restitution <= 1.0, "must lie in (0, 1]")
         self._require("friction_sliding", self.friction_sliding in SLIDING_READINGS, "must be material or centres")
+        self._require("friction_law", self.friction_law in FRICTION_LAWS, f"must be one of {', '.join(FRICTION_LAWS)}")
+        self._require("static_friction_ratio", self.static_friction_ratio >= 1.0, "must be at least 1")
+        self.friction()
         self._require("initial_spin", self.initial_spin == 0.0 or not self.body_fixed, "needs a body that is not fixed")
         self._require(
             "contact_stiffness", self.contact_stiffness is None or self.contact_stiffness > 0.0, "must be positive"
@@ -317,6 +323,11 @@ class ArrayParameters:
         """The contact law of a joint, counted from 0."""
         return contact_law(self.contact_law, self.surfaces(joint), self.restitution)
 
+    def friction(self) -> FrictionLaw:
+        """The friction law of all joints."""
+        law = FRICTION_LAWS[self.friction_law]
+        return law(self.friction_speed_zero, self.friction_speed_full, self.static_friction_ratio)
+
     def bearing(self, joint: int) -> Bearing:
         """The clearance bearing of a joint, counted from 0."""
         return Bearing(
@@ -325,7 +336,7 @@ class ArrayParameters:
             contact=self.contact(joint),
             minimum_impact_speed=self.minimum_impact_speed,
             friction_coefficient=self.friction_coefficient,
-            friction=RampedCoulomb(self.friction_speed_zero, self.friction_speed_full),
+            friction=self.friction(),
             sliding=self.friction_sliding,
             wear_coefficient=self.wear_coefficient,
             width=self.bearing_width,

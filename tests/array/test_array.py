@@ -129,6 +129,9 @@ def test_other_values_without_sense_are_refused() -> None:
     refused({"contact_law": "dubowsky"}, "contact law 'dubowsky' is unknown")
     refused({"contact_law": 3}, "contact_law = 3 must be of type str")
     refused({"friction_sliding": "paper"}, "friction_sliding = 'paper' must be material or centres")
+    refused({"friction_law": "stribeck"}, "friction_law = 'stribeck' must be one of ramp, brown-mcphee")
+    refused({"static_friction_ratio": 0.9}, "static_friction_ratio = 0.9 must be at least 1")
+    refused({"static_friction_ratio": 1.5}, "static_friction_ratio = 1.5 must be 1 with friction_law = 'ramp'")
     refused({"body_fixed": 1}, "body_fixed = 1 must be of type bool")
     refused({"latch_exponent": 0.5}, "latch_exponent = 0.5 must be at least 1")
     for name in ("journal_poisson", "bearing_poisson"):

@@ -14,6 +14,7 @@ from solar_env.mechanics.equations.tangent import fill_tangents, make_tangent_sc
 from solar_env.mechanics.integrators.alpha_step import fill_residual, make_iteration
 from solar_env.mechanics.joints import joint as columns
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
+from solar_env.mechanics.joints.friction.brown_mcphee import BrownMcPhee
 from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS, FrictionLaw
 from solar_env.mechanics.joints.friction.ramp import RampedCoulomb
 from solar_env.mechanics.mechanism.description import (
@@ -141,7 +142,7 @@ def test_cable(seed: int, preload: float, torque_ratio: float) -> None:
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("friction", [0.0, 0.4], ids=["smooth", "rough"])
 @pytest.mark.parametrize("sliding", SLIDING_READINGS)
-@pytest.mark.parametrize("law", [RampedCoulomb(0.0, 50.0), RampedCoulomb(1e-4, 2e-4)])
+@pytest.mark.parametrize("law", [RampedCoulomb(0.0, 50.0), RampedCoulomb(1e-4, 2e-4), BrownMcPhee(5.0, 1.5)])
 @pytest.mark.parametrize("exponent", [1.2, 1.5])
 def test_contact(seed: int, friction: float, sliding: str, law: FrictionLaw, exponent: float) -> None:
     bearing = replace(

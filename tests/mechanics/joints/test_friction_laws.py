@@ -9,13 +9,15 @@ import pytest
 
 from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
+from solar_env.mechanics.joints.friction.brown_mcphee import BrownMcPhee
 from solar_env.mechanics.joints.friction.friction_share import friction_share
 from solar_env.mechanics.joints.friction.laws import FRICTION_LAWS, FrictionLaw
 from solar_env.mechanics.joints.friction.ramp import RampedCoulomb
 from solar_env.mechanics.mechanism.description import Bearing
 from solar_env.mechanics.mechanism.textbook import bouncing_block
 
-EVERY_LAW = pytest.mark.parametrize("law", [law() for law in FRICTION_LAWS.values()], ids=FRICTION_LAWS)
+LAWS = [law(1e-4, 1e-3, 1.0) for law in FRICTION_LAWS.values()]
+EVERY_LAW = pytest.mark.parametrize("law", [*LAWS, BrownMcPhee(1e-3, 1.5)], ids=repr)
 SPEEDS = np.linspace(-2e-3, 2e-3, 4001)
 
 
@@ -49,6 +51,25 @@ def test_the_slope_is_that_of_the_share(law: FrictionLaw) -> None:
         slope = law.share(law.parameters(), speed)[1]
         # Truncation of the smooth law (h / v)^2 of the slope's scale; rounding eps / h.
         assert slope == pytest.approx((high - low) / (2 * h), abs=1e-3, rel=1e-6)
+
+
+def test_the_smooth_law_peaks_at_its_transition_speed_with_static_friction() -> None:
+    law = BrownMcPhee(1e-3, 1.5)
+    found = shares(law, SPEEDS)
+    # tanh(4) = 0.99933 is left of Coulomb's step there; the bump itself is greatest.
+    assert found.max() == pytest.approx(1.5, abs=1e-3)
+    assert abs(SPEEDS[found.argmax()]) == pytest.approx(1e-3, rel=1e-2)
+    assert law.share(law.parameters(), 1e-3)[0] == pytest.approx(math.tanh(4.0) + 0.5, rel=1e-14)
+    assert law.share(law.parameters(), 0.0)[1] == pytest.approx((4.0 + 0.5 / 0.75**2) / 1e-3, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [((0.0, 1.0), "transition_speed = 0.0: must be positive"), ((1e-3, 0.9), "static_ratio = 0.9: must be at least 1")],
+)
+def test_a_smooth_law_without_sense_is_refused(changes: tuple[float, float], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        BrownMcPhee(*changes)
 
 
 def test_the_ramp_sets_in_at_one_speed_and_is_full_at_the_other() -> None:

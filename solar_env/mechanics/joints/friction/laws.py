@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
-from solar_env.mechanics.joints.friction.ramp import RampedCoulomb
+from collections.abc import Callable
 
-FrictionLaw = RampedCoulomb
+from solar_env.mechanics.joints.friction import brown_mcphee, ramp
+
+FrictionLaw = ramp.RampedCoulomb | brown_mcphee.BrownMcPhee
 # Readings of the sliding speed: that of the material points in contact, or of the centres (paper, Eq 35).
 SLIDING_READINGS = ("material", "centres")
 MATERIAL, CENTRES = range(2)
 
-FRICTION_LAWS: dict[str, type[FrictionLaw]] = {"ramp": RampedCoulomb}
+# By the speeds at which friction sets in and is full [m/s], and the ratio of static to sliding friction.
+FRICTION_LAWS: dict[str, Callable[[float, float, float], FrictionLaw]] = {
+    "ramp": ramp.law,
+    "brown-mcphee": brown_mcphee.law,
+}

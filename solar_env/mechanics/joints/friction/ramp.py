@@ -46,3 +46,16 @@ class RampedCoulomb:
         if magnitude >= full:
             return sign, 0.0
         return sign * (magnitude - zero) / (full - zero), 1.0 / (full - zero)
+
+
+def law(speed_zero: float, speed_full: float, static_ratio: float) -> RampedCoulomb:
+    """Coulomb's friction ramped in between two speeds.
+
+    Raises:
+        ValueError: if static friction is to differ from sliding friction, or the speeds do not rise from zero.
+    """
+    if static_ratio != 1.0:
+        raise ValueError(
+            f"static_friction_ratio = {static_ratio!r} must be 1 with friction_law = 'ramp'; choose another"
+        )
+    return RampedCoulomb(speed_zero, speed_full)

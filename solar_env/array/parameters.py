@@ -105,10 +105,11 @@ class ArrayParameters:
         clearance: bearing radius minus journal radius, by joint [m].
         journal_radius: [m].
         contact_law: "lankarani-nikravesh", "flores", "restitution" (whose exit speed is exactly the restitution) or
-            "hertz" (which conserves energy).
+            "hertz" (which conserves energy) between spheres; "pereira" for a cylinder in a long bearing.
         restitution: coefficient of restitution of the contact law.
         contact_stiffness: K [N/m^1.5] between spheres; None computes it by the paper's Eq 40 from the radii and the
-            four moduli that follow, by joint; it then rises as the clearance shrinks.
+            four moduli that follow, by joint; it then rises as the clearance shrinks. "pereira" computes its own, of
+            another unit, from these and bearing_width, and needs None.
         journal_young, journal_poisson, bearing_young, bearing_poisson: moduli [Pa] and Poisson's ratios, used only
             where the stiffness is computed; a steel journal in a brass bearing.
         minimum_impact_speed: lower bound of the impact speed in the damping term [m/s] (chosen: a hundredth of the

@@ -12,7 +12,7 @@ from scipy.integrate import quad
 
 from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
-from solar_env.mechanics.joints.contact import flores, lankarani_nikravesh, restitution
+from solar_env.mechanics.joints.contact import flores, lankarani_nikravesh, pereira, restitution
 from solar_env.mechanics.joints.contact.hertz import sphere
 from solar_env.mechanics.joints.contact.laws import CONTACT_LAWS, ContactLaw, contact_law
 from solar_env.mechanics.joints.contact.normal_force import contact_energy, impact_scales, normal_force
@@ -206,6 +206,40 @@ def test_eq_40_stiffens_as_the_clearance_shrinks() -> None:
     wide, narrow = (sphere(replace(SURFACES, bearing_radius=0.01 + c), 0.0).stiffness for c in (2e-4, 5e-5))
     # Proportional to sqrt(R_b R_j / c).
     assert narrow / wide == pytest.approx(math.sqrt(4.0 * 0.01005 / 0.0102), rel=1e-12)
+
+
+@pytest.mark.parametrize("clearance", [2e-5, 5e-5, 1e-4, 2e-4, 5e-4, 1e-3])
+@pytest.mark.parametrize("load", [1e4, 1e5])
+def test_the_cylinders_law_fits_johnsons_line_contact(clearance: float, load: float) -> None:
+    """Johnson, Contact Mechanics, 1985: depth = f / (pi E*) (ln(4 pi E* c / f) - 1) at a load of f [N/m]."""
+    law = pereira.law(replace(SURFACES, bearing_radius=0.01 + clearance), 1.0)
+    modulus = 1.0 / SURFACES.compliance
+    depth = load / (math.pi * modulus) * (math.log(4.0 * math.pi * modulus * clearance / load) - 1.0)
+    # As close as the fit is.
+    assert law.force(law.parameters(), depth, 0.0, SPEED)[0] / load == pytest.approx(1.0, abs=0.15)
+
+
+def test_the_cylinders_law_is_continuous_in_the_clearance_and_proportional_to_the_length() -> None:
+    below, above = (pereira.law(replace(SURFACES, bearing_radius=0.01 + c), 0.9) for c in (3.4953e-4, 3.4955e-4))
+    assert above.exponent == pytest.approx(below.exponent, rel=1e-4)
+    assert above.stiffness == pytest.approx(below.stiffness, rel=1e-3)
+    whole, half = (pereira.law(replace(SURFACES, length=length), 0.9) for length in (1.0, 0.5))
+    assert whole.stiffness == pytest.approx(2.0 * half.stiffness, rel=1e-14)
+    # By hand: Y = 1.51 ln(200)^-0.151 = 1.17390, n = Y 0.2^-0.005 = 1.18339.
+    assert whole.exponent == pytest.approx(1.18339, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"bearing_radius": 0.01 + 4.9e-6}, "clearance = 4.9e-06 m is outside the range .* 5e-06 to 0.01 m"),
+        ({"bearing_radius": 0.0201}, "clearance = 0.0101 m is outside"),
+        ({"stiffness": 7e10}, "contact_stiffness = 70000000000.0 is that of spheres"),
+    ],
+)
+def test_what_the_cylinders_law_was_not_fitted_to_is_refused(changes: dict[str, float], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        contact_law("pereira", replace(SURFACES, **changes), 0.9)
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from solar_env.mechanics.joints.contact import flores, hertz, lankarani_nikravesh, restitution
+from solar_env.mechanics.joints.contact import flores, hertz, lankarani_nikravesh, pereira, restitution
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.joints.contact.surfaces import Surfaces
 
@@ -16,6 +16,7 @@ CONTACT_LAWS: dict[str, Callable[[Surfaces, float], ContactLaw]] = {
     "flores": flores.law,
     "hertz": hertz.law,
     "restitution": restitution.law,
+    "pereira": pereira.law,
 }
 
 

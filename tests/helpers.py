@@ -18,6 +18,8 @@ from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.equations.system import add_mass_products, make_workspace, stored_energies
 from solar_env.mechanics.integrators.recording import make_recorder
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, RungeKutta
+from solar_env.mechanics.joints.contact.power_law import PowerLaw
+from solar_env.mechanics.joints.friction.ramp import RampedCoulomb
 from solar_env.mechanics.joints.joint import ANGLE, joint_forces
 from solar_env.mechanics.mechanism.description import (
     GROUND,
@@ -43,11 +45,10 @@ Vector = NDArray[np.float64]
 ROUND_BEARING = Bearing(
     clearance=0.1,
     journal_radius=0.3,
-    stiffness=50.0,
-    damping_factor=0.7,
+    contact=PowerLaw(50.0, damping=0.7),
     minimum_impact_speed=0.01,
     friction_coefficient=0.4,
-    friction_speeds=(0.2, 3.0),
+    friction=RampedCoulomb(0.2, 3.0),
     wear_coefficient=1e-3,
     width=0.8,
 )
@@ -150,7 +151,7 @@ def block(
     journal: Point = (0.0, 0.0),
 ) -> Mechanism:
     """A body of 1 kg whose pin flies in a bearing of the ground, 1 mm wide; its base point is its centroid."""
-    pin = bearing or Bearing(1e-3, 0.01, 1e9, damping_factor=0.2, friction_coefficient=0.1)
+    pin = bearing or Bearing(1e-3, 0.01, PowerLaw(1e9, damping=0.2), friction_coefficient=0.1)
     body = Body("block", 1.0, 0.1, 1.0, (0.0, 0.0), position=position, velocity=velocity, spin=spin)
     return Mechanism((body,), (Joint("gap", GROUND, "block", (0.0, 0.0), journal, bearing=pin),), gravity=gravity)
 

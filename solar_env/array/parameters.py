@@ -19,7 +19,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from solar_env.mechanics.joints.laws import damping_factor, exit_speed_ratio, hertz_stiffness
+from solar_env.mechanics.joints.contact.laws import ContactLaw, contact_law
+from solar_env.mechanics.joints.contact.surfaces import Surfaces
+from solar_env.mechanics.joints.friction.laws import FRICTION_LAWS, SLIDING_READINGS, FrictionLaw
 from solar_env.mechanics.mechanism.description import (
     Bearing,
     FlexibleBody,
@@ -102,17 +104,21 @@ class ArrayParameters:
         latch_damping: [N m s/rad].
         clearance: bearing radius minus journal radius, by joint [m].
         journal_radius: [m].
-        contact_law: "lankarani-nikravesh", "flores" or "hertz".
+        contact_law: "lankarani-nikravesh", "flores", "restitution" (whose exit speed is exactly the restitution) or
+            "hertz" (which conserves energy) between spheres; "pereira" for a cylinder in a long bearing.
         restitution: coefficient of restitution of the contact law.
-        contact_stiffness: K [N/m^1.5]; None computes it by the paper's Eq 40 from the radii and the four moduli that
-            follow, by joint; it then rises as the clearance shrinks.
+        contact_stiffness: K [N/m^1.5] between spheres; None computes it by the paper's Eq 40 from the radii and the
+            four moduli that follow, by joint; it then rises as the clearance shrinks. "pereira" computes its own, of
+            another unit, from these and bearing_width, and needs None.
         journal_young, journal_poisson, bearing_young, bearing_poisson: moduli [Pa] and Poisson's ratios, used only
-            for Eq 40; a steel journal in a brass bearing.
+            where the stiffness is computed; a steel journal in a brass bearing.
         minimum_impact_speed: lower bound of the impact speed in the damping term [m/s] (chosen: a hundredth of the
             slower impacts').
-        friction_coefficient: Coulomb's.
+        friction_law: "ramp" (the paper's Eq 42), or "brown-mcphee" (smooth, with static friction, setting in at once).
+        friction_coefficient: Coulomb's, of sliding.
+        static_friction_ratio: coefficient of static over that of sliding friction, at least 1; 1 for "ramp".
         friction_speed_zero, friction_speed_full: sliding speeds between which friction sets in [m/s] (chosen: below
-            those of impacts, which see all of Coulomb's friction).
+            those of impacts, which see all of Coulomb's friction); "brown-mcphee" peaks at the second.
         friction_sliding: "material" for the speed of the material points in contact; "centres" for the paper's Eq 35,
             which leaves the bodies' rotation out.
         wear_coefficient: Archard's k = K_W/H [m2/N] (chosen so that the deepest bin of one deployment comes to the
@@ -166,7 +172,9 @@ class ArrayParameters:
     bearing_young: float = 105e9
     bearing_poisson: float = 0.34
     minimum_impact_speed: float = 1e-4
+    friction_law: str = "ramp"
     friction_coefficient: float = 0.15
+    static_friction_ratio: float = 1.0
     friction_speed_zero: float = 1e-4
     friction_speed_full: float = 1e-3
     friction_sliding: str = "material"
@@ -205,15 +213,20 @@ class ArrayParameters:
         )
         self._require("spring_stiffness", min(self._entries("spring_stiffness")) >= 0.0, "must not be negative")
         self._require("restitution", 0.0 < self.restitution <= 1.0, "must lie in (0, 1]")
-        self._require(
-            "friction_sliding", self.friction_sliding in ("material", "centres"), "must be material or centres"
-        )
+        self._require("friction_sliding", self.friction_sliding in SLIDING_READINGS, "must be material or centres")
+        self._require("friction_law", self.friction_law in FRICTION_LAWS, f"must be one of {', '.join(FRICTION_LAWS)}")
+        self._require("static_friction_ratio", self.static_friction_ratio >= 1.0, "must be at least 1")
+        self.friction()
         self._require("initial_spin", self.initial_spin == 0.0 or not self.body_fixed, "needs a body that is not fixed")
-        factor = damping_factor(self.contact_law, self.restitution)
-        if self.contact_law != "hertz":
-            check_restitution(self.contact_law, self.restitution, exit_speed_ratio(factor))
+        self._require(
+            "contact_stiffness", self.contact_stiffness is None or self.contact_stiffness > 0.0, "must be positive"
+        )
         for joint in range(self.panel_count):
-            self._require("contact_stiffness", self.stiffness_of_contact(joint) > 0.0, "must be positive")
+            contact = self.contact(joint)
+        given = contact.exit_speed_ratio()
+        # A law that conserves energy does so whatever it is asked for.
+        if given < 1.0:
+            check_restitution(self.contact_law, self.restitution, given)
         if self.cable_torque_ratio is not None:
             self._require("cable_torque_ratio", self.cable_torque_ratio >= 0.0, "must not be negative")
 
@@ -294,30 +307,38 @@ class ArrayParameters:
             self.latch_gap, self.latch_stiffness, self.latch_exponent, self.latch_ramp_depth, self.latch_damping
         )
 
-    def stiffness_of_contact(self, joint: int) -> float:
-        """Contact stiffness K of a joint [N/m^1.5], as given or by the paper's Eq 40."""
-        if self.contact_stiffness is not None:
-            return self.contact_stiffness
-        return hertz_stiffness(
-            self.journal_radius + self.by_joint("clearance", joint),
-            self.journal_radius,
-            self.bearing_young,
-            self.bearing_poisson,
-            self.journal_young,
-            self.journal_poisson,
+    def surfaces(self, joint: int) -> Surfaces:
+        """Journal and bearing of a joint, counted from 0, as its contact law takes them."""
+        return Surfaces(
+            bearing_radius=self.journal_radius + self.by_joint("clearance", joint),
+            journal_radius=self.journal_radius,
+            length=self.bearing_width,
+            bearing_young=self.bearing_young,
+            bearing_poisson=self.bearing_poisson,
+            journal_young=self.journal_young,
+            journal_poisson=self.journal_poisson,
+            stiffness=self.contact_stiffness,
         )
+
+    def contact(self, joint: int) -> ContactLaw:
+        """The contact law of a joint, counted from 0."""
+        return contact_law(self.contact_law, self.surfaces(joint), self.restitution)
+
+    def friction(self) -> FrictionLaw:
+        """The friction law of all joints."""
+        law = FRICTION_LAWS[self.friction_law]
+        return law(self.friction_speed_zero, self.friction_speed_full, self.static_friction_ratio)
 
     def bearing(self, joint: int) -> Bearing:
         """The clearance bearing of a joint, counted from 0."""
         return Bearing(
             clearance=self.by_joint("clearance", joint),
             journal_radius=self.journal_radius,
-            stiffness=self.stiffness_of_contact(joint),
-            damping_factor=damping_factor(self.contact_law, self.restitution),
+            contact=self.contact(joint),
             minimum_impact_speed=self.minimum_impact_speed,
             friction_coefficient=self.friction_coefficient,
-            friction_speeds=(self.friction_speed_zero, self.friction_speed_full),
-            material_sliding=self.friction_sliding == "material",
+            friction=self.friction(),
+            sliding=self.friction_sliding,
             wear_coefficient=self.wear_coefficient,
             width=self.bearing_width,
         )

@@ -27,6 +27,7 @@ from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Rosenbrock, RungeKutta
+from solar_env.mechanics.joints.friction.ramp import RampedCoulomb
 from solar_env.mechanics.joints.joint import ANGLE, RATE, point
 from solar_env.mechanics.mechanism.description import FlexibleBody
 from solar_env.mechanics.running.simulation import Simulation
@@ -128,6 +129,9 @@ def test_other_values_without_sense_are_refused() -> None:
     refused({"contact_law": "dubowsky"}, "contact law 'dubowsky' is unknown")
     refused({"contact_law": 3}, "contact_law = 3 must be of type str")
     refused({"friction_sliding": "paper"}, "friction_sliding = 'paper' must be material or centres")
+    refused({"friction_law": "stribeck"}, "friction_law = 'stribeck' must be one of ramp, brown-mcphee")
+    refused({"static_friction_ratio": 0.9}, "static_friction_ratio = 0.9 must be at least 1")
+    refused({"static_friction_ratio": 1.5}, "static_friction_ratio = 1.5 must be 1 with friction_law = 'ramp'")
     refused({"body_fixed": 1}, "body_fixed = 1 must be of type bool")
     refused({"latch_exponent": 0.5}, "latch_exponent = 0.5 must be at least 1")
     for name in ("journal_poisson", "bearing_poisson"):
@@ -224,19 +228,19 @@ def test_an_unknown_model_is_refused_with_the_choices() -> None:
 
 
 def test_the_contact_stiffness_is_given_or_follows_from_eq_40_by_joint() -> None:
-    assert ArrayParameters().stiffness_of_contact(1) == 7.39e10
+    assert ArrayParameters().contact(1).stiffness == 7.39e10
     p = ArrayParameters(contact_stiffness=None, clearance=(2e-4, 1e-4))
-    assert p.stiffness_of_contact(0) == pytest.approx(7.43e10, abs=0.005e10)
-    assert p.bearing(1).stiffness > p.bearing(0).stiffness == p.stiffness_of_contact(0)
+    assert p.contact(0).stiffness == pytest.approx(7.43e10, abs=0.005e10)
+    assert p.contact(1).stiffness > p.contact(0).stiffness == p.bearing(0).contact.stiffness
 
 
 def test_a_bearing_takes_over_its_parameters() -> None:
     p = ArrayParameters(clearance=(1e-4, 3e-4), contact_law="flores", restitution=0.5, friction_sliding="centres")
     bearing = p.bearing(1)
     assert bearing.clearance == 3e-4
-    assert bearing.damping_factor == pytest.approx(1.6, rel=1e-14)
-    assert not bearing.material_sliding
-    assert bearing.friction_speeds == (p.friction_speed_zero, p.friction_speed_full)
+    assert bearing.contact.damping == pytest.approx(1.6, rel=1e-14)
+    assert bearing.sliding == "centres"
+    assert bearing.friction == RampedCoulomb(p.friction_speed_zero, p.friction_speed_full)
 
 
 def joint_points(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:

@@ -89,7 +89,7 @@ def test_results_of_an_earlier_version_of_the_package_are_not_mixed(
     assert len(Campaign(square, CELLS, store).missing) == 2
 
 
-@pytest.mark.parametrize("name", ["support/campaigns.py", "mechanics/joints/contact.py", "studies/stability/maps.py"])
+@pytest.mark.parametrize("name", ["support/campaigns.py", "mechanics/joints/wear.py", "studies/stability/maps.py"])
 def test_editing_any_source_makes_other_code_of_the_package(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:

@@ -9,7 +9,7 @@ from rich.console import Console
 
 from solar_env.array import ArrayParameters
 from solar_env.commands import verify as command
-from solar_env.mechanics.joints.laws import damping_factor
+from solar_env.mechanics.joints.contact import flores, lankarani_nikravesh
 from solar_env.verification import suite
 from solar_env.verification.arrays.latching import REDUCTIONS
 from solar_env.verification.arrays.theory import latch_time, latch_time_by_quadrature
@@ -137,17 +137,17 @@ class TestTheory:
     @pytest.mark.parametrize(
         ("law", "coefficient", "ratio"),
         [
-            ("lankarani-nikravesh", 0.1, 0.6653),
-            ("lankarani-nikravesh", 0.5, 0.7252),
-            ("lankarani-nikravesh", 0.9, 0.9132),
-            ("lankarani-nikravesh", 1.0, 1.0),
-            ("flores", 0.1, 0.0694),
-            ("flores", 0.5, 0.4704),
-            ("flores", 0.9, 0.8939),
+            (lankarani_nikravesh, 0.1, 0.6653),
+            (lankarani_nikravesh, 0.5, 0.7252),
+            (lankarani_nikravesh, 0.9, 0.9132),
+            (lankarani_nikravesh, 1.0, 1.0),
+            (flores, 0.1, 0.0694),
+            (flores, 0.5, 0.4704),
+            (flores, 0.9, 0.8939),
         ],
     )
     def test_restitution(self, law, coefficient, ratio):
-        assert restitution(damping_factor(law, coefficient)) == pytest.approx(ratio, abs=5e-5)
+        assert restitution(law.damping(coefficient)) == pytest.approx(ratio, abs=5e-5)
 
     def test_pendulum(self):
         assert exact_period() == pytest.approx(2.3678419, abs=1e-7)

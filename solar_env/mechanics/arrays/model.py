@@ -1,6 +1,6 @@
 """Arrays of a compiled mechanism: the constant :class:`Model`, the mutable :class:`State`, status codes.
 
-Elements of one kind are rows of one structured array, so that a kernel reads ``joint.contact_stiffness`` by name
+Elements of one kind are rows of one structured array, so that a kernel reads ``joint.clearance`` by name
 and the number of arrays that cross from Python to a kernel stays small. All quantities are in SI units.
 
 Generalized coordinates ``q`` come in pairs (x, y). A rigid body owns two base points, that is four natural
@@ -23,11 +23,11 @@ FIXED, RIGID, FLEXIBLE = 0, 1, 2
 EXACT, APPROXIMATE, ALGORITHMIC = 1, 2, 3
 # Joint kinds.
 IDEAL, CLEARANCE = 0, 1
-# Reading of the sliding speed in the friction law.
-MATERIAL_POINTS, JOINT_CENTRES = 0, 1
+# Most parameters of a contact or friction law.
+LAW_PARAMETERS = 4
 
 
-def _record(members: list[tuple[str, type]]) -> np.dtype[np.void]:
+def _record(members: list[tuple[str, type] | tuple[str, type, int]]) -> np.dtype[np.void]:
     """Rows whose members are also attributes outside compiled code, so that the kernels run uncompiled too."""
     return np.dtype((np.record, np.dtype(members, align=True)))
 
@@ -98,13 +98,13 @@ joint_type = _record(
         # Journal in bearing.
         ("clearance", np.float64),
         ("journal_radius", np.float64),
-        ("contact_stiffness", np.float64),
-        ("damping_factor", np.float64),  # d of F = K depth^1.5 (1 + d rate / impact speed)
+        ("contact_law", np.int64),
+        ("contact", np.float64, LAW_PARAMETERS),
         ("minimum_impact_speed", np.float64),
         ("friction_coefficient", np.float64),
-        ("friction_speed_zero", np.float64),
-        ("friction_speed_full", np.float64),
-        ("sliding_speed", np.int64),
+        ("friction_law", np.int64),
+        ("friction", np.float64, LAW_PARAMETERS),
+        ("sliding", np.int64),
         ("wear_coefficient", np.float64),
         ("bearing_width", np.float64),
     ]

@@ -12,6 +12,7 @@ from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.bodies.cable_element import MASS_BAND, element_blocks, factor_band, mass_band
 from solar_env.mechanics.bodies.rigid import inverse_mass_parameters, mass_parameters
 from solar_env.mechanics.bodies.stable_step import beam_stable_step
+from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS
 from solar_env.mechanics.mechanism.description import GROUND, Body, FlexibleBody, Joint, Mechanism, Point
 from solar_env.mechanics.numerics.profile import BLOCK, Elimination, make_elimination
 
@@ -237,12 +238,13 @@ class _Compiler:
         assert bearing is not None
         record["clearance"] = bearing.clearance
         record["journal_radius"] = bearing.journal_radius
-        record["contact_stiffness"] = bearing.stiffness
-        record["damping_factor"] = bearing.damping_factor
+        for kind, law in (("contact", bearing.contact), ("friction", bearing.friction)):
+            parameters = law.parameters()
+            record[f"{kind}_law"] = law.code
+            record[kind][: len(parameters)] = parameters
         record["minimum_impact_speed"] = bearing.minimum_impact_speed
         record["friction_coefficient"] = bearing.friction_coefficient
-        record["friction_speed_zero"], record["friction_speed_full"] = bearing.friction_speeds
-        record["sliding_speed"] = m.MATERIAL_POINTS if bearing.material_sliding else m.JOINT_CENTRES
+        record["sliding"] = SLIDING_READINGS.index(bearing.sliding)
         record["wear_coefficient"] = bearing.wear_coefficient
         record["bearing_width"] = bearing.width
 

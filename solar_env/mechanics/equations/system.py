@@ -38,6 +38,7 @@ from solar_env.mechanics.bodies import cable_element as flexible
 from solar_env.mechanics.bodies import rigid
 from solar_env.mechanics.bodies.cable_element import LANES, TABLE_ROWS, add_elastic_forces, elastic_energy, solve_mass
 from solar_env.mechanics.bodies.rigid import project_lengths, solve_body, solve_free
+from solar_env.mechanics.joints.contact.normal_force import contact_energy
 from solar_env.mechanics.joints.joint import (
     ANGLE,
     ECCENTRICITY_X,
@@ -462,7 +463,7 @@ def stored_energies(model, joint_states, q, v, loads, energies):
         if joint.kind == CLEARANCE:
             depth = math.hypot(loads[j, ECCENTRICITY_X], loads[j, ECCENTRICITY_Y]) - joint.clearance
             if depth > 0.0:
-                energies[CONTACT] += 0.4 * joint.contact_stiffness * depth * depth * math.sqrt(depth)
+                energies[CONTACT] += contact_energy(joint, depth)
     for c in range(model.cables.size):
         cable = model.cables[c]
         stretch = cable.wheel_ratio * loads[cable.joint_a, ANGLE] - loads[cable.joint_b, ANGLE]

@@ -8,16 +8,17 @@ dQ/dq = B^T (dp/dx B + dp/dx' dx'/dq) + torques times the Hessians of the angles
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.mechanics.arrays.model import CLEARANCE, MATERIAL_POINTS
+from solar_env.mechanics.arrays.model import CLEARANCE
 from solar_env.mechanics.bodies.cable_element_tangent import ElementSlopes, add_elastic_tangents, make_element_slopes
 from solar_env.mechanics.equations.system import Workspace
-from solar_env.mechanics.joints.contact import friction_ramp, friction_ramp_slope, normal_force, normal_force_slopes
+from solar_env.mechanics.joints.contact.normal_force import normal_force
+from solar_env.mechanics.joints.friction.friction_share import friction_share
+from solar_env.mechanics.joints.friction.laws import MATERIAL
 from solar_env.mechanics.joints.joint import (
     ANGLE,
     CABLE_TORQUE,
@@ -32,6 +33,7 @@ from solar_env.mechanics.joints.joint import (
     relative,
     stop_torque,
 )
+from solar_env.mechanics.joints.sliding import contact_motion
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.profile import add_entry, clear
 
@@ -131,26 +133,20 @@ def contact_tangent(joint, markers, q, v, outboard_spin, inboard_spin, impact_sp
         damping: (4, 4) slopes by their rates, changed in place.
     """
     ex, ey = relative(joint, markers, q)
-    radius = math.sqrt(ex * ex + ey * ey)
-    depth = radius - joint.clearance
-    lever = joint.journal_radius + radius
-    if depth <= 0.0:
-        return 0.0, lever
     ux, uy = relative(joint, markers, v)
-    nx, ny = ex / radius, ey / radius
+    motion = contact_motion(joint, ex, ey, ux, uy, outboard_spin, inboard_spin)
+    rate, radius, lever = motion.rate, motion.radius, motion.lever
+    if motion.depth <= 0.0:
+        return 0.0, lever
+    nx, ny = motion.normal_x, motion.normal_y
     tx, ty = -ny, nx
-    rate = ux * nx + uy * ny
-    slide = ux * tx + uy * ty
-    material = joint.sliding_speed == MATERIAL_POINTS
-    slip = slide + joint.journal_radius * outboard_spin - lever * inboard_spin if material else slide
-    normal, _ = normal_force(depth, rate, joint.contact_stiffness, joint.damping_factor, impact_speed)
-    by_depth, by_rate = normal_force_slopes(depth, rate, joint.contact_stiffness, joint.damping_factor, impact_speed)
-    ramp = friction_ramp(slip, joint.friction_speed_zero, joint.friction_speed_full)
-    ramp_slope = friction_ramp_slope(slip, joint.friction_speed_zero, joint.friction_speed_full)
-    per_normal = -joint.friction_coefficient * ramp
-    per_slip = -joint.friction_coefficient * ramp_slope * normal
+    material = joint.sliding == MATERIAL
+    normal, _, by_depth, by_rate = normal_force(joint, motion.depth, rate, impact_speed)
+    share, slope = friction_share(joint, motion.sliding_speed)
+    per_normal = -joint.friction_coefficient * share
+    per_slip = -joint.friction_coefficient * slope * normal
     tangential = per_normal * normal
-    turn = slide / radius
+    turn = motion.centre_speed / radius
     for k in range(2):
         n_k = nx if k == 0 else ny
         t_k = tx if k == 0 else ty

@@ -60,7 +60,7 @@ from solar_env.mechanics.integrators.runge_kutta import (
     make_stiff_forces,
 )
 from solar_env.mechanics.integrators.stiff_forces import lasts
-from solar_env.mechanics.joints.contact import normal_force
+from solar_env.mechanics.joints.contact.normal_force import normal_force
 from solar_env.mechanics.joints.joint import penetration
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
@@ -112,7 +112,7 @@ def refine_peak(model, state, stages, j, h, share):
     for k in range(_PEAK_SAMPLES + 1):
         interpolate(state, stages, h, share * k / _PEAK_SAMPLES)
         depth, rate = penetration(joint, markers, stages.scratch_q, stages.scratch_v)
-        after, _ = normal_force(depth, rate, joint.contact_stiffness, joint.damping_factor, own.impact_speed)
+        after, _, _, _ = normal_force(joint, depth, rate, own.impact_speed)
         peak = max(peak, after)
         if k >= 2 and here >= before and here > after:
             peak = max(peak, here + (after - before) ** 2 / (8.0 * (2.0 * here - before - after)))

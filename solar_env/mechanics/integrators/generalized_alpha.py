@@ -43,7 +43,7 @@ from solar_env.mechanics.integrators.history import (
     start_contact,
 )
 from solar_env.mechanics.integrators.recording import pause_due, record_sample, sample_due
-from solar_env.mechanics.joints.contact import impact_scales
+from solar_env.mechanics.joints.contact.normal_force import impact_scales
 from solar_env.mechanics.joints.joint import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, penetration, relative
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
@@ -123,7 +123,7 @@ def landing_step(model, state, it, scratch, settings, h):
         scratch.loads[j, ECCENTRICITY_X], scratch.loads[j, ECCENTRICITY_Y] = relative(joint, markers, it.q)
         inverse_mass = normal_inverse_mass(model, it.q, it.v, j, scratch)
         speed = max(it.depth_rate[j], joint.minimum_impact_speed)
-        _, duration = impact_scales(joint.contact_stiffness, inverse_mass, speed)
+        _, duration = impact_scales(joint, inverse_mass, speed)
         flight = -it.depth[j] / speed
         wanted = max(min(flight, 0.5 * h), duration / settings.impact_resolution)
         shorter = min(shorter, wanted)

@@ -15,7 +15,7 @@ from solar_env.mechanics.arrays.model import (
 )
 from solar_env.mechanics.equations.system import normal_inverse_mass
 from solar_env.mechanics.integrators.recording import record_contact
-from solar_env.mechanics.joints.contact import impact_scales
+from solar_env.mechanics.joints.contact.normal_force import impact_scales
 from solar_env.mechanics.joints.joint import (
     ANGLE,
     ECCENTRICITY_X,
@@ -46,7 +46,7 @@ def start_contact(model, state, j, q, v, time, approach_speed, work):
     own.contact_sliding_work = state.integrals[INTEGRALS_PER_JOINT * j + SLIDING_WORK]
     own.contact_starts += 1
     inverse_mass = normal_inverse_mass(model, q, v, j, work)
-    _, own.contact_duration = impact_scales(joint.contact_stiffness, inverse_mass, own.impact_speed)
+    _, own.contact_duration = impact_scales(joint, inverse_mass, own.impact_speed)
 
 
 @kernel(inner=True)

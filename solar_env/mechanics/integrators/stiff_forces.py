@@ -26,13 +26,13 @@ from solar_env.mechanics.arrays.model import (
     FRICTION_DISSIPATION,
     IMPULSE,
     INTEGRALS_PER_JOINT,
-    MATERIAL_POINTS,
     SLIDING_WORK,
     STOP_DISSIPATION,
 )
 from solar_env.mechanics.equations.system import acceleration_response, accelerations, prepare_response
 from solar_env.mechanics.integrators.history import IMPACT_DURATIONS
-from solar_env.mechanics.joints.contact import friction_ramp, normal_force_slopes
+from solar_env.mechanics.joints.contact.normal_force import normal_force
+from solar_env.mechanics.joints.friction.friction_share import friction_share
 from solar_env.mechanics.joints.joint import (
     add_point_force,
     add_torque,
@@ -42,6 +42,7 @@ from solar_env.mechanics.joints.joint import (
     spin,
     stop_torque,
 )
+from solar_env.mechanics.joints.sliding import contact_motion
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into, lu_factor, lu_solve
 
@@ -87,21 +88,17 @@ def contact_directions(joint, markers, q, v, gradient, force):
     outboard, inboard = markers[joint.outboard], markers[joint.inboard]
     ex, ey = relative(joint, markers, q)
     ux, uy = relative(joint, markers, v)
-    radius = math.sqrt(ex * ex + ey * ey)
-    nx, ny = ex / radius, ey / radius
+    motion = contact_motion(joint, ex, ey, ux, uy, spin(outboard, q, v), spin(inboard, q, v))
+    nx, ny = motion.normal_x, motion.normal_y
     add_point_force(outboard, nx, ny, gradient)
     add_point_force(inboard, -nx, -ny, gradient)
-    slip = uy * nx - ux * ny
-    lever = joint.journal_radius + radius
-    if joint.sliding_speed == MATERIAL_POINTS:
-        slip += joint.journal_radius * spin(outboard, q, v) - lever * spin(inboard, q, v)
-    ramp = friction_ramp(slip, joint.friction_speed_zero, joint.friction_speed_full)
-    friction = joint.friction_coefficient * ramp
+    share, _ = friction_share(joint, motion.sliding_speed)
+    friction = joint.friction_coefficient * share
     copy_into(force, gradient)
     add_point_force(outboard, -friction * ny, friction * nx, force)
     add_point_force(inboard, friction * ny, -friction * nx, force)
     add_torque(outboard, q, friction * joint.journal_radius, force)
-    add_torque(inboard, q, -friction * lever, force)
+    add_torque(inboard, q, -friction * motion.lever, force)
 
 
 @kernel(inner=True, inlined=True)
@@ -141,9 +138,7 @@ def collect(model, state, work, stiff, h):
             damping = -by_rate
         elif not flexible and lasts(own, state.clock[0].time):
             depth, rate = penetration(joint, markers, q, v)
-            stiffness, damping = normal_force_slopes(
-                depth, rate, joint.contact_stiffness, joint.damping_factor, own.impact_speed
-            )
+            _, _, stiffness, damping = normal_force(joint, depth, rate, own.impact_speed)
         if stiffness == 0.0 and damping == 0.0:
             continue
         if not prepared:

@@ -15,13 +15,14 @@ from solar_env.mechanics.arrays.model import (
     FRICTION_DISSIPATION,
     IMPULSE,
     INTEGRALS_PER_JOINT,
-    MATERIAL_POINTS,
     MOTOR_WORK,
     NORMAL_DISSIPATION,
     SLIDING_WORK,
     STOP_DISSIPATION,
 )
-from solar_env.mechanics.joints.contact import friction_ramp, normal_force
+from solar_env.mechanics.joints.contact.normal_force import normal_force
+from solar_env.mechanics.joints.friction.friction_share import friction_share
+from solar_env.mechanics.joints.sliding import contact_motion
 from solar_env.mechanics.numerics.jit import kernel
 
 # Columns of the table of joint loads that one evaluation fills.
@@ -260,30 +261,21 @@ def joint_forces(model, joint_states, impact_speeds, q, v, loads, force, power):
         if joint.kind == CLEARANCE:
             ex, ey = relative(joint, markers, q)
             if impact_speeds[j] > 0.0:
-                radius = math.sqrt(ex * ex + ey * ey)
-                depth = radius - joint.clearance
-                if depth > 0.0:
-                    ux, uy = relative(joint, markers, v)
-                    nx, ny = ex / radius, ey / radius
-                    rate = ux * nx + uy * ny
-                    centre_slip = uy * nx - ux * ny
-                    lever = joint.journal_radius + radius
-                    slip = centre_slip + joint.journal_radius * loads[j, OUTBOARD_SPIN] - lever * loads[j, INBOARD_SPIN]
-                    normal, elastic = normal_force(
-                        depth, rate, joint.contact_stiffness, joint.damping_factor, impact_speeds[j]
-                    )
-                    law_slip = slip if joint.sliding_speed == MATERIAL_POINTS else centre_slip
-                    ramp = friction_ramp(law_slip, joint.friction_speed_zero, joint.friction_speed_full)
-                    tangential = -joint.friction_coefficient * ramp * normal
-                    fx = -normal * nx - tangential * ny
-                    fy = -normal * ny + tangential * nx
+                ux, uy = relative(joint, markers, v)
+                motion = contact_motion(joint, ex, ey, ux, uy, loads[j, OUTBOARD_SPIN], loads[j, INBOARD_SPIN])
+                if motion.depth > 0.0:
+                    normal, elastic, _, _ = normal_force(joint, motion.depth, motion.rate, impact_speeds[j])
+                    share, _ = friction_share(joint, motion.sliding_speed)
+                    tangential = -joint.friction_coefficient * share * normal
+                    fx = -normal * motion.normal_x - tangential * motion.normal_y
+                    fy = -normal * motion.normal_y + tangential * motion.normal_x
                     outboard_torque += joint.journal_radius * tangential
-                    inboard_torque -= lever * tangential
+                    inboard_torque -= motion.lever * tangential
                     add_point_force(outboard, fx, fy, force)
                     add_point_force(inboard, -fx, -fy, force)
-                    power[first + NORMAL_DISSIPATION] = (normal - elastic) * rate
-                    power[first + FRICTION_DISSIPATION] = -tangential * slip
-                    power[first + SLIDING_WORK] = normal * abs(law_slip)
+                    power[first + NORMAL_DISSIPATION] = (normal - elastic) * motion.rate
+                    power[first + FRICTION_DISSIPATION] = -tangential * motion.slip
+                    power[first + SLIDING_WORK] = normal * abs(motion.sliding_speed)
                     power[first + IMPULSE] = normal
         loads[j, ECCENTRICITY_X] = ex
         loads[j, ECCENTRICITY_Y] = ey

@@ -8,6 +8,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, fields
 
+from solar_env.mechanics.joints.contact.laws import ContactLaw
+from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS, FrictionLaw
+from solar_env.mechanics.joints.friction.ramp import RampedCoulomb
+
 Point = tuple[float, float]
 
 GROUND = "ground"
@@ -165,41 +169,38 @@ class Stop:
 
 @dataclass(frozen=True)
 class Bearing:
-    """Clearance of a joint with its contact, friction and wear (laws: ``contact.py``, ``wear.py``).
+    """Clearance of a joint with its contact, friction and wear (laws: `joints`).
 
     Attributes:
         clearance: radial [m].
         journal_radius: [m].
-        stiffness: contact stiffness K [N/m^1.5].
-        damping_factor: d of the contact law, see ``contact.damping_factor``.
-        minimum_impact_speed: lower bound of the impact speed in the damping term [m/s].
+        contact: law of the normal force.
+        minimum_impact_speed: lower bound of the impact speed in the contact law [m/s].
         friction_coefficient: Coulomb's.
-        friction_speeds: sliding speeds at which friction sets in and is full [m/s].
-        material_sliding: True takes the sliding speed of the material points; False that of the joint's centres
-            (paper, Eq 35, which leaves the bodies' rotation out).
+        friction: law of the share of Coulomb's force that acts.
+        sliding: speed that friction and wear go by: "material" for that of the material points in contact, "centres"
+            for that of the joint's centres (paper, Eq 35, which leaves the bodies' rotation out).
         wear_coefficient: Archard's k [m2/N].
         width: axial length of the bearing [m].
     """
 
     clearance: float
     journal_radius: float
-    stiffness: float
-    damping_factor: float
+    contact: ContactLaw
     minimum_impact_speed: float = 1e-4
     friction_coefficient: float = 0.0
-    friction_speeds: tuple[float, float] = (1e-4, 1e-3)
-    material_sliding: bool = True
+    friction: FrictionLaw = field(default_factory=RampedCoulomb)
+    sliding: str = "material"
     wear_coefficient: float = 0.0
     width: float = 1.0
 
     def __post_init__(self) -> None:
         _require_finite(self)
-        for name in ("clearance", "journal_radius", "stiffness", "minimum_impact_speed", "width"):
+        for name in ("clearance", "journal_radius", "minimum_impact_speed", "width"):
             _require(getattr(self, name) > 0.0, self, name, getattr(self, name), "must be positive")
-        for name in ("damping_factor", "friction_coefficient", "wear_coefficient"):
+        for name in ("friction_coefficient", "wear_coefficient"):
             _require(getattr(self, name) >= 0.0, self, name, getattr(self, name), "must not be negative")
-        low, high = self.friction_speeds
-        _require(0.0 <= low < high, self, "friction_speeds", self.friction_speeds, "must satisfy 0 <= first < second")
+        _require(self.sliding in SLIDING_READINGS, self, "sliding", self.sliding, "must be material or centres")
 
 
 @dataclass(frozen=True)

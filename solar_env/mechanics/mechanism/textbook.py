@@ -13,7 +13,8 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from solar_env.mechanics.joints.laws import damping_factor
+from solar_env.mechanics.joints.contact import lankarani_nikravesh
+from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.mechanism.description import GROUND, Bearing, Body, Drive, Guide, Joint, Mechanism, Point
 
 STANDARD_GRAVITY = 9.81  # m/s2, as textbooks round it
@@ -124,8 +125,7 @@ def flores_bearing(clearance: float = 5e-4) -> Bearing:
     return Bearing(
         clearance=clearance,
         journal_radius=0.010 - clearance,
-        stiffness=6.61e10,
-        damping_factor=damping_factor("lankarani-nikravesh", 0.9),
+        contact=PowerLaw(6.61e10, damping=lankarani_nikravesh.damping(0.9)),
         friction_coefficient=0.03,
     )
 
@@ -282,7 +282,7 @@ def loaded_journal(
     """
     if not load > 0.0:
         raise ValueError(f"load = {load!r} N must be positive")
-    reach = bearing.clearance + (load * math.cos(lean) / bearing.stiffness) ** (2.0 / 3.0)
+    reach = bearing.clearance + bearing.contact.depth_under(load * math.cos(lean))
     place = (-reach * math.sin(lean), -reach * math.cos(lean))
     journal = Body("journal", 1.0, 0.01, bearing.journal_radius, (0.0, 0.0), place, spin=rate or 0.0)
     joint = Joint("journal bearing", GROUND, "journal", (0.0, 0.0), (0.0, 0.0), bearing=bearing)

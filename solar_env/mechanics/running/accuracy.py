@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, steps_per_impact
+from solar_env.mechanics.joints.contact.normal_force import impact_scales
 from solar_env.mechanics.running.diagnosis import check_constraint_forces, check_energy, check_impact_steps
 
 if TYPE_CHECKING:
@@ -69,8 +70,7 @@ class AccuracyWatch:
         if not struck.any():
             return
         if contacts is not None:
-            # An impact is the shorter the harder it is: duration ~ speed^(-1/5).
-            durations = durations * _hardest_over_latest(contacts, durations.size) ** -0.2
+            durations = durations * _shortest_over_latest(simulation.model.joints, contacts)
         shortest = float(durations[struck].min())
         steps = shortest / float(simulation.state.clock["last_step"][0])
         self._tell("impacts", check_impact_steps(steps, steps_per_impact(chosen.rho_inf), shortest))
@@ -86,12 +86,14 @@ class AccuracyWatch:
             self._told.add(what)
 
 
-def _hardest_over_latest(contacts: NDArray[np.void], joints: int) -> NDArray[np.float64]:
-    """(joints,) greatest impact speed over that of the latest contact."""
-    ratios = np.ones(joints)
+def _shortest_over_latest(joints: NDArray[np.void], contacts: NDArray[np.void]) -> NDArray[np.float64]:
+    """(joints,) predicted duration of the hardest contact, which is the shortest, over that of the latest one."""
+    ratios = np.ones(joints.size)
     for j in np.unique(contacts["joint"]):
         speeds = contacts["impact_speed"][contacts["joint"] == j]
-        ratios[j] = speeds.max() / speeds[-1]
+        # At the same mass: the ratio does not depend on it.
+        shortest, latest = (impact_scales(joints[j], 1.0, speed)[1] for speed in (speeds.max(), speeds[-1]))
+        ratios[j] = shortest / latest
     return ratios
 
 

@@ -92,6 +92,6 @@ def check_restitution(law: str, asked: float, given: float) -> bool:
         return False
     _warn(
         f"the contact law {law} turns a restitution of {asked:.1f} into an exit over entry speed of {given:.1f}; "
-        "choose contact_law = 'flores', or the restitution that gives the exit speed you want"
+        "choose contact_law = 'restitution', or the restitution that gives the exit speed you want"
     )
     return True

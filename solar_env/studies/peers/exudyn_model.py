@@ -34,6 +34,7 @@ def check_supported(scene: Scene) -> None:
     p = scene.parameters
     for name, fits in (
         ("panel_count", p.panel_count == 2),
+        ("friction_law", p.friction_law == "ramp"),
         ("friction_speed_zero", p.friction_speed_zero == 0.0),
         ("friction_sliding", p.friction_sliding == "material"),
         ("cable_torque_ratio", p.cable_torque_ratio in (None, 2.0)),

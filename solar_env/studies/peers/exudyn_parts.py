@@ -104,10 +104,10 @@ class Builder(ABC):
                     isHollowSphere1=True,
                     dynamicFriction=p.friction_coefficient,
                     frictionProportionalZone=p.friction_speed_full,
-                    contactStiffness=p.stiffness_of_contact(j),
-                    contactStiffnessExponent=1.5,
+                    contactStiffness=p.contact(j).stiffness,
+                    contactStiffnessExponent=p.contact(j).exponent,
                     impactModel=1,
-                    restitutionCoefficient=1.0 - 2.0 / 3.0 * p.bearing(j).damping_factor,
+                    restitutionCoefficient=1.0 - 2.0 / 3.0 * p.contact(j).damping,
                     minimumImpactVelocity=p.minimum_impact_speed,
                 )
             )

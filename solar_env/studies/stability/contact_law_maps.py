@@ -1,7 +1,7 @@
 """Maps of the contact laws: the restitution that they give, and where their damping pulls.
 
-F = K depth^1.5 (1 + d rate / impact speed) with d > 0 is singular as the impact speed vanishes, which the minimum
-impact speed prevents; and it attracts where the surfaces part faster than impact speed / d, which the library cuts off.
+A factor 1 + d rate / impact speed with d > 0 is singular as the impact speed vanishes, which the minimum impact speed
+prevents; and it attracts where the surfaces part faster than impact speed / d, which the library cuts off.
 """
 
 from __future__ import annotations
@@ -9,10 +9,11 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+from scipy.optimize import brentq
+
 from solar_env.array import ArrayParameters
 from solar_env.mechanics.integrators.settings import RungeKutta
-from solar_env.mechanics.joints.contact import impact_scales
-from solar_env.mechanics.joints.laws import damping_factor, exit_speed_ratio
+from solar_env.mechanics.joints.contact.laws import CONTACT_LAWS, contact_law
 from solar_env.mechanics.mechanism.description import Bearing, Body
 from solar_env.mechanics.mechanism.textbook import bouncing_block
 from solar_env.mechanics.running.diagnosis import LARGEST_RESTITUTION_ERROR
@@ -31,8 +32,10 @@ from solar_env.studies.stability.maps import (
     log_range,
 )
 
-LAWS = ("lankarani-nikravesh", "flores")
-MASS, STIFFNESS, RADIUS = 6.0, 7.39e10, 0.01  # kg, N/m^1.5, m
+ARRAY = ArrayParameters(contact_stiffness=None)
+# Those that dissipate.
+LAWS = tuple(name for name in CONTACT_LAWS if contact_law(name, ARRAY.surfaces(0), 0.5).exit_speed_ratio() < 1.0)
+MASS = 6.0  # kg
 SLOWEST = 1e-4  # m/s, the default minimum impact speed
 _FLIGHT = 50.0  # of the way to the wall over that of an impact at full speed
 _DEPTH = 1e-6  # m, from which a journal is pulled
@@ -41,9 +44,9 @@ _ELASTIC = 0.1  # of the pull
 
 def _bounce(law: str, restitution: float, speed: float) -> tuple[float, Trajectory]:
     """Exit over entry speed of one bounce as the array's parameters describe it, and its run."""
-    parameters = ArrayParameters(contact_law=law, restitution=restitution, contact_stiffness=STIFFNESS)
-    way = _FLIGHT * speed * float(impact_scales(STIFFNESS, 1.0 / MASS, speed)[1])
-    bearing = replace(parameters.bearing(0), clearance=way, friction_coefficient=0.0, wear_coefficient=0.0)
+    bearing = replace(ARRAY, contact_law=law, restitution=restitution).bearing(0)
+    way = _FLIGHT * speed * bearing.contact.impact_scales(bearing.contact.parameters(), 1.0 / MASS, speed)[1]
+    bearing = replace(bearing, clearance=way, friction_coefficient=0.0, wear_coefficient=0.0)
     duration = 2.9 * way / speed  # before the other wall
     run = simulate(bouncing_block(bearing, MASS, speed), duration, integrator=RungeKutta(), output_step=duration)
     return -float(run.velocities[-1, 0]) / speed, run
@@ -70,8 +73,9 @@ def restitution_limit(law: str, speed: float) -> float:
     Below the minimum impact speed the damping is weaker by the ratio of the two speeds.
     """
     for k in range(1000, 0, -1):
-        factor = damping_factor(law, k / 1000.0) * min(1.0, speed / SLOWEST)
-        if abs(exit_speed_ratio(factor) - k / 1000.0) > LARGEST_RESTITUTION_ERROR:
+        contact = contact_law(law, ARRAY.surfaces(0), k / 1000.0)
+        given = replace(contact, damping=contact.damping * min(1.0, speed / SLOWEST)).exit_speed_ratio()
+        if abs(given - k / 1000.0) > LARGEST_RESTITUTION_ERROR:
             return k / 1000.0
     return math.nan
 
@@ -79,10 +83,11 @@ def restitution_limit(law: str, speed: float) -> float:
 def _pull_off(law: str, restitution: float, ratio: float) -> tuple[float, Trajectory]:
     """Speed at which a pulled journal leaves the wall over that without damping, and its run."""
     pull = (ratio * SLOWEST) ** 2 / (2.0 * _DEPTH)  # m/s2
-    stiffness = _ELASTIC * MASS * pull / _DEPTH**1.5
+    contact = contact_law(law, ARRAY.surfaces(0), restitution)
+    _, elastic, _, _ = contact.force(contact.parameters(), _DEPTH, 0.0, SLOWEST)
+    mass = elastic / (_ELASTIC * pull)
     clearance = 100.0 * _DEPTH
-    bearing = Bearing(clearance, RADIUS, stiffness, damping_factor(law, restitution), SLOWEST)
-    free = bouncing_block(bearing, MASS, speed=0.0)
+    free = bouncing_block(Bearing(clearance, ARRAY.journal_radius, contact, SLOWEST), mass, speed=0.0)
     body = free.bodies[0]
     assert isinstance(body, Body)
     pressed = replace(body, position=(clearance + _DEPTH, 0.0))
@@ -94,7 +99,7 @@ def _pull_off(law: str, restitution: float, ratio: float) -> tuple[float, Trajec
         output_step=duration / 500.0,
     )
     inside = int((run.penetration[:, 0] > 0.0).sum())
-    undamped = math.sqrt(2.0 * _DEPTH * pull * (1.0 + 0.4 * _ELASTIC))
+    undamped = math.sqrt(2.0 * (_DEPTH * pull + contact.energy(contact.parameters(), _DEPTH) / mass))
     return -float(run.velocities[min(inside, len(run.time) - 1), 0]) / undamped, run
 
 
@@ -113,10 +118,12 @@ def measure_pull_off(law: str, restitution: float, ratio: float) -> Cell:
 
 
 def pull_off_limit(law: str, ratio: float) -> float:
-    """Coefficient at which d = 1 / ratio: below it the law attracts before the surfaces have parted."""
-    if law == "flores":
-        return 1.6 / (1.6 + 1.0 / ratio)
-    return math.sqrt(max(1.0 - 4.0 / (3.0 * ratio), 0.0))
+    """Coefficient below which the law attracts before the surfaces have parted, as d exceeds 1 / ratio; 0 for none."""
+
+    def excess(restitution: float) -> float:
+        return contact_law(law, ARRAY.surfaces(0), restitution).damping - 1.0 / ratio
+
+    return float(brentq(excess, 1e-9, 1.0)) if excess(1e-9) > 0.0 else 0.0
 
 
 _COEFFICIENTS = (0.001, 0.01, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95, 1.0)
@@ -128,8 +135,8 @@ RESTITUTION = StabilityMap(
     y=Axis("speed_m_s", "impact speed [m/s]", (1e-6, 1e-5, 1e-4, 1e-2, 1.0), log_range(1e-7, 10.0, 17)),
     panels=LAWS,
     quantity="exit over entry speed",
-    advice="Below a restitution of 0.8 take contact_law = 'flores'; and set minimum_impact_speed below the slowest "
-    "impact that matters, for slower ones bounce as if undamped.",
+    advice="Below a restitution of 0.8 take contact_law = 'restitution'; and set minimum_impact_speed below the "
+    "slowest impact that matters, for slower ones bounce as if undamped.",
     measure=measure_restitution,
     limit=restitution_limit,
     limit_label="to the left the law in closed form is off by more than 0.05",

@@ -11,7 +11,9 @@ import math
 from dataclasses import replace
 
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
-from solar_env.mechanics.joints.laws import damping_factor
+from solar_env.mechanics.joints.contact import lankarani_nikravesh
+from solar_env.mechanics.joints.contact.power_law import PowerLaw
+from solar_env.mechanics.joints.friction.ramp import RampedCoulomb
 from solar_env.mechanics.mechanism.description import Bearing, Body, Load
 from solar_env.mechanics.mechanism.textbook import loaded_journal
 from solar_env.mechanics.running.simulation import simulate
@@ -29,10 +31,10 @@ from solar_env.studies.stability.maps import (
     log_range,
 )
 
-LOAD, RADIUS, CLEARANCE, STIFFNESS = 10.0, 0.01, 2e-4, 7.39e10  # N, m, m, N/m^1.5
+LOAD, RADIUS, CLEARANCE = 10.0, 0.01, 2e-4  # N, m, m
 FRICTION, SHARE, INERTIA = 0.15, 0.5, 0.01  # -, of the friction limit, kg m2
 MASS, MINIMUM_SPEED = 1.0, 1e-4  # kg, m/s
-DAMPING_FACTOR = damping_factor("lankarani-nikravesh", 0.5)
+CONTACT = PowerLaw(7.39e10, damping=lankarani_nikravesh.damping(0.5))
 # 300,000 of them make the 30 s of a deployment.
 SHORT_STEP = 1e-4  # s
 # Less than a millimetre in the 30 s of a deployment.
@@ -62,11 +64,10 @@ def _creep(panel: str, speed_zero: float, speed_full: float) -> tuple[float, Tra
     bearing = Bearing(
         CLEARANCE,
         RADIUS,
-        STIFFNESS,
-        DAMPING_FACTOR,
+        CONTACT,
         MINIMUM_SPEED,
         friction_coefficient=FRICTION,
-        friction_speeds=(speed_zero, speed_full),
+        friction=RampedCoulomb(speed_zero, speed_full),
     )
     normal = LOAD / math.hypot(1.0, SHARE * FRICTION)
     torque = SHARE * FRICTION * normal * RADIUS

@@ -8,7 +8,7 @@ bounce, to be compared with the exact one of the law.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -21,47 +21,48 @@ from solar_env.mechanics.integrators.settings import (
     RungeKutta,
     steps_per_impact,
 )
-from solar_env.mechanics.joints.contact import impact_scales
-from solar_env.mechanics.joints.laws import damping_factor, exit_speed_ratio
+from solar_env.mechanics.joints.contact import lankarani_nikravesh
+from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.mechanism.description import Bearing
 from solar_env.mechanics.mechanism.textbook import bouncing_block
 from solar_env.mechanics.running.simulation import simulate
 from solar_env.studies.stability.maps import Axis, Cell, StabilityMap, classify_ratios, listen, log_range
 
-MASS, STIFFNESS, CLEARANCE, SPEED = 6.0, 7.39e10, 2e-4, 0.1  # kg, N/m^1.5, m, m/s
+MASS, CLEARANCE, SPEED = 6.0, 2e-4, 0.1  # kg, m, m/s
 BOUNCES = 12
 TOLERANCE = 0.01  # of the exit speed of every bounce
 HERTZ, DAMPED = "Hertz (conserves energy)", "Lankarani-Nikravesh, Ce = 0.9"
-_FACTORS = {HERTZ: 0.0, DAMPED: damping_factor("lankarani-nikravesh", 0.9)}
+_UNDAMPED = PowerLaw(7.39e10)
+_LAWS = {HERTZ: _UNDAMPED, DAMPED: replace(_UNDAMPED, damping=lankarani_nikravesh.damping(0.9))}
 LIBRARY, UNCHECKED = "library", "without its check"
 
 
 @lru_cache(maxsize=1)
 def contact_duration() -> float:
     """Duration of the first impact [s], without damping."""
-    return float(impact_scales(STIFFNESS, 1.0 / MASS, SPEED)[1])
+    return _UNDAMPED.impact_scales(_UNDAMPED.parameters(), 1.0 / MASS, SPEED)[1]
 
 
-def bounce_ratios(factor: float, integrator: Integrator) -> NDArray[np.float64]:
+def bounce_ratios(contact: PowerLaw, integrator: Integrator) -> NDArray[np.float64]:
     """(bounces,) exit speeds of a bouncing block over the exact ones.
 
     Args:
-        factor: damping factor d of the contact law.
+        contact: law of the contact.
         integrator: with its settings.
 
     Raises:
         SimulationError: if the run cannot go on.
     """
-    exact = exit_speed_ratio(factor)
+    exact = contact.exit_speed_ratio()
     flights = sum(2.0 * CLEARANCE / (SPEED * exact**n) for n in range(BOUNCES))
-    mechanism = bouncing_block(Bearing(CLEARANCE, 0.01, STIFFNESS, factor), MASS, SPEED)
+    mechanism = bouncing_block(Bearing(CLEARANCE, 0.01, contact), MASS, SPEED)
     speeds = simulate(mechanism, flights, integrator=integrator, output_step=flights / 100.0).contacts["impact_speed"]
     # A block that never comes back has no ratio: all its speed is lost.
     return speeds[1:] / speeds[:-1] / exact if len(speeds) > 1 else np.zeros(1)
 
 
-def _cell(factor: float, make: Callable[[], Integrator]) -> Cell:
-    heard = listen(lambda: bounce_ratios(factor, make()))
+def _cell(contact: PowerLaw, make: Callable[[], Integrator]) -> Cell:
+    heard = listen(lambda: bounce_ratios(contact, make()))
     if heard.result is None:
         return heard.failed()
     ratios = heard.result
@@ -71,7 +72,7 @@ def _cell(factor: float, make: Callable[[], Integrator]) -> Cell:
 
 def measure_implicit(panel: str, share: float, rho_inf: float) -> Cell:
     """Bounces under generalized-alpha with a fixed step of ``share`` of the first impact's duration."""
-    return _cell(_FACTORS[panel], lambda: GeneralizedAlpha(step=share * contact_duration(), rho_inf=rho_inf))
+    return _cell(_LAWS[panel], lambda: GeneralizedAlpha(step=share * contact_duration(), rho_inf=rho_inf))
 
 
 @dataclass(frozen=True)
@@ -84,7 +85,7 @@ class _Unchecked(RungeKutta):
 def measure_explicit(panel: str, steps: float, rtol: float) -> Cell:
     """Hertzian bounces under explicit Runge-Kutta with at least ``steps`` steps per predicted duration."""
     chosen = RungeKutta if panel == LIBRARY else _Unchecked
-    return _cell(0.0, lambda: chosen(rtol=rtol, impact_resolution=steps))
+    return _cell(_UNDAMPED, lambda: chosen(rtol=rtol, impact_resolution=steps))
 
 
 IMPLICIT = StabilityMap(

@@ -1,19 +1,22 @@
-"""One impact in closed form: m depth'' = -K depth^1.5 (1 + d depth' / v), from depth 0 at the speed v.
+"""One impact in closed form: m depth'' = -K depth^n (1 + d depth' / v), from depth 0 at the speed v.
 
-With u = depth' / v the equation separates into u du / (1 + d u) = -K depth^1.5 d(depth) / (m v^2), which
+With u = depth' / v the equation separates into u du / (1 + d u) = -K depth^n d(depth) / (m v^2), which
 integrates to (u - ln(1 + d u) / d) / d on the left and a power of the depth on the right.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from scipy.optimize import brentq
-from scipy.special import gamma
+from scipy.special import beta
+
+from solar_env.mechanics.joints.contact.power_law import PowerLaw
 
 
 def restitution(d: float) -> float:
-    """Ratio e of exit to entry speed: d (1 + e) = ln[(1 + d) / (1 - d e)]; independent of m, v and K."""
+    """Ratio e of exit to entry speed: d (1 + e) = ln[(1 + d) / (1 - d e)]; independent of m, v, K and n."""
     if d == 0.0:
         return 1.0
 
@@ -23,17 +26,20 @@ def restitution(d: float) -> float:
     return float(brentq(excess, 0.0, min(1.0, 1.0 / d) * (1.0 - 1e-15), xtol=1e-15))
 
 
-def greatest_depth(mass: float, stiffness: float, speed: float, d: float) -> float:
-    """Depth at which the approach ends [m]; Hertz's (5 m v^2 / (4 K))^0.4 for d = 0."""
+def greatest_depth(mass: float, contact: PowerLaw, speed: float) -> float:
+    """Depth at which the approach ends [m]; Hertz's (5 m v^2 / (4 K))^0.4 for n = 1.5 and d = 0."""
+    d, power = contact.damping, contact.exponent + 1.0
     bracket = (d - math.log1p(d)) / d**2 if d else 0.5
-    return float((2.5 * mass * speed**2 / stiffness * bracket) ** 0.4)
+    return float((power * mass * speed**2 / contact.stiffness * bracket) ** (1.0 / power))
 
 
-def hertz_duration(mass: float, stiffness: float, speed: float) -> float:
-    """Duration [s] of an impact without damping: 2 sqrt(pi) Gamma(7/5) / Gamma(9/10) = 2.94328 depths over
-    speed.
+def undamped_duration(mass: float, contact: PowerLaw, speed: float) -> float:
+    """Duration [s] of an impact if it is not damped: 2 B(1 / (n + 1), 1/2) / (n + 1) depths over speed.
 
-    K. L. Johnson, Contact Mechanics, Cambridge University Press 1985, section 11.4.
+    With the beta function B it is twice the integral of d(depth) / rate; 2.94328 for n = 1.5 (K. L. Johnson, Contact
+    Mechanics, Cambridge University Press 1985, section 11.4).
     """
-    factor = 2.0 * math.sqrt(math.pi) * gamma(1.4) / gamma(0.9)
-    return float(factor * greatest_depth(mass, stiffness, speed, 0.0) / speed)
+    power = contact.exponent + 1.0
+    return float(
+        2.0 / power * beta(1.0 / power, 0.5) * greatest_depth(mass, replace(contact, damping=0.0), speed) / speed
+    )

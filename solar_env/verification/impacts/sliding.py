@@ -14,15 +14,19 @@ from dataclasses import replace
 import numpy as np
 
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
+from solar_env.mechanics.joints.contact import lankarani_nikravesh
+from solar_env.mechanics.joints.contact.power_law import PowerLaw
+from solar_env.mechanics.joints.friction.brown_mcphee import BrownMcPhee
+from solar_env.mechanics.joints.friction.laws import FrictionLaw
+from solar_env.mechanics.joints.friction.ramp import RampedCoulomb
 from solar_env.mechanics.joints.joint import NORMAL, RATE, TANGENTIAL
-from solar_env.mechanics.joints.laws import damping_factor
 from solar_env.mechanics.mechanism.description import Bearing, Body
 from solar_env.mechanics.mechanism.textbook import loaded_journal
 from solar_env.mechanics.running.simulation import Simulation, simulate
 from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.verification.checks import Check
 
-LOAD, RADIUS, CLEARANCE = 10.0, 0.01, 2e-4
+LOAD, RADIUS, CLEARANCE, STIFFNESS = 10.0, 0.01, 2e-4, 7.39e10  # N, m, m, N/m^1.5
 FRICTION = 0.15
 SPEED_ZERO, SPEED_FULL = 1e-4, 1e-3
 WEAR, WIDTH, BINS = 1e-13, 0.05, 360
@@ -31,52 +35,62 @@ ARCHARD = "J. F. Archard, J. Appl. Phys. 24 (1953) 981: volume = k * force * sli
 RATE_OF_TURNING, TURNS = 20.0, 2  # rad/s, -
 
 
-def _bearing(material_sliding: bool = True) -> Bearing:
+RAMP = RampedCoulomb(SPEED_ZERO, SPEED_FULL)
+
+
+def _bearing(friction: FrictionLaw = RAMP, sliding: str = "material") -> Bearing:
     return Bearing(
         CLEARANCE,
         RADIUS,
-        stiffness=7.39e10,
-        damping_factor=damping_factor("lankarani-nikravesh", 0.5),
+        contact=PowerLaw(STIFFNESS, damping=lankarani_nikravesh.damping(0.5)),
         friction_coefficient=FRICTION,
-        friction_speeds=(SPEED_ZERO, SPEED_FULL),
-        material_sliding=material_sliding,
+        friction=friction,
+        sliding=sliding,
         wear_coefficient=WEAR,
         width=WIDTH,
     )
 
 
+def _creep_speeds() -> Iterator[tuple[FrictionLaw, str, float, float]]:
+    """Friction law, formula, share of the friction limit, and the sliding speed [m/s] at which the law carries it."""
+    for share in (0.3, 0.9):
+        ramped = SPEED_ZERO + (SPEED_FULL - SPEED_ZERO) * share
+        yield RAMP, "v0 + (v1 - v0) Ft / (cf Fn)", share, ramped
+        yield BrownMcPhee(SPEED_FULL), "v1 / 4 artanh(Ft / (cf Fn))", share, SPEED_FULL / 4.0 * math.atanh(share)
+
+
 def friction_creep() -> Iterator[Check]:
-    """A journal turned by a torque below the friction limit creeps where the ramp balances it."""
+    """A journal turned by a torque below the friction limit creeps where the friction law balances it."""
     integrators: tuple[Integrator, ...] = (RungeKutta(rtol=1e-8), GeneralizedAlpha(step=1e-4))
     for integrator in integrators:
-        for share in (0.3, 0.9):
+        for law, formula, share, speed in _creep_speeds():
             # Torque balance: T R = torque; share = T / (cf N).
             normal = LOAD / math.hypot(1.0, share * FRICTION)
             friction = share * FRICTION * normal
-            simulation = Simulation(loaded_journal(_bearing(), LOAD), integrator)
+            simulation = Simulation(loaded_journal(_bearing(law), LOAD), integrator)
             simulation.set_motor_torque(0, friction * RADIUS)
             simulation.advance(3.0)
             loads = simulation.joint_loads()[0]
             figures = (
-                ("sliding speed [m/s]", SPEED_ZERO + (SPEED_FULL - SPEED_ZERO) * share, loads[RATE] * RADIUS),
+                ("sliding speed [m/s]", speed, loads[RATE] * RADIUS),
                 ("normal force [N]", normal, loads[NORMAL]),
                 ("friction force [N]", friction, abs(loads[TANGENTIAL])),
             )
             for name, expected, obtained in figures:
                 yield Check(
-                    quantity=f"Ft = {share:g} cf Fn: {name}, {integrator.name}",
+                    quantity=f"{type(law).__name__}, Ft = {share:g} cf Fn: {name}, {integrator.name}",
                     expected=expected,
                     obtained=float(obtained),
                     tolerance=1e-5,
                     relative=True,
-                    source=f"exact: v0 + (v1 - v0) Ft / (cf Fn); {STATICS}",
+                    source=f"exact: {formula}; {STATICS}",
                 )
 
 
 def sliding_speed_readings() -> Iterator[Check]:
     """With the sliding speed of the joint centres, a journal that spins in its place meets no friction."""
     torque, duration = 0.5 * FRICTION * LOAD * RADIUS, 0.05
-    mechanism = loaded_journal(_bearing(material_sliding=False), LOAD)
+    mechanism = loaded_journal(_bearing(sliding="centres"), LOAD)
     simulation = Simulation(mechanism, RungeKutta(rtol=1e-8))
     simulation.set_motor_torque(0, torque)
     simulation.advance(duration)
@@ -105,14 +119,14 @@ def _worn(housing_angle: float | None = None) -> Trajectory:
 
 def archard_wear() -> Iterator[Check]:
     """Wear of a journal that turns at a constant rate: volumes, depths over the arc of contact, and its place."""
-    bearing, rate, motion = _bearing(), RATE_OF_TURNING, _worn()
+    rate, motion = RATE_OF_TURNING, _worn()
     duration = TURNS * 2.0 * math.pi / rate
     # Steady sliding, beyond the ramp: T = cf N.
     normal = LOAD / math.hypot(1.0, FRICTION)
     volume = WEAR * normal * RADIUS * rate * duration
     bin_arc = 2.0 * math.pi / BINS
     bearing_radius = RADIUS + CLEARANCE
-    depth = (normal / bearing.stiffness) ** (2.0 / 3.0)
+    depth = (normal / STIFFNESS) ** (2.0 / 3.0)
     half_arc = math.acos(CLEARANCE / (CLEARANCE + depth))
     # The arc of contact stays in its place on the bearing: the bin which it covers most wears deepest.
     low = 1.5 * math.pi - math.atan(FRICTION) - half_arc

@@ -12,6 +12,7 @@ from helpers import ROUND_BEARING, chain, fingerprint, pendulum
 
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.equations.build import compile_mechanism
+from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS
 from solar_env.mechanics.mechanism.description import Body, Mechanism
 from solar_env.mechanics.running.errors import _CAUSES, SimulationError, raise_for_status
 
@@ -46,8 +47,9 @@ def test_rows_are_views_whose_members_are_attributes(row_type: np.dtype[np.void]
     for name in row_type.names or ():
         row = rows[1]
         setattr(row, name, 3)
-        assert rows[name].tolist() == [0, 3]
-        assert getattr(row, name) == 3
+        assert np.all(rows[name][0] == 0)
+        assert np.all(rows[name][1] == 3)
+        assert np.all(getattr(row, name) == 3)
 
 
 def test_integrals_and_energies_are_numbered_without_gaps() -> None:
@@ -98,13 +100,14 @@ def test_every_array_is_contiguous() -> None:
 def test_a_bearing_arrives_in_its_joint_row_unchanged() -> None:
     model, _ = compile_mechanism(example())
     row = model.joints[0]
-    renamed = {"stiffness": "contact_stiffness", "width": "bearing_width"}
     for item in fields(ROUND_BEARING):
-        if item.name in ("friction_speeds", "material_sliding"):
-            continue
-        assert row[renamed.get(item.name, item.name)] == getattr(ROUND_BEARING, item.name), item.name
-    assert (row["friction_speed_zero"], row["friction_speed_full"]) == ROUND_BEARING.friction_speeds
-    assert row["sliding_speed"] == m.MATERIAL_POINTS
+        if item.name not in ("contact", "friction", "sliding"):
+            name = {"width": "bearing_width"}.get(item.name, item.name)
+            assert row[name] == getattr(ROUND_BEARING, item.name), item.name
+    for kind, law in (("contact", ROUND_BEARING.contact), ("friction", ROUND_BEARING.friction)):
+        parameters = law.parameters()
+        assert (row[f"{kind}_law"], *row[kind]) == (law.code, *parameters, *(4 - len(parameters)) * [0.0])
+    assert SLIDING_READINGS[row["sliding"]] == ROUND_BEARING.sliding
 
 
 def test_only_joints_whose_torque_depends_on_the_angle_limit_it() -> None:

@@ -31,6 +31,7 @@ from solar_env.mechanics.integrators.runge_kutta import (
     quintic_weights,
 )
 from solar_env.mechanics.integrators.settings import Rosenbrock, RungeKutta
+from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.joints.joint import ANGLE, penetration
 from solar_env.mechanics.mechanism.description import GROUND, Bearing, Body, Joint, Mechanism, Point
 from solar_env.mechanics.mechanism.textbook import bouncing_block
@@ -161,7 +162,7 @@ def test_the_time_and_speed_of_an_impact_in_straight_flight_are_exact() -> None:
 
 
 def test_an_approach_slower_than_the_bound_starts_with_the_bound() -> None:
-    bearing = Bearing(1e-3, 0.01, 1e9, damping_factor=0.2, minimum_impact_speed=0.05)
+    bearing = Bearing(1e-3, 0.01, PowerLaw(1e9, damping=0.2), minimum_impact_speed=0.05)
     contacts = simulate(block((0.01, 0.0), bearing=bearing), 0.12).contacts
     assert contacts["impact_speed"][0] == 0.05
 
@@ -206,7 +207,7 @@ def test_an_impact_gets_as_many_steps_as_asked() -> None:
 def test_the_peak_of_an_impact_is_found_between_the_steps(integrator: RungeKutta, error: float) -> None:
     mass, clearance, stiffness = 6.0, 2e-4, 7.39e10
     for speed in np.logspace(-3.0, 0.0, 20):
-        simulation = Simulation(bouncing_block(Bearing(clearance, 0.01, stiffness, 0.0), mass, speed), integrator)
+        simulation = Simulation(bouncing_block(Bearing(clearance, 0.01, PowerLaw(stiffness)), mass, speed), integrator)
         # Without damping all the energy of the approach is in the contact when the journal is deepest.
         deepest = (1.25 * mass * speed**2 / stiffness) ** 0.4
         simulation.advance((clearance + 5.0 * deepest) / speed)
@@ -315,7 +316,7 @@ def test_a_run_that_outgrows_its_bound_of_steps_says_so_and_can_go_on() -> None:
 
 
 def test_a_journal_driven_through_its_bearing_is_reported_not_followed() -> None:
-    bearing = Bearing(1e-3, 0.01, 10.0, damping_factor=0.0)
+    bearing = Bearing(1e-3, 0.01, PowerLaw(10.0))
     with pytest.raises(SimulationError, match=r"joint 1 sank 0\.0\d+ m into its bearing") as caught:
         simulate(block((0.3, 0.0), bearing=bearing), 1.0)
     assert caught.value.reason == "penetration"
@@ -370,7 +371,7 @@ def test_a_journal_that_leaves_the_very_wall_and_comes_back_in_one_step_does_not
 
 def side_by_side(bearings: int) -> Simulation:
     """A block whose journals strike the walls of as many bearings at one instant."""
-    bearing = Bearing(1e-3, 0.01, 1e9, damping_factor=0.2)
+    bearing = Bearing(1e-3, 0.01, PowerLaw(1e9, damping=0.2))
     body = Body("block", 1.0, 0.1, 1.0, (0.0, 0.0), velocity=(0.3, 0.0))
     pins = [Joint(f"{k}", GROUND, "block", (0.0, 0.0), (0.0, 0.0), bearing=bearing) for k in range(bearings)]
     return Simulation(Mechanism((body,), tuple(pins)))

@@ -12,6 +12,8 @@ from helpers import Forces, Vector, rigid_motions, turned
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.equations.system import accelerations
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
+from solar_env.mechanics.joints.contact.power_law import PowerLaw
+from solar_env.mechanics.joints.friction.ramp import RampedCoulomb
 from solar_env.mechanics.joints.joint import ANGLE
 from solar_env.mechanics.mechanism.description import (
     GROUND,
@@ -38,7 +40,14 @@ pytestmark = pytest.mark.filterwarnings("ignore:.* the constraint forces of the 
 both_integrators = pytest.mark.parametrize("integrator", INTEGRATORS.values(), ids=INTEGRATORS.keys())
 
 BEAM = FlexibleBody("beam", 1.2, 2, linear_density=0.8, axial_stiffness=400.0, bending_stiffness=0.6)
-WIDE = Bearing(0.02, 0.1, 300.0, 0.2, minimum_impact_speed=1e-3, friction_coefficient=0.2, friction_speeds=(0.01, 0.1))
+WIDE = Bearing(
+    0.02,
+    0.1,
+    PowerLaw(300.0, damping=0.2),
+    minimum_impact_speed=1e-3,
+    friction_coefficient=0.2,
+    friction=RampedCoulomb(0.01, 0.1),
+)
 CONNECTIONS: dict[str, Bearing | None] = {"ideal joints": None, "clearance joints": WIDE}
 
 

@@ -12,6 +12,7 @@ from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.runge_kutta import _COUPLING, _ERROR
 from solar_env.mechanics.integrators.settings import Rosenbrock, RungeKutta
 from solar_env.mechanics.integrators.stiff_forces import COUPLING, DIAGONAL
+from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.mechanism.description import Bearing
 from solar_env.mechanics.numerics.linear import lu_factor, lu_solve
 from solar_env.mechanics.running.simulation import Simulation, simulate
@@ -68,7 +69,7 @@ def test_what_stiff_stops_take_is_booked_to_order_three() -> None:
 
 def test_a_journal_at_rest_is_stepped_over_and_its_load_booked() -> None:
     clearance, stiffness, gravity = 1e-3, 1e9, 9.81
-    bearing = Bearing(clearance, 0.01, stiffness, damping_factor=0.1)
+    bearing = Bearing(clearance, 0.01, PowerLaw(stiffness, damping=0.1))
     mechanism = block((0.0, 0.0), bearing=bearing, gravity=(0.0, -gravity), position=(0.0, -clearance - 1e-9))
     simulation = Simulation(mechanism, RungeKutta(rtol=1e-6))
     simulation.advance(2.0)

@@ -9,6 +9,7 @@ import pytest
 
 from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.integrators.settings import RungeKutta
+from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.joints.wear import add_wear, pressed_half_angle
 from solar_env.mechanics.mechanism.description import GROUND, Bearing, Body, Drive, Joint, Mechanism
 from solar_env.mechanics.running.simulation import simulate
@@ -93,8 +94,7 @@ LOAD, FRICTION, RATE, BINS = 10.0, 0.15, 20.0, 360
 SLIDING = Bearing(
     clearance=2e-4,
     journal_radius=0.01,
-    stiffness=7.39e10,
-    damping_factor=0.6,
+    contact=PowerLaw(7.39e10, damping=0.6),
     friction_coefficient=FRICTION,
     wear_coefficient=1e-13,
     width=0.05,
@@ -106,7 +106,7 @@ PRESSED = 1.5 * math.pi - math.atan(FRICTION)
 def two_turns(journal_angle: float, journal_rate: float, housing_angle: float, housing_rate: float) -> Trajectory:
     """A loaded journal in a housing, which turn about the same centre as they are driven."""
     normal = LOAD / math.hypot(1.0, FRICTION)
-    reach = SLIDING.clearance + (normal / SLIDING.stiffness) ** (2.0 / 3.0)
+    reach = SLIDING.clearance + SLIDING.contact.depth_under(normal)
     place = (reach * math.cos(PRESSED), reach * math.sin(PRESSED))
     centred = {"mass": 1.0, "inertia": 0.01, "length": 1.0, "centroid": (0.0, 0.0)}
     mechanism = Mechanism(
@@ -128,7 +128,7 @@ def two_turns(journal_angle: float, journal_rate: float, housing_angle: float, h
 def assert_worn_only_where_pressed(depths: np.ndarray, place: float) -> None:
     width = 2.0 * math.pi / BINS
     middles = (np.arange(BINS) + 0.5) * width
-    half = pressed_half_angle((LOAD / math.hypot(1.0, FRICTION) / SLIDING.stiffness) ** (2.0 / 3.0), SLIDING.clearance)
+    half = pressed_half_angle(SLIDING.contact.depth_under(LOAD / math.hypot(1.0, FRICTION)), SLIDING.clearance)
     # The two bins that the arc covers in part count at their middles.
     assert depths @ middles / depths.sum() == pytest.approx(place, abs=width**2 / (16.0 * half))
     assert not depths[np.abs(middles - place) > half + width].any()

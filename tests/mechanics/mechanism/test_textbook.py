@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, RungeKutta
+from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.mechanism.description import Bearing
 from solar_env.mechanics.mechanism.textbook import (
     FOUR_BAR_PINS,
@@ -83,14 +84,14 @@ def test_slider_stays_on_its_guide_and_does_not_turn():
 
 @pytest.mark.parametrize("housing_mass", [None, 2.0])
 def test_block_bounces_on_a_line(housing_mass):
-    bearing = Bearing(1e-3, 0.01, 1e10, damping_factor=0.0)
+    bearing = Bearing(1e-3, 0.01, PowerLaw(1e10))
     motion = simulate(bouncing_block(bearing, mass=1.0, speed=0.5, housing_mass=housing_mass), 0.1)
     assert motion.contact_starts[0] > 10
     np.testing.assert_allclose(motion.coordinates[:, 1::2], 0.0, atol=1e-15)
 
 
 def test_loaded_journal_starts_in_balance():
-    bearing = Bearing(2e-4, 0.01, 7e10, damping_factor=0.1, friction_coefficient=0.2)
+    bearing = Bearing(2e-4, 0.01, PowerLaw(7e10, damping=0.1), friction_coefficient=0.2)
     for mechanism in (loaded_journal(bearing), loaded_journal(bearing, lean=math.atan(0.2), rate=10.0)):
         simulation = Simulation(mechanism, RungeKutta(rtol=1e-8))
         before = simulation.state.q[:2].copy()

@@ -14,6 +14,7 @@ from helpers import block, pendulum
 from solar_env.array import ArrayParameters, build
 from solar_env.array.deployment import simulate as simulate_deployment
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
+from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.mechanism.description import Bearing, Stop
 from solar_env.mechanics.mechanism.textbook import bouncing_block, four_bar
 from solar_env.mechanics.mechanism.textbook import pendulum as point_pendulum
@@ -22,7 +23,7 @@ from solar_env.mechanics.running.simulation import Simulation, simulate
 from solar_env.studies.stability.stop_maps import swinging_link
 
 # Impacts of some 0.5 ms.
-GAP = Bearing(2e-4, 0.01, 7.39e10, damping_factor=0.0)
+GAP = Bearing(2e-4, 0.01, PowerLaw(7.39e10))
 
 
 def told_by(run: Callable[[], object]) -> list[str]:
@@ -64,7 +65,7 @@ def run_slowed(bearing: Bearing, chosen: Integrator) -> None:
 
 
 def test_simulate_judges_by_its_hardest_impact_not_the_latest() -> None:
-    damped = replace(GAP, damping_factor=0.7)
+    damped = replace(GAP, contact=replace(GAP.contact, damping=0.7))
     duration = 4.7e-4
     # Enough for the last, slow impacts, too long for the first ones.
     step = GeneralizedAlpha(step=duration / 7.5)

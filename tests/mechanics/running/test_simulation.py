@@ -17,6 +17,8 @@ from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.recording import make_recorder
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, Rosenbrock, RungeKutta
+from solar_env.mechanics.joints.contact.laws import CONTACT_LAWS
+from solar_env.mechanics.joints.friction.laws import FRICTION_LAWS, SLIDING_READINGS
 from solar_env.mechanics.joints.joint import ANGLE, NORMAL
 from solar_env.mechanics.mechanism.description import GROUND, Body, Joint, Mechanism, Stop
 from solar_env.mechanics.running.simulation import Simulation, simulate
@@ -255,15 +257,26 @@ def test_the_energy_book_of_a_whole_deployment_closes() -> None:
         assert np.diff(run.energies[name]).min() > -1e-7 * run.energy_put_in
 
 
-@pytest.mark.parametrize("law", ["flores", "hertz"])
-@pytest.mark.parametrize("sliding", ["material", "centres"])
+@pytest.mark.parametrize("law", CONTACT_LAWS)
+@pytest.mark.parametrize("sliding", SLIDING_READINGS)
 def test_the_energy_book_closes_for_every_contact_law_and_sliding_speed(law: str, sliding: str) -> None:
-    p = ArrayParameters(contact_law=law, friction_sliding=sliding, clearance=(1e-4, 5e-4))
+    p = ArrayParameters(contact_law=law, contact_stiffness=None, friction_sliding=sliding, clearance=(1e-4, 5e-4))
     run = simulate(build(p), 3.0)
     assert run.contact_starts.min() > 10
     assert run.energy_residual < 1e-5 * run.energy_put_in
     if law == "hertz":
         assert abs(run.energies["contact_dissipation"][-1]) < 1e-12
+
+
+@pytest.mark.parametrize("law", FRICTION_LAWS)
+@pytest.mark.parametrize(
+    "integrator", [RungeKutta(), GeneralizedAlpha(rtol=1e-5)], ids=lambda integrator: integrator.name
+)
+def test_the_energy_book_closes_for_every_friction_law(law: str, integrator: Integrator) -> None:
+    run = simulate(build(ArrayParameters(friction_law=law, friction_speed_full=1e-2)), 3.0, integrator=integrator)
+    assert run.contact_starts.min() > 10
+    assert run.energy_residual < 1e-4 * run.energy_put_in
+    assert run.energies["friction_dissipation"][-1] > 0.0
 
 
 @pytest.mark.parametrize("model", ["rigid-ideal", "rigid-clearance"])

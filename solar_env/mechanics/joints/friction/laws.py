@@ -1,0 +1,18 @@
+"""Table of the friction laws by name. Plain Python: describing a mechanism needs no compiler."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from solar_env.mechanics.joints.friction import brown_mcphee, ramp
+
+FrictionLaw = ramp.RampedCoulomb | brown_mcphee.BrownMcPhee
+# Readings of the sliding speed: that of the material points in contact, or of the centres (paper, Eq 35).
+SLIDING_READINGS = ("material", "centres")
+MATERIAL, CENTRES = range(2)
+
+# By the speeds at which friction sets in and is full [m/s], and the ratio of static to sliding friction.
+FRICTION_LAWS: dict[str, Callable[[float, float, float], FrictionLaw]] = {
+    "ramp": ramp.law,
+    "brown-mcphee": brown_mcphee.law,
+}

@@ -1,1 +1,4 @@
-"""TODO room."""
+"""What commands and studies share: many simulations at once, progress bars, and the README pages.
+
+Imports nothing else of the package. A new module is about running or reporting, not about mechanics.
+"""

@@ -1,4 +1,4 @@
-"""How many environment steps a second: by model and number of lanes, and what a step's time goes into.
+"""How many environment steps per second: by model and number of lanes, and what a step's time goes into.
 
 Episodes cost most after latching, hundreds of times as much as in free flight. Lanes are therefore put at moments
 spread evenly over one passive deployment, so that a few steps stand for whole episodes.
@@ -52,7 +52,7 @@ class Split:
 
     @property
     def rate(self) -> float:
-        """Environment steps a second."""
+        """Environment steps per second."""
         return self.steps / self.wall
 
     @property
@@ -155,7 +155,7 @@ class _Clock:
 
 
 def compare(contestants: Mapping[str, tuple[Any, Callable[[], Any]]], lanes: int) -> dict[str, float]:
-    """Steps a second of vector environments that are stepped in turn, so that what disturbs one disturbs all.
+    """Steps per second of vector environments that are stepped in turn, so that what disturbs one disturbs all.
 
     Args:
         contestants: name -> environment, and what puts its lanes to their moments.
@@ -291,7 +291,7 @@ def tables(results: Mapping[Key, Any]) -> str:
     threads = available_processors()
     head = " | ".join(str(lanes) for lanes in LANES)
     lines = [
-        f"Environment steps (0.1 s) a second, {threads} threads, by number of lanes:",
+        f"Environment steps (0.1 s) per second, {threads} threads, by number of lanes:",
         "",
         f"| model | {head} | {threads} threads over 1 ({SCALED_LANES} lanes) |",
         "|---" * (len(LANES) + 2) + "|",
@@ -316,7 +316,7 @@ def tables(results: Mapping[Key, Any]) -> str:
         )
     lines += [
         "",
-        f"Against other vectors of {COMPARED_LANES} environments (ratio of steps a second), memory and start-up:",
+        f"Against other vectors of {COMPARED_LANES} environments (ratio of steps per second), memory and start-up:",
         "",
         "| model | over SyncVectorEnv | over SubprocVecEnv | memory a lane [kB] | start-up, cached [s] |",
         "|---|---|---|---|---|",

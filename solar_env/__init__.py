@@ -1,6 +1,9 @@
 """Deployment of a spacecraft's solar array: multibody simulation with clearance joints, and a Gymnasium environment.
 
-Importing this package registers the environments and loads neither the compiler nor a learning library.
+Importing this package registers the environments and loads neither the compiler nor a learning library. `simulate` runs
+one deployment; `gymnasium.make("solar_env/Deploy-v0")` makes an environment, `gymnasium.make_vec` many of them.
+
+.. include:: contributing.md
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""``python -m solar_env bench``: environment steps per second, and what they cost."""
+"""`python -m solar_env bench`: environment steps per second, and what they cost."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def run_command(args: argparse.Namespace) -> int:
         OSError: if the tables cannot be written.
     """
     # The measurements need the compiler, --help does not.
-    from solar_env.studies.throughput.throughput import measurements, tables
+    from solar_env.studies.throughput.step_rates import measurements, tables
 
     if args.readme:
         SECTION.read()  # refuses a page without a place before everything is measured

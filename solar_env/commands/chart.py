@@ -1,4 +1,4 @@
-"""``python -m solar_env chart``: speed against accuracy, measured into tables, drawn from the tables."""
+"""`python -m solar_env chart`: speed against accuracy, measured into tables, drawn from the tables."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def run_command(args: argparse.Namespace) -> int:
         ValueError: if figures are to be drawn of tables that do not exist.
     """
     # The studies need the compiler, --help does not.
-    from solar_env.studies.precision.charts import draw, measure
+    from solar_env.studies.precision.charts import draw, measure_charts
     from solar_env.support.campaigns import Workers
 
     tables, figures = (FOLDER / "data", FOLDER / "figures") if args.readme else (args.out, args.out)
@@ -48,7 +48,7 @@ def run_command(args: argparse.Namespace) -> int:
         SECTION.read()  # refuses a page without a place before everything is measured
     console = Console(stderr=True)
     if not args.draw:
-        measure(names, args.quick, tables, console, Workers(args.jobs))
+        measure_charts(names, args.quick, tables, console, Workers(args.jobs))
     for path in draw(names, tables, figures):
         print(path)
         if args.readme and path.suffix == ".md":

@@ -1,4 +1,4 @@
-"""``python -m solar_env design``: peak force and wear over clearances and over latch and cable stiffness."""
+"""`python -m solar_env design`: peak force and wear over clearances and over latch and cable stiffness."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ def run_command(args: argparse.Namespace) -> int:
     """
     # The studies need the compiler, --help does not.
     from solar_env.studies.common.tables import read_table
-    from solar_env.studies.design.design_map import FILE, measure
+    from solar_env.studies.design.design_map import FILE, measure_design
     from solar_env.studies.design.design_plot import draw_design
 
     if args.members < 1:
         raise ValueError(f"members = {args.members} must be at least 1")
     if not args.draw:
-        print(measure(args.preset, args.members, chosen_workers(args), args.out, Console(stderr=True)))
+        print(measure_design(args.preset, args.members, chosen_workers(args), args.out, Console(stderr=True)))
     print(draw_design(read_table(args.out / FILE), STUDIES / "design" / "figures" if args.readme else args.out))
     return 0

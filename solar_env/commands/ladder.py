@@ -1,4 +1,4 @@
-"""``python -m solar_env ladder``: the cheapest model level that answers a question, measured."""
+"""`python -m solar_env ladder`: the cheapest model level that answers a question, measured."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ def run_command(args: argparse.Namespace) -> int:
         OSError: if a file cannot be written.
     """
     # The studies need the compiler, --help does not.
-    from solar_env.studies.ladder.ladder import FILE, measure
+    from solar_env.studies.ladder.campaign import FILE, measure_ladder
     from solar_env.studies.ladder.plot import draw_ladder
 
     tables, figures = (PACKAGED_TABLE.parent, STUDIES / "ladder" / "figures") if args.readme else (args.out, args.out)
     if not args.draw:
-        measure(args.quick, tables, Console(stderr=True))
+        measure_ladder(args.quick, tables, Console(stderr=True))
     answers = read_answers(tables / FILE)
     _print_choices(answers)
     print(tables / FILE)

@@ -1,4 +1,4 @@
-"""``python -m solar_env paper``: the paper, figure by figure and claim by claim."""
+"""`python -m solar_env paper`: the paper, figure by figure and claim by claim."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What commands and studies share: many simulations at once, progress bars, and the README pages.
+"""Services of commands and studies: many simulations at once, progress bars, and the README pages.
 
 Imports nothing else of the package. A new module is about running or reporting, not about mechanics.
 """

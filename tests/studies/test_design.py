@@ -52,7 +52,7 @@ def test_the_design_command_measures_resumes_and_draws(
         "stiffnesses": design_map.DesignMap("latch", "cable", (1e3,), (10.0, 20.0)),
     }
     for module in ("design_map", "design_plot"):
-        monkeypatch.setattr(f"solar_env.studies.{module}.MAPS", small)
+        monkeypatch.setattr(f"solar_env.studies.design.{module}.MAPS", small)
     monkeypatch.setattr(design_map, "DURATION", 13.0)
     command = ["design", "--members", "1", "--jobs", "1", "--out", str(tmp_path)]
     assert main(command) == 0

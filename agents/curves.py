@@ -20,7 +20,6 @@ from agents.environments import check_seeds, with_model
 from agents.learning import configurations, learn
 from solar_env.environment.registration import ENVIRONMENTS
 from solar_env.support.campaigns import Workers
-from solar_env.support.readme import FIGURE_FOLDER
 
 FIGURE, TABLE = "learning_curves.png", "learning_curves.csv"
 
@@ -60,7 +59,7 @@ class Args:
     cluster: str | None = None
     """ray: run on the Ray cluster that this machine belongs to"""
     readme: bool = False
-    """put figure and table beside the README's other figures"""
+    """put figure and table beside the page, agents/README.md"""
     quiet: bool = False
     """no progress bars"""
 
@@ -125,7 +124,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     learning_curves_figure(curves, out / FIGURE)
     if args.readme:
         for name in (FIGURE, TABLE):
-            shutil.copy(out / name, FIGURE_FOLDER / name)
+            shutil.copy(out / name, Path(__file__).parent / "figures" / name)
     print(f"written to {out}")
 
 

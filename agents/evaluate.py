@@ -16,13 +16,11 @@ from agents.comparison.report import Row, write_comparison
 from agents.comparison.suites import MODEL, SUITES, suite_controllers
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_sampling, without_sampling
 from solar_env.support.campaigns import ONE, Cell, Workers
-from solar_env.support.readme import FIGURE_FOLDER, check_readme, replace_in_readme
+from solar_env.support.readme import Section
 
 STORE = "episodes.jsonl"
 FIGURE = "comparison.png"
-# What the table of a suite stands between in the README.
-BEGIN = "<!-- suite {0}: written by `python -m agents.evaluate --suite {0} --readme` -->"
-END = "<!-- end of suite {} -->"
+COMPARISON = Path(__file__).parent / "comparison"
 
 
 @dataclass
@@ -206,7 +204,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     """The command line; see `Args`."""
     args = parse_arguments(Args, argv, prog="python -m agents.evaluate")
     if args.readme:
-        check_readme(_place(args), END.format(args.suite))
+        _section(args).read()  # refuses a page without a place before everything is evaluated
     if args.suite:
         env_id, controllers, common = suite_named(args.suite, args.env_id, args.controllers)
     else:
@@ -232,14 +230,19 @@ def main(argv: Sequence[str] | None = None) -> None:
     summary, tables = write_comparison(out, rows, settings, efforts(controllers, env_id, env_kwargs))
     comparison_figure(summary, out / FIGURE)
     if args.readme:
-        shutil.copy(out / FIGURE, FIGURE_FOLDER / f"suite-{args.suite}.png")
-        replace_in_readme(_place(args), END.format(args.suite), tables.folded().strip())
+        shutil.copy(out / FIGURE, COMPARISON / "figures" / f"suite-{args.suite}.png")
+        _section(args).write(tables.folded().strip())
     print(tables)
     print(f"written to {out}")
 
 
-def _place(args: Args) -> str:
-    """Where the README has the table of a suite.
+def suite_section(suite: str) -> Section:
+    """The section of the page with the table of a suite."""
+    return Section(COMPARISON / "README.md", f"suite {suite}", f"python -m agents.evaluate --suite {suite} --readme")
+
+
+def _section(args: Args) -> Section:
+    """The section that the arguments are to write.
 
     Raises:
         ValueError: there is no suite, or it is not the whole one.
@@ -250,7 +253,7 @@ def _place(args: Args) -> str:
             "--readme writes the result of a whole suite: it needs --suite, and takes no other controllers, episodes, "
             "seed or environment"
         )
-    return BEGIN.format(args.suite)
+    return suite_section(args.suite)
 
 
 def suite_named(name: str, env_id: str | None, controllers: Sequence[str]) -> tuple[str, list[str], dict[str, Any]]:

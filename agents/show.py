@@ -18,7 +18,6 @@ from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_mo
 from agents.evaluate import check_names, split_controller
 from agents.rollout import Step, run_episode
 from agents.torque_laws import Controller
-from solar_env.support.readme import FIGURE_FOLDER
 
 FIGURE, ANIMATION = "deployments.png", "deployments.gif"
 WIDTH, CAPTION = 640, 28  # of the animation, and height of a controller's name in it [pixels]
@@ -46,7 +45,7 @@ class Args:
     out: str = "show"
     """folder of the figure and the animation"""
     readme: bool = False
-    """put the figure and the animation beside the README's others"""
+    """put the figure and the animation beside the page, agents/comparison/README.md"""
     quiet: bool = False
     """no progress bar"""
 
@@ -73,7 +72,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     animate(films, out / ANIMATION)
     if args.readme:
         for name in (FIGURE, ANIMATION):
-            shutil.copy(out / name, FIGURE_FOLDER / name)
+            shutil.copy(out / name, Path(__file__).parent / "comparison" / "figures" / name)
     print(f"written to {out}")
 
 

@@ -17,11 +17,11 @@ from agents.environments import DEFAULT_ENV_ID, check_seeds, episode_seeds, with
 from agents.evaluate import STORE, evaluate
 from agents.learning import configurations, learn
 from solar_env.support.campaigns import Workers
-from solar_env.support.readme import FIGURE_FOLDER, check_readme, replace_in_readme
+from solar_env.support.readme import Section
 
 FIGURE, TABLE = "transfer.png", "transfer.md"
-BEGIN = "<!-- transfer: written by `python -m agents.transfer --readme` -->"
-END = "<!-- end of transfer -->"
+COMPARISON = Path(__file__).parent / "comparison"
+SECTION = Section(COMPARISON / "README.md", "transfer", "python -m agents.transfer --readme")
 
 # Agents of all levels add to the same law, that of the level that counts: what differs is what they have learned.
 LAW_MODEL = "flexible-clearance"
@@ -142,7 +142,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     """The command line; see `Args`."""
     args = parse_arguments(Args, argv, prog="python -m agents.transfer")
     if args.readme:
-        check_readme(BEGIN, END)
+        SECTION.read()  # refuses a page without a place before everything is trained
     episode_seeds("evaluation", EVALUATION_SEED, args.episodes)  # refuses a wrong number before everything is trained
     check_seeds(args.seeds)
     if args.residual == 0.0:
@@ -156,8 +156,8 @@ def main(argv: Sequence[str] | None = None) -> None:
     )
     transfer_figure({level: {k: v.mean for k, v in row.items()} for level, row in returns.items()}, out / FIGURE)
     if args.readme:
-        shutil.copy(out / FIGURE, FIGURE_FOLDER / FIGURE)
-        replace_in_readme(BEGIN, END, markdown(returns).strip())
+        shutil.copy(out / FIGURE, COMPARISON / "figures" / FIGURE)
+        SECTION.write(markdown(returns).strip())
     print(markdown(returns))
     print(f"written to {out}")
 

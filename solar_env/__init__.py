@@ -1,6 +1,15 @@
 """Deployment of a spacecraft's solar array: multibody simulation with clearance joints, and a Gymnasium environment.
 
-Importing this package registers the environments and loads neither the compiler nor a learning library.
+Importing this package registers the environments and loads neither the compiler nor a learning library. `simulate` runs
+one deployment; `gymnasium.make("solar_env/Deploy-v0")` makes an environment, `gymnasium.make_vec` many of them.
+
+Names at the top level: `ArrayParameters` (`solar_env.array.parameters`) describes an array, `build` makes its
+mechanism, `MODELS` are the models' names. `simulate` gives a `Trajectory`; `Simulation` advances step by step, by the
+integrators `RungeKutta`, `Rosenbrock` or `GeneralizedAlpha`. `SolarArrayEnv` and `SolarArrayVectorEnv` are the
+environments, `Hardware` their drive. Runs that cannot go on raise `SimulationError`, doubtful ones warn of
+`SimulationWarning`.
+
+.. include:: contributing.md
 """
 
 from __future__ import annotations
@@ -8,19 +17,23 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from solar_env.array import MODELS, ArrayParameters, build
-from solar_env.environment.hardware import Hardware
+from solar_env.array import MODELS as MODELS
+from solar_env.array import ArrayParameters as ArrayParameters
+from solar_env.array import build as build
+from solar_env.environment.hardware import Hardware as Hardware
 from solar_env.environment.registration import register_environments
-from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Rosenbrock, RungeKutta
-from solar_env.mechanics.running.diagnosis import SimulationWarning
+from solar_env.mechanics.integrators.settings import GeneralizedAlpha as GeneralizedAlpha
+from solar_env.mechanics.integrators.settings import Rosenbrock as Rosenbrock
+from solar_env.mechanics.integrators.settings import RungeKutta as RungeKutta
+from solar_env.mechanics.running.diagnosis import SimulationWarning as SimulationWarning
 
 if TYPE_CHECKING:
-    from solar_env.array.deployment import simulate
-    from solar_env.environment.env import SolarArrayEnv
-    from solar_env.environment.vector_env import SolarArrayVectorEnv
-    from solar_env.mechanics.running.errors import SimulationError
-    from solar_env.mechanics.running.simulation import Simulation
-    from solar_env.mechanics.running.trajectory import Trajectory
+    from solar_env.array.deployment import simulate as simulate
+    from solar_env.environment.env import SolarArrayEnv as SolarArrayEnv
+    from solar_env.environment.vector_env import SolarArrayVectorEnv as SolarArrayVectorEnv
+    from solar_env.mechanics.running.errors import SimulationError as SimulationError
+    from solar_env.mechanics.running.simulation import Simulation as Simulation
+    from solar_env.mechanics.running.trajectory import Trajectory as Trajectory
 
 __version__ = "0.1.0"
 
@@ -33,23 +46,6 @@ _LAZY = {
     "Simulation": ".mechanics.running.simulation",
     "Trajectory": ".mechanics.running.trajectory",
 }
-
-__all__ = [
-    "MODELS",
-    "ArrayParameters",
-    "GeneralizedAlpha",
-    "Hardware",
-    "Rosenbrock",
-    "RungeKutta",
-    "Simulation",
-    "SimulationError",
-    "SimulationWarning",
-    "SolarArrayEnv",
-    "SolarArrayVectorEnv",
-    "Trajectory",
-    "build",
-    "simulate",
-]
 
 
 def __getattr__(name: str) -> Any:

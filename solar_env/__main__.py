@@ -16,15 +16,14 @@ COMMANDS = {
     "design": ("solar_env.commands.design", "map peak force and wear over clearances and stiffnesses"),
     "ground-test": ("solar_env.commands.ground_test", "repeat deployments with the worn clearance fed back"),
     "ladder": ("solar_env.commands.ladder", "measure which model level answers which question, and at what cost"),
-    "bench": ("solar_env.commands.bench", "measure environment steps a second, and what they cost"),
-    "figures": ("solar_env.commands.figures", "draw the pictures of the README"),
+    "bench": ("solar_env.commands.bench", "measure environment steps per second, and what they cost"),
+    "figures": ("solar_env.commands.figures", "draw the pictures of the pages"),
     "warmup": ("solar_env.commands.warmup", "compile all kernels, which later runs load from the cache"),
 }
 
 
-def main(arguments: list[str] | None = None) -> int:
-    """Run a command; returns the exit status: 0 done, 1 a verification or map failed, 2 wrong input or a failed run."""
-    arguments = sys.argv[1:] if arguments is None else arguments
+def parse(arguments: list[str]) -> argparse.Namespace:
+    """Read a command line; wrong input ends the process with argparse's message and status 2."""
     parser = argparse.ArgumentParser(prog="python -m solar_env", description=__doc__)
     subparsers = parser.add_subparsers(dest="command", required=True)
     for name, (module, summary) in COMMANDS.items():
@@ -32,7 +31,12 @@ def main(arguments: list[str] | None = None) -> int:
         # Only the module of the command that runs is loaded.
         if name in arguments[:1]:
             importlib.import_module(module).add_arguments(subparser)
-    args = parser.parse_args(arguments)
+    return parser.parse_args(arguments)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run a command; returns the exit status: 0 done, 1 a verification or map failed, 2 wrong input or a failed run."""
+    args = parse(sys.argv[1:] if arguments is None else arguments)
     from solar_env.mechanics.running.errors import SimulationError
 
     usual, warnings.formatwarning = warnings.formatwarning, _one_line

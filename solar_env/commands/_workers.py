@@ -1,4 +1,4 @@
-"""The options that say where many simulations run."""
+"""Options that say where many simulations run."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def add_worker_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare ``--jobs`` and ``--cluster``."""
+    """Declare `--jobs` and `--cluster`."""
     parser.add_argument(
         "--jobs", type=int, help=f"processes (one a processor: {os.cpu_count()} here, with --cluster all of its own)"
     )
@@ -19,7 +19,7 @@ def add_worker_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def chosen_workers(args: argparse.Namespace) -> Workers:
-    """What the options say.
+    """Workers as the options say.
 
     Raises:
         ValueError: if there are no processes.

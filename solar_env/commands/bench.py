@@ -1,4 +1,4 @@
-"""``python -m solar_env bench``: how many environment steps a second, and what they cost."""
+"""`python -m solar_env bench`: environment steps per second, and what they cost."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from rich.console import Console
 
 from solar_env.array import MODELS
 from solar_env.support.progress import counting_bar
-from solar_env.support.readme import check_readme, replace_in_readme
+from solar_env.support.readme import STUDIES, Section
 
 FILE = "bench.md"
-BEGIN, END = "<!-- bench: written by `python -m solar_env bench --readme` -->", "<!-- end of bench -->"
+SECTION = Section(STUDIES / "throughput" / "README.md", "bench", "python -m solar_env bench --readme")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -22,21 +22,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--quick", action="store_true", help="leave out what compiles the kernels anew, which takes two minutes"
     )
     parser.add_argument("--out", type=Path, help="folder to write the tables to")
-    parser.add_argument("--readme", action="store_true", help="tables into the README")
+    parser.add_argument("--readme", action="store_true", help="tables into the page of the study")
 
 
 def run_command(args: argparse.Namespace) -> int:
     """Measure and print.
 
     Raises:
-        ValueError: if the README has no place for the tables.
+        ValueError: if the page has no place for the tables.
         OSError: if the tables cannot be written.
     """
     # The measurements need the compiler, --help does not.
-    from solar_env.studies.throughput.throughput import measurements, tables
+    from solar_env.studies.throughput.step_rates import measurements, tables
 
     if args.readme:
-        check_readme(BEGIN, END)
+        SECTION.read()  # refuses a page without a place before everything is measured
     console = Console(stderr=True)
     plan = measurements(args.models, cold=not args.quick)
     results = {}
@@ -52,5 +52,5 @@ def run_command(args: argparse.Namespace) -> int:
         args.out.mkdir(parents=True, exist_ok=True)
         (args.out / FILE).write_text(text + "\n", encoding="utf-8")
     if args.readme:
-        replace_in_readme(BEGIN, END, text)
+        SECTION.write(text)
     return 0

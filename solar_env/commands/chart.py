@@ -1,4 +1,4 @@
-"""``python -m solar_env chart``: speed against accuracy, measured into tables, drawn from the tables."""
+"""`python -m solar_env chart`: speed against accuracy, measured into tables, drawn from the tables."""
 
 from __future__ import annotations
 
@@ -7,9 +7,11 @@ from pathlib import Path
 
 from rich.console import Console
 
-from solar_env.support.readme import FIGURE_FOLDER, PACKAGE, check_readme, replace_in_readme
+from solar_env.support.readme import STUDIES as STUDY_FOLDER
+from solar_env.support.readme import Section
 
-BEGIN, END = "<!-- side by side: written by `python -m solar_env chart --readme` -->", "<!-- end of side by side -->"
+FOLDER = STUDY_FOLDER / "precision"
+SECTION = Section(FOLDER / "README.md", "side by side", "python -m solar_env chart --readme")
 STUDIES = ("work-precision", "ensembles", "levels", "growth", "side-by-side")
 
 
@@ -26,8 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     where.add_argument("--out", type=Path, default=Path("chart"), help="folder of tables and figures (%(default)s)")
     where.add_argument(
         "--readme", action="store_true",
-        help="tables into solar_env/studies/data, figures into solar_env/figures, from which the README takes them; "
-        "the table of deployments side by side into the README itself",
+        help="tables, figures and the comparison side by side into the page of the study, solar_env/studies/precision",
     )  # fmt: skip
 
 
@@ -38,20 +39,18 @@ def run_command(args: argparse.Namespace) -> int:
         ValueError: if figures are to be drawn of tables that do not exist.
     """
     # The studies need the compiler, --help does not.
-    from solar_env.studies.precision.charts import draw, measure
+    from solar_env.studies.precision.charts import draw, measure_charts
     from solar_env.support.campaigns import Workers
 
-    tables, figures = (
-        (PACKAGE / "studies" / "precision" / "data", FIGURE_FOLDER) if args.readme else (args.out, args.out)
-    )
+    tables, figures = (FOLDER / "data", FOLDER / "figures") if args.readme else (args.out, args.out)
     names = (args.only,) if args.only else STUDIES
     if args.readme:
-        check_readme(BEGIN, END)
+        SECTION.read()  # refuses a page without a place before everything is measured
     console = Console(stderr=True)
     if not args.draw:
-        measure(names, args.quick, tables, console, Workers(args.jobs))
+        measure_charts(names, args.quick, tables, console, Workers(args.jobs))
     for path in draw(names, tables, figures):
         print(path)
         if args.readme and path.suffix == ".md":
-            replace_in_readme(BEGIN, END, path.read_text(encoding="utf-8").strip())
+            SECTION.write(path.read_text(encoding="utf-8").strip())
     return 0

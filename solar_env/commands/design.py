@@ -1,4 +1,4 @@
-"""``python -m solar_env design``: peak force and wear over clearances and over latch and cable stiffness."""
+"""`python -m solar_env design`: peak force and wear over clearances and over latch and cable stiffness."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from rich.console import Console
 
 from solar_env.array import PRESETS
 from solar_env.commands._workers import add_worker_arguments, chosen_workers
-from solar_env.support.readme import FIGURE_FOLDER
+from solar_env.support.readme import STUDIES
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--out", type=Path, default=Path("design"),
         help="folder of the table and of the finished cells, with which an interrupted run goes on (%(default)s)",
     )  # fmt: skip
-    parser.add_argument("--readme", action="store_true", help="picture into solar_env/figures")
+    parser.add_argument("--readme", action="store_true", help="picture into solar_env/studies/design/figures")
 
 
 def run_command(args: argparse.Namespace) -> int:
@@ -34,12 +34,12 @@ def run_command(args: argparse.Namespace) -> int:
     """
     # The studies need the compiler, --help does not.
     from solar_env.studies.common.tables import read_table
-    from solar_env.studies.design.design_map import FILE, measure
+    from solar_env.studies.design.design_map import FILE, measure_design
     from solar_env.studies.design.design_plot import draw_design
 
     if args.members < 1:
         raise ValueError(f"members = {args.members} must be at least 1")
     if not args.draw:
-        print(measure(args.preset, args.members, chosen_workers(args), args.out, Console(stderr=True)))
-    print(draw_design(read_table(args.out / FILE), FIGURE_FOLDER if args.readme else args.out))
+        print(measure_design(args.preset, args.members, chosen_workers(args), args.out, Console(stderr=True)))
+    print(draw_design(read_table(args.out / FILE), STUDIES / "design" / "figures" if args.readme else args.out))
     return 0

@@ -1,4 +1,4 @@
-"""``python -m solar_env figures``: the pictures of the README."""
+"""`python -m solar_env figures`: the pictures of a deployment, and of where a fixed step fails, for the pages."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from rich.progress import track
 
-from solar_env.support.readme import FIGURE_FOLDER
+from solar_env.support.readme import PACKAGE, STUDIES
 
 # A moment after latching, with the journals in flight.
 FRAME_TIME = 13.6  # s
@@ -19,7 +19,7 @@ COMPARED_TIME = 16.0  # s
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument("--out", type=Path, default=FIGURE_FOLDER, help="folder for the pictures")
+    parser.add_argument("--out", type=Path, help="folder for the pictures (those of the pages that show them)")
 
 
 def draw_frame(path: Path) -> None:
@@ -63,18 +63,21 @@ def draw_stability(path: Path) -> None:
         draw_map(table, path)
 
 
+_OWN = PACKAGE / "pictures" / "figures"
+# File -> what draws it.
 PICTURES = {
-    "frame.png": draw_frame,
-    "deployment.png": draw_deployment,
-    "flexible.png": draw_flexible,
-    "stability.png": draw_stability,
+    _OWN / "frame.png": draw_frame,
+    _OWN / "deployment.png": draw_deployment,
+    _OWN / "flexible.png": draw_flexible,
+    STUDIES / "stability" / "figures" / "stability.png": draw_stability,
 }
 
 
 def run_command(args: argparse.Namespace) -> int:
     """Draw every picture."""
-    args.out.mkdir(parents=True, exist_ok=True)
-    for name, draw in track(PICTURES.items(), description="drawing"):
-        draw(args.out / name)
-        print(args.out / name)
+    for place, draw in track(PICTURES.items(), description="drawing"):
+        path = place if args.out is None else args.out / place.name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        draw(path)
+        print(path)
     return 0

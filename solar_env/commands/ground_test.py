@@ -1,4 +1,4 @@
-"""``python -m solar_env ground-test``: deployments repeated with the worn clearance fed back."""
+"""`python -m solar_env ground-test`: deployments repeated with the worn clearance fed back."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rich.console import Console
 from solar_env.array import PRESETS, ArrayParameters
 from solar_env.commands._workers import add_worker_arguments, chosen_workers
 from solar_env.support.progress import counting_bar
-from solar_env.support.readme import FIGURE_FOLDER
+from solar_env.support.readme import STUDIES
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -31,7 +31,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_worker_arguments(parser)
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--out", type=Path, default=Path("ground_test"), help="folder of all files (%(default)s)")
-    where.add_argument("--readme", action="store_true", help="picture into solar_env/figures, table into ./ground_test")
+    where.add_argument(
+        "--readme",
+        action="store_true",
+        help="picture into the page of the study, solar_env/studies/design, table into ./ground_test",
+    )
 
 
 def run_command(args: argparse.Namespace) -> int:
@@ -68,7 +72,7 @@ def run_command(args: argparse.Namespace) -> int:
     )  # fmt: skip
     write_table(args.out / FILE, rows, made_by)
     print(args.out / FILE)
-    print(draw_ground_test(read_table(args.out / FILE), FIGURE_FOLDER if args.readme else args.out))
+    print(draw_ground_test(read_table(args.out / FILE), STUDIES / "design" / "figures" if args.readme else args.out))
     for kind, campaign in campaigns.items():
         after = check or args.deployments
         clearance, error = clearances_after(campaign, after)

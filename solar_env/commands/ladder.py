@@ -1,4 +1,4 @@
-"""``python -m solar_env ladder``: the cheapest model level that answers a question, measured."""
+"""`python -m solar_env ladder`: the cheapest model level that answers a question, measured."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.table import Table
 
 from solar_env.array.ladder import PACKAGED_TABLE, QUESTIONS, Answer, read_answers, steps
-from solar_env.support.readme import FIGURE_FOLDER
+from solar_env.support.readme import STUDIES
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -21,8 +21,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     where.add_argument("--out", type=Path, default=Path("ladder"), help="folder of table and figure (%(default)s)")
     where.add_argument(
         "--readme", action="store_true",
-        help="table into solar_env/data, where simulate --question and model='auto' look it up, figure into "
-        "solar_env/figures",
+        help="table into solar_env/array/data, where simulate --question and model='auto' look it up, figure into "
+        "the page of the study, solar_env/studies/ladder",
     )  # fmt: skip
 
 
@@ -34,12 +34,12 @@ def run_command(args: argparse.Namespace) -> int:
         OSError: if a file cannot be written.
     """
     # The studies need the compiler, --help does not.
-    from solar_env.studies.ladder.ladder import FILE, measure
+    from solar_env.studies.ladder.campaign import FILE, measure_ladder
     from solar_env.studies.ladder.plot import draw_ladder
 
-    tables, figures = (PACKAGED_TABLE.parent, FIGURE_FOLDER) if args.readme else (args.out, args.out)
+    tables, figures = (PACKAGED_TABLE.parent, STUDIES / "ladder" / "figures") if args.readme else (args.out, args.out)
     if not args.draw:
-        measure(args.quick, tables, Console(stderr=True))
+        measure_ladder(args.quick, tables, Console(stderr=True))
     answers = read_answers(tables / FILE)
     _print_choices(answers)
     print(tables / FILE)

@@ -1,4 +1,4 @@
-"""``python -m solar_env paper``: the paper, figure by figure and claim by claim."""
+"""`python -m solar_env paper`: the paper, figure by figure and claim by claim."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ from rich.console import Console
 
 from solar_env.commands._workers import add_worker_arguments, chosen_workers
 from solar_env.support.progress import counting_bar
-from solar_env.support.readme import FIGURE_FOLDER, PACKAGE, check_readme, replace_in_readme
+from solar_env.support.readme import STUDIES, Section
 
-BEGIN, END = "<!-- claims: written by `python -m solar_env paper --readme` -->", "<!-- end of claims -->"
+FOLDER = STUDIES / "paper"
+SECTION = Section(FOLDER / "README.md", "claims", "python -m solar_env paper --readme")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -25,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     where.add_argument("--out", type=Path, default=Path("paper"), help="folder of all files (%(default)s)")
     where.add_argument(
         "--readme", action="store_true",
-        help="pictures into solar_env/figures/paper, claims into solar_env/paper and README; tables into ./paper",
+        help="pictures and claims into the page of the study, solar_env/studies/paper; tables into ./paper",
     )  # fmt: skip
 
 
@@ -52,11 +53,11 @@ def run_command(args: argparse.Namespace) -> int:
     if args.figure and args.json:
         raise ValueError("--json prints the claims, which --figure leaves out; give one of the two")
     if args.readme:
-        check_readme(BEGIN, END)
+        SECTION.read()  # refuses a page without a place before everything is simulated
     figures = [FIGURES[number] for number in args.figure or FIGURES]
     wanted = [] if args.figure else planned_runs()
     runs = dict.fromkeys([*wanted, *(Run(case) for figure in figures for case in figure.cases)])
-    pictures = FIGURE_FOLDER / "paper" if args.readme else args.out
+    pictures = FOLDER / "figures" if args.readme else args.out
     for folder in (pictures, args.out):
         folder.mkdir(parents=True, exist_ok=True)
     console = Console(stderr=True)
@@ -78,10 +79,10 @@ def run_command(args: argparse.Namespace) -> int:
         return 0
     findings = [judge(claim, motions) for claim in CLAIMS]
     text = as_json(findings)
-    claims = PACKAGE / "studies" / "paper" / "claims.json" if args.readme else args.out / "claims.json"
+    claims = FOLDER / "claims.json" if args.readme else args.out / "claims.json"
     claims.write_text(text + "\n", encoding="utf-8")
     if args.readme:
-        replace_in_readme(BEGIN, END, as_markdown(findings).rstrip("\n"))
+        SECTION.write(as_markdown(findings).rstrip("\n"))
     else:
         (args.out / "claims.md").write_text(as_markdown(findings), encoding="utf-8")
     if args.json:

@@ -1,4 +1,4 @@
-"""``python -m solar_env simulate``: one deployment from the command line."""
+"""`python -m solar_env simulate`: one deployment from the command line."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ def run_command(args: argparse.Namespace) -> int:
 
 
 def _chosen_answer(args: argparse.Namespace) -> Answer | None:
-    """What the ladder measured of the cheapest level that answers the question; None if none is asked.
+    """Row of the ladder for the cheapest level that answers the question; None if no question is asked.
 
     Raises:
         ValueError: if options contradict each other, or no level is within the tolerance.

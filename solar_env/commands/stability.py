@@ -1,4 +1,4 @@
-"""``python -m solar_env stability``: maps of where methods fail, as tables and figures."""
+"""`python -m solar_env stability`: maps of where methods fail, as tables and figures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``python -m solar_env verify``: run the cases with known answers."""
+"""`python -m solar_env verify`: run the cases with known answers."""
 
 from __future__ import annotations
 

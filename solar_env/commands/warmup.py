@@ -1,4 +1,4 @@
-"""``python -m solar_env warmup``: compile every kernel once and say that something is happening."""
+"""`python -m solar_env warmup`: compile every kernel once, with a sign of progress."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from solar_env.array.methods import make_integrator
 # All models run with the kernels of the first by default, which "runge-kutta" shares; "paper" has those of the second.
 _ADAPTIVE, _ALPHA = "rosenbrock", "generalized-alpha"
 INTEGRATORS = (_ADAPTIVE, _ALPHA)
-# Functions of ``compilation.py``: what everything calls, and the longest of the rest.
+# Functions of `compilation.py`: what everything calls, and the longest of the rest.
 PARTS = ("compile_evaluation", "compile_linear_step")
 
 
@@ -35,12 +35,12 @@ def load_kernels(model: str, integrator: str) -> float:
 
 
 def load_all_models(integrator: str) -> list[float]:
-    """:func:`load_kernels` for every model; the models share their kernels."""
+    """`load_kernels` for every model; the models share their kernels."""
     return [load_kernels(model, integrator) for model in MODELS]
 
 
 def compile_part(part: str) -> None:
-    """Compile, or load, one of the functions of ``compilation.py`` for the default array."""
+    """Compile, or load, one of the functions of `compilation.py` for the default array."""
     from solar_env.mechanics.running import compilation
 
     getattr(compilation, part)(build(ArrayParameters(), MODELS[0]))

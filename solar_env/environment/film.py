@@ -11,7 +11,8 @@ from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.joints.joint import ECCENTRICITY_X, ECCENTRICITY_Y, NORMAL
 from solar_env.mechanics.running.simulation import Simulation
-from solar_env.pictures.render import Renderer, Scene
+from solar_env.pictures.render import Renderer
+from solar_env.pictures.scene import Scene
 
 
 class Film:

@@ -1,8 +1,6 @@
 """Planar multibody dynamics: mechanisms described as data, compiled into arrays, advanced by Numba kernels.
 
-The package knows nothing of solar arrays or of learning. Its layers, lowest first:
-
-``_jit`` -> ``model`` -> (``contact``, ``wear``, ``rigid``, ``joint``) -> (``system``, ``tangent``) ->
-(``recording``, ``history``) -> (``runge_kutta``, ``events``, ``explicit``), (``alpha_step``, ``generalized_alpha``) ->
-``accuracy`` -> ``simulation``; ``description`` and ``build`` turn a mechanism into the arrays of ``model``.
+The package knows nothing of solar arrays, learning or drawing. Its rooms, lowest first, each importing only those
+before it: `numerics`, `arrays`, `bodies` and `joints`, `mechanism`, `equations`, `integrators`, `running`,
+`analysis`.
 """

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from solar_env.pictures.style import BROWN, COLOURS, FAINT, GREY, STEEL, STYLE, VERMILLION, VIOLET
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.collections import PathCollection
@@ -24,30 +26,9 @@ STORED = ("kinetic", "spring", "cable", "latch", "contact", "elastic", "gravity"
 PUT_IN = ("motor_work", "cable_work", "external_work")
 DISSIPATED = ("contact_dissipation", "friction_dissipation", "latch_dissipation", "material_dissipation")
 
-# Okabe and Ito's colours, told apart by colour-blind readers; joint i has colour i modulo 8.
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#8a7f00", "#555555")
 # Of the energies put in, then of what is dissipated, all of it and in the panels' material.
-ENERGY_COLOURS = (*COLOURS[:7], "#555555", "#7b4f2a", "#6a3d9a", "black", "black")
+ENERGY_COLOURS = (*COLOURS[:7], GREY, BROWN, VIOLET, "black", "black")
 LEGEND_COLUMNS = 7  # entries that one line of the energies' legend has room for
-FAINT, BEARING, JOURNAL = "#c8ced6", "#7c8896", "#d55e00"
-STYLE: Any = {  # not dict[str, Any]: Matplotlib lists the names that a key may have in its type
-    "font.size": 8,
-    "axes.labelsize": 8,
-    "axes.titlesize": 8.5,
-    "axes.linewidth": 0.6,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "grid.color": "#e6e9ed",
-    "grid.linewidth": 0.6,
-    "lines.linewidth": 1.0,
-    "legend.frameon": False,
-    "legend.fontsize": 7.5,
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
-    "svg.hashsalt": "solar_env",  # without it the names inside an SVG differ from run to run
-}
 DATE_KEY = {".pdf": "CreationDate", ".svg": "Date"}
 
 
@@ -135,7 +116,7 @@ def plot_comparison(
 def _draw_compared(
     axes: NDArray[Any], trajectory: Trajectory, deflections: NDArray[np.float64], window: tuple[float, float]
 ) -> None:
-    """A column of :func:`plot_comparison`; axes (joints + 2,) from the top."""
+    """A column of `plot_comparison`; axes (joints + 2,) from the top."""
     angles, *forces, bends = axes
     angles.set_title(trajectory.metadata["model"])
     _draw_per_joint(angles, trajectory.time, np.degrees(trajectory.angles), "angle [deg]")
@@ -274,7 +255,7 @@ def _draw_bearings(figure: Figure, trajectory: Trajectory, loose: NDArray[np.int
 def _draw_locus(axis: Axes, trajectory: Trajectory, joint: int) -> PathCollection:
     angle = np.linspace(0.0, 2.0 * np.pi, 361)
     clearance = 1e6 * trajectory.clearance[joint]
-    axis.plot(clearance * np.cos(angle), clearance * np.sin(angle), color=BEARING, linewidth=1.2, zorder=0)
+    axis.plot(clearance * np.cos(angle), clearance * np.sin(angle), color=STEEL, linewidth=1.2, zorder=0)
     x, y = 1e6 * trajectory.eccentricity[:, joint].T
     axis.plot(x, y, color=FAINT, linewidth=0.3, rasterized=True, zorder=0)
     points = axis.scatter(x, y, c=trajectory.time, cmap="viridis", s=1.5, linewidths=0, rasterized=True)
@@ -291,7 +272,7 @@ def _draw_wear(axis: PolarAxes, trajectory: Trajectory, joint: int) -> list[Poly
     exponent = int(np.floor(np.log10(deepest))) if deepest > 0.0 else 0
     edges = np.linspace(0.0, 2.0 * np.pi, len(bearing) + 1)
     surfaces = []
-    for depth, colour, name in ((bearing, BEARING, "bearing"), (journal, JOURNAL, "journal")):
+    for depth, colour, name in ((bearing, STEEL, "bearing"), (journal, VERMILLION, "journal")):
         steps, around = np.repeat(depth / 10.0**exponent, 2), np.repeat(edges, 2)[1:-1]
         surfaces += axis.fill(around, steps, color=colour, alpha=0.5, linewidth=0.8, label=name)
     axis.set_title(f"joint {joint + 1}: wear depth [$10^{{{exponent}}}$ m]")
@@ -299,5 +280,5 @@ def _draw_wear(axis: PolarAxes, trajectory: Trajectory, joint: int) -> list[Poly
     axis.yaxis.set_major_locator(MaxNLocator(3))
     axis.set_rlabel_position(np.degrees(edges[np.argmin(bearing + journal)]))
     axis.tick_params(pad=0)
-    axis.spines["polar"].set_color(BEARING)
+    axis.spines["polar"].set_color(STEEL)
     return surfaces

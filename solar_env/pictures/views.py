@@ -1,23 +1,19 @@
-"""The three parts of a frame: the array in its world, the contact force against time, a bearing magnified."""
+"""Parts of a frame: the array in its world, the contact force against time, a bearing magnified."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
 from solar_env.pictures.raster import CARD, GRID, INK, QUIET, Layout, Region, TextPen
-
-if TYPE_CHECKING:
-    from solar_env.pictures.render import Scene
+from solar_env.pictures.scene import Scene
+from solar_env.pictures.style import COLOURS
 
 Array = NDArray[np.float64]
 
-# Okabe and Ito's colours, told apart by colour-blind readers; joint i has colour i modulo 8.
-JOINT_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#8a7f00", "#555555")
 BODY, BODY_EDGE, PANEL, PANEL_SHINE = "#d8b365", "#a67c2d", "#1f3f77", "#7fa6d9"
 BEARING, BOLT, JOURNAL, JOURNAL_MARK, FORCE = "#aeb9c6", "#7c8896", "#3d4a5c", "#75839a", "#e01e37"
 LATCHED = "#1a7f37"
@@ -58,7 +54,7 @@ class ArrayView:
             region.line(self.place(panel), PANEL, 6 * unit)
             region.line(self.place(panel), PANEL_SHINE, 1.5 * unit)
         for joint, hinge in enumerate(self.place(scene.hinges)):
-            region.disc(hinge, 6.5 * unit, JOINT_COLOURS[joint % len(JOINT_COLOURS)])
+            region.disc(hinge, 6.5 * unit, COLOURS[joint % len(COLOURS)])
             if not scene.latched[joint]:
                 region.disc(hinge, 3.5 * unit, CARD)
         region.paste_into(frame)
@@ -135,7 +131,7 @@ class ForceView:
         columns = self._across(scene.force_times)
         starts = np.flatnonzero(np.diff(np.floor(columns), prepend=-np.inf))
         for joint in range(len(scene.panels)):
-            colour = JOINT_COLOURS[joint % len(JOINT_COLOURS)]
+            colour = COLOURS[joint % len(COLOURS)]
             if len(starts) > 0:
                 # One point a pixel column, its largest force: impacts last less than a pixel.
                 peaks = np.maximum.reduceat(scene.force_history[:, joint], starts)
@@ -182,7 +178,7 @@ class BearingView:
         """Write the joint's name."""
         x, y = self._text
         unit = self._layout.unit
-        colour = JOINT_COLOURS[self._joint % len(JOINT_COLOURS)]
+        colour = COLOURS[self._joint % len(COLOURS)]
         pen.write((x, y - 46 * unit), f"Joint {self._joint + 1}", "normal", colour)
         if self._joint == 0:
             pen.write((self._layout.x(644), self._layout.y(37)), "Bearings, clearance enlarged")

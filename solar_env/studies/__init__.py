@@ -1,1 +1,6 @@
-"""Studies of speed, accuracy and stability: each measures, writes a table, and draws figures from the table alone."""
+"""Studies of speed, accuracy, stability and design: each measures, writes a table, and draws from that table alone.
+
+A study is a folder with modules that measure and draw, a page `README.md` with what was found, and `figures` beside
+it; its command is in `solar_env.commands`. `common` holds what they share, `peers` the programs compared with;
+`precision` knows the methods by name. Studies import everything below, but no other study.
+"""

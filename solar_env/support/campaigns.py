@@ -1,6 +1,6 @@
 """Many independent simulations: on several processes or machines, and resumed where they were interrupted.
 
-:func:`each_done` hands simulations to joblib; a campaign is a set of them whose results a file keeps as they come.
+`each_done` hands simulations to joblib; a campaign is a set of them whose results a file keeps as they come.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class Workers:
     Attributes:
         jobs: number of processes, 1 or more; None for one a processor, of this machine or of the cluster. A cluster
             starts no more.
-        cluster: "ray" for the Ray cluster that this machine belongs to (``ray start``), whose machines must have the
+        cluster: "ray" for the Ray cluster that this machine belongs to (`ray start`), whose machines must have the
             package installed too; None for this machine alone.
     """
 
@@ -67,7 +67,7 @@ ONE = Workers()
 def each_done(
     function: Callable[[Task], Result], tasks: Iterable[Task], workers: Workers = ONE
 ) -> Iterator[tuple[Task, Result]]:
-    """Call ``function`` for every task, and yield each task with its result as it is done.
+    """Call `function` for every task, and yield each task with its result as it is done.
 
     With one job everything happens in this process and in order. On a cluster results come some at a time.
 
@@ -79,7 +79,7 @@ def each_done(
     Raises:
         ValueError: if Ray is asked for and not installed.
         ConnectionError: if there is no cluster.
-        Exception: whatever ``function`` raises.
+        Exception: whatever `function` raises.
     """
     calls = (delayed(_with_task)(function, task) for task in tasks)
     if workers.cluster is None:

@@ -1,32 +1,63 @@
-"""Where the package keeps what the README shows."""
+"""README pages of the studies: where they lie, and the sections of them that commands write."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parent.parent
-FIGURE_FOLDER = PACKAGE / "figures"
-README = PACKAGE.parent / "README.md"
+STUDIES = PACKAGE / "studies"
 
 
-def check_readme(begin: str, end: str) -> None:
-    """Check that the README has one place, between two lines, for what a command writes there.
+@dataclass(frozen=True)
+class Section:
+    """Part of a page between two lines of comment, which one command writes.
 
-    Raises:
-        ValueError: if not.
-        OSError: if there is no README.
+    Attributes:
+        page: the README.md file.
+        name: of the section, unique in its page.
+        command: the command that writes it.
     """
-    text = README.read_text(encoding="utf-8")
-    if text.count(begin) != 1 or text.count(end) != 1 or text.index(begin) > text.index(end):
-        raise ValueError(f"{README} has no place for the result, which begins with {begin} and ends with {end}")
 
+    page: Path
+    name: str
+    command: str
 
-def replace_in_readme(begin: str, end: str, text: str) -> None:
-    """Write ``text`` between two lines of the README, in place of what is there.
+    @property
+    def begin(self) -> str:
+        """Line before the section."""
+        return f"<!-- {self.name}: written by `{self.command}` -->"
 
-    Raises:
-        ValueError, OSError: as :func:`check_readme`.
-    """
-    check_readme(begin, end)
-    before, rest = README.read_text(encoding="utf-8").split(begin)
-    README.write_text(f"{before}{begin}\n\n{text}\n\n{end}{rest.split(end)[1]}", encoding="utf-8")
+    @property
+    def end(self) -> str:
+        """Line after the section."""
+        return f"<!-- end of {self.name} -->"
+
+    def _split(self) -> tuple[str, str, str]:
+        """The page before, within and after the section."""
+        text = self.page.read_text(encoding="utf-8")
+        if text.count(self.begin) != 1 or text.count(self.end) != 1 or text.index(self.begin) > text.index(self.end):
+            raise ValueError(
+                f"{self.page} has no place for the result: add the lines {self.begin} and {self.end} once each"
+            )
+        before, rest = text.split(self.begin)
+        within, after = rest.split(self.end)
+        return before, within, after
+
+    def read(self) -> str:
+        """The section's text, without the lines of comment.
+
+        Raises:
+            ValueError: the page does not have each line of comment once, the first before the second.
+            OSError: the page cannot be read.
+        """
+        return self._split()[1].strip()
+
+    def write(self, text: str) -> None:
+        """Replace the section's text.
+
+        Raises:
+            ValueError, OSError: as `read`, or the page cannot be written.
+        """
+        before, _, after = self._split()
+        self.page.write_text(f"{before}{self.begin}\n\n{text}\n\n{self.end}{after}", encoding="utf-8")

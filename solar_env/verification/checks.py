@@ -1,4 +1,4 @@
-"""What a verification case yields: one number beside its expected value."""
+"""Checks: one number of a verification case beside its expected value."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ class Check:
         quantity: what it is, with its unit.
         expected: from theory, an independent calculation or a publication.
         obtained: from the engine.
-        tolerance: greatest error that passes; absolute in the quantity's unit, or relative to ``expected``.
-        source: where ``expected`` comes from.
+        tolerance: greatest error that passes; absolute in the quantity's unit, or relative to `expected`.
+        source: where `expected` comes from.
         relative: whether error and tolerance are relative.
     """
 
@@ -44,7 +44,7 @@ class Row(Check):
     """A check of a named case.
 
     Attributes:
-        case: name of the case, a key of ``suite.CASES``.
+        case: name of the case, a key of `suite.CASES`.
     """
 
     case: str

@@ -48,5 +48,5 @@ def make_table(rows: Sequence[Row]) -> Table:
 
 
 def to_json(rows: Sequence[Row]) -> str:
-    """JSON text: passed, and every row as an object of :meth:`Row.to_dict`."""
+    """JSON text: passed, and every row as an object of `Row.to_dict`."""
     return json.dumps({"passed": all(row.passed for row in rows), "rows": [row.to_dict() for row in rows]}, indent=2)

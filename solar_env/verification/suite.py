@@ -1,27 +1,14 @@
-"""The cases by name, and how to run them."""
+"""Table of the cases by name, and running them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from solar_env.verification.arrays import conservation, latching
-from solar_env.verification.arrays import flexible as flexible_array
-from solar_env.verification.arrays import impacts as array_impacts
-from solar_env.verification.beams import (
-    dynamics as beam_dynamics,
-)
-from solar_env.verification.beams import (
-    elements as beam_elements,
-)
-from solar_env.verification.beams import (
-    statics as beam_statics,
-)
-from solar_env.verification.beams import (
-    vibration as beam_vibration,
-)
+from solar_env.verification.arrays import conservation, flexible, impacts, latching
+from solar_env.verification.beams import dynamics, elements, statics, vibration
 from solar_env.verification.checks import Check, Row
 from solar_env.verification.impacts import impact, sliding, stops
-from solar_env.verification.linkages import chains, clearance_linkages, linkages, pendulum
+from solar_env.verification.linkages import chains, clearance_linkages, closed_loops, pendulum
 
 CASES: dict[str, Callable[[], Iterator[Check]]] = {
     "restitution": impact.restitution_curve,
@@ -36,9 +23,9 @@ CASES: dict[str, Callable[[], Iterator[Check]]] = {
     "integration-order": pendulum.generalized_alpha_order,
     "multiplier-transients": pendulum.multiplier_transients,
     "double-pendulum": chains.double_pendulum_motion,
-    "rigid-array": chains.rigid_array_motion,
-    "slider-crank": linkages.slider_crank_cycle,
-    "four-bar": linkages.four_bar_cycle,
+    "rigid-array": latching.rigid_array_motion,
+    "slider-crank": closed_loops.slider_crank_cycle,
+    "four-bar": closed_loops.four_bar_cycle,
     "slider-crank-clearance": clearance_linkages.slider_crank_clearance,
     "four-bar-clearance": clearance_linkages.four_bar_clearance,
     "slack-cable": stops.slack_cable,
@@ -47,30 +34,30 @@ CASES: dict[str, Callable[[], Iterator[Check]]] = {
     "latch-times": latching.latch_times,
     "paper-latch-time": latching.paper_latch_time,
     "conservation": conservation.free_array,
-    "beam-mass": beam_elements.element_mass,
-    "beam-strains": beam_elements.element_strains,
-    "beam-tangent": beam_elements.element_tangent,
-    "beam-loads": beam_elements.loaded_nodes,
-    "beam-order": beam_elements.convergence,
-    "elastica": beam_statics.tip_load,
-    "rolled-beam": beam_statics.tip_moment,
-    "beam-weight": beam_statics.own_weight,
-    "panel-frequencies": beam_vibration.panel_frequencies,
-    "material-damping": beam_vibration.material_damping,
-    "spin-up": beam_dynamics.spin_up,
-    "flexible-pendulum": beam_dynamics.falling_pendulum,
-    "free-beam": beam_dynamics.free_flight,
-    "flexible-integration-order": beam_dynamics.implicit_order,
-    "rigid-limit": flexible_array.rigid_limit,
-    "mesh-convergence": flexible_array.mesh_convergence,
-    "clearance-limit": flexible_array.clearance_limit,
-    "panel-counts": flexible_array.panel_counts,
-    "flexible-conservation": flexible_array.flexible_clearance,
-    "flexible-integrators": flexible_array.two_integrators,
-    "flexible-agreement": flexible_array.two_integrators_tightly,
-    "flexible-impacts": flexible_array.paper_phenomena,
-    "array-impacts": array_impacts.rigid_array_impacts,
-    "flexible-array-impacts": array_impacts.flexible_array_impacts,
+    "beam-mass": elements.element_mass,
+    "beam-strains": elements.element_strains,
+    "beam-tangent": elements.element_tangent,
+    "beam-loads": elements.loaded_nodes,
+    "beam-order": elements.convergence,
+    "elastica": statics.tip_load,
+    "rolled-beam": statics.tip_moment,
+    "beam-weight": statics.own_weight,
+    "panel-frequencies": vibration.panel_frequencies,
+    "material-damping": vibration.material_damping,
+    "spin-up": dynamics.spin_up,
+    "flexible-pendulum": dynamics.falling_pendulum,
+    "free-beam": dynamics.free_flight,
+    "flexible-integration-order": dynamics.implicit_order,
+    "rigid-limit": flexible.rigid_limit,
+    "mesh-convergence": flexible.mesh_convergence,
+    "clearance-limit": flexible.clearance_limit,
+    "panel-counts": flexible.panel_counts,
+    "flexible-conservation": flexible.flexible_clearance,
+    "flexible-integrators": flexible.two_integrators,
+    "flexible-agreement": flexible.two_integrators_tightly,
+    "flexible-impacts": flexible.paper_phenomena,
+    "array-impacts": impacts.rigid_array_impacts,
+    "flexible-array-impacts": impacts.flexible_array_impacts,
 }
 
 

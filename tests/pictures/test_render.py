@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from solar_env.pictures.raster import Layout, TextPen
-from solar_env.pictures.render import Renderer, Scene
+from solar_env.pictures.render import Renderer
+from solar_env.pictures.scene import Scene
+from solar_env.pictures.style import COLOURS
 from solar_env.pictures.views import (
     BOLT,
-    JOINT_COLOURS,
     JOURNAL_MARK,
     JOURNAL_SHARE,
     ArrayView,
@@ -166,7 +167,7 @@ def test_the_force_axis_rises_by_decades_and_its_scale_belongs_to_the_curves(mon
     heights = []
     for force in (0.1, 1.0, 10.0, 100.0):
         frame = renderer.draw(make_scene(force_history=np.array([1.0, 1e-9]) * np.full((50, 2), force)))
-        curve = pixels_like(frame, JOINT_COLOURS[0], FORCES, THIN)
+        curve = pixels_like(frame, COLOURS[0], FORCES, THIN)
         heights.append(curve[:, 1].mean())
         assert written[f"{force:g}"][1] == pytest.approx(heights[-1], abs=1.0)
     assert np.diff(heights) == pytest.approx(np.full(3, heights[1] - heights[0]), abs=1.0)
@@ -177,9 +178,9 @@ def test_the_force_axis_rises_by_decades_and_its_scale_belongs_to_the_curves(mon
 def test_a_contact_is_a_dot_at_its_force_at_the_present_time(joint):
     loads = {"in_contact": np.arange(2) == joint, "normal_force": np.array([300.0, 300.0])}
     scene = make_scene(force_times=np.zeros(0), force_history=np.zeros((0, 2)), **loads)
-    dots = [pixels_like(Renderer(scene).draw(scene), JOINT_COLOURS[k], FORCES) for k in (joint, 1 - joint)]
+    dots = [pixels_like(Renderer(scene).draw(scene), COLOURS[k], FORCES) for k in (joint, 1 - joint)]
     history = {"force_times": np.array([0.0, 3.0]), "force_history": np.full((2, 2), 300.0)}
-    curve = pixels_like(Renderer(scene).draw(make_scene(**history)), JOINT_COLOURS[1], FORCES, THIN)
+    curve = pixels_like(Renderer(scene).draw(make_scene(**history)), COLOURS[1], FORCES, THIN)
     assert dots[0][:, 1].mean() == pytest.approx(curve[:, 1].mean(), abs=1.0)
     assert dots[0][:, 0].mean() == pytest.approx(curve[:, 0].max(), abs=2.0)
     assert len(dots[1]) == 0
@@ -192,7 +193,7 @@ def test_a_hinge_is_a_full_disc_where_it_has_latched_and_a_ring_where_it_has_not
     view = ArrayView(Layout((960, 540)), scene)
     for joint, (x, y) in enumerate(np.round(view.place(scene.hinges)).astype(int)):
         box = (x - 1, y - 1, x + 2, y + 2)
-        inside = len(pixels_like(frame, JOINT_COLOURS[joint], box)), len(pixels_like(frame, "#ffffff", box))
+        inside = len(pixels_like(frame, COLOURS[joint], box)), len(pixels_like(frame, "#ffffff", box))
         assert inside == ((9, 0) if latched[joint] else (0, 9))
 
 

@@ -53,7 +53,7 @@ def measured(tmp_path_factory):
         patch.setattr(charts, "QUICK", MOMENT)
         patch.setattr(methods.importlib.util, "find_spec", lambda name: None)
         console = Console(file=io.StringIO(), width=200)
-        charts.measure(tuple(charts.STUDIES), True, folder, console)
+        charts.measure_charts(tuple(charts.STUDIES), True, folder, console)
     return folder, console.file.getvalue()
 
 
@@ -70,7 +70,7 @@ def test_every_study_writes_its_tables_with_their_provenance(measured):
 @pytest.mark.parametrize("study", chart.STUDIES)
 def test_figures_are_drawn_from_the_tables_alone(study, tmp_path, measured, monkeypatch):
     folder, _ = measured
-    monkeypatch.setattr(charts, "measure", None)
+    monkeypatch.setattr(charts, "measure_charts", None)
     for name in charts.STUDIES[study].tables:
         shutil.copy(folder / f"{name}.csv", tmp_path)
     assert main(["chart", "--draw", "--only", study, "--out", str(tmp_path)]) == 0

@@ -27,7 +27,7 @@ from solar_env.array.ladder import (
     steps,
 )
 from solar_env.studies.common.tables import read_table
-from solar_env.studies.ladder import ladder
+from solar_env.studies.ladder import campaign
 from solar_env.studies.ladder.answers import (
     discordant_share,
     mean_error,
@@ -37,7 +37,7 @@ from solar_env.studies.ladder.answers import (
 )
 from solar_env.studies.ladder.runs import CONTROLLERS, Level, deploy
 
-TINY = ladder.Plan(elements=(1,), duration=12.6, members=2, ideal_members=1, controlled_members=1, window=0.2)
+TINY = campaign.LadderPlan(elements=(1,), duration=12.6, members=2, ideal_members=1, controlled_members=1, window=0.2)
 
 
 def answer(model="rigid-ideal", error=0.1, half_width=0.0, cost=1.0, question="wear", elements=0):
@@ -156,7 +156,7 @@ def test_a_sample_of_the_table_is_measured_again(question, level):
     duration = float(read_table(PACKAGED_TABLE).provenance["duration_s"])
     own = deployed(level, duration)
     finest = deployed(Level(reference.model, reference.elements), duration)
-    error, _ = ladder.error_of(question, [own], [finest])
+    error, _ = campaign.error_of(question, [own], [finest])
     # One run of each ensemble scatters more than the ensembles' means; 3.3 standard deviations, for 1.96 in the table.
     band = 3.3 / 1.96 * stated.half_width * math.sqrt(stated.members + reference.members)
     assert error == pytest.approx(stated.error, abs=band, rel=0.02)
@@ -211,7 +211,7 @@ def test_a_ranking_is_less_certain_the_more_the_runs_scatter():
 def test_the_command_writes_table_and_figure_draws_from_the_table_alone_and_leaves_the_package_alone(
     tmp_path, monkeypatch, capsys
 ):
-    monkeypatch.setattr(ladder, "QUICK", TINY)
+    monkeypatch.setattr(campaign, "QUICK", TINY)
     packaged = PACKAGED_TABLE.read_bytes()
     arguments = ["ladder", "--out", str(tmp_path)]
     assert main([*arguments, "--quick"]) == 0
@@ -229,24 +229,24 @@ def test_the_command_writes_table_and_figure_draws_from_the_table_alone_and_leav
     assert read_table(tmp_path / "ladder.csv").provenance["command"] == "python -m solar_env ladder --quick"
     # Drawn again, from the table alone.
     figure, table = (tmp_path / "ladder.png").read_bytes(), (tmp_path / "ladder.csv").read_bytes()
-    monkeypatch.setattr(ladder, "measure", None)
+    monkeypatch.setattr(campaign, "measure_ladder", None)
     assert main([*arguments, "--draw"]) == 0
     assert ((tmp_path / "ladder.png").read_bytes(), (tmp_path / "ladder.csv").read_bytes()) == (figure, table)
 
 
 def test_announcements_are_as_many_as_were_counted(monkeypatch):
-    monkeypatch.setattr(ladder, "deploy", lambda level, member, duration: None)
+    monkeypatch.setattr(campaign, "deploy", lambda level, member, duration: None)
 
     def control(level, member, window, announce):
         for profile in CONTROLLERS:
             announce(profile.name)
 
-    monkeypatch.setattr(ladder, "control", control)
-    monkeypatch.setattr(ladder, "rows_of", lambda deployed, controlled: [])
-    for plan in (ladder.QUICK, ladder.FULL, replace(TINY, members=1, ideal_members=3)):
+    monkeypatch.setattr(campaign, "control", control)
+    monkeypatch.setattr(campaign, "rows_of", lambda deployed, controlled: [])
+    for plan in (campaign.QUICK, campaign.FULL, replace(TINY, members=1, ideal_members=3)):
         announced = []
-        ladder.run_ladder(plan, announced.append)
-        assert len(announced) == ladder.count_runs(plan)
+        campaign.run_ladder(plan, announced.append)
+        assert len(announced) == campaign.count_runs(plan)
 
 
 def test_drawing_without_a_table_says_what_to_do(tmp_path, capsys):

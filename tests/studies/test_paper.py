@@ -19,13 +19,9 @@ from solar_env.studies.common.tables import read_table, write_table
 from solar_env.studies.paper import cases, phases, survey
 from solar_env.studies.paper.claims import CLAIMS
 from solar_env.studies.paper.figures import FIGURES
-from solar_env.support.readme import README
 
 TIME = np.linspace(0.0, 30.0, 3001)
-MEASURED = {
-    row["key"]: row
-    for row in json.loads((paper.PACKAGE / "studies" / "paper" / "claims.json").read_text(encoding="utf-8"))
-}
+MEASURED = {row["key"]: row for row in json.loads((paper.FOLDER / "claims.json").read_text(encoding="utf-8"))}
 # One member of each case, simulated once.
 simulate_once = cache(cases.simulate_case)
 
@@ -197,8 +193,7 @@ def test_the_readme_holds_the_claims_as_measured() -> None:
         assert row["agrees"] == own.holds(row["median"])
         assert row["agrees"] or row["why"] == own.why != ""
         row["low"], row["high"] = own.low, own.high
-    block = README.read_text(encoding="utf-8").split(paper.BEGIN)[1].split(paper.END)[0]
-    assert block.strip() == survey.as_markdown(survey.Finding(**row) for row in rows).strip()
+    assert paper.SECTION.read() == survey.as_markdown(survey.Finding(**row) for row in rows).strip()
 
 
 def test_wear_and_impacts_are_compared_joint_by_joint() -> None:

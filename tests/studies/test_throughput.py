@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from solar_env.__main__ import main
-from solar_env.studies.throughput import throughput
-from solar_env.studies.throughput.throughput import (
+from solar_env.studies.throughput import step_rates
+from solar_env.studies.throughput.step_rates import (
     MOMENTS,
     Split,
     compare,
@@ -30,7 +30,7 @@ def brief(monkeypatch):
     for name, value in (
         ("LANES", (1, 3)), ("SCALED_LANES", 3), ("COMPARED_LANES", 2), ("ENOUGH", 0.01), ("LONG_ENOUGH", 0.01),
     ):  # fmt: skip
-        monkeypatch.setattr(throughput, name, value)
+        monkeypatch.setattr(step_rates, name, value)
 
 
 def test_the_moments_are_spread_over_a_whole_deployment():
@@ -54,7 +54,7 @@ def test_every_kind_of_vector_begins_at_the_same_moments():
 
 
 def test_the_split_adds_up(brief):
-    split = throughput.measure_native(MODEL, 3)
+    split = step_rates.measure_native(MODEL, 3)
     assert min(split.physics, split.observation, split.python) > 0.0
     assert split.physics + split.observation + split.python == pytest.approx(split.wall)
     assert split.steps % 3 == 0
@@ -101,7 +101,7 @@ class Clock:
 
 def test_who_takes_a_third_of_the_time_makes_three_times_as_many_steps(brief, monkeypatch):
     clock = Clock()
-    monkeypatch.setattr(throughput, "time", SimpleNamespace(perf_counter=lambda: clock.now))
+    monkeypatch.setattr(step_rates, "time", SimpleNamespace(perf_counter=lambda: clock.now))
     # Of three rounds the first one warms up; the median of the others is 1 ms.
     rates = compare({"quick": clock.contestant(9.0, 0.5e-3, 1.5e-3), "slow": clock.contestant(3e-3)}, 4)
     assert rates == {"quick": pytest.approx(4 / 1e-3), "slow": pytest.approx(4 / 3e-3)}
@@ -109,8 +109,8 @@ def test_who_takes_a_third_of_the_time_makes_three_times_as_many_steps(brief, mo
 
 def test_one_round_out_of_many_that_is_disturbed_makes_no_difference(monkeypatch):
     clock = Clock()
-    monkeypatch.setattr(throughput, "time", SimpleNamespace(perf_counter=lambda: clock.now))
-    monkeypatch.setattr(throughput, "LONG_ENOUGH", 1.05)
+    monkeypatch.setattr(step_rates, "time", SimpleNamespace(perf_counter=lambda: clock.now))
+    monkeypatch.setattr(step_rates, "LONG_ENOUGH", 1.05)
     rates = compare({"disturbed": clock.contestant(1e-3, 1e-3, 0.5, 1e-3)}, 1)
     assert rates == {"disturbed": pytest.approx(1e3)}
 
@@ -131,10 +131,10 @@ def measured_rates(monkeypatch):
         def reset(self):
             pass
 
-    monkeypatch.setattr(throughput, "compare", found)
-    monkeypatch.setattr(throughput, "make_native", lambda *arguments: None)
-    monkeypatch.setattr(throughput, "spread", lambda *arguments: [])
-    monkeypatch.setattr(throughput, "available_processors", lambda: 4)
+    monkeypatch.setattr(step_rates, "compare", found)
+    monkeypatch.setattr(step_rates, "make_native", lambda *arguments: None)
+    monkeypatch.setattr(step_rates, "spread", lambda *arguments: [])
+    monkeypatch.setattr(step_rates, "available_processors", lambda: 4)
     monkeypatch.setattr("gymnasium.vector.SyncVectorEnv", Nothing)
     monkeypatch.setattr("stable_baselines3.common.vec_env.SubprocVecEnv", Nothing)
     return rates
@@ -142,16 +142,16 @@ def measured_rates(monkeypatch):
 
 def test_more_threads_that_are_quicker_scale_by_more_than_one(measured_rates):
     measured_rates |= {"1": 1000.0, "4": 3200.0}
-    assert throughput.measure_scaling(MODEL) == 3.2
+    assert step_rates.measure_scaling(MODEL) == 3.2
 
 
 def test_the_native_vector_is_the_quicker_the_higher_its_ratios(measured_rates):
     measured_rates |= {"native": 3000.0, "SyncVectorEnv": 1000.0, "SubprocVecEnv": 2000.0}
-    assert throughput.measure_peers(MODEL) == {"SyncVectorEnv": 3.0, "SubprocVecEnv": 1.5}
+    assert step_rates.measure_peers(MODEL) == {"SyncVectorEnv": 3.0, "SubprocVecEnv": 1.5}
 
 
 def test_the_tables_hold_every_measurement():
-    results = {("lanes", MODEL, lanes): Split(1000 * lanes, 2.0, 1.8, 0.1) for lanes in throughput.LANES}
+    results = {("lanes", MODEL, lanes): Split(1000 * lanes, 2.0, 1.8, 0.1) for lanes in step_rates.LANES}
     results["threads", MODEL, ""] = 1.93
     results["peers", MODEL, ""] = {"SyncVectorEnv": 2.5, "SubprocVecEnv": 3.5}
     results["memory", MODEL, ""] = 42_000.0
@@ -163,9 +163,9 @@ def test_the_tables_hold_every_measurement():
 
 
 def test_the_command_prints_and_writes_its_tables(brief, monkeypatch, tmp_path: Path, capsys):
-    monkeypatch.setattr(throughput, "measure_memory", lambda model: 1000.0)
-    monkeypatch.setattr(throughput, "measure_startup", lambda model, cold: 1.0)
-    monkeypatch.setattr(throughput, "measure_peers", lambda model: {"SyncVectorEnv": 2.0, "SubprocVecEnv": 3.0})
+    monkeypatch.setattr(step_rates, "measure_memory", lambda model: 1000.0)
+    monkeypatch.setattr(step_rates, "measure_startup", lambda model, cold: 1.0)
+    monkeypatch.setattr(step_rates, "measure_peers", lambda model: {"SyncVectorEnv": 2.0, "SubprocVecEnv": 3.0})
     assert main(["bench", "--models", MODEL, "--quick", "--out", str(tmp_path)]) == 0
     printed = capsys.readouterr().out
     assert (tmp_path / "bench.md").read_text() == printed
@@ -174,7 +174,7 @@ def test_the_command_prints_and_writes_its_tables(brief, monkeypatch, tmp_path: 
 
 @pytest.mark.slow
 def test_vectors_of_other_libraries_memory_and_startup_are_measured(monkeypatch):
-    monkeypatch.setattr(throughput, "LONG_ENOUGH", 0.1)
-    assert all(ratio > 0.0 for ratio in throughput.measure_peers(MODEL).values())
-    assert 1e3 < throughput.measure_memory(MODEL, 200) < 1e7
-    assert throughput.measure_startup(MODEL, cold=False) > 0.0
+    monkeypatch.setattr(step_rates, "LONG_ENOUGH", 0.1)
+    assert all(ratio > 0.0 for ratio in step_rates.measure_peers(MODEL).values())
+    assert 1e3 < step_rates.measure_memory(MODEL, 200) < 1e7
+    assert step_rates.measure_startup(MODEL, cold=False) > 0.0

@@ -4,7 +4,7 @@ import pytest
 from helpers import make_motion
 
 from solar_env.mechanics.running.errors import SimulationError
-from solar_env.studies.common.timing import measure
+from solar_env.studies.common.timing import time_interleaved
 
 
 def test_runs_are_repeated_in_turn_and_long_or_failed_ones_are_not():
@@ -21,7 +21,7 @@ def test_runs_are_repeated_in_turn_and_long_or_failed_ones_are_not():
 
     announced = []
     jobs = {"short": job("short", 1.0), "long": job("long", 50.0), "bad": job("bad", None), "other": job("other", 2.0)}
-    measured = measure(jobs, repeats=3, long_run=20.0, announce=announced.append)
+    measured = time_interleaved(jobs, repeats=3, long_run=20.0, announce=announced.append)
     assert announced == list(jobs)
     assert calls == ["short", "long", "bad", "other", "short", "other", "short", "other"]
     assert measured["short"].walls == (2.0, 6.0, 8.0)

@@ -14,6 +14,10 @@ for name in {unwanted!r}:
         print(name)
 """
 
+PUBLIC = (
+    *("MODELS", "ArrayParameters", "GeneralizedAlpha", "Hardware", "Rosenbrock", "RungeKutta", "Simulation", "build"),
+    *("SimulationError", "SimulationWarning", "SolarArrayEnv", "SolarArrayVectorEnv", "Trajectory", "simulate"),
+)
 HEAVY = ("numba", "torch", "stable_baselines3", "matplotlib", "tensorboard", "cma", "PIL", "scipy")
 
 
@@ -59,10 +63,9 @@ def test_public_names_are_all_there_and_load_on_first_use(run_python: Callable[.
     program = """
 import sys, solar_env
 assert "numba" not in sys.modules
-missing = [name for name in solar_env.__all__ if not hasattr(solar_env, name)]
-print(missing)
+print([name for name in {names!r} if not hasattr(solar_env, name)])
 """
-    assert run_python(program).strip() == "[]"
+    assert run_python(program.format(names=PUBLIC)).strip() == "[]"
 
 
 def test_an_unknown_public_name_is_an_attribute_error() -> None:

@@ -1,47 +1,117 @@
-"""What the README says to type works, and what it shows is there."""
+"""Claims about the README pages: their programs run, their commands parse, their links lead somewhere."""
 
+import importlib
 import re
 import shlex
 from pathlib import Path
 
 import pytest
 
-from agents import curves, evaluate, search, show, transfer, tune
+import train
 from agents.arguments import parse_arguments
-from solar_env.support.readme import README
+from solar_env.__main__ import parse
+from solar_env.support.readme import PACKAGE, Section
+from solar_env.verification.suite import select
 
-TEXT = README.read_text(encoding="utf-8")
-COMMANDS = {module.__name__: module for module in (curves, evaluate, search, show, transfer, tune)}
+ROOT = PACKAGE.parent
+FRONT = ROOT / "README.md"
+PAGES = [
+    FRONT,
+    PACKAGE / "contributing.md",
+    *sorted([*PACKAGE.rglob("README.md"), *(ROOT / "agents").rglob("README.md")]),
+]
+TEXTS = {str(page.relative_to(ROOT)): page.read_text(encoding="utf-8") for page in PAGES}
+MOST_LINES = 200
 
 
-def test_its_programs_run_one_after_the_other(capsys):
-    programs = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
-    assert len(programs) == 6
+def fenced(text, language):
+    return re.findall(rf"```{language}\n(.*?)```", text, re.DOTALL)
+
+
+WITH_PROGRAMS = [page for page, text in TEXTS.items() if fenced(text, "python") and "contributing" not in page]
+
+
+@pytest.mark.parametrize("page", WITH_PROGRAMS)
+def test_the_programs_of_a_page_run_one_after_the_other(page):
     namespace = {}
-    for program in programs:
+    for program in fenced(TEXTS[page], "python"):
         exec(program, namespace)
-    assert "'return'" in capsys.readouterr().out
+
+
+def test_the_pages_that_show_programs_are_those_of_users():
+    assert set(WITH_PROGRAMS) >= {"README.md", "agents/README.md", "solar_env/environment/README.md"}
 
 
 def commands():
-    """The lines that call a module of agents, as words without comments and without ``python -m``."""
-    lines = [line for line in TEXT.splitlines() if line.startswith("python -m agents.")]
-    called = [shlex.split(line, comments=True)[2:] for line in lines]
-    return [words for words in called if words[0] in COMMANDS]
+    """Every command line of the pages, in blocks and between backticks, as words without ``python``."""
+    lines = set()
+    for text in TEXTS.values():
+        for block in fenced(text, ""):
+            lines |= {line for line in block.splitlines() if line.startswith("python ")}
+        lines |= set(re.findall(r"`(python (?:-m|train\.py)[^`\n]*)`", text))
+    return sorted({shlex.join(shlex.split(line, comments=True)[1:]) for line in lines})
 
 
-@pytest.mark.parametrize("words", commands(), ids=" ".join)
-def test_its_commands_have_the_options_that_it_gives_them(words):
-    name, *arguments = words
+@pytest.mark.parametrize("command", commands())
+def test_commands_have_the_options_that_the_pages_give_them(command):
+    words = shlex.split(command)
+    name, *arguments = words[1:] if words[0] == "-m" else words
+    if name == "solar_env":
+        take = parse
+    else:
+        module = train if name == "train.py" else importlib.import_module(name)
+        if name == "agents.export":  # the run comes without its option
+            arguments.insert(0, "--run")
+
+        def take(given):
+            return parse_arguments(module.Args, given)
+
     if "--help" in arguments:
         with pytest.raises(SystemExit, match="0"):
-            parse_arguments(COMMANDS[name].Args, arguments)
+            take(arguments)
     else:
-        parse_arguments(COMMANDS[name].Args, arguments)
+        take(arguments)
 
 
-def test_every_picture_and_file_that_it_links_to_is_there():
-    links = re.findall(r"\]\((?!https?://)([^)#]+)\)", TEXT) + re.findall(r'(?:src|href)="([^"]+)"', TEXT)
-    assert len(links) > 20
-    missing = [link for link in links if not (Path(README).parent / link).exists()]
+def test_verification_cases_that_the_pages_name_exist():
+    named = {name for text in TEXTS.values() for name in re.findall(r"verify --only ([\w-]+)", text)}
+    assert len(named) > 15
+    assert all(select(name) == [name] for name in named)
+
+
+@pytest.mark.parametrize("page", TEXTS)
+def test_every_picture_page_and_file_that_a_page_links_to_is_there(page):
+    text = TEXTS[page]
+    links = re.findall(r"\]\((?!https?://)([^)#]+)(?:#[^)]*)?\)", text) + re.findall(r'(?:src|href)="([^"]+)"', text)
+    missing = [link for link in links if not (ROOT / page).parent.joinpath(link).exists()]
     assert not missing
+
+
+def test_every_picture_of_the_pages_is_shown_or_linked():
+    linked = {
+        (ROOT / page).parent.joinpath(link).resolve()
+        for page, text in TEXTS.items()
+        for link in re.findall(r"\]\(([^)]+\.(?:png|gif))\)|src=\"([^\"]+)\"", text)
+        for link in link
+        if link
+    }
+    pictures = {path for page in PAGES for path in (page.parent / "figures").glob("*.png")}
+    assert pictures - linked == set()
+
+
+def test_the_front_page_is_short_and_leads_to_every_other_page():
+    assert len(TEXTS["README.md"].splitlines()) <= MOST_LINES
+    assert {page for page in TEXTS if f"]({page})" not in TEXTS["README.md"]} == {"README.md"}
+
+
+def test_a_section_is_read_and_replaced_and_a_page_without_it_refused(tmp_path):
+    section = Section(tmp_path / "README.md", "result", "python -m solar_env bench --readme")
+    Path(section.page).write_text(f"# Title\n\n{section.begin}\n\nold\n\n{section.end}\n\nafter\n", encoding="utf-8")
+    assert section.read() == "old"
+    section.write("new")
+    assert section.read() == "new"
+    assert section.page.read_text(encoding="utf-8").startswith("# Title\n")
+    assert section.page.read_text(encoding="utf-8").endswith("\n\nafter\n")
+    section.page.write_text("# Title\n", encoding="utf-8")
+    with pytest.raises(ValueError, match="has no place for the result: add the lines"):
+        section.write("newer")

@@ -1,1 +1,5 @@
-"""TODO room."""
+"""Compilation of kernels and the linear algebra that they use.
+
+Imports nothing else of the package. Every kernel in the engine is decorated with `jit.kernel`, whose options say what
+a caller must know; its cache is keyed by all that the kernel's module imports.
+"""

@@ -1,4 +1,4 @@
-"""Sampling bands of means."""
+"""Sampling bands of means, by the bootstrap (B. Efron, Ann. Statist. 7 (1979) 1)."""
 
 from __future__ import annotations
 
@@ -7,16 +7,24 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+Array = NDArray[np.float64]
+
 _RESAMPLES, _SEED = 2000, 0
 
 
-def mean_band(values: NDArray[np.float64]) -> tuple[float, float, float]:
-    """Mean of (n,) values and its 95 % bootstrap interval (B. Efron, Ann. Statist. 7 (1979) 1): percentiles.
+def resampled_means(values: Array, stream: int = 0) -> Array:
+    """(resamples, ...) means of (n, ...) values; two streams are independent, and the same values give the same."""
+    count = len(values)
+    chosen = np.random.default_rng([_SEED, stream]).multinomial(count, np.full(count, 1.0 / count), size=_RESAMPLES)
+    return np.asarray(np.tensordot(chosen / count, values, axes=1))
+
+
+def mean_band(values: Array) -> tuple[float, float, float]:
+    """Mean of (n,) values and its 95 % bootstrap interval: percentiles.
 
     The same values give the same band. nan for all three if there is no value or one is nan.
     """
     if len(values) == 0 or np.isnan(values).any():
         return math.nan, math.nan, math.nan
-    chosen = np.random.default_rng(_SEED).integers(len(values), size=(_RESAMPLES, len(values)))
-    low, high = np.quantile(values[chosen].mean(axis=1), [0.025, 0.975])
+    low, high = np.quantile(resampled_means(values), [0.025, 0.975])
     return float(values.mean()), float(low), float(high)

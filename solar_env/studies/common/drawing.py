@@ -1,30 +1,23 @@
-"""What the figures of all studies share: colours of methods, panels, saving. Figures are drawn from tables alone."""
+"""Drawing that the studies share: panels, axes, legends, saving. Figures are drawn from tables alone."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import textwrap
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.pictures.plots import COLOURS, STYLE
+from solar_env.pictures.style import FAINT, STYLE, Look
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-MARKERS = ("o", "s", "D", "^", "v", "P", "X", "*", "<", ">")
-FLOOR = "#c8ced6"
-
-
-def look_of(names: Sequence[str]) -> dict[str, dict[str, Any]]:
-    """Colour and marker by name, in the order of the names."""
-    return {
-        name: {"color": COLOURS[k % len(COLOURS)], "marker": MARKERS[k % len(MARKERS)]}
-        for k, name in enumerate(dict.fromkeys(names))
-    }
+_ABOVE = 0.72  # room for titles [inch]
+_TITLE_CHARACTERS = 10  # of the figure's title, for each inch of its width
 
 
 def make_figure(
@@ -46,7 +39,7 @@ def make_figure(
     with mpl.rc_context(STYLE):
         width = size[0] * columns + 0.3
         below = 0.75 + 0.16 * -(-entries // _legend_columns(width))
-        height = (size[1] - 0.5 + gap) * rows + 0.45 + below - gap
+        height = (size[1] - 0.5 + gap) * rows + _ABOVE + below - gap
         figure = Figure(figsize=(width, height))
         FigureCanvasAgg(figure)
         axes = figure.subplots(rows, columns, squeeze=False)
@@ -54,7 +47,7 @@ def make_figure(
             left=0.7 / width,
             right=1.0 - 0.2 / width,
             bottom=below / height,
-            top=1.0 - 0.45 / height,
+            top=1.0 - _ABOVE / height,
             wspace=0.75 / (size[0] - 0.75),
             hspace=gap / (size[1] - 0.5),
         )
@@ -86,20 +79,30 @@ def use_decades(axis: Axes, which: str) -> None:
 def draw_floor(axis: Axes, floor: float) -> None:
     """Shade the errors below which references disagree."""
     if np.isfinite(floor) and floor > 0.0:
-        axis.axvspan(0.0, floor, color=FLOOR, alpha=0.5, linewidth=0.0, zorder=0)
-        axis.axvline(floor, color=FLOOR, linewidth=0.8, zorder=0)
+        axis.axvspan(0.0, floor, color=FAINT, alpha=0.5, linewidth=0.0, zorder=0)
+        axis.axvline(floor, color=FAINT, linewidth=0.8, zorder=0)
 
 
-def save(figure: Figure, path: Path, names: Sequence[str], look: dict[str, dict[str, Any]], note: str = "") -> None:
-    """Write a figure with a legend of the names and a note below; the same tables give the same file."""
+def save(figure: Figure, path: Path, looks: Mapping[str, Look], title: str, note: str = "") -> None:
+    """Write a figure with its conclusion as title, and a legend and a note below; the same tables give the same file.
+
+    Args:
+        figure: as `make_figure` made it.
+        path: file to write.
+        looks: name -> look, the entries of the legend.
+        title: says in one line what the figure shows.
+        note: what the reader must know.
+    """
     import matplotlib as mpl
     from matplotlib.lines import Line2D
 
     with mpl.rc_context(STYLE):
-        handles = [Line2D([], [], linewidth=1.0, markersize=4, label=name, **look[name]) for name in names]
+        handles = [Line2D([], [], linewidth=1.0, markersize=4, label=name, **look) for name, look in looks.items()]
         columns = _legend_columns(figure.get_figwidth())
         place = (0.5, 0.18 / figure.get_figheight())
         figure.legend(handles=handles, loc="lower center", ncols=columns, bbox_to_anchor=place)
+        lines = textwrap.fill(title, int(_TITLE_CHARACTERS * figure.get_figwidth()))
+        figure.suptitle(lines, y=1.0 - 0.06 / figure.get_figheight(), va="top")
         if note:
             figure.text(0.5, 0.04 / figure.get_figheight(), note, ha="center", va="bottom", fontsize=7)
         path.parent.mkdir(parents=True, exist_ok=True)

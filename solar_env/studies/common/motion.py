@@ -1,4 +1,4 @@
-"""What a study simulates, and what it keeps of a run, whichever program made it."""
+"""Scenes that studies simulate, and motions: the record of a run, whichever program made it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Scene:
     """A deployment from rest.
 
     Attributes:
-        model: one of ``array.MODELS``.
+        model: one of `array.MODELS`.
         parameters: of the array.
         duration: [s].
         sample_step: distance of the sampled angles [s].
@@ -59,12 +59,12 @@ class Motion:
         time: (nt,) [s].
         angles: (nt, nj) [rad].
         latch_times: (nj,) [s], nan if not latched.
-        contacts: of type ``contact_record``, in the order of their starts.
+        contacts: of type `contact_record`, in the order of their starts.
         wall_time: of the integration alone, without compiling or assembling [s].
         steps, evaluations, factorizations: counts; evaluations of the right-hand side or residual.
         energy_residual: energy that the books do not account for, over the energy put in.
         constraint_drift: greatest violation of a constraint at the end [m], for methods that do not project.
-        totals: name -> (nj,) what the run sums up after the first latching, see ``statistics``.
+        totals: name -> (nj,) what the run sums up after the first latching, see `statistics`.
     """
 
     time: Array
@@ -102,7 +102,7 @@ def run_own(scene: Scene, integrator: Integrator) -> Motion:
 
 
 def from_trajectory(trajectory: Trajectory) -> Motion:
-    """What is kept of the project's own run."""
+    """Motion of a run of the project's own simulator."""
     energies = trajectory.energies
     lost = sum(
         float(energies[name][-1])

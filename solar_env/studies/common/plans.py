@@ -1,4 +1,4 @@
-"""How much a chart measures: in full, or in two minutes."""
+"""Plans of the charts: how much is measured, in full or in two minutes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ FAST_PARAMETERS = replace(PARAMETERS, spring_stiffness=(2.5, 1.875), cable_prelo
 
 @dataclass(frozen=True)
 class Plan:
-    """What is simulated and how often.
+    """Scenes that a chart simulates, and how often.
 
     Attributes:
         models: of the array.
@@ -29,7 +29,7 @@ class Plan:
         repeats: of every measured time.
         long_run: a run that takes longer than this is not repeated [s].
         dear: whether methods are measured that take minutes.
-        ensemble_size: runs whose hinges differ by ``ensembles.PERTURBATION``.
+        ensemble_size: runs whose hinges differ by `ensembles.PERTURBATION`.
         ensemble_duration: of these, with rigid and flexible panels [s].
         levels: numbers of elements that are compared; the last one is the reference.
         level_members: runs of an ensemble at each level.

@@ -1,4 +1,4 @@
-"""Tables of measured rows: CSV files that say where they come from."""
+"""Tables of measured rows: CSV files with their provenance."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _PACKAGES = ("solar-env", "numpy", "numba", "scipy")
 
 @dataclass(frozen=True)
 class Table:
-    """Rows with the same columns, and what is known of their making.
+    """Rows with the same columns, and their provenance.
 
     Attributes:
         rows: from column name to cell; all with the same names in the same order.
@@ -45,7 +45,7 @@ class Table:
 
 
 def provenance(command: str, **settings: object) -> dict[str, str]:
-    """What made a table: the command, its settings, versions and the kind of machine; no names of users or hosts."""
+    """Provenance of a table: the command, its settings, versions kind of machine; no names of users or hosts."""
     return {
         "command": command,
         **{name: str(value) for name, value in settings.items()},
@@ -56,7 +56,7 @@ def provenance(command: str, **settings: object) -> dict[str, str]:
 
 
 def write_table(path: Path, rows: Sequence[Mapping[str, Cell]], made_by: Mapping[str, str]) -> None:
-    """Write a CSV file whose first lines, each ``# name: value``, are its provenance.
+    """Write a CSV file whose first lines, each `# name: value`, are its provenance.
 
     Raises:
         ValueError: if there is no row, or rows differ in their columns.
@@ -76,7 +76,7 @@ def write_table(path: Path, rows: Sequence[Mapping[str, Cell]], made_by: Mapping
 
 
 def read_table(path: Path) -> Table:
-    """Read what :func:`write_table` wrote: cells that read as numbers are numbers."""
+    """Read what `write_table` wrote: cells that read as numbers are numbers."""
     made_by: dict[str, str] = {}
     with path.open(newline="") as file:
         lines = list(file)

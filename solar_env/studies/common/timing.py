@@ -1,4 +1,4 @@
-"""Measuring side by side: the runs of a round follow each other, so that what disturbs the machine meets all alike."""
+"""Interleaved timing: all runs once, then all again, so that disturbances of the machine meet all alike."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Key = TypeVar("Key", bound=Hashable)
 
 @dataclass(frozen=True)
 class Measured(Generic[Key]):
-    """What came of the repeats of one run.
+    """Result of the repeats of one run.
 
     Attributes:
         motion: of the first repeat; None if the run could not go on.
@@ -33,7 +33,7 @@ class Measured(Generic[Key]):
         return statistics.median(self.walls)
 
 
-def measure(
+def time_interleaved(
     jobs: Mapping[Key, Callable[[], Motion]],
     repeats: int,
     long_run: float,
@@ -48,7 +48,7 @@ def measure(
         announce: called with the key of a run before its first repeat.
 
     Returns:
-        key -> what came of it. A run that raises SimulationError is not repeated.
+        key -> result. A run that raises SimulationError is not repeated.
     """
     first: dict[Key, Motion] = {}
     walls: dict[Key, list[float]] = {}

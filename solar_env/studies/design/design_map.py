@@ -1,4 +1,4 @@
-"""Which design lands softly and wears little: maps of peak force and of the deepest wear, an ensemble in every cell."""
+"""Maps of peak force and of the deepest wear over parameters of the design, an ensemble in every cell."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ MAPS: Mapping[str, DesignMap] = {
 
 
 def changes(name: str, x: float, y: float) -> dict[str, Any]:
-    """What a point of a map changes in the parameters."""
+    """Parameters that a point of a map changes."""
     if name == "clearances":
         return {"clearance": (x, y)}
     return {"latch_stiffness": x, "cable_stiffness": y}
@@ -82,7 +82,7 @@ def measure_cell(cell: Cell) -> dict[str, list[list[float]]]:
     return {"wear_m": wear, "force_N": force}
 
 
-def measure(preset: str, members: int, workers: Workers, folder: Path, console: Console) -> Path:
+def measure_design(preset: str, members: int, workers: Workers, folder: Path, console: Console) -> Path:
     """Measure both maps, going on where an earlier run of the same maps stopped; returns the table's file.
 
     Raises:

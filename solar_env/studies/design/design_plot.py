@@ -11,7 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from solar_env.pictures.plots import STYLE
+from solar_env.pictures.style import STYLE
 from solar_env.studies.common.drawing import short
 from solar_env.studies.common.tables import Table
 from solar_env.studies.design.design_map import MAPS, DesignMap
@@ -33,6 +33,11 @@ def draw_design(table: Table, folder: Path) -> Path:
             for (quantity, (title, unit)), axis in zip(QUANTITIES.items(), row, strict=True):
                 _draw_map(axis, table.where(map=name), design, quantity, unit)
                 axis.set_title(title)
+        force, wear = (table.column(name) for name in ("force_N", "wear_m"))
+        figure.suptitle(
+            f"Clearances and stiffnesses change the peak force {force.max() / force.min():.0f}-fold, the wear "
+            f"{wear.max() / wear.min():.1f}-fold"
+        )
         path = folder / PICTURE
         figure.savefig(path, dpi=100)
     return path

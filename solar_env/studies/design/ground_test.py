@@ -67,7 +67,7 @@ def wear_campaign(
         workers: where the simulations run.
 
     Raises:
-        ValueError: if a number is too small, or ``growth`` is negative.
+        ValueError: if a number is too small, or `growth` is negative.
         SimulationError: if a run cannot go on.
     """
     if deployments < 1 or members < 2:
@@ -115,7 +115,7 @@ def clearances_after(campaign: Sequence[Deployment], deployments: int) -> tuple[
 
 
 def as_rows(campaign: Iterable[Deployment], kind: str) -> Iterator[Row]:
-    """Rows of a table, joints counted from 1; ``kind`` tells campaigns apart."""
+    """Rows of a table, joints counted from 1; `kind` tells campaigns apart."""
     for deployment in campaign:
         row: Row = {"kind": kind, "deployment": deployment.number, "repeated": deployment.repeated}
         for joint in range(len(deployment.clearance)):

@@ -8,7 +8,7 @@ import matplotlib as mpl
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from solar_env.pictures.plots import COLOURS, STYLE
+from solar_env.pictures.style import COLOURS, STYLE
 from solar_env.studies.common.tables import Table
 
 PICTURE = "ground_test.png"
@@ -40,6 +40,9 @@ def draw_ground_test(table: Table, folder: Path) -> Path:
                     )  # fmt: skip
             axis.set(xlabel="deployments before", ylabel=label)
         figure.axes[0].legend()
+        last = table.where(kind="extrapolated").rows
+        growth = max(float(last[-1][f"clearance_{j}_m"]) / float(last[0][f"clearance_{j}_m"]) for j in JOINTS)
+        figure.suptitle(f"Wear feeds back: clearances grow {growth:.1f}-fold, and forces with them")
         path = folder / PICTURE
         figure.savefig(path, dpi=100)
     return path

@@ -11,9 +11,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from solar_env.studies.common.bootstrap import resampled_means
+
 Array = NDArray[np.float64]
 
-_RESAMPLES, _SEED, _COVERAGE = 2000, 0, 0.95
+_COVERAGE = 0.95
 
 
 def mean_error(level: Array, reference: Array, scale: Array) -> tuple[float, float]:
@@ -33,7 +35,7 @@ def mean_error(level: Array, reference: Array, scale: Array) -> tuple[float, flo
 
 
 def own_half_width(reference: Array, scale: Array) -> float:
-    """Half-width of the simultaneous 95 % band of an ensemble's own mean; arguments as in :func:`mean_error`."""
+    """Half-width of the simultaneous 95 % band of an ensemble's own mean; arguments as in `mean_error`."""
     return _quantile(_relative(_deviations(reference, 2), scale).max(axis=-1))
 
 
@@ -48,13 +50,13 @@ def ranking_error(level: Array, reference: Array) -> tuple[float, float]:
         The share over all pairs and measures; a pair that a level cannot tell apart counts half.
     """
     share = float(discordant_share(level.mean(axis=0), reference.mean(axis=0)))
-    resampled = discordant_share(_resampled_means(level, 1), _resampled_means(reference, 2))
+    resampled = discordant_share(resampled_means(level, 1), resampled_means(reference, 2))
     return share, _quantile(np.abs(resampled - share))
 
 
 def own_ranking_half_width(reference: Array) -> float:
     """Share of discordant pairs that 95 % of the resampled rankings do not exceed against the ranking of the means."""
-    return _quantile(discordant_share(_resampled_means(reference, 2), reference.mean(axis=0)))
+    return _quantile(discordant_share(resampled_means(reference, 2), reference.mean(axis=0)))
 
 
 def discordant_share(level: Array, reference: Array) -> Array:
@@ -68,19 +70,12 @@ def _relative(vectors: Array, scale: Array) -> Array:
     return np.asarray(np.sqrt((vectors**2).sum(axis=-1)) / scale)
 
 
-def _resampled_means(values: Array, stream: int) -> Array:
-    """(resamples, ...) means of (n, ...) values; two streams are independent, and the same values give the same."""
-    count = len(values)
-    chosen = np.random.default_rng([_SEED, stream]).multinomial(count, np.full(count, 1.0 / count), size=_RESAMPLES)
-    return np.asarray(np.tensordot(chosen / count, values, axes=1))
-
-
 def _deviations(values: Array, stream: int) -> Array:
     """(resamples, ...) deviations of resampled means of (n, ...) values from their mean; zero for a single one."""
     count = len(values)
     if count == 1:
         return np.zeros((1, *values.shape[1:]))
-    return (_resampled_means(values, stream) - values.mean(axis=0)) * math.sqrt(count / (count - 1))
+    return (resampled_means(values, stream) - values.mean(axis=0)) * math.sqrt(count / (count - 1))
 
 
 def _quantile(values: Array) -> float:

@@ -1,21 +1,21 @@
-"""Figure of the ladder, from its table alone: a panel a question, cost against error, and the level chosen."""
+"""Figure of the ladder, from its table alone: one panel per question, cost against error, and the level chosen."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from solar_env.array.ladder import QUESTIONS, Answer, steps
-from solar_env.pictures.plots import STYLE
-from solar_env.studies.common.drawing import look_of, make_figure, save, use_decades
+from solar_env.pictures.style import MODEL_LOOKS, STEEL, STYLE, look_of
+from solar_env.studies.common.drawing import make_figure, save, use_decades
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _COLUMNS = 4
+_TOLERANCE, _CHEAP = 0.3, 0.5  # of the title
 _SMALLEST = 1e-6  # errors below are drawn here
-_STEPS = "#7c8896"
 _NOTE = (
     "mark: error and 95 % sampling half-width, from which tolerance on a level answers; line to its left: half-width; "
     "numbers: elements; grey: the level chosen"
@@ -27,32 +27,41 @@ def draw_ladder(answers: Sequence[Answer], folder: Path) -> Path:
     import matplotlib as mpl
 
     asked = [question for question in QUESTIONS if any(answer.question == question for answer in answers)]
-    names = list(dict.fromkeys(answer.model for answer in answers))
-    look = look_of(names)
+    looks = {answer.model: look_of(answer.model, MODEL_LOOKS) for answer in answers}
     rows = -(-len(asked) // _COLUMNS)
-    figure, axes = make_figure(rows, _COLUMNS, (2.6, 2.2), len(names), gap=0.7)
+    figure, axes = make_figure(rows, _COLUMNS, (2.6, 2.2), len(looks), gap=0.7)
     with mpl.rc_context(STYLE):
         for axis, question in zip(axes.flat, asked, strict=False):
-            _draw_panel(axis, [answer for answer in answers if answer.question == question], look)
+            _draw_panel(axis, [answer for answer in answers if answer.question == question])
             axis.set_title(question)
             axis.set_xlabel("share of pairs" if question == "controller-ranking" else "error (relative), tolerance")
             axis.set_ylabel("wall time / reference's")
         for axis in axes.flat[len(asked) :]:
             axis.set_axis_off()
     path = folder / "ladder.png"
-    save(figure, path, names, look, _NOTE)
+    save(figure, path, looks, _title(answers, asked), _NOTE)
     return path
 
 
-def _draw_panel(axis: Axes, answers: Sequence[Answer], look: dict[str, dict[str, Any]]) -> None:
+def _title(answers: Sequence[Answer], asked: Sequence[str]) -> str:
+    """How many questions a cheap level answers."""
+    chosen = [[answer for answer in steps(answers, question) if answer.bound <= _TOLERANCE] for question in asked]
+    cheap = sum(bool(levels) and levels[-1].cost_ratio <= _CHEAP for levels in chosen)
+    return (
+        f"{cheap} of {len(asked)} questions are answered within {_TOLERANCE:.0%} at no more than "
+        f"{_CHEAP:.0%} of the finest level's cost"
+    )
+
+
+def _draw_panel(axis: Axes, answers: Sequence[Answer]) -> None:
     axis.set_xscale("log")
     axis.set_yscale("log")
     for answer in answers:
         bound = max(answer.bound, _SMALLEST)
-        style = look[answer.model]
+        style = {**look_of(answer.model, MODEL_LOOKS), "linestyle": "none"}
         if answer.error > 0.0:
             axis.plot([answer.error, bound], [answer.cost_ratio] * 2, linewidth=0.8, color=style["color"])
-        axis.plot([bound], [answer.cost_ratio], markersize=4, linestyle="none", **style)
+        axis.plot([bound], [answer.cost_ratio], markersize=4, **style)
         if answer.elements:
             side = -1 if answer.model.endswith("clearance") else 1
             axis.annotate(
@@ -74,5 +83,5 @@ def _draw_steps(axis: Axes, chosen: Sequence[Answer]) -> None:
     bounds = [max(answer.bound, _SMALLEST) for answer in chosen]
     costs = [answer.cost_ratio for answer in chosen]
     start, end = 0.4 * bounds[0], 2.0 * axis.get_xlim()[1]
-    axis.step([*bounds, end], [*costs, costs[-1]], where="post", color=_STEPS, linewidth=2.5, alpha=0.5, zorder=1)
+    axis.step([*bounds, end], [*costs, costs[-1]], where="post", color=STEEL, linewidth=2.5, alpha=0.5, zorder=1)
     axis.set_xlim(start, end)

@@ -29,7 +29,7 @@ class Level:
     """A level of the model.
 
     Attributes:
-        model: one of ``array.MODELS``.
+        model: one of `array.MODELS`.
         elements: of each flexible panel; 0 with rigid panels.
     """
 
@@ -73,8 +73,8 @@ CONTROLLERS = (
 
 
 @dataclass(frozen=True)
-class Run:
-    """What came of one run, or of one run under each controller.
+class Outcome:
+    """Answers and cost of one run, or of one run under each controller.
 
     Attributes:
         answers: question -> (k, d) quantities that are vectors of d components.
@@ -87,7 +87,7 @@ class Run:
     evaluations: float
 
 
-def deploy(level: Level, member: int, duration: float) -> Run:
+def deploy(level: Level, member: int, duration: float) -> Outcome:
     """Deploy on the springs alone.
 
     Args:
@@ -121,7 +121,7 @@ def deploy(level: Level, member: int, duration: float) -> Run:
     answers = {question: values[:, np.newaxis] for question, values in by_joint.items()}
     answers["tip-motion"] = _tip(trajectory, level)
     details = trajectory.metadata
-    return Run(answers, float(details["wall_time_s"]), float(details["evaluations"]))
+    return Outcome(answers, float(details["wall_time_s"]), float(details["evaluations"]))
 
 
 def _impacts_after_latching(trajectory: Trajectory) -> Array:
@@ -136,7 +136,7 @@ def _tip(trajectory: Trajectory, level: Level) -> Array:
     return np.asarray(centreline(model, trajectory.coordinates, parameters.panel_count, 1)[:, -1])
 
 
-def control(level: Level, member: int, window: float, announce: Callable[[str], None]) -> Run:
+def control(level: Level, member: int, window: float, announce: Callable[[str], None]) -> Outcome:
     """Deploy under every one of CONTROLLERS in the Gymnasium environment.
 
     Args:
@@ -166,7 +166,7 @@ def control(level: Level, member: int, window: float, announce: Callable[[str], 
         if not figures["latched"]:
             raise ValueError(f"{profile.name} with {level.name} misses the deadline")
         measures.append([sum(figures["peak_postlock_force_N"]), sum(figures["postlock_sliding_work_J"])])
-    return Run({"controller-ranking": np.array(measures)}, wall, evaluations)
+    return Outcome({"controller-ranking": np.array(measures)}, wall, evaluations)
 
 
 def _episode(env: SolarArrayEnv, profile: Profile) -> dict[str, Any]:

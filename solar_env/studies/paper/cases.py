@@ -23,7 +23,7 @@ PERTURBATION = 1e-6
 
 @dataclass(frozen=True)
 class Case:
-    """A deployment: the level of the model, and what differs from the ``paper`` preset."""
+    """A deployment: the level of the model, and what differs from the `paper` preset."""
 
     model: str
     changes: Mapping[str, Any] = field(default_factory=dict)
@@ -45,8 +45,8 @@ def simulate_case(name: str, member: int = 0, changes: Mapping[str, Any] | None 
 
     Args:
         name: of the case.
-        member: of an ensemble; its root hinge is moved by ``member`` times PERTURBATION.
-        changes: further parameters that differ from the ``paper`` preset.
+        member: of an ensemble; its root hinge is moved by `member` times PERTURBATION.
+        changes: further parameters that differ from the `paper` preset.
 
     Raises:
         KeyError: if there is no such case.
@@ -70,12 +70,12 @@ class Run:
 
     @property
     def changes(self) -> dict[str, float | str]:
-        """What differs from the case."""
+        """Parameters that differ from those of the case."""
         return {self.parameter: self.value} if self.parameter else {}
 
 
 def simulate_run(run: Run) -> Trajectory:
-    """Simulate a run; raises what :func:`simulate_case` raises."""
+    """Simulate a run; raises what `simulate_case` raises."""
     return simulate_case(run.case, run.member, run.changes)
 
 

@@ -12,7 +12,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from solar_env.array import MODELS
-from solar_env.pictures.plots import BEARING, COLOURS, FAINT, STYLE
+from solar_env.pictures.style import COLOURS, FAINT, STEEL, STYLE
 from solar_env.studies.common.tables import Table
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def _draw_path(figure: Figure, table: Table) -> None:
     around = np.linspace(0.0, 2.0 * np.pi, 361)
     for number, name in enumerate(PHASES, start=1):
         axis, own = axes[name], phase == number
-        axis.plot(clearance * np.cos(around), clearance * np.sin(around), color=BEARING)
+        axis.plot(clearance * np.cos(around), clearance * np.sin(around), color=STEEL)
         axis.plot(x[own], y[own], color=COLOURS[number - 1], linewidth=1.5 if number == 2 else 0.4)
         axis.set(aspect="equal", title=name, xlabel="x [µm]", ylabel="y [µm]")
     for name, values in (("x", x), ("y", y)):
@@ -108,7 +108,7 @@ def _draw_wear(figure: Figure, table: Table) -> None:
     figure.set_size_inches(7.0, 3.6)
     angle = np.radians(table.column("angle_deg"))
     for joint, axis in zip(JOINTS, figure.subplots(1, 2, subplot_kw={"projection": "polar"}), strict=True):
-        for surface, colour in (("bearing", BEARING), ("journal", COLOURS[1])):
+        for surface, colour in (("bearing", STEEL), ("journal", COLOURS[1])):
             depth = table.column(f"{surface}_{joint}_m")
             axis.plot(np.append(angle, angle[0]), np.append(depth, depth[0]), color=colour, label=surface)
         axis.set_title(f"joint {joint}: wear depth [m]")

@@ -1,6 +1,6 @@
-"""One function a figure of the paper: from trajectories to the rows of its table.
+"""One function per figure of the paper: from trajectories to the rows of its table.
 
-The paper's figures are drawn from these tables alone (``drawings.py``). Angles are in degrees and paths in micrometres,
+The paper's figures are drawn from these tables alone (`drawings.py`). Angles are in degrees and paths in micrometres,
 as on its axes.
 """
 
@@ -33,7 +33,7 @@ class PaperFigure:
     Attributes:
         number: in the paper.
         title: what it shows.
-        kind: how it is drawn, a key of ``drawings.DRAWERS``.
+        kind: how it is drawn, a key of `drawings.DRAWERS`.
         cases: names of the deployments that it needs.
         rows: its table from these deployments.
     """

@@ -1,4 +1,4 @@
-"""What the paper reads off its figures by eye, found by algorithms: phases of contact, bursts, slides, lags."""
+"""Phases of contact, bursts, slides and lags, found by algorithms where the paper reads them off its figures."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def phase_of(trajectory: Trajectory, joint: int) -> NDArray[np.int64]:
 
 
 def greatest_force(trajectory: Trajectory, joint: int, edges: Array) -> Array:
-    """(k,) greatest contact force [N] in each of the windows between ``edges`` (k + 1,) [s].
+    """(k,) greatest contact force [N] in each of the windows between `edges` (k + 1,) [s].
 
     Samples alone would miss the peaks of impacts, which last a millisecond.
     """
@@ -64,7 +64,7 @@ def greatest_force(trajectory: Trajectory, joint: int, edges: Array) -> Array:
 
 
 def greatest_torque(trajectory: Trajectory, joint: int, edges: Array) -> Array:
-    """(k,) greatest magnitude of the latch torque [N m] in each of the windows between ``edges`` (k + 1,) [s]."""
+    """(k,) greatest magnitude of the latch torque [N m] in each of the windows between `edges` (k + 1,) [s]."""
     return _maxima(trajectory.time, np.abs(trajectory.latch_torque[:, joint]), edges)
 
 
@@ -99,7 +99,7 @@ def time_of_turning(trajectory: Trajectory, joint: int) -> float:
 
 
 def vibration(trajectory: Trajectory, start: float, end: float, period: float = 0.5) -> float:
-    """Root mean square [rad/s] of the joint rates about their running mean over ``period`` [s]."""
+    """Root mean square [rad/s] of the joint rates about their running mean over `period` [s]."""
     step = float(trajectory.time[1] - trajectory.time[0])
     width = round(period / step)
     kernel = np.ones(width) / width
@@ -113,7 +113,7 @@ def vibration(trajectory: Trajectory, start: float, end: float, period: float = 
 def lag(reference: Trajectory, trajectory: Trajectory, joint: int, span: float = 10.0, longest: float = 1.0) -> float:
     """Time [s] by which the oscillation of a joint after latching lags that of a reference.
 
-    The shift, within +- ``longest``, with the greatest cross-correlation of the angles over ``span`` from either one's
+    The shift, within +- `longest`, with the greatest cross-correlation of the angles over `span` from either one's
     own last latching; a parabola through the maximum and its neighbours places it between samples.
     """
     step = float(trajectory.time[1] - trajectory.time[0])

@@ -1,4 +1,4 @@
-"""The claims measured: over an ensemble, and over the ranges of parameters that the paper leaves open."""
+"""Claims measured: over an ensemble, and over the ranges of parameters that the paper leaves open."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ RANGE_MEMBERS = 3
 
 @dataclass(frozen=True)
 class Finding:
-    """What became of a claim.
+    """Verdict on a claim, with the figures it rests on.
 
     Attributes:
         key, statement, paper, unit: of the claim.
@@ -87,7 +87,7 @@ def _range_runs(claim: Claim) -> Iterator[Run]:
 
 
 def judge(claim: Claim, motions: Mapping[Run, Trajectory]) -> Finding:
-    """Measure a claim on the runs that :func:`planned_runs` lists.
+    """Measure a claim on the runs that `planned_runs` lists.
 
     Raises:
         KeyError: if one of them is missing.

@@ -1,4 +1,4 @@
-"""The peer's array with flexible panels."""
+"""The array with flexible panels in Exudyn."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The peer's array: what its rigid and its flexible build share."""
+"""Parts that the rigid and the flexible array in Exudyn share."""
 
 from __future__ import annotations
 

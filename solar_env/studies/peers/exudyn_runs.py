@@ -1,4 +1,4 @@
-"""Runs of the peer: the solver settings with which it is at its best, and what is measured of a run."""
+"""Runs of Exudyn: the solver settings that suit it best, and the motion of a run."""
 
 from __future__ import annotations
 

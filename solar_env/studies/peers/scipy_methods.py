@@ -37,7 +37,7 @@ def run_scipy(scene: Scene, name: str, rtol: float) -> Motion:
 
     Args:
         scene: what moves.
-        name: of a method of ``scipy.integrate.solve_ivp``, for instance "DOP853" or "Radau".
+        name: of a method of `scipy.integrate.solve_ivp`, for instance "DOP853" or "Radau".
         rtol: relative tolerance; the absolute one is rtol times 1 m for positions and times 0.1 m/s for velocities.
 
     Raises:
@@ -125,7 +125,7 @@ class _SwitchedSystem:
         return self.work.loads[:, ANGLE].copy()
 
     def events(self) -> list[Callable[[float, Array], float]]:
-        """Event functions for ``solve_ivp``: latchings, and starts or ends of contacts."""
+        """Event functions for `solve_ivp`: latchings, and starts or ends of contacts."""
         functions: list[Callable[[float, Array], float]] = []
         self._watched = []
         for j, (joint, own) in enumerate(zip(self.model.joints, self.own.joints, strict=True)):
@@ -190,7 +190,7 @@ class _SwitchedSystem:
         return float(self.work.loads[j, NORMAL])
 
     def contacts(self) -> NDArray[np.void]:
-        """All contacts, of type ``contact_record``, in the order of their starts."""
+        """All contacts, of type `contact_record`, in the order of their starts."""
         still_open = [self._contact(j, math.nan) for j in np.flatnonzero(self.own.joints["in_contact"]).tolist()]
         return np.sort(np.array([*self._closed, *still_open], dtype=contact_record), order="start_s")
 

@@ -1,1 +1,5 @@
-"""TODO room."""
+"""Speed against accuracy of all methods: work and precision, ensembles, levels, growth, side by side.
+
+Imports `common` and `peers`. A method is a row of `METHODS` in `methods`, a study of them a row of `STUDIES` in
+`charts`.
+"""

@@ -1,4 +1,4 @@
-"""The charts of speed against accuracy: which studies there are, measuring them into tables, drawing from tables."""
+"""Table of the charts of speed against accuracy; measuring them into tables, drawing from tables."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Study:
 
     Attributes:
         run: measures; plan and a function that is told of each run, to rows by table.
-        count: how often ``run`` will tell.
+        count: how often `run` will tell.
         tables: names of the tables.
         draw: tables and folder to the files drawn.
     """
@@ -70,7 +70,7 @@ STUDIES = {
 }
 
 
-def measure(names: Sequence[str], quick: bool, folder: Path, console: Console, workers: Workers = ONE) -> None:
+def measure_charts(names: Sequence[str], quick: bool, folder: Path, console: Console, workers: Workers = ONE) -> None:
     """Measure studies and write their tables.
 
     Args:

@@ -76,7 +76,7 @@ CONTESTANTS: dict[str, tuple[Contestant, ...]] = {
 
 
 def perturbed(parameters: ArrayParameters, member: int, distance: float = PERTURBATION) -> ArrayParameters:
-    """The array with its root hinge moved by ``member`` times ``distance`` [m]."""
+    """The array with its root hinge moved by `member` times `distance` [m]."""
     return replace(parameters, hinge_y=parameters.hinge_y + member * distance)
 
 
@@ -129,7 +129,7 @@ def member_rows(scene: Scene, member: int, solve: Callable[[Scene], Motion], lab
 
 
 @dataclass(frozen=True)
-class Run:
+class Member:
     """One run of an ensemble: of a scene, with a method at a setting, and the number of its perturbation."""
 
     scene: Scene
@@ -143,7 +143,7 @@ class Run:
         return f"ensembles, {self.scene.model}: {chosen.method}, {chosen.value:g}, run {self.member + 1}"
 
 
-def _chosen(plan: Plan) -> Iterator[Run]:
+def _chosen(plan: Plan) -> Iterator[Member]:
     """Member by member, so that what disturbs the machine meets all methods alike."""
     for model in plan.models:
         duration = plan.ensemble_duration[model.partition("-")[0]]
@@ -152,11 +152,11 @@ def _chosen(plan: Plan) -> Iterator[Run]:
             for contestant in CONTESTANTS.get(model, ()):
                 left_out = contestant.dear and (not plan.dear or member >= FEW)
                 if find_method(contestant.method).available and not left_out:
-                    yield Run(scene, contestant, member)
+                    yield Member(scene, contestant, member)
 
 
 def count_ensembles(plan: Plan) -> int:
-    """How many runs :func:`run_ensembles` announces."""
+    """How many runs `run_ensembles` announces."""
     return sum(1 for _ in _chosen(plan))
 
 
@@ -171,7 +171,7 @@ def run_ensembles(plan: Plan, announce: Callable[[str], None], workers: Workers 
     Returns:
         "ensembles": a row for every joint of every run that reached its end.
     """
-    rows: dict[Run, list[Row]] = {}
+    rows: dict[Member, list[Row]] = {}
     chosen = list(_chosen(plan))
     if workers == ONE:
         for run in chosen:
@@ -184,7 +184,7 @@ def run_ensembles(plan: Plan, announce: Callable[[str], None], workers: Workers 
     return {"ensembles": [row for run in chosen for row in rows[run]]}
 
 
-def run_rows(run: Run) -> list[Row]:
+def run_rows(run: Member) -> list[Row]:
     """The rows of one run."""
     contestant, method = run.contestant, find_method(run.contestant.method)
     labels: Row = {

@@ -12,7 +12,7 @@ from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrato
 from solar_env.studies.common.motion import Scene, run_own
 from solar_env.studies.common.plans import Plan
 from solar_env.studies.common.tables import Row
-from solar_env.studies.common.timing import measure
+from solar_env.studies.common.timing import time_interleaved
 
 ELEMENTS, PANELS = "elements", "panels"
 _REPEATS = 5  # of runs that are short in every plan
@@ -20,11 +20,11 @@ _REPEATS = 5  # of runs that are short in every plan
 
 @dataclass(frozen=True)
 class Case:
-    """What is timed.
+    """One model, method and size that is timed.
 
     Attributes:
         varied: ELEMENTS or PANELS.
-        model: one of ``array.MODELS``.
+        model: one of `array.MODELS`.
         method: name of the integrator.
         count: of elements of each panel, or of panels.
     """
@@ -65,7 +65,7 @@ def with_panels(parameters: ArrayParameters, count: int) -> ArrayParameters:
 
 
 def count_growth(plan: Plan) -> int:
-    """How many runs :func:`run_growth` announces."""
+    """How many runs `run_growth` announces."""
     return sum(1 for _ in _cases(plan))
 
 
@@ -81,7 +81,7 @@ def run_growth(plan: Plan, announce: Callable[[str], None]) -> dict[str, list[Ro
     """
     cases = list(_cases(plan))
     jobs = {case: partial(run_own, _scene(plan, case), _integrator(case)) for case in cases}
-    measured = measure(
+    measured = time_interleaved(
         jobs, _REPEATS, plan.long_run, lambda case: announce(f"growth, {case.model}: {case.count} {case.varied}")
     )
     rows: list[Row] = []

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.pictures.plots import STYLE
-from solar_env.studies.common.drawing import look_of, make_figure, save, use_decades
-from solar_env.studies.common.tables import Table
+from solar_env.pictures.style import METHOD_LOOKS, STYLE, Look, look_of
+from solar_env.studies.common.drawing import make_figure, save, use_decades
+from solar_env.studies.common.tables import Cell, Table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,31 +36,49 @@ def draw_growth(rows: Table, folder: Path) -> list[Path]:
     """Draw cost against elements and against panels; returns the file."""
     import matplotlib as mpl
 
-    names = [f"{row['model']}, {row['method']}" for row in rows.rows]
-    look = look_of(names)
-    figure, axes = make_figure(len(COSTS), len(COUNTS), (3.4, 2.4), len(look))
+    looks = {f"{row['model']}, {row['method']}": _look(row) for row in rows.rows}
+    figure, axes = make_figure(len(COSTS), len(COUNTS), (3.4, 2.4), len(looks))
     with mpl.rc_context(STYLE):
         for column, (varied, count_label) in zip(axes.T, COUNTS.items(), strict=True):
             for axis, (cost, label) in zip(column, COSTS.items(), strict=True):
-                _draw_panel(axis, rows.where(varied=varied), cost, look)
+                _draw_panel(axis, rows.where(varied=varied), cost)
                 axis.set_xlabel(count_label)
                 axis.set_ylabel(label)
     path = folder / "growth.png"
     note = (
         "numbers: fitted exponents over the upper half of the range; with explicit methods the stable step shrinks too"
     )
-    save(figure, path, list(dict.fromkeys(names)), look, note)
+    save(figure, path, looks, _title(rows), note)
     return [path]
 
 
-def _draw_panel(axis: Axes, rows: Table, cost: str, look: dict[str, dict[str, str]]) -> None:
+def _look(row: Mapping[str, Cell]) -> Look:
+    """The look of a method, open markers for rigid panels."""
+    filled = {} if str(row["model"]).startswith("flexible") else {"markerfacecolor": "white"}
+    return {**look_of(str(row["method"]), METHOD_LOOKS), **filled}
+
+
+def _title(rows: Table) -> str:
+    """The range of the fitted exponents of a step's cost with flexible panels."""
+    parts = []
+    for varied in COUNTS:
+        own = rows.where(varied=varied, model="flexible-ideal")
+        exponents = [
+            fitted_exponent(of.column("count"), of.column("wall_per_step_s"))
+            for of in (own.where(method=method) for method in own.values("method"))
+        ]
+        parts.append(f"{varied} to the power {min(exponents):.1f} to {max(exponents):.1f}")
+    return "With flexible panels a step's time grows with " + ", ".join(parts)
+
+
+def _draw_panel(axis: Axes, rows: Table, cost: str) -> None:
     axis.set_xscale("log", base=2)
     axis.set_yscale("log")
     for model, method in dict.fromkeys((row["model"], row["method"]) for row in rows.rows):
         own = rows.where(model=model, method=method)
         counts, costs = own.column("count"), own.column(cost)
-        style = look[f"{model}, {method}"]
-        axis.plot(counts, costs, markersize=3.5, **style)  # type: ignore[arg-type]
+        style = _look(own.rows[0])
+        axis.plot(counts, costs, markersize=3.5, **style)
         exponent = fitted_exponent(counts, costs)
         axis.annotate(
             f"{exponent:.2f}", (counts[-1], costs[-1]), (4, 0), textcoords="offset points", color=style["color"]

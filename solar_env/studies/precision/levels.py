@@ -12,7 +12,7 @@ from solar_env.studies.common.measures import angle_error, latch_error
 from solar_env.studies.common.motion import Motion, Scene, run_own
 from solar_env.studies.common.plans import Plan
 from solar_env.studies.common.tables import Row
-from solar_env.studies.common.timing import measure
+from solar_env.studies.common.timing import time_interleaved
 from solar_env.studies.precision.ensembles import member_rows
 
 
@@ -27,7 +27,7 @@ def _scene(plan: Plan, panel: str, elements: int, joint: str) -> Scene:
 
 
 def count_levels(plan: Plan) -> int:
-    """How many runs :func:`run_levels` announces."""
+    """How many runs `run_levels` announces."""
     return len(_levels(plan)) * (1 + plan.level_members)
 
 
@@ -44,11 +44,11 @@ def run_levels(plan: Plan, announce: Callable[[str], None]) -> dict[str, list[Ro
 
     Returns:
         "levels": cost and errors with ideal joints, against the level of the most elements. "levels_clearance": a row
-        for every joint of every run with clearance, see ``ensembles.statistics_of``.
+        for every joint of every run with clearance, see `ensembles.statistics_of`.
     """
     levels = _levels(plan)
     jobs = {level: partial(_solve, _scene(plan, *level, "ideal")) for level in levels}
-    measured = measure(
+    measured = time_interleaved(
         jobs, plan.repeats, plan.long_run, lambda level: announce(f"levels, {level[0]}-ideal, {level[1]} elements")
     )
     finest = measured[levels[-1]].motion
@@ -80,7 +80,7 @@ def run_levels(plan: Plan, announce: Callable[[str], None]) -> dict[str, list[Ro
 
 
 def level_name(panel: str, elements: float) -> str:
-    """What a level is called in figures."""
+    """Name of a level in figures."""
     if panel == "rigid" or math.isnan(elements):
         return "rigid"
     return f"{elements:g} element{'s' * (elements > 1)}"

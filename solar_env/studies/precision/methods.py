@@ -1,6 +1,6 @@
 """The methods that are charted, by name, each at several steps or tolerances from the coarsest to the finest.
 
-A further integrator is one more line of METHODS.
+A further integrator is one more row of METHODS.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def scipy(name: str) -> Solve:
 
 
 def exudyn(solver: str) -> Solve:
-    """A solver from one of Exudyn's, see ``exudyn_runs``; loaded when it runs."""
+    """A solver from one of Exudyn's, see `exudyn_runs`; loaded when it runs."""
 
     def solve(scene: Scene, setting: float) -> Motion:
         from solar_env.studies.peers.exudyn_runs import run_exudyn

@@ -1,4 +1,4 @@
-"""Side by side: whole deployments with default settings against the peer's leanest ones, at equal error."""
+"""Whole deployments side by side: default settings against the cheapest settings of Exudyn, at equal error."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from solar_env.studies.common.measures import angle_error, latch_error
 from solar_env.studies.common.motion import Motion, Scene, run_own
 from solar_env.studies.common.plans import Plan
 from solar_env.studies.common.tables import Row, Table
-from solar_env.studies.common.timing import Measured, measure
+from solar_env.studies.common.timing import Measured, time_interleaved
 from solar_env.studies.precision.methods import find_method
 
 DEFAULT = "default settings"
@@ -52,7 +52,7 @@ def _jobs(plan: Plan, model: str) -> tuple[Scene, dict[Entry, Callable[[], Motio
 
 
 def count_side_by_side(plan: Plan) -> int:
-    """How many runs :func:`run_side_by_side` announces."""
+    """How many runs `run_side_by_side` announces."""
     return sum(1 + len(_jobs(plan, model)[1]) for model in plan.models)
 
 
@@ -76,7 +76,7 @@ def run_side_by_side(plan: Plan, announce: Callable[[str], None]) -> dict[str, l
         def say(entry: Entry, model: str = model) -> None:
             announce(f"side by side, {model}: {entry[0]}")
 
-        measured = measure(jobs, plan.repeats, _LONG_RUN, say)
+        measured = time_interleaved(jobs, plan.repeats, _LONG_RUN, say)
         for (method, setting), result in measured.items():
             labels: Row = {
                 "model": model,

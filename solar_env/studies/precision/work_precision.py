@@ -2,7 +2,7 @@
 
 The reference of a scene is the finest run of the first of two methods; the greatest deviation of the other reference
 runs from it is the floor below which an error says nothing. With clearance the floor of whole deployments is what chaos
-leaves: for the ensembles see ``ensembles``.
+leaves: for the ensembles see `ensembles`.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from solar_env.studies.common import measures
 from solar_env.studies.common.motion import Motion, Scene
 from solar_env.studies.common.plans import Plan
 from solar_env.studies.common.tables import Row
-from solar_env.studies.common.timing import Measured, measure
+from solar_env.studies.common.timing import Measured, time_interleaved
 from solar_env.studies.precision.methods import (
     DEPLOYMENT_REFERENCES,
     IMPACT_REFERENCES,
@@ -33,7 +33,7 @@ Key = tuple[str, float]  # method and setting
 
 @dataclass(frozen=True)
 class Reference:
-    """What errors are taken against.
+    """Reference that errors are taken against.
 
     Attributes:
         motions: of all reference runs, the first of which is right.
@@ -90,7 +90,7 @@ def references(kind: str, scene: Scene, plan: Plan) -> Pairs:
 
 
 def count_work_precision(plan: Plan) -> int:
-    """How many different runs :func:`run_work_precision` announces."""
+    """How many different runs `run_work_precision` announces."""
     return sum(len(runs(kind, scene, plan)) for kind, scene in scenes(plan))
 
 
@@ -113,7 +113,7 @@ def run_work_precision(plan: Plan, announce: Callable[[str], None]) -> dict[str,
         def say(key: Key, kind: str = kind, model: str = scene.model) -> None:
             announce(f"{kind}, {model}: {key[0]}, {key[1]:g}")
 
-        measured = measure(jobs, plan.repeats, plan.long_run, say)
+        measured = time_interleaved(jobs, plan.repeats, plan.long_run, say)
         pairs = references(kind, scene, plan)
         reference = Reference(_motions(measured, pairs))
         rows += [_row(kind, scene, methods[key], key, result, reference, plan) for key, result in measured.items()]

@@ -1,4 +1,4 @@
-"""Figures of work against precision, from its tables alone: a column of panels a model, a row a measure of cost."""
+"""Figures of work against precision, from their tables alone: a column for each model, a row for each cost."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from solar_env.pictures.plots import STYLE
-from solar_env.studies.common.drawing import draw_floor, look_of, make_figure, positive_points, save, use_decades
+from solar_env.pictures.style import METHOD_LOOKS, STEEL, STYLE, Look, look_of
+from solar_env.studies.common.drawing import draw_floor, make_figure, positive_points, save, short, use_decades
 from solar_env.studies.common.tables import Table
 
 if TYPE_CHECKING:
@@ -30,6 +30,7 @@ class Question:
         error: column of the error.
         label: of the error's axis.
         note: what the reader must know.
+        goal: error that the title asks for.
         counts: whether the "error" is a number of right predictions, on a linear axis.
     """
 
@@ -38,6 +39,7 @@ class Question:
     error: str
     label: str
     note: str
+    goal: float = 1e-4
     counts: bool = False
 
 
@@ -66,31 +68,47 @@ def draw_work_precision(rows: Table, floors: Table, folder: Path) -> list[Path]:
     for question in QUESTIONS:
         asked = rows.where(scene=question.scene)
         if asked.rows:
-            drawn.append(_draw(question, asked, floors.where(scene=question.scene), rows, folder))
+            drawn.append(_draw(question, asked, floors.where(scene=question.scene), folder))
     return drawn
 
 
-def _draw(question: Question, rows: Table, floors: Table, everything: Table, folder: Path) -> Path:
+def _draw(question: Question, rows: Table, floors: Table, folder: Path) -> Path:
     import matplotlib as mpl
 
-    look = look_of([str(name) for name in everything.values("method")])
-    names = [str(name) for name in rows.values("method") if _shows(rows.where(method=name), question)]
+    shown = [str(name) for name in rows.values("method") if _shows(rows.where(method=name), question)]
+    looks = {name: look_of(name, METHOD_LOOKS) for name in shown}
     models = rows.values("model")
-    figure, axes = make_figure(len(COSTS), len(models), _SIZE, len(names))
+    figure, axes = make_figure(len(COSTS), len(models), _SIZE, len(looks))
     with mpl.rc_context(STYLE):
         for column, model in zip(axes.T, models, strict=True):
             known = floors.where(model=model)
             floor = float(known.rows[0][question.error]) if question.error in known.rows[0] else 0.0
             for axis, (cost, label) in zip(column, COSTS, strict=True):
-                _draw_panel(axis, rows.where(model=model), question, cost, look)
+                _draw_panel(axis, rows.where(model=model), question, cost, looks)
                 draw_floor(axis, floor)
                 axis.set_ylabel(label)
             column[0].set_title(_title(rows.where(model=model), floors.where(model=model)), fontsize=7.5)
             column[-1].set_xlabel(question.label)
             _share_errors(column, question)
     path = folder / f"{question.file}.png"
-    save(figure, path, names, look, question.note)
+    save(figure, path, looks, _conclusion(rows, question), question.note)
     return path
+
+
+def _conclusion(rows: Table, question: Question) -> str:
+    """The best method of each model: the cheapest within the goal, or the one with most right predictions."""
+    best: dict[str, list[str]] = {}
+    for model in rows.values("model"):
+        own = [row for row in rows.where(model=model).rows if math.isfinite(float(row[question.error]))]
+        if question.counts:
+            ranked = sorted(own, key=lambda row: (-float(row[question.error]), float(row["wall_s"])))
+        else:
+            within = [row for row in own if 0.0 < float(row[question.error]) <= question.goal]
+            ranked = sorted(within, key=lambda row: float(row["wall_s"]))
+        if ranked:
+            best.setdefault(str(ranked[0]["method"]), []).append(str(model))
+    head = "Most impacts right" if question.counts else f"Cheapest to within {short(question.goal)}"
+    return f"{head}: " + "; ".join(f"{method} ({', '.join(models)})" for method, models in best.items())
 
 
 def _shows(rows: Table, question: Question) -> bool:
@@ -99,7 +117,7 @@ def _shows(rows: Table, question: Question) -> bool:
     return bool(np.any(np.isfinite(errors) & ((errors > 0.0) | question.counts)))
 
 
-def _draw_panel(axis: Axes, rows: Table, question: Question, cost: str, look: dict[str, dict[str, Any]]) -> None:
+def _draw_panel(axis: Axes, rows: Table, question: Question, cost: str, looks: dict[str, Look]) -> None:
     """Points of every method from its coarsest to its finest setting."""
     axis.set_xscale("linear" if question.counts else "log")
     axis.set_yscale("log")
@@ -108,10 +126,11 @@ def _draw_panel(axis: Axes, rows: Table, question: Question, cost: str, look: di
         own = rows.where(method=name)
         errors, costs = own.column(question.error), own.column(cost)
         errors, costs = (errors, costs) if question.counts else positive_points(errors, costs)
-        axis.plot(errors, costs, markersize=3.5, **look[str(name)])
+        if len(errors) and str(name) in looks:
+            axis.plot(errors, costs, markersize=3.5, **looks[str(name)])
         drawn += len(errors)
     if drawn == 0:
-        axis.text(0.5, 0.5, "none", transform=axis.transAxes, ha="center", color="#7c8896")
+        axis.text(0.5, 0.5, "none", transform=axis.transAxes, ha="center", color=STEEL)
         axis.set_yticks([])
         return
     use_decades(axis, "y")

@@ -52,7 +52,7 @@ def _shaken(elements: int, step: float) -> Simulation:
     return simulation
 
 
-def measure(panel: str, step: float, elements: float) -> Cell:
+def measure_vibration(panel: str, step: float, elements: float) -> Cell:
     """Factor of the vibration's amplitude from step to step."""
     simulation = _shaken(int(elements), step)
     if panel == UNBOUNDED:
@@ -82,7 +82,7 @@ BEAM_STEP = StabilityMap(
     quantity="amplitude from step to step",
     advice="Leave the step to the library, which keeps 5 % below the limit, and take as few elements as the question "
     "allows: a step beyond the limit multiplies the vibration every time, whatever the tolerance.",
-    measure=measure,
+    measure=measure_vibration,
     limit=lambda panel, elements: stable_step(elements),
     limit_label="theory: 2.83 over the highest natural frequency",
     bare=(UNBOUNDED,),

@@ -2,7 +2,7 @@
 
 A map has two axes and one or more panels. Each cell is one small run with a known answer; it is put in a class, and
 what the library said about it (an error, a warning, a figure of the result) is kept beside it. A cell that fails
-without a word is a fault of the library: see :func:`silent_failures`.
+without a word is a fault of the library: see `silent_failures`.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ class Axis:
 
 @dataclass(frozen=True)
 class Cell:
-    """What was measured at one place of a map.
+    """Measurement at one place of a map.
 
     Attributes:
         kind: one of CLASSES.
@@ -139,7 +139,7 @@ class StabilityMap:
         }
 
     def description(self) -> dict[str, str]:
-        """What a figure needs to know beside the rows; kept with the table's provenance."""
+        """Texts that a figure needs beside the rows; kept with the table's provenance."""
         return {
             "title": self.title,
             "x": self.x.column,
@@ -155,7 +155,7 @@ class StabilityMap:
 
 @dataclass(frozen=True)
 class Heard(Generic[Result]):
-    """What a run returned and said.
+    """Result of a run, with its errors and warnings.
 
     Attributes:
         result: what it returned; None if it raised.
@@ -215,6 +215,6 @@ def silent_failures(table: Table) -> Table:
 
 
 def log_range(first: float, last: float, count: int) -> tuple[float, ...]:
-    """``count`` values from first to last at equal ratios, rounded to three digits."""
+    """`count` values from first to last at equal ratios, rounded to three digits."""
     ratio = (last / first) ** (1.0 / (count - 1))
     return tuple(float(f"{first * ratio**k:.3g}") for k in range(count))

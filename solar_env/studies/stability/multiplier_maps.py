@@ -86,7 +86,7 @@ def classify_errors(errors: Vector) -> str:
     return SPIKES if errors[-STEPS // 4 :].max() <= TOLERANCE else GROWING
 
 
-def measure(panel: str, ratio: float, rho_inf: float) -> Cell:
+def measure_multipliers(panel: str, ratio: float, rho_inf: float) -> Cell:
     """Greatest error of the multiplier in the 200 steps after a change."""
     run = library_errors if panel == LIBRARY else textbook_errors
     heard: Heard[Vector] = listen(lambda: run(ratio, rho_inf))
@@ -114,7 +114,7 @@ STEP_CHANGE = StabilityMap(
     quantity="greatest error of the multiplier over the force",
     advice="Take rho_inf of 0.9 or less and solve accelerations and multipliers afresh after every change of the step, "
     "as the library does; with rho_inf = 1 constraint forces alternate ever more, at a constant step too.",
-    measure=measure,
+    measure=measure_multipliers,
     bare=(CARRIED_OVER,),
 )
 MAPS = (STEP_CHANGE,)

@@ -1,4 +1,4 @@
-"""All maps of where methods fail, and how they are measured into tables."""
+"""Table of all maps of where methods fail, and measuring them into tables."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from solar_env.pictures.plots import STYLE
+from solar_env.pictures.style import STYLE
 from solar_env.studies.common.drawing import short
 from solar_env.studies.common.tables import Table, read_table
 from solar_env.studies.stability.maps import (
@@ -61,7 +61,7 @@ def draw_map(table_path: Path, figure_path: Path) -> None:
     """Draw the figure of a map: panels of cells with class and value, the limit, the legend and the advice.
 
     Args:
-        table_path: CSV file of ``stability_maps.measure_map``.
+        table_path: CSV file of `stability_maps.measure_map`.
         figure_path: its suffix chooses the format.
 
     Raises:

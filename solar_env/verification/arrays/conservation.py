@@ -1,4 +1,4 @@
-"""Cases of the free-floating array with clearance: what its inner forces must leave unchanged."""
+"""Cases of the free-floating array with clearance: conservation of momenta and energy."""
 
 from __future__ import annotations
 
@@ -9,40 +9,12 @@ from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
-from solar_env.mechanics.mechanism.description import FlexibleBody, Mechanism
 from solar_env.mechanics.running.simulation import simulate
 from solar_env.mechanics.running.trajectory import Trajectory
-from solar_env.verification.beams.fields import as_complex, beam_points
+from solar_env.verification.beams.fields import momenta
 from solar_env.verification.checks import Check
 
 ISOLATED = "no external force or moment acts"
-
-
-def momenta(mechanism: Mechanism, motion: Trajectory) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
-    """Linear (x + i y) [kg m/s] and angular momentum about the origin [kg m2/s] of every body, (times,
-    bodies) each.
-
-    Computed from the motion of base points or nodes and the described masses alone.
-    """
-    linear, angular = [], []
-    first = 0
-    for body in mechanism.bodies:
-        if isinstance(body, FlexibleBody):
-            last = first + 4 * (body.elements + 1)
-            place, velocity, mass = beam_points(body, motion.coordinates, motion.velocities, first)
-            linear.append(velocity @ mass)
-            angular.append((place.conj() * velocity).imag @ mass)
-        else:
-            last = first + 4
-            p1, p2 = as_complex(motion.coordinates[:, first:last])
-            v1, v2 = as_complex(motion.velocities[:, first:last])
-            share = complex(*body.centroid) / body.length
-            spin = ((v2 - v1) / (p2 - p1)).imag
-            centre, momentum = p1 + share * (p2 - p1), body.mass * (v1 + share * (v2 - v1))
-            linear.append(momentum)
-            angular.append((centre.conj() * momentum).imag + body.inertia * spin)
-        first = last
-    return np.array(linear).T, np.array(angular).T
 
 
 def conserved(
@@ -55,7 +27,7 @@ def conserved(
     """Momenta and energy that a free array must keep: what, its relative error, the tolerance, the source.
 
     Args:
-        linear, angular: of the bodies over time, as :func:`momenta` returns them.
+        linear, angular: of the bodies over time, as `momenta` returns them.
         motion: of the array.
         linear_tolerance, angular_tolerance: by default six or more times the errors of explicit steps at rtol 1e-6.
     """

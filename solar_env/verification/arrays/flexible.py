@@ -15,8 +15,9 @@ from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrato
 from solar_env.mechanics.mechanism.beams import BEAM, PANEL, flexible_pendulum
 from solar_env.mechanics.mechanism.description import Body, Load, Mechanism
 from solar_env.mechanics.running.simulation import simulate
-from solar_env.verification.arrays.conservation import conserved, momenta
+from solar_env.verification.arrays.conservation import conserved
 from solar_env.verification.arrays.latching import PAPER
+from solar_env.verification.beams.fields import momenta
 from solar_env.verification.beams.theory import (
     bending_frequencies,
     bending_wave_numbers,
@@ -220,7 +221,7 @@ def two_integrators_tightly() -> Iterator[Check]:
 
 
 def paper_phenomena() -> Iterator[Check]:
-    """What flexible panels change in the bearings, as the paper reports it: counts and sizes of the contacts."""
+    """Effect of flexible panels on the contacts in the bearings, as the paper reports it: their number and size."""
     duration, settled = 19.0, 2.0
     parameters = ArrayParameters.preset("paper")
     rigid, flexible = (

@@ -1,4 +1,4 @@
-"""Every impact inside a deployment, at default settings, beside the same impact solved at a tight tolerance.
+"""Cases of the impacts inside a deployment at default settings, each beside the same impact at a tight tolerance.
 
 Deployments with clearance are chaotic: two runs soon have different impacts. Here each impact of the default run is
 solved a second time from the very state in which it began.
@@ -43,7 +43,7 @@ def _starts(simulation: Simulation, end_time: float) -> list[tuple[float, int]]:
 
 
 def _advance_until_apart(simulation: Simulation, j: int) -> bool:
-    """Advance until joint ``j`` is out of contact; False if that takes longer than an impact does."""
+    """Advance until joint `j` is out of contact; False if that takes longer than an impact does."""
     own = simulation.state.joints[j]
     start, duration = float(own["contact_start"]), float(own["contact_duration"])
     while simulation.state.joints[j]["in_contact"]:
@@ -54,7 +54,7 @@ def _advance_until_apart(simulation: Simulation, j: int) -> bool:
 
 
 def _exit_speed(simulation: Simulation, j: int) -> float:
-    """Speed [m/s] at which journal and bearing of joint ``j`` part."""
+    """Speed [m/s] at which journal and bearing of joint `j` part."""
     joint, markers, state = simulation.model.joints[j], simulation.model.markers, simulation.state
     _, rate = penetration(joint, markers, state.q, state.v)
     return -float(rate)

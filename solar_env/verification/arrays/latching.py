@@ -1,16 +1,19 @@
-"""Cases of the deployment: latch times of the rigid array."""
+"""Cases of the rigid array's deployment: its motion and its latch times, against minimal coordinates."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
+
 from solar_env.array import ArrayParameters, build
 from solar_env.array.deployment import simulate as simulate_array
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
 from solar_env.mechanics.running.simulation import simulate
-from solar_env.verification.arrays.theory import latch_time, latch_time_by_quadrature
+from solar_env.verification.arrays.theory import joint_angles_over_time, latch_time, latch_time_by_quadrature
 from solar_env.verification.checks import Check
+from solar_env.verification.linkages.chain_theory import MINIMAL
 
 # A cable that hardly stretches and never slackens.
 STIFF_CABLE: dict[str, Any] = {"cable_stiffness": 1e5, "cable_preload_force": 1e9}
@@ -56,4 +59,27 @@ def paper_latch_time() -> Iterator[Check]:
             obtained=float(time),
             tolerance=0.1,
             source=f"{PAPER}, end of the contact phase",
+        )
+
+
+def rigid_array_motion() -> Iterator[Check]:
+    """The free array with springs and cable loops; greatest difference of any joint angle over 10 s."""
+    times = [float(t) for t in np.arange(0.0, 10.01, 0.1)]
+    variants = (
+        ("two panels", ArrayParameters()),
+        ("two panels, paper preset", ArrayParameters.preset("paper")),
+        ("two panels, main body fixed", ArrayParameters(body_fixed=True)),
+        ("three panels", ArrayParameters(panel_count=3, spring_stiffness=(0.1, 0.075, 0.075))),
+    )
+    for name, parameters in variants:
+        motion = simulate(
+            build(parameters, "rigid-ideal"), times[-1], integrator=RungeKutta(rtol=1e-12), output_step=0.1
+        )
+        reference = joint_angles_over_time(parameters, times)
+        yield Check(
+            quantity=f"{name}: greatest difference of a joint angle [rad]",
+            expected=0.0,
+            obtained=float(np.abs(motion.angles - reference).max()),
+            tolerance=1e-9,
+            source=MINIMAL,
         )

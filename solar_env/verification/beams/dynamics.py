@@ -23,8 +23,7 @@ from solar_env.mechanics.mechanism.beams import (
 from solar_env.mechanics.mechanism.description import Load
 from solar_env.mechanics.mechanism.textbook import STANDARD_GRAVITY
 from solar_env.mechanics.running.simulation import Simulation, simulate
-from solar_env.verification.arrays.conservation import momenta
-from solar_env.verification.beams.fields import flexible_body, tip
+from solar_env.verification.beams.fields import flexible_body, momenta, tip
 from solar_env.verification.beams.strain_theory import StrainBeam
 from solar_env.verification.beams.theory import FALLING_TIPS, spin_up_angle, spinning_extension
 from solar_env.verification.checks import Check

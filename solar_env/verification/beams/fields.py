@@ -1,4 +1,4 @@
-"""Places and velocities along a flexible body from its nodal coordinates, by SciPy's cubic Hermite splines."""
+"""Places, velocities and momenta of bodies from their coordinates; flexible ones by SciPy's cubic Hermite splines."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
 from solar_env.mechanics.mechanism.description import FlexibleBody, Mechanism
+from solar_env.mechanics.running.trajectory import Trajectory
 
 Field = NDArray[np.complex128]
 
@@ -21,7 +22,7 @@ def flexible_body(mechanism: Mechanism) -> FlexibleBody:
 
 
 def coordinates_of(body: FlexibleBody, first: int = 0) -> slice:
-    """Coordinates of a body among those of its mechanism, where they start at ``first``."""
+    """Coordinates of a body among those of its mechanism, where they start at `first`."""
     return slice(first, first + 4 * (body.elements + 1))
 
 
@@ -32,7 +33,7 @@ def as_complex(coordinates: NDArray[Any]) -> Field:
 
 
 def nodes(body: FlexibleBody, values: NDArray[Any], first: int = 0) -> tuple[Field, Field]:
-    """Places (nodes, ...) and slopes of a body whose coordinates start at ``first`` in ``values`` (..., n)."""
+    """Places (nodes, ...) and slopes of a body whose coordinates start at `first` in `values` (..., n)."""
     points = as_complex(np.asarray(values)[..., coordinates_of(body, first)])
     return points[0::2], points[1::2]
 
@@ -68,3 +69,29 @@ def straight_coordinates(body: FlexibleBody, start: complex, slope: complex) -> 
     places = start + slope * np.linspace(0.0, body.length, body.elements + 1)
     columns = (places.real, places.imag, np.full_like(places.real, slope.real), np.full_like(places.real, slope.imag))
     return np.column_stack(columns).ravel()
+
+
+def momenta(mechanism: Mechanism, motion: Trajectory) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
+    """Linear (x + i y) [kg m/s] and angular momentum about the origin [kg m2/s] of every body, (times, bodies) each.
+
+    Computed from the motion of base points or nodes and the described masses alone.
+    """
+    linear, angular = [], []
+    first = 0
+    for body in mechanism.bodies:
+        if isinstance(body, FlexibleBody):
+            last = first + 4 * (body.elements + 1)
+            place, velocity, mass = beam_points(body, motion.coordinates, motion.velocities, first)
+            linear.append(velocity @ mass)
+            angular.append((place.conj() * velocity).imag @ mass)
+        else:
+            last = first + 4
+            p1, p2 = as_complex(motion.coordinates[:, first:last])
+            v1, v2 = as_complex(motion.velocities[:, first:last])
+            share = complex(*body.centroid) / body.length
+            spin = ((v2 - v1) / (p2 - p1)).imag
+            centre, momentum = p1 + share * (p2 - p1), body.mass * (v1 + share * (v2 - v1))
+            linear.append(momentum)
+            angular.append((centre.conj() * momentum).imag + body.inertia * spin)
+        first = last
+    return np.array(linear).T, np.array(angular).T

@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 class StrainBeam:
     """Equations of motion of a beam whose first end is fixed at the origin.
 
-    Coordinates are ``turns`` coefficients of the direction, then ``stretches`` coefficients of the stretch; with no
+    Coordinates are `turns` coefficients of the direction, then `stretches` coefficients of the stretch; with no
     stretches the beam is inextensible.
     """
 

@@ -50,7 +50,7 @@ def tip_load_elastica(load: float) -> tuple[float, float, float]:
 
 
 def tip_moment_circle(angle: float) -> tuple[float, float]:
-    """Tip (x, y), for the length 1, of a beam that a tip moment M L / (E I) = ``angle`` bends to a circular arc."""
+    """Tip (x, y), for the length 1, of a beam that a tip moment M L / (E I) = `angle` bends to a circular arc."""
     tip = (cmath.exp(1j * angle) - 1.0) / (1j * angle)
     return tip.real, tip.imag
 
@@ -154,7 +154,7 @@ def spinning_extension(length: float, linear_density: float, axial_stiffness: fl
 
 
 def spin_up_angle(time: float, rate: float, ramp_time: float) -> tuple[float, float, float]:
-    """Angle, rate and acceleration [rad, rad/s, rad/s2] of a smooth spin-up from rest that ends at ``ramp_time``.
+    """Angle, rate and acceleration [rad, rad/s, rad/s2] of a smooth spin-up from rest that ends at `ramp_time`.
 
     J. C. Simo and L. Vu-Quoc, J. Appl. Mech. 53 (1986) 855.
     """
@@ -167,7 +167,7 @@ def spin_up_angle(time: float, rate: float, ramp_time: float) -> tuple[float, fl
 
 
 def modal_decay_rate(frequency: float, damping: float) -> float:
-    """Decay rate [1/s] of a mode of ``frequency`` [Hz] if the stress has a part modulus * damping * strain rate.
+    """Decay rate [1/s] of a mode of `frequency` [Hz] if the stress has a part modulus * damping * strain rate.
 
     From m (x'' + damping omega^2 x' + omega^2 x) = 0.
     """
@@ -177,7 +177,7 @@ def modal_decay_rate(frequency: float, damping: float) -> float:
 def spinning_free_beam(
     length: float, linear_density: float, axial_stiffness: float, spin: float
 ) -> tuple[float, float]:
-    """Steady rate [rad/s] and length [m] of a free beam, set spinning unstretched at ``spin``, after its stretch has
+    """Steady rate [rad/s] and length [m] of a free beam, set spinning unstretched at `spin`, after its stretch has
     been damped out: its angular momentum is conserved.
     """
     half = 0.5 * length
@@ -202,7 +202,7 @@ def pinned_lead(length: float, bending_stiffness: float, torque: float) -> float
 
 
 def element_deflection_error(load: float, slenderness: float, elements: int) -> float:
-    """Leading error of the tip's deflection w / L of a cantilever of cubic elements under P L^2 / (E I) = ``load``.
+    """Leading error of the tip's deflection w / L of a cantilever of cubic elements under P L^2 / (E I) = `load`.
 
     The elements minimize the potential over a smaller space. To first order this adds to it the energy of what they
     cannot represent, and the derivative of that by P is the missing deflection. In an element of length h, r'' is

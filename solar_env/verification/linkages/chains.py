@@ -7,15 +7,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
 from solar_env.mechanics.mechanism.textbook import STANDARD_GRAVITY, Link, double_pendulum
-from solar_env.mechanics.running.simulation import Simulation, simulate
-from solar_env.verification.arrays.theory import joint_angles_over_time
+from solar_env.mechanics.running.simulation import Simulation
 from solar_env.verification.checks import Check
-from solar_env.verification.linkages.chain_theory import Chain, ChainLink
-
-MINIMAL = "minimal coordinates, integrated by SciPy's DOP853 at rtol 1e-12"
+from solar_env.verification.linkages.chain_theory import MINIMAL, Chain, ChainLink
 
 
 def double_pendulum_motion() -> Iterator[Check]:
@@ -49,26 +45,3 @@ def double_pendulum_motion() -> Iterator[Check]:
                     tolerance=tolerance,
                     source=MINIMAL,
                 )
-
-
-def rigid_array_motion() -> Iterator[Check]:
-    """The free array with springs and cable loops; greatest difference of any joint angle over 10 s."""
-    times = [float(t) for t in np.arange(0.0, 10.01, 0.1)]
-    variants = (
-        ("two panels", ArrayParameters()),
-        ("two panels, paper preset", ArrayParameters.preset("paper")),
-        ("two panels, main body fixed", ArrayParameters(body_fixed=True)),
-        ("three panels", ArrayParameters(panel_count=3, spring_stiffness=(0.1, 0.075, 0.075))),
-    )
-    for name, parameters in variants:
-        motion = simulate(
-            build(parameters, "rigid-ideal"), times[-1], integrator=RungeKutta(rtol=1e-12), output_step=0.1
-        )
-        reference = joint_angles_over_time(parameters, times)
-        yield Check(
-            quantity=f"{name}: greatest difference of a joint angle [rad]",
-            expected=0.0,
-            obtained=float(np.abs(motion.angles - reference).max()),
-            tolerance=1e-9,
-            source=MINIMAL,
-        )

@@ -24,8 +24,8 @@ from solar_env.mechanics.mechanism.textbook import (
 from solar_env.mechanics.running.simulation import simulate
 from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.verification.checks import Check
+from solar_env.verification.linkages.closed_loops import CRANK, RATE, ROD, SLIDER_MASS
 from solar_env.verification.linkages.linkage_theory import LinkageState, four_bar_state, slider_crank_state
-from solar_env.verification.linkages.linkages import CRANK, RATE, ROD, SLIDER_MASS
 
 SAMPLES = 720  # per turn
 GEOMETRY = "play moves a pin by no more than clearance and penetration; closed-form kinematics"

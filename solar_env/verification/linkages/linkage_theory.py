@@ -44,7 +44,7 @@ def _moment(arm: complex, force: complex) -> float:
 
 
 def _inertia_moment(link: Link, arm: complex, acceleration: complex, spin_rate: float) -> float:
-    """Moment of the inertia force and couple of a link about a point, ``arm`` before its centroid."""
+    """Moment of the inertia force and couple of a link about a point, `arm` before its centroid."""
     return link.inertia * spin_rate + _moment(arm, link.mass * acceleration)
 
 

@@ -1,4 +1,4 @@
-"""How many environment steps a second: by model and number of lanes, and what a step's time goes into.
+"""Environment steps per second by model and number of lanes, and where a step's time goes.
 
 Episodes cost most after latching, hundreds of times as much as in free flight. Lanes are therefore put at moments
 spread evenly over one passive deployment, so that a few steps stand for whole episodes.
@@ -36,12 +36,12 @@ ENOUGH, LONG_ENOUGH, FEWEST = 1.0, 5.0, 3
 
 @dataclass(frozen=True)
 class Split:
-    """What the time of the steps of a batch went into [s].
+    """Split of a batch's wall time by what it was spent on [s].
 
     Attributes:
         steps: environment steps, of all lanes.
         wall: altogether.
-        physics: in ``Batch.advance``.
+        physics: in `Batch.advance`.
         observation: in setting torques, in charging and in observing.
     """
 
@@ -52,7 +52,7 @@ class Split:
 
     @property
     def rate(self) -> float:
-        """Environment steps a second."""
+        """Environment steps per second."""
         return self.steps / self.wall
 
     @property
@@ -155,7 +155,7 @@ class _Clock:
 
 
 def compare(contestants: Mapping[str, tuple[Any, Callable[[], Any]]], lanes: int) -> dict[str, float]:
-    """Steps a second of vector environments that are stepped in turn, so that what disturbs one disturbs all.
+    """Steps per second of vector environments that are stepped in turn, so that what disturbs one disturbs all.
 
     Args:
         contestants: name -> environment, and what puts its lanes to their moments.
@@ -222,7 +222,7 @@ print(time.perf_counter() - start)
 
 
 def measure_startup(model: str, cold: bool) -> float:
-    """Seconds from a fresh interpreter to the first step, with the kernels in the cache or, ``cold``, without."""
+    """Seconds from a fresh interpreter to the first step, with the kernels in the cache or, `cold`, without."""
     with tempfile.TemporaryDirectory() as folder:
         changed = {"NUMBA_CACHE_DIR": folder} if cold else {}
         return float(_run(_STARTUP.format(id=ID, model=model), changed))
@@ -271,7 +271,7 @@ Key = tuple[str, str, int | str]
 
 
 def measurements(models: Sequence[str], cold: bool) -> dict[Key, Callable[[], Any]]:
-    """What is to be measured: (what, model, of what) -> measurement; ``cold``: with kernels compiled anew."""
+    """All measurements: (what, model, of what) -> function that measures; `cold`: with kernels compiled anew."""
     plan: dict[Key, Callable[[], Any]] = {}
     for model in models:
         for lanes in LANES:
@@ -291,7 +291,7 @@ def tables(results: Mapping[Key, Any]) -> str:
     threads = available_processors()
     head = " | ".join(str(lanes) for lanes in LANES)
     lines = [
-        f"Environment steps (0.1 s) a second, {threads} threads, by number of lanes:",
+        f"Environment steps (0.1 s) per second, {threads} threads, by number of lanes:",
         "",
         f"| model | {head} | {threads} threads over 1 ({SCALED_LANES} lanes) |",
         "|---" * (len(LANES) + 2) + "|",
@@ -316,7 +316,7 @@ def tables(results: Mapping[Key, Any]) -> str:
         )
     lines += [
         "",
-        f"Against other vectors of {COMPARED_LANES} environments (ratio of steps a second), memory and start-up:",
+        f"Against other vectors of {COMPARED_LANES} environments (ratio of steps per second), memory and start-up:",
         "",
         "| model | over SyncVectorEnv | over SubprocVecEnv | memory a lane [kB] | start-up, cached [s] |",
         "|---|---|---|---|---|",

@@ -1,4 +1,4 @@
-"""The ladder of model levels: what each errs by and costs, question by question, measured into a table."""
+"""Error and cost of every level of the model, question by question, measured into a table."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from solar_env.array.ladder import QUESTIONS, Answer
 from solar_env.environment.env import SolarArrayEnv
 from solar_env.studies.common.tables import Row, provenance, write_table
 from solar_env.studies.ladder.answers import mean_error, own_half_width, own_ranking_half_width, ranking_error
-from solar_env.studies.ladder.runs import CONTROLLERS, Level, Run, control, deploy
+from solar_env.studies.ladder.runs import CONTROLLERS, Level, Outcome, control, deploy
 from solar_env.support.progress import counting_bar
 
 RANKING = "controller-ranking"
@@ -24,7 +24,7 @@ FILE = "ladder.csv"
 
 
 @dataclass(frozen=True)
-class Plan:
+class LadderPlan:
     """How much is measured.
 
     Attributes:
@@ -61,18 +61,18 @@ class Plan:
         return min(most, self.ideal_members) if level.model.endswith("ideal") else most
 
 
-FULL = Plan()
-QUICK = Plan(elements=(1, 2, 4), duration=17.0, members=4, ideal_members=2, controlled_members=2, window=4.0)
+FULL = LadderPlan()
+QUICK = LadderPlan(elements=(1, 2, 4), duration=17.0, members=4, ideal_members=2, controlled_members=2, window=4.0)
 
 Announce = Callable[[str], None]
 
 
-def count_runs(plan: Plan) -> int:
-    """How many runs :func:`run_ladder` announces."""
+def count_runs(plan: LadderPlan) -> int:
+    """How many runs `run_ladder` announces."""
     return sum(plan.deployments_of(level) + len(CONTROLLERS) * plan.controlled_runs_of(level) for level in plan.levels)
 
 
-def run_ladder(plan: Plan, announce: Announce) -> list[Row]:
+def run_ladder(plan: LadderPlan, announce: Announce) -> list[Row]:
     """Run every level, member by member, so that what disturbs the machine meets all levels alike.
 
     Args:
@@ -80,10 +80,10 @@ def run_ladder(plan: Plan, announce: Announce) -> list[Row]:
         announce: called with a description before each run.
 
     Returns:
-        A row for every question and level, with the columns of ``solar_env.array.ladder.Answer``.
+        A row for every question and level, with the columns of `solar_env.array.ladder.Answer`.
     """
-    deployed: dict[Level, list[Run]] = {level: [] for level in plan.levels}
-    controlled: dict[Level, list[Run]] = {level: [] for level in plan.levels}
+    deployed: dict[Level, list[Outcome]] = {level: [] for level in plan.levels}
+    controlled: dict[Level, list[Outcome]] = {level: [] for level in plan.levels}
     for member in range(max(plan.members, plan.ideal_members)):
         for level in plan.levels:
             if member < plan.deployments_of(level):
@@ -101,7 +101,7 @@ def _announce_after(label: str, announce: Announce, name: str) -> None:
     announce(label + name)
 
 
-def rows_of(deployed: Mapping[Level, Sequence[Run]], controlled: Mapping[Level, Sequence[Run]]) -> list[Row]:
+def rows_of(deployed: Mapping[Level, Sequence[Outcome]], controlled: Mapping[Level, Sequence[Outcome]]) -> list[Row]:
     """Rows of the table from the runs of all levels, of which the last one is the reference."""
     rows: list[Row] = []
     for question in QUESTIONS:
@@ -123,11 +123,11 @@ def rows_of(deployed: Mapping[Level, Sequence[Run]], controlled: Mapping[Level, 
     return rows
 
 
-def error_of(question: str, own: Sequence[Run], reference: Sequence[Run] | None) -> tuple[float, float]:
+def error_of(question: str, own: Sequence[Outcome], reference: Sequence[Outcome] | None) -> tuple[float, float]:
     """Error of a level and the half-width of its sampling band.
 
     Args:
-        question: one of ``solar_env.array.ladder.QUESTIONS``.
+        question: one of `solar_env.array.ladder.QUESTIONS`.
         own: runs of the level.
         reference: runs of the reference; None if the level is the reference, which then has no error and the half-width
             of its own mean.
@@ -143,7 +143,7 @@ def error_of(question: str, own: Sequence[Run], reference: Sequence[Run] | None)
     return (0.0, own_half_width(level, scale)) if reference is None else mean_error(level, other, scale)
 
 
-def measure(quick: bool, folder: Path, console: Console) -> Path:
+def measure_ladder(quick: bool, folder: Path, console: Console) -> Path:
     """Measure the ladder and write its table; returns the file.
 
     Args:
@@ -170,7 +170,7 @@ def measure(quick: bool, folder: Path, console: Console) -> Path:
     return path
 
 
-def _warm_up(plan: Plan) -> None:
+def _warm_up(plan: LadderPlan) -> None:
     """Run a moment of every level, so that compiling and loading are not measured."""
     for level in plan.levels:
         env = SolarArrayEnv(level.model, elements=level.panel_elements)

@@ -1,0 +1,118 @@
+"""Style of all figures: the style sheet, and one fixed look for every joint, method, model, level and controller.
+
+A look is what Matplotlib's `plot` takes: colour, marker and line. Colours are those of M. Okabe and K. Ito, Color
+Universal Design (2008), which colour-blind readers tell apart, and a few more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+Look = dict[str, Any]
+
+BLUE, VERMILLION, GREEN, PURPLE = "#0072b2", "#d55e00", "#009e73", "#cc79a7"
+SKY, ORANGE, OLIVE, GREY, BROWN, VIOLET = "#56b4e9", "#e69f00", "#8a7f00", "#555555", "#7b4f2a", "#6a3d9a"
+COLOURS = (BLUE, VERMILLION, GREEN, PURPLE, SKY, ORANGE, OLIVE, GREY)  # joint i has colour i modulo 8
+FAINT, STEEL = "#c8ced6", "#7c8896"
+STYLE: Any = {  # not dict[str, Any]: Matplotlib lists the names that a key may have in its type
+    "font.size": 8,
+    "axes.labelsize": 8,
+    "axes.titlesize": 8.5,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "figure.titlesize": 10,
+    "figure.titleweight": "bold",
+    "grid.color": "#e6e9ed",
+    "grid.linewidth": 0.6,
+    "lines.linewidth": 1.0,
+    "legend.frameon": False,
+    "legend.fontsize": 7.5,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "svg.hashsalt": "solar_env",  # without it the names inside an SVG differ from run to run
+}
+
+
+def _look(color: str, marker: str, linestyle: str = "-") -> Look:
+    return {"color": color, "marker": marker, "linestyle": linestyle}
+
+
+# Lines are solid for the methods of this project, dashed for SciPy's and dotted for Exudyn's.
+METHOD_LOOKS: Mapping[str, Look] = {
+    "default": _look("black", "h"),
+    "runge-kutta": _look(BLUE, "o"),
+    "rosenbrock": _look(VERMILLION, "s"),
+    "dop853": _look(VIOLET, "p"),
+    "generalized-alpha": _look(GREEN, "D"),
+    "generalized-alpha, adaptive": _look(SKY, "^"),
+    "paper's scheme": _look(PURPLE, "v"),
+    "SciPy DOP853": _look(GREY, "P", "--"),
+    "SciPy Radau": _look(OLIVE, "X", "--"),
+    "Exudyn generalized-alpha": _look(ORANGE, "*", ":"),
+    "Exudyn explicit": _look(BROWN, "<", ":"),
+}
+MODEL_LOOKS: Mapping[str, Look] = {
+    "rigid-ideal": _look(SKY, "s"),
+    "rigid-clearance": _look(BLUE, "o"),
+    "flexible-ideal": _look(ORANGE, "D"),
+    "flexible-clearance": _look(VERMILLION, "^"),
+}
+# The finer the mesh, the darker; rigid panels apart.
+LEVEL_LOOKS: Mapping[str, Look] = {
+    "rigid": _look(VERMILLION, "s"),
+    "1 element": _look("#b7d4ea", "o"),
+    "2 elements": _look("#8fbcdf", "^"),
+    "4 elements": _look("#5f9fd0", "v"),
+    "6 elements": _look("#3480bd", "D"),
+    "8 elements": _look("#1b6cae", "<"),
+    "12 elements": _look("#0d549c", "P"),
+    "24 elements": _look("#08306b", "X"),
+}
+CONTROLLER_LOOKS: Mapping[str, Look] = {
+    "passive": _look(GREY, "o", "--"),
+    "brake": _look(OLIVE, "v"),
+    "damper": _look(GREEN, "^"),
+    "servo": _look(BLUE, "s"),
+    "shaped": _look(SKY, "D"),
+    "open-loop": _look(PURPLE, "<"),
+    "soft-start": _look(ORANGE, ">"),
+    "receding-horizon": _look("black", "*"),
+    "ppo": _look(VERMILLION, "P"),
+    "sac": _look(VIOLET, "X"),
+    "td3": _look(BROWN, "p"),
+}
+# Of controllers that have no look of their own, as those of training runs.
+_OTHERS = (_look("#ff5fa2", "h"), _look("#2ab7a9", "H"), _look("#9aa300", "d"), _look("#a05fff", "8"))
+
+
+def look_of(name: str, looks: Mapping[str, Look]) -> Look:
+    """The look of a name in one of the tables of this module.
+
+    Raises:
+        ValueError: the table has no such name.
+    """
+    if name not in looks:
+        raise ValueError(f"{name!r} has no colour and marker: add a row for it to its table in {__name__}")
+    return looks[name]
+
+
+def controller_looks(names: Sequence[str]) -> dict[str, Look]:
+    """Looks of the controllers of one figure.
+
+    A controller has its row of `CONTROLLER_LOOKS`, a shipped policy ("ppo-nominal") the row of its algorithm; when that
+    is taken, and for training runs under names of their own, the next of some spare looks.
+    """
+    looks = {name: CONTROLLER_LOOKS[name] for name in names if name in CONTROLLER_LOOKS}
+    taken, spare = list(looks.values()), list(_OTHERS)
+    for name in names:
+        if name not in looks:
+            own = CONTROLLER_LOOKS.get(name.partition("-")[0])
+            look = own if own is not None and own not in taken else spare[0]
+            spare = spare[1:] + spare[:1] if look is spare[0] else spare
+            taken.append(look)
+            looks[name] = look
+    return {name: looks[name] for name in names}

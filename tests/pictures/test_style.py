@@ -1,0 +1,53 @@
+"""Claims about the style of the figures: every method, model and controller looks the same in all of them."""
+
+from pathlib import Path
+
+import pytest
+
+import agents
+from solar_env.array import MODELS
+from solar_env.pictures import style
+from solar_env.studies.common.plans import FULL
+from solar_env.studies.precision.levels import level_name
+from solar_env.studies.precision.methods import METHODS
+
+TABLES = (style.METHOD_LOOKS, style.MODEL_LOOKS, style.LEVEL_LOOKS, style.CONTROLLER_LOOKS)
+
+
+@pytest.mark.parametrize("looks", TABLES)
+def test_no_two_rows_of_a_table_have_a_colour_or_a_marker_in_common(looks):
+    for entry in ("color", "marker"):
+        assert len({look[entry] for look in looks.values()}) == len(looks)
+
+
+def test_every_method_that_is_charted_has_its_look():
+    assert {method.name for method in METHODS} <= set(style.METHOD_LOOKS)
+
+
+def test_every_model_and_every_level_that_is_measured_has_its_look():
+    assert set(style.MODEL_LOOKS) == set(MODELS)
+    levels = [level_name("rigid", 0.0), *(level_name("flexible", count) for count in FULL.levels)]
+    assert set(levels) <= set(style.LEVEL_LOOKS)
+
+
+def test_every_controller_and_algorithm_that_is_configured_has_its_look():
+    configured = {path.stem for path in (Path(agents.__file__).parent / "configs").glob("*.json")}
+    assert configured <= set(style.CONTROLLER_LOOKS)
+
+
+def test_a_controller_looks_the_same_whatever_stands_beside_it():
+    few = style.controller_looks(["servo", "ppo-nominal"])
+    many = style.controller_looks(["passive", "runs/first", "ppo-nominal", "brake", "servo"])
+    assert all(few[name] == many[name] for name in few)
+
+
+def test_controllers_without_a_row_are_told_apart():
+    names = ["ppo-nominal", "ppo-soft-start", "ppo", "runs/first", "runs/second"]
+    looks = style.controller_looks(names)
+    assert list(looks) == names
+    assert len({look["color"] for look in looks.values()}) == len(names)
+
+
+def test_a_name_without_a_row_is_refused():
+    with pytest.raises(ValueError, match=r"'euler' has no colour and marker: add a row"):
+        style.look_of("euler", style.METHOD_LOOKS)

@@ -1,0 +1,39 @@
+"""The pages of the interface: ``pip install -e ".[docs]" && pytest -m docs``."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import solar_env
+
+ROOT = Path(solar_env.__file__).parent.parent
+MARKDOWN = ("commands", "pictures", "studies", "support", "verification")
+
+
+@pytest.mark.docs
+def test_the_pages_of_both_packages_build_without_warnings(tmp_path):
+    pytest.importorskip("pdoc")
+    command = [sys.executable, "-m", "pdoc", "--output-directory", str(tmp_path), "solar_env", "agents"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert re.findall("^Warn.*", done.stderr, re.MULTILINE) == []
+    for package in ("solar_env", "agents"):
+        modules = {
+            ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
+            for path in (ROOT / package).rglob("*.py")
+            if not path.stem.startswith("_") or path.stem == "__init__"
+        }
+        pages = {".".join(page.relative_to(tmp_path).with_suffix("").parts) for page in tmp_path.rglob("*.html")}
+        assert modules <= pages
+    front = (tmp_path / "solar_env.html").read_text(encoding="utf-8")
+    assert "Normal contact law" in front, "the package's page holds the recipes for contributors"
+
+
+def test_docstrings_have_no_sphinx_roles():
+    """Markdown shows them as they are typed."""
+    role = re.compile(r":(?:func|class|mod|meth|attr):`")
+    files = [path for room in MARKDOWN for path in (ROOT / "solar_env" / room).rglob("*.py")]
+    assert [str(path.relative_to(ROOT)) for path in files if role.search(path.read_text(encoding="utf-8"))] == []

@@ -1,87 +1,29 @@
-"""Command lines from documented dataclasses, and key=value pairs parsed without evaluating code."""
+"""Command lines from documented dataclasses, by tyro; key=value pairs are read without evaluating code."""
 
-import argparse
 import ast
+import contextlib
 import dataclasses
-import inspect
-import itertools
+import io
 import re
+import shlex
 import sys
-import textwrap
-import typing
 from collections.abc import Callable, Sequence
-from typing import Any, TypeVar
+from typing import Annotated, Any, TypeVar
+
+import tyro
 
 from solar_env import SimulationError
 
 Arguments = TypeVar("Arguments")
 
 
-def parse_arguments(cls: type[Arguments], argv: Sequence[str] | None = None, prog: str | None = None) -> Arguments:
-    """Fill the dataclass `cls` from `argv` (default: the process's arguments).
-
-    Field ``env_id`` becomes ``--env-id``, its help is the string literal below it; a bool becomes a flag with
-    its ``--no-`` form, a list takes any number of values, a dict takes ``key=value`` pairs, also when the option is
-    repeated. Wrong input ends the process with argparse's message.
-    """
-    parser = argparse.ArgumentParser(
-        prog=prog,
-        description=inspect.getdoc(cls),
-        formatter_class=argparse.ArgumentDefaultsHelpFormatter,
-    )
-    help_texts = field_documentation(cls)
-    types = typing.get_type_hints(cls)
-    pairs = []
-    for field in dataclasses.fields(cls):  # type: ignore[arg-type]
-        kind = types[field.name]
-        make_default = field.default_factory
-        default = field.default if make_default is dataclasses.MISSING else make_default()
-        settings: dict[str, Any] = {"help": help_texts[field.name], "default": default}
-        if kind is bool:
-            settings["action"] = argparse.BooleanOptionalAction
-        elif typing.get_origin(kind) is dict:
-            pairs.append(field.name)
-            settings |= {"action": "extend", "nargs": "+", "default": [], "metavar": "KEY=VALUE"}
-        elif typing.get_origin(kind) is list:
-            settings |= {"nargs": "+", "type": typing.get_args(kind)[0]}
-        else:
-            settings["type"] = next(t for t in (*typing.get_args(kind), kind) if t is not type(None))
-        parser.add_argument("--" + field.name.replace("_", "-"), **settings)
-    values = vars(parser.parse_args(argv))
-    for name in pairs:
-        try:
-            values[name] = parse_assignments(values[name])
-        except ValueError as error:
-            parser.error(f"--{name.replace('_', '-')}: {error}")
-    return cls(**values)
-
-
-def run_command(main: Callable[[], object]) -> None:
-    """Run `main`; what it refuses, and runs that fail, end the process with their message and status 2."""
-    try:
-        main()
-    except (ValueError, OSError, SimulationError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        sys.exit(2)
-
-
-def field_documentation(cls: type) -> dict[str, str]:
-    """Field name -> the string literal that follows the field in the source of the dataclass `cls`."""
-    body = ast.parse(textwrap.dedent(inspect.getsource(cls))).body[0].body  # type: ignore[attr-defined]
-    return {
-        ast.unparse(field.target): ast.literal_eval(text.value)
-        for field, text in itertools.pairwise(body)
-        if isinstance(field, ast.AnnAssign) and isinstance(text, ast.Expr)
-    }
-
-
 def parse_assignments(pairs: Sequence[str]) -> dict[str, Any]:
-    """Turn ``key=value`` or ``key:value`` strings into a dictionary.
+    """Turn `key=value` or `key:value` strings into a dictionary.
 
-    Values are Python literals (``ast.literal_eval``); a bare word such as ``rigid-ideal`` is a string.
+    Values are Python literals (`ast.literal_eval`); a bare word such as `rigid-ideal` is a string.
 
     Raises:
-        ValueError: a pair has no key or no value, repeats a key, or has a value that is neither.
+        ValueError: A pair has no key or no value, repeats a key, or has a value that is neither.
     """
     result: dict[str, Any] = {}
     for pair in pairs:
@@ -101,3 +43,71 @@ def parse_assignments(pairs: Sequence[str]) -> dict[str, Any]:
                 ) from None
             result[key] = text
     return result
+
+
+_PAIRS: tyro.constructors.PrimitiveConstructorSpec[dict[str, Any]] = tyro.constructors.PrimitiveConstructorSpec(
+    nargs="*",
+    metavar="[KEY=VALUE ...]",
+    instance_from_str=parse_assignments,
+    is_instance=lambda value: isinstance(value, dict),
+    str_from_instance=lambda value: [f"{key}={item}" for key, item in value.items()],
+)
+Assignments = Annotated[dict[str, Any], _PAIRS]
+"""Type of a field that takes `key=value` pairs, also when its option is repeated."""
+
+
+def parse_arguments(cls: type[Arguments], argv: Sequence[str] | None = None, prog: str | None = None) -> Arguments:
+    """Fill the dataclass `cls` from `argv` (default: the process's arguments).
+
+    Field `env_id` becomes `--env-id`, its help is the string literal below it; a bool becomes a flag with its `--no-`
+    form, a list takes any number of values, `Assignments` take `key=value` pairs. Wrong input ends the process with
+    one sentence and status 2.
+    """
+    fields = dataclasses.fields(cls)  # type: ignore[arg-type]
+    repeatable = {f"--{field.name.replace('_', '-')}" for field in fields if field.type is Assignments}
+    words = _gathered(sys.argv[1:] if argv is None else argv, repeatable)
+    report = io.StringIO()
+    try:
+        with contextlib.redirect_stderr(report):
+            return tyro.cli(cls, args=words, prog=prog, config=(tyro.conf.DisallowNone,))
+    except SystemExit as end:
+        if end.code:
+            print(f"error: {_first_sentence(report.getvalue())}; see --help", file=sys.stderr)
+        raise
+
+
+def _gathered(argv: Sequence[str], repeatable: set[str]) -> list[str]:
+    """`argv` with all pairs of a `repeatable` option behind one mention of it: tyro keeps those of the last alone."""
+    others: list[str] = []
+    pairs: dict[str, list[str]] = {}
+    place = others
+    for word in argv:
+        option, equals, value = word.partition("=")
+        if option in repeatable:
+            place = pairs.setdefault(option, [option])
+            place += [value] if equals else []
+        else:
+            place = others if word.startswith("--") else place
+            place.append(word)
+    return [*others, *(word for of_option in pairs.values() for word in of_option)]
+
+
+def _first_sentence(report: str) -> str:
+    """Return the first paragraph of tyro's report, without title and box, which is of ASCII for some terminals."""
+    lines = [line.strip("│╭╮╰╯ ") for line in report.splitlines()[1:]]
+    text = "\n".join("" if set(line) <= set("─-") else line for line in lines)
+    return " ".join(text.strip().split("\n\n")[0].split()).rstrip(".")
+
+
+def command_line(prog: str, argv: Sequence[str] | None) -> str:
+    """Return the command as it was typed, for the record; `argv` None: the process's arguments."""
+    return shlex.join([*prog.split(), *(sys.argv[1:] if argv is None else argv)])
+
+
+def run_command(main: Callable[[], object]) -> None:
+    """Run `main`; input that it refuses, and runs that fail, end the process with their message and status 2."""
+    try:
+        main()
+    except (ValueError, OSError, SimulationError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        sys.exit(2)

@@ -1,26 +1,24 @@
-"""Learning curves: every agent on every scenario, with several training seeds: `python -m agents.curves`."""
+"""Command that draws learning curves of every agent on every scenario: `python -m agents.curves`."""
 
 import csv
 import itertools
-import shlex
 import shutil
-import sys
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from agents import runs
-from agents.arguments import parse_arguments, run_command
+from agents.arguments import command_line, parse_arguments, run_command
 from agents.comparison.figures import learning_curves_figure
 from agents.comparison.suites import SUITES, TRAINING_MODEL, WHOLE_TORQUE_MODEL
-from agents.environments import check_seeds, with_model
+from agents.environments import check_distinct_seeds
 from agents.learning import configurations, learn
+from agents.options import ModelOptions, TrainingOptions
 from solar_env.environment.registration import ENVIRONMENTS
-from solar_env.support.campaigns import Workers
 
+PROG = "python -m agents.curves"
 FIGURE, TABLE = "learning_curves.png", "learning_curves.csv"
 
 # (panel of the figure, algorithm) -> mean validation return (seeds, validations), after these steps (validations,).
@@ -28,8 +26,11 @@ Curves = dict[tuple[str, str], tuple[np.ndarray, np.ndarray]]
 
 
 @dataclass
-class Args:
-    """Train agents on both scenarios with several seeds and draw how their validation returns develop."""
+class Args(ModelOptions, TrainingOptions):
+    """Train agents on both scenarios with several seeds and draw how their validation returns develop.
+
+    The model is flexible-clearance with 4 elements unless another is named, and for the whole torque rigid-clearance.
+    """
 
     algos: list[str] = field(default_factory=lambda: sorted(runs.ALGORITHMS))
     """algorithms: ppo, sac and td3"""
@@ -39,66 +40,50 @@ class Args:
     """scenarios: paper (nominal) and robust (randomised)"""
     whole: bool = False
     """agents that command the whole torque too, on rigid panels, not only those that add to the tuned servo"""
-    timesteps: int | None = None
-    """environment steps of every training; None: the number in agents/configs"""
-    model: str | None = None
-    """rigid-ideal, rigid-clearance, flexible-ideal or flexible-clearance; None: flexible-clearance with 4 elements;
-    agents that command the whole torque are on rigid-clearance whatever is named"""
-    elements: int | None = None
-    """beam elements of each panel of a flexible model; None: 4, or 6 for a model that was named"""
-    env_kwargs: dict[str, Any] = field(default_factory=dict)
-    """environment keywords"""
-    landings: int | None = None
-    """as for train.py"""
-    hyperparams: dict[str, Any] = field(default_factory=dict)
-    """hyperparameters in place of those in agents/configs"""
     out: str = "curves"
-    """folder of runs, table and figure; what is complete there is not done again"""
-    jobs: int | None = None
-    """processes; None: one a processor"""
-    cluster: str | None = None
-    """ray: run on the Ray cluster that this machine belongs to"""
+    """folder of runs, table and figure; runs that are complete there are not trained again"""
     readme: bool = False
     """put figure and table beside the page, agents/README.md"""
-    quiet: bool = False
-    """no progress bars"""
 
 
 def wanted_runs(args: Args) -> dict[tuple[str, str], dict[Path, configurations.Configuration]]:
-    """(panel, algorithm) -> run folder -> what is to be trained there, a run for each seed."""
+    """Plan the runs: (panel, algorithm) -> run folder -> its configuration, one for each seed."""
     wanted: dict[tuple[str, str], dict[Path, configurations.Configuration]] = {}
     for suite, whole in itertools.product(args.suites, (False, True) if args.whole else (False,)):
         env_id = SUITES[suite]
         if whole:
             keywords = {**args.env_kwargs, **WHOLE_TORQUE_MODEL}
         else:
-            keywords = with_model(args.env_kwargs, args.model, args.elements, env_id, TRAINING_MODEL)
+            keywords = args.keywords(env_id, TRAINING_MODEL)
         panel = f"{ENVIRONMENTS[env_id]}, {keywords['model']}, {'whole torque' if whole else 'added to the servo'}"
+        request = configurations.Request(
+            "",
+            env_id,
+            keywords,
+            0,
+            timesteps=args.timesteps,
+            hyperparameters=args.hyperparams,
+            residual=0.0 if whole else None,
+            landings=None if whole else args.landings,
+        )
         for algo in args.algos:
             wanted[panel, algo] = {
-                Path(args.out) / f"{suite}-{algo}{'-whole' if whole else ''}-{seed}": configurations.configuration(
-                    algo,
-                    env_id,
-                    keywords,
-                    seed,
-                    timesteps=args.timesteps,
-                    hyperparameters=args.hyperparams,
-                    residual=0.0 if whole else None,
-                    landings=None if whole else args.landings,
-                )
+                Path(args.out) / f"{suite}-{algo}{'-whole' if whole else ''}-{seed}": replace(
+                    request, algo=algo, seed=seed
+                ).configuration()
                 for seed in args.seeds
             }
     return wanted
 
 
 def curve(folders: Sequence[Path]) -> tuple[np.ndarray, np.ndarray]:
-    """Steps (validations,) and mean validation returns (runs, validations) of runs of one configuration."""
+    """Read steps (validations,) and mean validation returns (runs, validations) of runs of one configuration."""
     histories = [np.load(folder / "evaluations.npz") for folder in folders]
     return histories[0]["timesteps"], np.array([history["results"].mean(axis=1) for history in histories])
 
 
 def write_table(curves: Curves, seeds: Sequence[int], path: Path) -> None:
-    """A row for each validation of each run; the runs of an agent are those of the seeds."""
+    """Write a CSV file with a row for each validation of each run; the runs of an agent are those of the seeds."""
     with path.open("w", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(["task", "algorithm", "seed", "steps", "validation return"])
@@ -108,16 +93,15 @@ def write_table(curves: Curves, seeds: Sequence[int], path: Path) -> None:
 
 
 def main(argv: Sequence[str] | None = None) -> None:
-    """The command line; see `Args`."""
-    args = parse_arguments(Args, argv, prog="python -m agents.curves")
+    """Run the command; see `Args`."""
+    args = parse_arguments(Args, argv, PROG)
     unknown = [suite for suite in args.suites if suite not in SUITES]
     if unknown:
         raise ValueError(f"no suite {unknown[0]!r}; available: {', '.join(SUITES)}")
-    check_seeds(args.seeds)
-    command = shlex.join(["python", "-m", "agents.curves", *(sys.argv[1:] if argv is None else argv)])
+    check_distinct_seeds(args.seeds)
     wanted = wanted_runs(args)
     everything = {folder: config for of_agent in wanted.values() for folder, config in of_agent.items()}
-    learn.train_missing(everything, command, "cpu", Workers(args.jobs, args.cluster), not args.quiet)
+    learn.train_missing(everything, command_line(PROG, argv), "cpu", args.workers, not args.quiet)
     curves: Curves = {key: curve(list(of_agent)) for key, of_agent in wanted.items()}
     out = Path(args.out)
     write_table(curves, args.seeds, out / TABLE)

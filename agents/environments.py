@@ -1,5 +1,6 @@
-"""Making the environments that controllers are tuned, trained and evaluated on, and their seeds."""
+"""Environments that controllers are tuned, trained and evaluated on: their keywords, their settings, their seeds."""
 
+import inspect
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, Literal
@@ -7,12 +8,17 @@ from typing import Any, Literal
 import gymnasium
 
 import solar_env  # noqa: F401  (registers the environment ids)
+from solar_env.environment.env import SolarArrayEnv
+from solar_env.environment.setup import Setup
+from solar_env.environment.task import Task
 
 DEFAULT_ENV_ID = "solar_env/Deploy-v0"
 
-# The nominal scenario is deterministic, and impacts are chaotic: of one deployment the figures would be an accident.
+# The nominal scenario is deterministic, and impacts are chaotic: the figures of a single deployment would be arbitrary.
 # Episodes therefore differ by micrometres in the place of the root hinge, as those of the paper's ensembles here.
 SAMPLED, HALF_WIDTH = "hinge_x", 5e-6
+
+TASK_KEYWORDS = ("torque_limit", "control_period", "deadline", "postlock_window")
 
 Purpose = Literal["training", "validation", "evaluation"]
 _BLOCKS: dict[Purpose, int] = {"training": 0, "validation": 1, "evaluation": 2}
@@ -21,11 +27,11 @@ EPISODES_PER_SEED = 10_000
 
 
 def with_sampling(env_kwargs: Mapping[str, Any], env_id: str = DEFAULT_ENV_ID) -> dict[str, Any]:
-    """`env_kwargs` with the place of the root hinge drawn where neither they nor the scenario say what to draw.
+    """Return `env_kwargs` with the place of the root hinge drawn, unless they or the scenario name ranges to draw from.
 
     Raises:
-        ValueError: as `make_env`; episodes were to be cut off, after which nothing says how the array landed; or the
-            scenario was given as a keyword, by which nothing is tuned.
+        ValueError: The environment refuses its keywords; `max_episode_steps` would cut episodes off before the landing;
+            or the scenario is given as a keyword, while tuned parameters are found by environment id.
     """
     if "scenario" in env_kwargs:
         raise ValueError(
@@ -38,18 +44,17 @@ def with_sampling(env_kwargs: Mapping[str, Any], env_id: str = DEFAULT_ENV_ID) -
         )
     if "randomize" in env_kwargs:
         return dict(env_kwargs)
-    with make_env(env_id, env_kwargs) as env:
-        drawn, parameters = env.get_wrapper_attr("randomize"), env.get_wrapper_attr("parameters")
-    middle = getattr(parameters, SAMPLED)
+    settings = environment_settings(env_id, env_kwargs)
+    middle = getattr(settings.parameters, SAMPLED)
     around = {SAMPLED: (middle - HALF_WIDTH, middle + HALF_WIDTH)}
-    return dict(env_kwargs) if drawn else {"randomize": around, **env_kwargs}
+    return dict(env_kwargs) if settings.randomize else {"randomize": around, **env_kwargs}
 
 
 def without_sampling(env_kwargs: Mapping[str, Any], env_id: str = DEFAULT_ENV_ID) -> dict[str, Any]:
-    """`env_kwargs`, also as JSON keeps them, without what `with_sampling` has added.
+    """Return `env_kwargs`, also as JSON keeps them, without the range that `with_sampling` has added.
 
     Raises:
-        ValueError: as `with_sampling`.
+        ValueError: As `with_sampling`.
     """
     asked = {name: value for name, value in env_kwargs.items() if name != "randomize"}
     drawn = {name: tuple(bounds) for name, bounds in env_kwargs.get("randomize", {}).items()}
@@ -63,12 +68,10 @@ def with_model(
     env_id: str = DEFAULT_ENV_ID,
     default: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
-    """`env_kwargs` with `model` and `elements`, as the command lines take them, where they are not None.
+    """Return `env_kwargs` with the options `--model` and `--elements` of a command line, where they are not None.
 
-    Where neither they nor `env_kwargs` name a model, `default` tells what is missing.
-
-    `model="auto"` is replaced by the level that it stands for: what is kept then says what was simulated, even after
-    the ladder has been measured anew.
+    The keywords in `default` complete them where no model is named. `model="auto"` is replaced by the level that it
+    stands for, so that a record says what was simulated even after the ladder has been measured anew.
 
     Raises:
         ValueError: `env_kwargs` hold another value of one of the two, elements were asked for of rigid panels, or the
@@ -84,17 +87,33 @@ def with_model(
     if elements is not None and str(chosen.get("model")).startswith("rigid"):
         raise ValueError(f"--elements {elements}: the panels of {chosen['model']} have none; name a flexible model")
     if chosen.get("model") == "auto":
-        with make_env(env_id, chosen) as env:
-            level = {name: env.get_wrapper_attr(name) for name in ("model", "elements")}
-        chosen = {name: value for name, value in chosen.items() if name not in ("question", "tolerance")} | level
+        level = environment_settings(env_id, chosen)
+        kept = {name: value for name, value in chosen.items() if name not in ("question", "tolerance")}
+        chosen = {**kept, "model": level.model, "elements": level.elements}
     return chosen
 
 
-def make_env(env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, Any] | None = None) -> gymnasium.Env:
-    """`gymnasium.make` with a message that says what to do.
+def environment_settings(env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, Any] | None = None) -> Setup:
+    """Check the keywords of an environment and return its settings, such as model and task, without making it.
 
     Raises:
-        ValueError: the id is not registered, or the environment refuses a keyword or its value.
+        ValueError: As `make_env`.
+    """
+
+    def settings(**keywords: Any) -> Setup:
+        given = inspect.signature(SolarArrayEnv).bind(**{**gymnasium.spec(env_id).kwargs, **keywords})
+        given.apply_defaults()
+        values = {name: value for name, value in given.arguments.items() if name != "render_mode"}
+        return Setup(task=Task(*(values.pop(name) for name in TASK_KEYWORDS)), **values)
+
+    return _made(settings, env_id, env_kwargs)
+
+
+def make_env(env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, Any] | None = None) -> gymnasium.Env:
+    """Make an environment by `gymnasium.make`; a refusal says what to do.
+
+    Raises:
+        ValueError: The id is not registered, or the environment refuses a keyword or its value.
     """
     return _made(partial(gymnasium.make, env_id), env_id, env_kwargs)
 
@@ -102,10 +121,10 @@ def make_env(env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, Any] | None 
 def make_vector_env(
     num_envs: int, env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, Any] | None = None
 ) -> gymnasium.vector.VectorEnv:
-    """`gymnasium.make_vec` of the native vector environment, with a message that says what to do.
+    """Make the native vector environment by `gymnasium.make_vec`; a refusal says what to do.
 
     Raises:
-        ValueError: as `make_env`.
+        ValueError: As `make_env`.
     """
     return _made(partial(gymnasium.make_vec, env_id, num_envs), env_id, env_kwargs)
 
@@ -123,26 +142,35 @@ def _registered() -> list[str]:
     return sorted(name for name in gymnasium.registry if name.startswith("solar_env/"))
 
 
-def episode_seeds(purpose: Purpose, seed: int, count: int) -> list[int]:
-    """`count` environment seeds; those of two purposes, or of two values of `seed`, never coincide.
+def check_episode_seeds(seed: int, count: int) -> None:
+    """Refuse a seed or a number of episodes for which the blocks of `episode_seeds` would overlap.
 
     Raises:
-        ValueError: `seed` is outside 0 .. 99 999 or `count` outside 1 .. 10 000: the blocks would overlap.
+        ValueError: `seed` is outside 0 .. 99 999 or `count` outside 1 .. 10 000.
     """
     seeds_per_block = _BLOCK_SIZE // EPISODES_PER_SEED
     if not 0 <= seed < seeds_per_block:
         raise ValueError(f"seed is {seed}; choose one from 0 to {seeds_per_block - 1}")
     if not 1 <= count <= EPISODES_PER_SEED:
         raise ValueError(f"the number of episodes is {count}; choose one from 1 to {EPISODES_PER_SEED}")
+
+
+def episode_seeds(purpose: Purpose, seed: int, count: int) -> list[int]:
+    """List `count` environment seeds; those of two purposes, or of two values of `seed`, never coincide.
+
+    Raises:
+        ValueError: As `check_episode_seeds`.
+    """
+    check_episode_seeds(seed, count)
     start = _BLOCKS[purpose] * _BLOCK_SIZE + seed * EPISODES_PER_SEED
     return list(range(start, start + count))
 
 
-def check_seeds(seeds: Sequence[int]) -> None:
+def check_distinct_seeds(seeds: Sequence[int]) -> None:
     """Refuse training seeds of which one is given twice: its run would count as two.
 
     Raises:
-        ValueError: there is one.
+        ValueError: A seed is given more than once.
     """
     for seed in seeds:
         if (times := seeds.count(seed)) > 1:

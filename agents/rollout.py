@@ -14,7 +14,7 @@ from agents.torque_laws import Controller
 
 @dataclass(frozen=True)
 class Step:
-    """What one control period looks like from outside, for figures."""
+    """Record of one control period, for figures."""
 
     time_s: float
     observation: np.ndarray
@@ -50,9 +50,9 @@ def run_episode(
 def episode_figures(deployment: Mapping[str, Any], reward_terms: Mapping[str, float]) -> dict[str, float | int | bool]:
     """Flatten `info["deployment"]` and the summed reward terms of an episode into named scalars.
 
-    Lists by joint become one entry a joint (``peak_postlock_force_1_N``) and one for the array: the largest
+    Lists by joint become one entry per joint (`peak_postlock_force_1_N`) and one for the array: the largest
     force and wear depth, the last latch time, the sum of impulse, sliding work and contacts. Post-lock
-    figures are NaN where a joint never latched: nothing was struck, but nothing was deployed either.
+    figures are NaN where a joint never latched.
     """
     latched = bool(deployment["latched"])
     figures: dict[str, float | int | bool] = {
@@ -77,13 +77,13 @@ def episode_figures(deployment: Mapping[str, Any], reward_terms: Mapping[str, fl
 
 
 def max_or_sum(name: str) -> Callable[[list[float]], float]:
-    """How the figure `name` of the whole array follows from those of its joints; NaN if any of them is."""
+    """Return the reduction of the joints' figures `name` to that of the array; NaN if any of them is."""
     if any(part in name for part in ("peak", "latch_time", "max")):
         return lambda values: float(np.max(values))
     return lambda values: float(np.sum(values))
 
 
 def _split_unit(name: str) -> tuple[str, str]:
-    """``peak_postlock_force_N`` -> (``peak_postlock_force``, ``_N``); ``contact_starts`` has no unit."""
+    """Split `peak_postlock_force_N` into `peak_postlock_force` and `_N`; `contact_starts` has no unit."""
     quantity, _, unit = name.rpartition("_")
     return (quantity, "_" + unit) if unit in {"s", "N", "Ns", "J", "m"} else (name, "")

@@ -1,4 +1,4 @@
-"""The run folder: what a training run leaves behind, and how a policy is loaded from it."""
+"""Run folders: the files that a training run leaves, and the loading of its policy."""
 
 import json
 import platform
@@ -27,10 +27,10 @@ TIMING = "timing.json"  # written last: the run is complete
 
 
 def algorithm(name: str) -> type[BaseAlgorithm]:
-    """The Stable-Baselines3 class called `name`.
+    """Return the Stable-Baselines3 class called `name`.
 
     Raises:
-        ValueError: there is none.
+        ValueError: There is none.
     """
     if name not in ALGORITHMS:
         raise ValueError(f"no algorithm {name!r}; available: {', '.join(ALGORITHMS)}")
@@ -38,10 +38,10 @@ def algorithm(name: str) -> type[BaseAlgorithm]:
 
 
 def new_run_folder(out: str | Path | None, env_id: str, algo: str, seed: int) -> Path:
-    """Create `out`, or ``runs/<id>__<algo>__<seed>__<timestamp>`` where it is None.
+    """Create `out`, or `runs/<id>__<algo>__<seed>__<timestamp>` where it is None.
 
     Raises:
-        FileExistsError: the folder holds a run already.
+        FileExistsError: The folder holds a run already.
     """
     name = f"{re.sub(r'[^A-Za-z0-9.-]+', '-', env_id)}__{algo}__{seed}__{datetime.now():%Y%m%d-%H%M%S}"
     folder = Path(out) if out else Path("runs") / name
@@ -57,7 +57,7 @@ def write_json(path: Path, content: Any) -> None:
 
 
 def read_config(folder: str | Path) -> dict[str, Any]:
-    """The configuration of the run in `folder`.
+    """Read the configuration of the run in `folder`.
 
     Raises:
         FileNotFoundError: `folder` is not a run folder.
@@ -69,21 +69,21 @@ def read_config(folder: str | Path) -> dict[str, Any]:
 
 
 def is_complete(folder: str | Path) -> bool:
-    """Whether the training in `folder` has run to its end."""
+    """Return whether the training in `folder` has run to its end."""
     return (Path(folder) / TIMING).is_file()
 
 
 def discard_incomplete(folder: str | Path) -> None:
-    """Remove the run in `folder` that was interrupted, if there is one; anything else is left alone."""
+    """Remove the run in `folder` if it was interrupted; anything else stays."""
     if (Path(folder) / CONFIG).is_file() and not is_complete(folder):
         shutil.rmtree(folder)
 
 
 def policy_path(folder: str | Path) -> Path:
-    """The file of the best policy of the run in `folder`.
+    """Return the file of the best policy of the run in `folder`.
 
     Raises:
-        FileNotFoundError: there is no run, or it was interrupted before its first validation.
+        FileNotFoundError: There is no run, or it was interrupted before its first validation.
     """
     read_config(folder)
     path = Path(folder) / POLICY
@@ -93,21 +93,21 @@ def policy_path(folder: str | Path) -> Path:
 
 
 def load_policy(folder: str | Path, env: gymnasium.Env) -> Controller:
-    """The best policy of the run in `folder`, with the law that it adds to if there is one, for use on `env`.
+    """Load the best policy of the run in `folder`, with the law that it adds to if there is one, for use on `env`.
 
     Raises:
-        FileNotFoundError, ValueError: as `load_model`.
+        FileNotFoundError, ValueError: As `load_model`.
     """
     residual, model = read_config(folder)["residual"], load_model(folder, env)
     return ResidualController(model, residual, Signals.of(env)) if residual else model
 
 
 def load_model(folder: str | Path, env: gymnasium.Env) -> BaseAlgorithm:
-    """The best policy of the run in `folder`, for observations of `env`. Load only runs you trust: it is a pickle.
+    """Load the network of the run in `folder`, for use on `env`. Load only runs you trust: it is a pickle.
 
     Raises:
-        FileNotFoundError: there is no run, or it was interrupted before its first validation.
-        ValueError: observations or actions of `env` mean something else than in training.
+        FileNotFoundError: There is no run, or it was interrupted before its first validation.
+        ValueError: Observations or actions of `env` have another meaning than in training.
     """
     path, config = policy_path(folder), read_config(folder)
     with make_env(config["env_id"], config["env_kwargs"]) as trained:
@@ -116,7 +116,7 @@ def load_model(folder: str | Path, env: gymnasium.Env) -> BaseAlgorithm:
 
 
 def versions() -> dict[str, str]:
-    """Versions of Python and of the packages that results depend on."""
+    """Return the versions of Python and of the packages that results depend on."""
     names = ("solar-env", "stable-baselines3", "torch", "gymnasium", "numba", "numpy", "scipy")
     found = {"python": platform.python_version(), "platform": platform.platform()}
     for name in names:
@@ -128,5 +128,5 @@ def versions() -> dict[str, str]:
 
 
 def jsonable(mapping: Mapping[str, Any]) -> dict[str, Any]:
-    """`mapping` as it reads after a round trip through JSON (tuples become lists)."""
+    """Return `mapping` as it reads after a round trip through JSON (tuples become lists)."""
     return json.loads(json.dumps(mapping))

@@ -1,39 +1,38 @@
-"""Search hyperparameters of an agent by CMA-ES on its validation returns: `python -m agents.search`."""
+"""Command that searches hyperparameters of an agent by CMA-ES on validation returns: `python -m agents.search`."""
 
 import json
 import math
-import shlex
-import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from agents import runs
-from agents.arguments import parse_arguments, run_command
+from agents.arguments import command_line, parse_arguments, run_command
 from agents.comparison.suites import TRAINING_MODEL, WHOLE_TORQUE_MODEL
-from agents.environments import DEFAULT_ENV_ID, with_model
+from agents.environments import DEFAULT_ENV_ID
 from agents.laws.baselines import CONFIGS
 from agents.learning import configurations, learn
-from agents.tune import minimise
-from solar_env.support.campaigns import Workers
+from agents.optimization import minimise
+from agents.options import ModelOptions, WorkerOptions
 
+PROG = "python -m agents.search"
 SIGNIFICANT_DIGITS = 3
-SPREAD = 0.1  # of the first generation, as a share of the ranges: much further out agents shake the array to pieces
+SPREAD = 0.1  # of the first generation, as a share of the ranges; a wider one trains agents that only shake the array
 
 
 @dataclass(frozen=True)
 class Range:
-    """Values of a hyperparameter that are searched, evenly or, if `logarithmic`, evenly in its logarithm."""
+    """Range of a hyperparameter that is searched, evenly or, if `logarithmic`, evenly in its logarithm."""
 
     low: float
     high: float
     logarithmic: bool = False
 
     def value(self, unit: float) -> float:
-        """The value at a share of the way from `low` to `high`, to three digits."""
+        """Return the value at a share of the way from `low` to `high`, to three digits."""
         if self.logarithmic:
             value = self.low * (self.high / self.low) ** unit
         else:
@@ -41,7 +40,7 @@ class Range:
         return float(f"{value:.{SIGNIFICANT_DIGITS}g}")
 
     def share(self, value: float) -> float:
-        """Inverse of `value`, within [0, 1]."""
+        """Return the share of a value, within [0, 1]; inverse of `value`."""
         if self.logarithmic:
             unit = math.log(value / self.low) / math.log(self.high / self.low)
         else:
@@ -78,8 +77,11 @@ WHOLE_TORQUE = {"log_std_init": Range(-4.0, 0.0), "exploration_noise": Range(0.0
 
 
 @dataclass
-class Args:
-    """Search hyperparameters of an agent and write the best to agents/configs."""
+class Args(ModelOptions, WorkerOptions):
+    """Search hyperparameters of an agent and write the best to agents/configs.
+
+    The model is flexible-clearance with 4 elements, or rigid-clearance for the whole torque, unless another is named.
+    """
 
     algo: str = "ppo"
     """algorithm: ppo, sac or td3"""
@@ -87,45 +89,32 @@ class Args:
     """training runs, in whole generations of 8, or 7 with --whole, and one more of the configuration as it is"""
     timesteps: int = 40_000
     """environment steps of every run"""
+    landings: int | None = None
+    """episodes of the law alone with whose landings training begins; None: the number in agents/configs"""
     seed: int = 0
     """seed of the search and of the runs"""
     env_id: str = DEFAULT_ENV_ID
     """environment id"""
     whole: bool = False
-    """those of the agent that commands the whole torque, not of the one that adds to the tuned servo"""
-    model: str | None = None
-    """rigid-ideal, rigid-clearance, flexible-ideal or flexible-clearance; None: flexible-clearance with 4 elements, or
-    rigid-clearance for the whole torque"""
-    elements: int | None = None
-    """beam elements of each panel of a flexible model; None: 4, or 6 for a model that was named"""
-    env_kwargs: dict[str, Any] = field(default_factory=dict)
-    """environment keywords"""
-    landings: int | None = None
-    """as for train.py"""
+    """search for the agent that commands the whole torque, not for the one that adds to the tuned servo"""
     repeat: bool = False
     """begin where the search began whose result is in agents/configs, and so repeat it, not at its result"""
     out: str = "search"
     """folder of the runs; those that are complete are not trained again"""
-    jobs: int | None = None
-    """processes; None: one a processor"""
-    cluster: str | None = None
-    """ray: run on the Ray cluster that this machine belongs to"""
-    quiet: bool = False
-    """no progress bar"""
 
 
 def space(algo: str, whole: bool) -> dict[str, Range]:
-    """What is searched; an agent that commands the whole torque has no residual."""
+    """Return the ranges that are searched; an agent that commands the whole torque has no residual."""
     if not whole:
         return SPACES[algo]
     return {name: WHOLE_TORQUE.get(name, r) for name, r in SPACES[algo].items() if name != "residual"}
 
 
 def trial(args: Args, env_kwargs: dict[str, Any], unit: np.ndarray) -> configurations.Configuration:
-    """The run of a point (n,) in [0, 1]."""
+    """Make the configuration of a point (n,) in [0, 1]."""
     ranges = space(args.algo, args.whole)
     chosen = {name: r.value(float(u)) for (name, r), u in zip(ranges.items(), unit, strict=True)}
-    return configurations.configuration(
+    request = configurations.Request(
         args.algo,
         args.env_id,
         env_kwargs,
@@ -135,10 +124,11 @@ def trial(args: Args, env_kwargs: dict[str, Any], unit: np.ndarray) -> configura
         hyperparameters=_nested(chosen),
         landings=args.landings,
     )
+    return request.configuration()
 
 
 def _nested(chosen: dict[str, float]) -> dict[str, Any]:
-    """What was chosen, with what belongs to the policy in its place."""
+    """Return the chosen values, those of the policy among its keywords."""
     outer: dict[str, Any] = {name: value for name, value in chosen.items() if name != "log_std_init"}
     if "log_std_init" in chosen:
         outer["policy_kwargs"] = {"log_std_init": chosen["log_std_init"]}
@@ -146,10 +136,10 @@ def _nested(chosen: dict[str, float]) -> dict[str, Any]:
 
 
 def start(algo: str, env_id: str, whole: bool = False, repeat: bool = False) -> dict[str, float]:
-    """Values of the configuration as it is, or, to `repeat` the search that led there, as that one found it.
+    """Return the values that a search starts from: those in agents/configs, or to `repeat` a search its first ones.
 
     Raises:
-        ValueError: there is none for the environment, or no search to repeat.
+        ValueError: There is none for the environment, or no search to repeat.
     """
     entry = configurations.entry(algo, env_id, whole)
     if repeat:
@@ -162,14 +152,14 @@ def start(algo: str, env_id: str, whole: bool = False, repeat: bool = False) -> 
 
 
 def point(values: Mapping[str, float], algo: str, whole: bool = False) -> np.ndarray:
-    """The point (n,) in [0, 1] of some values; inverse of what `trial` makes of one."""
+    """Return the point (n,) in [0, 1] of values; `trial` is the inverse."""
     return np.array([r.share(values[name]) for name, r in space(algo, whole).items()])
 
 
 def score(folder: Path) -> float:
-    """Mean return of a run's validation episodes in the last third of its validations.
+    """Return the mean return of a run's validation episodes in the last third of its validations.
 
-    What counts in the end is the best of them, but one alone is luck: episodes with clearance scatter.
+    A training keeps its best validation, but a single one is a noisy score: episodes with clearance scatter.
     """
     with np.load(folder / "evaluations.npz") as history:
         means = history["results"].mean(axis=1)
@@ -177,7 +167,7 @@ def score(folder: Path) -> float:
 
 
 def store(algo: str, env_id: str, config: configurations.Configuration, record: dict[str, Any]) -> Path:
-    """Write the best hyperparameters to their file in `CONFIGS`, with what is known of the search."""
+    """Write the best hyperparameters to their file in `CONFIGS`, with the record of the search."""
     path = CONFIGS / f"{algo}.json"
     entries = json.loads(path.read_text())
     found = {"hyperparameters": config.hyperparameters, "search": record}
@@ -190,18 +180,18 @@ def store(algo: str, env_id: str, config: configurations.Configuration, record: 
 
 
 def main(argv: Sequence[str] | None = None) -> None:
-    """The command line; see `Args`.
+    """Run the command; see `Args`.
 
     Raises:
-        ValueError: there is nothing to search for, the budget holds no generation, or as
+        ValueError: There is nothing to search for, the budget holds no generation, or as
             `configurations.configuration`.
     """
-    args = parse_arguments(Args, argv, prog="python -m agents.search")
+    args = parse_arguments(Args, argv, PROG)
     if args.algo not in SPACES:
         raise ValueError(f"nothing to search for {args.algo!r}; choose from {', '.join(SPACES)}")
     default = WHOLE_TORQUE_MODEL if args.whole else TRAINING_MODEL
-    env_kwargs = with_model(args.env_kwargs, args.model, args.elements, args.env_id, default)
-    command = shlex.join(["python", "-m", "agents.search", *(sys.argv[1:] if argv is None else argv)])
+    env_kwargs = args.keywords(args.env_id, default)
+    command = command_line(PROG, argv)
     scores: dict[Path, float] = {}
     configs: dict[Path, configurations.Configuration] = {}
 
@@ -209,7 +199,7 @@ def main(argv: Sequence[str] | None = None) -> None:
         generation = [trial(args, env_kwargs, np.clip(point, 0.0, 1.0)) for point in points]
         folders = [Path(args.out) / f"trial-{len(configs) + k}" for k in range(len(generation))]
         wanted = dict(zip(folders, generation, strict=True))
-        learn.train_missing(wanted, command, "cpu", Workers(args.jobs, args.cluster), progress=False)
+        learn.train_missing(wanted, command, "cpu", args.workers, progress=False)
         configs.update(wanted)
         scores.update({folder: score(folder) for folder in folders})
         return [-scores[folder] for folder in folders]

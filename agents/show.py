@@ -1,4 +1,4 @@
-"""What a controller does beside the passive deployment, as a figure and as an animation: `python -m agents.show`."""
+"""Command that draws and animates one episode of several controllers: `python -m agents.show`."""
 
 import shutil
 from collections.abc import Sequence
@@ -8,16 +8,17 @@ from typing import Any
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
-from tqdm import tqdm
+from rich.console import Console
 
 from agents.arguments import parse_arguments, run_command
-from agents.comparison.controllers import load_controller, observation_of
+from agents.comparison.controllers import parse_controllers
 from agents.comparison.figures import deployments_figure
 from agents.comparison.suites import MODEL
-from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_sampling
-from agents.evaluate import check_names, split_controller
+from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_sampling
+from agents.options import ModelOptions
 from agents.rollout import Step, run_episode
-from agents.torque_laws import Controller
+from agents.torque_laws import Controller, Signals
+from solar_env.support.progress import counting_bar
 
 FIGURE, ANIMATION = "deployments.png", "deployments.gif"
 WIDTH, CAPTION = 640, 28  # of the animation, and height of a controller's name in it [pixels]
@@ -26,8 +27,11 @@ FRAMES_PER_SECOND = 10
 
 
 @dataclass
-class Args:
-    """Draw one episode of several controllers, the same for all, and animate them one above the other."""
+class Args(ModelOptions):
+    """Draw one episode of several controllers, the same for all, and animate them one above the other.
+
+    The model is flexible-clearance with 6 elements unless another is named.
+    """
 
     controllers: list[str] = field(default_factory=lambda: ["passive", "servo"])
     """see python -m agents.evaluate --help; each once"""
@@ -35,40 +39,31 @@ class Args:
     """chooses the evaluation episode"""
     env_id: str = DEFAULT_ENV_ID
     """environment id"""
-    model: str | None = None
-    """rigid-ideal, rigid-clearance, flexible-ideal or flexible-clearance; None: flexible-clearance with 6
-    elements"""
-    elements: int | None = None
-    """beam elements of each panel of a flexible model; None: 6"""
-    env_kwargs: dict[str, Any] = field(default_factory=dict)
-    """environment keywords"""
+    quiet: bool = False
+    """no progress bar"""
     out: str = "show"
     """folder of the figure and the animation"""
     readme: bool = False
     """put the figure and the animation beside the page, agents/comparison/README.md"""
-    quiet: bool = False
-    """no progress bar"""
 
 
 def main(argv: Sequence[str] | None = None) -> None:
-    """The command line; see `Args`."""
+    """Run the command; see `Args`."""
     args = parse_arguments(Args, argv, prog="python -m agents.show")
-    keywords = with_model(args.env_kwargs, args.model, args.elements, args.env_id, MODEL)
+    keywords = args.keywords(args.env_id, MODEL)
     seed = episode_seeds("evaluation", args.seed, 1)[0]
     episodes: dict[str, list[Step]] = {}
     films: list[list[Image.Image]] = []
-    check_names(args.controllers)
-    named = [split_controller(text) for text in args.controllers]
-    for name, spec in tqdm(named, desc="show", unit="episode", disable=args.quiet):
-        drawn = {**keywords, **observation_of(spec), "render_mode": "rgb_array"}
-        env = make_env(args.env_id, with_sampling(drawn, args.env_id))
-        signals: Any = env.unwrapped
-        steps, film = _filmed(env, load_controller(spec, env), name, seed)
-        episodes[name] = steps
-        films.append(film)
+    with counting_bar(Console(stderr=True, quiet=args.quiet)) as bar:
+        for named in bar.track(parse_controllers(args.controllers), description="episodes"):
+            drawn = {**keywords, **named.observation(), "render_mode": "rgb_array"}
+            env = make_env(args.env_id, with_sampling(drawn, args.env_id))
+            signals = Signals.of(env)
+            episodes[named.name], film = _filmed(env, named.load(env), named.name, seed)
+            films.append(film)
     out = Path(args.out)
     out.mkdir(parents=True, exist_ok=True)
-    deployments_figure(episodes, signals.observation_names, signals.task.torque_limit, out / FIGURE)
+    deployments_figure(episodes, signals.names, signals.torque_limit, out / FIGURE)
     animate(films, out / ANIMATION)
     if args.readme:
         for name in (FIGURE, ANIMATION):
@@ -77,7 +72,7 @@ def main(argv: Sequence[str] | None = None) -> None:
 
 
 def _filmed(env: Any, controller: Controller, name: str, seed: int) -> tuple[list[Step], list[Image.Image]]:
-    """The steps of an episode, and its film."""
+    """Run an episode; its steps and its film."""
     steps: list[Step] = []
     film: list[Image.Image] = []
 
@@ -102,7 +97,7 @@ def _scaled(frame: np.ndarray, name: str) -> Image.Image:
 
 
 def animate(films: Sequence[Sequence[Image.Image]], path: Path) -> None:
-    """Write films as one GIF, one above the other; those that end first stay on their last frame."""
+    """Write films as one GIF, one above the other; a film that ends first stays on its last frame."""
     width, height = films[0][0].size
     frames = []
     for k in range(max(map(len, films))):

@@ -1,31 +1,30 @@
-"""Which model to train on: agents of every level, judged on every level: `python -m agents.transfer`."""
+"""Command that trains agents on every level of the model and judges each on all: `python -m agents.transfer`."""
 
-import shlex
 import shutil
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from agents import runs
-from agents.arguments import parse_arguments, run_command
+from agents.arguments import Assignments, command_line, parse_arguments, run_command
+from agents.comparison.evaluation import STORE, evaluate
 from agents.comparison.figures import transfer_figure
 from agents.comparison.report import header, summarize
 from agents.comparison.statistics import Estimate
-from agents.environments import DEFAULT_ENV_ID, check_seeds, episode_seeds, with_model
-from agents.evaluate import STORE, evaluate
+from agents.environments import DEFAULT_ENV_ID, check_distinct_seeds, check_episode_seeds, with_model
 from agents.learning import configurations, learn
-from solar_env.support.campaigns import Workers
+from agents.options import TrainingOptions
 from solar_env.support.readme import Section
 
+PROG = "python -m agents.transfer"
 FIGURE, TABLE = "transfer.png", "transfer.md"
 COMPARISON = Path(__file__).parent / "comparison"
 SECTION = Section(COMPARISON / "README.md", "transfer", "python -m agents.transfer --readme")
 
-# Agents of all levels add to the same law, that of the level that counts: what differs is what they have learned.
+# Agents of all levels add to the same law, that of the finest level: they differ by their training alone.
 LAW_MODEL = "flexible-clearance"
-# Name -> keywords, from the cheapest to the one that counts.
+# Name -> keywords, from the cheapest to the finest.
 LEVELS: dict[str, dict[str, Any]] = {
     "rigid": {"model": "rigid-clearance"},
     "2 elements": {"model": "flexible-clearance", "elements": 2},
@@ -34,17 +33,15 @@ LEVELS: dict[str, dict[str, Any]] = {
 }
 
 
-EVALUATION_SEED = 1  # what the suites evaluate on, seed 0, is not for choosing a model to train on
+EVALUATION_SEED = 1  # not that of the suites: these episodes choose a model to train on
 
 
 @dataclass
-class Args:
+class Args(TrainingOptions):
     """Train an agent on every level of the model and judge each on all of them."""
 
     algo: str = "ppo"
     """algorithm: ppo, sac or td3"""
-    timesteps: int | None = None
-    """environment steps of every training; None: the number in agents/configs"""
     seeds: list[int] = field(default_factory=lambda: [0])
     """training seeds; those of a level are pooled"""
     residual: float | None = None
@@ -53,34 +50,24 @@ class Args:
     """evaluation episodes of every agent on every level"""
     env_id: str = DEFAULT_ENV_ID
     """environment id"""
-    env_kwargs: dict[str, Any] = field(default_factory=dict)
+    env_kwargs: Assignments = field(default_factory=dict)
     """environment keywords"""
-    landings: int | None = None
-    """as for train.py"""
-    hyperparams: dict[str, Any] = field(default_factory=dict)
-    """hyperparameters in place of those in agents/configs"""
     out: str = "transfer"
-    """folder of runs, table and figure; what is complete there is not done again"""
-    jobs: int | None = None
-    """processes; None: one a processor"""
-    cluster: str | None = None
-    """ray: run on the Ray cluster that this machine belongs to"""
+    """folder of runs, table and figure; runs that are complete there are not trained again"""
     readme: bool = False
     """put the table into the README and the figure beside its others"""
-    quiet: bool = False
-    """no progress bars"""
 
 
 def train_all(args: Args, command: str) -> dict[str, list[Path]]:
-    """Level -> run folders, trained where they are not complete.
+    """Train the runs that are not complete; level -> run folders.
 
     Raises:
-        ValueError: a complete run there has another configuration.
+        ValueError: A complete run there has another configuration.
     """
     wanted: dict[str, dict[Path, configurations.Configuration]] = {}
     for level, keywords in LEVELS.items():
         wanted[level] = {
-            Path(args.out) / f"{level.replace(' ', '-')}-{seed}": configurations.configuration(
+            Path(args.out) / f"{level.replace(' ', '-')}-{seed}": configurations.Request(
                 args.algo,
                 args.env_id,
                 _on_level(args, keywords),
@@ -90,16 +77,16 @@ def train_all(args: Args, command: str) -> dict[str, list[Path]]:
                 residual=args.residual,
                 landings=args.landings,
                 law_model=LAW_MODEL,
-            )
+            ).configuration()
             for seed in args.seeds
         }
     everything = {folder: config for runs_of_level in wanted.values() for folder, config in runs_of_level.items()}
-    learn.train_missing(everything, command, "cpu", Workers(args.jobs, args.cluster), not args.quiet)
+    learn.train_missing(everything, command, "cpu", args.workers, not args.quiet)
     return {level: list(runs_of_level) for level, runs_of_level in wanted.items()}
 
 
 def judge_all(args: Args, folders: Mapping[str, Sequence[Path]]) -> dict[str, dict[str, Estimate]]:
-    """Level of the evaluation -> level of the training, and "passive" and "servo" -> interquartile mean return."""
+    """Evaluate all on every level: level of the evaluation -> level of the training, or law -> mean return."""
     returns: dict[str, dict[str, Estimate]] = {}
     for level, keywords in LEVELS.items():
         names = ["passive", "servo", *(f"{name}={folder}" for name in folders for folder in folders[name])]
@@ -110,7 +97,7 @@ def judge_all(args: Args, folders: Mapping[str, Sequence[Path]]) -> dict[str, di
             args.env_id,
             _on_level(args, keywords),
             not args.quiet,
-            Workers(args.jobs, args.cluster),
+            args.workers,
             Path(args.out) / f"{level.replace(' ', '-')}-{STORE}",
         )
         returns[level] = {name: entry["return"] for name, entry in summarize(rows).items()}
@@ -118,12 +105,12 @@ def judge_all(args: Args, folders: Mapping[str, Sequence[Path]]) -> dict[str, di
 
 
 def _on_level(args: Args, keywords: Mapping[str, Any]) -> dict[str, Any]:
-    """Environment keywords; those of the level may not be given."""
+    """Return the environment keywords on a level, which `--env-kwargs` must not contradict."""
     return with_model(args.env_kwargs, keywords["model"], keywords.get("elements"), args.env_id)
 
 
 def markdown(returns: Mapping[str, Mapping[str, Estimate]]) -> str:
-    """The matrix as a table: a row for what was trained on, a column for what it is judged on."""
+    """Write the matrix as a table: a row per level of training, a column per level of evaluation."""
     lines = [
         "Interquartile mean return with its 95 % interval. All agents add to the servo tuned for flexible panels; the "
         "servo alone is the one tuned for rigid panels where it is judged on these.",
@@ -139,16 +126,15 @@ def markdown(returns: Mapping[str, Mapping[str, Estimate]]) -> str:
 
 
 def main(argv: Sequence[str] | None = None) -> None:
-    """The command line; see `Args`."""
-    args = parse_arguments(Args, argv, prog="python -m agents.transfer")
+    """Run the command; see `Args`."""
+    args = parse_arguments(Args, argv, PROG)
     if args.readme:
         SECTION.read()  # refuses a page without a place before everything is trained
-    episode_seeds("evaluation", EVALUATION_SEED, args.episodes)  # refuses a wrong number before everything is trained
-    check_seeds(args.seeds)
+    check_episode_seeds(EVALUATION_SEED, args.episodes)
+    check_distinct_seeds(args.seeds)
     if args.residual == 0.0:
         raise ValueError("--residual 0: levels are compared by agents that add to the same law; give a positive share")
-    command = shlex.join(["python", "-m", "agents.transfer", *(sys.argv[1:] if argv is None else argv)])
-    returns = judge_all(args, train_all(args, command))
+    returns = judge_all(args, train_all(args, command_line(PROG, argv)))
     out = Path(args.out)
     (out / TABLE).write_text(markdown(returns))
     runs.write_json(

@@ -16,14 +16,14 @@ from agents.laws.residual import added, base_law
 from agents.torque_laws import Signals
 
 LAW_REWARD = "law_reward"
-"""Key in the infos of landings (`agents.learning.landings`): what a torque law was rewarded by in the same period."""
+"""Key in the infos of landings (`agents.learning.landings`): reward of the torque law alone in the same period."""
 
 
 class NativeVecEnv(VecEnv):
     """All environments of a Stable-Baselines3 algorithm in one process and one compiled call a thread.
 
-    What ends an episode is told as `DummyVecEnv` tells it: `terminal_observation` and `TimeLimit.truncated` in its
-    last info, while the observation is already the next episode's first. Episodes, seeds and actions being equal,
+    The end of an episode is reported as by `DummyVecEnv`: `terminal_observation` and `TimeLimit.truncated` are in its
+    last info, while the observation is already the first of the next episode. Episodes, seeds and actions being equal,
     everything returned equals that of `DummyVecEnv`, bit for bit.
 
     Args:
@@ -47,7 +47,7 @@ class NativeVecEnv(VecEnv):
         self.spec = self.env.spec
 
     def reset(self) -> VecEnvObs:
-        """Begin new episodes with the seeds and options given before, which are used once."""
+        """Begin new episodes with the seeds and options set before, which are used once."""
         changes = [options.get("parameters") or {} for options in self._options]
         for options in self._options:
             if set(options) - {"parameters"}:
@@ -64,7 +64,7 @@ class NativeVecEnv(VecEnv):
         self._actions = actions
 
     def step_wait(self) -> VecEnvStepReturn:
-        """Advance all lanes; (observations, rewards as float32, dones, infos)."""
+        """Advance all lanes; returns (observations, rewards as float32, dones, infos)."""
         start = time.perf_counter()
         observations, rewards, terminations, truncations, infos = self._with_lists.step(self._actions)
         dones = terminations | truncations
@@ -79,22 +79,22 @@ class NativeVecEnv(VecEnv):
         return observations, rewards.astype(np.float32), dones, told
 
     def close(self) -> None:
-        """End the threads."""
+        """Stop the threads."""
         self.env.close()
 
     def get_images(self) -> Sequence[np.ndarray | None]:
-        """A frame of every lane."""
+        """Render a frame of every lane."""
         return self.env.render()
 
     def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
-        """An attribute of the lanes, such as `simulation`, or of the vector environment."""
+        """Return an attribute of the lanes, such as `simulation`, or of the vector environment."""
         return [getattr(self.env.unwrapped.lane(lane), attr_name) for lane in self._get_indices(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:
-        """Nothing can be set.
+        """Refuse to set an attribute.
 
         Raises:
-            AttributeError: always; says what to do instead.
+            AttributeError: Always; it says what to do instead.
         """
         raise AttributeError(
             f"{attr_name!r} cannot be set in a lane; pass keywords when the environment is made, or reset options"
@@ -108,7 +108,7 @@ class NativeVecEnv(VecEnv):
         return [getattr(lane, method_name)(*method_args, **kwargs) for lane in lanes]
 
     def env_is_wrapped(self, wrapper_class: type[gymnasium.Wrapper], indices: VecEnvIndices = None) -> list[bool]:
-        """Lanes have no wrappers."""
+        """Return False for every lane: lanes have no wrappers."""
         return [False for _ in self._get_indices(indices)]
 
 
@@ -116,8 +116,8 @@ class FixedSeeds(VecEnvWrapper):
     """Begins every reset with the same seeds, so that every evaluation has the same episodes.
 
     Args:
-        venv: What to wrap.
-        first: Seed of lane 0; the others have those that follow.
+        venv: Environment to wrap.
+        first: Seed of lane 0; the others have the following ones.
     """
 
     def __init__(self, venv: VecEnv, first: int) -> None:
@@ -130,20 +130,20 @@ class FixedSeeds(VecEnvWrapper):
         return self.venv.reset()
 
     def step_wait(self) -> VecEnvStepReturn:
-        """As the environment's."""
+        """Return the step of the environment."""
         return self.venv.step_wait()
 
 
 class LogarithmicCharges(VecEnvWrapper):
-    """Rewards a training agent by the logarithm of what the episode has cost, ``-scale log(1 + cost / scale)``.
+    """Rewards a training agent by the logarithm of the cost of the episode so far, `-scale log(1 + cost / scale)`.
 
-    A missed deadline costs some hundred times what a soft landing does. It would set the scale of normalised rewards
-    for good, and with it leave nothing to learn of the landing. Small costs stay what they are, and worse stays worse.
-    Of landings (`learning.landings`) what the law alone would have cost is given back, so that the law itself earns 0.
+    A missed deadline costs some hundred times as much as a soft landing. It would fix the scale of normalised rewards,
+    and leave differences between landings too small to learn from. Small costs hardly change, and the order of costs
+    stays. In landings (`learning.landings`) the cost of the law alone is added back, so that the law itself earns 0.
 
     Args:
-        venv: What to wrap.
-        scale: Cost of an episode from which the logarithm tells.
+        venv: Environment to wrap.
+        scale: Cost of an episode above which the logarithm matters.
     """
 
     def __init__(self, venv: VecEnv, scale: float) -> None:
@@ -157,14 +157,14 @@ class LogarithmicCharges(VecEnvWrapper):
         return self.venv.reset()
 
     def step_wait(self) -> VecEnvStepReturn:
-        """As the environment's, with other rewards."""
+        """Return the step of the environment with logarithmic rewards."""
         observations, rewards, dones, infos = self.venv.step_wait()
         of_law = np.array([info.get(LAW_REWARD, 0.0) for info in infos])
         seen = self._charge(self._costs, rewards, dones) - self._charge(self._costs_of_law, of_law, dones)
         return observations, seen.astype(rewards.dtype), dones, infos
 
     def _charge(self, costs: np.ndarray, rewards: np.ndarray, dones: np.ndarray) -> np.ndarray:
-        """Logarithmic reward of a period; adds its cost to those so far."""
+        """Return the logarithmic reward of a period, and add its cost to the `costs` (num_envs,) so far."""
         total = costs - rewards
         seen = self._scale * np.log((self._scale + costs) / (self._scale + total))
         costs[:] = np.where(dones, 0.0, total)
@@ -172,11 +172,11 @@ class LogarithmicCharges(VecEnvWrapper):
 
 
 class ResidualVecEnv(VecEnvWrapper):
-    """Takes the agent's actions as additions to those of a torque law, which sees the same observations.
+    """Adds the agent's actions to those of a torque law that gets the same observations.
 
     Args:
-        venv: What to wrap.
-        residual: As `residual_on` describes it.
+        venv: Environment to wrap.
+        residual: Residual as `agents.laws.residual.residual_on` describes it.
     """
 
     def __init__(self, venv: VecEnv, residual: Mapping[str, Any]) -> None:
@@ -191,11 +191,11 @@ class ResidualVecEnv(VecEnvWrapper):
         return self._seen(self.venv.reset())
 
     def step_async(self, actions: np.ndarray) -> None:
-        """Take what the agent adds (num_envs, 1)."""
+        """Take the additions of the agent (num_envs, 1)."""
         self.venv.step_async(added(self._base, actions, self._scale))
 
     def step_wait(self) -> VecEnvStepReturn:
-        """As the environment's."""
+        """Return the step of the environment."""
         observations, *told = self.venv.step_wait()
         return self._seen(observations), *told
 

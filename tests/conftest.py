@@ -79,12 +79,10 @@ def saved_figures(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
 @pytest.fixture
 def configs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder of configurations of its own, with a brake tuned for two of the models."""
-    from agents import tune
     from agents.environments import DEFAULT_ENV_ID
     from agents.laws import baselines
 
-    for module in (baselines, tune):
-        monkeypatch.setattr(module, "CONFIGS", tmp_path)
+    monkeypatch.setattr(baselines, "CONFIGS", tmp_path)
     torques = {"rigid-clearance": 0.1, "flexible-clearance": 0.2}
     tuned = {model: {"parameters": {"torque": torque, "onset": 0.0}} for model, torque in torques.items()}
     (tmp_path / "brake.json").write_text(json.dumps({DEFAULT_ENV_ID: tuned}))

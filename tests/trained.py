@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 
 from agents import export, runs
+from agents.comparison.evaluation import evaluate
 from agents.comparison.report import write_comparison
 from agents.environments import DEFAULT_ENV_ID
-from agents.evaluate import evaluate
 from agents.learning import configurations, learn
 
 COMMAND = "python train.py --seed 7"
@@ -28,11 +28,11 @@ def train_and_export(folder: Path) -> dict[str, tuple[Path, Path]]:
     made = {}
     for name, (algo, hyperparameters, residual) in TRAINED.items():
         landings = 2 if residual else None
-        config = configurations.configuration(
+        config = configurations.Request(
             algo, DEFAULT_ENV_ID, QUICK, 7, 1, 100, hyperparameters, residual, landings
-        )
+        ).configuration()
         run = runs.new_run_folder(folder / "runs" / name, config.env_id, algo, config.seed)
-        learn.train(config, run, command=COMMAND, progress=False, threads=1)
+        learn.train(learn.Training(config, run, command=COMMAND, progress=False, threads=1))
         if name == "residual":
             rows = evaluate(["passive", f"ppo={run}"], 2, 7, config.env_id, config.env_kwargs, progress=False)
             write_comparison(run, rows, {"command": COMMAND}, {})

@@ -1,125 +1,159 @@
-"""Controllers by name: baselines, the receding-horizon search, shipped policies, run folders."""
+"""Controllers by name: rows of the table of laws, shipped policies, and run folders."""
 
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import gymnasium
 
 from agents import runs, shipped
-from agents.laws.baselines import BASELINES, TUNABLE, episodes_spent, make_baseline
-from agents.laws.receding_horizon import RecedingHorizon
+from agents.laws.baselines import episodes_spent, make_baseline
+from agents.laws.table import LAWS, TUNABLE
 from agents.torque_laws import Controller
 
-SEARCH = "receding-horizon"
-UNTRAINED = (*BASELINES, SEARCH)
 
+@dataclass(frozen=True)
+class NamedController(ABC):
+    """A controller as a command line names it.
 
-def load_controller(spec: str, env: gymnasium.Env) -> Controller:
-    """The controller that `spec` names, for use on `env`.
-
-    Args:
-        spec: One of `UNTRAINED`, a shipped policy, or a run folder. Load only runs you trust: they are pickles.
-        env: Environment of this project.
+    Attributes:
+        name: Name in tables and figures.
+        spec: Name in `agents.laws.table.LAWS`, shipped policy, or run folder.
 
     Raises:
-        FileNotFoundError: it is none of these.
-        ValueError: it does not fit the environment.
+        FileNotFoundError: By the methods, where there is no such run or it has no policy.
+        ValueError: By `load` and `effort`, where the controller does not fit the environment.
     """
-    if spec == SEARCH:
-        return RecedingHorizon(env, make_baseline("servo", env))
-    if spec in BASELINES:
-        return make_baseline(spec, env)
-    if spec in shipped.available():
-        policy = shipped.load_shipped(spec)
+
+    name: str
+    spec: str
+
+    @abstractmethod
+    def load(self, env: gymnasium.Env) -> Controller:
+        """Make the controller for `env`. Load only runs you trust: they are pickles."""
+
+    @abstractmethod
+    def files(self) -> list[Path]:
+        """List the files that determine a trained controller; none for a law."""
+
+    @abstractmethod
+    def training(self) -> Mapping[str, Any]:
+        """Return the record of the training, with `env_id` and `env_kwargs`; empty for a law."""
+
+    @abstractmethod
+    def effort(self, env_id: str, model: str) -> str | None:
+        """Say how much was simulated to tune or train the controller for an environment; None for nothing."""
+
+    @property
+    def resolved(self) -> str:
+        """Spec that names the same controller from any working directory."""
+        return self.spec
+
+    def observation(self) -> dict[str, Any]:
+        """Return the environment keyword "observation" of the training; empty where there was none."""
+        trained = self.training().get("env_kwargs", {})
+        return {"observation": trained["observation"]} if "observation" in trained else {}
+
+
+class _Law(NamedController):
+    """A controller without learning."""
+
+    def load(self, env: gymnasium.Env) -> Controller:
+        return make_baseline(self.spec, env)
+
+    def files(self) -> list[Path]:
+        return []
+
+    def training(self) -> Mapping[str, Any]:
+        return {}
+
+    def effort(self, env_id: str, model: str) -> str | None:
+        return f"{episodes_spent(self.spec, env_id, model):,} episodes" if self.spec in TUNABLE else None
+
+
+class _ShippedPolicy(NamedController):
+    """A policy that comes with this package."""
+
+    def load(self, env: gymnasium.Env) -> Controller:
+        policy = shipped.load_shipped(self.spec)
         policy.check(env)
         return policy
-    _check_run(spec)
-    return runs.load_policy(spec, env)
+
+    def files(self) -> list[Path]:
+        return [shipped.SHIPPED / self.spec / name for name in (shipped.ARRAYS, shipped.DESCRIPTION)]
+
+    def training(self) -> Mapping[str, Any]:
+        return vars(shipped.load_shipped(self.spec).description)
+
+    def effort(self, env_id: str, model: str) -> str:
+        training = self.training()
+        return _training_effort(training["training_steps"], training["residual"])
 
 
-def resolved(spec: str) -> str:
-    """The same controller from any working directory: a name as it is, a run folder as an absolute path."""
-    return spec if spec in UNTRAINED or spec in shipped.available() else str(Path(spec).resolve())
+class _Run(NamedController):
+    """The best policy of a training run."""
+
+    def load(self, env: gymnasium.Env) -> Controller:
+        self.training()
+        return runs.load_policy(self.spec, env)
+
+    def files(self) -> list[Path]:
+        self.training()
+        return [runs.policy_path(self.spec), Path(self.spec) / runs.CONFIG]
+
+    def training(self) -> Mapping[str, Any]:
+        if not (Path(self.spec) / runs.CONFIG).is_file():
+            known = ", ".join((*LAWS, *shipped.available()))
+            raise FileNotFoundError(
+                f"no controller {self.spec!r}: it is no run folder of train.py, and none of {known}"
+            )
+        return runs.read_config(self.spec)
+
+    def effort(self, env_id: str, model: str) -> str:
+        training = self.training()
+        return _training_effort(training["timesteps_before"] + training["timesteps"], training["residual"])
+
+    @property
+    def resolved(self) -> str:
+        return str(Path(self.spec).resolve())
 
 
-def policy_files(spec: str) -> list[Path]:
-    """The files that determine a trained controller; none for the others.
+def _training_effort(steps: int, residual: Mapping[str, Any] | None) -> str:
+    return f"{steps:,} steps" + (f" and {residual['tuning_episodes']:,} episodes for the law" if residual else "")
+
+
+def parse_controller(text: str) -> NamedController:
+    """Read `NAME=SPEC`, or SPEC alone: a law or policy then names itself, a run folder has its last component as name.
+
+    A folder that exists is one, whatever characters are in its name.
+    """
+    name, separator, spec = text.partition("=")
+    if not separator or Path(text).is_dir():
+        name, spec = Path(text).name or Path(text).resolve().name, text
+    kind = _Law if spec in LAWS else _ShippedPolicy if spec in shipped.available() else _Run
+    return kind(name, spec)
+
+
+def parse_controllers(texts: Sequence[str]) -> list[NamedController]:
+    """Read controllers that are to be compared, see `parse_controller`; several runs may share a name that is given.
 
     Raises:
-        FileNotFoundError: `spec` names no controller.
+        ValueError: One is given twice, or different controllers have a name in common that they have not been given.
     """
-    if spec in UNTRAINED:
-        return []
-    if spec in shipped.available():
-        return [shipped.SHIPPED / spec / name for name in (shipped.ARRAYS, shipped.DESCRIPTION)]
-    return [runs.policy_path(spec), Path(spec) / runs.CONFIG]
-
-
-def effort(spec: str, env_id: str, model: str) -> str | None:
-    """What was simulated to tune or train a controller for an environment; None for nothing.
-
-    Raises:
-        FileNotFoundError: `spec` names no controller.
-        ValueError: as `load_parameters`.
-    """
-    if spec in UNTRAINED:
-        return f"{episodes_spent(spec, env_id, model):,} episodes" if spec in TUNABLE else None
-    if spec in shipped.available():
-        description = shipped.load_shipped(spec).description
-        steps, residual = description.training_steps, description.residual
-    else:
-        config = runs.read_config(spec)
-        steps, residual = config["timesteps_before"] + config["timesteps"], config["residual"]
-    of_law = f" and {residual['tuning_episodes']:,} episodes for the law" if residual else ""
-    return f"{steps:,} steps{of_law}"
-
-
-def trained_in(spec: str) -> str | None:
-    """Environment id that a controller was trained on; None if it was not trained.
-
-    Raises:
-        FileNotFoundError: `spec` names no controller.
-    """
-    training = _training(spec)
-    return training["env_id"] if training else None
-
-
-def trained_on(spec: str) -> dict[str, Any] | None:
-    """Environment keywords that a controller was trained with; None if it was not trained.
-
-    Raises:
-        FileNotFoundError: `spec` names no controller.
-    """
-    training = _training(spec)
-    return training["env_kwargs"] if training else None
-
-
-def observation_of(spec: str) -> dict[str, Any]:
-    """The environment keyword "observation" that a controller was trained with; nothing if it was not trained.
-
-    Raises:
-        FileNotFoundError: `spec` names no controller.
-    """
-    trained = trained_on(spec) or {}
-    return {"observation": trained["observation"]} if "observation" in trained else {}
-
-
-def _training(spec: str) -> dict[str, Any] | None:
-    """What is kept of a controller's training; None if it was not trained."""
-    if spec in UNTRAINED:
-        return None
-    if spec in shipped.available():
-        return vars(shipped.load_shipped(spec).description)
-    _check_run(spec)
-    return runs.read_config(spec)
-
-
-def _check_run(spec: str) -> None:
-    """Refuse what is neither a run folder nor, since it came to this, any other controller.
-
-    Raises:
-        FileNotFoundError: there is no run folder of this name.
-    """
-    if not (Path(spec) / runs.CONFIG).is_file():
-        known = ", ".join((*UNTRAINED, *shipped.available()))
-        raise FileNotFoundError(f"no controller {spec!r}: it is no run folder of train.py, and none of {known}")
+    named = [parse_controller(text) for text in texts]
+    pairs = [(controller.name, controller.resolved) for controller in named]
+    for name, spec in pairs:
+        if (times := pairs.count((name, spec))) > 1:
+            raise ValueError(f"{name} is given {times} times; its episodes would count as many times")
+        if spec in LAWS and any(other == name and of != spec for other, of in pairs):
+            raise ValueError(f"{spec} and another controller are both called {name}; give the other its own name")
+    specs: dict[str, str] = {}
+    for controller in (controller for text, controller in zip(texts, named, strict=True) if "=" not in text):
+        if specs.setdefault(controller.name, controller.spec) != controller.spec:
+            raise ValueError(
+                f"{specs[controller.name]} and {controller.spec} are both called {controller.name}; name them, as in "
+                f"first={controller.spec}"
+            )
+    return named

@@ -1,4 +1,4 @@
-"""Episodes that can run anywhere: those of an evaluation, as cells of a campaign, and those of a tuning."""
+"""Episodes as tasks for any process or machine: cells of an evaluation, and trials of a tuning."""
 
 import hashlib
 import json
@@ -10,31 +10,33 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-from tqdm import tqdm
+from rich.console import Console
 
 from agents import runs
-from agents.comparison.controllers import load_controller, policy_files, resolved
+from agents.comparison.controllers import NamedController, parse_controller
 from agents.environments import make_env
-from agents.laws.baselines import CONFIGS, TUNABLE, Parameters, make_baseline
+from agents.laws.baselines import CONFIGS, make_baseline
+from agents.laws.table import TUNABLE
 from agents.rollout import run_episode
-from agents.torque_laws import Controller
+from agents.torque_laws import Controller, LawParameters
 from solar_env.support.campaigns import ONE, Campaign, Cell, Workers, each_done
+from solar_env.support.progress import counting_bar
 
 Figures = dict[str, float | int | bool]
 
 
-def episode_cell(spec: str, env_id: str, env_kwargs: Mapping[str, Any], seed: int) -> Cell:
-    """The cell of one episode.
+def episode_cell(controller: NamedController, env_id: str, env_kwargs: Mapping[str, Any], seed: int) -> Cell:
+    """Make the cell of one episode.
 
     Args:
-        spec: A controller, see `agents.comparison.controllers.load_controller`.
+        controller: Controller to run.
         env_id: Environment id.
         env_kwargs: Environment keywords that JSON keeps.
-        seed: Of the episode.
+        seed: Seed of the episode.
     """
-    files = policy_files(spec)
+    files = controller.files()
     return {
-        "spec": resolved(spec),
+        "spec": controller.resolved,
         "policy": _digest(files) if files else None,
         "env_id": env_id,
         "env_kwargs": runs.jsonable(env_kwargs),
@@ -51,57 +53,58 @@ def run_cell(cell: Cell) -> Figures:
 
 @lru_cache(maxsize=4)
 def _prepared(spec: str, policy: str | None, env_id: str, keywords: str) -> tuple[gymnasium.Env, Controller]:
-    """Environment and controller, kept from episode to episode; `policy` tells a changed file from the former."""
+    """Make environment and controller, kept from episode to episode; `policy` is a hash of the controller's files."""
     env = make_env(env_id, json.loads(keywords))
-    return env, load_controller(spec, env)
+    return env, parse_controller(spec).load(env)
 
 
 def run_cells(
     cells: Sequence[Cell], workers: Workers = ONE, store: Path | None = None, progress: bool = True
 ) -> list[Figures]:
-    """The figures of all cells, in their order; of cells that are alike one is run.
+    """Run cells and return their figures, in their order; of cells that are alike one is run.
 
     Args:
-        cells: What to run.
-        workers: Where.
-        store: File that keeps the figures, so that an interrupted evaluation goes on; None keeps none.
+        cells: Episodes to run.
+        workers: Processes or machines to run them on.
+        store: File that keeps the figures, so that an interrupted evaluation goes on; None: no file.
         progress: Show a progress bar.
 
     Raises:
-        ValueError: the file was written by other code or with other baselines.
+        ValueError: The file was written by other code or with other baselines.
     """
     keys = [json.dumps(cell, sort_keys=True) for cell in cells]
     different = dict(zip(keys, cells, strict=True))
-    with tqdm(total=len(different), desc="evaluate", unit="episode", disable=not progress) as bar:
+    with counting_bar(Console(stderr=True, quiet=not progress)) as bar:
+        task = bar.add_task("episodes", total=len(different))
         if store is None:
             done: dict[str, Figures] = {}
             for cell, figures in each_done(run_cell, different.values(), workers):
                 done[json.dumps(cell, sort_keys=True)] = figures
-                bar.update()
+                bar.advance(task)
         else:
             campaign = Campaign(run_cell, tuple(different.values()), store, {"agents": _agents_digest()})
-            bar.update(len(different) - len(campaign.missing))
+            bar.advance(task, len(different) - len(campaign.missing))
             for _ in campaign.run(workers):
-                bar.update()
+                bar.advance(task)
             done = dict(zip(different, campaign.results(), strict=True))
     return [done[key] for key in keys]
 
 
 @dataclass(frozen=True)
 class Trial:
-    """One episode of one candidate: what, where, at which place among the candidates, and what wear costs extra."""
+    """One episode of one candidate of a tuning; `candidate` is its place among the candidates."""
 
     controller: str
     env_id: str
     keywords: str
-    parameters: Parameters
+    parameters: LawParameters
     candidate: int
     seed: int
     wear_cost: float
 
 
 def trial_return(trial: Trial) -> float:
-    """The return of a trial's episode, less what its deepest wear costs extra."""
+    """Run the episode of a trial; its return, less the extra cost of the deepest wear."""
     env = _environment(trial.env_id, trial.keywords)
     figures = run_episode(env, make_baseline(trial.controller, env, trial.parameters), trial.seed)
     return float(figures["return"]) - trial.wear_cost * float(figures["wear_depth_max_m"]) / 1e-15
@@ -114,16 +117,16 @@ def _environment(env_id: str, keywords: str) -> gymnasium.Env:
 
 def mean_returns(
     controller: str,
-    candidates: Sequence[Parameters],
+    candidates: Sequence[LawParameters],
     env_id: str,
     env_kwargs: Mapping[str, Any],
     seeds: Sequence[int],
     workers: Workers,
     wear_cost: float,
 ) -> list[float]:
-    """Mean return of each candidate for the parameters of a baseline, over the same episodes.
+    """Return the mean return of each candidate for the parameters of a law, over the same episodes.
 
-    1e-15 m of the deepest wear over a whole episode lower its return by `wear_cost`.
+    Every 1e-15 m of the deepest wear over a whole episode lowers its return by `wear_cost`.
     """
     keywords = json.dumps(env_kwargs, sort_keys=True)
     trials = [
@@ -139,9 +142,10 @@ def mean_returns(
 
 @cache
 def _agents_digest() -> str:
-    """Of the code and the baselines' parameters; what agents are trained with changes no policy that there is."""
+    """Hash the code and the laws' parameters; hyperparameters are left out, as they change no trained policy."""
     code = sorted(Path(__file__).parents[1].rglob("*.py"))
-    return _digest([*code, *(CONFIGS / f"{name}.json" for name in TUNABLE)])
+    tuned = [path for name in TUNABLE if (path := CONFIGS / f"{name}.json").exists()]
+    return _digest([*code, *tuned])
 
 
 def _digest(paths: Sequence[Path]) -> str:

@@ -1,4 +1,4 @@
-"""Figures: of a training run, with the learned deployment beside the passive one, and of a comparison."""
+"""Figures of training runs, of single episodes, and of comparisons."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -14,9 +14,13 @@ from agents import runs
 from agents.comparison.report import HIGHER_IS_BETTER
 from agents.rollout import Step
 
+OPENING, RATES = "opening [lock angle]", "joint rates [rad/s]"
+COMMAND, TORQUE = "commanded torque [N m]", "motor torque [N m]"
+FORCE, CHARGED = "peak force in a period [N]", "charged so far"
+
 
 def plot_learning_curve(axes: Axes, folder: Path, reference_returns: Mapping[str, float]) -> None:
-    """Costs, minus returns, of training and validation episodes over environment steps; references as lines."""
+    """Plot minus the returns of training and validation episodes over environment steps, with references as lines."""
     before = runs.read_config(folder)["timesteps_before"]
     episodes = np.genfromtxt(folder / "monitor.csv", delimiter=",", skip_header=1, names=True, ndmin=1)
     with np.load(folder / "evaluations.npz") as history:
@@ -30,25 +34,36 @@ def plot_learning_curve(axes: Axes, folder: Path, reference_returns: Mapping[str
 
 
 def plot_episodes(
-    axes: Sequence[Axes], episodes: Mapping[str, Sequence[Step]], names: Sequence[str], torque_limit: float
+    panels: Mapping[str, Axes], episodes: Mapping[str, Sequence[Step]], names: Sequence[str], torque_limit: float
 ) -> None:
-    """Angles, commanded torque and charged impact of one episode of each controller, on three axes."""
-    joints = [i for i, name in enumerate(names) if name.startswith("theta_")]
+    """Plot one episode of each controller over time.
+
+    Args:
+        panels: Quantity with its unit, one of those in `series`, -> axes that show it.
+        episodes: Controller -> steps of one episode.
+        names: Names of the observation entries.
+        torque_limit: Motor torque of a unit action [N m].
+    """
     for color, (controller, steps) in enumerate(episodes.items()):
         time = [step.time_s for step in steps]
-        for style, joint in zip(("-", "--", ":"), joints, strict=False):
-            opening = [step.observation[joint] for step in steps]
-            label = f"{controller}, joint {names[joint].removeprefix('theta_')}"
-            axes[0].plot(time, opening, style, color=f"C{color}", lw=1, label=label)
-        torque = [float(step.action[0]) * torque_limit for step in steps]
-        axes[1].step(time, torque, where="pre", color=f"C{color}", lw=1, label=controller)
-        impact = -np.cumsum([step.reward_terms["peak_impact"] for step in steps])
-        axes[2].step(time, impact, where="post", color=f"C{color}", lw=1, label=controller)
-    axes[0].set(xlabel="time [s]", ylabel="opening [lock angle]")
-    axes[1].set(xlabel="time [s]", ylabel="commanded torque [N m]")
-    axes[2].set(xlabel="time [s]", ylabel="charged peak impact [return]")
-    for ax in axes:
-        ax.legend(fontsize=7)
+        observed = dict(zip(names, np.array([step.observation for step in steps]).T, strict=True))
+        joints = [name.removeprefix("theta_") for name in names if name.startswith("theta_")]
+        series: dict[str, tuple[str, dict[str, Any]]] = {
+            OPENING: ("default", {f", joint {joint}": observed[f"theta_{joint}"] for joint in joints}),
+            RATES: ("default", {f", joint {joint}": observed[f"rate_{joint}"] for joint in joints}),
+            COMMAND: ("steps-pre", {"": [float(step.action[0]) * torque_limit for step in steps]}),
+            TORQUE: ("steps-pre", {"": observed["motor_torque"] * torque_limit}),
+            FORCE: ("steps-pre", {"": [step.peak_forces.max() for step in steps]}),
+            CHARGED: ("steps-post", {"": -np.cumsum([sum(step.reward_terms.values()) for step in steps])}),
+        }
+        for quantity, axes in panels.items():
+            drawstyle, lines = series[quantity]
+            for line, (suffix, values) in zip(("-", "--", ":"), lines.items(), strict=False):
+                label = controller + suffix
+                axes.plot(time, values, line, drawstyle=drawstyle, color=f"C{color}", lw=1, label=label)
+    for quantity, axes in panels.items():
+        axes.set(xlabel="time [s]", ylabel=quantity)
+        axes.legend(fontsize=7)
 
 
 def run_figure(
@@ -73,16 +88,17 @@ def run_figure(
     figure = Figure(figsize=(11, 7), layout="constrained")
     axes = figure.subplots(2, 2)
     plot_learning_curve(axes[0, 0], folder, reference_returns)
-    plot_episodes([axes[0, 1], axes[1, 0], axes[1, 1]], episodes, names, torque_limit)
+    panels = {OPENING: axes[0, 1], COMMAND: axes[1, 0], CHARGED: axes[1, 1]}
+    plot_episodes(panels, episodes, names, torque_limit)
     path = folder / "figure.png"
     figure.savefig(path, dpi=150)
     return path
 
 
 def comparison_figure(summary: Mapping[str, Mapping[str, Any]], path: Path) -> None:
-    """Draw what a comparison says of every controller: interquartile means with their intervals, and the worst episode.
+    """Draw a comparison: interquartile mean, interval and worst episode of every controller.
 
-    A figure that is zero for all of them has no panel, as wear where joints are ideal.
+    A figure that is zero for all of them, as wear where joints are ideal, has no panel.
 
     Args:
         summary: As `agents.comparison.report.summarize` returns it.
@@ -122,10 +138,10 @@ def comparison_figure(summary: Mapping[str, Mapping[str, Any]], path: Path) -> N
 
 
 def transfer_figure(returns: Mapping[str, Mapping[str, float]], path: Path) -> None:
-    """Draw a matrix of returns: what was trained on downwards, what it is judged on across.
+    """Draw a matrix of returns: levels of training downwards, levels of evaluation across.
 
     Args:
-        returns: Judged on -> trained on -> return.
+        returns: Level of evaluation -> level of training -> return.
         path: File to write.
     """
     across, down = list(returns), list(next(iter(returns.values())))
@@ -172,7 +188,7 @@ def learning_curves_figure(curves: Mapping[tuple[str, str], tuple[np.ndarray, np
 def deployments_figure(
     episodes: Mapping[str, Sequence[Step]], names: Sequence[str], torque_limit: float, path: Path
 ) -> None:
-    """Draw what controllers do and what comes of it, one below the other over time: torque, rates, forces, charges.
+    """Draw one episode of each controller over time: torque, rates, forces and the charged costs, one below the other.
 
     Args:
         episodes: Controller -> steps of one episode.
@@ -181,36 +197,11 @@ def deployments_figure(
         path: File to write.
     """
     figure = Figure(figsize=(10, 9), layout="constrained")
-    torque, rates, forces, charges = figure.subplots(4, 1, sharex=True)
-    columns = [i for i, name in enumerate(names) if name in ("rate_1", "rate_2")]
-    applied = list(names).index("motor_torque")
-    for color, (controller, steps) in enumerate(episodes.items()):
-        style: dict[str, Any] = {"color": f"C{color}", "lw": 1}
-        time = [step.time_s for step in steps]
-        torque.step(
-            time, [step.observation[applied] * torque_limit for step in steps], where="pre", label=controller, **style
-        )
-        for line, column in zip(("-", "--"), columns, strict=False):
-            rates.plot(
-                time,
-                [step.observation[column] for step in steps],
-                line,
-                label=f"{controller}, {names[column]}",
-                **style,
-            )
-        forces.step(time, [step.peak_forces.max() for step in steps], where="pre", label=controller, **style)
-        cost = -np.cumsum([step.reward_terms["peak_impact"] + step.reward_terms["wear"] for step in steps])
-        charges.step(time, cost, where="post", label=controller, **style)
-    forces.set_yscale("symlog", linthresh=1.0)
-    charges.set_yscale("symlog", linthresh=1e-3)
-    for axes, label in (
-        (torque, "motor torque [N m]"),
-        (rates, "joint rates [rad/s]"),
-        (forces, "peak force in a period [N]"),
-        (charges, "charged so far"),
-    ):
-        axes.set_ylabel(label)
+    panels = dict(zip((TORQUE, RATES, FORCE, CHARGED), figure.subplots(4, 1, sharex=True), strict=True))
+    plot_episodes(panels, episodes, names, torque_limit)
+    panels[FORCE].set_yscale("symlog", linthresh=1.0)
+    panels[CHARGED].set_yscale("symlog", linthresh=1e-3)
+    for axes in panels.values():
         axes.grid(alpha=0.3)
-        axes.legend(fontsize=7)
-    charges.set_xlabel("time [s]")
+        axes.label_outer()
     figure.savefig(path, dpi=130)

@@ -11,7 +11,7 @@ import numpy as np
 
 from agents import runs
 from agents.comparison.statistics import Estimate, difference, estimate, improvement, interquartile_mean
-from agents.laws.baselines import BASELINES
+from agents.laws.table import BASELINES
 
 # Figure -> (heading, factor to the heading's unit); the tables show these, the CSV file has all.
 TABLE: dict[str, tuple[str, float]] = {
@@ -30,10 +30,10 @@ Summary = dict[str, dict[str, Any]]
 
 
 def summarize(rows: Sequence[Row]) -> Summary:
-    """Controller -> latched fraction, an estimate of every figure of `TABLE`, and comparisons with the references.
+    """Summarize by controller: latched fraction, an estimate of every figure of `TABLE`, comparisons with `references`.
 
-    Those are the `references`. With each there are paired differences, episode by episode, for both had the same seed,
-    and the probability of a higher return.
+    A comparison consists of paired differences over episodes with the same seed, and the probability of a higher
+    return.
     """
     by_run: dict[str, dict[str, list[Row]]] = {}
     for row in sorted(rows, key=lambda row: row["episode"]):
@@ -56,12 +56,12 @@ def summarize(rows: Sequence[Row]) -> Summary:
 
 
 def _values(by_run: Mapping[str, Sequence[Row]], figure: str) -> list[np.ndarray]:
-    """A figure (episodes,) of every run."""
+    """Return a figure (episodes,) of every run."""
     return [np.array([row[figure] for row in run]) for run in by_run.values()]
 
 
 def references(rows: Sequence[Row]) -> list[str]:
-    """What the others are compared with: the first controller, and the baseline with the highest mean return."""
+    """List the controllers to compare the others with: the first one, and the baseline with the highest mean return."""
     names = list(dict.fromkeys(row["controller"] for row in rows))
     returns = {
         name: float(interquartile_mean(np.array([row["return"] for row in rows if row["controller"] == name])))
@@ -76,9 +76,9 @@ class Tables:
     """A comparison in Markdown.
 
     Attributes:
-        scores: Every controller's own figures.
-        differences: The others' from each of the `references`; empty for one controller alone.
-        effort: What was simulated to tune or train them; empty where nothing was.
+        scores: Figures of every controller.
+        differences: Differences from each of the `references`; empty for one controller alone.
+        effort: Episodes or steps simulated to tune or train them; empty where there were none.
     """
 
     scores: str
@@ -89,7 +89,7 @@ class Tables:
         return self._page(self.differences)
 
     def folded(self) -> str:
-        """For a page: the differences open with a click."""
+        """Return the tables for a web page: the differences open with a click."""
         summary = "<summary>Differences, episode by episode</summary>"
         folded = f"<details>\n{summary}\n\n{self.differences}\n\n</details>"
         return self._page(folded if self.differences else "")
@@ -99,7 +99,7 @@ class Tables:
 
 
 def tabulate(rows: Sequence[Row]) -> Tables:
-    """The comparison as tables, with what the numbers are."""
+    """Write the comparison as tables, with an explanation of the numbers."""
     return _tables(rows, summarize(rows))
 
 
@@ -136,7 +136,7 @@ def _tables(rows: Sequence[Row], summary: Summary) -> Tables:
 
 
 def header(names: Sequence[str]) -> list[str]:
-    """The two lines that a table of Markdown begins with."""
+    """Return the first two lines of a table in Markdown."""
     return ["| " + " | ".join(names) + " |", "|" + " --- |" * len(names)]
 
 
@@ -152,13 +152,13 @@ def _cell(value: Estimate, figure: str, worst: bool = True) -> str:
 def write_comparison(
     folder: Path, rows: Sequence[Row], settings: Mapping[str, Any], effort: Mapping[str, str]
 ) -> tuple[Summary, Tables]:
-    """Write ``episodes.csv``, ``metrics.json`` and ``comparison.md`` into `folder`; returns summary and tables.
+    """Write `episodes.csv`, `metrics.json` and `comparison.md` into `folder`; returns summary and tables.
 
     Args:
-        folder: Made where it does not exist.
-        rows: As `agents.evaluate.evaluate` returns them.
-        settings: How they came about.
-        effort: Controller -> what was simulated to tune or train it, where anything was.
+        folder: Folder to write, made where it does not exist.
+        rows: Rows that `agents.comparison.evaluation.evaluate` returned.
+        settings: Settings of the evaluation, for the record.
+        effort: Controller -> its tuning or training effort, see `agents.comparison.evaluation.efforts`.
     """
     folder.mkdir(parents=True, exist_ok=True)
     columns = list(dict.fromkeys(column for row in rows for column in row))
@@ -179,7 +179,7 @@ def write_comparison(
 
 
 def _plain(value: Any) -> Any:
-    """Estimates as dictionaries; NaN, which JSON lacks, as null."""
+    """Convert estimates to dictionaries, and NaN, which JSON lacks, to None."""
     if isinstance(value, Estimate):
         return {key: _plain(v) for key, v in asdict(value).items()}
     return None if isinstance(value, float) and math.isnan(value) else value

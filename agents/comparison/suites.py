@@ -1,11 +1,12 @@
-"""The comparisons that the README shows: which controllers, on which scenario."""
+"""Suites: the comparisons that the README shows, by scenario, and the models they train and judge on."""
 
 from typing import Any
 
 from agents import shipped
-from agents.laws.baselines import TUNABLE
+from agents.laws.baselines import is_tuned
+from agents.laws.table import TUNABLE
 
-# Both are judged on the finest model that is in everyday use.
+# Both suites are judged on this model, the finest in everyday use.
 MODEL: dict[str, Any] = {"model": "flexible-clearance", "elements": 6}
 # Agents are compared and shipped from the cheapest model that is as good to train on as that one: from fewer elements
 # the worst episodes come out worse, see `agents.transfer`.
@@ -17,7 +18,8 @@ SUITES = {"paper": "solar_env/Deploy-v0", "robust": "solar_env/DeployRandomised-
 
 
 def suite_controllers(env_id: str) -> list[str]:
-    """The passive deployment, all tuned baselines, and the shipped policies that were trained on the scenario."""
+    """List the passive deployment, the laws tuned for the suite's model, and the policies trained on the scenario."""
+    tuned = [name for name in TUNABLE if is_tuned(name, env_id, MODEL["model"])]
     names = shipped.available()
     trained = [name for name in names if shipped.load_shipped(name).description.env_id == env_id]
-    return ["passive", *TUNABLE, *trained]
+    return ["passive", *tuned, *trained]

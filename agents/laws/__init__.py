@@ -1,1 +1,8 @@
-"""TODO room."""
+"""Torque laws: controllers without learning, one file a law, and the residual that an agent adds to one.
+
+Imports `agents.torque_laws` (the base classes), `agents.environments` and the simulator; nothing that learns.
+
+To add a law: write its class in a file of its own here, as a `TunableLaw` with a dataclass of `LawParameters`, each
+with its default and range; add a row to `agents.laws.table`; run `python -m agents.tune --controller NAME` to find its
+parameters. The tests run over the table.
+"""

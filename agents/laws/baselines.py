@@ -1,56 +1,29 @@
-"""The baselines by name, with the parameters that tuning has found for a scenario and a model."""
+"""Controllers without learning by name, with the parameters that tuning has found for a scenario and a model."""
 
 import json
 import warnings
-from collections.abc import Mapping
-from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 import gymnasium
 
-from agents.torque_laws import (
-    BrakeParameters,
-    ConstantBrake,
-    DamperParameters,
-    InputShapedProfile,
-    OpenLoopParameters,
-    OpenLoopTorque,
-    Passive,
-    ServoParameters,
-    ShapedProfileParameters,
-    Signals,
-    SoftStartServo,
-    TorqueLaw,
-    TunableLaw,
-    VelocityProfileServo,
-    ViscousDamper,
-)
+from agents.laws.receding_horizon import RecedingHorizon
+from agents.laws.table import LAWS, TUNABLE
+from agents.torque_laws import Controller, LawParameters, Signals
 
 CONFIGS = Path(__file__).parents[1] / "configs"
-FALLBACK_MODEL = "rigid-clearance"  # whose parameters a model without its own gets
-
-Parameters = BrakeParameters | DamperParameters | ServoParameters | ShapedProfileParameters | OpenLoopParameters
-
-TUNABLE: dict[str, type[TunableLaw[Any]]] = {
-    "brake": ConstantBrake,
-    "damper": ViscousDamper,
-    "servo": VelocityProfileServo,
-    "shaped": InputShapedProfile,
-    "open-loop": OpenLoopTorque,
-    "soft-start": SoftStartServo,
-}
-BASELINES = ("passive", *TUNABLE, "servo-untuned")
+FALLBACK_MODEL = "rigid-clearance"
+"""Model whose parameters a model without its own gets."""
 
 
-def load_parameters(name: str, env_id: str, model: str) -> Parameters:
-    """Tuned parameters of the baseline `name` for a model of `env_id` from ``agents/configs/<name>.json``.
+def load_parameters(name: str, env_id: str, model: str) -> LawParameters:
+    """Read the tuned parameters of the law `name` for a model of `env_id` from `agents/configs/<name>.json`.
 
     Parameters are tuned for one model and any number of elements. A model that has none gets those of
-    `FALLBACK_MODEL`, with a warning: they deploy the array, but are not the best that the baseline can do there.
+    `FALLBACK_MODEL`, with a warning: they deploy the array, but are not the best that the law can do there.
 
     Raises:
-        ValueError: the file has no entry for `env_id` that would do, or its keys are not those of the law.
+        ValueError: The file has no entry for `env_id` that would do, or its keys are not those of the law.
     """
     entry, source = _entry(name, env_id, model)
     if source != model:
@@ -60,29 +33,48 @@ def load_parameters(name: str, env_id: str, model: str) -> Parameters:
             stacklevel=2,
         )
     try:
-        return read_parameters(name, entry["parameters"])
+        return TUNABLE[name].defaults.from_json(entry["parameters"])
     except ValueError as error:
         raise ValueError(f"{name}.json, {env_id!r}, {source!r}: {error}") from error
 
 
+def store_parameters(name: str, env_id: str, model: str, entry: dict[str, Any]) -> Path:
+    """Write what tuning has found to the law's file, in place of the entry for the same environment id and model."""
+    path = CONFIGS / f"{name}.json"
+    entries = _entries(name)
+    entries.setdefault(env_id, {})[model] = entry
+    path.write_text(json.dumps(entries, indent=2, allow_nan=False) + "\n")
+    return path
+
+
+def is_tuned(name: str, env_id: str, model: str) -> bool:
+    """Return whether the law `name` has parameters of its own for a model of `env_id`."""
+    return model in _entries(name).get(env_id, {})
+
+
 def episodes_spent(name: str, env_id: str, model: str) -> int:
-    """Training episodes that the parameters of `load_parameters` have cost, those of what they were refined from too.
+    """Count the training episodes that the parameters have cost, with those of the parameters they were refined from.
 
     Raises:
-        ValueError: the file has no entry for `env_id` that would do.
+        ValueError: The file has no entry for `env_id` that would do.
     """
     tuning = _entry(name, env_id, model)[0]["tuning"]
     return tuning.get("training_episodes_with_start", tuning["training_episodes"])
 
 
-def _entry(name: str, env_id: str, model: str) -> tuple[dict[str, Any], str]:
-    """What ``agents/configs/<name>.json`` holds, and for which model."""
+def _entries(name: str) -> dict[str, Any]:
+    """Environment id -> model -> entry of the law's file."""
     path = CONFIGS / f"{name}.json"
-    by_model = (json.loads(path.read_text()) if path.exists() else {}).get(env_id, {})
+    return json.loads(path.read_text()) if path.exists() else {}
+
+
+def _entry(name: str, env_id: str, model: str) -> tuple[dict[str, Any], str]:
+    """Entry of the law's file that a model gets, and the model that it was tuned for."""
+    by_model = _entries(name).get(env_id, {})
     source = model if model in by_model else FALLBACK_MODEL
     if source not in by_model:
         raise ValueError(
-            f"{path.name} holds no parameters for {env_id!r} with model {model!r}; run: "
+            f"{name}.json holds no parameters for {env_id!r} with model {model!r}; run: "
             + _command(name, env_id, model)
         )
     return by_model[source], source
@@ -92,34 +84,22 @@ def _command(name: str, env_id: str, model: str) -> str:
     return f"python -m agents.tune --controller {name} --env-id {env_id} --model {model}"
 
 
-def read_parameters(name: str, values: Mapping[str, Any]) -> Parameters:
-    """Parameters of the law `name` from values as JSON keeps them.
-
-    Raises:
-        ValueError: the keys are not those of the law.
-    """
-    cls = type(TUNABLE[name].defaults)
-    expected = {f.name for f in fields(cls)}
-    if set(values) != expected:
-        raise ValueError(f"the keys are {sorted(values)}; expected {sorted(expected)}")
-    return cls(**{key: tuple(value) if isinstance(value, list) else value for key, value in values.items()})
-
-
-def make_baseline(name: str, env: gymnasium.Env, parameters: Parameters | None = None) -> TorqueLaw:
-    """The baseline `name` for `env`; those of `TUNABLE` take `parameters`.
+def make_baseline(name: str, env: gymnasium.Env, parameters: LawParameters | None = None) -> Controller:
+    """Make the controller `name` for `env`; those of `TUNABLE` take `parameters`.
 
     By default these are the ones tuned for the environment's own model or, with a warning, those for the rigid
     array with clearance where that model has none; see `load_parameters`.
 
     Raises:
-        ValueError: the name is not one of `BASELINES`, or there are no tuned parameters for the environment.
+        ValueError: The name is not in `LAWS`, or there are no tuned parameters for the environment.
     """
+    if name not in LAWS:
+        raise ValueError(f"no baseline {name!r}; available: {', '.join(LAWS)}")
+    row, unwrapped = LAWS[name], env.unwrapped
+    if issubclass(row.cls, RecedingHorizon):
+        return row.cls(env, make_baseline(str(row.base), env))
     signals = Signals.of(env)
-    if name == "passive":
-        return Passive(signals)
-    if name == "servo-untuned":
-        return VelocityProfileServo(signals)
     if name not in TUNABLE:
-        raise ValueError(f"no baseline {name!r}; available: {', '.join(BASELINES)}")
-    unwrapped: Any = env.unwrapped
-    return TUNABLE[name](signals, parameters or load_parameters(name, env.spec.id if env.spec else "", unwrapped.model))
+        return row.cls(signals)
+    model: str = unwrapped.model  # type: ignore[attr-defined]
+    return TUNABLE[name](signals, parameters or load_parameters(name, env.spec.id if env.spec else "", model))

@@ -1,4 +1,4 @@
-"""A reference with foresight that no drive has: search by rollouts of the simulator itself, from its own state."""
+"""Receding-horizon control by rollouts of the simulator itself, a reference that no drive could run."""
 
 import math
 from contextlib import closing
@@ -8,24 +8,24 @@ from typing import Any
 import gymnasium
 import numpy as np
 
-from agents.torque_laws import Controller
+from agents.torque_laws import Controller, DeterministicController
 
 
 @dataclass(frozen=True)
 class SearchSettings:
-    """How thoroughly `RecedingHorizon` searches.
+    """Settings of the search of `RecedingHorizon`.
 
     Attributes:
         knots: Number of values of the residual torque, at equal distances from now to the deadline.
-        candidates: Rollouts of an iteration.
-        elites: Best of them, to which the next iteration's distribution is fitted.
-        iterations: Of the cross-entropy method at every replanning.
+        candidates: Number of rollouts of an iteration.
+        elites: Number of the best of them, to which the next iteration's distribution is fitted.
+        iterations: Number of iterations of the cross-entropy method at every replanning.
         replan_every: Control periods from one replanning to the next.
         initial_deviation: Standard deviation of the knots in the first iteration [N m].
         least_deviation: Bound below which it does not shrink [N m].
 
     Raises:
-        ValueError: on construction, for a value out of range.
+        ValueError: On construction, for a value out of range.
     """
 
     knots: int = 8
@@ -52,14 +52,14 @@ class SearchSettings:
 
 @dataclass(frozen=True)
 class Plan:
-    """An episode as it will be.
+    """A predicted episode.
 
     Attributes:
-        start: Control period that it begins with.
-        actions: (periods,) float32, from `start` to the end of the episode.
-        rewards: (periods,) of these actions.
-        knot_times: (knots,) of the residual [s].
-        residual: (knots,) torque on top of that of the base law [N m].
+        start: Control period in which it begins.
+        actions: Actions (periods,) in float32, from `start` to the end of the episode.
+        rewards: Rewards (periods,) of these actions.
+        knot_times: Times (knots,) of the residual's values [s].
+        residual: Torque (knots,) on top of that of the base law [N m].
         predicted_return: Sum of the rewards; -inf where there is no plan yet.
     """
 
@@ -71,29 +71,29 @@ class Plan:
     predicted_return: float
 
 
-class RecedingHorizon:
-    """The best torques that a search finds which may copy the simulator and try the future out.
+class RecedingHorizon(DeterministicController):
+    """Torques found by search over rollouts of the simulator from its present state.
 
-    What it reaches can be reached; how much softer one can land, a search cannot say.
+    Its return can be reached by a controller with foresight; it is no upper bound of the return.
 
     Candidates are torques linear over time on top of those of a base law, to the end of the episode, for the cost comes
     with latching and after it. They are searched by the cross-entropy method (R. Y. Rubinstein, Methodol. Comput. Appl.
-    Probab. 1 (1999) 127-190, doi:10.1023/A:1010091220143), every now and then anew, around the plan of before. The
+    Probab. 1 (1999) 127-190, doi:10.1023/A:1010091220143), anew every `replan_every` periods, around the last plan. The
     rollouts start from the exact state, with the true parameters, the true motor, and perfect sensors for the base law.
 
-    What is done are the torques of the best rollout: the simulator is deterministic, so that its return comes to pass,
-    whatever the sensors show. A plan gives way to a better one only: the return to be expected never falls, and is
-    never below that of the base law with perfect sensors.
+    The torques of the best rollout are applied: the simulator is deterministic, so that its return is reached whatever
+    the sensors show. A plan is replaced only by a better one: the predicted return never falls, and is never below that
+    of the base law with perfect sensors.
 
     Args:
-        env: Environment of this project, not a vector; `predict` must be asked in every period of its episodes, and
+        env: Environment of this project, not a vector; `act` must be asked in every period of its episodes, and
             the answers be taken as they are.
         base: Controller without a memory that reads entries of the observation "drive".
-        settings: How thorough the search is.
-        seed: Of its random numbers, which begin anew with every episode.
+        settings: Settings of the search.
+        seed: Seed of the search, used anew in every episode.
 
     Attributes:
-        predicted_returns: Of the present episode, after every replanning.
+        predicted_returns: Return of the present episode as predicted at every replanning.
     """
 
     def __init__(
@@ -103,19 +103,13 @@ class RecedingHorizon:
         self._base, self._settings, self._seed = base, settings, seed
         self.predicted_returns: list[float] = []
 
-    def predict(
-        self,
-        observation: np.ndarray,
-        state: tuple[np.ndarray, ...] | None = None,
-        episode_start: np.ndarray | None = None,
-        deterministic: bool = False,
-    ) -> tuple[np.ndarray, tuple[np.ndarray, ...] | None]:
-        """The planned action (1,) or (1, 1) for the present period of the environment.
+    def act(self, observation: np.ndarray) -> np.ndarray:
+        """Return the planned action (1,) or (1, 1) for the present period of the environment.
 
-        Of `observation` (n_obs,) or (1, n_obs) only the shape counts. A new episode is told by the environment's clock.
+        Only the shape of `observation`, (n_obs,) or (1, n_obs), is used. The environment's clock shows a new episode.
 
         Raises:
-            gymnasium.error.ResetNeeded: before the environment's first reset.
+            gymnasium.error.ResetNeeded: Before the environment's first reset.
         """
         period = round(self._env.simulation.time / self._env.task.control_period)
         if period == 0 or not self.predicted_returns:
@@ -123,10 +117,10 @@ class RecedingHorizon:
         if period >= self._next_replanning:
             self._replan(period)
         action = self._plan.actions[period - self._plan.start]
-        return np.full((1,) * np.ndim(observation), action), state
+        return np.full((1,) * np.ndim(observation), action)
 
     def _begin(self, period: int) -> None:
-        """Forget the episode before."""
+        """Discard the plan of the last episode."""
         self._generator = np.random.default_rng(self._seed)
         nothing = np.zeros(0, dtype=np.float32), np.zeros(0), np.zeros(1), np.zeros(1)
         self._plan = Plan(period, *nothing, predicted_return=-math.inf)

@@ -6,24 +6,25 @@ from typing import Any
 
 import numpy as np
 
-from agents.laws.baselines import TUNABLE, episodes_spent, load_parameters, read_parameters
+from agents.laws.baselines import episodes_spent, load_parameters
+from agents.laws.table import TUNABLE
 from agents.torque_laws import Controller, Signals, TorqueLaw
 
 DEFAULT_LAW = "servo"
 
 
 def residual_on(scale: float, law: str, env_id: str, model: str, recorded: int) -> dict[str, Any]:
-    """What describes a residual on a law as it is tuned now: the law, its parameters and their cost, and the scale.
+    """Describe a residual on a law as it is tuned now: the law, its parameters and their cost, and the scale.
 
     Args:
         scale: Greatest action that the agent adds, as a share of the torque limit.
-        law: Name in `agents.laws.baselines.TUNABLE`.
+        law: Name in `agents.laws.table.TUNABLE`.
         env_id: Environment id.
-        model: Whose tuned parameters to take.
+        model: Model whose tuned parameters to take.
         recorded: Episodes of the law that training looks at, beyond those that tuning it took.
 
     Raises:
-        ValueError: the scale is not in (0, 1], or there is no such law, or it has no parameters for the environment.
+        ValueError: The scale is not in (0, 1], or there is no such law, or it has no parameters for the environment.
     """
     _check_scale(scale)
     _check_law(law)
@@ -36,10 +37,10 @@ def residual_on(scale: float, law: str, env_id: str, model: str, recorded: int) 
 
 
 def base_law(residual: Mapping[str, Any], signals: Signals) -> TorqueLaw:
-    """The law that a residual is added to.
+    """Make the law that a residual is added to.
 
     Raises:
-        ValueError: the description is not one of `residual_on`; the message names what is wrong with it.
+        ValueError: The description is not one of `residual_on`; the message names the key or value.
     """
     if set(residual) != {"law", "parameters", "tuning_episodes", "scale"}:
         raise ValueError(
@@ -47,7 +48,8 @@ def base_law(residual: Mapping[str, Any], signals: Signals) -> TorqueLaw:
         )
     _check_law(residual["law"])
     _check_scale(residual["scale"])
-    return TUNABLE[residual["law"]](signals, read_parameters(residual["law"], residual["parameters"]))
+    law = TUNABLE[residual["law"]]
+    return law(signals, law.defaults.from_json(residual["parameters"]))
 
 
 def _check_law(law: str) -> None:
@@ -61,7 +63,7 @@ def _check_scale(scale: float) -> None:
 
 
 def added(base: np.ndarray, action: np.ndarray, scale: float) -> np.ndarray:
-    """Base action plus the agent's, in units of the torque limit; any shape."""
+    """Return the base action plus the agent's, in units of the torque limit; any shape."""
     return np.clip(base + np.float32(scale) * np.clip(action, -1.0, 1.0), -1.0, 1.0)
 
 
@@ -69,12 +71,12 @@ class ResidualController:
     """A policy together with the law that it adds to.
 
     Args:
-        policy: What the agent has learned.
+        policy: Policy of the agent.
         residual: As `residual_on` describes it.
-        signals: What the environment observes and takes.
+        signals: Names and units of the environment.
 
     Raises:
-        ValueError: as `base_law`.
+        ValueError: As `base_law`.
     """
 
     def __init__(self, policy: Controller, residual: Mapping[str, Any], signals: Signals) -> None:

@@ -2,7 +2,7 @@
 
 import time
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -49,31 +49,19 @@ class DeploymentLogger(BaseCallback):
                 self.logger.record_mean(f"deployment/{name}", float(figures[name]))
 
 
-class SavePolicy(BaseCallback):
-    """Saves the policy of the moment as the run's policy; called on each new best validation."""
+class Call(BaseCallback):
+    """Calls a function with the model at every step, or on the events of another callback."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, function: Callable[[Any], object]) -> None:
         super().__init__()
-        self._folder = folder
+        self._function = function
 
     def _on_step(self) -> bool:
-        self.model.save(self._folder / runs.POLICY)
+        self._function(self.model)
         return True
 
 
-class SaveCheckpoint(BaseCallback):
-    """Saves what resuming needs; called after each validation and, by `save_checkpoint`, at the end."""
-
-    def __init__(self, folder: Path) -> None:
-        super().__init__()
-        self._folder = folder
-
-    def _on_step(self) -> bool:
-        save_checkpoint(self.model, self._folder)
-        return True
-
-
-def save_checkpoint(model: Any, folder: Path) -> None:
+def save_checkpoint(folder: Path, model: Any) -> None:
     """Save the model, the reward normalisation and, for off-policy algorithms, the replay buffer."""
     checkpoint = folder / runs.CHECKPOINT
     checkpoint.mkdir(exist_ok=True)
@@ -86,10 +74,10 @@ def save_checkpoint(model: Any, folder: Path) -> None:
 class Validation(EvalCallback):
     """Stable-Baselines3's `EvalCallback` that begins with the untrained policy, or where an earlier run ended.
 
-    What is kept of an agent that adds to a law is thereby never worse, in validation, than the law.
+    The policy kept of an agent that adds to a law is thereby never worse, in validation, than the law.
 
     Attributes:
-        wall_time: Of all validations so far [s].
+        wall_time: Wall time of all validations so far [s].
     """
 
     wall_time = 0.0

@@ -1,4 +1,4 @@
-"""What the networks of an agent see of an observation."""
+"""Features: the inputs that an agent's networks get from an observation."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -25,10 +25,10 @@ LEAST_DEVIATION = 0.05  # of a principal component, next to entries of unit devi
 
 
 class Features(NamedTuple):
-    """``clip(matrix o + offset, -LIMIT, LIMIT) clip(gate_matrix o + gate_offset, 0, 1)`` of an observation ``o``.
+    """Coefficients of `clip(matrix o + offset, -LIMIT, LIMIT) clip(gate_matrix o + gate_offset, 0, 1)` of entries o.
 
-    They are computed in double precision: of entries magnified by thousands, and as many subtracted, single precision
-    leaves three digits, which then depend on how many observations are multiplied together.
+    They are computed in double precision: differences of entries magnified by thousands keep three digits in single
+    precision, which would then depend on the number of observations that are multiplied together.
 
     Attributes:
         matrix: (features, entries), float64.
@@ -44,7 +44,7 @@ class Features(NamedTuple):
 
 
 def whole_motion(names: Sequence[str]) -> Features:
-    """Features for an agent that commands the whole torque: each entry, angles also magnified about the latch.
+    """Make features for an agent that commands the whole torque: each entry, angles also magnified about the latch.
 
     Args:
         names: Name of every entry of an observation, as `env.unwrapped.observation_names`.
@@ -61,18 +61,19 @@ def whole_motion(names: Sequence[str]) -> Features:
 
 
 def landing(names: Sequence[str], observations: np.ndarray) -> Features:
-    """Features for an agent that adds to a law: what varies when the law lands the array, nothing before.
+    """Make features for an agent that adds to a law: the variation of its observations while it lands the array.
 
     There are two sets, for the approach to the latches and for the latched array, each with a 1 and the principal
-    components of what was observed then, all of unit variance. Noise on the weights of a linear policy explores them
-    alike, where raw entries, nearly proportional to each other, would leave it to push the array one way or the other.
+    components of the observations of that phase, all of unit variance. Noise on the weights of a linear policy
+    explores them alike, where raw entries, nearly proportional to each other, would only make it push one way or the
+    other.
 
     Args:
         names: Name of every entry of an observation.
-        observations: (n, entries), of episodes of the law.
+        observations: Observations (n, entries) of episodes of the law.
 
     Raises:
-        ValueError: the law has not come near the latches or has not latched both joints.
+        ValueError: The law has not come near the latches or has not latched both joints.
     """
     sets = []
     for gate in _gates(names):
@@ -88,7 +89,7 @@ def landing(names: Sequence[str], observations: np.ndarray) -> Features:
 
 
 def _gates(names: Sequence[str]) -> list[tuple[np.ndarray, float]]:
-    """Weights (entries,) and offset of the gates of both sets of `landing`."""
+    """Return weights (entries,) and offset of the gates of both sets of `landing`."""
     approach, latched = np.zeros(len(names)), np.zeros(len(names))
     slope = 1.0 / (APPROACH_IS_FULL - APPROACH_BEGINS)
     approach[names.index("theta_1")], approach[names.index("latched_1")] = slope, -slope
@@ -98,7 +99,7 @@ def _gates(names: Sequence[str]) -> list[tuple[np.ndarray, float]]:
 
 
 def _standardised(names: Sequence[str], observations: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A 1 and the principal components of observations (n, entries), of unit variance: matrix and offset."""
+    """Return matrix and offset of a 1 and the principal components of observations (n, entries), of unit variance."""
     # In single precision the mean of thousands of latched angles would be off by a tenth of their deviation.
     observations = observations.astype(np.float64)
     mean, deviation = observations.mean(axis=0), observations.std(axis=0)
@@ -113,11 +114,11 @@ def _standardised(names: Sequence[str], observations: np.ndarray) -> tuple[np.nd
 
 
 class DriveFeatures(BaseFeaturesExtractor):
-    """Features extractor for Stable-Baselines3: a fixed map of the observation; nothing is learned.
+    """Features extractor for Stable-Baselines3: a fixed map of the observation, without learned parameters.
 
     Args:
-        observation_space: Of the environment.
-        features: What it computes.
+        observation_space: Observation space of the environment.
+        features: Coefficients of the map.
     """
 
     matrix: torch.Tensor
@@ -131,7 +132,7 @@ class DriveFeatures(BaseFeaturesExtractor):
             self.register_buffer(name, torch.from_numpy(array))
 
     def forward(self, observations: torch.Tensor) -> torch.Tensor:
-        """Features (n, features) of observations (n, entries)."""
+        """Compute features (n, features) of observations (n, entries)."""
         seen = observations.double()
         values = torch.clamp(seen @ self.matrix.T + self.offset, -LIMIT, LIMIT)
         return (values * torch.clamp(seen @ self.gate_matrix.T + self.gate_offset, 0.0, 1.0)).float()

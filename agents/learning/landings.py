@@ -1,4 +1,4 @@
-"""Training on landings alone: episodes that begin where a torque law has come near the latches."""
+"""Landings: training episodes that begin where a torque law has brought the array near the latches."""
 
 import warnings
 from collections.abc import Mapping, Sequence
@@ -14,11 +14,11 @@ from solar_env.environment.episodes import SavedEpisode
 
 
 class Landing(NamedTuple):
-    """An episode that a law has brought near the latches, and what came of it under the law alone.
+    """An episode that a law has brought near the latches, and its rewards under the law alone.
 
     Attributes:
-        episode: As it was then.
-        rewards: (periods,) from then on, float32.
+        episode: State of the episode near the latches.
+        rewards: Rewards (periods,) from then on, float32.
     """
 
     episode: SavedEpisode
@@ -26,16 +26,16 @@ class Landing(NamedTuple):
 
 
 def record(venv: VecEnv) -> tuple[list[Landing], np.ndarray]:
-    """One landing of the law alone in every lane, and all that was observed in these episodes, (n, entries).
+    """Record a landing of the law alone in every lane, and all observations (n, entries) of these episodes.
 
     Args:
-        venv: Lanes in which nothing is added to the law by an action of zero, without rewards of its own making.
+        venv: Lanes in which an action of zero adds nothing to the law, with the environment's own rewards.
 
     Raises:
-        ValueError: the law never brings the array near the latches.
+        ValueError: The law never brings the array near the latches.
 
     Warns:
-        UserWarning: it does not in some of the lanes.
+        UserWarning: It does not in some of the lanes.
     """
     lanes = venv.num_envs
     opening = venv.get_attr("observation_names", 0)[0].index("theta_1")
@@ -74,17 +74,16 @@ class LandingVecEnv(NativeVecEnv):
     """Episodes that begin with a recorded landing: all of them in a random order, then all again in another.
 
     An agent that adds to a law only near the latches and beyond has nothing to learn before, which takes half the time
-    of a simulation. All that follows counts: the softer an array lands, the more of what it is charged comes seconds
-    later.
+    of a simulation. Episodes go on to their end: the softer an array lands, the more of its cost comes seconds later.
 
-    What an agent cannot help is how hard a landing is: with `LAW_REWARD` in the info of every period it can be rewarded
-    by what it does better than the law in the same landing. As that does not depend on what the agent does, it makes
+    Landings differ in difficulty: with `LAW_REWARD` in the info of every period the agent can be rewarded by its
+    difference from the law in the same landing. As this baseline does not depend on the agent's actions, it makes
     gradients less noisy without a bias (E. Greensmith, P. L. Bartlett, J. Baxter, Variance Reduction Techniques for
     Gradient Estimates in Reinforcement Learning, J. Mach. Learn. Res. 5 (2004) 1471-1530).
 
     Args:
-        num_envs, env_id, env_kwargs: As of `NativeVecEnv`.
-        landings: Recorded with equal keywords of the environment.
+        num_envs, env_id, env_kwargs: See `NativeVecEnv`.
+        landings: Landings that were recorded with equal keywords of the environment.
     """
 
     def __init__(self, num_envs: int, env_id: str, env_kwargs: Mapping[str, Any], landings: Sequence[Landing]) -> None:
@@ -96,7 +95,7 @@ class LandingVecEnv(NativeVecEnv):
         self._periods = np.zeros(num_envs, dtype=np.int64)
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:
-        """Seed the order of the landings too."""
+        """Seed the lanes and the order of the landings."""
         self._generator, self._order = np.random.default_rng(seed), []
         return super().seed(seed)
 
@@ -108,7 +107,7 @@ class LandingVecEnv(NativeVecEnv):
         return observations
 
     def _begin(self, lane: int) -> np.ndarray:
-        """Go on with the next landing in a lane; what is observed there."""
+        """Begin the next landing in a lane; returns its observation."""
         if not self._order:
             self._order = self._generator.permutation(len(self._landings)).tolist()
         self._present[lane] = self._landings[self._order.pop()]
@@ -116,9 +115,9 @@ class LandingVecEnv(NativeVecEnv):
         return self.env.unwrapped.lane(lane).restore_episode(self._present[lane].episode)
 
     def step_wait(self) -> VecEnvStepReturn:
-        """As the environment's, with the next landing where an episode has ended.
+        """Return the step of the environment, with the next landing where an episode has ended.
 
-        The rewards of the law that are left when an episode ends before the law's come in its last period.
+        If an episode ends before that of the law did, the rest of the law's rewards is given in its last period.
         """
         observations: Any
         observations, rewards, dones, infos = super().step_wait()

@@ -1,4 +1,4 @@
-"""The optimiser of agents whose actor is to learn more slowly than their critics."""
+"""Optimiser for agents whose actor learns more slowly than their critics."""
 
 from collections.abc import Callable
 from typing import Any
@@ -17,7 +17,7 @@ class SlowedAdam(optim.Adam):
     """
 
     def step(self, closure: Callable[[], float] | None = None) -> Any:
-        """One update; returns what the closure does."""
+        """Update the parameters once; returns the loss of the closure."""
         rates = [group["lr"] for group in self.param_groups]
         for group in self.param_groups:
             group["lr"] *= group.get(SHARE, 1.0)
@@ -28,7 +28,7 @@ class SlowedAdam(optim.Adam):
 
 
 def slow_actor(model: BaseAlgorithm, share: float) -> None:
-    """Let the actor of a SAC or TD3 model made with `SlowedAdam` learn at a `share` of the critics' rate."""
+    """Make the actor of a SAC or TD3 model made with `SlowedAdam` learn at a `share` of the critics' rate."""
     policy: Any = model.policy
     for group in policy.actor.optimizer.param_groups:
         group[SHARE] = share

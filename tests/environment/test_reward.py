@@ -13,9 +13,9 @@ from scipy.stats import spearmanr
 
 import solar_env
 from agents.environments import with_sampling
-from agents.laws.baselines import TUNABLE
-from agents.torque_laws import DamperParameters, Signals, ViscousDamper
-from agents.tune import bounds, from_unit
+from agents.laws.damper import DamperParameters, ViscousDamper
+from agents.laws.table import TUNABLE
+from agents.torque_laws import Signals
 from solar_env.array.methods import default_integrator
 from solar_env.environment.task import REWARD_TERMS, Task
 from solar_env.mechanics.arrays import model as m
@@ -197,7 +197,7 @@ def wide_set():
             continue
         parameters = type(law.defaults)
         for _ in range(8):
-            controller = law(signals, from_unit(parameters, generator.random(len(bounds(parameters)))))
+            controller = law(signals, parameters.from_unit(generator.random(len(parameters.bounds()))))
             laws.append(lambda observation, step, own=controller: own.predict(observation)[0][0])
     return deploy(laws)
 

@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 
 from agents.comparison.figures import (
+    CHARGED,
+    COMMAND,
+    OPENING,
     comparison_figure,
     deployments_figure,
     learning_curves_figure,
@@ -99,18 +102,18 @@ def test_deployments_show_the_torque_that_acts_the_rates_the_forces_and_what_was
     deployments_figure({"servo": episode(force=7.0, commanded=1.0, applied=-0.5)}, NAMES, 0.4, tmp_path / "figure.png")
     torque, rates, forces, charges = saved_figures[0].axes
     assert drawn(torque, "servo") == ([0.1, 0.2], pytest.approx([0.0, -0.2]))
-    assert drawn(rates, "servo, rate_2") == ([0.1, 0.2], [0.4, 0.8])
+    assert drawn(rates, "servo, joint 2") == ([0.1, 0.2], [0.4, 0.8])
     assert drawn(forces, "servo") == ([0.1, 0.2], [0.0, 7.0])
     assert drawn(charges, "servo") == ([0.1, 0.2], [0.0, 0.75])
 
 
-def test_the_episodes_of_a_run_show_the_angles_of_each_controller_what_it_asks_for_and_what_impacts_cost():
+def test_the_episodes_of_a_run_show_the_angles_of_each_controller_its_command_and_its_charges():
     from matplotlib.figure import Figure
 
     axes = Figure().subplots(3)
     episodes = {"ppo": episode(1.0, 0.5, 0.0), "passive": episode(1.0, 0.0, 0.0)}
-    plot_episodes(axes, episodes, NAMES, 0.4)
+    plot_episodes(dict(zip((OPENING, COMMAND, CHARGED), axes, strict=True)), episodes, NAMES, 0.4)
     assert drawn(axes[0], "ppo, joint 2") == ([0.1, 0.2], [0.2, 0.6])
     assert drawn(axes[1], "ppo")[1] == pytest.approx([0.2, 0.2])
     assert drawn(axes[1], "passive")[1] == [0.0, 0.0]
-    assert drawn(axes[2], "ppo")[1] == [0.0, 0.25]
+    assert drawn(axes[2], "ppo")[1] == [0.0, 0.75]

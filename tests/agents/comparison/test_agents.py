@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from agents.arguments import parse_arguments, parse_assignments, run_command
+from agents.arguments import Assignments, parse_arguments, parse_assignments, run_command
 from agents.comparison.statistics import difference, estimate, improvement, interquartile_mean
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_sampling
 from agents.rollout import episode_figures
@@ -221,7 +221,7 @@ class Example:
     """say nothing"""
     names: list[str] = field(default_factory=lambda: ["a"])
     """some names"""
-    keywords: dict[str, object] = field(default_factory=dict)
+    keywords: Assignments = field(default_factory=dict)
     """some pairs"""
 
 

@@ -8,20 +8,14 @@ import pytest
 from PIL import Image
 
 from agents import shipped
+from agents.comparison.controllers import parse_controller, parse_controllers
+from agents.comparison.evaluation import common_env_id, common_env_kwargs, evaluate
 from agents.comparison.report import references, summarize, tabulate
 from agents.comparison.suites import SUITES
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_sampling
-from agents.evaluate import (
-    check_names,
-    common_env_id,
-    common_env_kwargs,
-    evaluate,
-    main,
-    split_controller,
-    suite_named,
-    suite_section,
-)
-from agents.laws.baselines import TUNABLE, episodes_spent, make_baseline
+from agents.evaluate import main, suite_named, suite_section
+from agents.laws.baselines import episodes_spent, is_tuned, make_baseline
+from agents.laws.table import TUNABLE
 from agents.rollout import run_episode
 from agents.shipped import load_shipped
 from solar_env.array import MODELS
@@ -205,7 +199,7 @@ def test_a_controller_is_compared_with_every_run_of_a_reference():
 def test_different_controllers_of_the_same_name_are_not_pooled_unasked():
     with pytest.raises(ValueError, match="ppo/seed-0 and sac/seed-0 are both called seed-0; name them"):
         evaluate(["ppo/seed-0", "sac/seed-0"], 1, 0)
-    check_names(["passive", "agent=ppo/seed-0", "agent=sac/seed-0", "ppo/seed-0"])
+    parse_controllers(["passive", "agent=ppo/seed-0", "agent=sac/seed-0", "ppo/seed-0"])
 
 
 @pytest.mark.parametrize(
@@ -219,7 +213,7 @@ def test_different_controllers_of_the_same_name_are_not_pooled_unasked():
 )
 def test_nothing_counts_twice_and_nothing_is_taken_for_a_seed_of_a_baseline(controllers, message):
     with pytest.raises(ValueError, match=message):
-        check_names(controllers)
+        parse_controllers(controllers)
 
 
 def test_trained_controllers_are_compared_on_the_scenario_they_were_trained_on(tmp_path):
@@ -257,19 +251,24 @@ def test_the_worst_episode_is_the_lowest_return_and_the_highest_force():
     assert "worst 900" in text
 
 
+def named(text):
+    controller = parse_controller(text)
+    return controller.name, controller.spec
+
+
 def test_a_controller_may_be_given_a_name():
-    assert split_controller("ppo=runs/a") == ("ppo", "runs/a")
-    assert split_controller("runs/a") == ("a", "runs/a")
+    assert named("ppo=runs/a") == ("ppo", "runs/a")
+    assert named("runs/a") == ("a", "runs/a")
 
 
 def test_a_folder_is_a_folder_whatever_signs_are_in_its_name(tmp_path, monkeypatch):
     (tmp_path / "lr=0.1").mkdir()
     monkeypatch.chdir(tmp_path)
-    assert split_controller("lr=0.1") == ("lr=0.1", "lr=0.1")
-    assert split_controller("ppo=lr=0.1") == ("ppo", "lr=0.1")
-    assert split_controller(".") == (tmp_path.name, ".")
+    assert named("lr=0.1") == ("lr=0.1", "lr=0.1")
+    assert named("ppo=lr=0.1") == ("ppo", "lr=0.1")
+    assert named(".") == (tmp_path.name, ".")
     (tmp_path / "best").symlink_to("lr=0.1")
-    assert split_controller("best") == ("best", "best")
+    assert named("best") == ("best", "best")
 
 
 def test_something_that_is_neither_baseline_nor_run_is_refused(tmp_path):
@@ -291,7 +290,9 @@ def test_a_suite_is_a_scenario_with_all_that_was_tuned_and_trained_for_it_on_six
     assert found == env_id
     assert env_kwargs == {"model": "flexible-clearance", "elements": 6}
     trained = [policy for policy in shipped.available() if load_shipped(policy).description.env_id == env_id]
-    assert controllers == ["passive", *TUNABLE, *trained]
+    tuned = [law for law in TUNABLE if is_tuned(law, env_id, "flexible-clearance")]
+    assert controllers == ["passive", *tuned, *trained]
+    assert "servo" in tuned
     assert trained
 
 

@@ -4,8 +4,9 @@ import numpy as np
 from PIL import Image
 
 from agents import show
+from agents.laws.passive import Passive
+from agents.laws.servo import VelocityProfileServo
 from agents.rollout import run_episode
-from agents.torque_laws import Passive, VelocityProfileServo
 
 
 def test_the_command_draws_and_animates_the_same_episode_of_every_controller(tmp_path, capsys, monkeypatch):

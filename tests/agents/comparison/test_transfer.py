@@ -6,8 +6,8 @@ from dataclasses import asdict
 import pytest
 
 from agents import transfer
+from agents.comparison.controllers import parse_controllers
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_sampling
-from agents.evaluate import split_controller
 from agents.laws.baselines import load_parameters, make_baseline
 from agents.learning import configurations, learn
 from agents.rollout import run_episode
@@ -54,7 +54,7 @@ def test_every_level_is_judged_on_all_levels_beside_passive_and_servo(tmp_path, 
     def refuse(*arguments):
         raise AssertionError("trained again")
 
-    monkeypatch.setattr(learn, "train_one", refuse)
+    monkeypatch.setattr(learn, "train", refuse)
     transfer.main(options)
     with pytest.raises(ValueError, match="another configuration"):
         transfer.main([*options, "--timesteps", "30"])
@@ -69,8 +69,8 @@ def test_every_number_stands_where_it_belongs(tmp_path, monkeypatch, saved_figur
     def pretend(controllers, episodes, seed, env_id, env_kwargs, *others):
         judged = [transfer.LEVELS[level] for level in levels].index(env_kwargs)
         return [
-            {"controller": name, "spec": spec, "episode": 0, "latched": True, "return": -(10.0 * place + judged + 1.0)}
-            for place, (name, spec) in enumerate(map(split_controller, controllers))
+            {"controller": c.name, "spec": c.spec, "episode": 0, "latched": True, "return": -(10.0 * k + judged + 1.0)}
+            for k, c in enumerate(parse_controllers(controllers))
         ]
 
     monkeypatch.setattr(transfer, "evaluate", pretend)

@@ -10,21 +10,24 @@ from stable_baselines3.common.utils import set_random_seed
 from agents import tune as tune_module
 from agents.comparison.episodes import mean_returns
 from agents.environments import DEFAULT_ENV_ID, make_env, with_model
-from agents.laws.baselines import TUNABLE, make_baseline
+from agents.laws.baselines import make_baseline
+from agents.laws.table import TUNABLE
+from agents.optimization import minimise
 from agents.rollout import run_episode
-from agents.tune import from_unit, minimise, to_unit, tune
+from agents.tune import tune
 from solar_env.support.campaigns import Workers
 
 
 @pytest.mark.parametrize("name", TUNABLE)
 def test_parameters_survive_the_way_to_the_unit_cube_and_back(name):
     cls = type(TUNABLE[name].defaults)
-    count = to_unit(cls()).size
-    inside = from_unit(cls, np.random.default_rng(0).random(count))
-    assert to_unit(inside) == pytest.approx(to_unit(from_unit(cls, to_unit(inside))))
+    count = cls().to_unit().size
+    assert np.all((cls().to_unit() >= 0.0) & (cls().to_unit() <= 1.0)), "the defaults are within their bounds"
+    inside = cls.from_unit(np.random.default_rng(0).random(count))
+    assert inside.to_unit() == pytest.approx(cls.from_unit(inside.to_unit()).to_unit())
     for value, default in zip(vars(inside).values(), vars(cls()).values(), strict=True):
         assert type(value) is type(default)
-    low, high = from_unit(cls, np.zeros(count)), from_unit(cls, np.ones(count))
+    low, high = cls.from_unit(np.zeros(count)), cls.from_unit(np.ones(count))
     for f in fields(cls):
         assert np.all(f.metadata["bounds"] == np.array([getattr(low, f.name), getattr(high, f.name)]).T)
 

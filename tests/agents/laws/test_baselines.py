@@ -1,32 +1,26 @@
 """Torque laws do what they say, and have the parameters that were tuned for the environment they are used in."""
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from agents import evaluate, tune
 from agents.environments import DEFAULT_ENV_ID, make_env, with_model
-from agents.laws.baselines import BASELINES, load_parameters, make_baseline
+from agents.laws.baselines import load_parameters, make_baseline
+from agents.laws.brake import BrakeParameters, ConstantBrake
+from agents.laws.damper import DamperParameters, ViscousDamper
+from agents.laws.open_loop import OpenLoopParameters, OpenLoopTorque
+from agents.laws.passive import Passive
+from agents.laws.servo import RESERVE, ServoParameters, VelocityProfileServo
+from agents.laws.shaped import InputShapedProfile, ShapedProfileParameters
+from agents.laws.soft_start import SoftStartParameters, SoftStartServo
+from agents.laws.table import BASELINES, LAWS, TUNABLE
 from agents.rollout import run_episode
-from agents.torque_laws import (
-    RESERVE,
-    BrakeParameters,
-    ConstantBrake,
-    DamperParameters,
-    InputShapedProfile,
-    OpenLoopParameters,
-    OpenLoopTorque,
-    Passive,
-    ServoParameters,
-    ShapedProfileParameters,
-    Signals,
-    SoftStartParameters,
-    SoftStartServo,
-    VelocityProfileServo,
-    ViscousDamper,
-)
+from agents.torque_laws import Signals
 from solar_env.array import MODELS
 
 NAMES = (
@@ -69,16 +63,12 @@ def observe(opening=0.0, rate=0.0, latched=0.0, names=NAMES):
     return np.array([values.get(name, 0.3) for name in names], dtype=np.float32)
 
 
-def controllers():
-    return [
-        Passive(SIGNALS),
-        ConstantBrake(SIGNALS, BrakeParameters(torque=0.1, onset=0.5)),
-        VelocityProfileServo(SIGNALS, SERVO),
-        ViscousDamper(SIGNALS, DamperParameters(0.5, 1.5)),
-        InputShapedProfile(SIGNALS),
-        OpenLoopTorque(SIGNALS, OpenLoopParameters(tuple(np.linspace(-0.5, 0.5, 16).tolist()))),
-        SoftStartServo(SIGNALS, SOFT_START),
-    ]
+def law(name, signals=SIGNALS):
+    """The law of a row, with parameters from anywhere in their ranges."""
+    cls = LAWS[name].cls
+    if name not in TUNABLE:
+        return cls(signals)
+    return cls(signals, cls.defaults.from_unit(np.random.default_rng(1).random(len(cls.defaults.bounds()))))
 
 
 @pytest.mark.parametrize("opening", [0.0, 0.5, 0.99, 1.0])
@@ -248,8 +238,9 @@ def test_open_loop_torque_follows_the_clock_alone_and_ends_with_the_deadline():
             assert law.predict(other)[0] == pytest.approx(torque / LIMIT, abs=1e-5)
 
 
-@pytest.mark.parametrize("controller", controllers(), ids=lambda c: type(c).__name__)
-def test_batched_prediction_equals_the_single_ones(controller):
+@pytest.mark.parametrize("name", BASELINES)
+def test_batched_prediction_equals_the_single_ones(name):
+    controller = law(name)
     rng = np.random.default_rng(0)
     batch = rng.uniform(-1.0, 1.0, (20, len(NAMES))).astype(np.float32)
     actions, _ = controller.predict(batch)
@@ -259,11 +250,33 @@ def test_batched_prediction_equals_the_single_ones(controller):
     np.testing.assert_array_equal(actions, [controller.predict(row)[0] for row in batch])
 
 
-def test_entries_are_found_by_name_not_by_position():
-    shuffled = NAMES[::-1]
-    straight = VelocityProfileServo(SIGNALS, SERVO).predict(observe(0.4, 0.02))[0]
-    reversed_ = VelocityProfileServo(Signals(shuffled, LIMIT), SERVO).predict(observe(0.4, 0.02, names=shuffled))[0]
-    assert straight == reversed_ != 0.0
+@pytest.mark.parametrize("name", BASELINES)
+def test_entries_are_found_by_name_not_by_position_and_others_are_not_read(name):
+    """With latches open and shut, for laws that hold the latched array otherwise than they deploy it."""
+    rng = np.random.default_rng(0)
+    batch = rng.uniform(-1.0, 1.0, (20, len(NAMES))).astype(np.float32)
+    batch[:10, NAMES.index("latched_1")] = batch[:10, NAMES.index("latched_2")] = 1.0
+    straight = law(name).predict(batch)[0]
+    np.testing.assert_array_equal(law(name, Signals(NAMES[::-1], LIMIT)).predict(batch[:, ::-1])[0], straight)
+    read = [k for k, entry in enumerate(NAMES) if entry in LAWS[name].cls.reads or entry.startswith("latched")]
+    others = rng.uniform(-1.0, 1.0, batch.shape).astype(np.float32)
+    others[:, read] = batch[:, read]
+    np.testing.assert_array_equal(law(name).predict(others)[0], straight)
+
+
+@pytest.mark.parametrize("name", BASELINES)
+def test_a_law_is_refused_where_an_entry_that_it_reads_is_not_observed(name):
+    for entry in LAWS[name].cls.reads:
+        with pytest.raises(ValueError, match=f"reads {entry}, but the observation has only"):
+            law(name, Signals(tuple(other for other in NAMES if other != entry), LIMIT))
+
+
+@pytest.mark.parametrize("command", [tune, evaluate])
+def test_help_texts_name_every_law(command, capsys):
+    with pytest.raises(SystemExit, match="0"):
+        command.main(["--help"])
+    words = set(re.findall(r"[\w-]+", capsys.readouterr().out))
+    assert words >= set(TUNABLE if command is tune else LAWS)
 
 
 def test_servo_without_a_second_joint_is_refused_by_name():

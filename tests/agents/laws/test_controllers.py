@@ -10,21 +10,15 @@ from trained import QUICK
 
 from agents import shipped
 from agents.comparison import episodes
-from agents.comparison.controllers import (
-    SEARCH,
-    effort,
-    load_controller,
-    observation_of,
-    policy_files,
-    resolved,
-    trained_on,
-)
+from agents.comparison.controllers import parse_controller
 from agents.comparison.episodes import episode_cell
+from agents.comparison.evaluation import efforts, evaluate
 from agents.environments import DEFAULT_ENV_ID, make_env
-from agents.evaluate import efforts, evaluate
-from agents.laws.baselines import BASELINES, CONFIGS, TUNABLE, load_parameters
+from agents.laws.baselines import CONFIGS, load_parameters
+from agents.laws.servo import ServoParameters
+from agents.laws.table import LAWS, TUNABLE
 from agents.shipped import Description, Layer, PolicyNetwork, ShippedPolicy
-from agents.torque_laws import Passive, ServoParameters, Signals, VelocityProfileServo
+from agents.torque_laws import Signals
 
 
 @pytest.fixture
@@ -63,33 +57,32 @@ def policy(env, tmp_path, monkeypatch):
 
 
 def test_a_trained_controller_observes_what_it_did_in_training_and_any_other_what_it_is_given(policy):
-    assert observation_of("third") == {"observation": "drive"}
-    assert observation_of("servo") == {}
+    assert parse_controller("third").observation() == {"observation": "drive"}
+    assert parse_controller("servo").observation() == {}
 
 
 def test_a_shipped_policy_is_a_controller_by_its_name(env, policy):
     observation, _ = env.reset(seed=0)
-    assert load_controller("third", env).predict(observation)[0] == pytest.approx([-1.0 / 3.0])
-    assert trained_on("third") == policy.env_kwargs
-    assert effort("third", policy.env_id, "rigid-clearance") == "12,000 steps"
-    assert [path.name for path in policy_files("third")] == ["policy.npz", "policy.json"]
+    third = parse_controller("third")
+    assert third.load(env).predict(observation)[0] == pytest.approx([-1.0 / 3.0])
+    assert third.training()["env_kwargs"] == policy.env_kwargs
+    assert third.effort(policy.env_id, "rigid-clearance") == "12,000 steps"
+    assert [path.name for path in third.files()] == ["policy.npz", "policy.json"]
 
 
 def test_a_shipped_policy_is_not_used_where_its_actions_mean_something_else(policy):
     with pytest.raises(ValueError, match=r"torque_limit is 0\.3; the policy was trained with 0\.5"):
-        load_controller("third", make_env(env_kwargs={"torque_limit": 0.3}))
+        parse_controller("third").load(make_env(env_kwargs={"torque_limit": 0.3}))
 
 
-@pytest.mark.parametrize("name", [*BASELINES, SEARCH])
-def test_what_was_not_trained_has_neither_files_nor_training_data(name):
-    assert policy_files(name) == []
-    assert trained_on(name) is None
-
-
-@pytest.mark.parametrize("name", BASELINES)
-def test_a_baseline_is_the_one_of_its_name(env, name):
-    law = load_controller(name, env)
-    assert type(law) is TUNABLE.get(name, Passive if name == "passive" else VelocityProfileServo)
+@pytest.mark.parametrize("name", LAWS)
+def test_a_law_is_that_of_its_row_and_has_neither_files_nor_training_data(env, name):
+    controller = parse_controller(name)
+    assert (controller.name, controller.spec, controller.resolved) == (name, name, name)
+    assert not controller.files()
+    assert not controller.training()
+    law = controller.load(env)
+    assert type(law) is LAWS[name].cls
     if name in TUNABLE:
         assert law.parameters == load_parameters(name, "solar_env/Deploy-v0", "rigid-clearance")
     elif name == "servo-untuned":
@@ -99,13 +92,16 @@ def test_a_baseline_is_the_one_of_its_name(env, name):
 def test_a_run_is_not_used_where_its_actions_mean_something_else(finished):
     run, _ = finished["ppo"]
     with pytest.raises(ValueError, match=r"torque_limit is 0\.3; the policy was trained with 0\.5"):
-        load_controller(str(run), make_env(env_kwargs={**QUICK, "torque_limit": 0.3}))
+        parse_controller(str(run)).load(make_env(env_kwargs={**QUICK, "torque_limit": 0.3}))
 
 
 def test_what_a_run_cost_are_its_steps_those_of_the_runs_before_it_and_the_episodes_of_its_law(tmp_path):
     config = {"timesteps": 300, "timesteps_before": 1_000, "residual": {"tuning_episodes": 1_874}}
     (tmp_path / "config.json").write_text(json.dumps(config))
-    assert effort(str(tmp_path), DEFAULT_ENV_ID, "rigid-clearance") == "1,300 steps and 1,874 episodes for the law"
+    assert (
+        parse_controller(str(tmp_path)).effort(DEFAULT_ENV_ID, "rigid-clearance")
+        == "1,300 steps and 1,874 episodes for the law"
+    )
     (tmp_path / "config.json").write_text(json.dumps({**config, "residual": None}))
     runs = [f"ppo={tmp_path}", f"ppo={tmp_path}/", "passive"]
     assert efforts(runs, DEFAULT_ENV_ID, {}) == {"ppo": "2 x 1,300 steps"}
@@ -145,11 +141,11 @@ def test_a_policy_observes_in_a_comparison_what_it_observed_in_training(policy, 
 
 def test_a_name_of_nothing_says_what_there_is(env):
     with pytest.raises(FileNotFoundError, match=r"no controller 'runs/nothing': .* none of passive, .*ppo-nominal"):
-        load_controller("runs/nothing", env)
+        parse_controller("runs/nothing").load(env)
 
 
 def test_a_shipped_policy_stays_itself_beside_a_folder_of_its_name(policy, tmp_path, monkeypatch):
     (tmp_path / "elsewhere" / "third").mkdir(parents=True)
     monkeypatch.chdir(tmp_path / "elsewhere")
-    assert episode_cell("third", policy.env_id, policy.env_kwargs, seed=0)["spec"] == "third"
-    assert resolved("runs/one") == str(tmp_path / "elsewhere" / "runs" / "one")
+    assert episode_cell(parse_controller("third"), policy.env_id, policy.env_kwargs, seed=0)["spec"] == "third"
+    assert parse_controller("runs/one").resolved == str(tmp_path / "elsewhere" / "runs" / "one")

@@ -41,7 +41,7 @@ def test_every_agent_has_a_curve_of_every_seed_in_every_scenario(tmp_path, monke
     assert configurations.stored_configuration(tmp_path / "paper-ppo-whole-7").residual is None
     assert configurations.stored_configuration(tmp_path / "robust-ppo-7").residual["law"] == "servo"
 
-    monkeypatch.setattr(learn, "train_one", lambda training: pytest.fail("trained again"))
+    monkeypatch.setattr(learn, "train", lambda training: pytest.fail("trained again"))
     curves.main(options)
 
 

@@ -71,7 +71,7 @@ def train_best_at(monkeypatch, name, best):
         runs.write_json(training.folder / runs.CONFIG, asdict(training.config))
         runs.write_json(training.folder / runs.TIMING, {})
 
-    monkeypatch.setattr(learn, "train_one", pretend)
+    monkeypatch.setattr(learn, "train", pretend)
     return trained
 
 

@@ -11,9 +11,9 @@ from agents.learning import configurations, learn
 def configuration():
     """Steps so large that training makes the agent worse than the law it adds to."""
     spoiling = {"n_steps": 50, "batch_size": 50, "learning_rate": 1.0}
-    return configurations.configuration(
+    return configurations.Request(
         "ppo", DEFAULT_ENV_ID, {"model": "rigid-ideal"}, 0, 1, 100, spoiling, residual=0.5, landings=2
-    )
+    ).configuration()
 
 
 @pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")
@@ -37,10 +37,10 @@ def test_a_training_that_spoils_the_agent_keeps_it_as_it_was_and_so_does_one_tha
     first, second = tmp_path / "first", tmp_path / "second"
     for folder in (first, second):
         folder.mkdir()
-    learn.train(configuration(), first, progress=False, threads=1)
+    learn.train(learn.Training(configuration(), first, progress=False, threads=1))
     with np.load(first / "evaluations.npz") as history:
         before, after = history["results"].mean(axis=1)
     assert after < before
     assert runs.algorithm("ppo").load(first / runs.POLICY).num_timesteps == 0
-    learn.train(configurations.resumed_configuration(first), second, first, progress=False, threads=1)
+    learn.train(learn.Training(configurations.resumed_configuration(first), second, first, progress=False, threads=1))
     assert (second / runs.POLICY).read_bytes() == (first / runs.POLICY).read_bytes()

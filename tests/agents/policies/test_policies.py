@@ -7,7 +7,7 @@ import onnxruntime
 import pytest
 
 from agents import shipped
-from agents.comparison.controllers import load_controller
+from agents.comparison.controllers import parse_controller
 from agents.comparison.suites import MODEL, SUITES
 from agents.environments import episode_seeds, make_env
 from agents.rollout import run_episode
@@ -35,7 +35,7 @@ def deploy(name, controller, episode=0):
     env = make_env(description.env_id, {**description.env_kwargs, **MODEL})
     seen = []
     seed = episode_seeds("evaluation", 2, EPISODES)[episode]
-    figures = run_episode(env, load_controller(controller, env), seed, lambda step: seen.append(step.observation))
+    figures = run_episode(env, parse_controller(controller).load(env), seed, lambda step: seen.append(step.observation))
     state = env.unwrapped.simulation.state
     return Deployment(np.array(seen, np.float32), figures, state.wear_journal.sum() + state.wear_bearing.sum())
 
@@ -101,7 +101,7 @@ def test_the_nominal_policy_lands_more_softly_than_its_law_at_a_hundredth_of_the
 
     def mean_cost(controller):
         env = make_env(description.env_id, {**description.env_kwargs, **MODEL, "elements": 4})
-        law = load_controller(controller, env)
+        law = parse_controller(controller).load(env)
         return -np.mean([run_episode(env, law, seed)["return"] for seed in episode_seeds("evaluation", 0, 12)])
 
     usual = mean_cost("ppo-nominal")

@@ -12,7 +12,8 @@ from trained import QUICK, TRAINED, random_observations
 from agents import export, runs, shipped
 from agents.environments import make_env
 from agents.laws import baselines
-from agents.laws.baselines import make_baseline, read_parameters
+from agents.laws.baselines import make_baseline
+from agents.laws.servo import ServoParameters
 from agents.learning.features import LIMIT, whole_motion
 from agents.rollout import run_episode
 from agents.shipped import Layer, PolicyNetwork, load_shipped
@@ -76,7 +77,7 @@ def test_a_residual_is_added_to_its_law_with_the_parameters_that_it_was_shipped_
     residual = policy.description.residual
     assert residual == runs.read_config(finished["residual"][0])["residual"]
     env = make_env(policy.description.env_id, policy.description.env_kwargs)
-    servo = make_baseline("servo", env, read_parameters("servo", residual["parameters"]))
+    servo = make_baseline("servo", env, ServoParameters.from_json(residual["parameters"]))
     observations = random_observations(100)
     expected = servo.predict(observations)[0] + residual["scale"] * policy.network.predict(observations)[0]
     np.testing.assert_allclose(policy.predict(observations)[0], np.clip(expected, -1.0, 1.0), rtol=0.0, atol=1e-6)

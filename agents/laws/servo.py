@@ -1,0 +1,80 @@
+"""Feedback that makes the opening follow a velocity profile."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from agents.laws.opening import LOCK_ANGLES, weighted_opening
+from agents.torque_laws import LawParameters, TunableLaw, bounded
+
+RESERVE = 0.5  # time before the deadline by which the profile ends [s]
+LEAST_TIME = 0.1  # shortest time in which the profile covers the rest of the opening [s]
+
+
+@dataclass(frozen=True)
+class ServoParameters(LawParameters):
+    """Parameters of `VelocityProfileServo`.
+
+    Opening is measured in units of the lock angle (0 folded, 1 locked), opening rates in 1/s.
+
+    Attributes:
+        cruise_rate: Opening rate of the profile far from latching [1/s].
+        latch_rate: Opening rate of the profile at the lock angle [1/s].
+        deceleration: Deceleration of the profile ahead of the lock angle [1/s^2].
+        gain: Torque per opening-rate error [N m s].
+        joint_2_weight: Share of joint 2 in the opening that follows the profile; joint 1 has the rest.
+        difference_damping: Torque on joint 1 against the opening-rate difference of the joints, which the
+            cable loop makes oscillate [N m s].
+        postlock_damping: Torque per rate of joint 1 after the last latch [N m s/rad].
+        postlock_stiffness: Torque from then on per angle of joint 1 off its lock angle [N m/rad]: a latched joint
+            still has play, which the array would swing across.
+        smoothing: Share of the motor torque that is kept from one control period to the next: a low-pass filter. The
+            rates shake with the panels and the journals, and a motor that has held the springs back until the last
+            latch and lets go at once has them throw the array across the play.
+    """
+
+    cruise_rate: float = bounded(0.08, 0.05, 0.2)
+    latch_rate: float = bounded(0.015, 0.001, 0.06)
+    deceleration: float = bounded(0.004, 0.0005, 0.02)
+    gain: float = bounded(20.0, 1.0, 80.0)
+    joint_2_weight: float = bounded(0.5, 0.0, 1.0)
+    difference_damping: float = bounded(0.0, 0.0, 40.0)
+    postlock_damping: float = bounded(0.0, 0.0, 10.0)
+    postlock_stiffness: float = bounded(0.0, 0.0, 20.0)
+    smoothing: float = bounded(0.0, 0.0, 0.95)
+
+
+class VelocityProfileServo(TunableLaw[ServoParameters]):
+    """Feedback that makes the opening follow a velocity profile which slows down towards latching.
+
+    The profile is the one of constant deceleration, `min(cruise, sqrt(latch^2 + 2 deceleration (1 - s)))` over
+    the opening `s`, but never slower than reaching the lock angle `RESERVE` ahead of the deadline takes.
+    Joint 2 reaches its lock angle through the cable loop, not with joint 1; a profile for joint 1 alone does not lower
+    the impact, so `s` weighs both. The torque is zero on the profile, and low-pass filtered.
+    """
+
+    reads = ("theta_1", "theta_2", "rate_1", "rate_2", "motor_torque", "time_to_deadline")
+    defaults = ServoParameters()
+
+    def reference_rate(self, opening: np.ndarray, time_left: np.ndarray | float = np.inf) -> np.ndarray:
+        """Return the opening rate of the profile [1/s].
+
+        Args:
+            opening: Opening in units of the lock angle, any shape.
+            time_left: Time before the deadline [s], of the same shape.
+        """
+        p = self.parameters
+        to_go = np.maximum(1.0 - opening, 0.0)
+        profile = np.minimum(p.cruise_rate, np.sqrt(p.latch_rate**2 + 2.0 * p.deceleration * to_go))
+        return np.maximum(profile, to_go / np.maximum(time_left - RESERVE, LEAST_TIME))
+
+    def _torque(self, entries: Mapping[str, np.ndarray], all_latched: np.ndarray) -> np.ndarray:
+        p = self.parameters
+        opening, rate, difference = weighted_opening(entries, p.joint_2_weight)
+        time_left = self._signals.deadline * entries["time_to_deadline"]
+        deploying = p.gain * (self.reference_rate(opening, time_left) - rate) - p.difference_damping * difference
+        off_lock = LOCK_ANGLES[0] * (entries["theta_1"] - 1.0)
+        holding = -p.postlock_damping * entries["rate_1"] - p.postlock_stiffness * off_lock
+        now = self._signals.torque_limit * entries["motor_torque"]
+        return p.smoothing * now + (1.0 - p.smoothing) * np.where(all_latched, holding, deploying)

@@ -1,0 +1,126 @@
+"""Models of Stable-Baselines3: a fresh one for a configuration, and one as a run has left it."""
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.buffers import NStepReplayBuffer
+from stable_baselines3.common.noise import OrnsteinUhlenbeckActionNoise
+from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
+from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
+from stable_baselines3.common.policies import ActorCriticPolicy
+from stable_baselines3.common.utils import LinearSchedule
+from stable_baselines3.common.vec_env import VecEnv, VecNormalize
+
+from agents import runs
+from agents.environments import episode_seeds
+from agents.learning.configurations import Configuration
+from agents.learning.features import DriveFeatures, Features
+from agents.learning.optimizers import SlowedAdam, slow_actor
+
+NOISE_PERIODS = 100
+"""Control periods over which the noise of TD3 is correlated."""
+
+
+def make_model(config: Configuration, venv: VecEnv, features: Features, device: str = "cpu") -> BaseAlgorithm:
+    """Make a fresh model on `venv` with normalised rewards, whose networks see `features`.
+
+    An agent that adds to a law begins with nothing to add: the last layer of its actor is zero (T. Silver et al.,
+    Residual Policy Learning, 2018, arXiv:1812.06298). That layer has no bias: where its features are zero, exploration
+    noise is almost zero, any bias would be most improbable, and the bias's gradient would exceed all others.
+    """
+    hyperparameters = dict(config.hyperparameters)
+    hyperparameters["policy_kwargs"] = {
+        **hyperparameters.get("policy_kwargs", {}),
+        "features_extractor_class": DriveFeatures,
+        "features_extractor_kwargs": {"features": features},
+    }
+    actor_rate = hyperparameters.pop("actor_learning_rate", None)
+    if actor_rate is not None:
+        hyperparameters["policy_kwargs"]["optimizer_class"] = SlowedAdam
+    noise = hyperparameters.pop("exploration_noise", None)
+    if noise is not None:
+        n_actions = venv.action_space.shape[0]  # type: ignore[index]
+        # White noise would shake the latched array rather than explore: this one forgets as slowly as gSDE's does.
+        forgetting = 1.0 / NOISE_PERIODS
+        spread = np.full(n_actions, noise * math.sqrt(2.0 * forgetting))
+        hyperparameters["action_noise"] = OrnsteinUhlenbeckActionNoise(np.zeros(n_actions), spread, forgetting, dt=1.0)
+    gamma = hyperparameters.get("gamma", 0.99)
+    normalized = VecNormalize(venv, norm_obs=False, gamma=gamma)
+    seed = episode_seeds("training", config.seed, 1)[0]
+    cls: Any = runs.algorithm(config.algo)
+    # Returns scatter so much that steps of constant size would end in a random walk. The rate given is that of the
+    # first update, which PPO makes at the end of the first rollout; after the last update it would be zero.
+    rate, step = hyperparameters["learning_rate"], 0.0
+    if issubclass(cls, OnPolicyAlgorithm):
+        step = rate / math.ceil(config.timesteps / (config.n_envs * hyperparameters["n_steps"]))
+    else:
+        _use_n_step_returns(hyperparameters, gamma)
+    hyperparameters["learning_rate"] = LinearSchedule(rate + step, step, 1.0)
+    model = cls("MlpPolicy", normalized, seed=seed, device=device, **hyperparameters)
+    if actor_rate is not None:
+        slow_actor(model, actor_rate / rate if rate else 0.0)
+    if config.residual:
+        for layer in _actor_layers(model):
+            torch.nn.init.zeros_(layer.weight)
+            torch.nn.init.zeros_(layer.bias)
+        _freeze_bias(model)
+    return model
+
+
+def _use_n_step_returns(hyperparameters: dict[str, Any], gamma: float) -> None:
+    """Name the replay buffer that "n_steps" asks for, without which Stable-Baselines3 warns when it loads."""
+    n_steps = hyperparameters.pop("n_steps", 1)
+    if n_steps > 1:
+        hyperparameters["replay_buffer_class"] = NStepReplayBuffer
+        hyperparameters["replay_buffer_kwargs"] = {"n_steps": n_steps, "gamma": gamma}
+
+
+def _actor_layers(model: BaseAlgorithm) -> list[torch.nn.Linear]:
+    """Return the last layer of the actor, and that of its target where there is one."""
+    policy: Any = model.policy
+    actors = [policy.action_net] if isinstance(policy, ActorCriticPolicy) else [policy.actor.mu]
+    if hasattr(policy, "actor_target"):
+        actors.append(policy.actor_target.mu)
+    return [[layer for layer in actor.modules() if isinstance(layer, torch.nn.Linear)][-1] for actor in actors]
+
+
+def _freeze_bias(model: BaseAlgorithm) -> None:
+    """Keep the bias of the actor's last layer from learning, which a saved model does not remember."""
+    for layer in _actor_layers(model):
+        layer.bias.requires_grad_(False)
+
+
+def load_checkpoint(config: Configuration, folder: str | Path, venv: VecEnv, device: str = "cpu") -> BaseAlgorithm:
+    """Load the model that the run in `folder` left, with optimiser, step count, normalisation and replay buffer.
+
+    Random number generators are not part of it: a resumed run gets new training episodes, and so does not
+    repeat an uninterrupted one bit by bit. Load only runs you trust: the files are pickles.
+
+    Raises:
+        FileNotFoundError: The run left no checkpoint.
+    """
+    checkpoint = Path(folder) / runs.CHECKPOINT
+    if not (checkpoint / "model.zip").is_file():
+        raise FileNotFoundError(f"{folder} has no checkpoint to resume from; start a new run")
+    normalized = VecNormalize.load(str(checkpoint / "vecnormalize.pkl"), venv)
+    model = runs.algorithm(config.algo).load(checkpoint / "model.zip", env=normalized, device=device)
+    if config.residual:
+        _freeze_bias(model)
+    if isinstance(model, OffPolicyAlgorithm):
+        model.load_replay_buffer(checkpoint / "replay_buffer.pkl")
+        _end_last_episodes(model)
+    # One seed an environment and segment, all within the run's own training block.
+    first = config.segments * config.n_envs
+    model.set_random_seed(episode_seeds("training", config.seed, first + 1)[first])
+    return model
+
+
+def _end_last_episodes(model: OffPolicyAlgorithm) -> None:
+    """Mark the last transitions as truncated: the next ones begin new episodes, not the rest of these."""
+    buffer: Any = model.replay_buffer
+    last = buffer.pos - 1
+    buffer.timeouts[last] = np.logical_or(buffer.timeouts[last], buffer.dones[last] == 0)

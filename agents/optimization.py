@@ -1,0 +1,50 @@
+"""Minimisation over the unit cube by CMA-ES."""
+
+from collections.abc import Callable, Sequence
+
+import cma
+import numpy as np
+from rich.console import Console
+
+from solar_env.support.progress import counting_bar
+
+
+def minimise(
+    objective: Callable[[Sequence[np.ndarray]], Sequence[float]],
+    start: np.ndarray,
+    points: int,
+    seed: int,
+    progress: bool = True,
+    spread: float = 0.25,
+) -> list[np.ndarray]:
+    """Minimise a noisy objective over the unit cube by CMA-ES (N. Hansen, 2016, arXiv:1604.00772).
+
+    Args:
+        objective: Maps the points of a generation, each (n,) in [0, 1], to their costs.
+        start: Point (n,) to start from.
+        points: Budget of points, spent in whole generations.
+        seed: Seed of the search.
+        progress: Show a progress bar.
+        spread: Standard deviation of the first generation in each direction.
+
+    Returns:
+        The start, the best point seen, and the final mean of the search distribution.
+
+    Raises:
+        ValueError: The budget holds no generation; nothing has been simulated then.
+    """
+    # Left to itself pycma draws from NumPy's global generator, which a training in between seeds anew.
+    normal = np.random.RandomState(seed + 1).randn
+    options = {"bounds": [0, 1], "seed": np.nan, "randn": normal, "verbose": -9}
+    search = cma.CMAEvolutionStrategy(start, spread, options)
+    generations = points // search.popsize
+    if generations < 1:
+        raise ValueError(f"a budget of {points} points holds no generation; give at least {search.popsize}")
+    with counting_bar(Console(stderr=True, quiet=not progress)) as bar:
+        task = bar.add_task("points", total=generations * search.popsize)
+        for _ in range(generations):
+            asked = search.ask()
+            costs = list(objective(asked))
+            search.tell(asked, costs)
+            bar.update(task, advance=len(asked), description=f"points, best of the last {min(costs):.4g}")
+    return [np.asarray(start), search.result.xbest, search.result.xfavorite]

@@ -1,0 +1,131 @@
+"""The card of a policy: its training, scores, limits and use, in Markdown."""
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from agents.policies.policy import ShippedPolicy
+from solar_env.environment.hardware import Hardware
+
+
+def card(name: str, config: dict[str, Any], policy: ShippedPolicy, env: Any, scores: str, difference: float) -> str:
+    """Write the card of a policy.
+
+    Args:
+        name: Name of the policy.
+        config: Configuration of its run, as `agents.runs.read_config` returns it.
+        policy: The policy.
+        env: Environment that it was trained on, unwrapped.
+        scores: Table of its scores, in Markdown.
+        difference: Greatest difference of its actions from those of Stable-Baselines3.
+    """
+    parts = [
+        f"# {name}\n\nA controller of the root hinge's motor for `{config['env_id']}`, trained by "
+        f"{config['algo'].upper()} from Stable-Baselines3.",
+        _training(config, policy, env),
+        f"## Scores\n\n{scores}",
+        _limits(policy, env),
+        _use(name, policy, difference),
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def _training(config: dict[str, Any], policy: ShippedPolicy, env: Any) -> str:
+    sizes = [policy.network.inputs, *(layer.biases.size for layer in policy.network.layers)]
+    hidden = f"{policy.network.activation} between the others" if len(sizes) > 3 else "the action is linear in them"
+    steps = f"{config['timesteps']:,}"
+    if config["resumed_from"]:
+        steps += f", on top of {config['timesteps_before']:,} of `{config['resumed_from']}`"
+    facts = {
+        "algorithm": config["algo"],
+        "environment": f"`{config['env_id']}` with `{json.dumps(config['env_kwargs'])}`",
+        "model": env.model + (f", {env.elements} elements a panel" if env.model.startswith("flexible") else ""),
+        "scenario": f"{env.scenario}; drawn for every episode: {_ranges(env.randomize)}",
+        "sensors and motor": _imperfections(env.hardware),
+        "environment steps": steps,
+        "environments together": config["n_envs"],
+        "seed": config["seed"],
+        "network": f"{' - '.join(map(str, sizes))}; the first layer is not learned: features of the observation, "
+        f"clipped to {policy.network.feature_limit} and gated; {hidden}",
+        "action": _formula(policy.description.residual),
+        "versions": ", ".join(
+            f"{name} {version}" for name, version in config["versions"].items() if name != "platform"
+        ),
+    }
+    rows = "\n".join(f"| {fact} | {value} |" for fact, value in facts.items())
+    return (
+        f"## Training\n\n| | |\n|---|---|\n{rows}\n\nCommand:\n\n```\n{config['command']}\n```\n\n"
+        f"Hyperparameters:\n\n```json\n{json.dumps(config['hyperparameters'], indent=2)}\n```\n\n"
+        "Kept is the policy that did best in the validations along the way."
+    )
+
+
+def _ranges(ranges: Mapping[str, Any]) -> str:
+    return ", ".join(f"`{name}` from {low} to {high}" for name, (low, high) in ranges.items()) or "nothing"
+
+
+def _imperfections(hardware: Hardware) -> str:
+    ideal = vars(Hardware())
+    return ", ".join(f"`{name}` {value}" for name, value in vars(hardware).items() if value != ideal[name]) or "ideal"
+
+
+def _formula(residual: Mapping[str, Any] | None) -> str:
+    if residual is None:
+        return "the network's"
+    return (
+        f"clip({residual['law']} + {residual['scale']} network, -1, 1); the law's parameters, which this policy keeps: "
+        f"`{json.dumps(residual['parameters'])}`"
+    )
+
+
+def _limits(policy: ShippedPolicy, env: Any) -> str:
+    task, names = env.task, policy.description.observation_names
+    lines = [
+        "Trained on the model, scenario, draws, sensors and motor above, with a control period of "
+        f"{task.control_period} s, a deadline of {task.deadline} s and {task.postlock_window} s after the last latch. "
+        "Do not trust it with models, parameters, initial states, sensors, motors or periods on which neither training "
+        "nor the scores above have tried it.",
+        f"It expects these {len(names)} entries in this order, in the units of the environment: "
+        f"{', '.join(f'`{name}`' for name in names)}. An action of 1 is a motor torque of {task.torque_limit} N m.",
+        "It is one training seed of one algorithm, which says little about the algorithm, and chosen on simulated "
+        "episodes of a planar array. It has driven no hardware, and nothing about its stability is proved.",
+    ]
+    return "## Limits\n\n" + "\n".join(f"* {line}" for line in lines)
+
+
+def _use(name: str, policy: ShippedPolicy, found: float) -> str:
+    alone = ""
+    if policy.description.residual is not None:
+        alone = (
+            ' **The file holds the network alone**: what drives the motor is the sum with the law, see "action" above, '
+            "which the NumPy form adds up."
+        )
+    return f"""## Use
+
+In NumPy, without PyTorch; nothing is unpickled. Along a deployment and over random observations its network's actions,
+and those of the ONNX form, differ by up to {found:.1e} from Stable-Baselines3's. With clearance even that changes
+single impacts: compare means over episodes.
+
+```python
+from agents.environments import make_env
+from agents.rollout import run_episode
+from agents.shipped import load_shipped
+
+policy = load_shipped("{name}")
+env = make_env(policy.description.env_id, policy.description.env_kwargs)
+policy.check(env)
+print(run_episode(env, policy, seed=0))
+```
+
+In ONNX Runtime, from observations (n, {policy.network.inputs}) to actions (n, 1).{alone}
+
+```python
+import numpy
+import onnxruntime
+from agents.shipped import ONNX, SHIPPED
+
+session = onnxruntime.InferenceSession(SHIPPED / "{name}" / ONNX)
+observations = numpy.zeros((1, {policy.network.inputs}), dtype=numpy.float32)
+(actions,) = session.run(["action"], {{"observation": observations}})
+print(actions)
+```"""

@@ -1,0 +1,85 @@
+"""The network of a policy as an ONNX model, and its parity with the model that the network comes from."""
+
+from typing import Any
+
+import numpy as np
+
+try:
+    import onnxruntime
+    from onnx import TensorProto, checker, helper, numpy_helper
+except ImportError as missing:
+    raise ImportError("exporting needs ONNX and its runtime; pip install 'solar-env[onnx]'") from missing
+
+from agents.policies.network import Layer, PolicyNetwork
+from agents.torque_laws import Controller
+
+OPSET = 17
+IR_VERSION = 8  # the one that came with the opset, so that runtimes as old as the opset read the file
+ONNX_OPERATORS = {"relu": "Relu", "tanh": "Tanh"}
+
+
+def onnx_model(network: PolicyNetwork) -> Any:
+    """Build the network as an `onnx.ModelProto`: "observation" (n, inputs) to "action" (n, outputs), both float32."""
+    nodes, constants = [], []
+
+    def constant(name: str, value: Any, precision: type[np.floating] = np.float32) -> str:
+        constants.append(numpy_helper.from_array(np.asarray(value, dtype=precision), name))
+        return name
+
+    def node(operator: str, inputs: list[str], output: str, **attributes: Any) -> str:
+        nodes.append(helper.make_node(operator, inputs, [output], **attributes))
+        return output
+
+    seen = node("Cast", ["observation"], "observation_in_double_precision", to=TensorProto.DOUBLE)
+
+    def clipped_sum(name: str, layer: Layer, low: float, high: float) -> str:
+        weights, biases = (constant(f"{part}_{name}", getattr(layer, part), np.float64) for part in layer._fields)
+        limits = [constant(f"least_{name}", low, np.float64), constant(f"greatest_{name}", high, np.float64)]
+        return node("Clip", [node("Gemm", [seen, weights, biases], f"sum_{name}", transB=1), *limits], name)
+
+    ungated = clipped_sum("ungated_features", network.layers[0], -network.feature_limit, network.feature_limit)
+    gated = node("Mul", [ungated, clipped_sum("gates", network.gates, 0.0, 1.0)], "features_in_double_precision")
+    values = node("Cast", [gated], "features", to=TensorProto.FLOAT)
+    for number, layer in enumerate(network.layers[1:], start=2):
+        weights, biases = constant(f"weights_{number}", layer.weights), constant(f"biases_{number}", layer.biases)
+        values = node("Gemm", [values, weights, biases], f"sum_{number}", transB=1)
+        if number < len(network.layers):
+            values = node(ONNX_OPERATORS[network.activation], [values], f"hidden_{number}")
+    if network.mean_limit is not None:
+        limits = [constant("least_mean", -network.mean_limit), constant("greatest_mean", network.mean_limit)]
+        values = node("Clip", [values, *limits], "limited_mean")
+    if network.output == "tanh":
+        node("Tanh", [values], "action")
+    else:
+        node("Clip", [values, constant("least_action", -1.0), constant("greatest_action", 1.0)], "action")
+
+    graph = helper.make_graph(
+        nodes,
+        "policy",
+        [helper.make_tensor_value_info("observation", TensorProto.FLOAT, ["n", network.inputs])],
+        [helper.make_tensor_value_info("action", TensorProto.FLOAT, ["n", network.outputs])],
+        constants,
+    )
+    model = helper.make_model(
+        graph, opset_imports=[helper.make_opsetid("", OPSET)], ir_version=IR_VERSION, producer_name="solar-env"
+    )
+    checker.check_model(model, full_check=True)
+    return model
+
+
+def difference(network: PolicyNetwork, onnx_bytes: bytes, model: Controller, observations: np.ndarray) -> float:
+    """Return the greatest difference of the actions of a network, and of its ONNX form, from those of their model.
+
+    Args:
+        network: Network that `network_of` extracted from the model.
+        onnx_bytes: Its ONNX form.
+        model: Model of Stable-Baselines3.
+        observations: Observations (n, entries), tried together and one by one.
+    """
+    session = onnxruntime.InferenceSession(onnx_bytes)
+    found = []
+    for batch in (observations, *observations[:, None]):
+        expected, _ = model.predict(batch, deterministic=True)
+        for actions in (network.act(batch), session.run(["action"], {"observation": batch})[0]):
+            found.append(np.max(np.abs(actions - expected)))
+    return float(np.max(found))

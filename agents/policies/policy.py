@@ -1,0 +1,100 @@
+"""A trained policy with the description of its training, as a controller."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import gymnasium
+import numpy as np
+
+from agents.laws.residual import ResidualController
+from agents.policies.network import PolicyNetwork
+from agents.torque_laws import Controller, DeterministicController, Signals
+
+
+@dataclass(frozen=True)
+class Description:
+    """Content of `policy.json`: all of a shipped policy but the network's arrays.
+
+    Attributes:
+        algorithm: ppo, sac or td3.
+        feature_limit: See `PolicyNetwork`.
+        activation: See `PolicyNetwork`.
+        output: See `PolicyNetwork`.
+        mean_limit: See `PolicyNetwork`.
+        training_steps: Environment steps of its training, with those of the runs that it was resumed from.
+        env_id: Environment that it was trained on.
+        env_kwargs: Keywords of that environment.
+        observation_names: Name of every entry, in order.
+        torque_limit: Motor torque of a unit action [N m].
+        deadline: Unit of the observed time [s].
+        control_period: Time for which an action is held [s].
+        postlock_window: Unit of the observed time since the last latch [s].
+        residual: {"law": name in `agents.laws.table.TUNABLE`, "parameters": those of the law, "tuning_episodes": their
+            cost, "scale": share of the torque limit}; the action is then `clip(law + scale * network, -1, 1)`. None:
+            the action is the network's.
+    """
+
+    algorithm: str
+    feature_limit: float
+    activation: str
+    output: str
+    mean_limit: float | None
+    training_steps: int
+    env_id: str
+    env_kwargs: dict[str, Any]
+    observation_names: tuple[str, ...]
+    torque_limit: float
+    deadline: float
+    control_period: float
+    postlock_window: float
+    residual: dict[str, Any] | None
+
+    @property
+    def signals(self) -> Signals:
+        """Names and units of the environment that it was trained on."""
+        return Signals(
+            self.observation_names, self.torque_limit, self.deadline, self.control_period, self.postlock_window
+        )
+
+
+class ShippedPolicy(DeterministicController):
+    """A trained policy as a controller: the network's action, added to that of a torque law where it was trained so.
+
+    Args:
+        network: Network of the policy.
+        description: Its training, and the law that it adds to.
+
+    Raises:
+        ValueError: The network does not fit the observation or the action, or the law or one of its parameters is
+            unknown.
+    """
+
+    def __init__(self, network: PolicyNetwork, description: Description) -> None:
+        names = description.observation_names
+        if network.inputs != len(names):
+            raise ValueError(
+                f"layer 1: weights have shape {network.layers[0].weights.shape}; expected {len(names)} inputs, one for "
+                f"each of the observation's {', '.join(names)}"
+            )
+        if network.outputs != 1:
+            raise ValueError(
+                f"layer {len(network.layers)}: there are {network.outputs} outputs; expected 1, the torque"
+            )
+        self.network = network
+        self.description = description
+        residual = description.residual
+        self._controller: Controller = (
+            ResidualController(network, residual, description.signals) if residual else network
+        )
+
+    def act(self, observation: np.ndarray) -> np.ndarray:
+        """Map observations (n_obs,) or (n, n_obs) to actions (1,) or (n, 1); see `PolicyNetwork.act`."""
+        return self._controller.predict(observation, deterministic=True)[0]
+
+    def check(self, env: gymnasium.Env) -> None:
+        """Refuse an environment whose observations or actions have another meaning than in training.
+
+        Raises:
+            ValueError: As `Signals.check`.
+        """
+        self.description.signals.check(env, f"{self.description.env_id} with {self.description.env_kwargs}")

@@ -1,0 +1,205 @@
+"""Agents learn as their configuration says: at which rate, with which noise, and from which beginning."""
+
+from dataclasses import asdict, replace
+
+import numpy as np
+import pytest
+import torch
+from stable_baselines3.common.logger import Logger
+from training import RIGID, run
+
+from agents import runs
+from agents.comparison.suites import SUITES
+from agents.environments import make_env
+from agents.laws.baselines import load_parameters, make_baseline
+from agents.laws.open_loop import OpenLoopParameters, OpenLoopTorque
+from agents.laws.residual import ResidualController
+from agents.learning import configurations, learn
+from agents.torque_laws import Signals
+
+pytestmark = pytest.mark.usefixtures("few_validation_episodes")
+
+
+@pytest.mark.parametrize("law", ["servo", "soft-start"])
+def test_a_residual_agent_starts_as_the_law_it_adds_to_and_the_run_keeps_that_law(tmp_path, law):
+    small = ["--timesteps", 20, "--n-envs", 1, "--hyperparams", "n_steps=10", "batch_size=10", "learning_rate=0.0"]
+    folder = run(*RIGID, "--residual", 0.3, "--law", law, "--landings", 4, *small, "--out", tmp_path / "run")
+    residual = runs.read_config(folder)["residual"]
+    env = make_env()
+    assert residual["law"] == law
+    assert residual["scale"] == 0.3
+    assert residual["parameters"] == runs.jsonable(
+        asdict(load_parameters(law, "solar_env/Deploy-v0", "rigid-clearance"))
+    )
+    observations = env.observation_space.sample()[None] * np.linspace(0.0, 1.0, 20)[:, None].astype(np.float32)
+    base = make_baseline(law, env).predict(observations)[0]
+    assert np.array_equal(runs.load_policy(folder, env).predict(observations, deterministic=True)[0], base)
+    trained = ResidualController(
+        OpenLoopTorque(Signals.of(env), OpenLoopParameters((0.2,) * 16)), residual, Signals.of(env)
+    )
+    np.testing.assert_allclose(trained.predict(observations)[0], np.clip(base + 0.3 * 0.4, -1.0, 1.0), atol=1e-6)
+
+
+@pytest.mark.parametrize("algo", ["ppo", "sac", "td3"])
+def test_a_fresh_agent_adds_nothing_to_a_law_but_is_not_held_back_without_one(algo):
+    small = {"batch_size": 300} if algo == "ppo" else {"buffer_size": 100}
+    config = configurations.Request(
+        algo, "solar_env/Deploy-v0", {}, 0, n_envs=1, hyperparameters=small, residual=0.2, landings=4
+    ).configuration()
+    venv = learn.make_training_env(config, [], None, threads=1)
+    space = venv.observation_space
+    observations = np.random.default_rng(0).uniform(space.low, space.high, (2000, *space.shape)).astype(np.float32)
+    without = replace(config, residual=None)
+    added, whole = (
+        learn.make_model(c, venv, learn.prepare(c)[0]).predict(observations, deterministic=True)[0]
+        for c in (config, without)
+    )
+    assert not added.any()
+    assert whole.any()
+
+
+@pytest.mark.parametrize("algo", ["ppo", "sac", "td3"])
+def test_an_agent_adds_nothing_to_a_law_where_it_has_no_features_however_long_it_trains(tmp_path, algo):
+    few = {"train_freq": 50, "gradient_steps": 2, "buffer_size": 2000, "batch_size": 32}
+    small = {"batch_size": 100, "n_steps": 300} if algo == "ppo" else few
+    config = configurations.Request(
+        algo, "solar_env/Deploy-v0", {}, 0, n_envs=1, timesteps=600, hyperparameters=small, residual=0.3, landings=4
+    ).configuration()
+    learn.train(learn.Training(config, tmp_path, progress=False))
+    venv = learn.make_training_env(config, [], None, threads=1)
+    resumed = learn.load_checkpoint(config, tmp_path, venv)
+    resumed.learn(600)
+    before = runs.algorithm(algo).load(tmp_path / "checkpoint" / "model.zip")
+    folded = np.zeros((1, *venv.observation_space.shape), dtype=np.float32)
+    latched = np.ones_like(folded)
+    latched[:, venv.get_attr("observation_names", 0)[0].index("time_since_latch")] = 0.0
+    for agent in (before, resumed):
+        assert not agent.predict(folded, deterministic=True)[0].any()
+        assert agent.predict(latched, deterministic=True)[0].any()
+
+
+def test_the_learning_rate_of_ppo_falls_from_update_to_update_and_none_is_without_effect():
+    rollouts = {"n_steps": 50, "batch_size": 50, "learning_rate": 1e-3}
+    quick = {"model": "rigid-ideal"}
+    config = configurations.Request(
+        "ppo", "solar_env/Deploy-v0", quick, 0, 2, 400, rollouts, residual=0.0
+    ).configuration()
+    model = learn.make_model(config, learn.make_training_env(config, [], None, threads=1), learn.prepare(config)[0])
+    used = []
+    update = model.train
+    model.train = lambda: (update(), used.append(model.policy.optimizer.param_groups[0]["lr"]))
+    model.learn(config.timesteps)
+    assert used == pytest.approx([1e-3, 0.75e-3, 0.5e-3, 0.25e-3])
+
+
+@pytest.mark.parametrize("algo", ["sac", "td3"])
+def test_agents_with_a_replay_buffer_learn_from_returns_over_many_periods_and_ever_more_slowly(algo, tmp_path):
+    small = {"batch_size": 32, "buffer_size": 2000, "learning_rate": 1e-3, "n_steps": 7}
+    small |= {"train_freq": 20, "gradient_steps": 2}
+    config = configurations.Request(
+        algo, "solar_env/Deploy-v0", {}, 0, 1, 40, small, residual=0.3, landings=1
+    ).configuration()
+    learn.train(learn.Training(config, tmp_path, progress=False))
+    resumed = learn.load_checkpoint(config, tmp_path, learn.make_training_env(config, [], None, threads=1))
+    assert (resumed.replay_buffer.n_steps, resumed.replay_buffer.gamma) == (7, config.hyperparameters["gamma"])
+    assert [resumed.lr_schedule(left) for left in (1.0, 0.5, 0.0)] == pytest.approx([1e-3, 0.5e-3, 0.0])
+
+
+@pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")
+@pytest.mark.parametrize("algo", ["sac", "td3"])
+def test_the_actor_learns_at_a_rate_of_its_own_in_a_resumed_run_too(algo, tmp_path):
+    small = {"batch_size": 32, "buffer_size": 2000, "learning_starts": 0, "learning_rate": 1e-2}
+    small |= {"train_freq": 100, "gradient_steps": 1, "actor_learning_rate": 1e-4}
+    small |= {"policy_delay": 1} if algo == "td3" else {}
+    made = "solar_env/Deploy-v0", {"model": "rigid-ideal"}, 0, 1
+    config = configurations.Request(algo, *made, 200, small, residual=0.3, landings=1).configuration()
+    learn.train(learn.Training(config, tmp_path, progress=False))
+    resumed = learn.load_checkpoint(config, tmp_path, learn.make_training_env(config, [], None, threads=1))
+    networks = resumed.policy.actor.mu, resumed.policy.critic
+    before = [[weights.clone() for weights in network.parameters()] for network in networks]
+    resumed.lr_schedule = lambda left: 1e-2
+    resumed.set_logger(Logger(None, []))
+    resumed.train(1, 32)
+    actor, critic = (
+        max(float((new - old).detach().abs().max()) for new, old in zip(network.parameters(), weights, strict=True))
+        for network, weights in zip(networks, before, strict=True)
+    )
+    assert 1e-5 < actor < 2e-4
+    assert 1e-3 < critic < 2e-2
+
+
+@pytest.mark.parametrize("algo", ["ppo", "sac"])
+def test_noise_on_the_weights_stays_for_a_hundred_periods(algo):
+    """Stable-Baselines3 draws it anew at the beginning of every rollout too, which for SAC can be every step."""
+    quick = {"batch_size": 300} if algo == "ppo" else {"batch_size": 32, "gradient_steps": 1}
+    config = configurations.Request(
+        algo, "solar_env/Deploy-v0", {}, 0, n_envs=1, hyperparameters=quick, residual=0.3, landings=1
+    ).configuration()
+    model = learn.make_model(config, learn.make_training_env(config, [], None, threads=1), learn.prepare(config)[0])
+    actor = model.policy if algo == "ppo" else model.actor
+    drawn = []
+    model.learn(300, callback=lambda *_: drawn.append(actor.action_dist.exploration_matrices.clone()) is None)
+    assert len(drawn) == 300
+    changes = [k for k in range(1, 300) if not torch.equal(drawn[k - 1], drawn[k])]
+    assert changes == [100, 200]
+
+
+def test_td3_explores_with_the_noise_it_is_told_which_forgets_within_a_hundred_periods():
+    quick = {"exploration_noise": 0.4, "buffer_size": 100}
+    config = configurations.Request("td3", "solar_env/Deploy-v0", {}, 0, 1, None, quick, residual=0.0).configuration()
+    model = learn.make_model(config, learn.make_training_env(config, [], None, threads=1), learn.prepare(config)[0])
+    np.random.seed(0)  # noqa: NPY002 (what Stable-Baselines3 draws from)
+    noise = np.array([model.action_noise()[0] for _ in range(200_000)])
+    assert noise.std() == pytest.approx(0.4, rel=0.1)
+    assert np.corrcoef(noise[:-100], noise[100:])[0, 1] == pytest.approx(np.exp(-1.0), abs=0.1)
+
+
+def test_one_rollout_trains_too(ppo_run):
+    config = configurations.stored_configuration(ppo_run)
+    venv = learn.make_training_env(config, [], None, threads=1)
+    fresh = learn.make_model(config, venv, learn.prepare(config)[0])
+    trained = runs.algorithm("ppo").load(ppo_run / "checkpoint" / "model.zip")
+    assert not torch.equal(fresh.policy.action_net.weight, trained.policy.action_net.weight)
+
+
+def test_the_target_actor_of_a_fresh_td3_agent_is_its_actor():
+    small = {"buffer_size": 100}
+    config = configurations.Request(
+        "td3", "solar_env/Deploy-v0", {}, 0, n_envs=1, hyperparameters=small, residual=0.2, landings=4
+    ).configuration()
+    venv = learn.make_training_env(config, [], None, threads=1)
+    policy = learn.make_model(config, venv, learn.prepare(config)[0]).policy
+    actor, target = (part.state_dict() for part in (policy.actor, policy.actor_target))
+    assert all(torch.equal(actor[name], target[name]) for name in actor)
+
+
+def test_training_takes_the_agents_action_as_an_addition_to_the_law():
+    config = configurations.Request("ppo", "solar_env/Deploy-v0", {}, seed=0, n_envs=2, residual=0.2).configuration()
+    venv = learn.make_training_env(config, [], None, threads=1)
+    plain = learn.make_training_env(replace(config, residual=None), [], None, threads=1)
+    law = make_baseline("servo", make_env())
+    venv.seed(3)
+    plain.seed(3)
+    observations = venv.reset()
+    assert np.array_equal(observations, plain.reset())
+    for k in range(12):
+        added = np.full((2, 1), np.sin(k), dtype=np.float32)
+        whole = np.clip(law.predict(observations)[0] + np.float32(0.2) * added, -1.0, 1.0)
+        observations, *_ = venv.step(added)
+        assert np.array_equal(observations, plain.step(whole)[0])
+
+
+@pytest.mark.parametrize("algo", sorted(runs.ALGORITHMS))
+@pytest.mark.parametrize("residual", [None, 0.0], ids=["added", "whole"])
+def test_there_is_a_model_for_every_configuration_of_the_randomised_scenario(algo, residual):
+    config = configurations.Request(
+        algo,
+        SUITES["robust"],
+        {"model": "rigid-clearance"},
+        seed=0,
+        residual=residual,
+        landings=2 if residual is None else None,
+    ).configuration()
+    venv = learn.make_training_env(config, [], None, threads=1)
+    model = learn.make_model(config, venv, learn.prepare(config)[0])
+    assert np.isfinite(model.predict(venv.reset(), deterministic=True)[0]).all()

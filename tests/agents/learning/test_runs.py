@@ -1,0 +1,252 @@
+"""Training runs of a few hundred steps: the folder they leave, how they repeat themselves and how they resume."""
+
+import csv
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
+from training import SMALL, run
+
+from agents import runs
+from agents.comparison.evaluation import common_env_kwargs, evaluate
+from agents.learning import configurations, learn
+from agents.learning.callbacks import DeploymentLogger
+from solar_env.array import MODELS
+from solar_env.support.campaigns import Workers
+
+pytestmark = pytest.mark.usefixtures("few_validation_episodes")
+
+
+@pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")
+@pytest.mark.parametrize("model", MODELS)
+def test_a_run_keeps_its_model_and_elements_and_is_resumed_and_evaluated_on_them(tmp_path, model):
+    quick = ["--env-kwargs", "deadline=0.5", "postlock_window=0.2", "--n-envs", "1", "--residual", 0]
+    small = ["--timesteps", 20, "--hyperparams", "n_steps=10", "batch_size=10"]
+    elements = 1 if model.startswith("flexible") else None
+    mesh = ["--elements", elements] if elements else []
+    first = run("--model", model, *mesh, *quick, *small, "--out", tmp_path / "first")
+    config = runs.read_config(first)
+    assert (config["env_kwargs"]["model"], config["env_kwargs"].get("elements")) == (model, elements)
+    assert common_env_kwargs([str(first)])["model"] == model
+    second = run("--resume", first, "--model", model, "--timesteps", 10, "--out", tmp_path / "second")
+    assert runs.read_config(second)["env_kwargs"] == config["env_kwargs"]
+    with pytest.raises(ValueError, match=f"--elements 2 contradicts the run to resume, which has {elements or 6}"):
+        run("--resume", first, "--elements", 2, "--out", tmp_path / "third")
+
+
+def policy_weights(folder):
+    model = runs.algorithm("ppo").load(folder / "checkpoint" / "model.zip")
+    return np.concatenate([weights.detach().numpy().ravel() for weights in model.policy.parameters()])
+
+
+def test_a_run_folder_holds_all_that_describes_the_run(ppo_run):
+    expected = {
+        "policy.zip",
+        "checkpoint",
+        "config.json",
+        "monitor.csv",
+        "evaluations.npz",
+        "tensorboard",
+        "episodes.csv",
+        "metrics.json",
+        "comparison.md",
+        "figure.png",
+        "timing.json",
+    }
+    assert {path.name for path in ppo_run.iterdir()} == expected
+    config = json.loads((ppo_run / "config.json").read_text())
+    assert config["hyperparameters"]["n_steps"] == 300
+    assert config["command"] == "python train.py ..."
+    assert config["versions"]["torch"]
+    metrics = json.loads((ppo_run / "metrics.json").read_text())
+    assert list(metrics["controllers"]) == ["passive", "servo-untuned", "servo", "ppo"]
+
+
+def test_the_policy_is_validated_before_it_is_trained(ppo_run):
+    with np.load(ppo_run / "evaluations.npz") as history:
+        assert history["timesteps"].tolist() == [0, 600]
+        assert history["results"].shape == (2, learn.VALIDATION_EPISODES)
+
+
+def test_the_saved_policy_reproduces_the_evaluation_of_the_run(ppo_run):
+    with (ppo_run / "episodes.csv").open() as file:
+        written = [row for row in csv.DictReader(file) if row["controller"] == "ppo"]
+    again = evaluate([str(ppo_run)], episodes=2, seed=0, progress=False)
+    assert [float(row["return"]) for row in written] == [row["return"] for row in again]
+
+
+def test_the_log_has_reward_terms_and_physical_figures(ppo_run):
+    log = EventAccumulator(str(ppo_run / "tensorboard"))
+    log.Reload()
+    tags = set(log.Tags()["scalars"])
+    assert {"deployment/peak_postlock_force_N", "deployment/postlock_sliding_work_J"} <= tags
+    assert {"deployment/latch_times_s", "eval/mean_reward"} <= tags
+    terms = [f"episode/reward_{name}" for name in ("peak_impact", "wear", "missed_deadline")]
+    for event in zip(log.Scalars("episode/return"), *map(log.Scalars, terms), strict=True):
+        total, *parts = (point.value for point in event)
+        assert total == pytest.approx(sum(parts), rel=1e-5)
+
+
+def test_the_same_seed_trains_the_same_policy_and_another_seed_another(ppo_run, tmp_path):
+    same = run("--timesteps", 600, "--out", tmp_path / "same", *SMALL["ppo"])
+    other = run("--timesteps", 600, "--out", tmp_path / "other", "--seed", 1, *SMALL["ppo"])
+    np.testing.assert_array_equal(policy_weights(ppo_run), policy_weights(same))
+    assert not np.array_equal(policy_weights(ppo_run), policy_weights(other))
+
+
+def test_several_seeds_are_trained_side_by_side_each_as_alone_and_only_once(ppo_run, tmp_path):
+    arguments = ["--timesteps", 600, "--seeds", 0, 1, "--jobs", 2, "--out", tmp_path, *SMALL["ppo"]]
+    assert run(*arguments) == tmp_path
+    np.testing.assert_array_equal(policy_weights(tmp_path / "seed-0"), policy_weights(ppo_run))
+    assert not np.array_equal(policy_weights(tmp_path / "seed-1"), policy_weights(ppo_run))
+    metrics = json.loads((tmp_path / "metrics.json").read_text())
+    assert metrics["controllers"]["ppo"]["runs"] == 2
+    written = (tmp_path / "seed-1" / "timing.json").stat().st_mtime_ns
+    (tmp_path / "seed-0" / "timing.json").unlink()  # as if it had been interrupted
+    run(*arguments)
+    assert (tmp_path / "seed-0" / "timing.json").is_file()
+    assert (tmp_path / "seed-1" / "timing.json").stat().st_mtime_ns == written
+    (tmp_path / "seed-1" / "timing.json").unlink()
+    with pytest.raises(ValueError, match="seed-1 holds a run with another configuration"):
+        run("--timesteps", 600, "--seeds", 1, 0, "--out", tmp_path, *SMALL["ppo"], "learning_rate=0.5")
+    assert (tmp_path / "seed-1" / "policy.zip").is_file(), "what was interrupted is not removed before all is checked"
+
+
+def test_the_time_of_a_run_is_told_apart(ppo_run):
+    timing = json.loads((ppo_run / "timing.json").read_text())
+    parts = [timing[name] for name in ("preparing_s", "stepping_s", "validation_s", "learning_s")]
+    assert min(parts) > 0.0
+    assert sum(parts) == pytest.approx(timing["wall_time_s"])
+
+
+def test_resuming_continues_step_count_normalisation_and_validation_history(ppo_run, tmp_path):
+    resumed = run("--resume", ppo_run, "--timesteps", 600, "--out", tmp_path / "resumed")
+    config = runs.read_config(resumed)
+    assert config["resumed_from"] == str(ppo_run)
+    assert config["timesteps_before"] == 600
+    assert config["hyperparameters"]["n_steps"] == 300
+    stored = runs.algorithm("ppo").load(resumed / "checkpoint" / "model.zip")
+    assert stored.num_timesteps == 1200
+    before, after = (normalisation_count(folder) for folder in (ppo_run, resumed))
+    assert after == pytest.approx(before + 600, rel=1e-3)
+    with np.load(ppo_run / "evaluations.npz") as old, np.load(resumed / "evaluations.npz") as new:
+        assert new["timesteps"].tolist()[: len(old["timesteps"])] == old["timesteps"].tolist()
+        assert new["timesteps"][-1] > 600
+
+
+def normalisation_count(folder):
+    config = configurations.Request("ppo", "solar_env/Deploy-v0", {}, seed=0, n_envs=2).configuration()
+    venv = learn.make_training_env(config, [], None)
+    return learn.VecNormalize.load(str(folder / "checkpoint" / "vecnormalize.pkl"), venv).ret_rms.count
+
+
+@pytest.mark.parametrize("algo", ["sac", "td3"])
+def test_resuming_an_off_policy_run_continues_its_replay_buffer(tmp_path, algo):
+    first = run("--algo", algo, "--timesteps", 300, "--out", tmp_path / "first", *SMALL[algo])
+    second = run("--resume", first, "--timesteps", 100, "--out", tmp_path / "second")
+    costs = [runs.read_config(folder)["residual"]["tuning_episodes"] for folder in (first, second)]
+    assert costs[1] == costs[0] + 4  # landings that were recorded anew
+    config = configurations.resumed_configuration(second)
+    model = learn.load_checkpoint(config, second, learn.make_training_env(config, [], None))
+    assert model.num_timesteps == 400
+    assert model.replay_buffer.size() == 400
+    buffer = model.replay_buffer
+    ends = np.logical_or(buffer.dones, buffer.timeouts)[: buffer.pos]
+    continues = np.all(
+        np.isclose(buffer.next_observations[: buffer.pos - 1], buffer.observations[1 : buffer.pos]), axis=2
+    )
+    assert np.all(continues | ends[:-1]), "no return reaches from one episode into another"
+    assert np.all(ends[-1]), "nor into what is collected next"
+
+
+def test_a_resumed_run_sees_other_landings_than_the_first(ppo_run):
+    first, resumed = (
+        {landing.episode.parameters.hinge_x for landing in learn.prepare(config)[1]}
+        for config in (configurations.stored_configuration(ppo_run), configurations.resumed_configuration(ppo_run))
+    )
+    assert len(first) == len(resumed) == 4
+    assert first.isdisjoint(resumed)
+
+
+def test_a_resumed_agent_of_the_whole_torque_sees_other_training_episodes_than_the_first(tmp_path):
+    quick = {"n_steps": 10, "batch_size": 10}
+    config = configurations.Request(
+        "ppo", "solar_env/Deploy-v0", {"model": "rigid-ideal"}, 0, 2, 20, quick, residual=0.0
+    ).configuration()
+    learn.train(learn.Training(config, tmp_path, progress=False))
+    seen = []
+    for segment in (config, configurations.resumed_configuration(tmp_path)):
+        venv = learn.make_training_env(segment, [], None, threads=1)
+        if segment is config:
+            model = learn.make_model(segment, venv, learn.prepare(segment)[0])
+        else:
+            model = learn.load_checkpoint(segment, tmp_path, venv)
+        model.env.reset()
+        seen.append({design.hinge_x for design in venv.get_attr("episode_parameters")})
+    assert len(seen[0]) == len(seen[1]) == 2
+    assert seen[0].isdisjoint(seen[1])
+
+
+def test_ctrl_c_leaves_a_run_that_is_not_complete_and_can_be_resumed(tmp_path, monkeypatch):
+    steps = []
+
+    def interrupt(self):
+        steps.append(self.num_timesteps)
+        if len(steps) == 15:
+            raise KeyboardInterrupt
+        return True
+
+    monkeypatch.setattr(DeploymentLogger, "_on_step", interrupt)
+    quick = {"n_steps": 10, "batch_size": 10}
+    config = configurations.Request(
+        "ppo", "solar_env/Deploy-v0", {"model": "rigid-ideal"}, 0, 1, 40, quick, residual=0.0
+    ).configuration()
+    first, second = tmp_path / "first", tmp_path / "second"
+    for folder in (first, second):
+        folder.mkdir()
+    with pytest.raises(KeyboardInterrupt):
+        learn.train(learn.Training(config, first, progress=False))
+    assert not runs.is_complete(first)
+    learn.train(learn.Training(configurations.resumed_configuration(first, 10), second, first, progress=False))
+    assert runs.is_complete(second)
+    assert runs.algorithm("ppo").load(second / "checkpoint" / "model.zip").num_timesteps == 15 + 10
+
+
+def test_only_runs_that_were_interrupted_are_discarded(tmp_path, ppo_run):
+    notes, interrupted = tmp_path / "notes", tmp_path / "interrupted"
+    for folder in (notes, interrupted):
+        folder.mkdir()
+    (notes / "mine.txt").touch()
+    (interrupted / runs.CONFIG).write_bytes((ppo_run / runs.CONFIG).read_bytes())
+    for folder in (notes, interrupted, ppo_run, tmp_path / "nothing"):
+        runs.discard_incomplete(folder)
+    assert (notes / "mine.txt").exists()
+    assert (ppo_run / runs.POLICY).exists()
+    assert not interrupted.exists()
+
+
+@pytest.mark.parametrize("complete", [True, False])
+def test_a_run_with_another_configuration_is_neither_taken_nor_removed(tmp_path, ppo_run, complete):
+    folder = tmp_path / "run"
+    folder.mkdir()
+    for name in (runs.CONFIG, *([runs.TIMING] if complete else [])):
+        (folder / name).write_bytes((ppo_run / name).read_bytes())
+    wanted = replace(configurations.stored_configuration(ppo_run), seed=99)
+    with pytest.raises(ValueError, match="holds a run with another configuration; choose another --out"):
+        learn.train_missing({folder: wanted}, "", "cpu", Workers(1, None), progress=False)
+    assert (folder / runs.CONFIG).read_bytes() == (ppo_run / runs.CONFIG).read_bytes()
+
+
+def test_a_run_that_says_too_little_is_refused(tmp_path, ppo_run):
+    stored = json.loads((ppo_run / runs.CONFIG).read_text())
+    del stored["landings"]
+    (tmp_path / runs.CONFIG).write_text(json.dumps(stored))
+    with pytest.raises(ValueError, match="says nothing of landings: an older version trained it; train it anew"):
+        configurations.stored_configuration(tmp_path)
+
+
+def test_a_folder_with_a_run_is_not_overwritten(ppo_run):
+    with pytest.raises(FileExistsError, match="holds a run already"):
+        run("--out", ppo_run, *SMALL["ppo"])

@@ -1,0 +1,24 @@
+"""The training command for tests: quick options for every algorithm."""
+
+import sys
+from pathlib import Path
+
+from agents.arguments import parse_arguments
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+import train
+
+RIGID = ["--model", "rigid-clearance"]
+OFF_POLICY = [*RIGID, "--n-envs", "1", "--landings", "4"]
+OFF_POLICY += ["--hyperparams", "learning_starts=50", "buffer_size=2000", "batch_size=32"]
+OFF_POLICY += ["train_freq=50", "gradient_steps=2"]
+SMALL = {
+    "ppo": [*RIGID, "--n-envs", "2", "--landings", "4", "--hyperparams", "n_steps=300", "batch_size=100"],
+    "sac": OFF_POLICY,
+    "td3": OFF_POLICY,
+}
+
+
+def run(*arguments):
+    args = parse_arguments(train.Args, ["--quiet", "--eval-episodes", "2", *map(str, arguments)])
+    return train.main(args, "python train.py ...")

@@ -72,7 +72,7 @@ def plot_comparison(
     path: str | Path,
     window: tuple[float, float] = (-0.2, 3.0),
 ) -> None:
-    """Write one figure of several deployments side by side: a column each, titled by its model.
+    """Write one figure of several deployments side by side: a column each, titled by its model and the peak force.
 
     Angles against time; then, from shortly before the first latching to some seconds after it, the contact force
     of each joint (samples, and each contact's peak as a stem) and the deflections of the panels. A row has one
@@ -118,7 +118,7 @@ def _draw_compared(
 ) -> None:
     """A column of `plot_comparison`; axes (joints + 2,) from the top."""
     angles, *forces, bends = axes
-    angles.set_title(trajectory.metadata["model"])
+    angles.set_title(_conclusion(trajectory))
     _draw_per_joint(angles, trajectory.time, np.degrees(trajectory.angles), "angle [deg]")
     angles.set_xlabel("time [s]")
     angles.set_xlim(trajectory.time[0], trajectory.time[-1])
@@ -136,6 +136,15 @@ def _draw_compared(
     bends.set_xlabel("time since the first latching [s]")
     for axis in (*forces, bends):
         axis.set_xlim(window)
+
+
+def _conclusion(trajectory: Trajectory) -> str:
+    """Model, when its joints latched, and the greatest force after that."""
+    model = trajectory.metadata["model"]
+    latched = trajectory.latch_times[np.isfinite(trajectory.latch_times)]
+    if len(latched) == 0:
+        return f"{model}: no joint has latched"
+    return f"{model}: latched at {latched.max():.1f} s, then up to {trajectory.postlock_peak_force.max():.0f} N"
 
 
 def _checked_suffix(path: str | Path) -> str:
@@ -173,13 +182,14 @@ def _draw_histories(figure: Figure, trajectory: Trajectory, deflections: NDArray
     joints = trajectory.angles.shape[1]
     bent = [] if deflections is None else [0.9]
     heights = [1.2, *[0.9] * joints, 0.8, 0.8, *bent, 1.4, 0.7]
-    edges = (0.85, 0.45, HISTORY_WIDTH - 0.1, -0.12)
+    edges = (0.85, 0.45, HISTORY_WIDTH - 0.1, -0.3)
     grid = _cells(figure, len(heights), 1, edges, height_ratios=heights, hspace=0.2)
     axes = grid.subplots(sharex=True)
     angles, *forces = axes[: joints + 1]
     latch, cable, *bends, energies, residual = axes[joints + 1 :]
     _draw_per_joint(angles, trajectory.time, np.degrees(trajectory.angles), "angle [deg]")
     angles.legend([f"joint {joint + 1}" for joint in range(joints)], loc="upper left", ncols=4)
+    angles.set_title(_conclusion(trajectory))
     for joint, lock in enumerate(trajectory.latch_times):
         angles.axvline(lock, color=COLOURS[joint % len(COLOURS)], linewidth=0.7, linestyle=":")
     for joint, axis in enumerate(forces):

@@ -68,7 +68,7 @@ def _title(rows: Table) -> str:
             bands = [mean_band(of.column("peak_force_N")) for of in settings]
             meets = all(bottom <= high and top >= low for _, bottom, top in bands)
             within[method] = within.get(method, True) and meets
-    return "Right in peak force, at every setting measured: " + ", ".join(
+    return "Right in peak force, at every setting measured: " + "; ".join(
         name for name, meets in within.items() if meets
     )
 

@@ -67,7 +67,7 @@ def _title(rows: Table) -> str:
             fitted_exponent(of.column("count"), of.column("wall_per_step_s"))
             for of in (own.where(method=method) for method in own.values("method"))
         ]
-        parts.append(f"{varied} to the power {min(exponents):.1f} to {max(exponents):.1f}")
+        parts.append(f"{varied} to the power {min(exponents):.2f} to {max(exponents):.2f}")
     return "With flexible panels a step's time grows with " + ", ".join(parts)
 
 

@@ -7,6 +7,7 @@ from agents.laws.brake import ConstantBrake
 from agents.laws.damper import ViscousDamper
 from agents.laws.open_loop import OpenLoopTorque
 from agents.laws.passive import Passive
+from agents.laws.pd import ProportionalDerivative
 from agents.laws.receding_horizon import RecedingHorizon
 from agents.laws.servo import VelocityProfileServo
 from agents.laws.shaped import InputShapedProfile
@@ -37,6 +38,7 @@ LAWS: dict[str, Row] = {
     "shaped": Row(InputShapedProfile, tuned=True),
     "open-loop": Row(OpenLoopTorque, tuned=True),
     "soft-start": Row(SoftStartServo, tuned=True),
+    "pd": Row(ProportionalDerivative, tuned=True),
     "servo-untuned": Row(VelocityProfileServo),
     "receding-horizon": Row(RecedingHorizon, base="servo"),
 }

@@ -1,0 +1,39 @@
+"""A proportional-derivative controller of joint 1."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from agents.laws.opening import LOCK_ANGLES
+from agents.torque_laws import LawParameters, TunableLaw, bounded
+
+
+@dataclass(frozen=True)
+class ProportionalDerivativeParameters(LawParameters):
+    """Parameters of `ProportionalDerivative`.
+
+    Attributes:
+        proportional_gain: Torque per angle of joint 1 short of its lock angle [N m/rad].
+        derivative_gain: Torque per rate of joint 1, against it [N m s/rad].
+        saturation: Greatest torque in either direction [N m].
+    """
+
+    proportional_gain: float = bounded(0.2, 0.0, 5.0)
+    derivative_gain: float = bounded(2.0, 0.0, 10.0)
+    saturation: float = bounded(0.3, 0.0, 0.5)
+
+
+class ProportionalDerivative(TunableLaw[ProportionalDerivativeParameters]):
+    """A saturated spring and damper between joint 1 and its lock angle, before and after latching.
+
+    K. J. Åström and R. M. Murray, Feedback Systems, 2nd ed., Princeton University Press, 2021, chapter 11.
+    """
+
+    reads = ("theta_1", "rate_1")
+    defaults = ProportionalDerivativeParameters()
+
+    def _torque(self, entries: Mapping[str, np.ndarray], all_latched: np.ndarray) -> np.ndarray:
+        p = self.parameters
+        short = LOCK_ANGLES[0] * (1.0 - entries["theta_1"])
+        return np.clip(p.proportional_gain * short - p.derivative_gain * entries["rate_1"], -p.saturation, p.saturation)

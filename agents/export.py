@@ -237,7 +237,7 @@ def export(run: str | Path, folder: Path, comparison: str | Path | None = None) 
 def _card(name: str, config: dict[str, Any], policy: ShippedPolicy, env: Any, scores: str, found: float) -> str:
     """The card of a policy; `env` is the environment that it was trained on, `found` its `difference`."""
     parts = [
-        f"# {name}\n\nA controller of the root hinge's motor for `{config['env_id']}`, trained by "
+        f"# {name}\n\nA controller of the hinge motor for `{config['env_id']}`, trained by "
         f"{config['algo'].upper()} from Stable-Baselines3.",
         _training(config, policy, env),
         f"## Scores\n\n{scores}",

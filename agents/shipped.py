@@ -195,7 +195,12 @@ class Description:
     def signals(self) -> Signals:
         """What a torque law needs to know of the environment."""
         return Signals(
-            self.observation_names, self.torque_limit, self.deadline, self.control_period, self.postlock_window
+            self.observation_names,
+            self.torque_limit,
+            self.deadline,
+            self.control_period,
+            self.postlock_window,
+            self.env_kwargs.get("driven_joint", 0),
         )
 
 

@@ -36,6 +36,7 @@ class Signals:
         deadline: Unit of the observed time [s].
         control_period: For which an action is held [s].
         postlock_window: Unit of the observed time since the last latch [s].
+        driven_joint: Index of the joint that the motor works on; 0 is the root hinge.
     """
 
     names: tuple[str, ...]
@@ -43,6 +44,7 @@ class Signals:
     deadline: float = 20.0
     control_period: float = 0.1
     postlock_window: float = 10.0
+    driven_joint: int = 0
 
     @classmethod
     def of(cls, env: gymnasium.Env) -> "Signals":
@@ -53,7 +55,14 @@ class Signals:
     @classmethod
     def seen(cls, names: Sequence[str], task: Task) -> "Signals":
         """Those of observations with these entries, in this task."""
-        return cls(tuple(names), task.torque_limit, task.deadline, task.control_period, task.postlock_window)
+        return cls(
+            tuple(names),
+            task.torque_limit,
+            task.deadline,
+            task.control_period,
+            task.postlock_window,
+            task.driven_joint,
+        )
 
     def check(self, env: gymnasium.Env, learned_on: str) -> None:
         """Refuse an environment in which observations or actions mean something else than here.
@@ -76,6 +85,8 @@ class Signals:
 class TorqueLaw(ABC):
     """A memoryless torque law over named observation entries.
 
+    It `reads` entries by their names; "driven" in the place of a joint's number is the joint that the motor works on.
+
     Args:
         signals: What the environment observes and takes.
 
@@ -87,13 +98,14 @@ class TorqueLaw(ABC):
 
     def __init__(self, signals: Signals) -> None:
         names = list(signals.names)
-        missing = [name for name in self.reads if name not in names]
+        read = {name: name.replace("driven", str(signals.driven_joint + 1)) for name in self.reads}
+        missing = [entry for entry in dict.fromkeys(read.values()) if entry not in names]
         if missing:
             raise ValueError(
                 f"{type(self).__name__} reads {', '.join(missing)}, but the observation has only "
                 f"{', '.join(names)}; use an array of at least two panels with the 'drive' observation"
             )
-        self._column = {name: names.index(name) for name in self.reads}
+        self._column = {name: names.index(entry) for name, entry in read.items()}
         self._latch_columns = [column for column, name in enumerate(names) if name.startswith("latched_")]
         self._signals = signals
 
@@ -155,7 +167,7 @@ class BrakeParameters:
 
     Attributes:
         torque: Magnitude of the torque against the direction of opening [N m].
-        onset: Opening of joint 1, in units of its lock angle, from which the torque acts (0: from the start).
+        onset: Opening of the driven joint, in units of its lock angle, from which the torque acts (0: from the start).
     """
 
     torque: float = _bounded(0.03, 0.0, 0.5)
@@ -165,11 +177,11 @@ class BrakeParameters:
 class ConstantBrake(TunableLaw[BrakeParameters]):
     """A constant torque against opening until the last joint has latched, then none."""
 
-    reads = ("theta_1",)
+    reads = ("theta_driven",)
     defaults = BrakeParameters()
 
     def _torque(self, entries: Mapping[str, np.ndarray], all_latched: np.ndarray) -> np.ndarray:
-        acts = (entries["theta_1"] >= self.parameters.onset) & ~all_latched
+        acts = (entries["theta_driven"] >= self.parameters.onset) & ~all_latched
         return np.where(acts, -self.parameters.torque, 0.0)
 
 
@@ -178,7 +190,7 @@ class DamperParameters:
     """Parameters of `ViscousDamper`; the field metadata hold the range that tuning searches.
 
     Attributes:
-        damping: Torque per rate of joint 1 until the last joint has latched [N m s/rad].
+        damping: Torque per rate of the driven joint until the last joint has latched [N m s/rad].
         postlock_damping: The same from then on.
     """
 
@@ -187,18 +199,19 @@ class DamperParameters:
 
 
 class ViscousDamper(TunableLaw[DamperParameters]):
-    """A torque against the rate of joint 1, as the rotary dampers of spring-driven hinges exert it."""
+    """A torque against the rate of the driven joint, as the rotary dampers of spring-driven hinges exert it."""
 
-    reads = ("rate_1",)
+    reads = ("rate_driven",)
     defaults = DamperParameters()
 
     def _torque(self, entries: Mapping[str, np.ndarray], all_latched: np.ndarray) -> np.ndarray:
         p = self.parameters
-        return -np.where(all_latched, p.postlock_damping, p.damping) * entries["rate_1"]
+        return -np.where(all_latched, p.postlock_damping, p.damping) * entries["rate_driven"]
 
 
-# Lock angles of joints 1 and 2 [rad].
+# Lock angles of joint 1, and of those further out [rad].
 _LOCK_ANGLES = (math.pi / 2, math.pi)
+_READ = ("theta_1", "theta_2", "theta_driven", "rate_1", "rate_2", "rate_driven")
 
 
 def _opening(entries: Mapping[str, np.ndarray], joint_2_weight: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -226,9 +239,9 @@ class ServoParameters:
         joint_2_weight: Share of joint 2 in the opening that follows the profile; joint 1 has the rest.
         difference_damping: Torque on joint 1 against the opening-rate difference of the joints, which the
             cable loop makes oscillate [N m s].
-        postlock_damping: Torque per rate of joint 1 after the last latch [N m s/rad].
-        postlock_stiffness: Torque from then on per angle of joint 1 off its lock angle [N m/rad]: a latched joint
-            still has play, which the array would swing across.
+        postlock_damping: Torque per rate of the driven joint after the last latch [N m s/rad].
+        postlock_stiffness: Torque from then on per angle of the driven joint off its lock angle [N m/rad]: a latched
+            joint still has play, which the array would swing across.
         smoothing: Share of the motor torque that is kept from one control period to the next: a low-pass filter. The
             rates shake with the panels and the journals, and a motor that has held the springs back until the last
             latch and lets go at once has them throw the array across the play.
@@ -254,7 +267,7 @@ class VelocityProfileServo(TunableLaw[ServoParameters]):
     the impact, so ``s`` mixes both. The torque is zero on the profile, and filtered.
     """
 
-    reads = ("theta_1", "theta_2", "rate_1", "rate_2", "motor_torque", "time_to_deadline")
+    reads = (*_READ, "motor_torque", "time_to_deadline")
     defaults = ServoParameters()
 
     def reference_rate(self, opening: np.ndarray, time_left: np.ndarray | float = np.inf) -> np.ndarray:
@@ -274,8 +287,8 @@ class VelocityProfileServo(TunableLaw[ServoParameters]):
         opening, rate, difference = _opening(entries, p.joint_2_weight)
         time_left = self._signals.deadline * entries["time_to_deadline"]
         deploying = p.gain * (self.reference_rate(opening, time_left) - rate) - p.difference_damping * difference
-        off_lock = _LOCK_ANGLES[0] * (entries["theta_1"] - 1.0)
-        holding = -p.postlock_damping * entries["rate_1"] - p.postlock_stiffness * off_lock
+        off_lock = _LOCK_ANGLES[min(self._signals.driven_joint, 1)] * (entries["theta_driven"] - 1.0)
+        holding = -p.postlock_damping * entries["rate_driven"] - p.postlock_stiffness * off_lock
         now = self._signals.torque_limit * entries["motor_torque"]
         return p.smoothing * now + (1.0 - p.smoothing) * np.where(all_latched, holding, deploying)
 
@@ -293,7 +306,7 @@ class ShapedProfileParameters:
         gain: Torque per opening-rate error [N m s].
         stiffness: Torque per opening error [N m].
         joint_2_weight: Share of joint 2 in the opening that follows the profile; joint 1 has the rest.
-        postlock_damping: Torque per rate of joint 1 after the last latch [N m s/rad].
+        postlock_damping: Torque per rate of the driven joint after the last latch [N m s/rad].
     """
 
     duration: float = _bounded(15.0, 6.0, 19.5)
@@ -313,7 +326,7 @@ class InputShapedProfile(TunableLaw[ShapedProfileParameters]):
     Vibration, J. Dyn. Syst. Meas. Control 112 (1990) 76-82, doi:10.1115/1.2894142).
     """
 
-    reads = ("theta_1", "theta_2", "rate_1", "rate_2", "time_to_deadline")
+    reads = (*_READ, "time_to_deadline")
     defaults = ShapedProfileParameters()
 
     def reference(self, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -334,7 +347,7 @@ class InputShapedProfile(TunableLaw[ShapedProfileParameters]):
         opening, rate, _ = _opening(entries, p.joint_2_weight)
         wanted, wanted_rate = self.reference((1.0 - entries["time_to_deadline"]) * self._signals.deadline)
         deploying = p.gain * (wanted_rate - rate) + p.stiffness * (wanted - opening)
-        return np.where(all_latched, -p.postlock_damping * entries["rate_1"], deploying)
+        return np.where(all_latched, -p.postlock_damping * entries["rate_driven"], deploying)
 
 
 _KNOTS = 16

@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
+from solar_env.environment.names import unknown_name
+
 
 @dataclass(frozen=True)
 class Hardware:
@@ -47,7 +49,7 @@ class Hardware:
     @property
     def ideal_sensors(self) -> bool:
         """Whether what is observed is what is."""
-        return not (self.angle_noise or self.rate_noise or self.encoder_resolution or self.sensor_delay)
+        return replace(self, motor_lag=0.0, torque_rate_limit=math.inf) == Hardware()
 
     def with_changes(self, changes: Mapping[str, Any]) -> Hardware:
         """A copy with some values changed.
@@ -58,7 +60,7 @@ class Hardware:
         known = [item.name for item in fields(self)]
         for name in changes:
             if name not in known:
-                raise ValueError(f"hardware has no {name!r}; it has {', '.join(known)}")
+                raise ValueError(unknown_name("hardware", name, known))
         return replace(self, **changes)
 
     def motor_response(self, period: float) -> float:

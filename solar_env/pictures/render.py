@@ -31,7 +31,7 @@ class Scene:
         in_contact: whether the journal presses on the bearing, (nj,) bool.
         normal_force: contact force; of an ideal joint the joint force, (nj,) [N].
         latched: (nj,) bool.
-        motor_torque: torque of the root-hinge motor [N m].
+        motor_torque: torque of the motor [N m].
         force_times: instants of the force history, ascending, (n,) [s].
         force_history: forces at those instants, (n, nj) [N].
 

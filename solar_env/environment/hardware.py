@@ -21,6 +21,7 @@ class Hardware:
         sensor_delay: control periods from a measurement to the observation that shows it.
         motor_lag: time constant with which the motor torque follows the action [s]; 0 for none.
         torque_rate_limit: greatest rate of change of the motor torque [N m/s].
+        attitude_noise: standard deviation of the noise of the measured direction of the main body [rad].
 
     Raises:
         ValueError: on construction, for a value out of range.
@@ -32,12 +33,13 @@ class Hardware:
     sensor_delay: int = 0
     motor_lag: float = 0.0
     torque_rate_limit: float = math.inf
+    attitude_noise: float = 0.0
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
             if isinstance(value, bool) or not isinstance(value, (int, float)):
                 raise ValueError(f"{name} = {value!r} must be a number")
-        for name in ("angle_noise", "rate_noise", "encoder_resolution", "motor_lag"):
+        for name in ("angle_noise", "rate_noise", "attitude_noise", "encoder_resolution", "motor_lag"):
             if not 0.0 <= getattr(self, name) < math.inf:
                 raise ValueError(f"{name} = {getattr(self, name)!r} must be finite and not negative")
         delay: object = self.sensor_delay

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from solar_env.environment.names import unknown_name
 from solar_env.environment.task import last_latch
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.joints.joint import joint_motion, relative
+from solar_env.mechanics.joints.joint import direction, joint_motion, relative
 from solar_env.mechanics.numerics.jit import kernel
 
 # Codes of :func:`reading`.
@@ -31,7 +31,9 @@ from solar_env.mechanics.numerics.jit import kernel
     ECCENTRICITY_Y,
     IN_CONTACT,
     MAIN_BODY_SPIN,
-) = range(10)
+    MAIN_BODY_ANGLE,
+    PEAK_FORCE,
+) = range(12)
 
 LOCK_ANGLE = "lock angle"
 GREATEST_AGE = 100
@@ -79,6 +81,17 @@ OBSERVABLES = (
     Observable("eccentricity_y", "the same, along the inertial y", "clearance", -2.0, 2.0, ECCENTRICITY_Y, True),
     Observable("in_contact", "journal and bearing touch", "0 or 1", 0.0, 1.0, IN_CONTACT, True),
     Observable("main_body_spin", "exact spin of the main body", "rad/s", -1.0, 1.0, MAIN_BODY_SPIN),
+    Observable(
+        "main_body_angle",
+        "main body's direction from that at release, of a star tracker",
+        "rad",
+        -math.pi,
+        math.pi,
+        MAIN_BODY_ANGLE,
+        noise="attitude_noise",
+        delayed=True,
+    ),
+    Observable("peak_force", "greatest joint force in the last period", "kN", 0.0, 10.0, PEAK_FORCE, True),
 )
 
 _BY_NAME = {row.name: row for row in OBSERVABLES}
@@ -183,6 +196,11 @@ def reading(code, j, model, state, task):
     if code == TIME_SINCE_LATCH:
         latched_at = last_latch(state.joints)
         return (state.clock[0].time - latched_at) / task.postlock_window if latched_at == latched_at else 0.0
+    if code == MAIN_BODY_ANGLE:
+        x, y = direction(model.markers[joint.inboard], state.q)
+        return math.atan2(y, x)
+    if code == PEAK_FORCE:
+        return 1e-3 * own.recent_peak_force
     return math.nan
 
 

@@ -63,7 +63,7 @@ def test_an_observable_stays_in_its_bounds_and_is_the_same_in_a_vector_bit_for_b
 
 @each
 def test_noise_is_what_the_row_and_the_hardware_say(row):
-    noises = {"angle_noise": 1e-3, "rate_noise": 2e-3}
+    noises = {"angle_noise": 1e-3, "rate_noise": 2e-3, "attitude_noise": 3e-3}
     made = sensors(row, Hardware(**noises), lanes=2000)
     error = (made.observed.astype(float) - made.exact) * unit(row)
     if row.noise is None:
@@ -144,6 +144,30 @@ def test_a_list_of_ones_own_shows_the_past_without_the_present_and_in_the_order_
     assert np.ptp(mine[:, 1]) > 0.0
     # Without a rate among what is measured, the noise of the angles is another part of the same sequence.
     assert mine[0, 2:] == pytest.approx(theirs[0, :2], abs=5e-3)
+
+
+def test_the_angle_of_the_main_body_is_the_integral_of_its_spin():
+    env = gymnasium.make(
+        ID,
+        model="rigid-ideal",
+        control_period=1e-3,
+        parameters={"initial_spin": 0.5},
+        observation=["main_body_angle", "main_body_spin"],
+    ).unwrapped
+    seen = [env.reset(seed=0)[0], *(env.step([1.0])[0] for _ in range(20))]
+    angle, spin = np.array(seen, dtype=float).T
+    assert angle[0] == 0.0
+    assert np.diff(angle) == pytest.approx(0.5e-3 * (spin[1:] + spin[:-1]), abs=1e-8)
+    assert angle[-1] > 5e-3
+
+
+def test_the_peak_force_is_the_greatest_of_the_last_period_alone():
+    env = gymnasium.make(ID, model="rigid-ideal", control_period=1e-3, observation=["peak_force"]).unwrapped
+    first, _ = env.reset(seed=0)
+    pushed, quiet = (env.step([action])[0] for action in (1.0, 0.0))
+    assert np.all(first == 0.0)
+    assert pushed == pytest.approx(1e-3 * env.simulation.state.joints["peak_force"], rel=0.2)
+    assert np.all(quiet < pushed)
 
 
 @pytest.mark.parametrize(

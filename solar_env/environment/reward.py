@@ -19,7 +19,7 @@ from solar_env.mechanics.joints.joint import spin
 from solar_env.mechanics.numerics.jit import kernel
 
 # Codes of :func:`reading`.
-PEAK_IMPACT, WEAR, MISSED_DEADLINE, ATTITUDE_DISTURBANCE, MOTOR_WORK = range(5)
+PEAK_IMPACT, WEAR, MISSED_DEADLINE, ATTITUDE_DISTURBANCE, PRELATCH_WEAR, MOTOR_WORK = range(6)
 # How a figure grows with its readings at the ends of the control periods: it is the latest one (of what never falls),
 # the greatest magnitude, or the sum of the magnitudes of their changes.
 LATEST, GREATEST, CHANGES = range(3)
@@ -111,6 +111,15 @@ REWARD_TERMS = (
         ATTITUDE_DISTURBANCE,
         GREATEST,
         Price(0.01, weight=0.0),
+    ),
+    RewardTerm(
+        "prelatch_wear",
+        "sliding work, summed over the joints",
+        "before the first latching",
+        "J",
+        PRELATCH_WEAR,
+        LATEST,
+        Price(0.05, weight=0.0),
     ),
     RewardTerm(
         "motor_work",
@@ -207,6 +216,8 @@ def reading(code, model, state, task):
             total += own.postlock_peak_force
         if code == WEAR and postlock:
             total += work - own.lock_sliding_work
+        if code == PRELATCH_WEAR:
+            total += own.lock_sliding_work if postlock else work
     return total
 
 

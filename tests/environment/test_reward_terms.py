@@ -60,6 +60,7 @@ def figures(lane):
         "wear": np.where(after, total - at_latching, 0.0),
         "missed_deadline": (index == PERIODS - 1).astype(float),
         "attitude_disturbance": np.maximum.accumulate(np.abs(spin)),
+        "prelatch_wear": np.where(after, at_latching, total),
         "motor_work": np.abs(np.diff(motor, prepend=0.0)).cumsum(),
     }
 

@@ -55,14 +55,7 @@ class Signals:
     @classmethod
     def seen(cls, names: Sequence[str], task: Task) -> "Signals":
         """Those of observations with these entries, in this task."""
-        return cls(
-            tuple(names),
-            task.torque_limit,
-            task.deadline,
-            task.control_period,
-            task.postlock_window,
-            task.driven_joint,
-        )
+        return cls(tuple(names), **vars(task))
 
     def check(self, env: gymnasium.Env, learned_on: str) -> None:
         """Refuse an environment in which observations or actions mean something else than here.

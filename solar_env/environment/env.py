@@ -47,8 +47,6 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     <observables>
 
-    Of these,
-
     * "drive" observes what a hinge drive can measure: `theta_i`, `rate_i`, `latched_i`, `motor_torque`,
       `time_to_deadline`, `time_since_latch`.
     * "history" appends angles, rates and motor torque as they were observed one, two and three periods ago
@@ -64,8 +62,9 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     <terms>
 
-    A missed deadline must cost more than all other terms can together. The passive deployment (no motor torque) returns
-    about -3.4.
+    Forces and sliding work are summed over the joints, spins read at the ends of the control periods, and the motor's
+    work counts whether it drives or brakes. A missed deadline must cost more than all other terms can together. The
+    passive deployment (no motor torque) returns about -3.4.
 
     ## Starting State
 

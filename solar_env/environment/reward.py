@@ -74,70 +74,28 @@ class RewardTerm(NamedTuple):
     price: Price
 
 
+_POSTLOCK, _PRELATCH, _WHOLE = "from the first latching", "before the first latching", "whole episode"
+_DEADLINE = "at the deadline"
 REWARD_TERMS = (
+    RewardTerm("peak_impact", "peak force, over all joints", _POSTLOCK, "N", PEAK_IMPACT, LATEST, Price(500.0)),
+    # Wear is proportional to the integral of normal force times sliding speed (Archard, J. Appl. Phys. 24 (1953) 981).
+    RewardTerm("wear", "sliding work, over all joints", _POSTLOCK, "J", WEAR, LATEST, Price(0.05)),
     RewardTerm(
-        "peak_impact",
-        "peak force, summed over the joints",
-        "from the first latching",
-        "N",
-        PEAK_IMPACT,
-        LATEST,
-        Price(500.0),
+        "missed_deadline", "1 if a joint is open", _DEADLINE, "-", MISSED_DEADLINE, LATEST, Price(1.0, 25.0, 1.0)
     ),
     RewardTerm(
-        "wear",
-        "sliding work (integral of normal force times sliding speed, to which wear is proportional), summed over the "
-        "joints",
-        "from the first latching",
-        "J",
-        WEAR,
-        LATEST,
-        Price(0.05),
+        "attitude_disturbance", "peak main body spin", _WHOLE, "rad/s", ATTITUDE_DISTURBANCE, GREATEST, Price(0.01, 0.0)
     ),
     RewardTerm(
-        "missed_deadline",
-        "1 if a joint is still open",
-        "at the deadline",
-        "-",
-        MISSED_DEADLINE,
-        LATEST,
-        Price(1.0, weight=25.0, bound=1.0),
+        "prelatch_wear", "sliding work, over all joints", _PRELATCH, "J", PRELATCH_WEAR, LATEST, Price(0.05, 0.0)
     ),
     RewardTerm(
-        "attitude_disturbance",
-        "greatest spin of the main body, of those at the ends of the control periods",
-        "whole episode",
-        "rad/s",
-        ATTITUDE_DISTURBANCE,
-        GREATEST,
-        Price(0.01, weight=0.0),
-    ),
-    RewardTerm(
-        "prelatch_wear",
-        "sliding work, summed over the joints",
-        "before the first latching",
-        "J",
-        PRELATCH_WEAR,
-        LATEST,
-        Price(0.05, weight=0.0),
-    ),
-    RewardTerm(
-        "motor_work",
-        "magnitude of the motor's work in each control period, summed over the periods: braking costs, too",
-        "whole episode",
-        "J",
-        MOTOR_WORK,
-        CHANGES,
-        Price(0.5, weight=0.0),
+        "motor_work", "magnitudes of the motor's work by period", _WHOLE, "J", MOTOR_WORK, CHANGES, Price(0.5, 0.0)
     ),
 )
 
-charge_type = np.dtype(
-    (
-        np.record,
-        np.dtype([("code", "i8"), ("growth", "i8"), ("scale", "f8"), ("weight", "f8"), ("bound", "f8")], align=True),
-    )
-)
+_CHARGE = [("code", "i8"), ("growth", "i8"), ("scale", "f8"), ("weight", "f8"), ("bound", "f8")]
+charge_type = np.dtype((np.record, np.dtype(_CHARGE, align=True)))
 
 
 class Reward:

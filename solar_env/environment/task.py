@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from solar_env.environment.hardware import Hardware
 from solar_env.mechanics.numerics.jit import kernel
@@ -47,15 +47,10 @@ class Task:
 
     def numbers(self, hardware: Hardware) -> TaskNumbers:
         """The task, with the motor that it is done with, as the kernels take it."""
-        return TaskNumbers(
-            float(self.torque_limit),
-            float(self.control_period),
-            float(self.deadline),
-            float(self.postlock_window),
-            int(self.driven_joint),
-            hardware.motor_response(self.control_period),
-            float(hardware.torque_rate_limit * self.control_period),
-        )
+        numbers: dict[str, Any] = {name: float(value) for name, value in vars(self).items()}
+        numbers["driven_joint"] = self.driven_joint
+        response, rate = hardware.motor_response(self.control_period), hardware.torque_rate_limit
+        return TaskNumbers(**numbers, motor_response=response, largest_change=float(rate * self.control_period))
 
 
 class TaskNumbers(NamedTuple):
@@ -67,7 +62,7 @@ class TaskNumbers(NamedTuple):
     postlock_window: float
     driven_joint: int
     motor_response: float
-    largest_torque_change: float
+    largest_change: float
 
 
 @kernel(single_caller=True)
@@ -93,7 +88,7 @@ def begin_period(state, task, action):
     torque = task.torque_limit * min(max(action, -1.0), 1.0)
     if task.motor_response < 1.0:
         torque = own.motor_torque + task.motor_response * (torque - own.motor_torque)
-    change = task.largest_torque_change
+    change = task.largest_change
     torque = min(max(torque, own.motor_torque - change), own.motor_torque + change)
     if own.motor_torque != torque:
         own.motor_torque = torque

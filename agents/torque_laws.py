@@ -35,6 +35,7 @@ class Signals:
         deadline: Unit of the observed time [s].
         control_period: Time for which an action is held [s].
         postlock_window: Unit of the observed time since the last latch [s].
+        driven_joint: Index of the joint that the motor works on; 0 is the root hinge.
     """
 
     names: tuple[str, ...]
@@ -42,6 +43,7 @@ class Signals:
     deadline: float = 20.0
     control_period: float = 0.1
     postlock_window: float = 10.0
+    driven_joint: int = 0
 
     @classmethod
     def of(cls, env: gymnasium.Env) -> Self:
@@ -52,7 +54,7 @@ class Signals:
     @classmethod
     def seen(cls, names: Sequence[str], task: Task) -> Self:
         """Return the signals of a task whose observations have entries of these names."""
-        return cls(tuple(names), task.torque_limit, task.deadline, task.control_period, task.postlock_window)
+        return cls(tuple(names), **vars(task))
 
     def check(self, env: gymnasium.Env, learned_on: str) -> None:
         """Refuse an environment whose observations or actions have another meaning than these.
@@ -93,6 +95,8 @@ class DeterministicController(ABC):
 class TorqueLaw(DeterministicController):
     """A memoryless torque law over named observation entries.
 
+    It `reads` entries by their names; "driven" in the place of a joint's number is the joint that the motor works on.
+
     Args:
         signals: Names and units of the environment.
 
@@ -105,13 +109,14 @@ class TorqueLaw(DeterministicController):
 
     def __init__(self, signals: Signals) -> None:
         names = list(signals.names)
-        missing = [name for name in self.reads if name not in names]
+        read = {name: name.replace("driven", str(signals.driven_joint + 1)) for name in self.reads}
+        missing = [entry for entry in dict.fromkeys(read.values()) if entry not in names]
         if missing:
             raise ValueError(
                 f"{type(self).__name__} reads {', '.join(missing)}, but the observation has only "
                 f"{', '.join(names)}; use an array of at least two panels with the 'drive' observation"
             )
-        self._column = {name: names.index(name) for name in self.reads}
+        self._column = {name: names.index(entry) for name, entry in read.items()}
         self._latch_columns = [column for column, name in enumerate(names) if name.startswith("latched_")]
         self._signals = signals
 

@@ -14,7 +14,7 @@ class BrakeParameters(LawParameters):
 
     Attributes:
         torque: Magnitude of the torque against the direction of opening [N m].
-        onset: Opening of joint 1, in units of its lock angle, from which the torque acts (0: from the start).
+        onset: Opening of the driven joint, in units of its lock angle, from which the torque acts (0: from the start).
     """
 
     torque: float = bounded(0.03, 0.0, 0.5)
@@ -24,9 +24,9 @@ class BrakeParameters(LawParameters):
 class ConstantBrake(TunableLaw[BrakeParameters]):
     """A constant torque against opening until the last joint has latched, then none."""
 
-    reads = ("theta_1",)
+    reads = ("theta_driven",)
     defaults = BrakeParameters()
 
     def _torque(self, entries: Mapping[str, np.ndarray], all_latched: np.ndarray) -> np.ndarray:
-        acts = (entries["theta_1"] >= self.parameters.onset) & ~all_latched
+        acts = (entries["theta_driven"] >= self.parameters.onset) & ~all_latched
         return np.where(acts, -self.parameters.torque, 0.0)

@@ -1,4 +1,4 @@
-"""A torque against the rate of joint 1."""
+"""A torque against the rate of the driven joint."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,8 +13,8 @@ class DamperParameters(LawParameters):
     """Parameters of `ViscousDamper`.
 
     Attributes:
-        damping: Torque per rate of joint 1 until the last joint has latched [N m s/rad].
-        postlock_damping: Torque per rate of joint 1 from then on [N m s/rad].
+        damping: Torque per rate of the driven joint until the last joint has latched [N m s/rad].
+        postlock_damping: Torque per rate of the driven joint from then on [N m s/rad].
     """
 
     damping: float = bounded(1.0, 0.0, 6.0)
@@ -22,11 +22,11 @@ class DamperParameters(LawParameters):
 
 
 class ViscousDamper(TunableLaw[DamperParameters]):
-    """A torque against the rate of joint 1, as the rotary dampers of spring-driven hinges exert it."""
+    """A torque against the rate of the driven joint, as the rotary dampers of spring-driven hinges exert it."""
 
-    reads = ("rate_1",)
+    reads = ("rate_driven",)
     defaults = DamperParameters()
 
     def _torque(self, entries: Mapping[str, np.ndarray], all_latched: np.ndarray) -> np.ndarray:
         p = self.parameters
-        return -np.where(all_latched, p.postlock_damping, p.damping) * entries["rate_1"]
+        return -np.where(all_latched, p.postlock_damping, p.damping) * entries["rate_driven"]

@@ -6,7 +6,9 @@ from collections.abc import Mapping
 import numpy as np
 
 LOCK_ANGLES = (math.pi / 2, math.pi)
-"""Lock angles of joints 1 and 2 [rad]."""
+"""Lock angles of joint 1, and of those further out [rad]."""
+OPENING = ("theta_1", "theta_2", "rate_1", "rate_2")
+"""Entries that the opening is made of."""
 
 
 def weighted_opening(

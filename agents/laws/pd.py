@@ -1,4 +1,4 @@
-"""A proportional-derivative controller of joint 1."""
+"""A proportional-derivative controller of the driven joint."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,8 +14,8 @@ class ProportionalDerivativeParameters(LawParameters):
     """Parameters of `ProportionalDerivative`.
 
     Attributes:
-        proportional_gain: Torque per angle of joint 1 short of its lock angle [N m/rad].
-        derivative_gain: Torque per rate of joint 1, against it [N m s/rad].
+        proportional_gain: Torque per angle of the driven joint short of its lock angle [N m/rad].
+        derivative_gain: Torque per rate of the driven joint, against it [N m s/rad].
         saturation: Greatest torque in either direction [N m].
     """
 
@@ -25,15 +25,17 @@ class ProportionalDerivativeParameters(LawParameters):
 
 
 class ProportionalDerivative(TunableLaw[ProportionalDerivativeParameters]):
-    """A saturated spring and damper between joint 1 and its lock angle, before and after latching.
+    """A saturated spring and damper between the driven joint and its lock angle, before and after latching.
 
     K. J. Åström and R. M. Murray, Feedback Systems, 2nd ed., Princeton University Press, 2021, chapter 11.
     """
 
-    reads = ("theta_1", "rate_1")
+    reads = ("theta_driven", "rate_driven")
     defaults = ProportionalDerivativeParameters()
 
     def _torque(self, entries: Mapping[str, np.ndarray], all_latched: np.ndarray) -> np.ndarray:
         p = self.parameters
-        short = LOCK_ANGLES[0] * (1.0 - entries["theta_1"])
-        return np.clip(p.proportional_gain * short - p.derivative_gain * entries["rate_1"], -p.saturation, p.saturation)
+        short = LOCK_ANGLES[min(self._signals.driven_joint, 1)] * (1.0 - entries["theta_driven"])
+        return np.clip(
+            p.proportional_gain * short - p.derivative_gain * entries["rate_driven"], -p.saturation, p.saturation
+        )

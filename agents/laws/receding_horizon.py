@@ -169,7 +169,7 @@ class RecedingHorizon(DeterministicController):
                 actions[lanes, k] = np.clip(base[lanes, 0] + offsets[lanes, k], -1.0, 1.0)
                 # Rounded to float32, as the environment will get them.
                 futures.step(lanes, actions[:, k].astype(np.float64))
-                rewards[lanes, k] = futures.terms[lanes].sum(axis=1)
+                rewards[lanes, k] = futures.rewards[lanes]
                 lanes = lanes[~futures.terminated[lanes]]
                 k += 1
         return actions[:, :k], rewards[:, :k]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from agents.laws.opening import LOCK_ANGLES, weighted_opening
+from agents.laws.opening import LOCK_ANGLES, OPENING, weighted_opening
 from agents.torque_laws import LawParameters, TunableLaw, bounded
 
 RESERVE = 0.5  # time before the deadline by which the profile ends [s]
@@ -26,9 +26,9 @@ class ServoParameters(LawParameters):
         joint_2_weight: Share of joint 2 in the opening that follows the profile; joint 1 has the rest.
         difference_damping: Torque on joint 1 against the opening-rate difference of the joints, which the
             cable loop makes oscillate [N m s].
-        postlock_damping: Torque per rate of joint 1 after the last latch [N m s/rad].
-        postlock_stiffness: Torque from then on per angle of joint 1 off its lock angle [N m/rad]: a latched joint
-            still has play, which the array would swing across.
+        postlock_damping: Torque per rate of the driven joint after the last latch [N m s/rad].
+        postlock_stiffness: Torque from then on per angle of the driven joint off its lock angle [N m/rad]: a latched
+            joint still has play, which the array would swing across.
         smoothing: Share of the motor torque that is kept from one control period to the next: a low-pass filter. The
             rates shake with the panels and the journals, and a motor that has held the springs back until the last
             latch and lets go at once has them throw the array across the play.
@@ -54,7 +54,7 @@ class VelocityProfileServo(TunableLaw[ServoParameters]):
     the impact, so `s` weighs both. The torque is zero on the profile, and low-pass filtered.
     """
 
-    reads = ("theta_1", "theta_2", "rate_1", "rate_2", "motor_torque", "time_to_deadline")
+    reads = (*OPENING, "theta_driven", "rate_driven", "motor_torque", "time_to_deadline")
     defaults = ServoParameters()
 
     def reference_rate(self, opening: np.ndarray, time_left: np.ndarray | float = np.inf) -> np.ndarray:
@@ -74,7 +74,7 @@ class VelocityProfileServo(TunableLaw[ServoParameters]):
         opening, rate, difference = weighted_opening(entries, p.joint_2_weight)
         time_left = self._signals.deadline * entries["time_to_deadline"]
         deploying = p.gain * (self.reference_rate(opening, time_left) - rate) - p.difference_damping * difference
-        off_lock = LOCK_ANGLES[0] * (entries["theta_1"] - 1.0)
-        holding = -p.postlock_damping * entries["rate_1"] - p.postlock_stiffness * off_lock
+        off_lock = LOCK_ANGLES[min(self._signals.driven_joint, 1)] * (entries["theta_driven"] - 1.0)
+        holding = -p.postlock_damping * entries["rate_driven"] - p.postlock_stiffness * off_lock
         now = self._signals.torque_limit * entries["motor_torque"]
         return p.smoothing * now + (1.0 - p.smoothing) * np.where(all_latched, holding, deploying)

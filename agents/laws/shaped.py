@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from agents.laws.opening import weighted_opening
+from agents.laws.opening import OPENING, weighted_opening
 from agents.torque_laws import LawParameters, TunableLaw, bounded
 
 
@@ -22,7 +22,7 @@ class ShapedProfileParameters(LawParameters):
         gain: Torque per opening-rate error [N m s].
         stiffness: Torque per opening error [N m].
         joint_2_weight: Share of joint 2 in the opening that follows the profile; joint 1 has the rest.
-        postlock_damping: Torque per rate of joint 1 after the last latch [N m s/rad].
+        postlock_damping: Torque per rate of the driven joint after the last latch [N m s/rad].
     """
 
     duration: float = bounded(15.0, 6.0, 19.5)
@@ -42,7 +42,7 @@ class InputShapedProfile(TunableLaw[ShapedProfileParameters]):
     Vibration, J. Dyn. Syst. Meas. Control 112 (1990) 76-82, doi:10.1115/1.2894142).
     """
 
-    reads = ("theta_1", "theta_2", "rate_1", "rate_2", "time_to_deadline")
+    reads = (*OPENING, "rate_driven", "time_to_deadline")
     defaults = ShapedProfileParameters()
 
     def reference(self, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -63,4 +63,4 @@ class InputShapedProfile(TunableLaw[ShapedProfileParameters]):
         opening, rate, _ = weighted_opening(entries, p.joint_2_weight)
         wanted, wanted_rate = self.reference((1.0 - entries["time_to_deadline"]) * self._signals.deadline)
         deploying = p.gain * (wanted_rate - rate) + p.stiffness * (wanted - opening)
-        return np.where(all_latched, -p.postlock_damping * entries["rate_1"], deploying)
+        return np.where(all_latched, -p.postlock_damping * entries["rate_driven"], deploying)

@@ -20,7 +20,7 @@ def card(name: str, config: dict[str, Any], policy: ShippedPolicy, env: Any, sco
         difference: Greatest difference of its actions from those of Stable-Baselines3.
     """
     parts = [
-        f"# {name}\n\nA controller of the root hinge's motor for `{config['env_id']}`, trained by "
+        f"# {name}\n\nA controller of the hinge motor for `{config['env_id']}`, trained by "
         f"{config['algo'].upper()} from Stable-Baselines3.",
         _training(config, policy, env),
         f"## Scores\n\n{scores}",

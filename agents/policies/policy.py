@@ -53,7 +53,12 @@ class Description:
     def signals(self) -> Signals:
         """Names and units of the environment that it was trained on."""
         return Signals(
-            self.observation_names, self.torque_limit, self.deadline, self.control_period, self.postlock_window
+            self.observation_names,
+            self.torque_limit,
+            self.deadline,
+            self.control_period,
+            self.postlock_window,
+            self.env_kwargs.get("driven_joint", 0),
         )
 
 

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.array import DEFAULT_ELEMENTS, ArrayParameters
+from solar_env.array import ArrayParameters
 from solar_env.environment.episodes import Episodes
-from solar_env.environment.hardware import Hardware
-from solar_env.environment.scenarios import Ranges
+from solar_env.environment.observations import observation_table
+from solar_env.environment.reward import reward_table
+from solar_env.environment.settings import RENDER_MODES, EnvironmentSettings
 from solar_env.environment.setup import Setup
-from solar_env.environment.task import REWARD_TERMS, Task
 from solar_env.mechanics.running.simulation import Simulation
 
 Observation = NDArray[np.float32]
@@ -25,8 +24,8 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     """## Description
 
     A spacecraft's folded solar panels swing open on torsion springs, synchronised by cable loops, latch, and then
-    hammer in the clearances of their hinges. A motor on the root hinge adds a torque to the spring's. The task is to
-    deploy in time and softly: with little peak force and little wear after latching.
+    hammer in the clearances of their hinges. A motor on one hinge, by default the root's, adds a torque to the
+    spring's. The task is to deploy in time and softly: with little peak force and little wear after latching.
 
     The physics is that of Li, Wang and Huang, Mech. Syst. Signal Process. 117 (2019) 188-209, simulated with adaptive
     steps between two actions: of 1e-5 to 1e-2 s with rigid panels, of 1e-5 to 3e-3 s with flexible ones.
@@ -38,45 +37,34 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     | Num | Action | Min | Max | Unit |
     |-----|--------|-----|-----|------|
-    | 0   | Motor torque on the root hinge, positive opens; held for a control period | -1 | 1 | `torque_limit` (N m) |
+    | 0   | Motor torque on the driven hinge, positive opens; held for a period | -1 | 1 | `torque_limit` (N m) |
 
     ## Observation Space
 
-    `Box` of float32, N panels: what a hinge drive can measure. Values are clipped to the bounds.
-    `observation_names` names the entries in order.
+    `Box` of float32. Values are clipped to the bounds; `observation_names` names the entries in order. The keyword
+    `observation` lists what is observed; `_i` stands for one entry a joint, from 1 at the root. The sensors do to it
+    what the keyword `hardware` says.
 
-    | Num | Observation | Min | Max | Unit |
-    |-----|-------------|-----|-----|------|
-    | 0 .. N-1   | `theta_i`, joint angle: 0 folded, 1 locked | -2 | 2 | lock angle (pi/2 at the root, else pi rad) |
-    | N .. 2N-1  | `rate_i`, its rate | -5 | 5 | rad/s |
-    | 2N .. 3N-1 | `latched_i`, latch switch | 0 | 1 | - |
-    | 3N   | `motor_torque`, applied in the last period | -1 | 1 | `torque_limit` |
-    | 3N+1 | `time_to_deadline` | 0 | 1 | `deadline` (20 s) |
-    | 3N+2 | `time_since_latch`, since the last joint latched | 0 | 1 | `postlock_window` (10 s) |
+    <observables>
 
-    `observation="history"` appends angles, rates and motor torque as they were observed one, two and three periods ago
-    (`theta_1_1_ago`, ...); before the first step they are the first ones.
-
-    `observation="privileged"` appends what only a simulator knows, for analysis and bounds:
-
-    | Num | Observation | Min | Max | Unit |
-    |-----|-------------|-----|-----|------|
-    | 3N+3 .. 6N+2 | by joint: `eccentricity_x_i`, `eccentricity_y_i` (inertial axes) | -2 | 2 | clearance |
-    |              | and `in_contact_i` | 0 | 1 | - |
-    | 6N+3 | `main_body_spin` | -1 | 1 | rad/s |
+    * "drive" observes what a hinge drive can measure: `theta_i`, `rate_i`, `latched_i`, `motor_torque`,
+      `time_to_deadline`, `time_since_latch`.
+    * "history" appends angles, rates and motor torque as they were observed one, two and three periods ago
+      (`theta_1_1_ago`, ...); before the first step they are the first ones.
+    * "privileged" appends what only a simulator knows, for analysis and bounds: `eccentricity_x_i`, `eccentricity_y_i`
+      (inertial axes) and `in_contact_i` joint by joint, and `main_body_spin`.
 
     ## Rewards
 
-    The sum of the terms in `info["reward_terms"]`:
+    The sum of the terms in `info["reward_terms"]`: each is minus the growth, in this step, of what a physical figure of
+    the episode costs, `weight * min(figure / scale, bound)`. Over an episode a term adds up to minus what the figure
+    costs at its end. The keyword `reward` changes weights, scales and bounds; terms of weight 0 are left out.
 
-    * `peak_impact`: minus the growth, in this step, of the peak force since the first latching, summed over the joints,
-      in units of 500 N. Over an episode it adds up to the peaks themselves.
-    * `wear`: minus the sliding work (integral of normal force times sliding speed, to which wear is proportional) since
-      the first latching, summed over the joints, in units of 0.05 J.
-    * `missed_deadline`: -25 if a joint is still open at the deadline, else 0.
+    <terms>
 
-    The first two are bounded by 12 each over an episode, so that a missed deadline costs more than the worst
-    deployment. The passive deployment (no motor torque) returns about -3.4.
+    Forces and sliding work are summed over the joints, spins read at the ends of the control periods, and the motor's
+    work counts whether it drives or brakes. A missed deadline must cost more than all other terms can together. The
+    passive deployment (no motor torque) returns about -3.4.
 
     ## Starting State
 
@@ -111,24 +99,9 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     gymnasium.make("solar_env/Deploy-v0", model="rigid-clearance", randomize={"clearance": (5e-5, 5e-4)})
     ```
 
-    * `model`: "rigid-clearance" (default), "rigid-ideal", "flexible-clearance" or "flexible-ideal". With ideal joints
-      the joint reactions take the place of contact forces and nothing wears. Flexible panels are beams in the absolute
-      nodal coordinate formulation.
-      "auto" takes the cheapest model and elements that answer a question, as measured by
-      `python -m solar_env ladder` with the default parameters; the attributes `model` and `elements` then say which.
-      With other parameters, and with `randomize`, take it as a hint.
-    * `elements`: number of beam elements of each flexible panel (6), from 1 to 1000; rigid panels do not use it.
-    * `question`, `tolerance`: of `model="auto"`: one of `solar_env.array.ladder.QUESTIONS` and the error allowed. By
-      default at most a fifth of the pairs of controllers may be ranked wrongly ("controller-ranking", 0.2).
-    * `parameters`: an `ArrayParameters`, or a mapping of changes to those of the scenario.
-    * `scenario`: "nominal" (default) or "randomised"; the two keywords that follow change it.
-    * `randomize`: mapping of parameter names to (low, high), in place of the scenario's; each reset draws uniformly,
-      by joint where the parameter is by joint, and there each bound may be one by joint.
-    * `hardware`: a `solar_env.Hardware`, or a mapping of changes to the scenario's: `angle_noise`, `rate_noise`,
-      `encoder_resolution`, `sensor_delay`, `motor_lag`, `torque_rate_limit`.
-    * `observation`: "drive" (default), "history" or "privileged".
-    * `torque_limit`, `control_period`, `deadline`, `postlock_window`: see `solar_env.environment.task.Task`.
-    * `render_mode`: "rgb_array" or None.
+    `solar_env.environment.settings.EnvironmentSettings` describes the keywords: `model`, `parameters`, `elements`,
+    `question`, `tolerance`, `torque_limit`, `control_period`, `deadline`, `postlock_window`, `driven_joint`,
+    `observation`, `reward`, `scenario`, `randomize`, `hardware` and `render_mode`.
 
     `reset(options={"parameters": {...}})` changes parameters for one episode, after `randomize`, but for `panel_count`,
     `body_fixed` and `wear_bins`, on which the mechanism's structure depends.
@@ -139,46 +112,27 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     """
 
     metadata: dict[str, Any] = {  # noqa: RUF012 - declared so by Gymnasium
-        "render_modes": ["rgb_array"],
+        "render_modes": list(RENDER_MODES),
         "render_fps": 10,
     }
 
-    def __init__(
-        self,
-        model: str = "rigid-clearance",
-        parameters: ArrayParameters | Mapping[str, Any] | None = None,
-        *,
-        elements: int = DEFAULT_ELEMENTS,
-        question: str | None = None,
-        tolerance: float | None = None,
-        torque_limit: float = 0.5,
-        control_period: float = 0.1,
-        deadline: float = 20.0,
-        postlock_window: float = 10.0,
-        observation: str = "drive",
-        scenario: str = "nominal",
-        randomize: Ranges | None = None,
-        hardware: Hardware | Mapping[str, Any] | None = None,
-        render_mode: str | None = None,
-    ) -> None:
+    def __init__(self, **keywords: Any) -> None:
         """See the class.
 
         Raises:
+            TypeError: for an unknown keyword.
             ValueError: for an unknown name or a refused value; the message says which.
         """
-        task = Task(torque_limit, control_period, deadline, postlock_window)
-        self._setup = Setup(
-            model, parameters, elements, question, tolerance, task, observation, scenario, randomize, hardware
-        )
-        self.render_mode = checked_render_mode(render_mode)
-        self.metadata = {**self.metadata, "render_fps": 1.0 / task.control_period}
-        self.model, self.elements = self._setup.model, self._setup.elements
-        self.scenario, self.hardware = scenario, self._setup.hardware
-        self.parameters, self.randomize = self._setup.parameters, self._setup.randomize
-        self.task, self.observation_names = task, self._setup.observation_names
-        self.observation_space = self._setup.observation_space()
-        self.action_space = self._setup.action_space()
-        self._episodes = Episodes(self._setup, [self.parameters], recorded=render_mode is not None)
+        settings = EnvironmentSettings.of(keywords)
+        self._setup = setup = Setup(settings)
+        self.render_mode, self.scenario = settings.render_mode, settings.scenario
+        self.metadata = {**self.metadata, "render_fps": 1.0 / settings.control_period}
+        self.model, self.elements = setup.model, setup.elements
+        self.parameters, self.randomize, self.hardware = setup.parameters, setup.randomize, setup.hardware
+        self.task, self.reward, self.observation_names = setup.task, setup.reward, setup.observation_names
+        self.observation_space = setup.observation_space()
+        self.action_space = setup.action_space()
+        self._episodes = Episodes(setup, [self.parameters], recorded=self.render_mode is not None)
         self._lane = np.zeros(1, dtype=np.int64)
         self._action = np.zeros(1)
 
@@ -231,7 +185,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self._episodes.check_changes(self._lane, changes)
         super().reset(seed=seed)
         self._episodes.reset(self._lane, [self.np_random], changes)
-        return self._episodes.observations[0].copy(), first_info()
+        return self._episodes.observations[0].copy(), self._episodes.info(0)
 
     def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Hold a motor torque for one control period.
@@ -257,12 +211,10 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             raise ValueError(f"action = {values!r} is not finite")
         self._action[0] = values[0]
         episodes.step(self._lane, self._action)
-        terms = dict(zip(REWARD_TERMS, episodes.terms[0].tolist(), strict=True))
-        terminated = bool(episodes.terminated[0])
-        info: dict[str, Any] = {"time_s": self.simulation.time, "reward_terms": terms}
+        terminated, info = bool(episodes.terminated[0]), episodes.info(0)
         if terminated:
             info["deployment"] = episodes.figures(0)
-        return episodes.observations[0].copy(), sum(terms.values()), terminated, False, info
+        return episodes.observations[0].copy(), float(episodes.rewards[0]), terminated, False, info
 
     def render(self) -> NDArray[np.uint8] | None:
         """Draw the present state; (540, 960, 3) uint8, or None without a render mode."""
@@ -274,17 +226,8 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         return self._episodes.render(0)
 
 
-def checked_render_mode(render_mode: str | None) -> str | None:
-    """Return ``render_mode`` if it is one of the environment's.
-
-    Raises:
-        ValueError: otherwise.
-    """
-    if render_mode not in (None, *SolarArrayEnv.metadata["render_modes"]):
-        raise ValueError(f"render_mode {render_mode!r} is unknown; choose rgb_array or None")
-    return render_mode
-
-
-def first_info() -> dict[str, Any]:
-    """What a reset tells."""
-    return {"time_s": 0.0, "reward_terms": dict.fromkeys(REWARD_TERMS, 0.0)}
+SolarArrayEnv.__doc__ = (
+    (SolarArrayEnv.__doc__ or "")
+    .replace("<observables>", observation_table().replace("\n", "\n    "))
+    .replace("<terms>", reward_table().replace("\n", "\n    "))
+)

@@ -1,4 +1,4 @@
-"""Episodes of the control task, lane by lane: what a single environment and a vector of them have in common."""
+"""Episodes of the control task, lane by lane, of a single environment and of a vector of them."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters
 from solar_env.environment.film import Film
+from solar_env.environment.periods import begin_periods, end_periods, observe_lanes
 from solar_env.environment.sensors import Memory
 from solar_env.environment.setup import Changes, Setup
-from solar_env.environment.task import REWARD_TERMS, begin_periods, end_periods, observe_lanes, wear_depths
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.running.batch import Batch
 
@@ -24,8 +24,9 @@ class SavedEpisode(NamedTuple):
     Attributes:
         parameters: of the episode.
         state: of the simulation, mid-contact included.
-        charged: (2,) for peak forces and for wear so far.
-        terms: (3,) of the latest reward.
+        charged: (terms, 2) figures charged so far, and their latest readings.
+        terms: (terms,) of the latest reward.
+        names: of the terms.
         sensors: their memory, the state of their noise included.
     """
 
@@ -33,6 +34,7 @@ class SavedEpisode(NamedTuple):
     state: m.State
     charged: NDArray[np.float64]
     terms: NDArray[np.float64]
+    names: tuple[str, ...]
     sensors: Memory
 
 
@@ -44,7 +46,8 @@ class Episodes:
         designs: parameters by lane, before anything is drawn.
         parameters: by lane, of the present episode.
         observations: (lanes, entries) float32, the latest, as the sensors show them.
-        terms: (lanes, 3) of the latest reward, in the order of REWARD_TERMS.
+        terms: (lanes, terms) of the latest reward, in the order of ``setup.reward.names``.
+        rewards: (lanes,) their sums.
         terminated: (lanes,) whether the present episode has ended.
     """
 
@@ -65,15 +68,12 @@ class Episodes:
         lanes = len(designs)
         self._sensors = setup.sensors(lanes)
         self.observations = self._sensors.observed
-        self.terms = np.zeros((lanes, len(REWARD_TERMS)))
+        terms = len(setup.reward.names)
+        self.terms, self.rewards = np.zeros((lanes, terms)), np.zeros(lanes)
         self.terminated = np.zeros(lanes, dtype=np.bool_)
-        self._charged = np.zeros((lanes, 2))
+        self._charged = np.zeros((lanes, terms, 2))
         self._end_times = np.zeros(lanes)
-        # What the kernels need to know of the task and of what is observed.
         self._numbers = setup.task.numbers(setup.hardware)
-        present = self._sensors.present
-        bounds = (self._sensors.low[:present], self._sensors.high[:present])
-        self._observed = (setup.observation == "privileged", *bounds)
         self._threads = threads
         self._batch: Batch | None = None
         self._films: list[Film] | None = [Film(setup) for _ in range(lanes)] if recorded else None
@@ -135,7 +135,7 @@ class Episodes:
             if self._films is not None:
                 self._films[lane] = Film(self.setup)
         self.terminated[lanes] = False
-        self.terms[lanes] = 0.0
+        self.terms[lanes], self.rewards[lanes] = 0.0, 0.0
         self._charged[lanes] = 0.0
         self._observe(lanes)
         self._sensors.begin(lanes, generators)
@@ -143,7 +143,7 @@ class Episodes:
     def _observe(self, lanes: NDArray[np.int64]) -> None:
         """Write what ideal sensors see of the present states."""
         batch = self.batch
-        observe_lanes(batch.models, batch.states, self._numbers, *self._observed, lanes, self._sensors.exact)
+        observe_lanes(batch.models, batch.states, self._numbers, self._sensors.channels, lanes, self._sensors.exact)
 
     def step(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> None:
         """Hold motor torques for one control period.
@@ -173,10 +173,12 @@ class Episodes:
             batch.models,
             batch.states,
             self._numbers,
-            *self._observed,
+            self._sensors.channels,
+            self.setup.reward.charges,
             lanes,
             self._charged,
             self.terms,
+            self.rewards,
             self._sensors.exact,
             self.terminated,
         )
@@ -193,22 +195,29 @@ class Episodes:
         """
         state = self.batch.simulations[lane].snapshot()
         charged, terms = self._charged[lane].copy(), self.terms[lane].copy()
-        return SavedEpisode(self.parameters[lane], state, charged, terms, self._sensors.memory(lane))
+        names, sensors = self.setup.reward.names, self._sensors.memory(lane)
+        return SavedEpisode(self.parameters[lane], state, charged, terms, names, sensors)
 
     def restore(self, lane: int, saved: SavedEpisode) -> None:
         """Go on with a saved episode: the same actions lead to the same bits. Frames begin their force history anew.
 
         Raises:
             gymnasium.error.ResetNeeded: before the first reset.
-            ValueError: if the episode's structure is not that of this setup, or other entries were observed; the
-                present episode goes on then.
+            ValueError: if the episode's structure is not that of this setup, or other entries were observed or other
+                terms charged; the present episode goes on then.
         """
+        if saved.names != self.setup.reward.names:
+            raise ValueError(
+                f"the saved episode was charged for {', '.join(saved.names)}, this one for "
+                f"{', '.join(self.setup.reward.names)}: go on with it where the same terms are charged"
+            )
         self._sensors.check(saved.sensors)
         simulation = self.setup.simulation(saved.parameters)
         simulation.restore(saved.state)
         self.batch.replace(lane, simulation)
         self.parameters[lane] = saved.parameters
         self._charged[lane], self.terms[lane], self.terminated[lane] = saved.charged, saved.terms, False
+        self.rewards[lane] = saved.terms.sum()
         self._sensors.recall(lane, saved.sensors)
         if self._films is not None:
             self._films[lane] = Film(self.setup)
@@ -235,11 +244,16 @@ class Episodes:
             simulation.restore(state)
         copies = Episodes(self.setup.with_exact_observations(), [parameters] * count, threads)
         copies._batch = Batch(simulations, threads)
-        copies.terms[:] = self.terms[lane]
+        copies.terms[:], copies.rewards[:] = self.terms[lane], self.rewards[lane]
         copies.terminated[:] = self.terminated[lane]
         copies._charged[:] = self._charged[lane]
         copies._observe(np.arange(count))
         return copies
+
+    def info(self, lane: int) -> dict[str, Any]:
+        """What every step tells: time [s] and terms of the reward."""
+        terms = dict(zip(self.setup.reward.names, self.terms[lane].tolist(), strict=True))
+        return {"time_s": self.batch.simulations[lane].time, "reward_terms": terms}
 
     def figures(self, lane: int) -> dict[str, Any]:
         """The physical figures of an episode, after a look at its accuracy.
@@ -261,9 +275,9 @@ class Episodes:
             "peak_postlock_force_N": joints["postlock_peak_force"].tolist(),
             "postlock_impulse_Ns": ((by_joint[:, m.IMPULSE] - joints["lock_impulse"]) * locked).tolist(),
             "postlock_sliding_work_J": ((by_joint[:, m.SLIDING_WORK] - joints["lock_sliding_work"]) * locked).tolist(),
-            "wear_depth_max_m": wear_depths(state).tolist(),
+            "wear_depth_max_m": np.maximum(state.wear_journal.max(axis=1), state.wear_bearing.max(axis=1)).tolist(),
             "contact_starts": joints["contact_starts"].tolist(),
-            "motor_work_J": float(by_joint[0, m.MOTOR_WORK]),
+            "motor_work_J": float(by_joint[self.setup.task.driven_joint, m.MOTOR_WORK]),
             "energy_residual_J": simulation.energy_residual(),
             "duration_s": simulation.time,
         }

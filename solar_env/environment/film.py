@@ -1,4 +1,4 @@
-"""Frames of an episode: what of a simulation is drawn, and the force peaks so far."""
+"""Frames of an episode: the array as it is, and the force peaks so far."""
 
 from __future__ import annotations
 
@@ -33,15 +33,20 @@ class Film:
         """The frame of the present state; (540, 960, 3) uint8."""
         if self._renderer is None:
             task, folded = self._setup.task, self._setup.simulation(parameters)
-            scene = _scene(folded, parameters, [0.0], [np.zeros(parameters.panel_count)])
+            scene = _scene(folded, parameters, task.driven_joint, [0.0], [np.zeros(parameters.panel_count)])
             self._renderer = Renderer(scene, task.deadline + task.postlock_window)
-        return self._renderer.draw(_scene(simulation, parameters, self._times, self._peaks))
+        driven = self._setup.task.driven_joint
+        return self._renderer.draw(_scene(simulation, parameters, driven, self._times, self._peaks))
 
 
 def _scene(
-    simulation: Simulation, parameters: ArrayParameters, times: list[float], peaks: list[NDArray[np.float64]]
+    simulation: Simulation,
+    parameters: ArrayParameters,
+    driven_joint: int,
+    times: list[float],
+    peaks: list[NDArray[np.float64]],
 ) -> Scene:
-    """What is drawn of a simulation, with force peaks (joints,) at the times given."""
+    """The scene of a simulation, with force peaks (joints,) at the times given."""
     model, state = simulation.model, simulation.state
     loads = simulation.joint_loads()
     axes = [centreline(model, state.q, body) for body in range(parameters.panel_count + 1)]
@@ -57,7 +62,7 @@ def _scene(
         in_contact=state.joints["in_contact"].astype(np.bool_),
         normal_force=loads[:, NORMAL].copy(),
         latched=state.joints["latched"].astype(np.bool_),
-        motor_torque=float(state.joints["motor_torque"][0]),
+        motor_torque=float(state.joints["motor_torque"][driven_joint]),
         force_times=np.array(times),
         force_history=np.array(peaks),
     )

@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
+from solar_env.environment.names import unknown_name
+
 
 @dataclass(frozen=True)
 class Hardware:
@@ -19,6 +21,7 @@ class Hardware:
         sensor_delay: control periods from a measurement to the observation that shows it.
         motor_lag: time constant with which the motor torque follows the action [s]; 0 for none.
         torque_rate_limit: greatest rate of change of the motor torque [N m/s].
+        attitude_noise: standard deviation of the noise of the measured direction of the main body [rad].
 
     Raises:
         ValueError: on construction, for a value out of range.
@@ -30,12 +33,13 @@ class Hardware:
     sensor_delay: int = 0
     motor_lag: float = 0.0
     torque_rate_limit: float = math.inf
+    attitude_noise: float = 0.0
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
             if isinstance(value, bool) or not isinstance(value, (int, float)):
                 raise ValueError(f"{name} = {value!r} must be a number")
-        for name in ("angle_noise", "rate_noise", "encoder_resolution", "motor_lag"):
+        for name in ("angle_noise", "rate_noise", "attitude_noise", "encoder_resolution", "motor_lag"):
             if not 0.0 <= getattr(self, name) < math.inf:
                 raise ValueError(f"{name} = {getattr(self, name)!r} must be finite and not negative")
         delay: object = self.sensor_delay
@@ -47,7 +51,7 @@ class Hardware:
     @property
     def ideal_sensors(self) -> bool:
         """Whether what is observed is what is."""
-        return not (self.angle_noise or self.rate_noise or self.encoder_resolution or self.sensor_delay)
+        return replace(self, motor_lag=0.0, torque_rate_limit=math.inf) == Hardware()
 
     def with_changes(self, changes: Mapping[str, Any]) -> Hardware:
         """A copy with some values changed.
@@ -58,7 +62,7 @@ class Hardware:
         known = [item.name for item in fields(self)]
         for name in changes:
             if name not in known:
-                raise ValueError(f"hardware has no {name!r}; it has {', '.join(known)}")
+                raise ValueError(unknown_name("hardware", name, known))
         return replace(self, **changes)
 
     def motor_response(self, period: float) -> float:

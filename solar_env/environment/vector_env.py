@@ -13,14 +13,12 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from solar_env.array import DEFAULT_ELEMENTS, ArrayParameters
-from solar_env.environment.env import RESET_OPTIONS, Observation, SolarArrayEnv, checked_render_mode, first_info
+from solar_env.environment.env import RESET_OPTIONS, Observation, SolarArrayEnv
 from solar_env.environment.episodes import Episodes, SavedEpisode
-from solar_env.environment.hardware import Hardware
-from solar_env.environment.scenarios import Ranges, Scenario, scenario_named
+from solar_env.environment.lane import Lane
+from solar_env.environment.scenarios import scenario_named
+from solar_env.environment.settings import EnvironmentSettings
 from solar_env.environment.setup import Setup
-from solar_env.environment.task import REWARD_TERMS, Task
-from solar_env.mechanics.running.simulation import Simulation
 
 Actions = NDArray[np.float32]
 Flags = NDArray[np.bool_]
@@ -44,36 +42,23 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         max_episode_steps: control periods after which an episode is truncated; None for none.
         autoreset_mode: a ``gymnasium.vector.AutoresetMode``, or its value.
         num_threads: most threads; by default as many as there are processors for this process.
-        parameters: as for the single environment, or a sequence with an entry for every lane.
-        model, elements, question, tolerance, torque_limit, control_period, deadline, postlock_window, observation,
-        scenario, randomize, hardware, render_mode: as for the single environment.
+        keywords: those of :class:`~solar_env.environment.settings.EnvironmentSettings`; `parameters` may also be a
+            sequence with an entry for every lane.
     """
 
     def __init__(
         self,
         num_envs: int = 1,
-        model: str = "rigid-clearance",
-        parameters: ArrayParameters | Mapping[str, Any] | Sequence[ArrayParameters | Mapping[str, Any]] | None = None,
         *,
         max_episode_steps: int | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         num_threads: int | None = None,
-        elements: int = DEFAULT_ELEMENTS,
-        question: str | None = None,
-        tolerance: float | None = None,
-        torque_limit: float = 0.5,
-        control_period: float = 0.1,
-        deadline: float = 20.0,
-        postlock_window: float = 10.0,
-        observation: str = "drive",
-        scenario: str = "nominal",
-        randomize: Ranges | None = None,
-        hardware: Hardware | Mapping[str, Any] | None = None,
-        render_mode: str | None = None,
+        **keywords: Any,
     ) -> None:
         """See the class.
 
         Raises:
+            TypeError: for an unknown keyword.
             ValueError: for an unknown name or a refused value; the message says which.
         """
         counts: dict[str, Any] = {
@@ -86,36 +71,31 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
             if number is not None and not (whole and number >= 1):
                 raise ValueError(f"{name} = {number!r} must be a whole number, at least 1")
         self.num_envs = int(num_envs)
-        self.render_mode = checked_render_mode(render_mode)
+        given = keywords.get("parameters")
+        by_lane = list(given) if isinstance(given, Sequence) else [given] * self.num_envs
+        if len(by_lane) != self.num_envs:
+            raise ValueError(
+                f"parameters has {len(by_lane)} entries for num_envs = {num_envs} lanes; give one for each"
+            )
+        settings = EnvironmentSettings.of({**keywords, "parameters": by_lane[0]})
+        self._setup = setup = Setup(settings)
+        self.render_mode, self.scenario = settings.render_mode, settings.scenario
+        self.parameters = [scenario_named(self.scenario).design(entry) for entry in by_lane]
+        self.model, self.elements = setup.model, setup.elements
+        self.hardware, self.randomize = setup.hardware, setup.randomize
+        self.task, self.reward = setup.task, setup.reward
+        self.observation_names = setup.observation_names
         self.autoreset_mode = AutoresetMode(autoreset_mode)
-        designs = _designs(parameters, num_envs, scenario_named(scenario))
-        self.task = Task(torque_limit, control_period, deadline, postlock_window)
         self.metadata = {
             **SolarArrayEnv.metadata,
             "render_fps": 1.0 / self.task.control_period,
             "autoreset_mode": self.autoreset_mode,
         }
-        self._setup = Setup(
-            model,
-            designs[0],
-            elements,
-            question,
-            tolerance,
-            self.task,
-            observation,
-            scenario,
-            randomize,
-            hardware,
-        )
-        self.model, self.elements = self._setup.model, self._setup.elements
-        self.scenario, self.hardware = scenario, self._setup.hardware
-        self.parameters, self.randomize = designs, self._setup.randomize
-        self.observation_names = self._setup.observation_names
-        self.single_observation_space = self._setup.observation_space()
+        self.single_observation_space = setup.observation_space()
         self.observation_space = batch_space(self.single_observation_space, num_envs)
-        self.single_action_space = self._setup.action_space()
+        self.single_action_space = setup.action_space()
         self.action_space = batch_space(self.single_action_space, num_envs)
-        self.episodes = Episodes(self._setup, designs, num_threads, recorded=render_mode is not None)
+        self.episodes = Episodes(setup, self.parameters, num_threads, recorded=self.render_mode is not None)
         self._generators: list[np.random.Generator | None] = [None] * num_envs
         self._seeds: list[int] = [-1] * num_envs
         self._longest = max_episode_steps
@@ -184,8 +164,8 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
                 self._generators[lane], self._seeds[lane] = seeding.np_random(seeds[lane])
         self._fold(lanes, chosen)
         infos: dict[str, Any] = {}
-        for lane in lanes:
-            self._add_info(infos, first_info(), int(lane))
+        for begun in lanes.tolist():
+            self._add_info(infos, self.episodes.info(begun), begun)
         return self.episodes.observations.copy(), infos
 
     def _fold(self, lanes: NDArray[np.int64], changes: Sequence[Mapping[str, Any]]) -> None:
@@ -230,9 +210,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         if self._longest is not None:
             np.greater_equal(self._elapsed, self._longest, out=truncations)
         np.logical_or(terminations, truncations, out=self._ended)
-        terms = episodes.terms
-        rewards = terms[:, 0] + terms[:, 1] + terms[:, 2]
-        infos = self._infos()
+        rewards, infos = episodes.rewards.copy(), self._infos()
         if self._ended.any():
             self._end_episodes(np.flatnonzero(self._ended), terminations, infos)
         return episodes.observations.copy(), rewards, terminations, truncations, infos
@@ -240,7 +218,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
     def _infos(self) -> dict[str, Any]:
         everywhere = {f"_{name}": np.ones(self.num_envs, dtype=np.bool_) for name in ("time_s", "reward_terms")}
         terms: dict[str, Any] = {}
-        for k, name in enumerate(REWARD_TERMS):
+        for k, name in enumerate(self.reward.names):
             terms[name] = self.episodes.terms[:, k].copy()
             terms[f"_{name}"] = np.ones(self.num_envs, dtype=np.bool_)
         return {"time_s": self.episodes.times, "reward_terms": terms, **everywhere}
@@ -254,25 +232,22 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
                 self._add_info(infos, {"deployment": deployment}, lane)
             return
         for lane in lanes.tolist():
-            final: dict[str, Any] = {
-                "time_s": float(infos["time_s"][lane]),
-                "reward_terms": {name: float(infos["reward_terms"][name][lane]) for name in REWARD_TERMS},
-            }
+            final = episodes.info(lane)
             if lane in figures:
                 final["deployment"] = figures[lane]
             self._add_info(infos, {"final_obs": episodes.observations[lane].copy(), "final_info": final}, lane)
         self._fold(lanes, [{}] * lanes.size)
         for lane in lanes.tolist():
-            self._add_info(infos, first_info(), lane)
+            self._add_info(infos, episodes.info(lane), lane)
 
     def restore(self, lane: int, saved: SavedEpisode) -> None:
-        """Go on with a saved episode in one lane; see :meth:`Lane.restore_episode`."""
+        """Go on with a saved episode in one lane; see ``Lane.restore_episode``."""
         self.episodes.restore(lane, saved)
         self._ended[lane] = False
         self._elapsed[lane] = round(self.episodes.times[lane] / self.task.control_period)
 
     def lane(self, lane: int) -> Lane:
-        """What one lane shows of itself."""
+        """One lane as a single environment."""
         return Lane(self, range(self.num_envs)[lane])
 
     def render(self) -> tuple[NDArray[np.uint8] | None, ...]:  # type: ignore[override]
@@ -289,100 +264,9 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         self.episodes.close()
 
 
-class Lane:
-    """One lane as the single environment that it stands for: its own attributes, and those of the whole vector."""
-
-    def __init__(self, env: SolarArrayVectorEnv, index: int) -> None:
-        self._env, self._index = env, index
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("_"):
-            # Copies ask for such names before there is a vector.
-            raise AttributeError(f"a lane has no {name!r}")
-        return getattr(self._env, name)
-
-    @property
-    def simulation(self) -> Simulation:
-        """The running simulation; its state can be saved and restored between steps.
-
-        Raises:
-            gymnasium.error.ResetNeeded: before the first reset.
-        """
-        return self._env.episodes.batch.simulations[self._index]
-
-    @property
-    def parameters(self) -> ArrayParameters:
-        """Parameters before anything is drawn."""
-        return self._env.episodes.designs[self._index]
-
-    @property
-    def episode_parameters(self) -> ArrayParameters:
-        """Parameters of the present episode."""
-        return self._env.episodes.parameters[self._index]
-
-    @property
-    def np_random(self) -> np.random.Generator:
-        """The generator of random numbers."""
-        return self._env.np_random[self._index]
-
-    @property
-    def np_random_seed(self) -> int:
-        """The seed."""
-        return self._env.np_random_seed[self._index]
-
-    @property
-    def observation_space(self) -> gymnasium.Space[Observation]:
-        """Space of one observation."""
-        return self._env.single_observation_space
-
-    @property
-    def action_space(self) -> gymnasium.Space[Actions]:
-        """Space of one action."""
-        return self._env.single_action_space
-
-    def save_episode(self) -> SavedEpisode:
-        """The present episode, to be gone on with by :meth:`restore_episode`, here or in a lane of an equal vector.
-
-        Raises:
-            gymnasium.error.ResetNeeded: before the first reset, and where the episode has ended.
-        """
-        if self._env.episodes.terminated[self._index]:
-            raise gymnasium.error.ResetNeeded(f"the episode of lane {self._index} has ended")
-        return self._env.episodes.save(self._index)
-
-    def restore_episode(self, saved: SavedEpisode) -> Observation:
-        """Go on with a saved episode: the same actions lead to the same bits.
-
-        Returns:
-            (entries,) what was observed last.
-
-        Raises:
-            gymnasium.error.ResetNeeded: before the first reset.
-            ValueError: if the saved array has another structure.
-        """
-        self._env.restore(self._index, saved)
-        return self._env.episodes.observations[self._index].copy()
-
-    def render(self) -> NDArray[np.uint8] | None:
-        """Draw the present state; (540, 960, 3) uint8."""
-        return self._env.episodes.render(self._index) if self._env.render_mode else None
-
-
 def _by_lane(seed: int | Sequence[int | None] | None, lanes: int) -> list[int | None]:
     if seed is None:
         return [None] * lanes
     if isinstance(seed, (int, np.integer)):
         return [int(seed) + lane for lane in range(lanes)]
     return [None if entry is None else int(entry) for entry in seed]
-
-
-def _designs(
-    parameters: ArrayParameters | Mapping[str, Any] | Sequence[ArrayParameters | Mapping[str, Any]] | None,
-    lanes: int,
-    scenario: Scenario,
-) -> list[ArrayParameters]:
-    """The parameters by lane."""
-    entries = list(parameters) if isinstance(parameters, Sequence) else [parameters] * lanes
-    if len(entries) != lanes:
-        raise ValueError(f"parameters has {len(entries)} entries for num_envs = {lanes} lanes; give one for each")
-    return [scenario.design(entry) for entry in entries]

@@ -17,14 +17,17 @@ from agents.laws.damper import DamperParameters, ViscousDamper
 from agents.laws.table import TUNABLE
 from agents.torque_laws import Signals
 from solar_env.array.methods import default_integrator
-from solar_env.environment.task import REWARD_TERMS, Task
+from solar_env.environment.reward import Price, Reward
+from solar_env.environment.task import Task
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.joints.joint import ANGLE
 
 ID = "solar_env/Deploy-v0"
 SAMPLING = with_sampling({}, ID)["randomize"]
 TASK = Task()
-WORST_DEPLOYMENT = -2.0 * TASK.largest_charge
+# What costs 1, the most that either of the two can cost, and what a missed deadline costs.
+FORCE_SCALE, WORK_SCALE, LARGEST, MISSED = 500.0, 0.05, 12.0, 25.0
+WORST_DEPLOYMENT = -2.0 * LARGEST
 # The outer joint latches and the root, which the motor works on, is left behind.
 SOFT_CABLE = {"cable_stiffness": 0.02}
 
@@ -78,7 +81,7 @@ def deploy(laws, **keywords):
                 continue
             run.actions.append(actions[lane])
             run.times.append(float(info["time_s"][lane]))
-            run.terms.append([float(info["reward_terms"][name][lane]) for name in REWARD_TERMS])
+            run.terms.append([float(info["reward_terms"][name][lane]) for name in Reward().names])
             if terminations[lane]:
                 run.figures = {name: values[lane] for name, values in info["deployment"].items() if name[0] != "_"}
         step += 1
@@ -180,8 +183,8 @@ def assert_charged(terms, peaks, work, first, last):
     peak_impact, wear, _ = np.sum(terms[: last + 1], axis=0)
     peak = [peaks[start : last + 1].max(axis=0).sum() for start in (first + 1, first)]
     slid = [(work[last] - work[start]).sum() for start in (first, first - 1)]
-    assert peak[0] * (1.0 - 1e-9) <= -peak_impact * TASK.force_scale <= peak[1] * (1.0 + 1e-9)
-    assert slid[0] * (1.0 - 1e-9) <= -wear * TASK.work_scale <= slid[1] * (1.0 + 1e-9)
+    assert peak[0] * (1.0 - 1e-9) <= -peak_impact * FORCE_SCALE <= peak[1] * (1.0 + 1e-9)
+    assert slid[0] * (1.0 - 1e-9) <= -wear * WORK_SCALE <= slid[1] * (1.0 + 1e-9)
     assert slid[1] < 1.1 * slid[0], "the step of the latching is short enough for a test"
 
 
@@ -221,8 +224,13 @@ def rank_correlation(one, other):
 
 
 def test_limits_durations_and_prices_are_the_documented_ones():
-    assert Task(0.5, 0.1, 20, 10, 500, 0.05, 12, 25) == TASK
-    assert gymnasium.make(ID).unwrapped.task == TASK
+    assert Task(0.5, 0.1, 20, 10, driven_joint=0) == TASK
+    env = gymnasium.make(ID).unwrapped
+    assert env.task == TASK
+    assert env.reward.names == ("peak_impact", "wear", "missed_deadline")
+    assert env.reward.prices["peak_impact"] == Price(FORCE_SCALE, 1.0, LARGEST)
+    assert env.reward.prices["wear"] == Price(WORK_SCALE, 1.0, LARGEST)
+    assert env.reward.prices["missed_deadline"] == Price(1.0, MISSED, 1.0)
 
 
 def test_500_newtons_and_a_twentieth_of_a_joule_cost_one_each(passive):
@@ -294,7 +302,7 @@ def test_holding_the_array_folded_or_short_of_its_latches_never_pays(passive):
     runs = deploy([constant(-1.0), *(held_short_at(opening) for opening in (0.5, 0.9, 0.985))])
     for run in runs:
         assert run.figures["latch_times_s"] == [None, None]
-        assert run.total == -TASK.missed_deadline_cost < WORST_DEPLOYMENT < min(alone.total for alone in passive)
+        assert run.total == -MISSED < WORST_DEPLOYMENT < min(alone.total for alone in passive)
 
 
 @pytest.mark.parametrize(
@@ -313,7 +321,7 @@ def test_latching_one_joint_and_not_the_other_never_pays(law, keywords):
     assert root is None
     assert outer is not None
     peak_impact, _, missed = np.sum(run.terms, axis=0)
-    assert missed == -TASK.missed_deadline_cost
+    assert missed == -MISSED
     assert peak_impact < 0.0, "what the one latching did is charged on top"
     assert run.total < missed < WORST_DEPLOYMENT
 
@@ -383,7 +391,7 @@ def test_impacts_on_the_way_are_not_charged_however_hard():
     first = step_of(min(run.figures["latch_times_s"]), run)
     before, after = peaks[:first].max(axis=0).sum(), peaks[first:].max(axis=0).sum()
     assert before > 1.2 * after
-    assert np.sum(run.terms, axis=0)[0] >= -after / TASK.force_scale * (1.0 + 1e-9)
+    assert np.sum(run.terms, axis=0)[0] >= -after / FORCE_SCALE * (1.0 + 1e-9)
 
 
 @pytest.mark.parametrize("pattern", [(1, 1, -1, -1), (1, -1, -1), (1, 1, -1), (1, -1, -1, -1)], ids=str)
@@ -439,15 +447,10 @@ def test_charges_stop_at_their_bound_however_violent_the_deployment():
     shaken, thrown, dropped = deploy(
         [in_turn(constant(1.0), chatter((1, -1)), any_latched), constant(1.0), constant(-1.0)], torque_limit=100.0
     )
-    assert shaken.force > TASK.largest_charge * TASK.force_scale
-    assert shaken.work > TASK.largest_charge * TASK.work_scale
-    assert np.sum(shaken.terms, axis=0) == pytest.approx([-TASK.largest_charge, -TASK.largest_charge, 0.0], abs=1e-12)
+    assert shaken.force > LARGEST * FORCE_SCALE
+    assert shaken.work > LARGEST * WORK_SCALE
+    assert np.sum(shaken.terms, axis=0) == pytest.approx([-LARGEST, -LARGEST, 0.0], abs=1e-12)
     for run in (shaken, thrown, dropped):
         assert np.max(run.terms) <= 0.0
-        assert np.cumsum(run.terms, axis=0).min() >= -TASK.missed_deadline_cost - 1e-12
-    assert dropped.total == -TASK.missed_deadline_cost < shaken.total < thrown.total
-
-
-def test_a_task_in_which_not_deploying_would_pay_is_refused():
-    with pytest.raises(ValueError, match=r"missed_deadline_cost.*twice largest_charge"):
-        Task(missed_deadline_cost=2.0 * TASK.largest_charge)
+        assert np.cumsum(run.terms, axis=0).min() >= -MISSED - 1e-12
+    assert dropped.total == -MISSED < shaken.total < thrown.total

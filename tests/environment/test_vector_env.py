@@ -16,6 +16,8 @@ import pytest
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 import solar_env
+from solar_env.environment.observations import OBSERVABLES
+from solar_env.environment.reward import REWARD_TERMS
 from solar_env.mechanics.running.errors import SimulationError
 
 ID = "solar_env/Deploy-v0"
@@ -70,6 +72,9 @@ def test_make_vec_takes_it_without_being_told():
 @pytest.mark.parametrize("mode", AutoresetMode)
 def test_it_gives_what_sync_vector_env_gives_bit_for_bit(mode, longest):
     keywords = {"randomize": RANGES, "parameters": STRONG, "max_episode_steps": longest, "postlock_window": 2.0}
+    # All that there is to observe and to charge.
+    keywords["observation"] = [row.name for row in OBSERVABLES]
+    keywords["reward"] = {**{term.name: 1.0 for term in REWARD_TERMS}, "missed_deadline": 100.0}
     native, sync = make_vector(autoreset_mode=mode, **keywords), make_sync(mode, **keywords)
     assert_same(native.reset(seed=7), sync.reset(seed=7))
     ended = 0

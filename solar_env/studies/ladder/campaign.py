@@ -173,6 +173,6 @@ def measure_ladder(quick: bool, folder: Path, console: Console) -> Path:
 def _warm_up(plan: LadderPlan) -> None:
     """Run a moment of every level, so that compiling and loading are not measured."""
     for level in plan.levels:
-        env = SolarArrayEnv(level.model, elements=level.panel_elements)
+        env = SolarArrayEnv(model=level.model, elements=level.panel_elements)
         env.reset()
         env.step([0.0])

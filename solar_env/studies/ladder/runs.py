@@ -153,9 +153,8 @@ def control(level: Level, member: int, window: float, announce: Callable[[str], 
         ValueError: if a controller misses the deadline, so that there is nothing to rank.
         SimulationError: if a run cannot go on.
     """
-    env = SolarArrayEnv(
-        level.model, perturbed(ArrayParameters(), member), elements=level.panel_elements, postlock_window=window
-    )
+    parameters = perturbed(ArrayParameters(), member)
+    env = SolarArrayEnv(model=level.model, parameters=parameters, elements=level.panel_elements, postlock_window=window)
     measures, evaluations, wall = [], 0.0, 0.0
     for profile in CONTROLLERS:
         announce(profile.name)

@@ -1,0 +1,95 @@
+"""One lane of a vector environment, seen as a single environment."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+
+from solar_env.array import ArrayParameters
+from solar_env.environment.episodes import SavedEpisode
+from solar_env.mechanics.running.simulation import Simulation
+
+if TYPE_CHECKING:
+    from solar_env.environment.vector_env import SolarArrayVectorEnv
+
+
+class Lane:
+    """One lane as the single environment that it stands for: its own attributes, and those of the whole vector."""
+
+    def __init__(self, env: SolarArrayVectorEnv, index: int) -> None:
+        self._env, self._index = env, index
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            # Copies ask for such names before there is a vector.
+            raise AttributeError(f"a lane has no {name!r}")
+        return getattr(self._env, name)
+
+    @property
+    def simulation(self) -> Simulation:
+        """The running simulation; its state can be saved and restored between steps.
+
+        Raises:
+            gymnasium.error.ResetNeeded: before the first reset.
+        """
+        return self._env.episodes.batch.simulations[self._index]
+
+    @property
+    def parameters(self) -> ArrayParameters:
+        """Parameters before anything is drawn."""
+        return self._env.episodes.designs[self._index]
+
+    @property
+    def episode_parameters(self) -> ArrayParameters:
+        """Parameters of the present episode."""
+        return self._env.episodes.parameters[self._index]
+
+    @property
+    def np_random(self) -> np.random.Generator:
+        """The generator of random numbers."""
+        return self._env.np_random[self._index]
+
+    @property
+    def np_random_seed(self) -> int:
+        """The seed."""
+        return self._env.np_random_seed[self._index]
+
+    @property
+    def observation_space(self) -> gymnasium.Space[Any]:
+        """Space of one observation."""
+        return self._env.single_observation_space
+
+    @property
+    def action_space(self) -> gymnasium.Space[Any]:
+        """Space of one action."""
+        return self._env.single_action_space
+
+    def save_episode(self) -> SavedEpisode:
+        """The present episode, to be gone on with by :meth:`restore_episode`, here or in a lane of an equal vector.
+
+        Raises:
+            gymnasium.error.ResetNeeded: before the first reset, and where the episode has ended.
+        """
+        if self._env.episodes.terminated[self._index]:
+            raise gymnasium.error.ResetNeeded(f"the episode of lane {self._index} has ended")
+        return self._env.episodes.save(self._index)
+
+    def restore_episode(self, saved: SavedEpisode) -> NDArray[np.float32]:
+        """Go on with a saved episode: the same actions lead to the same bits.
+
+        Returns:
+            (entries,) what was observed last.
+
+        Raises:
+            gymnasium.error.ResetNeeded: before the first reset.
+            ValueError: if the saved array has another structure.
+        """
+        self._env.restore(self._index, saved)
+        return self._env.episodes.observations[self._index].copy()
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """Draw the present state; (540, 960, 3) uint8."""
+        return self._env.episodes.render(self._index) if self._env.render_mode else None

@@ -1,0 +1,227 @@
+"""All that can be observed: one table, with how each quantity is read and what the sensors do to it.
+
+To add a quantity, add its code, its branch in :func:`reading` and its row in ``OBSERVABLES``.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solar_env.environment.names import unknown_name
+from solar_env.environment.task import last_latch
+from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.joints.joint import direction, joint_motion, relative
+from solar_env.mechanics.numerics.jit import kernel
+
+# Codes of :func:`reading`.
+(
+    THETA,
+    RATE,
+    LATCHED,
+    MOTOR_TORQUE,
+    TIME_TO_DEADLINE,
+    TIME_SINCE_LATCH,
+    ECCENTRICITY_X,
+    ECCENTRICITY_Y,
+    IN_CONTACT,
+    MAIN_BODY_SPIN,
+    MAIN_BODY_ANGLE,
+    PEAK_FORCE,
+) = range(12)
+
+LOCK_ANGLE = "lock angle"
+GREATEST_AGE = 100
+
+
+class Observable(NamedTuple):
+    """A quantity that can be observed.
+
+    Attributes:
+        name: that an observation lists.
+        meaning: for the documentation.
+        unit: as observed.
+        low, high: bounds in that unit, to which it is clipped.
+        code: of :func:`reading`.
+        by_joint: whether there is one entry a joint.
+        noise: name of the standard deviation in ``Hardware``; None where the reading is exact.
+        encoder: whether it is read in steps of ``Hardware.encoder_resolution``.
+        delayed: whether it is shown ``Hardware.sensor_delay`` control periods late.
+    """
+
+    name: str
+    meaning: str
+    unit: str
+    low: float
+    high: float
+    code: int
+    by_joint: bool = False
+    noise: str | None = None
+    encoder: bool = False
+    delayed: bool = False
+
+
+OBSERVABLES = (
+    Observable(
+        "theta", "joint angle: 0 folded, 1 locked", LOCK_ANGLE, -2.0, 2.0, THETA, True, "angle_noise", True, True
+    ),
+    Observable("rate", "rate of the joint angle", "rad/s", -5.0, 5.0, RATE, True, "rate_noise", False, True),
+    Observable("latched", "latch switch", "0 or 1", 0.0, 1.0, LATCHED, True, delayed=True),
+    Observable("motor_torque", "torque in the last period", "torque_limit", -1.0, 1.0, MOTOR_TORQUE),
+    Observable("time_to_deadline", "time left", "deadline", 0.0, 1.0, TIME_TO_DEADLINE),
+    Observable(
+        "time_since_latch", "time since the last latching", "postlock_window", 0.0, 1.0, TIME_SINCE_LATCH, delayed=True
+    ),
+    Observable("eccentricity_x", "journal off its bearing's centre", "clearance", -2.0, 2.0, ECCENTRICITY_X, True),
+    Observable("eccentricity_y", "the same, along the inertial y", "clearance", -2.0, 2.0, ECCENTRICITY_Y, True),
+    Observable("in_contact", "journal and bearing touch", "0 or 1", 0.0, 1.0, IN_CONTACT, True),
+    Observable("main_body_spin", "exact spin of the main body", "rad/s", -1.0, 1.0, MAIN_BODY_SPIN),
+    Observable(
+        "main_body_angle",
+        "main body's direction from that at release, of a star tracker",
+        "rad",
+        -math.pi,
+        math.pi,
+        MAIN_BODY_ANGLE,
+        noise="attitude_noise",
+        delayed=True,
+    ),
+    Observable("peak_force", "greatest joint force in the last period", "kN", 0.0, 10.0, PEAK_FORCE, True),
+)
+
+_BY_NAME = {row.name: row for row in OBSERVABLES}
+
+# Names of an observation, in order; those in a tuple take turns joint by joint.
+Names = Sequence[str | tuple[str, ...]]
+_DRIVE: tuple[str, ...] = ("theta", "rate", "latched", "motor_torque", "time_to_deadline", "time_since_latch")
+_PAST = tuple(f"{name}_{age}_ago" for age in (1, 2, 3) for name in ("theta", "rate", "motor_torque"))
+OBSERVATIONS: dict[str, Names] = {
+    "drive": _DRIVE,
+    "history": (*_DRIVE, *_PAST),
+    "privileged": (*_DRIVE, ("eccentricity_x", "eccentricity_y", "in_contact"), "main_body_spin"),
+}
+
+
+class Entry(NamedTuple):
+    """One entry of an observation.
+
+    Attributes:
+        observable: what is observed.
+        joint: index of the joint; 0 where there is one entry for the array.
+        age: control periods since it was first shown.
+    """
+
+    observable: Observable
+    joint: int
+    age: int
+
+    @property
+    def name(self) -> str:
+        """Name, with the number of the joint, from 1, and the age."""
+        joint = f"_{self.joint + 1}" if self.observable.by_joint else ""
+        return f"{self.observable.name}{joint}" + (f"_{self.age}_ago" if self.age else "")
+
+
+def observation_entries(joints: int, observation: str | Names) -> tuple[Entry, ...]:
+    """Entries of an observation, in order.
+
+    Args:
+        joints: number of joints.
+        observation: one of ``OBSERVATIONS``, or names of ``OBSERVABLES``; "theta_2_ago" is the theta of two control
+            periods ago, and the names in a tuple take turns joint by joint.
+
+    Raises:
+        ValueError: for an unknown name, one that is listed twice, or none at all.
+    """
+    if isinstance(observation, str):
+        if observation not in OBSERVATIONS:
+            raise ValueError(unknown_name("observation", observation, OBSERVATIONS) + ", or list names of observables")
+        observation = OBSERVATIONS[observation]
+    entries: list[Entry] = []
+    for names in observation:
+        rows = [_observable(name) for name in (names if isinstance(names, (tuple, list)) else (names,))]
+        for joint in range(joints):
+            entries += [Entry(row, joint, age) for row, age in rows if row.by_joint or joint == 0]
+    if not entries or len(set(entries)) < len(entries):
+        raise ValueError(f"observation = {observation!r} must list at least one name, and each only once")
+    return tuple(entries)
+
+
+def _observable(name: str) -> tuple[Observable, int]:
+    """What a name of an observation stands for, and its age [control periods]."""
+    past = re.fullmatch(r"(\w+)_([1-9]\d*)_ago", str(name))
+    stem, age = (past[1], int(past[2])) if past else (name, 0)
+    if stem not in _BY_NAME:
+        raise ValueError(unknown_name("the observable", stem, _BY_NAME))
+    if age > GREATEST_AGE:
+        raise ValueError(f"{name!r} is {age} control periods old; observe at most {GREATEST_AGE} periods back")
+    return _BY_NAME[stem], age
+
+
+channel_type = np.dtype(
+    (np.record, np.dtype([("code", "i8"), ("joint", "i8"), ("low", "f4"), ("high", "f4")], align=True))
+)
+
+
+def channels(measured: Sequence[tuple[Observable, int]]) -> NDArray[np.void]:
+    """(measured,) code, joint and bounds of quantities of joints, as the kernels take them."""
+    rows = [(row.code, joint, row.low, row.high) for row, joint in measured]
+    return np.array(rows, dtype=channel_type)
+
+
+@kernel(inner=True)
+def reading(code, j, model, state, task):
+    """The exact value of a quantity, in its unit, at joint ``j``."""
+    joint, own = model.joints[j], state.joints[j]
+    if code in (THETA, RATE, MAIN_BODY_SPIN):
+        angle, rate, _, inboard_spin = joint_motion(joint, model.markers, state.q, state.v)
+        return angle / joint.lock_angle if code == THETA else rate if code == RATE else inboard_spin
+    if code in (ECCENTRICITY_X, ECCENTRICITY_Y):
+        ex, ey = relative(joint, model.markers, state.q)
+        scale = 1.0 / joint.clearance if joint.kind == m.CLEARANCE else 0.0
+        return ex * scale if code == ECCENTRICITY_X else ey * scale
+    if code == LATCHED:
+        return float(own.latched)
+    if code == IN_CONTACT:
+        return float(own.in_contact)
+    if code == MOTOR_TORQUE:
+        return state.joints[task.driven_joint].motor_torque / task.torque_limit
+    if code == TIME_TO_DEADLINE:
+        return (task.deadline - state.clock[0].time) / task.deadline
+    if code == TIME_SINCE_LATCH:
+        latched_at = last_latch(state.joints)
+        return (state.clock[0].time - latched_at) / task.postlock_window if latched_at == latched_at else 0.0
+    if code == MAIN_BODY_ANGLE:
+        x, y = direction(model.markers[joint.inboard], state.q)
+        return math.atan2(y, x)
+    if code == PEAK_FORCE:
+        return 1e-3 * own.recent_peak_force
+    return math.nan
+
+
+@kernel(single_caller=True)
+def observe(model, state, task, channels, out):
+    """Write the exact values of all channels (measured,), within their bounds, to ``out`` (measured,) float32."""
+    for k in range(channels.size):
+        channel = channels[k]
+        out[k] = reading(channel.code, channel.joint, model, state, task)
+        out[k] = min(max(out[k], channel.low), channel.high)
+
+
+def observation_table() -> str:
+    """The table of observables, in Markdown."""
+    lines = [
+        "| Name | Observation | Min | Max | Unit | Sensors |",
+        "|------|-------------|-----|-----|------|---------|",
+    ]
+    for row in OBSERVABLES:
+        sensed = [row.noise, "encoder_resolution" if row.encoder else None, "sensor_delay" if row.delayed else None]
+        sensors = ", ".join(f"`{name}`" for name in sensed if name) or "exact"
+        name = f"`{row.name}_i`" if row.by_joint else f"`{row.name}`"
+        lines.append(f"| {name} | {row.meaning} | {row.low:.4g} | {row.high:.4g} | {row.unit} | {sensors} |")
+    return "\n".join(lines)

@@ -1,0 +1,46 @@
+"""Beginning and end of a control period, lane by lane; a single environment is a batch of one lane."""
+
+from __future__ import annotations
+
+from solar_env.environment.observations import observe
+from solar_env.environment.reward import charge
+from solar_env.environment.task import begin_period, has_ended
+from solar_env.mechanics.arrays.lanes import lane_model, lane_state
+from solar_env.mechanics.numerics.jit import kernel
+
+
+@kernel
+def begin_periods(states, task, lanes, actions, end_times):
+    """Set the motor torques of the lanes (k,) named; actions and ends of the periods are by lane."""
+    for lane in lanes:
+        end_times[lane] = begin_period(lane_state(states, lane), task, actions[lane])
+
+
+@kernel
+def end_periods(models, states, task, channels, charges, lanes, charged, terms, rewards, observations, terminated):
+    """Charge and observe a period that has ended in the lanes (k,) named.
+
+    Args:
+        models, states: arrays of all lanes.
+        task: TaskNumbers.
+        channels: (measured,) of ``observations.channels``.
+        charges: (terms,) of ``reward.Reward.charges``.
+        lanes: (k,) indices.
+        charged: (lanes, terms, 2) of ``reward.charge``; updated.
+        terms: (lanes, terms) of the reward; written, as is all that follows.
+        rewards: (lanes,) their sums.
+        observations: (lanes, measured) float32.
+        terminated: (lanes,) whether the episode has ended.
+    """
+    for lane in lanes:
+        model, state = lane_model(models, lane), lane_state(states, lane)
+        rewards[lane] = charge(model, state, task, charges, charged[lane], terms[lane])
+        observe(model, state, task, channels, observations[lane])
+        terminated[lane] = has_ended(state, task)
+
+
+@kernel
+def observe_lanes(models, states, task, channels, lanes, observations):
+    """Observe the present state of the lanes (k,) named; observations are by lane."""
+    for lane in lanes:
+        observe(lane_model(models, lane), lane_state(states, lane), task, channels, observations[lane])

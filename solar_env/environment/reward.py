@@ -1,0 +1,227 @@
+"""All that an episode can be charged for: one table of physical figures with their prices.
+
+To add a term, add its code, its branch in :func:`reading` and its row in ``REWARD_TERMS``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from solar_env.environment.names import unknown_name
+from solar_env.environment.task import missed_deadline
+from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.joints.joint import spin
+from solar_env.mechanics.numerics.jit import kernel
+
+# Codes of :func:`reading`.
+PEAK_IMPACT, WEAR, MISSED_DEADLINE, ATTITUDE_DISTURBANCE, PRELATCH_WEAR, MOTOR_WORK = range(6)
+# How a figure grows with its readings at the ends of the control periods: it is the latest one (of what never falls),
+# the greatest magnitude, or the sum of the magnitudes of their changes.
+LATEST, GREATEST, CHANGES = range(3)
+# Columns of the account of a term: its figure so far, and its latest reading.
+FIGURE, READING = range(2)
+
+
+@dataclass(frozen=True)
+class Price:
+    """What a figure costs: ``weight * min(figure / scale, bound)``.
+
+    Attributes:
+        scale: amount of the figure that costs 1 at a weight of 1, in the unit of the figure.
+        weight: 0 leaves the term out.
+        bound: most that it costs in one episode at a weight of 1.
+
+    Raises:
+        ValueError: on construction, for a value out of range.
+    """
+
+    scale: float
+    weight: float = 1.0
+    bound: float = 12.0
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            number = isinstance(value, (int, float)) and not isinstance(value, bool) and 0.0 <= value < math.inf
+            if not number or (value == 0.0 and name != "weight"):
+                least = "finite and not negative" if name == "weight" else "positive and finite"
+                raise ValueError(f"{name} = {value!r} of a term of the reward must be {least}")
+
+
+class RewardTerm(NamedTuple):
+    """A term of the reward: minus the growth, in each step, of what a figure costs.
+
+    Attributes:
+        name: of the term.
+        figure: that it charges, for the documentation.
+        phase: in which it is charged.
+        unit: of the figure.
+        code: of :func:`reading`.
+        growth: LATEST, GREATEST or CHANGES.
+        price: by default.
+    """
+
+    name: str
+    figure: str
+    phase: str
+    unit: str
+    code: int
+    growth: int
+    price: Price
+
+
+_POSTLOCK, _PRELATCH, _WHOLE = "from the first latching", "before the first latching", "whole episode"
+_DEADLINE = "at the deadline"
+REWARD_TERMS = (
+    RewardTerm("peak_impact", "peak force, over all joints", _POSTLOCK, "N", PEAK_IMPACT, LATEST, Price(500.0)),
+    # Wear is proportional to the integral of normal force times sliding speed (Archard, J. Appl. Phys. 24 (1953) 981).
+    RewardTerm("wear", "sliding work, over all joints", _POSTLOCK, "J", WEAR, LATEST, Price(0.05)),
+    RewardTerm(
+        "missed_deadline", "1 if a joint is open", _DEADLINE, "-", MISSED_DEADLINE, LATEST, Price(1.0, 25.0, 1.0)
+    ),
+    RewardTerm(
+        "attitude_disturbance", "peak main body spin", _WHOLE, "rad/s", ATTITUDE_DISTURBANCE, GREATEST, Price(0.01, 0.0)
+    ),
+    RewardTerm(
+        "prelatch_wear", "sliding work, over all joints", _PRELATCH, "J", PRELATCH_WEAR, LATEST, Price(0.05, 0.0)
+    ),
+    RewardTerm(
+        "motor_work", "magnitudes of the motor's work by period", _WHOLE, "J", MOTOR_WORK, CHANGES, Price(0.5, 0.0)
+    ),
+)
+
+_CHARGE = [("code", "i8"), ("growth", "i8"), ("scale", "f8"), ("weight", "f8"), ("bound", "f8")]
+charge_type = np.dtype((np.record, np.dtype(_CHARGE, align=True)))
+
+
+class Reward:
+    """The terms of an environment's reward, with their prices.
+
+    Attributes:
+        prices: by name, of all terms.
+        names: of the terms that are charged, whose weight is not zero, in the order of ``REWARD_TERMS``.
+        charges: (names,) what the kernels need to know of them.
+    """
+
+    def __init__(self, changes: Mapping[str, Any] | None = None) -> None:
+        """The default prices with some changed.
+
+        Args:
+            changes: term -> its weight, a mapping of changes to "scale", "weight" and "bound", or a :class:`Price`.
+
+        Raises:
+            ValueError: for an unknown name or a refused value, or if a missed deadline costs no more than all the other
+                terms can together.
+        """
+        self.prices = {term.name: term.price for term in REWARD_TERMS}
+        if not isinstance(changes or {}, Mapping):
+            raise ValueError(f"reward = {changes!r} must be a mapping of terms to weights or prices")
+        for name, change in (changes or {}).items():
+            if name not in self.prices:
+                raise ValueError(unknown_name("the term of the reward", name, self.prices))
+            self.prices[name] = _changed(name, self.prices[name], change)
+        charged = [term for term in REWARD_TERMS if self.prices[term.name].weight > 0.0]
+        self.names = tuple(term.name for term in charged)
+        rows = [(term.code, term.growth, *vars(self.prices[term.name]).values()) for term in charged]
+        self.charges = np.array(rows, dtype=charge_type)
+        missed = self.prices["missed_deadline"]
+        cost = missed.weight * min(1.0 / missed.scale, missed.bound)
+        others = self.largest_cost
+        if cost <= others:
+            raise ValueError(
+                f"missed_deadline costs {cost!r}, which must exceed the {others!r} that all other terms can cost "
+                "together, or not deploying would pay: raise its weight, or lower weights or bounds of the others"
+            )
+
+    @property
+    def largest_cost(self) -> float:
+        """The most that one episode can cost that meets the deadline."""
+        return sum(price.weight * price.bound for name, price in self.prices.items() if name != "missed_deadline")
+
+
+def _changed(name: str, price: Price, change: Any) -> Price:
+    """The price of a term with what a keyword changes of it."""
+    if isinstance(change, Price):
+        return change
+    changes = change if isinstance(change, Mapping) else {"weight": change}
+    for key in changes:
+        if key not in (known := [item.name for item in fields(Price)]):
+            raise ValueError(unknown_name(f"reward[{name!r}]:", key, known))
+    try:
+        return replace(price, **changes)
+    except ValueError as error:
+        raise ValueError(f"reward[{name!r}]: {error}") from error
+
+
+@kernel(inner=True)
+def reading(code, model, state, task):
+    """The present reading of a figure, in its unit."""
+    postlock = state.clock[0].latched_joints > 0
+    if code == MISSED_DEADLINE:
+        return 1.0 if missed_deadline(state, task) else 0.0
+    if code == ATTITUDE_DISTURBANCE:
+        return spin(model.markers[model.joints[0].inboard], state.q, state.v)
+    if code == MOTOR_WORK:
+        return state.integrals[m.INTEGRALS_PER_JOINT * task.driven_joint + m.MOTOR_WORK]
+    total = 0.0
+    for j in range(state.joints.size):
+        own, work = state.joints[j], state.integrals[m.INTEGRALS_PER_JOINT * j + m.SLIDING_WORK]
+        if code == PEAK_IMPACT and postlock:
+            total += own.postlock_peak_force
+        if code == WEAR and postlock:
+            total += work - own.lock_sliding_work
+        if code == PRELATCH_WEAR:
+            total += own.lock_sliding_work if postlock else work
+    return total
+
+
+@kernel(inlined=True)
+def cost(price, figure):
+    """What a figure costs at a weight of 1."""
+    return min(figure / price.scale, price.bound)
+
+
+@kernel(single_caller=True)
+def charge(model, state, task, charges, charged, terms):
+    """Write to ``terms`` (terms,) minus what a period has cost, bring ``charged`` up to date, and return the sum.
+
+    Args:
+        model, state: of the array.
+        task: TaskNumbers.
+        charges: (terms,) of :class:`Reward`.
+        charged: (terms, 2) figures charged so far, and latest readings, zero when an episode begins.
+        terms: (terms,) of the reward.
+    """
+    total = 0.0
+    for k in range(charges.size):
+        price, before = charges[k], charged[k, FIGURE]
+        now = reading(price.code, model, state, task)
+        figure = now
+        if price.growth == GREATEST:
+            figure = max(before, abs(now))
+        elif price.growth == CHANGES:
+            figure = before + abs(now - charged[k, READING])
+        # In this order, equal costs leave nothing however a compiler contracts products and sums.
+        terms[k] = price.weight * (cost(price, before) - cost(price, figure))
+        total += terms[k]
+        charged[k, FIGURE], charged[k, READING] = figure, now
+    return total
+
+
+def reward_table() -> str:
+    """The table of terms, in Markdown."""
+    lines = [
+        "| Term | Figure | Charged | Scale | Weight | Bound |",
+        "|------|--------|---------|-------|--------|-------|",
+    ]
+    for term in REWARD_TERMS:
+        price = term.price
+        lines.append(
+            f"| `{term.name}` | {term.figure} | {term.phase} | {price.scale:g} {term.unit} | {price.weight:g} | "
+            f"{price.bound:g} |"
+        )
+    return "\n".join(lines)

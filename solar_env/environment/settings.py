@@ -1,0 +1,141 @@
+"""The keywords of the environments: names, defaults, and the checks of their values."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import Any
+
+from solar_env.array import DEFAULT_ELEMENTS, ArrayParameters, check_elements, check_model
+from solar_env.array.ladder import DEFAULT_QUESTION, DEFAULT_TOLERANCE, cheapest, read_answers
+from solar_env.environment.hardware import Hardware
+from solar_env.environment.names import unknown_name
+from solar_env.environment.observations import Entry, Names, observation_entries
+from solar_env.environment.reward import Reward
+from solar_env.environment.scenarios import Ranges, checked_ranges, scenario_named
+from solar_env.environment.task import Task
+
+RENDER_MODES = ("rgb_array",)
+
+
+@dataclass(frozen=True)
+class EnvironmentSettings:
+    """The keywords of ``gymnasium.make`` and ``gymnasium.make_vec`` that describe an environment.
+
+    Attributes:
+        model: "rigid-clearance", "rigid-ideal", "flexible-clearance" or "flexible-ideal". With ideal joints the joint
+            reactions take the place of contact forces and nothing wears. Flexible panels are beams in the absolute
+            nodal coordinate formulation. "auto" takes the cheapest model and elements that answer a question, as
+            measured by `python -m solar_env ladder` with the default parameters; the attributes `model` and `elements`
+            of the environment then say which. With other parameters, and with `randomize`, take it as a hint.
+        parameters: an `ArrayParameters`, or a mapping of changes to those of the scenario.
+        elements: number of beam elements of each flexible panel, from 1 to 1000; rigid panels do not use it.
+        question, tolerance: of `model="auto"`: one of `solar_env.array.ladder.QUESTIONS` and the error allowed. By
+            default at most a fifth of the pairs of controllers may be ranked wrongly ("controller-ranking", 0.2).
+        torque_limit, control_period, deadline, postlock_window, driven_joint: see `solar_env.environment.task.Task`.
+        observation: "drive", "history" or "privileged", or a list of names of observables, such as
+            `["theta", "rate", "rate_1_ago", "time_to_deadline"]`; "rate_1_ago" is the rate of one period ago.
+        reward: mapping of terms to their weights, or to mappings of "scale", "weight" and "bound".
+        scenario: "nominal" or "randomised"; the two keywords that follow change it.
+        randomize: mapping of parameter names to (low, high), in place of the scenario's; each reset draws uniformly, by
+            joint where the parameter is by joint, and there each bound may be one by joint.
+        hardware: a `solar_env.Hardware`, or a mapping of changes to the scenario's.
+        render_mode: "rgb_array" or None.
+
+    Raises:
+        ValueError: on construction, for an unknown name or a refused value; the message says which.
+    """
+
+    model: str = "rigid-clearance"
+    parameters: ArrayParameters | Mapping[str, Any] | None = None
+    elements: int = DEFAULT_ELEMENTS
+    question: str | None = None
+    tolerance: float | None = None
+    torque_limit: float = Task.torque_limit
+    control_period: float = Task.control_period
+    deadline: float = Task.deadline
+    postlock_window: float = Task.postlock_window
+    driven_joint: int = Task.driven_joint
+    observation: str | Names = "drive"
+    reward: Mapping[str, Any] | None = None
+    scenario: str = "nominal"
+    randomize: Ranges | None = None
+    hardware: Hardware | Mapping[str, Any] | None = None
+    render_mode: str | None = None
+
+    def __post_init__(self) -> None:
+        if self.render_mode not in (None, *RENDER_MODES):
+            raise ValueError(f"render_mode {self.render_mode!r} is unknown; choose {', '.join(RENDER_MODES)} or None")
+        # Whatever follows from the keywords refuses values that it cannot follow from.
+        for name in ("level", "array", "ranges", "drive", "task", "entries", "prices"):
+            getattr(self, name)
+
+    @classmethod
+    def of(cls, keywords: Mapping[str, Any]) -> EnvironmentSettings:
+        """Settings from keywords.
+
+        Raises:
+            TypeError: for an unknown keyword; the message names the closest ones.
+            ValueError: for an unknown name or a refused value; the message says which.
+        """
+        known = [item.name for item in fields(cls)]
+        for name in keywords:
+            if name not in known:
+                raise TypeError(unknown_name("the environment's keyword", name, known))
+        return cls(**keywords)
+
+    @cached_property
+    def level(self) -> tuple[str, int]:
+        """Model and number of elements, as given or chosen by the ladder."""
+        if self.model != "auto":
+            if self.question is not None or self.tolerance is not None:
+                raise ValueError(f"question and tolerance choose the model: they need model='auto', not {self.model!r}")
+            return check_model(self.model), check_elements(self.elements)
+        if self.elements != DEFAULT_ELEMENTS:
+            raise ValueError(
+                f"model='auto' chooses the elements too: leave out elements = {self.elements!r}, or name the model"
+            )
+        chosen = cheapest(
+            read_answers(),
+            DEFAULT_QUESTION if self.question is None else self.question,
+            DEFAULT_TOLERANCE if self.tolerance is None else self.tolerance,
+        )
+        return chosen.model, chosen.elements or DEFAULT_ELEMENTS
+
+    @cached_property
+    def array(self) -> ArrayParameters:
+        """Parameters of the array, before anything is drawn."""
+        return scenario_named(self.scenario).design(self.parameters)
+
+    @cached_property
+    def ranges(self) -> Ranges:
+        """Parameter -> (low, high), by joint where the parameter is."""
+        named = scenario_named(self.scenario)
+        return checked_ranges(self.array, named.randomize if self.randomize is None else self.randomize)
+
+    @cached_property
+    def drive(self) -> Hardware:
+        """Sensors and motor."""
+        return scenario_named(self.scenario).drive(self.hardware)
+
+    @cached_property
+    def task(self) -> Task:
+        """Limits, durations and the driven joint."""
+        task = Task(self.torque_limit, self.control_period, self.deadline, self.postlock_window, self.driven_joint)
+        if task.driven_joint >= self.array.panel_count:
+            raise ValueError(
+                f"driven_joint = {task.driven_joint!r} must be below panel_count = {self.array.panel_count}, the "
+                "number of joints; the root has index 0"
+            )
+        return task
+
+    @cached_property
+    def entries(self) -> tuple[Entry, ...]:
+        """Entries of an observation, in order."""
+        return observation_entries(self.array.panel_count, self.observation)
+
+    @cached_property
+    def prices(self) -> Reward:
+        """The terms of the reward with their prices."""
+        return Reward(self.reward)

@@ -1,0 +1,134 @@
+"""The motor sits on the hinge that the task names: torque, work, observation, frames and controllers follow it."""
+
+from __future__ import annotations
+
+import math
+
+import gymnasium
+import numpy as np
+import pytest
+
+from agents.laws.receding_horizon import RecedingHorizon, SearchSettings
+from agents.torque_laws import (
+    BrakeParameters,
+    ConstantBrake,
+    DamperParameters,
+    InputShapedProfile,
+    ServoParameters,
+    Signals,
+    VelocityProfileServo,
+    ViscousDamper,
+)
+from solar_env.environment.observations import observation_entries
+
+ID = "solar_env/Deploy-v0"
+SHORT = {"model": "rigid-ideal", "control_period": 1e-3}
+joints = pytest.mark.parametrize("joint", [0, 1])
+
+
+def make(joint, **keywords):
+    return gymnasium.make(ID, driven_joint=joint, **{**SHORT, **keywords}).unwrapped
+
+
+@joints
+def test_torque_and_work_are_those_of_the_driven_joint_alone(joint):
+    env = make(joint, parameters={"initial_rate": 0.5}, observation=["theta", "motor_torque"])
+    first, _ = env.reset(seed=0)
+    for _ in range(5):
+        last, *_ = env.step([0.8])
+    expected = [0.0, 0.0]
+    expected[joint] = 0.4
+    assert env.simulation.state.joints["motor_torque"].tolist() == pytest.approx(expected)
+    assert last[2] == pytest.approx(0.8)
+    turned = (last - first)[joint] * (math.pi / 2, math.pi)[joint]
+    work = env._episodes.figures(0)["motor_work_J"]
+    assert work == pytest.approx(0.4 * turned, rel=1e-3)
+    assert work > 1e-4
+
+
+@joints
+def test_a_positive_torque_opens_the_driven_joint_faster_than_a_negative_one(joint):
+    rates = []
+    for action in (1.0, -1.0):
+        env = make(joint, observation=["rate"])
+        env.reset(seed=0)
+        for _ in range(5):
+            observation, *_ = env.step([action])
+        rates.append(observation)
+    assert (rates[0] - rates[1])[joint] > 1e-4
+
+
+@joints
+def test_a_lane_of_a_vector_equals_the_single_environment_bit_for_bit(joint):
+    single, vector = make(joint), gymnasium.make_vec(ID, 2, driven_joint=joint, **SHORT)
+    single.reset(seed=4)
+    vector.reset(seed=4)
+    for action in np.float32([0.6, -0.2]):
+        one, together = single.step([action])[0], vector.step(np.full((2, 1), action))[0]
+    assert one.tobytes() == together[0].tobytes()
+
+
+def test_the_frame_names_the_torque_of_the_driven_joint(monkeypatch):
+    scenes = []
+    monkeypatch.setattr("solar_env.environment.film.Renderer.draw", lambda self, scene: scenes.append(scene))
+    env = make(1, render_mode="rgb_array")
+    env.reset(seed=0)
+    env.step([-0.6])
+    env.render()
+    assert scenes[-1].motor_torque == pytest.approx(-0.3)
+
+
+@joints
+def test_futures_drive_the_same_joint_and_a_search_keeps_its_promise(joint):
+    env = make(joint, deadline=0.004)
+    env.reset(seed=0)
+    futures = env.futures(2)
+    futures.step(np.arange(2), np.array([0.5, -0.5]))
+    assert futures.batch.states.joints["motor_torque"][:, joint].tolist() == [0.25, -0.25]
+    search = RecedingHorizon(env, ViscousDamper(Signals.of(env)), SearchSettings(2, 3, 2, 1, 2))
+    observation, _ = env.reset(seed=0)
+    total, over = 0.0, False
+    while not over:
+        action, _ = search.predict(observation)
+        observation, reward, over, _, _ = env.step(action)
+        total += reward
+    assert total == pytest.approx(search.predicted_returns[-1])
+
+
+@joints
+@pytest.mark.parametrize(
+    ("law", "parameters"),
+    [
+        (ViscousDamper, DamperParameters(postlock_damping=2.0)),
+        (VelocityProfileServo, ServoParameters(postlock_damping=2.0)),
+        (InputShapedProfile, None),
+    ],
+)
+def test_a_law_damps_the_joint_that_it_drives_once_the_array_has_latched(law, parameters, joint):
+    names = [entry.name for entry in observation_entries(2, "drive")]
+    controller = law(Signals(tuple(names), driven_joint=joint), parameters)
+    actions = []
+    for moving in (joint, 1 - joint):
+        latched = np.ones(len(names), dtype=np.float32)
+        for k in (0, 1):
+            latched[names.index(f"rate_{k + 1}")] = 0.05 if k == moving else 0.0
+        actions.append(float(controller.predict(latched)[0][0]))
+    assert actions[0] < 0.0
+    assert actions[1] == 0.0
+
+
+@joints
+def test_a_brake_sets_in_where_the_joint_that_it_drives_is_open_far_enough(joint):
+    names = [entry.name for entry in observation_entries(2, "drive")]
+    brake = ConstantBrake(Signals(tuple(names), driven_joint=joint), BrakeParameters(0.1, onset=0.5))
+    for opening, expected in ((0.4, 0.0), (0.6, -0.2)):
+        observation = np.zeros(len(names), dtype=np.float32)
+        observation[names.index(f"theta_{joint + 1}")] = opening
+        assert brake.predict(observation)[0] == pytest.approx(expected)
+
+
+def test_a_policy_trained_with_the_motor_on_one_joint_is_refused_on_another():
+    signals = Signals.of(make(0))
+    signals.check(make(0), "joint 1")
+    with pytest.raises(ValueError, match="driven_joint is 1; the policy was trained with 0"):
+        signals.check(make(1), "joint 1")

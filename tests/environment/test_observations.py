@@ -1,0 +1,187 @@
+"""Every observable keeps to its row of the table: bounds, sensors, names; single and in a vector. Quick uncompiled."""
+
+from __future__ import annotations
+
+import math
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env as check_by_gymnasium
+from stable_baselines3.common.env_checker import check_env as check_by_stable_baselines3
+
+import solar_env
+from solar_env import Hardware
+from solar_env.environment.observations import LOCK_ANGLE, OBSERVABLES, OBSERVATIONS, observation_entries
+from solar_env.environment.registration import ENVIRONMENTS
+from solar_env.environment.sensors import Sensors
+
+ID = "solar_env/Deploy-v0"
+LOCK_ANGLES = (math.pi / 2, math.pi)
+EVERYTHING = [row.name for row in OBSERVABLES]
+# Beyond the bounds of most observables, after a step that is short uncompiled, too.
+WILD = {
+    "model": "rigid-ideal",
+    "control_period": 1e-3,
+    "parameters": {"initial_spin": 3.0, "initial_rate": 7.0},
+}
+
+each = pytest.mark.parametrize("row", OBSERVABLES, ids=EVERYTHING)
+
+
+def names(joints, observation):
+    return [entry.name for entry in observation_entries(joints, observation)]
+
+
+def sensors(row, hardware, lanes=1):
+    """Sensors of one observable of two joints, which see a quarter of its range from below."""
+    made = Sensors(lanes, LOCK_ANGLES, observation_entries(2, [row.name]), hardware)
+    made.exact[:] = row.low + 0.25 * (row.high - row.low)
+    made.begin(np.arange(lanes), [np.random.default_rng(lane) for lane in range(lanes)])
+    return made
+
+
+def unit(row):
+    """(entries,) size of the row's unit in SI units, of angles and rates."""
+    return np.array(LOCK_ANGLES if row.unit == LOCK_ANGLE else [1.0] * (2 if row.by_joint else 1))
+
+
+@each
+def test_an_observable_stays_in_its_bounds_and_is_the_same_in_a_vector_bit_for_bit(row):
+    keywords = {**WILD, "observation": [row.name]}
+    single, vector = gymnasium.make(ID, **keywords).unwrapped, gymnasium.make_vec(ID, 2, **keywords)
+    assert single.observation_names == tuple(names(2, [row.name]))
+    assert single.observation_space.low.tolist() == [np.float32(row.low)] * len(single.observation_names)
+    assert single.observation_space.high.tolist() == [np.float32(row.high)] * len(single.observation_names)
+    seen, together = single.reset(seed=0)[0], vector.reset(seed=0)[0]
+    for action in (0.5, -2.0, 0.1):
+        assert single.observation_space.contains(seen)
+        assert seen.tobytes() == together[0].tobytes() == together[1].tobytes()
+        seen, together = single.step([action])[0], vector.step(np.full((2, 1), action, np.float32))[0]
+    assert seen.tobytes() == together[0].tobytes()
+
+
+@each
+def test_noise_is_what_the_row_and_the_hardware_say(row):
+    noises = {"angle_noise": 1e-3, "rate_noise": 2e-3, "attitude_noise": 3e-3}
+    made = sensors(row, Hardware(**noises), lanes=2000)
+    error = (made.observed.astype(float) - made.exact) * unit(row)
+    if row.noise is None:
+        assert np.all(error == 0.0)
+    else:
+        assert np.std(error, axis=0) == pytest.approx(noises[row.noise], rel=0.07)
+        assert np.abs(np.mean(error, axis=0)) == pytest.approx(0.0, abs=4.0 * noises[row.noise] / math.sqrt(2000))
+
+
+@each
+def test_steps_are_those_of_an_encoder_where_the_row_says_so(row):
+    made = sensors(row, Hardware(encoder_resolution=0.3))
+    shown, exact = made.observed[0] * unit(row), made.exact[0] * unit(row)
+    assert np.array_equal(shown, exact) != row.encoder
+    if row.encoder:
+        assert shown / 0.3 == pytest.approx(np.rint(exact / 0.3), abs=1e-5)
+
+
+@each
+def test_a_measurement_is_shown_late_where_the_row_says_so(row):
+    made = sensors(row, Hardware(sensor_delay=2))
+    first, later = made.exact[0, 0].copy(), np.float32(row.high)
+    made.exact[:] = later
+    shown = []
+    for _ in range(3):
+        made.measure(np.arange(1))
+        shown.append(made.observed[0, 0])
+    assert shown == ([first, first, later] if row.delayed else [later] * 3)
+
+
+@each
+def test_the_documentation_lists_the_observable_with_its_bounds_and_unit(row):
+    (line,) = [
+        line
+        for line in solar_env.SolarArrayEnv.__doc__.splitlines()
+        if line.strip().startswith((f"| `{row.name}` |", f"| `{row.name}_i` |"))
+    ]
+    assert f"| {row.low:.4g} | {row.high:.4g} | {row.unit} |" in line
+    assert row.noise is None or f"`{row.noise}`" in line
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("name", ENVIRONMENTS)
+def test_both_checkers_accept_every_observable_alone_and_all_together(name):
+    for observation in ([row] for row in EVERYTHING):
+        env = gymnasium.make(name, model="rigid-ideal", control_period=1e-3, observation=observation).unwrapped
+        check_by_gymnasium(env, skip_render_check=True)
+        check_by_stable_baselines3(env)
+    env = gymnasium.make(name, model="rigid-ideal", control_period=1e-3, observation=EVERYTHING).unwrapped
+    check_by_gymnasium(env, skip_render_check=True)
+    check_by_stable_baselines3(env)
+
+
+def test_the_three_observations_list_what_is_documented_in_that_order():
+    drive = ["theta_1", "theta_2", "theta_3", "rate_1", "rate_2", "rate_3", "latched_1", "latched_2", "latched_3"]
+    drive += ["motor_torque", "time_to_deadline", "time_since_latch"]
+    remembered = [*drive[:6], "motor_torque"]
+    journals = [f"{name}_{k}" for k in (1, 2, 3) for name in ("eccentricity_x", "eccentricity_y", "in_contact")]
+    assert set(OBSERVATIONS) == {"drive", "history", "privileged"}
+    assert names(3, "drive") == drive
+    assert names(3, "history") == drive + [f"{name}_{back}_ago" for back in (1, 2, 3) for name in remembered]
+    assert names(3, "privileged") == [*drive, *journals, "main_body_spin"]
+
+
+def test_a_list_of_ones_own_shows_the_past_without_the_present_and_in_the_order_asked_for():
+    keywords = {**WILD, "scenario": "randomised", "hardware": {"sensor_delay": 1}}
+    own = gymnasium.make(ID, observation=["time_to_deadline", "motor_torque_2_ago", "theta"], **keywords).unwrapped
+    drive = gymnasium.make(ID, **keywords).unwrapped
+    assert own.observation_names == ("time_to_deadline", "motor_torque_2_ago", "theta_1", "theta_2")
+    mine, theirs = [own.reset(seed=3)[0]], [drive.reset(seed=3)[0]]
+    for action in (0.3, -0.7, 0.2, 0.9, -0.1):
+        mine.append(own.step([action])[0])
+        theirs.append(drive.step([action])[0])
+    mine, theirs = np.array(mine), np.array(theirs)
+    torque, time = (drive.observation_names.index(name) for name in ("motor_torque", "time_to_deadline"))
+    assert np.array_equal(mine[:, 0], theirs[:, time])
+    assert np.array_equal(mine[2:, 1], theirs[:-2, torque])
+    assert np.ptp(mine[:, 1]) > 0.0
+    # Without a rate among what is measured, the noise of the angles is another part of the same sequence.
+    assert mine[0, 2:] == pytest.approx(theirs[0, :2], abs=5e-3)
+
+
+def test_the_angle_of_the_main_body_is_the_integral_of_its_spin():
+    env = gymnasium.make(
+        ID,
+        model="rigid-ideal",
+        control_period=1e-3,
+        parameters={"initial_spin": 0.5},
+        observation=["main_body_angle", "main_body_spin"],
+    ).unwrapped
+    seen = [env.reset(seed=0)[0], *(env.step([1.0])[0] for _ in range(20))]
+    angle, spin = np.array(seen, dtype=float).T
+    assert angle[0] == 0.0
+    assert np.diff(angle) == pytest.approx(0.5e-3 * (spin[1:] + spin[:-1]), abs=1e-8)
+    assert angle[-1] > 5e-3
+
+
+def test_the_peak_force_is_the_greatest_of_the_last_period_alone():
+    env = gymnasium.make(ID, model="rigid-ideal", control_period=1e-3, observation=["peak_force"]).unwrapped
+    first, _ = env.reset(seed=0)
+    pushed, quiet = (env.step([action])[0] for action in (1.0, 0.0))
+    assert np.all(first == 0.0)
+    assert pushed == pytest.approx(1e-3 * env.simulation.state.joints["peak_force"], rel=0.2)
+    assert np.all(quiet < pushed)
+
+
+@pytest.mark.parametrize(
+    ("observation", "words"),
+    [
+        ("drives", ["drives", "drive"]),
+        (["theta", "rates"], ["rates", "rate"]),
+        (["theta", "theta"], ["theta", "only once"]),
+        (["theta", "theta_0_ago"], ["theta_0_ago"]),
+        (["theta_101_ago"], ["theta_101_ago", "at most 100"]),
+        ([], ["at least one"]),
+        ([3], ["3", "theta"]),
+    ],
+)
+def test_an_observation_that_is_none_is_refused_by_name(observation, words):
+    with pytest.raises(ValueError, match="(?s)" + ".*".join(words)):
+        solar_env.SolarArrayEnv(observation=observation)

@@ -1,0 +1,214 @@
+"""Every term of the reward charges the growth of its figure, at its price; single and in a vector. Quick uncompiled."""
+
+from __future__ import annotations
+
+import math
+
+import gymnasium
+import numpy as np
+import pytest
+
+import solar_env
+from solar_env.environment.reward import REWARD_TERMS, Price, Reward
+from solar_env.mechanics.arrays import model as m
+
+ID = "solar_env/Deploy-v0"
+PERIODS, LATCHING = 12, 5
+DEFAULT = ("peak_impact", "wear", "missed_deadline")
+# What a missed deadline must cost for every other term to be charged at the same time.
+DEAR = {"missed_deadline": 1e6}
+ALL = {term.name: 1.0 for term in REWARD_TERMS} | DEAR
+
+each = pytest.mark.parametrize("term", REWARD_TERMS, ids=[term.name for term in REWARD_TERMS])
+
+
+def motion(lane):
+    """States at the ends of some control periods of an imagined deployment that is never finished, by period.
+
+    Peaks and sliding work never fall, the motor's work and the spin go up and down, and one joint latches.
+    """
+    random = np.random.default_rng(lane)
+    work = random.uniform(0.0, 0.05, (PERIODS, 2)).cumsum(axis=0)
+    peaks = random.uniform(0.0, 300.0, (PERIODS, 2)).cumsum(axis=0)
+    motor = random.normal(0.0, 0.1, PERIODS).cumsum()
+    spin = random.normal(0.0, 0.02, PERIODS)
+    return work, peaks, motor, spin
+
+
+def show(state, lane, period):
+    """Write the state at the end of a period, the deadline in the last one."""
+    work, peaks, motor, spin = motion(lane)
+    by_joint = m.joint_integrals(state.integrals)
+    by_joint[:, m.SLIDING_WORK], by_joint[0, m.MOTOR_WORK] = work[period], motor[period]
+    if period >= LATCHING:
+        state.clock["latched_joints"] = 1
+        state.joints["lock_sliding_work"] = work[LATCHING]
+        state.joints["postlock_peak_force"] = peaks[period] - peaks[LATCHING]
+    x, y = state.q[2:4] - state.q[:2]
+    state.v[2:4] = state.v[:2] + spin[period] * np.array([-y, x])
+    state.clock["time"] = 20.0 if period == PERIODS - 1 else 0.1 * (period + 1)
+
+
+def figures(lane):
+    """(PERIODS,) the figure of every term, of the same imagined deployment."""
+    work, peaks, motor, spin = motion(lane)
+    index = np.arange(PERIODS)
+    total, after = work.sum(axis=1), index >= LATCHING
+    at_latching = total[LATCHING]
+    return {
+        "peak_impact": np.where(after, (peaks - peaks[LATCHING]).sum(axis=1), 0.0),
+        "wear": np.where(after, total - at_latching, 0.0),
+        "missed_deadline": (index == PERIODS - 1).astype(float),
+        "attitude_disturbance": np.maximum.accumulate(np.abs(spin)),
+        "prelatch_wear": np.where(after, at_latching, total),
+        "motor_work": np.abs(np.diff(motor, prepend=0.0)).cumsum(),
+    }
+
+
+def charged(reward, lanes=1, **keywords):
+    """Infos and rewards of the imagined deployments in some lanes: (lanes, PERIODS) by term, and (lanes, PERIODS)."""
+    env = gymnasium.make_vec(ID, lanes, model="rigid-ideal", reward=reward, **keywords).unwrapped
+    env.reset(seed=0)
+    episodes, terms, rewards = env.episodes, [], []
+    for period in range(PERIODS):
+        for lane in range(lanes):
+            show(episodes.batch.simulations[lane].state, lane, period)
+        episodes.end(np.arange(lanes))
+        terms.append(episodes.terms.copy())
+        rewards.append(episodes.rewards.copy())
+    by_term = dict(zip(env.reward.names, np.transpose(terms, (2, 1, 0)), strict=True))
+    return by_term, np.transpose(rewards)
+
+
+@each
+@pytest.mark.parametrize("price", [Price(1.0, 1.0, 1e4), Price(0.03, 2.5, 4.0)], ids=["as it is", "bounded"])
+def test_a_term_adds_up_to_minus_what_its_figure_costs_in_every_period(term, price):
+    terms, _ = charged({**DEAR, term.name: price} if term.name != "missed_deadline" else {term.name: Price(1.0, 1e6)})
+    price = Price(1.0, 1e6) if term.name == "missed_deadline" else price
+    expected = price.weight * np.minimum(figures(0)[term.name] / price.scale, price.bound)
+    assert -terms[term.name][0].cumsum() == pytest.approx(expected, rel=1e-9, abs=1e-9)
+    assert expected[-1] > 0.0
+    assert np.all(terms[term.name] <= 0.0)
+
+
+@each
+def test_a_term_is_the_same_in_every_lane_of_a_vector_and_the_reward_is_the_sum_of_all(term):
+    together, rewards = charged(ALL, lanes=3)
+    assert tuple(together) == tuple(row.name for row in REWARD_TERMS)
+    alone, _ = charged({**DEAR, term.name: ALL[term.name]})
+    assert together[term.name][0].tobytes() == alone[term.name][0].tobytes()
+    assert not np.array_equal(together[term.name][1], together[term.name][2]) or term.name == "missed_deadline"
+    assert rewards == pytest.approx(np.sum(list(together.values()), axis=0), rel=1e-12)
+
+
+@each
+def test_a_term_of_weight_zero_is_left_out_and_changes_nothing(term):
+    if term.name == "missed_deadline":
+        with pytest.raises(ValueError, match="missed_deadline costs 0"):
+            Reward({term.name: 0.0})
+        return
+    others = {name: weight for name, weight in ALL.items() if name != term.name}
+    # Named nowhere, the three that are charged by default are; with a weight of zero they are not.
+    without, rewards = charged({**others, term.name: 0.0})
+    full, _ = charged(ALL)
+    assert tuple(without) == tuple(others)
+    for name, values in without.items():
+        assert values.tobytes() == full[name].tobytes()
+    assert rewards == pytest.approx(np.sum(list(without.values()), axis=0), rel=1e-12)
+
+
+@each
+def test_the_documentation_lists_the_term_with_its_price(term):
+    (line,) = [
+        line for line in solar_env.SolarArrayEnv.__doc__.splitlines() if line.strip().startswith(f"| `{term.name}` |")
+    ]
+    price = term.price
+    assert f"| {price.scale:g} {term.unit} | {price.weight:g} | {price.bound:g} |" in line
+
+
+@each
+def test_what_a_missed_deadline_costs_must_exceed_what_all_else_can_together(term):
+    """Whatever the weights and bounds: the bound of all others is the sum of weight times bound."""
+    reward = Reward(ALL)
+    assert reward.largest_cost == 12.0 * (len(REWARD_TERMS) - 1)
+    if term.name == "missed_deadline":
+        return
+    edge = {**dict.fromkeys(ALL, 0.0), term.name: {"weight": 2.0, "bound": 7.0}}
+    with pytest.raises(ValueError, match=r"missed_deadline costs 14\.0, which must exceed the 14\.0 .*not deploying"):
+        Reward({**edge, "missed_deadline": 14.0})
+    assert Reward({**edge, "missed_deadline": 14.1}).names.count(term.name) == 1
+
+
+def test_by_default_three_terms_are_charged_and_told_single_and_in_a_vector():
+    single, vector = gymnasium.make(ID, model="rigid-ideal"), gymnasium.make_vec(ID, 2, model="rigid-ideal")
+    for env in (single, vector):
+        assert env.unwrapped.reward.names == DEFAULT
+        assert tuple(name for name in env.reset(seed=0)[1]["reward_terms"] if name[0] != "_") == DEFAULT
+
+
+def test_what_is_charged_is_told_and_adds_up_to_the_reward_single_and_in_a_vector():
+    keywords = {"model": "rigid-ideal", "control_period": 1e-3, "reward": ALL, "parameters": {"initial_spin": 0.1}}
+    single, vector = gymnasium.make(ID, **keywords), gymnasium.make_vec(ID, 2, **keywords)
+    single.reset(seed=0)
+    vector.reset(seed=0)
+    for _ in range(3):
+        _, reward, _, _, info = single.step([0.7])
+        _, rewards, _, _, infos = vector.step(np.full((2, 1), 0.7))
+        assert list(info["reward_terms"]) == list(ALL)
+        assert reward == sum(info["reward_terms"].values()) == rewards[0] == rewards[1]
+        for name, value in info["reward_terms"].items():
+            assert infos["reward_terms"][name].tolist() == [value, value]
+            assert infos["reward_terms"][f"_{name}"].all()
+    assert reward < 0.0
+
+
+def test_motor_work_is_torque_times_angle_whether_it_drives_or_brakes():
+    env = gymnasium.make(
+        ID,
+        model="rigid-ideal",
+        control_period=1e-3,
+        parameters={"initial_rate": 0.5},
+        reward={"motor_work": {"weight": 1.0, "scale": 1e-6, "bound": 1e4}, **DEAR},
+        observation=["theta", "motor_torque"],
+    ).unwrapped
+    before, _ = env.reset(seed=0)
+    for action in (1.0, -1.0, 0.4, -0.6):
+        after, _, _, _, info = env.step([action])
+        work = abs(0.5 * action * (after[0] - before[0]) * math.pi / 2)
+        assert -info["reward_terms"]["motor_work"] * 1e-6 == pytest.approx(work, rel=1e-3)
+        assert work > 1e-5
+        before = after
+
+
+def test_a_saved_episode_goes_on_where_the_same_terms_are_charged_and_nowhere_else():
+    keywords = {"model": "rigid-ideal", "control_period": 1e-3}
+    one, other = (gymnasium.make_vec(ID, 1, reward=reward, **keywords).unwrapped for reward in (ALL, None))
+    for env in (one, other):
+        env.reset(seed=0)
+        env.step(np.ones((1, 1)))
+    saved = one.lane(0).save_episode()
+    expected = [one.step(np.full((1, 1), -0.5))[1] for _ in range(3)]
+    one.lane(0).restore_episode(saved)
+    assert [one.step(np.full((1, 1), -0.5))[1] for _ in range(3)] == expected
+    with pytest.raises(ValueError, match=r"motor_work.*same terms are charged"):
+        other.lane(0).restore_episode(saved)
+
+
+@pytest.mark.parametrize(
+    ("reward", "words"),
+    [
+        ({"peak_impacts": 1.0}, ["peak_impacts", "peak_impact"]),
+        ({"wear": -1.0}, ["wear", "weight", "-1.0", "not negative"]),
+        ({"wear": math.nan}, ["wear", "weight", "nan"]),
+        ({"wear": True}, ["wear", "weight", "True"]),
+        ({"wear": {"scale": 0.0}}, ["wear", "scale", "0.0", "positive"]),
+        ({"wear": {"bound": math.inf}}, ["wear", "bound", "inf"]),
+        ({"wear": {"price": 1.0}}, ["wear", "price", "scale"]),
+        ({"wear": "much"}, ["wear", "weight", "much"]),
+        ({"motor_work": 1.0}, ["missed_deadline costs 25.0", "36.0", "raise its weight"]),
+        (["wear"], ["wear", "mapping"]),
+    ],
+)
+def test_a_reward_that_is_none_is_refused_by_name(reward, words):
+    with pytest.raises(ValueError, match="(?s)" + ".*".join(words)):
+        solar_env.SolarArrayEnv(reward=reward)

@@ -30,18 +30,11 @@ from solar_env.mechanics.arrays.model import (
     SLIDING_WORK,
     STOP_DISSIPATION,
 )
+from solar_env.mechanics.bodies.markers import add_point_force, add_torque, spin
 from solar_env.mechanics.equations.system import acceleration_response, accelerations, prepare_response
 from solar_env.mechanics.integrators.history import IMPACT_DURATIONS
 from solar_env.mechanics.joints.contact import friction_ramp, normal_force_slopes
-from solar_env.mechanics.joints.joint import (
-    add_point_force,
-    add_torque,
-    joint_motion,
-    penetration,
-    relative,
-    spin,
-    stop_torque,
-)
+from solar_env.mechanics.joints.joint import joint_motion, penetration, relative, relative_velocity, stop_torque
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into, lu_factor, lu_solve
 
@@ -86,11 +79,11 @@ def contact_directions(joint, markers, q, v, gradient, force):
     """Write the gradient of a contact's depth and the generalized force of a unit opening force with its friction."""
     outboard, inboard = markers[joint.outboard], markers[joint.inboard]
     ex, ey = relative(joint, markers, q)
-    ux, uy = relative(joint, markers, v)
+    ux, uy = relative_velocity(joint, markers, q, v)
     radius = math.sqrt(ex * ex + ey * ey)
     nx, ny = ex / radius, ey / radius
-    add_point_force(outboard, nx, ny, gradient)
-    add_point_force(inboard, -nx, -ny, gradient)
+    add_point_force(outboard, q, nx, ny, gradient)
+    add_point_force(inboard, q, -nx, -ny, gradient)
     slip = uy * nx - ux * ny
     lever = joint.journal_radius + radius
     if joint.sliding_speed == MATERIAL_POINTS:
@@ -98,8 +91,8 @@ def contact_directions(joint, markers, q, v, gradient, force):
     ramp = friction_ramp(slip, joint.friction_speed_zero, joint.friction_speed_full)
     friction = joint.friction_coefficient * ramp
     copy_into(force, gradient)
-    add_point_force(outboard, -friction * ny, friction * nx, force)
-    add_point_force(inboard, friction * ny, -friction * nx, force)
+    add_point_force(outboard, q, -friction * ny, friction * nx, force)
+    add_point_force(inboard, q, friction * ny, -friction * nx, force)
     add_torque(outboard, q, friction * joint.journal_radius, force)
     add_torque(inboard, q, -friction * lever, force)
 
@@ -113,7 +106,7 @@ def lasts(own, time):
 @kernel(inner=True, inlined=True)
 def may_be_stiff(model, state):
     """Whether some force could be stiff: a look that costs next to nothing."""
-    flexible, time, found = model.stable_step < math.inf, state.clock[0].time, False
+    flexible, time, found = model.flexible != 0, state.clock[0].time, False
     joint_states = state.joints
     for j in range(joint_states.size):
         own = joint_states[j]
@@ -129,7 +122,7 @@ def collect(model, state, work, stiff, h):
     a contact does; between rigid bodies it is the other way round.
     """
     joints, markers, q, v = model.joints, model.markers, state.q, state.v
-    flexible = model.stable_step < math.inf
+    flexible = model.flexible != 0
     # Typed: a literal would have Numba compile the functions that take it twice.
     count, prepared = np.int64(0), False
     for j in range(joints.size):

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
-from solar_env.mechanics.mechanism.description import FlexibleBody, Mechanism
+from solar_env.mechanics.mechanism.description import Body, FlexibleBody, Mechanism
 from solar_env.mechanics.running.simulation import simulate
 from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.verification.beams.fields import as_complex, beam_points
@@ -33,6 +33,7 @@ def momenta(mechanism: Mechanism, motion: Trajectory) -> tuple[NDArray[np.comple
             linear.append(velocity @ mass)
             angular.append((place.conj() * velocity).imag @ mass)
         else:
+            assert isinstance(body, Body)
             last = first + 4
             p1, p2 = as_complex(motion.coordinates[:, first:last])
             v1, v2 = as_complex(motion.velocities[:, first:last])

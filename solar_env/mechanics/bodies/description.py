@@ -74,6 +74,14 @@ class Body(RigidBody):
 
 
 @dataclass(frozen=True)
+class ReferencePointBody(RigidBody):
+    """A rigid body in reference point coordinates: place of the centroid and angle, without a constraint.
+
+    It takes joints with clearance, cables and loads. Ideal joints, guides and drives need a `Body`.
+    """
+
+
+@dataclass(frozen=True)
 class FlexibleBody(AnyBody):
     """A slender beam of equal ANCF cable elements, straight and unstrained at t = 0.
 

@@ -5,9 +5,9 @@ Fixed bodies, whatever their kind, have neither inertia nor accelerations.
 
 from __future__ import annotations
 
-from solar_env.mechanics.bodies import cable_element, cable_element_forces, natural_coordinates
+from solar_env.mechanics.bodies import cable_element, cable_element_forces, natural_coordinates, reference_point
 from solar_env.mechanics.bodies.cable_element_tangent import add_elastic_tangents
-from solar_env.mechanics.bodies.kinds import CABLE_ELEMENTS, NATURAL
+from solar_env.mechanics.bodies.kinds import CABLE_ELEMENTS, NATURAL, REFERENCE_POINT
 from solar_env.mechanics.numerics.jit import kernel
 
 
@@ -36,6 +36,9 @@ def solve_body(body, constants, q, v, force, a, with_velocity):
     if body.kind == CABLE_ELEMENTS:
         cable_element.solve_mass(body, constants, force, a)
         return 0.0
+    if body.kind == REFERENCE_POINT:
+        reference_point.solve_mass(body, force, a)
+        return 0.0
     return natural_coordinates.solve_body(body, q, v, force, a, with_velocity)
 
 
@@ -46,6 +49,8 @@ def solve_free(body, constants, force, a):
         _hold(body, a)
     elif body.kind == CABLE_ELEMENTS:
         cable_element.solve_mass(body, constants, force, a)
+    elif body.kind == REFERENCE_POINT:
+        reference_point.solve_mass(body, force, a)
     else:
         natural_coordinates.solve_mass(body, force, a)
 
@@ -57,6 +62,8 @@ def add_mass_product(body, constants, a, out):
         return
     if body.kind == CABLE_ELEMENTS:
         cable_element.add_mass_product(body, constants, a, out)
+    elif body.kind == REFERENCE_POINT:
+        reference_point.add_mass_product(body, a, out)
     else:
         natural_coordinates.add_mass_product(body, a, out)
 
@@ -68,6 +75,8 @@ def add_mass_matrix(body, constants, elimination, matrix):
         return
     if body.kind == CABLE_ELEMENTS:
         cable_element.add_mass_matrix(body, constants, 1.0, elimination, matrix)
+    elif body.kind == REFERENCE_POINT:
+        reference_point.add_mass_matrix(body, elimination, matrix)
     else:
         natural_coordinates.add_body_matrix(body, 1.0, 0.0, elimination, matrix)
 
@@ -79,6 +88,8 @@ def kinetic_energy(body, constants, v):
         return 0.0
     if body.kind == CABLE_ELEMENTS:
         return cable_element.kinetic_energy(body, constants, v)
+    if body.kind == REFERENCE_POINT:
+        return reference_point.kinetic_energy(body, v)
     return natural_coordinates.kinetic_energy(body, v)
 
 

@@ -11,10 +11,11 @@ from solar_env.mechanics.bodies.cable_element import CableElements
 from solar_env.mechanics.bodies.description import AnyBody
 from solar_env.mechanics.bodies.kind import BodyKind, Fields
 from solar_env.mechanics.bodies.natural_coordinates import NaturalCoordinates
+from solar_env.mechanics.bodies.reference_point import ReferencePoint
 
 # A kind's place in the table is its code in compiled code.
-KINDS: tuple[BodyKind[Any], ...] = (NaturalCoordinates(), CableElements())
-NATURAL, CABLE_ELEMENTS = range(len(KINDS))
+KINDS: tuple[BodyKind[Any], ...] = (NaturalCoordinates(), CableElements(), ReferencePoint())
+NATURAL, CABLE_ELEMENTS, REFERENCE_POINT = range(len(KINDS))
 
 _BODY: Fields = [
     ("kind", np.int64),

@@ -12,7 +12,7 @@ from helpers import ROUND_BEARING, Forces, Vector, central_difference, turned
 
 from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.bodies.description import AnyBody, FlexibleBody
+from solar_env.mechanics.bodies.description import AnyBody, FlexibleBody, ReferencePointBody
 from solar_env.mechanics.bodies.kinds import KINDS, code_of
 from solar_env.mechanics.bodies.markers import add_point_force, add_torque, direction, direction_rate, place
 from solar_env.mechanics.bodies.markers import spin as marker_spin
@@ -34,6 +34,7 @@ EXAMPLES: dict[type[AnyBody], Any] = {
     FlexibleBody: FlexibleBody(
         "example", 1.2, 2, 0.8, axial_stiffness=4.0, bending_stiffness=0.6, damping=0.3, **MOTION
     ),
+    ReferencePointBody: ReferencePointBody("example", 1.5, 0.3, 0.9, (0.4, 0.1), **MOTION),
 }
 ENDS = (0.0, 1.0)
 each_kind = pytest.mark.parametrize("kind", KINDS, ids=lambda kind: type(kind).__name__)

@@ -1,6 +1,5 @@
 """Environments that controllers are tuned, trained and evaluated on: their keywords, their settings, their seeds."""
 
-import inspect
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, Literal
@@ -8,17 +7,14 @@ from typing import Any, Literal
 import gymnasium
 
 import solar_env  # noqa: F401  (registers the environment ids)
-from solar_env.environment.env import SolarArrayEnv
+from solar_env.environment.settings import EnvironmentSettings
 from solar_env.environment.setup import Setup
-from solar_env.environment.task import Task
 
 DEFAULT_ENV_ID = "solar_env/Deploy-v0"
 
 # The nominal scenario is deterministic, and impacts are chaotic: the figures of a single deployment would be arbitrary.
 # Episodes therefore differ by micrometres in the place of the root hinge, as those of the paper's ensembles here.
 SAMPLED, HALF_WIDTH = "hinge_x", 5e-6
-
-TASK_KEYWORDS = ("torque_limit", "control_period", "deadline", "postlock_window")
 
 Purpose = Literal["training", "validation", "evaluation"]
 _BLOCKS: dict[Purpose, int] = {"training": 0, "validation": 1, "evaluation": 2}
@@ -101,10 +97,7 @@ def environment_settings(env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, 
     """
 
     def settings(**keywords: Any) -> Setup:
-        given = inspect.signature(SolarArrayEnv).bind(**{**gymnasium.spec(env_id).kwargs, **keywords})
-        given.apply_defaults()
-        values = {name: value for name, value in given.arguments.items() if name != "render_mode"}
-        return Setup(task=Task(*(values.pop(name) for name in TASK_KEYWORDS)), **values)
+        return Setup(EnvironmentSettings.of({**gymnasium.spec(env_id).kwargs, **keywords}))
 
     return _made(settings, env_id, env_kwargs)
 

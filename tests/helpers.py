@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.bodies.kinds import CABLE_ELEMENTS
 from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.equations.system import add_mass_products, make_workspace, stored_energies
 from solar_env.mechanics.integrators.recording import make_recorder
@@ -227,8 +228,8 @@ def rigid_motions(model: m.Model, q: Vector) -> Vector:
     along = np.zeros_like(q)
     ends = [*model.bodies["offset"][1:], q.size]
     for body, end in zip(model.bodies, ends, strict=True):
-        # The slopes of a flexible body's nodes do not change in a translation.
-        along[body["offset"] : end : 4 if body["kind"] == m.FLEXIBLE else 2] = 1.0
+        # The slopes of a beam's nodes do not change in a translation.
+        along[body["offset"] : end : 4 if body["kind"] == CABLE_ELEMENTS else 2] = 1.0
     turn = np.stack([-q[1::2], q[0::2]], axis=1).ravel()
     return np.stack([along, np.roll(along, 1), turn])
 

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from solar_env.environment.names import unknown_name
 from solar_env.environment.task import last_latch
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.joints.joint import direction, joint_motion, relative
+from solar_env.mechanics.bodies.markers import direction
+from solar_env.mechanics.joints.joint import joint_motion, relative
 from solar_env.mechanics.numerics.jit import kernel
 
 # Codes of :func:`reading`.

@@ -15,7 +15,7 @@ import numpy as np
 from solar_env.environment.names import unknown_name
 from solar_env.environment.task import missed_deadline
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.joints.joint import spin
+from solar_env.mechanics.bodies.markers import spin
 from solar_env.mechanics.numerics.jit import kernel
 
 # Codes of :func:`reading`.

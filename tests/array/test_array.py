@@ -25,10 +25,13 @@ from solar_env.array.deployment import panel_deflections, simulate
 from solar_env.array.methods import INTEGRATORS, default_integrator, make_integrator
 from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.bodies.kinds import CABLE_ELEMENTS
+from solar_env.mechanics.bodies.markers import place
+from solar_env.mechanics.bodies.markers import velocity as marker_velocity
 from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Rosenbrock, RungeKutta
 from solar_env.mechanics.joints.friction.ramp import RampedCoulomb
-from solar_env.mechanics.joints.joint import ANGLE, RATE, point
+from solar_env.mechanics.joints.joint import ANGLE, RATE
 from solar_env.mechanics.mechanism.description import FlexibleBody
 from solar_env.mechanics.running.simulation import Simulation
 
@@ -246,7 +249,7 @@ def test_a_bearing_takes_over_its_parameters() -> None:
 def joint_points(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
     """(joints, 2) bearing centres and journal centres."""
     model, q = simulation.model, simulation.state.q
-    found = [[point(model.markers[k], q) for k in model.joints[side]] for side in ("inboard", "outboard")]
+    found = [[place(model.markers[k], q) for k in model.joints[side]] for side in ("inboard", "outboard")]
     return np.array(found[0]), np.array(found[1])
 
 
@@ -277,7 +280,7 @@ def test_at_its_lock_angles_the_array_is_straight_and_stands_off_the_body(panels
     for k, body in enumerate(simulation.model.bodies[1:]):
         start = 0.5 + k * p.panel_length
         q = simulation.state.q[body["offset"] : body["offset"] + body["coordinates"]]
-        if body["kind"] == m.FLEXIBLE:
+        if body["kind"] == CABLE_ELEMENTS:
             stations = np.linspace(0.0, p.panel_length, DEFAULT_ELEMENTS + 1)
             q[:] = np.column_stack([start + stations, 0.0 * stations, stations**0, 0.0 * stations]).ravel()
         else:
@@ -458,7 +461,7 @@ def test_initial_rates_are_those_asked_for_and_strain_nothing(model: str, hinge:
     loads, state, compiled = simulation.joint_loads(), simulation.state, simulation.model
     assert loads[:, RATE] == pytest.approx(rates, abs=1e-14)
     for joint in compiled.joints:
-        sides = [point(compiled.markers[joint[side]], state.v) for side in ("inboard", "outboard")]
+        sides = [marker_velocity(compiled.markers[joint[side]], state.q, state.v) for side in ("inboard", "outboard")]
         assert sides[0] == pytest.approx(sides[1], abs=1e-15)
     # Main body: at rest at its centroid; panels: every point turns about the hinge.
     velocity, turn, expected = np.zeros(2), spin, []

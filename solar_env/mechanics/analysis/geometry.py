@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.mechanics.arrays.model import FLEXIBLE, Model
+from solar_env.mechanics.arrays.model import Model
+from solar_env.mechanics.bodies.kinds import KINDS
 
 Array = NDArray[np.float64]
 
@@ -13,8 +14,8 @@ Array = NDArray[np.float64]
 def centreline(model: Model, q: Array, body: int, points_per_element: int = 8) -> Array:
     """Points along the axis of a body, from its first end to its last, as a polyline.
 
-    The axis of a flexible body is a cubic polynomial between nodes (``flexible.py``), of which every element gives
-    equally spaced points; a node that two elements share counts once. A rigid body gives its two base points.
+    The axis of a beam is a cubic polynomial between nodes, of which every element gives equally spaced points; a node
+    that two elements share counts once. A rigid body gives the two ends of its x axis.
 
     Args:
         model: of the mechanism.
@@ -31,31 +32,7 @@ def centreline(model: Model, q: Array, body: int, points_per_element: int = 8) -
     """
     if points_per_element < 1:
         raise ValueError(f"points_per_element = {points_per_element!r} must be at least 1")
-    record = model.bodies[body]
-    first = int(record["offset"])
-    own = np.asarray(q, dtype=np.float64)[..., first : first + int(record["coordinates"])]
-    if record["kind"] != FLEXIBLE:
-        return own.reshape(*own.shape[:-1], 2, 2).copy()
-    nodes = own.reshape(*own.shape[:-1], int(record["elements"]) + 1, 2, 2)
-    shares = np.arange(points_per_element) / points_per_element
-    inner = _interpolate(nodes[..., :-1, :, :], nodes[..., 1:, :, :], float(record["element_length"]), shares)
-    return np.concatenate([inner, nodes[..., -1:, 0, :]], axis=-2)
-
-
-def _interpolate(start: Array, end: Array, length: float, shares: Array) -> Array:
-    """Cubic Hermite interpolation within every element.
-
-    Args:
-        start, end: (..., elements, 2, 2) position [m] and slope at the nodes of the elements.
-        length: of an element [m].
-        shares: (p,) where, from 0 at the start to 1 at the end.
-
-    Returns:
-        (..., elements * p, 2) points [m].
-    """
-    s = shares[:, None]
-    weights = ((1.0 + 2.0 * s) * (1.0 - s) ** 2, length * s * (1.0 - s) ** 2,
-               s * s * (3.0 - 2.0 * s), length * s * s * (s - 1.0))  # fmt: skip
-    nodal = (start[..., None, 0, :], start[..., None, 1, :], end[..., None, 0, :], end[..., None, 1, :])
-    points = sum(weight * value for weight, value in zip(weights, nodal, strict=True))
-    return np.reshape(points, (*start.shape[:-3], -1, 2))
+    row = model.bodies[body]
+    first = int(row["offset"])
+    own = np.asarray(q, dtype=np.float64)[..., first : first + int(row["coordinates"])]
+    return KINDS[row["kind"]].centreline(row, own, points_per_element)

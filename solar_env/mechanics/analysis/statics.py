@@ -34,9 +34,10 @@ def static_equilibrium(mechanism: Mechanism, load_steps: int = 10) -> NDArray[np
     n = it.q.size
     for step in range(1, load_steps + 1):
         share = step / load_steps
-        torques = model.load_torques.copy()
-        torques["torque"] *= share
-        loaded = model._replace(constant_force=share * model.constant_force, load_torques=torques)
+        loads = model.loads.copy()
+        for part in ("force_x", "force_y", "torque"):
+            loads[part] *= share
+        loaded = model._replace(constant_force=share * model.constant_force, loads=loads)
         for _ in range(_MOST_ITERATIONS):
             residual = equations.residual(loaded)[moving]
             matrix = equations.matrix(loaded)[np.ix_(moving, moving)]

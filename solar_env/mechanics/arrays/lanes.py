@@ -84,14 +84,14 @@ def _mapped(function: Any, arrays: Any) -> Any:
 @kernel(inlined=True)
 def lane_model(models, lane):
     """The model of a lane."""
-    constraints, elements, elimination = models.constraints, models.elements, models.elimination
+    constraints, elements, elimination = models.constraints, models.cable_elements, models.elimination
     return Model(
         models.bodies[lane],
         models.markers[lane],
         models.joints[lane],
         models.cables[lane],
         models.drives[lane],
-        models.load_torques[lane],
+        models.loads[lane],
         models.constant_force[lane],
         Constraints(
             constraints.size[lane],
@@ -102,14 +102,14 @@ def lane_model(models, lane):
             constraints.driven[lane],
         ),
         Elements(elements.offset[lane], elements.inverse_length[lane], elements.constants[lane], elements.filled[lane]),
-        models.mass_band[lane],
-        models.mass_factor[lane],
+        models.body_constants[lane],
         Elimination(
             elimination.position[lane], elimination.empty[lane], elimination.first[lane], elimination.base[lane]
         ),
         models.error_weight[lane],
         models.length_scale[lane],
         models.stable_step[lane],
+        models.flexible[lane],
     )
 
 

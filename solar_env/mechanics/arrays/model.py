@@ -3,9 +3,8 @@
 Elements of one kind are rows of one structured array, so that a kernel reads ``joint.clearance`` by name
 and the number of arrays that cross from Python to a kernel stays small. All quantities are in SI units.
 
-Generalized coordinates ``q`` come in pairs (x, y). A rigid body owns two base points, that is four natural
-coordinates (Garcia de Jalon and Bayo, Kinematic and Dynamic Simulation of Multibody Systems, Springer 1994,
-doi:10.1007/978-1-4612-2600-0); a flexible one position and slope of every node (``flexible.py``).
+Generalized coordinates ``q`` come body by body; what they are is known to the kind of body alone (`bodies/kinds.py`),
+which also makes the rows for bodies and for markers, that is points of bodies with a direction.
 """
 
 from __future__ import annotations
@@ -17,8 +16,6 @@ from numpy.typing import NDArray
 
 from solar_env.mechanics.numerics.profile import Elimination
 
-# Body kinds.
-FIXED, RIGID, FLEXIBLE = 0, 1, 2
 # Accelerations that solve the equations of motion, or do so to a step's tolerance; those of generalized-alpha.
 EXACT, APPROXIMATE, ALGORITHMIC = 1, 2, 3
 # Joint kinds.
@@ -27,51 +24,12 @@ IDEAL, CLEARANCE = 0, 1
 LAW_PARAMETERS = 4
 
 
-def _record(members: list[tuple[str, type] | tuple[str, type, int]]) -> np.dtype[np.void]:
+def record(members: list[tuple[str, type] | tuple[str, type, int]]) -> np.dtype[np.void]:
     """Rows whose members are also attributes outside compiled code, so that the kernels run uncompiled too."""
     return np.dtype((np.record, np.dtype(members, align=True)))
 
 
-body_type = _record(
-    [
-        ("kind", np.int64),
-        ("offset", np.int64),  # first generalized coordinate
-        ("coordinates", np.int64),  # number of generalized coordinates
-        ("length", np.float64),  # distance of the base points, or of the ends
-        # Rigid: mass matrix [[m11 I, m12 + n12 J], [m12 - n12 J, m22 I]], J the quarter turn, and its inverse (w..).
-        ("m11", np.float64),
-        ("m22", np.float64),
-        ("m12", np.float64),
-        ("n12", np.float64),
-        ("w11", np.float64),
-        ("w22", np.float64),
-        ("w12", np.float64),
-        ("x12", np.float64),
-        # Flexible.
-        ("elements", np.int64),
-        ("element_length", np.float64),
-        ("axial_stiffness", np.float64),
-        ("bending_stiffness", np.float64),
-        ("damping", np.float64),
-        ("band", np.int64),  # first row in `mass_band` and `mass_factor`
-    ]
-)
-
-# A marker is a point of a body with the body's direction there:
-# position = (a1 + b1 J) p1 + (a2 + b2 J) p2, direction = c1 p1 + p2, with p1, p2 two coordinate pairs.
-marker_type = _record(
-    [
-        ("i1", np.int64),
-        ("i2", np.int64),
-        ("a1", np.float64),
-        ("b1", np.float64),
-        ("a2", np.float64),
-        ("b2", np.float64),
-        ("c1", np.float64),
-    ]
-)
-
-joint_type = _record(
+joint_type = record(
     [
         ("kind", np.int64),
         ("inboard", np.int64),  # marker with the bearing
@@ -110,7 +68,7 @@ joint_type = _record(
     ]
 )
 
-cable_type = _record(
+cable_type = record(
     [
         ("joint_a", np.int64),
         ("joint_b", np.int64),
@@ -122,7 +80,7 @@ cable_type = _record(
 )
 
 # Prescribed rotation of a marker's direction, see `description.Drive`.
-drive_type = _record(
+drive_type = record(
     [
         ("row", np.int64),
         ("marker", np.int64),
@@ -132,10 +90,10 @@ drive_type = _record(
     ]
 )
 
-# Constant torque on a marker's direction.
-load_torque_type = _record([("marker", np.int64), ("torque", np.float64)])
+# Constant force and torque on a marker, as far as its generalized force depends on the configuration.
+load_type = record([("marker", np.int64), ("force_x", np.float64), ("force_y", np.float64), ("torque", np.float64)])
 
-joint_state_type = _record(
+joint_state_type = record(
     [
         ("in_contact", np.int64),
         ("impact_speed", np.float64),  # approach speed with which the present contact began
@@ -157,7 +115,7 @@ joint_state_type = _record(
     ]
 )
 
-clock_type = _record(
+clock_type = record(
     [
         ("time", np.float64),
         ("step_size", np.float64),
@@ -205,7 +163,7 @@ ROW_ENTRIES = 8
 
 
 class Elements(NamedTuple):
-    """The elements of all flexible bodies, in blocks (``flexible.py``)."""
+    """The cable elements of all beams, in blocks (`bodies/cable_element.py`)."""
 
     offset: NDArray[np.int64]  # (blocks, LANES) first coordinate
     inverse_length: NDArray[np.float64]  # (blocks, LANES)
@@ -232,16 +190,16 @@ class Model(NamedTuple):
     joints: NDArray[np.void]
     cables: NDArray[np.void]
     drives: NDArray[np.void]
-    load_torques: NDArray[np.void]
+    loads: NDArray[np.void]
     constant_force: NDArray[np.float64]  # (n,) generalized force of weight and constant loads
     constraints: Constraints
-    elements: Elements
-    mass_band: NDArray[np.float64]  # (rows, 4) lower bands of the flexible bodies' mass matrices
-    mass_factor: NDArray[np.float64]  # (rows, 4) their factors
+    cable_elements: Elements
+    body_constants: NDArray[np.float64]  # (k,) constants of the bodies, whose rows say where their own begin
     elimination: Elimination
     error_weight: NDArray[np.float64]  # (n,) of a coordinate in error norms: for slopes [m], else 1
     length_scale: float
-    stable_step: float  # largest step [s] with which the explicit method is stable on the free flexible bodies
+    stable_step: float  # largest step [s] with which the explicit method is stable on the free bodies
+    flexible: int  # whether some body deforms
 
 
 class State(NamedTuple):

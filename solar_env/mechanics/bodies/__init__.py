@@ -1,4 +1,9 @@
-"""Kinds of bodies: coordinates, mass, forces, slopes, energies, and the bound of a stable explicit step.
+"""Kinds of body: coordinates, mass, internal forces and markers, one file a kind.
 
-Imports `arrays` and `numerics`, and no joint. A kind of body is one file and one row of the table of kinds.
+A marker is a point of a body with a direction. A body offers at each of its markers place and direction, their rates as
+functions of q and v, and takes a force and a torque there; nothing outside this room knows a body's coordinates. The
+room imports `numerics` and `arrays` only.
+
+To add a kind: a class of parameters in `description.py`, a file with a `BodyKind` and its kernels, a row of `KINDS` in
+`kinds.py`, and its branches in `dispatch.py` and `markers.py`. `tests/mechanics/bodies/test_kinds.py` then tests it.
 """

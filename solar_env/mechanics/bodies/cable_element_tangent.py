@@ -1,4 +1,4 @@
-"""Slopes of the internal forces of flexible bodies (``flexible.py``), for implicit integration.
+"""Slopes of the internal forces of beams of cable elements (`cable_element.py`), for implicit integration.
 
 With x = (chord, slopes) of an element, its strains are e(x), their rates e' = G x' with G = de/dx, and its internal
 force is the integral of G^T (stiffness) (e + damping * e'). At every quadrature point the strain depends on r', or on
@@ -15,7 +15,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.mechanics.bodies.cable_element import AXIAL, BENDING, LANES, REGISTER
+from solar_env.mechanics.bodies.cable_element_forces import LANES, REGISTER
+from solar_env.mechanics.bodies.cable_element_matrices import AXIAL, BENDING
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.profile import BLOCK
 
@@ -26,7 +27,7 @@ _POINTS = len(AXIAL) + 4 * len(BENDING)
 
 
 class ElementSlopes(NamedTuple):
-    """Scratch arrays of :func:`add_elastic_tangents`: rows of COLUMNS elements each."""
+    """Scratch arrays of `add_elastic_tangents`: rows of COLUMNS elements each."""
 
     motion: NDArray[np.float64]  # 12 rows: chord and slopes, then their rates
     local_stiffness: NDArray[np.float64]  # 4 rows for each of _POINTS

@@ -1,4 +1,4 @@
-"""The largest step with which explicit Runge-Kutta integrates a flexible body: a property of the discretised beam.
+"""The largest step with which explicit Runge-Kutta integrates a beam: a property of the discretised beam.
 
 Every free vibration of a beam with stiffness-proportional damping obeys z'' + damping omega^2 z' + omega^2 z = 0. Its
 two eigenvalues times the step must lie where the method's stability function is at most 1 in magnitude.
@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from solar_env.mechanics.bodies.cable_element import mass_band, stiffness_matrix
+from solar_env.mechanics.bodies.cable_element_matrices import mass_band, stiffness_matrix
 
 # Beyond this number the highest frequency depends on the length of an element alone.
 _REPRESENTATIVE_ELEMENTS = 12
@@ -54,7 +54,7 @@ def beam_stable_step(
     bending_stiffness: float,
     damping: float,
 ) -> float:
-    """:func:`stable_step` of a free straight beam; kept, since every build of an array asks for the same few beams."""
+    """`stable_step` of a free straight beam; kept, since every build of an array asks for the same few beams."""
     frequencies = largest_frequencies(elements, element_length, linear_density, axial_stiffness, bending_stiffness)
     return stable_step(frequencies, damping)
 

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.bodies.cable_element import MASS_BAND, element_blocks, factor_band, mass_band
-from solar_env.mechanics.bodies.rigid import inverse_mass_parameters, mass_parameters
-from solar_env.mechanics.bodies.stable_step import beam_stable_step
+from solar_env.mechanics.bodies.cable_element import element_blocks
+from solar_env.mechanics.bodies.kind import BodyKind
+from solar_env.mechanics.bodies.kinds import KINDS, body_type, code_of, marker_type
+from solar_env.mechanics.bodies.linear_marker import pair_coordinates, place_row
 from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS
-from solar_env.mechanics.mechanism.description import GROUND, Body, FlexibleBody, Joint, Mechanism, Point
+from solar_env.mechanics.mechanism.description import GROUND, AnyBody, Body, Joint, Mechanism, Point
 from solar_env.mechanics.numerics.profile import BLOCK, Elimination, make_elimination
 
 _Row = dict[int, float]
@@ -25,32 +28,29 @@ def compile_mechanism(mechanism: Mechanism) -> tuple[m.Model, m.State]:
     The state is taken as described: it must meet the constraints (checked by ``Simulation``).
 
     Raises:
-        ValueError: if a part is attached to a flexible body elsewhere than at a node.
+        ValueError: if a part is attached where a body takes none, or to a body of a kind that does not take it.
     """
     return _Compiler(mechanism).compile()
-
-
-def _coordinates(body: Body | FlexibleBody) -> int:
-    return 4 * (body.elements + 1) if isinstance(body, FlexibleBody) else 4
 
 
 class _Compiler:
     def __init__(self, mechanism: Mechanism) -> None:
         self.mechanism = mechanism
-        bodies = list(mechanism.bodies)
+        bodies: list[AnyBody] = list(mechanism.bodies)
         if self._needs_ground():
             bodies.append(Body("fixed frame", mass=1.0, inertia=1.0, length=1.0, centroid=(0.0, 0.0), fixed=True))
         self.described = bodies
+        self.codes = [code_of(body) for body in bodies]
+        self.kinds: list[BodyKind[Any]] = [KINDS[code] for code in self.codes]
         self.index = {body.name: k for k, body in enumerate(mechanism.bodies)}
         self.index[GROUND] = len(bodies) - 1
-        ends = list(itertools.accumulate(_coordinates(body) for body in bodies))
-        self.offsets = [0, *ends[:-1]]
-        self.size = ends[-1]
-        self.markers: list[tuple[float, ...]] = []
-        self.marker_bodies: list[int] = []
+        self.sizes = [kind.coordinates(body) for kind, body in zip(self.kinds, bodies, strict=True)]
+        self.offsets = [0, *itertools.accumulate(self.sizes)][:-1]
+        self.size = sum(self.sizes)
+        self.constants: list[float] = []
+        self.markers: list[np.void] = []
         self.rows: list[tuple[_Row, float]] = []
         self.row_bodies: list[tuple[int, int]] = []
-        self.bands: list[NDArray[np.float64]] = []
 
     def _needs_ground(self) -> bool:
         return any(GROUND in (joint.inboard, joint.outboard) for joint in self.mechanism.joints)
@@ -59,110 +59,75 @@ class _Compiler:
         bodies = self._bodies()
         joints = self._joints()
         for guide in self.mechanism.guides:
-            marker = self._marker(guide.body, guide.point)
+            marker = self._marker(guide.body, guide.point, "a guide")
             row: _Row = {}
             for axis in (0, 1):
-                self._add_position(row, marker, axis, guide.normal[axis])
-            self._append_row(row, guide.offset, self.marker_bodies[marker])
+                self._add_place(row, marker, axis, guide.normal[axis])
+            self._append_row(row, guide.offset, self.markers[marker]["body"])
         drives = self._drives()
         cables = self._cables(joints)
         constant_force = self._weight()
-        load_torques = self._loads(constant_force)
-        markers = np.zeros(len(self.markers), dtype=m.marker_type)
-        for k, marker_values in enumerate(self.markers):
-            markers[k] = marker_values
-        band = np.concatenate([*self.bands, np.zeros((0, MASS_BAND))])
+        loads = self._loads(constant_force)
         compiled = m.Model(
             bodies=bodies,
-            markers=markers,
+            markers=np.array(self.markers, dtype=marker_type),
             joints=joints,
             cables=cables,
             drives=drives,
-            load_torques=load_torques,
+            loads=loads,
             constant_force=constant_force,
             constraints=self._constraints(drives),
-            elements=self._elements(),
-            mass_band=band,
-            mass_factor=np.concatenate([*(factor_band(part) for part in self.bands), np.zeros((0, MASS_BAND))]),
+            cable_elements=element_blocks(zip(self.offsets, self.described, strict=True)),
+            body_constants=np.array(self.constants, dtype=np.float64),
             elimination=self._elimination(joints, cables),
-            error_weight=self._error_weight(),
-            length_scale=float(max(body.length for body in self.described)),
-            stable_step=min((self._stable_step(body) for body in self.described), default=math.inf),
+            error_weight=np.concatenate([kind.error_weight(body) for kind, body in self._kinds_and_bodies()]),
+            length_scale=float(bodies["length"].max()),
+            stable_step=min(kind.stable_step(body) for kind, body in self._kinds_and_bodies()),
+            flexible=int(any(kind.deformable for kind in self.kinds)),
         )
         return compiled, self._state()
 
+    def _kinds_and_bodies(self) -> Iterator[tuple[BodyKind[Any], AnyBody]]:
+        return zip(self.kinds, self.described, strict=True)
+
     def _bodies(self) -> NDArray[np.void]:
-        bodies = np.zeros(len(self.described), dtype=m.body_type)
-        band_rows = 0
-        for k, body in enumerate(self.described):
-            record = bodies[k]
-            record["offset"], record["coordinates"], record["length"] = self.offsets[k], _coordinates(body), body.length
-            if isinstance(body, FlexibleBody):
-                record["kind"] = m.FLEXIBLE
-                record["element_length"] = body.length / body.elements
-                for name in ("elements", "axial_stiffness", "bending_stiffness", "damping"):
-                    record[name] = getattr(body, name)
-                record["band"] = band_rows
-                self.bands.append(mass_band(body.elements, body.length / body.elements, body.linear_density))
-                band_rows += len(self.bands[-1])
-                continue
-            record["kind"] = m.FIXED if body.fixed else m.RIGID
-            mass = mass_parameters(body.mass, body.inertia, body.length, body.centroid)
-            record["m11"], record["m22"], record["m12"], record["n12"] = mass
-            inverse = inverse_mass_parameters(*mass)
-            record["w11"], record["w22"], record["w12"], record["x12"] = inverse
+        bodies = np.zeros(len(self.described), dtype=body_type)
+        for k, (kind, body) in enumerate(self._kinds_and_bodies()):
+            row = bodies[k]
+            row["kind"], row["offset"], row["coordinates"] = self.codes[k], self.offsets[k], self.sizes[k]
+            kind.fill(body, row, self.constants)
+            row["constraints"] = 0 if row["fixed"] else kind.constraints
         return bodies
 
-    def _elements(self) -> m.Elements:
-        return element_blocks(
-            [
-                (
-                    first,
-                    body.elements,
-                    body.length / body.elements,
-                    body.axial_stiffness,
-                    body.bending_stiffness,
-                    body.damping,
-                )
-                for first, body in zip(self.offsets, self.described, strict=True)
-                if isinstance(body, FlexibleBody)
-            ]
-        )
+    def _marker(self, body_name: str, point: Point, needs_linear: str = "") -> int:
+        """Add a marker at a point of a body's frame; returns its index.
 
-    @staticmethod
-    def _stable_step(body: Body | FlexibleBody) -> float:
-        if not isinstance(body, FlexibleBody):
-            return math.inf
-        return beam_stable_step(
-            body.elements,
-            body.length / body.elements,
-            body.linear_density,
-            body.axial_stiffness,
-            body.bending_stiffness,
-            body.damping,
-        )
+        Args:
+            body_name: of the body.
+            point: in its frame [m].
+            needs_linear: the part that needs place and direction to be linear in the coordinates, if it does.
 
-    def _marker(self, body_name: str, point: Point) -> int:
-        """Add a marker at a point of a body's frame; returns its index."""
+        Raises:
+            ValueError: if they are not.
+        """
         k = self.index[body_name]
-        body, first = self.described[k], self.offsets[k]
-        if isinstance(body, FlexibleBody):
-            node = first + 4 * body.node(point)
-            self.markers.append((node, node + 2, 1.0, 0.0, 0.0, 0.0, 0.0))
-        else:
-            along, across = point[0] / body.length, point[1] / body.length
-            self.markers.append((first, first + 2, 1.0 - along, -across, along, across, -1.0))
-        self.marker_bodies.append(k)
+        kind, body = self.kinds[k], self.described[k]
+        if needs_linear and not kind.linear:
+            linear = " or ".join(other.description.__name__ for other in KINDS if other.linear)
+            raise ValueError(
+                f"{needs_linear} cannot hold body {body_name!r}, a {type(body).__name__}: describe the body as a "
+                f"{linear}, or use a joint with clearance"
+            )
+        row = np.zeros(1, dtype=marker_type)[0]
+        row["kind"], row["body"], row["linear"] = self.codes[k], k, kind.linear
+        kind.fill_marker(body, row, self.offsets[k], point)
+        self.markers.append(row)
         return len(self.markers) - 1
 
-    def _add_position(self, row: _Row, marker: int, axis: int, weight: float) -> None:
+    def _add_place(self, row: _Row, marker: int, axis: int, weight: float) -> None:
         """Add to a row ``weight`` times the map from coordinates to the marker's x (axis 0) or y (axis 1)."""
-        i, k, a1, b1, a2, b2, _ = self.markers[marker]
-        turn = -1.0 if axis == 0 else 1.0
-        for first, a, b in ((int(i), a1, b1), (int(k), a2, b2)):
-            for index, value in ((first + axis, a), (first + 1 - axis, turn * b)):
-                if value != 0.0:
-                    row[index] = row.get(index, 0.0) + weight * value
+        for index, value in place_row(self.markers[marker], axis).items():
+            row[index] = row.get(index, 0.0) + weight * value
 
     def _append_row(self, row: _Row, target: float, body: int, other: int = -1) -> int:
         self.rows.append((row, target))
@@ -187,10 +152,9 @@ class _Compiler:
         joints = np.zeros(len(self.mechanism.joints), dtype=m.joint_type)
         for k, joint in enumerate(self.mechanism.joints):
             record = joints[k]
-            inboard, outboard = (
-                self._marker(joint.inboard, joint.inboard_point),
-                self._marker(joint.outboard, joint.outboard_point),
-            )
+            ideal = f"the ideal joint {joint.name!r}" if joint.bearing is None else ""
+            inboard = self._marker(joint.inboard, joint.inboard_point, ideal)
+            outboard = self._marker(joint.outboard, joint.outboard_point, ideal)
             record["inboard"], record["outboard"] = inboard, outboard
             self._fill_angle(record, joint)
             self._fill_torques(record, joint)
@@ -199,9 +163,9 @@ class _Compiler:
                 record["row"] = len(self.rows)
                 for axis in (0, 1):
                     row: _Row = {}
-                    self._add_position(row, outboard, axis, 1.0)
-                    self._add_position(row, inboard, axis, -1.0)
-                    self._append_row(row, 0.0, self.marker_bodies[inboard], self.marker_bodies[outboard])
+                    self._add_place(row, outboard, axis, 1.0)
+                    self._add_place(row, inboard, axis, -1.0)
+                    self._append_row(row, 0.0, self.markers[inboard]["body"], self.markers[outboard]["body"])
             else:
                 record["kind"] = m.CLEARANCE
                 record["row"] = -1
@@ -248,24 +212,13 @@ class _Compiler:
         record["wear_coefficient"] = bearing.wear_coefficient
         record["bearing_width"] = bearing.width
 
-    def _error_weight(self) -> NDArray[np.float64]:
-        """1 for positions; for a slope the length by which it moves the same inertia, from the mass matrix [m]."""
-        weight = np.ones(self.size)
-        for first, body in zip(self.offsets, self.described, strict=True):
-            if isinstance(body, FlexibleBody):
-                slope = math.sqrt(4.0 / 156.0) * body.length / body.elements
-                for axis in (2, 3):
-                    weight[first + axis : first + _coordinates(body) : 4] = slope
-        return weight
-
     def _drives(self) -> NDArray[np.void]:
         drives = np.zeros(len(self.mechanism.drives), dtype=m.drive_type)
         for k, drive in enumerate(self.mechanism.drives):
-            marker = self._marker(drive.body, drive.point)
-            i1, i2 = (int(index) for index in self.markers[marker][:2])
+            marker = self._marker(drive.body, drive.point, "a drive")
             # Entries in the order in which they are set at run time.
-            row = dict.fromkeys((i1, i1 + 1, i2, i2 + 1), 0.0)
-            body = self.marker_bodies[marker]
+            row = dict.fromkeys(pair_coordinates(self.markers[marker]), 0.0)
+            body = self.markers[marker]["body"]
             drives[k] = (self._append_row(row, 0.0, body), marker, drive.angle, drive.rate, drive.ramp_time)
         return drives
 
@@ -284,59 +237,47 @@ class _Compiler:
             joints["angle_limited"][[names[cable.joint_a], names[cable.joint_b]]] = 1
         return cables
 
-    def _add_point_force(self, marker: int, fx: float, fy: float, force: NDArray[np.float64]) -> None:
-        i, k, a1, b1, a2, b2, _ = self.markers[marker]
-        for first, a, b in ((int(i), a1, b1), (int(k), a2, b2)):
-            force[first] += a * fx + b * fy
-            force[first + 1] += a * fy - b * fx
-
     def _weight(self) -> NDArray[np.float64]:
-        force = np.zeros(self.size)
-        gx, gy = self.mechanism.gravity
-        for first, body in zip(self.offsets, self.described, strict=True):
-            if isinstance(body, FlexibleBody):
-                step = body.length / body.elements
-                mass = body.linear_density * step
-                for e in range(body.elements):
-                    for k, share in enumerate((0.5, step / 12.0, 0.5, -step / 12.0)):
-                        force[first + 4 * e + 2 * k] += mass * share * gx
-                        force[first + 4 * e + 2 * k + 1] += mass * share * gy
-            elif not body.fixed:
-                along, across = body.centroid[0] / body.length, body.centroid[1] / body.length
-                for k, a, b in ((first, 1.0 - along, -across), (first + 2, along, across)):
-                    force[k] += body.mass * (a * gx + b * gy)
-                    force[k + 1] += body.mass * (a * gy - b * gx)
-        return force
+        return np.concatenate([kind.weight(body, self.mechanism.gravity) for kind, body in self._kinds_and_bodies()])
 
     def _loads(self, force: NDArray[np.float64]) -> NDArray[np.void]:
-        torques = []
+        """Add the constant part of the loads to ``force`` (n,); returns the rows of what depends on the motion."""
+        rows = []
         for load in self.mechanism.loads:
-            marker = self._marker(load.body, load.point)
-            self._add_point_force(marker, *load.force, force)
-            if load.torque != 0.0:
-                torques.append((marker, load.torque))
-        return np.array(torques, dtype=m.load_torque_type)
+            k = self._marker(load.body, load.point)
+            fx, fy = load.force
+            if self.markers[k]["linear"]:
+                constant = np.zeros(self.size)
+                for axis in (0, 1):
+                    for index, value in place_row(self.markers[k], axis).items():
+                        constant[index] += value * load.force[axis]
+                force += constant
+                fx = fy = 0.0
+            if (fx, fy, load.torque) != (0.0, 0.0, 0.0):
+                rows.append((k, fx, fy, load.torque))
+        return np.array(rows, dtype=m.load_type)
 
     def _elimination(self, joints: NDArray[np.void], cables: NDArray[np.void]) -> Elimination:
         """Order along the bodies, node by node; a multiplier follows the last coordinate that it acts on."""
         n, rows = self.size, len(self.rows)
         position = np.full(n + rows + len(self.described), -1, dtype=np.int64)
+        fixed = [bool(getattr(body, "fixed", False)) for body in self.described]
         held = {
-            i
-            for first, body in zip(self.offsets, self.described, strict=True)
-            if isinstance(body, Body) and body.fixed
-            for i in range(first, first + 4)
+            first + i
+            for first, size, still in zip(self.offsets, self.sizes, fixed, strict=True)
+            if still
+            for i in range(size)
         }
         waiting = [set(row) - held for row, _ in self.rows]
         couplings = [(n + r, i) for r, (row, _) in enumerate(self.rows) for i in row]
         place = 0
-        for b, (first, body) in enumerate(zip(self.offsets, self.described, strict=True)):
+        for b, (first, size) in enumerate(zip(self.offsets, self.sizes, strict=True)):
             if first in held:
                 continue
-            for start in range(first, first + _coordinates(body), 4):
-                node = range(start, start + 4)
-                group = [*node] if isinstance(body, FlexibleBody) else [*node, n + rows + b]
-                behind = node if start == first else range(start - 4, start + 4)
+            for start in range(first, first + size, BLOCK):
+                node = range(start, min(start + BLOCK, first + size))
+                group = [*node, n + rows + b] if self.kinds[b].constraints else [*node]
+                behind = range(max(first, start - BLOCK), node.stop)
                 couplings += itertools.product([*behind, *group], group)
                 for r, coordinates in enumerate(waiting):
                     if coordinates:
@@ -350,10 +291,9 @@ class _Compiler:
                 place = -(-place // BLOCK) * BLOCK
         reach = [
             [
-                int(i) + c
-                for marker in (joint["inboard"], joint["outboard"])
-                for i in self.markers[marker][:2]
-                for c in (0, 1)
+                index
+                for marker in (self.markers[joint["inboard"]], self.markers[joint["outboard"]])
+                for index in KINDS[marker["kind"]].marker_coordinates(marker)
             ]
             for joint in joints
         ]
@@ -363,30 +303,15 @@ class _Compiler:
         return make_elimination(position, couplings)
 
     def _state(self) -> m.State:
-        q, v = np.zeros(self.size), np.zeros(self.size)
-        for first, body in zip(self.offsets, self.described, strict=True):
-            c, s = math.cos(body.angle), math.sin(body.angle)
-            points = np.linspace(0.0, body.length, body.elements + 1 if isinstance(body, FlexibleBody) else 2)
-            positions = np.array(body.position) + np.outer(points, (c, s))
-            velocities = np.array(body.velocity) + np.outer(points, (-s * body.spin, c * body.spin))
-            end = first + _coordinates(body)
-            step = 4 if isinstance(body, FlexibleBody) else 2
-            for axis in (0, 1):
-                q[first + axis : end : step] = positions[:, axis]
-                v[first + axis : end : step] = velocities[:, axis]
-            if isinstance(body, FlexibleBody):
-                q[first + 2 : end : 4], q[first + 3 : end : 4] = c, s
-                v[first + 2 : end : 4], v[first + 3 : end : 4] = -s * body.spin, c * body.spin
-            elif body.fixed:
-                v[first:end] = 0.0
+        motions = [kind.initial_motion(body) for kind, body in self._kinds_and_bodies()]
         joints = len(self.mechanism.joints)
         joint_states = np.zeros(joints, dtype=m.joint_state_type)
         joint_states["latch_time"] = math.nan
         integrals = m.INTEGRALS_PER_JOINT * joints + m.GLOBAL_INTEGRALS
         bins = self.mechanism.wear_bins
         return m.State(
-            q=q,
-            v=v,
+            q=np.concatenate([q for q, _ in motions]),
+            v=np.concatenate([v for _, v in motions]),
             a=np.zeros(self.size),
             algorithmic_a=np.zeros(self.size),
             multipliers=np.zeros(len(self.rows) + len(self.described)),

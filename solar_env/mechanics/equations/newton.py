@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from solar_env.mechanics.arrays.model import FLEXIBLE, RIGID, Model
-from solar_env.mechanics.bodies.cable_element import add_body_mass
-from solar_env.mechanics.bodies.rigid import add_body_matrix
+from solar_env.mechanics.arrays.model import Model
+from solar_env.mechanics.bodies.dispatch import add_mass_matrix
+from solar_env.mechanics.bodies.natural_coordinates import add_body_matrix, add_length_border
 from solar_env.mechanics.equations.system import Workspace
 from solar_env.mechanics.equations.tangent import TangentScratch, fill_tangents, make_tangent_scratch
 from solar_env.mechanics.numerics.jit import kernel
@@ -44,11 +44,7 @@ def make_newton_matrices(model: Model, work: Workspace) -> NewtonMatrices:
 def fill_mass(model, matrix):
     """Add the bodies' mass matrices to ``matrix``."""
     for b in range(model.bodies.size):
-        body = model.bodies[b]
-        if body.kind == FLEXIBLE:
-            add_body_mass(body, model.mass_band, 1.0, model.elimination, matrix)
-        elif body.kind == RIGID:
-            add_body_matrix(body, 1.0, 0.0, model.elimination, matrix)
+        add_mass_matrix(model.bodies[b], model.body_constants, model.elimination, matrix)
 
 
 @kernel
@@ -89,13 +85,6 @@ def assemble(model, q, multipliers, row_value, newton, weights):
             add_entry(elimination, matrix, i, n + r, value)
     for body_index in range(model.bodies.size):
         body = model.bodies[body_index]
-        if body.kind == RIGID:
-            row = n + m + body_index
-            k = body.offset
+        if body.constraints:
             add_body_matrix(body, 0.0, weights[2] * multipliers[m + body_index], elimination, matrix)
-            for axis in range(2):
-                d = q[k + 2 + axis] - q[k + axis]
-                add_entry(elimination, matrix, row, k + axis, -d)
-                add_entry(elimination, matrix, row, k + 2 + axis, d)
-                add_entry(elimination, matrix, k + axis, row, -d)
-                add_entry(elimination, matrix, k + 2 + axis, row, d)
+            add_length_border(body, q, n + m + body_index, elimination, matrix)

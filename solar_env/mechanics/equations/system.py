@@ -1,9 +1,9 @@
 """Global quantities as sums over the mechanism's parts: accelerations, constraint drift, energies.
 
-The equations of motion are M a + Phi_q^T lambda = Q(q, v, t) with two kinds of constraint: the length of every
-rigid body, eliminated body by body in closed form, and linear rows A(t) q = b for ideal joints, guides and drives,
-solved through the bodies' compliances (the dual Schur complement A P A^T, one row and column a constraint). Those of
-flexible bodies are constant.
+The equations of motion are M a + Phi_q^T lambda = Q(q, v, t) with two kinds of constraint: the length of every body in
+natural coordinates, eliminated body by body in closed form, and linear rows A(t) q = b for ideal joints, guides and
+drives, solved through the bodies' compliances (the dual Schur complement A P A^T, one row and column a constraint).
+Those of other bodies are constant.
 """
 
 from __future__ import annotations
@@ -20,8 +20,6 @@ from solar_env.mechanics.arrays.model import (
     CONTACT,
     ELASTIC,
     EXTERNAL_WORK,
-    FIXED,
-    FLEXIBLE,
     GRAVITY,
     IDEAL,
     IMPULSE,
@@ -29,15 +27,23 @@ from solar_env.mechanics.arrays.model import (
     KINETIC,
     LATCH,
     MATERIAL_DISSIPATION,
-    RIGID,
     SPRING,
     Model,
     State,
 )
-from solar_env.mechanics.bodies import cable_element as flexible
-from solar_env.mechanics.bodies import rigid
-from solar_env.mechanics.bodies.cable_element import LANES, TABLE_ROWS, add_elastic_forces, elastic_energy, solve_mass
-from solar_env.mechanics.bodies.rigid import project_lengths, solve_body, solve_free
+from solar_env.mechanics.bodies.cable_element_forces import LANES, TABLE_ROWS
+from solar_env.mechanics.bodies.dispatch import (
+    add_internal_forces,
+    add_mass_product,
+    elastic_energy,
+    kinetic_energy,
+    project_bodies,
+    solve_body,
+    solve_free,
+)
+from solar_env.mechanics.bodies.linear_marker import set_direction_row
+from solar_env.mechanics.bodies.markers import add_point_force, add_torque, direction, direction_rate, place, spin
+from solar_env.mechanics.bodies.natural_coordinates import length_compliance, stretch_along
 from solar_env.mechanics.joints.contact.normal_force import contact_energy
 from solar_env.mechanics.joints.joint import (
     ANGLE,
@@ -48,12 +54,8 @@ from solar_env.mechanics.joints.joint import (
     LOAD_COLUMNS,
     NORMAL,
     TANGENTIAL,
-    add_point_force,
-    add_torque,
     cable_torque,
-    direction,
     joint_forces,
-    spin,
     stop_energy,
 )
 from solar_env.mechanics.numerics.jit import kernel
@@ -102,16 +104,6 @@ def make_workspace(model: Model, state: State) -> Workspace:
     return work
 
 
-@kernel(inner=True, inlined=True)
-def solve_any_body(model, b, q, v, force, a, with_velocity):
-    """Acceleration of body ``b`` under a generalized ``force``, see ``rigid.solve_body``; returns its multiplier."""
-    body = model.bodies[b]
-    if body.kind == FLEXIBLE:
-        solve_mass(body, model.mass_factor, force, a)
-        return 0.0
-    return solve_body(body, q, v, force, a, with_velocity)
-
-
 @kernel(inlined=True)
 def add_row(model, work, r, weight, x):
     """Add ``weight`` times constraint row ``r`` to ``x`` (n,)."""
@@ -132,7 +124,7 @@ def row_product(model, work, r, x):
 
 @kernel(inner=True)
 def fill_column(model, work, r):
-    """Inverse mass matrix times constraint row ``r``, into its column, with the stretch of rigid bodies by it."""
+    """Inverse mass matrix times constraint row ``r``, into its column, with the stretch of lengths by it."""
     bodies, row_force, column = model.bodies, work.row_force, work.columns[r]
     for side in range(2):
         b = model.constraints.bodies[r, side]
@@ -146,10 +138,8 @@ def fill_column(model, work, r):
         b = model.constraints.bodies[r, side]
         if b >= 0:
             body = bodies[b]
-            if body.kind == FLEXIBLE:
-                solve_mass(body, model.mass_factor, row_force, column)
-            else:
-                solve_free(body, row_force, column)
+            solve_free(body, model.body_constants, row_force, column)
+            if body.constraints:
                 for axis in range(2):
                     i = body.offset + axis
                     work.stretch[r, side, axis] = column[i + 2] - column[i]
@@ -189,23 +179,19 @@ def set_drive_rows(model, time, row_value):
         marker = model.markers[drive.marker]
         psi, _, _ = drive_angle(drive, time)
         c, s = math.cos(psi), math.sin(psi)
-        row = row_value[drive.row]
-        row[0] = -s * marker.c1
-        row[1] = c * marker.c1
-        row[2] = -s
-        row[3] = c
+        set_direction_row(marker, c, s, row_value[drive.row])
 
 
 @kernel(inner=True)
 def drive_motion(model, drive, time, q, v):
     """Explicit time derivatives of a drive's constraint: its rate at fixed q, and the acceleration's bias."""
     marker = model.markers[drive.marker]
-    psi, spin, spin_up = drive_angle(drive, time)
+    psi, turn, turn_up = drive_angle(drive, time)
     c, s = math.cos(psi), math.sin(psi)
     dx, dy = direction(marker, q)
-    ux, uy = direction(marker, v)
-    rate = -spin * (s * dy + c * dx)
-    bias = -2.0 * spin * (s * uy + c * ux) + spin * spin * (s * dx - c * dy) - spin_up * (c * dx + s * dy)
+    ux, uy = direction_rate(marker, q, v)
+    rate = -turn * (s * dy + c * dx)
+    bias = -2.0 * turn * (s * uy + c * ux) + turn * turn * (s * dx - c * dy) - turn_up * (c * dx + s * dy)
     return rate, bias
 
 
@@ -213,7 +199,7 @@ def drive_motion(model, drive, time, q, v):
 def build_schur(model, q, work):
     """Compliance of the linear constraints, factored; False if they are redundant.
 
-    A row's compliance at free lengths is constant; the length of every rigid body takes a rank-one part from it.
+    A row's compliance at free lengths is constant; a body's own length takes a rank-one part from it.
     """
     schur, free_schur, pull, row_bodies = work.schur, work.free_schur, work.pull, model.constraints.bodies
     m = schur.shape[0]
@@ -225,13 +211,11 @@ def build_schur(model, q, work):
             schur[r, s] = free_schur[r, s]
         for side in range(2):
             b = row_bodies[r, side]
-            if b < 0 or model.bodies[b].kind != RIGID:
+            if b < 0 or model.bodies[b].constraints == 0:
                 continue
             body = model.bodies[b]
-            k = body.offset
-            dx, dy = q[k + 2] - q[k], q[k + 3] - q[k + 1]
-            pull[r, side] = dx * work.stretch[r, side, 0] + dy * work.stretch[r, side, 1]
-            weight = pull[r, side] / ((body.w11 + body.w22 - 2.0 * body.w12) * (dx * dx + dy * dy))
+            pull[r, side] = stretch_along(body, q, work.stretch[r, side, 0], work.stretch[r, side, 1])
+            weight = pull[r, side] / length_compliance(body, q)
             for s in range(r + 1):
                 for other in range(2):
                     if row_bodies[s, other] == b and (s < r or other <= side):
@@ -241,12 +225,12 @@ def build_schur(model, q, work):
 
 @kernel(inner=True)
 def add_columns(model, work, multipliers, x):
-    """Subtract the columns times ``multipliers`` from ``x`` (n,), for the flexible bodies."""
+    """Subtract the columns times ``multipliers`` from ``x`` (n,), for bodies without a constraint of their own."""
     bodies, columns = model.bodies, work.columns
     for r in range(columns.shape[0]):
         for side in range(2):
             b = model.constraints.bodies[r, side]
-            if b >= 0 and bodies[b].kind == FLEXIBLE:
+            if b >= 0 and bodies[b].constraints == 0:
                 body = bodies[b]
                 for i in range(body.offset, body.offset + body.coordinates):
                     x[i] -= multipliers[r] * columns[r, i]
@@ -262,9 +246,9 @@ def subtract_response(model, q, work, multipliers, x):
         add_row(model, work, r, multipliers[r], row_force)
     for b in range(bodies.size):
         body = bodies[b]
-        if body.kind == RIGID:
-            solve_body(body, q, q, row_force, solution, 0.0)
-            for i in range(body.offset, body.offset + 4):
+        if body.constraints:
+            solve_body(body, model.body_constants, q, q, row_force, solution, 0.0)
+            for i in range(body.offset, body.offset + body.coordinates):
                 x[i] -= solution[i]
     add_columns(model, work, multipliers, x)
 
@@ -289,8 +273,8 @@ def apply_linear_constraints(model, q, v, time, work, a, multipliers):
         add_row(model, work, r, -multipliers[r], force)
     add_columns(model, work, multipliers, a)
     for b in range(bodies.size):
-        if bodies[b].kind != FLEXIBLE:
-            multipliers[m + b] = solve_body(bodies[b], q, v, force, a, 1.0)
+        if bodies[b].constraints:
+            multipliers[m + b] = solve_body(bodies[b], model.body_constants, q, v, force, a, 1.0)
     store_constraint_loads(model, multipliers, time, q, work)
     return True
 
@@ -308,7 +292,7 @@ def acceleration_response(model, q, work, force, a):
     """Write to ``a`` (n,) what a generalized ``force`` (n,) adds to the accelerations."""
     m = work.schur.shape[0]
     for b in range(model.bodies.size):
-        solve_any_body(model, b, q, q, force, a, 0.0)
+        solve_body(model.bodies[b], model.body_constants, q, q, force, a, 0.0)
     if m == 0:
         return
     for r in range(m):
@@ -320,15 +304,16 @@ def acceleration_response(model, q, work, force, a):
 @kernel(inlined=True)
 def applied_forces(model, joint_states, q, v, work):
     """Fill ``work`` with all generalized forces but the constraints', with loads and powers."""
-    force, power, markers, torques = work.force, work.power, model.markers, model.load_torques
+    force, power, loads = work.force, work.power, model.loads
     copy_into(force, model.constant_force)
     external = 0.0
-    for k in range(torques.size):
-        marker = markers[torques[k].marker]
-        add_torque(marker, q, torques[k].torque, force)
-        external += torques[k].torque * spin(marker, q, v)
+    for k in range(loads.size):
+        marker = model.markers[loads[k].marker]
+        add_point_force(marker, q, loads[k].force_x, loads[k].force_y, force)
+        add_torque(marker, q, loads[k].torque, force)
+        external += loads[k].torque * spin(marker, q, v)
     power[power.size + EXTERNAL_WORK] = external
-    power[power.size + MATERIAL_DISSIPATION] = add_elastic_forces(model.elements, q, v, force, work.element_table)
+    power[power.size + MATERIAL_DISSIPATION] = add_internal_forces(model, q, v, force, work.element_table)
     joint_forces(model, joint_states, work.impact_speeds, q, v, work.loads, force, power)
 
 
@@ -342,7 +327,7 @@ def inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers)
     m = work.residual.size
     applied_forces(model, joint_states, q, v, work)
     for b in range(model.bodies.size):
-        multipliers[m + b] = solve_any_body(model, b, q, v, force, a, 1.0)
+        multipliers[m + b] = solve_body(model.bodies[b], model.body_constants, q, v, force, a, 1.0)
     if m == 0:
         return True
     return apply_linear_constraints(model, q, v, time, work, a, multipliers)
@@ -412,7 +397,7 @@ def project(model, q, v, time, work):
     ``work`` must hold the compliance of the linear constraints hereabouts, from :func:`prepare_response` or from an
     evaluation of the accelerations.
     """
-    project_lengths(model.bodies, q, v)
+    project_bodies(model.bodies, q, v)
     if work.residual.size > 0:
         project_linear(model, q, v, time, work)
 
@@ -430,17 +415,14 @@ def project_linear(model, q, v, time, work):
         target = q if kind == 0 else v
         subtract_response(model, q, work, residual, target)
     # The position change leaves the lengths only to second order.
-    project_lengths(model.bodies, q, v)
+    project_bodies(model.bodies, q, v)
 
 
 @kernel
 def add_mass_products(model, a, out):
     """Add M a to ``out`` (n,); nothing for fixed bodies."""
     for body in model.bodies:
-        if body.kind == FLEXIBLE:
-            flexible.add_mass_product(body, model.mass_band, a, out)
-        elif body.kind == RIGID:
-            rigid.add_mass_product(body, a, out)
+        add_mass_product(body, model.body_constants, a, out)
 
 
 @kernel
@@ -448,13 +430,13 @@ def stored_energies(model, joint_states, q, v, loads, energies):
     """Fill the stored energies [J] at a configuration whose ``loads`` are current."""
     energies[:] = 0.0
     for body in model.bodies:
-        if body.kind == FLEXIBLE:
-            energies[KINETIC] += flexible.kinetic_energy(body, model.mass_band, v)
-        elif body.kind == RIGID:
-            energies[KINETIC] += rigid.kinetic_energy(body, v)
+        energies[KINETIC] += kinetic_energy(body, model.body_constants, v)
     energies[ELASTIC] = elastic_energy(model.bodies, q)
     for i in range(q.size):
         energies[GRAVITY] -= model.constant_force[i] * q[i]
+    for load in model.loads:
+        x, y = place(model.markers[load.marker], q)
+        energies[GRAVITY] -= load.force_x * x + load.force_y * y
     for j in range(model.joints.size):
         joint = model.joints[j]
         stretch = joint.spring_preload_angle - loads[j, ANGLE]
@@ -482,14 +464,13 @@ def normal_inverse_mass(model, q, v, j, work):
     nx, ny = (dx / size, dy / size) if size > 0.0 else (1.0, 0.0)
     for side in range(2):
         marker = model.markers[joint.outboard if side == 0 else joint.inboard]
-        for b in range(model.bodies.size):
-            body = model.bodies[b]
-            if body.kind == FIXED or not body.offset <= marker.i1 < body.offset + body.coordinates:
-                continue
-            for i in range(body.offset, body.offset + body.coordinates):
-                work.row_force[i] = 0.0
-            add_point_force(marker, nx, ny, work.row_force)
-            solve_any_body(model, b, q, v, work.row_force, work.solution, 0.0)
-            for i in range(body.offset, body.offset + body.coordinates):
-                total += work.row_force[i] * work.solution[i]
+        body = model.bodies[marker.body]
+        if body.fixed:
+            continue
+        for i in range(body.offset, body.offset + body.coordinates):
+            work.row_force[i] = 0.0
+        add_point_force(marker, q, nx, ny, work.row_force)
+        solve_body(body, model.body_constants, q, v, work.row_force, work.solution, 0.0)
+        for i in range(body.offset, body.offset + body.coordinates):
+            total += work.row_force[i] * work.solution[i]
     return total

@@ -1,9 +1,9 @@
 """Analytic tangents of the generalized forces, for implicit integration.
 
 A joint sees its motion through four local coordinates x = (eccentricity x, y, outboard angle, inboard angle); its
-generalized force is B^T p(x, x') with B = dx/dq. Only the angles are nonlinear in q, so that
+generalized force is B^T p(x, x') with B = dx/dq, so that
 
-dQ/dq = B^T (dp/dx B + dp/dx' dx'/dq) + torques times the Hessians of the angles,   dQ/dv = B^T dp/dx' B.
+dQ/dq = B^T (dp/dx B + dp/dx' dx'/dq) + p times the Hessians of x,   dQ/dv = B^T dp/dx' B.
 """
 
 from __future__ import annotations
@@ -14,7 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays.model import CLEARANCE
-from solar_env.mechanics.bodies.cable_element_tangent import ElementSlopes, add_elastic_tangents, make_element_slopes
+from solar_env.mechanics.bodies.cable_element_tangent import ElementSlopes, make_element_slopes
+from solar_env.mechanics.bodies.dispatch import add_internal_slopes
+from solar_env.mechanics.bodies.markers import fill_slopes, subtract_hessian
 from solar_env.mechanics.equations.system import Workspace
 from solar_env.mechanics.joints.contact.normal_force import normal_force
 from solar_env.mechanics.joints.friction.friction_share import friction_share
@@ -22,6 +24,8 @@ from solar_env.mechanics.joints.friction.laws import MATERIAL
 from solar_env.mechanics.joints.joint import (
     ANGLE,
     CABLE_TORQUE,
+    FORCE_X,
+    FORCE_Y,
     INBOARD_SPIN,
     MOTOR_TORQUE,
     OUTBOARD_SPIN,
@@ -29,8 +33,8 @@ from solar_env.mechanics.joints.joint import (
     SPRING_TORQUE,
     STOP_TORQUE,
     cable_torque,
-    direction,
     relative,
+    relative_velocity,
     stop_torque,
 )
 from solar_env.mechanics.joints.sliding import contact_motion
@@ -45,7 +49,7 @@ class TangentScratch(NamedTuple):
     impact_speeds: NDArray[np.float64]
     coordinates: NDArray[np.int64]  # (joints, 8) those that a joint depends on
     b: NDArray[np.float64]  # (4, 8)
-    spin_slope: NDArray[np.float64]  # (2, 8)
+    rate_slope: NDArray[np.float64]  # (4, 8)
     stiffness: NDArray[np.float64]  # (4, 4)
     damping: NDArray[np.float64]  # (4, 4)
     stiffness_product: NDArray[np.float64]  # (4, 8)
@@ -62,7 +66,7 @@ def make_tangent_scratch(work: Workspace) -> TangentScratch:
         impact_speeds=work.impact_speeds,
         coordinates=np.zeros((joints, 8), dtype=np.int64),
         b=np.zeros((4, 8)),
-        spin_slope=np.zeros((2, 8)),
+        rate_slope=np.zeros((4, 8)),
         stiffness=np.zeros((4, 4)),
         damping=np.zeros((4, 4)),
         stiffness_product=np.zeros((4, 8)),
@@ -73,55 +77,17 @@ def make_tangent_scratch(work: Workspace) -> TangentScratch:
 
 
 @kernel(inner=True)
-def local_map(joint, markers, q, v, index, b, spin_slope):
-    """Fill the joint's 8 coordinate indices, B (4, 8) and d(angular rates)/dq (2, 8)."""
+def local_map(joint, markers, q, v, index, b, rate_slope):
+    """Fill the joint's 8 coordinate indices, B (4, 8) and dx'/dq (4, 8)."""
     b[:] = 0.0
-    spin_slope[:] = 0.0
-    for side in range(2):
-        marker = markers[joint.outboard] if side == 0 else markers[joint.inboard]
-        sign = 1.0 if side == 0 else -1.0
-        k = 4 * side
-        index[k], index[k + 1] = marker.i1, marker.i1 + 1
-        index[k + 2], index[k + 3] = marker.i2, marker.i2 + 1
-        b[0, k], b[0, k + 1], b[0, k + 2], b[0, k + 3] = marker.a1, -marker.b1, marker.a2, -marker.b2
-        b[1, k], b[1, k + 1], b[1, k + 2], b[1, k + 3] = marker.b1, marker.a1, marker.b2, marker.a2
-        for c in range(k, k + 4):
-            b[0, c] *= sign
-            b[1, c] *= sign
-        dx, dy = direction(marker, q)
-        ux, uy = direction(marker, v)
-        hxx, hxy = angle_hessian(dx, dy)
-        squared = dx * dx + dy * dy
-        gx, gy = -dy / squared, dx / squared
-        sx, sy = hxx * ux + hxy * uy, hxy * ux - hxx * uy
-        row = 2 + side
-        b[row, k], b[row, k + 1], b[row, k + 2], b[row, k + 3] = marker.c1 * gx, marker.c1 * gy, gx, gy
-        spin_slope[side, k], spin_slope[side, k + 1] = marker.c1 * sx, marker.c1 * sy
-        spin_slope[side, k + 2], spin_slope[side, k + 3] = sx, sy
-
-
-@kernel
-def angle_hessian(dx, dy):
-    """Entries (xx, xy) of the Hessian of atan2(dy, dx); yy = -xx."""
-    fourth = (dx * dx + dy * dy) ** 2
-    return 2.0 * dx * dy / fourth, (dy * dy - dx * dx) / fourth
-
-
-@kernel
-def subtract_angle_hessian(marker, q, torque, elimination, matrix):
-    """Subtract torque * Hessian of the marker's angle from ``matrix``."""
-    dx, dy = direction(marker, q)
-    hxx, hxy = angle_hessian(dx, dy)
-    for row in range(2):
-        first = marker.i1 if row == 0 else marker.i2
-        c = marker.c1 if row == 0 else 1.0
-        for column in range(2):
-            second = marker.i1 if column == 0 else marker.i2
-            d = -torque * c * (marker.c1 if column == 0 else 1.0)
-            add_entry(elimination, matrix, first, second, d * hxx)
-            add_entry(elimination, matrix, first, second + 1, d * hxy)
-            add_entry(elimination, matrix, first + 1, second, d * hxy)
-            add_entry(elimination, matrix, first + 1, second + 1, -d * hxx)
+    rate_slope[:] = 0.0
+    fill_slopes(markers[joint.outboard], q, v, 0, index, b, rate_slope)
+    fill_slopes(markers[joint.inboard], q, v, 1, index, b, rate_slope)
+    # The eccentricity is the outboard place minus the inboard one.
+    for axis in range(2):
+        for c in range(4, 8):
+            b[axis, c] *= -1.0
+            rate_slope[axis, c] *= -1.0
 
 
 @kernel(inner=True)
@@ -133,7 +99,7 @@ def contact_tangent(joint, markers, q, v, outboard_spin, inboard_spin, impact_sp
         damping: (4, 4) slopes by their rates, changed in place.
     """
     ex, ey = relative(joint, markers, q)
-    ux, uy = relative(joint, markers, v)
+    ux, uy = relative_velocity(joint, markers, q, v)
     motion = contact_motion(joint, ex, ey, ux, uy, outboard_spin, inboard_spin)
     rate, radius, lever = motion.rate, motion.radius, motion.lever
     if motion.depth <= 0.0:
@@ -183,7 +149,7 @@ def fill_tangents(model, joint_states, q, v, tangent, by_q, by_v):
     """
     joints, markers, cables = model.joints, model.markers, model.cables
     loads, index = tangent.loads, tangent.coordinates
-    b, spin_slope = tangent.b, tangent.spin_slope
+    b, rate_slope = tangent.b, tangent.rate_slope
     stiffness, damping = tangent.stiffness, tangent.damping
     stiffness_product, damping_product = tangent.stiffness_product, tangent.damping_product
     elimination = model.elimination
@@ -191,7 +157,7 @@ def fill_tangents(model, joint_states, q, v, tangent, by_q, by_v):
     clear(elimination, by_v)
     for j in range(joints.size):
         joint = joints[j]
-        local_map(joint, markers, q, v, index[j], b, spin_slope)
+        local_map(joint, markers, q, v, index[j], b, rate_slope)
         stiffness[:] = 0.0
         damping[:] = 0.0
         _, _, by_angle, by_rate = stop_torque(joint, joint_states[j], loads[j, ANGLE], loads[j, RATE])
@@ -223,8 +189,9 @@ def fill_tangents(model, joint_states, q, v, tangent, by_q, by_v):
                 for k in range(4):
                     by_x += stiffness[r, k] * b[k, c]
                     by_rate += damping[r, k] * b[k, c]
-                # The angles' rates depend on q too.
-                by_x += damping[r, 2] * spin_slope[0, c] + damping[r, 3] * spin_slope[1, c]
+                # The rates depend on q too.
+                by_x += damping[r, 2] * rate_slope[2, c] + damping[r, 3] * rate_slope[3, c]
+                by_x += damping[r, 0] * rate_slope[0, c] + damping[r, 1] * rate_slope[1, c]
                 stiffness_product[r, c], damping_product[r, c] = by_x, by_rate
         for r in range(8):
             for c in range(8):
@@ -240,8 +207,9 @@ def fill_tangents(model, joint_states, q, v, tangent, by_q, by_v):
         for c in range(8):
             tangent.angle_gradient[j, c] = joint.sign * (b[2, c] - b[3, c])
         outboard, inboard = markers[joint.outboard], markers[joint.inboard]
-        subtract_angle_hessian(outboard, q, outboard_torque, elimination, by_q)
-        subtract_angle_hessian(inboard, q, inboard_torque, elimination, by_q)
+        fx, fy = loads[j, FORCE_X], loads[j, FORCE_Y]
+        subtract_hessian(outboard, q, fx, fy, outboard_torque, elimination, by_q)
+        subtract_hessian(inboard, q, -fx, -fy, inboard_torque, elimination, by_q)
     for k in range(cables.size):
         cable = cables[k]
         a, o = cable.joint_a, cable.joint_b
@@ -255,8 +223,7 @@ def fill_tangents(model, joint_states, q, v, tangent, by_q, by_v):
                 add_entry(elimination, by_q, index[a, r], index[o, c], weight_a * gb)
                 add_entry(elimination, by_q, index[o, r], index[a, c], -weight_b * cable.wheel_ratio * ga)
                 add_entry(elimination, by_q, index[o, r], index[o, c], weight_b * gb)
-    for k in range(model.load_torques.size):
-        load = model.load_torques[k]
-        subtract_angle_hessian(markers[load.marker], q, load.torque, elimination, by_q)
-    # Internal forces resist: their slopes enter as they are.
-    add_elastic_tangents(model.elements, q, v, tangent.elements, elimination, by_q, by_v)
+    for k in range(model.loads.size):
+        load = model.loads[k]
+        subtract_hessian(markers[load.marker], q, load.force_x, load.force_y, load.torque, elimination, by_q)
+    add_internal_slopes(model, q, v, tangent.elements, by_q, by_v)

@@ -334,7 +334,7 @@ def advance_adaptive(model, state, settings, recorder, end_time, arrays):
             error = -1.0
             if exact and attempt_step(model, state, stages, stiff, work, h):
                 # With flexible bodies only stops are treated so.
-                stiff.active[1] = stiff.active[0] if model.stable_step == math.inf else 0
+                stiff.active[1] = 0 if model.flexible else stiff.active[0]
                 error = error_norm(model, state, stages, stiff, settings, h)
         if error < 0.0:
             status = fail(state, SINGULAR_CONSTRAINTS, -1, 0.0)

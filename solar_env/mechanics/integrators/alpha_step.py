@@ -17,7 +17,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.mechanics.arrays.model import ENERGIES, RIGID, Model, State
+from solar_env.mechanics.arrays.model import ENERGIES, Model, State
+from solar_env.mechanics.bodies.natural_coordinates import add_length_force
 from solar_env.mechanics.equations.newton import NewtonMatrices, assemble, linearize_forces, make_newton_matrices
 from solar_env.mechanics.equations.system import (
     Workspace,
@@ -125,16 +126,8 @@ def fill_residual(model, state, it, work, time, scale):
     for b in range(bodies.size):
         body = bodies[b]
         rhs[n + m + b] = 0.0
-        if body.kind != RIGID:
-            continue
-        k = body.offset
-        dx, dy = q[k + 2] - q[k], q[k + 3] - q[k + 1]
-        multiplier = multipliers[m + b]
-        rhs[k] += dx * multiplier
-        rhs[k + 1] += dy * multiplier
-        rhs[k + 2] -= dx * multiplier
-        rhs[k + 3] -= dy * multiplier
-        rhs[n + m + b] = -0.5 * (dx * dx + dy * dy - body.length * body.length)
+        if body.constraints:
+            rhs[n + m + b] = -add_length_force(body, q, multipliers[m + b], rhs)
     for i in range(n):
         rhs[i] *= scale
 

@@ -19,6 +19,7 @@ from solar_env.mechanics.joints.joint import (
     joint_motion,
     penetration,
     relative,
+    relative_velocity,
     stop_depth,
 )
 from solar_env.mechanics.numerics.jit import kernel
@@ -32,22 +33,26 @@ NONE, CONTACT, LATCH, STOP = (np.int64(kind) for kind in range(4))
 def event_function(model, state, stages, j, kind, h, share):
     """What rises through zero at an event of joint ``j``: a depth, or the angle past the lock."""
     joint, markers = model.joints[j], model.markers
-    if kind != CONTACT:
+    linear = markers[joint.outboard].linear and markers[joint.inboard].linear
+    if kind != CONTACT or not linear:
         interpolate(state, stages, h, share)
+        if kind == CONTACT:
+            depth, _ = penetration(joint, markers, stages.scratch_q, stages.scratch_v)
+            return depth
         angle, _, _, _ = joint_motion(joint, markers, stages.scratch_q, stages.scratch_v)
         if kind == LATCH:
             return angle - joint.lock_angle
         depth, _ = stop_depth(joint, state.joints[j].latched, angle)
         return depth
-    # Eccentricity is linear in q: interpolating it alone is cheap.
+    # An eccentricity that is linear in q, and whose rates are the same map of v and a, is interpolated alone: cheap.
     acceleration = stages.acceleration
     p0, p1, p2, r0, r1, r2 = quintic_weights(share)
     ex0, ey0 = relative(joint, markers, state.q)
     ex1, ey1 = relative(joint, markers, stages.q)
-    ux0, uy0 = relative(joint, markers, state.v)
-    ux1, uy1 = relative(joint, markers, stages.v)
-    ax0, ay0 = relative(joint, markers, acceleration[0])
-    ax1, ay1 = relative(joint, markers, acceleration[STAGES - 1])
+    ux0, uy0 = relative_velocity(joint, markers, state.q, state.v)
+    ux1, uy1 = relative_velocity(joint, markers, stages.q, stages.v)
+    ax0, ay0 = relative_velocity(joint, markers, state.q, acceleration[0])
+    ax1, ay1 = relative_velocity(joint, markers, stages.q, acceleration[STAGES - 1])
     ex = p0 * ex0 + r0 * ex1 + h * (p1 * ux0 + r1 * ux1 + h * (p2 * ax0 + r2 * ax1))
     ey = p0 * ey0 + r0 * ey1 + h * (p1 * uy0 + r1 * uy1 + h * (p2 * ay0 + r2 * ay1))
     return math.sqrt(ex * ex + ey * ey) - joint.clearance

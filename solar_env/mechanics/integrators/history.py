@@ -13,6 +13,7 @@ from solar_env.mechanics.arrays.model import (
     JOINT_ANGLE_RANGE,
     SLIDING_WORK,
 )
+from solar_env.mechanics.bodies.markers import vector_angle
 from solar_env.mechanics.equations.system import normal_inverse_mass
 from solar_env.mechanics.integrators.recording import record_contact
 from solar_env.mechanics.joints.contact.normal_force import impact_scales
@@ -22,7 +23,6 @@ from solar_env.mechanics.joints.joint import (
     ECCENTRICITY_Y,
     NORMAL,
     RATE,
-    direction,
     penetration,
     stop_depth,
 )
@@ -85,11 +85,9 @@ def wear_contact(joint, markers, q, ex, ey, depth, sliding_work, wear_journal, w
     """Wear both surfaces of a joint by the sliding work [J] of one accepted step."""
     half = pressed_half_angle(max(depth, 0.0), joint.clearance)
     worn_section = joint.wear_coefficient * sliding_work / joint.bearing_width
-    # Angles of the line of centres in the frames of the two bodies.
-    ox, oy = direction(markers[joint.outboard], q)
-    ix, iy = direction(markers[joint.inboard], q)
-    journal_angle = math.atan2(ox * ey - oy * ex, ox * ex + oy * ey)
-    bearing_angle = math.atan2(ix * ey - iy * ex, ix * ex + iy * ey)
+    # Of the line of centres, in the frames of the two bodies.
+    journal_angle = vector_angle(markers[joint.outboard], q, ex, ey)
+    bearing_angle = vector_angle(markers[joint.inboard], q, ex, ey)
     add_wear(wear_journal, journal_angle, half, worn_section, joint.journal_radius)
     add_wear(wear_bearing, bearing_angle, half, worn_section, joint.journal_radius + joint.clearance)
 

@@ -28,7 +28,6 @@ from solar_env.mechanics.arrays.model import (
     IMPULSE,
     INTEGRALS_PER_JOINT,
     NORMAL_DISSIPATION,
-    RIGID,
     SLIDING_WORK,
     Model,
     State,
@@ -122,7 +121,7 @@ def add_length_slopes(model, state, a, newton, diagonal):
     q, v, elimination = state.q, state.v, model.elimination
     first = q.size + model.constraints.size.size
     for b in range(model.bodies.size):
-        if model.bodies[b].kind == RIGID:
+        if model.bodies[b].constraints:
             k = model.bodies[b].offset
             for axis in range(2):
                 i, j = k + axis, k + 2 + axis
@@ -182,7 +181,7 @@ def solve_stage(model, state, stages, step, s, force, diagonal):
     for r in range(m):
         enter(x, position[n + r], 0.0)
     for b in range(model.bodies.size):
-        if model.bodies[b].kind == RIGID:
+        if model.bodies[b].constraints:
             border_length(state, stages.acceleration[0], step, model.bodies[b].offset, m + b, position, diagonal)
     profile_solve(elimination, step.newton.matrix, x)
     uq, uv = step.coordinate_increments[s], step.velocity_increments[s]

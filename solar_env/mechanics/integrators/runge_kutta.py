@@ -256,7 +256,7 @@ def error_norm(model, state, stages, stiff, settings, h):
         copy_into(stiff.end_power, power[STAGES - 1])
         correct_stage(stiff, STAGES - 1, h, velocity, acceleration, power)
     weights, ratios = model.error_weight, stages.ratios
-    if settings.linearly_implicit and model.elements.filled.size > 0:
+    if settings.linearly_implicit and model.flexible:
         velocity_scale = present_velocity_scale(velocity_scale, weights, v0, v)
     position_scale = 1.0 / (rtol * model.length_scale)
     # Without branches, several entries fit into one instruction.

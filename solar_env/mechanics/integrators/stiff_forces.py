@@ -18,8 +18,6 @@ that a contact must balance moves with everything else.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from solar_env.mechanics.arrays.model import (
@@ -29,19 +27,12 @@ from solar_env.mechanics.arrays.model import (
     SLIDING_WORK,
     STOP_DISSIPATION,
 )
+from solar_env.mechanics.bodies.markers import add_point_force, add_torque, spin
 from solar_env.mechanics.equations.system import acceleration_response, accelerations, prepare_response
 from solar_env.mechanics.integrators.history import IMPACT_DURATIONS
 from solar_env.mechanics.joints.contact.normal_force import normal_force
 from solar_env.mechanics.joints.friction.friction_share import friction_share
-from solar_env.mechanics.joints.joint import (
-    add_point_force,
-    add_torque,
-    joint_motion,
-    penetration,
-    relative,
-    spin,
-    stop_torque,
-)
+from solar_env.mechanics.joints.joint import joint_motion, penetration, relative, relative_velocity, stop_torque
 from solar_env.mechanics.joints.sliding import contact_motion
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into, lu_factor, lu_solve
@@ -87,16 +78,16 @@ def contact_directions(joint, markers, q, v, gradient, force):
     """Write the gradient of a contact's depth and the generalized force of a unit opening force with its friction."""
     outboard, inboard = markers[joint.outboard], markers[joint.inboard]
     ex, ey = relative(joint, markers, q)
-    ux, uy = relative(joint, markers, v)
+    ux, uy = relative_velocity(joint, markers, q, v)
     motion = contact_motion(joint, ex, ey, ux, uy, spin(outboard, q, v), spin(inboard, q, v))
     nx, ny = motion.normal_x, motion.normal_y
-    add_point_force(outboard, nx, ny, gradient)
-    add_point_force(inboard, -nx, -ny, gradient)
+    add_point_force(outboard, q, nx, ny, gradient)
+    add_point_force(inboard, q, -nx, -ny, gradient)
     share, _ = friction_share(joint, motion.sliding_speed)
     friction = joint.friction_coefficient * share
     copy_into(force, gradient)
-    add_point_force(outboard, -friction * ny, friction * nx, force)
-    add_point_force(inboard, friction * ny, -friction * nx, force)
+    add_point_force(outboard, q, -friction * ny, friction * nx, force)
+    add_point_force(inboard, q, friction * ny, -friction * nx, force)
     add_torque(outboard, q, friction * joint.journal_radius, force)
     add_torque(inboard, q, -friction * motion.lever, force)
 
@@ -110,7 +101,7 @@ def lasts(own, time):
 @kernel(inner=True, inlined=True)
 def may_be_stiff(model, state):
     """Whether some force could be stiff: a look that costs next to nothing."""
-    flexible, time, found = model.stable_step < math.inf, state.clock[0].time, False
+    flexible, time, found = model.flexible != 0, state.clock[0].time, False
     joint_states = state.joints
     for j in range(joint_states.size):
         own = joint_states[j]
@@ -126,7 +117,7 @@ def collect(model, state, work, stiff, h):
     a contact does; between rigid bodies it is the other way round.
     """
     joints, markers, q, v = model.joints, model.markers, state.q, state.v
-    flexible = model.stable_step < math.inf
+    flexible = model.flexible != 0
     # Typed: a literal would have Numba compile the functions that take it twice.
     count, prepared = np.int64(0), False
     for j in range(joints.size):

@@ -20,6 +20,14 @@ from solar_env.mechanics.arrays.model import (
     SLIDING_WORK,
     STOP_DISSIPATION,
 )
+from solar_env.mechanics.bodies.markers import (
+    add_point_force,
+    add_torque,
+    direction,
+    direction_rate,
+    place,
+    velocity,
+)
 from solar_env.mechanics.joints.contact.normal_force import normal_force
 from solar_env.mechanics.joints.friction.friction_share import friction_share
 from solar_env.mechanics.joints.sliding import contact_motion
@@ -46,27 +54,18 @@ LOAD_COLUMNS = 14
 
 
 @kernel(inlined=True)
-def point(marker, x):
-    """Marker's position from coordinates, or its velocity from velocities: the map is linear."""
-    i, k = marker.i1, marker.i2
-    return (
-        marker.a1 * x[i] - marker.b1 * x[i + 1] + marker.a2 * x[k] - marker.b2 * x[k + 1],
-        marker.a1 * x[i + 1] + marker.b1 * x[i] + marker.a2 * x[k + 1] + marker.b2 * x[k],
-    )
+def relative(joint, markers, q):
+    """Journal centre minus bearing centre [m]."""
+    ox, oy = place(markers[joint.outboard], q)
+    ix, iy = place(markers[joint.inboard], q)
+    return ox - ix, oy - iy
 
 
 @kernel(inlined=True)
-def direction(marker, x):
-    """Marker's direction vector (as long as the body, or as a beam is stretched there), or its rate from velocities."""
-    i, k = marker.i1, marker.i2
-    return marker.c1 * x[i] + x[k], marker.c1 * x[i + 1] + x[k + 1]
-
-
-@kernel(inlined=True)
-def relative(joint, markers, x):
-    """Journal centre minus bearing centre from coordinates, or its rate from velocities."""
-    ox, oy = point(markers[joint.outboard], x)
-    ix, iy = point(markers[joint.inboard], x)
+def relative_velocity(joint, markers, q, v):
+    """Velocity of the journal centre minus that of the bearing centre [m/s]."""
+    ox, oy = velocity(markers[joint.outboard], q, v)
+    ix, iy = velocity(markers[joint.inboard], q, v)
     return ox - ix, oy - iy
 
 
@@ -74,41 +73,11 @@ def relative(joint, markers, x):
 def penetration(joint, markers, q, v):
     """Penetration depth [m], negative for a gap, and its rate [m/s]."""
     ex, ey = relative(joint, markers, q)
-    ux, uy = relative(joint, markers, v)
+    ux, uy = relative_velocity(joint, markers, q, v)
     radius = math.sqrt(ex * ex + ey * ey)
     if radius == 0.0:
         return -joint.clearance, math.sqrt(ux * ux + uy * uy)
     return radius - joint.clearance, (ex * ux + ey * uy) / radius
-
-
-@kernel(inlined=True)
-def add_point_force(marker, fx, fy, force):
-    """Add the generalized force of a force at the marker."""
-    i, k = marker.i1, marker.i2
-    force[i] += marker.a1 * fx + marker.b1 * fy
-    force[i + 1] += marker.a1 * fy - marker.b1 * fx
-    force[k] += marker.a2 * fx + marker.b2 * fy
-    force[k + 1] += marker.a2 * fy - marker.b2 * fx
-
-
-@kernel(inlined=True)
-def add_torque(marker, q, torque, force):
-    """Add the generalized force of a torque on the marker's direction: torque times the gradient of its angle."""
-    dx, dy = direction(marker, q)
-    scale = torque / (dx * dx + dy * dy)
-    i, k = marker.i1, marker.i2
-    force[i] -= marker.c1 * scale * dy
-    force[i + 1] += marker.c1 * scale * dx
-    force[k] -= scale * dy
-    force[k + 1] += scale * dx
-
-
-@kernel(inlined=True)
-def spin(marker, q, v):
-    """Angular velocity [rad/s] of the marker's direction."""
-    dx, dy = direction(marker, q)
-    ux, uy = direction(marker, v)
-    return (dx * uy - dy * ux) / (dx * dx + dy * dy)
 
 
 @kernel(inlined=True)
@@ -117,8 +86,8 @@ def joint_motion(joint, markers, q, v):
     outboard, inboard = markers[joint.outboard], markers[joint.inboard]
     ox, oy = direction(outboard, q)
     ix, iy = direction(inboard, q)
-    px, py = direction(outboard, v)
-    jx, jy = direction(inboard, v)
+    px, py = direction_rate(outboard, q, v)
+    jx, jy = direction_rate(inboard, q, v)
     outboard_spin = (ox * py - oy * px) / (ox * ox + oy * oy)
     inboard_spin = (ix * jy - iy * jx) / (ix * ix + iy * iy)
     tx = joint.turn_cos * ix - joint.turn_sin * iy
@@ -261,7 +230,7 @@ def joint_forces(model, joint_states, impact_speeds, q, v, loads, force, power):
         if joint.kind == CLEARANCE:
             ex, ey = relative(joint, markers, q)
             if impact_speeds[j] > 0.0:
-                ux, uy = relative(joint, markers, v)
+                ux, uy = relative_velocity(joint, markers, q, v)
                 motion = contact_motion(joint, ex, ey, ux, uy, loads[j, OUTBOARD_SPIN], loads[j, INBOARD_SPIN])
                 if motion.depth > 0.0:
                     normal, elastic, _, _ = normal_force(joint, motion.depth, motion.rate, impact_speeds[j])
@@ -271,8 +240,8 @@ def joint_forces(model, joint_states, impact_speeds, q, v, loads, force, power):
                     fy = -normal * motion.normal_y + tangential * motion.normal_x
                     outboard_torque += joint.journal_radius * tangential
                     inboard_torque -= motion.lever * tangential
-                    add_point_force(outboard, fx, fy, force)
-                    add_point_force(inboard, -fx, -fy, force)
+                    add_point_force(outboard, q, fx, fy, force)
+                    add_point_force(inboard, q, -fx, -fy, force)
                     power[first + NORMAL_DISSIPATION] = (normal - elastic) * motion.rate
                     power[first + FRICTION_DISSIPATION] = -tangential * motion.slip
                     power[first + SLIDING_WORK] = normal * abs(motion.sliding_speed)

@@ -6,126 +6,18 @@ All quantities in SI units; angles in rad; counter-clockwise positive. Bad param
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 
+from solar_env.mechanics.bodies.description import GROUND as GROUND
+from solar_env.mechanics.bodies.description import AnyBody
+from solar_env.mechanics.bodies.description import Body as Body
+from solar_env.mechanics.bodies.description import FlexibleBody as FlexibleBody
+from solar_env.mechanics.bodies.description import Point as Point
 from solar_env.mechanics.joints.contact.laws import ContactLaw
 from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS, FrictionLaw
 from solar_env.mechanics.joints.friction.ramp import RampedCoulomb
-
-Point = tuple[float, float]
-
-GROUND = "ground"
-
-
-def _require(condition: bool, owner: object, name: str, value: object, rule: str) -> None:
-    if not condition:
-        raise ValueError(f"{type(owner).__name__}.{name} = {value!r}: {rule}")
-
-
-def _require_finite(owner: object, *skip: str) -> None:
-    for item in fields(owner):  # type: ignore[arg-type]
-        value = getattr(owner, item.name)
-        if item.name in skip:
-            continue
-        values = value if isinstance(value, tuple) else (value,)
-        for number in values:
-            if isinstance(number, float) and not math.isfinite(number):
-                _require(False, owner, item.name, value, "must be finite")
-
-
-@dataclass(frozen=True)
-class Body:
-    """A rigid body with its initial motion.
-
-    The body frame has its origin at the first base point and its x axis towards the second.
-
-    Attributes:
-        name: unique name.
-        mass: [kg].
-        inertia: about the centroid [kg m2].
-        length: distance of the two base points [m].
-        centroid: in the body frame [m].
-        position: of the first base point at t = 0 [m].
-        angle: of the x axis at t = 0 [rad].
-        velocity: of the first base point at t = 0 [m/s].
-        spin: angular velocity at t = 0 [rad/s].
-        fixed: whether the body is held in place.
-    """
-
-    name: str
-    mass: float
-    inertia: float
-    length: float
-    centroid: Point
-    position: Point = (0.0, 0.0)
-    angle: float = 0.0
-    velocity: Point = (0.0, 0.0)
-    spin: float = 0.0
-    fixed: bool = False
-
-    def __post_init__(self) -> None:
-        _require_finite(self)
-        _require(self.name != GROUND, self, "name", self.name, "is reserved for the fixed frame")
-        for name in ("mass", "inertia", "length"):
-            _require(getattr(self, name) > 0.0, self, name, getattr(self, name), "must be positive")
-
-
-@dataclass(frozen=True)
-class FlexibleBody:
-    """A slender elastic body of equal beam elements (``flexible.py``), straight and unstrained at t = 0.
-
-    The body frame has its origin at the first end and its x axis along the undeformed centreline. Joints, drives,
-    guides and loads attach to nodes: points (x, 0) with x a multiple of length / elements.
-
-    Attributes:
-        name: unique name.
-        length: [m].
-        elements: number of beam elements.
-        linear_density: mass per length [kg/m].
-        axial_stiffness: E A [N].
-        bending_stiffness: E I [N m2].
-        damping: retardation time of the material [s]: stress = modulus * (strain + damping * strain rate).
-        position: of the first end at t = 0 [m].
-        angle: of the centreline at t = 0 [rad].
-        velocity: of the first end at t = 0 [m/s].
-        spin: angular velocity at t = 0 [rad/s].
-    """
-
-    name: str
-    length: float
-    elements: int
-    linear_density: float
-    axial_stiffness: float
-    bending_stiffness: float
-    damping: float = 0.0
-    position: Point = (0.0, 0.0)
-    angle: float = 0.0
-    velocity: Point = (0.0, 0.0)
-    spin: float = 0.0
-
-    def __post_init__(self) -> None:
-        _require_finite(self)
-        _require(self.name != GROUND, self, "name", self.name, "is reserved for the fixed frame")
-        _require(type(self.elements) is int, self, "elements", self.elements, "must be a whole number")
-        _require(1 <= self.elements <= 1000, self, "elements", self.elements, "must lie between 1 and 1000")
-        for name in ("length", "linear_density", "axial_stiffness", "bending_stiffness"):
-            _require(getattr(self, name) > 0.0, self, name, getattr(self, name), "must be positive")
-        _require(self.damping >= 0.0, self, "damping", self.damping, "must not be negative")
-
-    def node(self, point: Point) -> int:
-        """Index of the node at a point of the body frame [m].
-
-        Raises:
-            ValueError: if there is none.
-        """
-        step = self.length / self.elements
-        index = round(point[0] / step)
-        met = math.hypot(point[0] - index * step, point[1]) < 1e-9 * self.length
-        rule = (
-            f"is not a node of flexible body {self.name!r}; its nodes are (k * {step:.6g}, 0), k = 0..{self.elements}"
-        )
-        _require(met and 0 <= index <= self.elements, self, "point", point, rule)
-        return index
+from solar_env.mechanics.numerics.checks import require as _require
+from solar_env.mechanics.numerics.checks import require_finite as _require_finite
 
 
 @dataclass(frozen=True)
@@ -342,7 +234,7 @@ class Mechanism:
     Neighbours in ``bodies`` should be neighbours in the mechanism: implicit integration eliminates in this order.
     """
 
-    bodies: tuple[Body | FlexibleBody, ...]
+    bodies: tuple[AnyBody, ...]
     joints: tuple[Joint, ...] = ()
     cables: tuple[CableLoop, ...] = ()
     guides: tuple[Guide, ...] = ()

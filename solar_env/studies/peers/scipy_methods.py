@@ -200,6 +200,6 @@ class _SwitchedSystem:
         lengths = [
             abs(math.hypot(*(q[b["offset"] + 2 : b["offset"] + 4] - q[b["offset"] : b["offset"] + 2])) - b["length"])
             for b in self.model.bodies
-            if b["kind"] == m.RIGID
+            if b["constraints"]
         ]
         return max(float(constraint_drift(self.model, q, time, self.work)), *lengths)

@@ -198,7 +198,7 @@ def element_tangent() -> Iterator[Check]:
     gradient = [strain_energy(damped, q + d) - strain_energy(damped, q - d) for d in shifts]
     weight = 0.3  # of df/dv
     parts = [make_profile_matrix(model.elimination) for _ in range(2)]
-    add_elastic_tangents(model.elements, q, v, make_element_slopes(), model.elimination, *parts)
+    add_elastic_tangents(model.cable_elements, q, v, make_element_slopes(), model.elimination, *parts)
     stiffness, damping = (dense(model.elimination, part)[:size, :size] for part in parts)
     tangent = stiffness + weight * damping
     slopes = [force(q - d, v) - force(q + d, v) + weight * (force(q, v - d) - force(q, v + d)) for d in shifts]

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
-from solar_env.mechanics.mechanism.description import FlexibleBody, Mechanism
+from solar_env.mechanics.mechanism.description import Body, FlexibleBody, Mechanism
 from solar_env.mechanics.running.trajectory import Trajectory
 
 Field = NDArray[np.complex128]
@@ -85,6 +85,7 @@ def momenta(mechanism: Mechanism, motion: Trajectory) -> tuple[NDArray[np.comple
             linear.append(velocity @ mass)
             angular.append((place.conj() * velocity).imag @ mass)
         else:
+            assert isinstance(body, Body)
             last = first + 4
             p1, p2 = as_complex(motion.coordinates[:, first:last])
             v1, v2 = as_complex(motion.velocities[:, first:last])

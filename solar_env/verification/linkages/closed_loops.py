@@ -36,7 +36,7 @@ def drive_moment(simulation: Simulation) -> float:
     """Moment of the first drive on its body [N m], from its multiplier."""
     drive = simulation.model.drives[0]
     # The constraint is the component across the prescribed direction, of a vector of the body's length.
-    length = simulation.model.bodies[simulation.model.markers[drive["marker"]]["i1"] // 4]["length"]
+    length = simulation.model.bodies[simulation.model.markers[drive["marker"]]["body"]]["length"]
     return -float(simulation.state.multipliers[drive["row"]] * length)
 
 

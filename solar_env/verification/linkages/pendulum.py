@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
-from solar_env.mechanics.mechanism.description import Mechanism
+from solar_env.mechanics.mechanism.description import Body, Mechanism
 from solar_env.mechanics.mechanism.textbook import STANDARD_GRAVITY, pendulum
 from solar_env.mechanics.running.diagnosis import SimulationWarning
 from solar_env.mechanics.running.simulation import Simulation
@@ -107,7 +107,9 @@ def _moving_pendulum() -> Mechanism:
     x_next, y_next, _ = exact_pendulum(_START + 1e-6)
     spin = math.copysign(math.sqrt(-2.0 * STANDARD_GRAVITY * y), x * y_next - y * x_next)
     released = pendulum(angle=math.atan2(y, x))
-    return replace(released, bodies=(replace(released.bodies[0], spin=spin),))
+    (bob,) = released.bodies
+    assert isinstance(bob, Body)
+    return replace(released, bodies=(replace(bob, spin=spin),))
 
 
 def multiplier_transients() -> Iterator[Check]:

@@ -10,7 +10,8 @@ import pytest
 from helpers import Vector
 from scipy.linalg import eigh
 
-from solar_env.mechanics.bodies.cable_element import add_mass_product, mass_band
+from solar_env.mechanics.bodies.cable_element import add_mass_product
+from solar_env.mechanics.bodies.cable_element_matrices import mass_band
 from solar_env.mechanics.bodies.cable_element_tangent import add_elastic_tangents, make_element_slopes
 from solar_env.mechanics.bodies.stable_step import largest_frequencies, stable_step
 from solar_env.mechanics.equations.build import compile_mechanism
@@ -40,9 +41,9 @@ def matrices(beam: FlexibleBody) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     body, size = model.bodies[0], state.q.size
     mass = np.zeros((size, size))
     for row in range(size):
-        add_mass_product(body, model.mass_band, np.eye(size)[row], mass[row])
+        add_mass_product(body, model.body_constants, np.eye(size)[row], mass[row])
     parts = [make_profile_matrix(model.elimination) for _ in range(2)]
-    add_elastic_tangents(model.elements, state.q, state.v, make_element_slopes(), model.elimination, *parts)
+    add_elastic_tangents(model.cable_elements, state.q, state.v, make_element_slopes(), model.elimination, *parts)
     stiffness, damping = (dense(model.elimination, part)[:size, :size] for part in parts)
     return mass, damping, stiffness
 

@@ -11,6 +11,7 @@ import pytest
 from helpers import ROUND_BEARING, chain, fingerprint, pendulum
 
 from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.bodies.kinds import body_type, marker_type
 from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS
 from solar_env.mechanics.mechanism.description import Body, Mechanism
@@ -32,12 +33,12 @@ def test_a_copied_state_shares_nothing_with_the_original() -> None:
 @pytest.mark.parametrize(
     "row_type",
     [
-        m.body_type,
-        m.marker_type,
+        body_type,
+        marker_type,
         m.joint_type,
         m.cable_type,
         m.drive_type,
-        m.load_torque_type,
+        m.load_type,
         m.joint_state_type,
         m.clock_type,
     ],

@@ -11,9 +11,10 @@ import pytest
 from helpers import ROUND_BEARING, ROUND_STOP, Forces, Vector, block, central_difference, chain, turned
 
 from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.bodies.markers import place, velocity
 from solar_env.mechanics.joints import joint as columns
 from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS
-from solar_env.mechanics.joints.joint import cable_torque, one_sided_stop, penetration, point, stop_torque
+from solar_env.mechanics.joints.joint import cable_torque, one_sided_stop, penetration, stop_torque
 from solar_env.mechanics.mechanism.description import CableLoop, Mechanism, Spring
 
 # Angle of either joint relative to the latch at 0.9 and the stow stop at 0, both with 0.05 of free play.
@@ -135,9 +136,9 @@ def test_markers_move_with_their_body() -> None:
     body, joint = mechanism.bodies[1], mechanism.joints[0]
     marker = forces.model.markers[forces.model.joints["outboard"][0]]
     arm = turned(joint.outboard_point, body.angle)
-    assert point(marker, forces.state.q) == pytest.approx(np.array(body.position) + arm, abs=1e-14)
-    velocity = np.array(body.velocity) + body.spin * np.array([-arm[1], arm[0]])
-    assert point(marker, forces.state.v) == pytest.approx(velocity, abs=1e-14)
+    assert place(marker, forces.state.q) == pytest.approx(np.array(body.position) + arm, abs=1e-14)
+    expected = np.array(body.velocity) + body.spin * np.array([-arm[1], arm[0]])
+    assert velocity(marker, forces.state.q, forces.state.v) == pytest.approx(expected, abs=1e-14)
 
 
 def test_the_spring_pulls_towards_its_preload_angle() -> None:

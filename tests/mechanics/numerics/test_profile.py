@@ -11,7 +11,6 @@ import pytest
 from helpers import chain
 
 from solar_env.array import MODELS, ArrayParameters, build
-from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.mechanism.description import GROUND, Body, Drive, FlexibleBody, Guide, Joint, Mechanism
 from solar_env.mechanics.mechanism.textbook import slider_crank
@@ -241,9 +240,9 @@ def test_every_unknown_of_a_mechanism_has_one_place(name: str) -> None:
     expected = set()
     for b, body in enumerate(model.bodies):
         own = range(body.offset, int(np.append(model.bodies["offset"], n)[b + 1]))
-        expected |= set(own) if body.kind == m.FIXED else set()
+        expected |= set(own) if body.fixed else set()
         # Only a rigid body's length has a multiplier.
-        expected |= {n + rows + b} if body.kind != m.RIGID else set()
+        expected |= {n + rows + b} if not body.constraints else set()
     assert held == expected
 
 
@@ -254,7 +253,7 @@ def test_every_multiplier_comes_right_after_the_last_coordinate_that_it_acts_on(
     n, rows = state.q.size, constraints.size.size
     places = {int(position[n + r]): constraints.coordinate[r, : constraints.size[r]] for r in range(rows)}
     for b, body in enumerate(model.bodies):
-        if body.kind == m.RIGID:
+        if body.constraints:
             places[int(position[n + rows + b])] = np.arange(body.offset, body.offset + 4)
     for place, coordinates in places.items():
         last = max(coordinates, key=lambda k: position[k])

@@ -1,4 +1,4 @@
-"""Flexible bodies: elastic forces against their energy, tangents against differences, mass against shape functions."""
+"""Beams of cable elements: elastic forces against their energy, slopes against differences, mass against shapes."""
 
 from __future__ import annotations
 
@@ -12,20 +12,13 @@ from helpers import Vector, central_difference, orders, turned
 from scipy.linalg import eigh
 
 from solar_env.mechanics.arrays.model import Model
-from solar_env.mechanics.bodies.cable_element import (
-    LANES,
-    TABLE_ROWS,
-    add_body_mass,
-    add_elastic_forces,
-    add_mass_product,
-    elastic_energy,
-    kinetic_energy,
-    solve_mass,
-    stiffness_matrix,
-)
+from solar_env.mechanics.bodies.cable_element import add_mass_matrix, add_mass_product, kinetic_energy, solve_mass
+from solar_env.mechanics.bodies.cable_element_forces import LANES, TABLE_ROWS, add_elastic_forces
+from solar_env.mechanics.bodies.cable_element_matrices import stiffness_matrix
 from solar_env.mechanics.bodies.cable_element_tangent import add_elastic_tangents, make_element_slopes
+from solar_env.mechanics.bodies.dispatch import elastic_energy
+from solar_env.mechanics.bodies.markers import direction, place
 from solar_env.mechanics.equations.build import compile_mechanism
-from solar_env.mechanics.joints.joint import direction, point
 from solar_env.mechanics.mechanism.description import (
     GROUND,
     Body,
@@ -75,7 +68,7 @@ def deformed(seed: int, beam: FlexibleBody = BEAM) -> Scene:
 
 def elastic_forces(model: Model, q: Vector, v: Vector, force: Vector) -> float:
     """Add all internal forces to ``force``; returns the power of damping. The scratch holds what came before."""
-    return float(add_elastic_forces(model.elements, q, v, force, np.full(TABLE_ROWS * LANES, 7.0)))
+    return float(add_elastic_forces(model.cable_elements, q, v, force, np.full(TABLE_ROWS * LANES, 7.0)))
 
 
 def internal_force(scene: Scene, q: Vector | None = None, v: Vector | None = None) -> Vector:
@@ -107,7 +100,7 @@ def mass_matrix(scene: Scene) -> np.ndarray:
     columns = []
     for unit in np.eye(len(scene.q))[scene.own]:
         out = np.zeros_like(unit)
-        add_mass_product(scene.beam, scene.model.mass_band, unit, out)
+        add_mass_product(scene.beam, scene.model.body_constants, unit, out)
         assert not out[: scene.beam.offset].any()
         columns.append(out[scene.own])
     return np.array(columns).T
@@ -120,7 +113,7 @@ def tangent(scene: Scene, stiffness_weight: float, damping_weight: float) -> np.
     slopes = make_element_slopes()
     for array in slopes:
         array[:] = math.nan
-    add_elastic_tangents(scene.model.elements, scene.q, scene.v, slopes, elimination, *parts)
+    add_elastic_tangents(scene.model.cable_elements, scene.q, scene.v, slopes, elimination, *parts)
     stiffness, damping = (dense(elimination, part)[scene.own, scene.own] for part in parts)
     return stiffness_weight * stiffness + damping_weight * damping
 
@@ -285,10 +278,10 @@ def test_the_mass_matrix_is_the_quadrature_of_the_shape_functions(elements: int)
     _, weights, shapes = hermite(elements, BEAM.length, 4)
     expected = np.kron(BEAM.linear_density * shapes.T @ (weights[:, None] * shapes), np.eye(2))
     assert mass_matrix(scene) == pytest.approx(expected, abs=1e-14 * np.abs(expected).max())
-    assert kinetic_energy(scene.beam, scene.model.mass_band, scene.v) == 0.0
+    assert kinetic_energy(scene.beam, scene.model.body_constants, scene.v) == 0.0
     scene.v[:] = np.random.default_rng(elements).normal(size=scene.v.size)
     v = scene.v[scene.own]
-    assert kinetic_energy(scene.beam, scene.model.mass_band, scene.v) == pytest.approx(
+    assert kinetic_energy(scene.beam, scene.model.body_constants, scene.v) == pytest.approx(
         0.5 * v @ expected @ v, rel=1e-13
     )
 
@@ -306,7 +299,7 @@ def test_a_beam_that_moves_rigidly_has_the_momenta_and_energy_of_a_rod() -> None
     spin = mass * (centre[0] * velocity[1] - centre[1] * velocity[0]) + inertia * beam.spin
     assert momentum @ quarter_turns(scene.q)[scene.own] == pytest.approx(spin, rel=1e-12)
     energy = 0.5 * mass * velocity @ velocity + 0.5 * inertia * beam.spin**2
-    assert kinetic_energy(scene.beam, scene.model.mass_band, scene.v) == pytest.approx(energy, rel=1e-13)
+    assert kinetic_energy(scene.beam, scene.model.body_constants, scene.v) == pytest.approx(energy, rel=1e-13)
 
 
 @pytest.mark.parametrize("elements", range(1, 13))
@@ -314,9 +307,9 @@ def test_solving_the_mass_matrix_inverts_its_product(elements: int) -> None:
     scene = straight(replace(BEAM, elements=elements))
     rng = np.random.default_rng(elements)
     a, force = rng.normal(size=scene.q.size), np.zeros_like(scene.q)
-    add_mass_product(scene.beam, scene.model.mass_band, a, force)
+    add_mass_product(scene.beam, scene.model.body_constants, a, force)
     solved = np.full_like(a, 7.0)
-    solve_mass(scene.beam, scene.model.mass_factor, force, solved)
+    solve_mass(scene.beam, scene.model.body_constants, force, solved)
     rounding = 1e-15 * np.linalg.cond(mass_matrix(scene))
     assert solved[scene.own] == pytest.approx(a[scene.own], abs=rounding)
     # Other bodies' coordinates are left alone.
@@ -326,7 +319,7 @@ def test_solving_the_mass_matrix_inverts_its_product(elements: int) -> None:
 def test_products_are_added_to_what_is_there() -> None:
     scene = deformed(0)
     out, force = np.ones_like(scene.q), np.ones_like(scene.q)
-    add_mass_product(scene.beam, scene.model.mass_band, scene.v, out)
+    add_mass_product(scene.beam, scene.model.body_constants, scene.v, out)
     assert out[scene.own] == pytest.approx(1.0 + mass_matrix(scene) @ scene.v[scene.own], rel=1e-13)
     elastic_forces(scene.model, scene.q, scene.v, force)
     assert force[scene.own] == pytest.approx(1.0 + internal_force(scene), rel=1e-13)
@@ -336,7 +329,7 @@ def test_the_mass_part_of_newtons_matrix_is_the_weighted_mass_matrix() -> None:
     scene = straight()
     elimination = scene.model.elimination
     matrix = make_profile_matrix(elimination)
-    add_body_mass(scene.beam, scene.model.mass_band, 0.7, elimination, matrix)
+    add_mass_matrix(scene.beam, scene.model.body_constants, 0.7, elimination, matrix)
     found = dense(elimination, matrix)
     assert found[scene.own, scene.own] == pytest.approx(0.7 * mass_matrix(scene), rel=1e-14)
     found[scene.own, scene.own] = 0.0
@@ -350,11 +343,11 @@ def test_two_beams_keep_to_their_own_rows() -> None:
     a = np.random.default_rng(0).normal(size=state.q.size)
     first = model.bodies["offset"][1]
     expected, found = np.zeros(len(a) - first), np.zeros_like(a)
-    add_mass_product(alone.bodies[0], alone.mass_band, a[first:].copy(), expected)
-    add_mass_product(model.bodies[1], model.mass_band, a, found)
+    add_mass_product(alone.bodies[0], alone.body_constants, a[first:].copy(), expected)
+    add_mass_product(model.bodies[1], model.body_constants, a, found)
     assert found[first:].tolist() == expected.tolist()
-    solve_mass(alone.bodies[0], alone.mass_factor, a[first:].copy(), expected)
-    solve_mass(model.bodies[1], model.mass_factor, a, found)
+    solve_mass(alone.bodies[0], alone.body_constants, a[first:].copy(), expected)
+    solve_mass(model.bodies[1], model.body_constants, a, found)
     assert found[first:].tolist() == expected.tolist()
     assert not found[:first].any()
 
@@ -417,12 +410,12 @@ def test_nodes_stand_and_move_as_described(angle: float) -> None:
 
 @pytest.mark.parametrize("node", range(BEAM.elements + 1))
 def test_a_part_attached_to_a_node_moves_and_turns_with_it(node: int) -> None:
-    place = (node * BEAM.length / BEAM.elements, 0.0)
-    model, state = compile_mechanism(Mechanism((RIGID, BEAM), loads=(Load("beam", place, torque=1.0),)))
+    spot = (node * BEAM.length / BEAM.elements, 0.0)
+    model, state = compile_mechanism(Mechanism((RIGID, BEAM), loads=(Load("beam", spot, torque=1.0),)))
     q = np.random.default_rng(node).normal(size=state.q.size)
     marker = model.markers[0]
     own = q[4 + 4 * node : 8 + 4 * node]
-    assert [*point(marker, q), *direction(marker, q)] == own.tolist()
+    assert [*place(marker, q), *direction(marker, q)] == own.tolist()
 
 
 STEP = BEAM.length / BEAM.elements

@@ -1,0 +1,141 @@
+"""Parameters of the bodies, one class a kind. Plain Python: describing a mechanism needs no compiler.
+
+All quantities in SI units; angles in rad; counter-clockwise positive.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from solar_env.mechanics.numerics.checks import require, require_finite
+
+Point = tuple[float, float]
+
+GROUND = "ground"
+
+
+@dataclass(frozen=True)
+class AnyBody:
+    """What every kind of body is described by.
+
+    Attributes:
+        name: unique name.
+    """
+
+    name: str
+
+    def __post_init__(self) -> None:
+        require_finite(self)
+        require(self.name != GROUND, self, "name", self.name, "is reserved for the fixed frame")
+
+
+@dataclass(frozen=True)
+class RigidBody(AnyBody):
+    """A rigid body with its initial motion, whatever its coordinates.
+
+    Attributes:
+        mass: [kg].
+        inertia: about the centroid [kg m2].
+        length: of the x axis, from the origin of the body frame to a second point [m].
+        centroid: in the body frame [m].
+        position: of the body frame's origin at t = 0 [m].
+        angle: of the x axis at t = 0 [rad].
+        velocity: of the body frame's origin at t = 0 [m/s].
+        spin: angular velocity at t = 0 [rad/s].
+    """
+
+    mass: float
+    inertia: float
+    length: float
+    centroid: Point
+    position: Point = (0.0, 0.0)
+    angle: float = 0.0
+    velocity: Point = (0.0, 0.0)
+    spin: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in ("mass", "inertia", "length"):
+            require(getattr(self, name) > 0.0, self, name, getattr(self, name), "must be positive")
+
+
+@dataclass(frozen=True)
+class Body(RigidBody):
+    """A rigid body in natural coordinates: two base points, the body frame's origin and the end of its x axis.
+
+    It suits ideal joints, whose constraints are linear in these coordinates.
+
+    Attributes:
+        fixed: whether the body is held in place.
+    """
+
+    fixed: bool = False
+
+
+@dataclass(frozen=True)
+class ReferencePointBody(RigidBody):
+    """A rigid body in reference point coordinates: place of the centroid and angle, without a constraint.
+
+    It takes joints with clearance, cables and loads. Ideal joints, guides and drives need a `Body`.
+    """
+
+
+@dataclass(frozen=True)
+class FlexibleBody(AnyBody):
+    """A slender beam of equal ANCF cable elements, straight and unstrained at t = 0.
+
+    The body frame has its origin at the first end and its x axis along the undeformed centreline. Joints, drives,
+    guides and loads attach to nodes: points (x, 0) with x a multiple of length / elements.
+
+    Attributes:
+        length: [m].
+        elements: number of beam elements.
+        linear_density: mass per length [kg/m].
+        axial_stiffness: E A [N].
+        bending_stiffness: E I [N m2].
+        damping: retardation time of the material [s]: stress = modulus * (strain + damping * strain rate).
+        position: of the first end at t = 0 [m].
+        angle: of the centreline at t = 0 [rad].
+        velocity: of the first end at t = 0 [m/s].
+        spin: angular velocity at t = 0 [rad/s].
+    """
+
+    length: float
+    elements: int
+    linear_density: float
+    axial_stiffness: float
+    bending_stiffness: float
+    damping: float = 0.0
+    position: Point = (0.0, 0.0)
+    angle: float = 0.0
+    velocity: Point = (0.0, 0.0)
+    spin: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        require(type(self.elements) is int, self, "elements", self.elements, "must be a whole number")
+        require(1 <= self.elements <= 1000, self, "elements", self.elements, "must lie between 1 and 1000")
+        for name in ("length", "linear_density", "axial_stiffness", "bending_stiffness"):
+            require(getattr(self, name) > 0.0, self, name, getattr(self, name), "must be positive")
+        require(self.damping >= 0.0, self, "damping", self.damping, "must not be negative")
+
+    @property
+    def element_length(self) -> float:
+        """Of an element [m]."""
+        return self.length / self.elements
+
+    def node(self, point: Point) -> int:
+        """Index of the node at a point of the body frame [m].
+
+        Raises:
+            ValueError: if there is none.
+        """
+        step = self.element_length
+        index = round(point[0] / step)
+        met = math.hypot(point[0] - index * step, point[1]) < 1e-9 * self.length
+        rule = (
+            f"is not a node of flexible body {self.name!r}; its nodes are (k * {step:.6g}, 0), k = 0..{self.elements}"
+        )
+        require(met and 0 <= index <= self.elements, self, "point", point, rule)
+        return index

@@ -1,0 +1,124 @@
+"""What a body is asked for by the equations of motion. Each function chooses by the kind of body, once.
+
+Fixed bodies, whatever their kind, have neither inertia nor accelerations.
+"""
+
+from __future__ import annotations
+
+from solar_env.mechanics.bodies import cable_element, cable_element_forces, natural_coordinates, reference_point
+from solar_env.mechanics.bodies.cable_element_tangent import add_elastic_tangents
+from solar_env.mechanics.bodies.kinds import CABLE_ELEMENTS, NATURAL, REFERENCE_POINT
+from solar_env.mechanics.numerics.jit import kernel
+
+
+@kernel(inlined=True)
+def _hold(body, a):
+    """Set the body's accelerations to zero."""
+    for i in range(body.offset, body.offset + body.coordinates):
+        a[i] = 0.0
+
+
+@kernel(inner=True, inlined=True)
+def solve_body(body, constants, q, v, force, a, with_velocity):
+    """Write to ``a`` the accelerations of a body alone under a generalized ``force``; returns its own multiplier.
+
+    Args:
+        body: row of the body.
+        constants: of the model's bodies.
+        q, v: (n,) coordinates and velocities.
+        force: (n,) generalized force.
+        a: (n,) filled in the body's coordinates.
+        with_velocity: 0 leaves out what stems from velocities, which makes the map linear; else 1.
+    """
+    if body.fixed:
+        _hold(body, a)
+        return 0.0
+    if body.kind == CABLE_ELEMENTS:
+        cable_element.solve_mass(body, constants, force, a)
+        return 0.0
+    if body.kind == REFERENCE_POINT:
+        reference_point.solve_mass(body, force, a)
+        return 0.0
+    return natural_coordinates.solve_body(body, q, v, force, a, with_velocity)
+
+
+@kernel(inner=True, inlined=True)
+def solve_free(body, constants, force, a):
+    """Write to ``a`` the body's M^-1 force: its accelerations if its own constraint did not act."""
+    if body.fixed:
+        _hold(body, a)
+    elif body.kind == CABLE_ELEMENTS:
+        cable_element.solve_mass(body, constants, force, a)
+    elif body.kind == REFERENCE_POINT:
+        reference_point.solve_mass(body, force, a)
+    else:
+        natural_coordinates.solve_mass(body, force, a)
+
+
+@kernel(inlined=True)
+def add_mass_product(body, constants, a, out):
+    """Add the body's M a to ``out`` (n,)."""
+    if body.fixed:
+        return
+    if body.kind == CABLE_ELEMENTS:
+        cable_element.add_mass_product(body, constants, a, out)
+    elif body.kind == REFERENCE_POINT:
+        reference_point.add_mass_product(body, a, out)
+    else:
+        natural_coordinates.add_mass_product(body, a, out)
+
+
+@kernel(inner=True)
+def add_mass_matrix(body, constants, elimination, matrix):
+    """Add the body's mass matrix to ``matrix``, which lies in a profile."""
+    if body.fixed:
+        return
+    if body.kind == CABLE_ELEMENTS:
+        cable_element.add_mass_matrix(body, constants, 1.0, elimination, matrix)
+    elif body.kind == REFERENCE_POINT:
+        reference_point.add_mass_matrix(body, elimination, matrix)
+    else:
+        natural_coordinates.add_body_matrix(body, 1.0, 0.0, elimination, matrix)
+
+
+@kernel(inlined=True)
+def kinetic_energy(body, constants, v):
+    """Kinetic energy [J] of the body."""
+    if body.fixed:
+        return 0.0
+    if body.kind == CABLE_ELEMENTS:
+        return cable_element.kinetic_energy(body, constants, v)
+    if body.kind == REFERENCE_POINT:
+        return reference_point.kinetic_energy(body, v)
+    return natural_coordinates.kinetic_energy(body, v)
+
+
+@kernel
+def elastic_energy(bodies, q):
+    """Strain energy [J] of all bodies."""
+    total = 0.0
+    for body in bodies:
+        if body.kind == CABLE_ELEMENTS:
+            total = cable_element_forces.add_elastic_energy(body, q, total)
+    return total
+
+
+@kernel(inlined=True)
+def add_internal_forces(model, q, v, force, element_table):
+    """Add the internal forces of all bodies to ``force`` (n,); returns the power [W] that their damping takes."""
+    return cable_element_forces.add_elastic_forces(model.cable_elements, q, v, force, element_table)
+
+
+@kernel(inlined=True)
+def add_internal_slopes(model, q, v, element_slopes, by_q, by_v):
+    """Add to two matrices minus the slopes of the internal forces by coordinates and by velocities."""
+    add_elastic_tangents(model.cable_elements, q, v, element_slopes, model.elimination, by_q, by_v)
+
+
+@kernel(inlined=True)
+def project_bodies(bodies, q, v):
+    """Return every body to its own constraint, and its velocity to the rate's, by the least change in its mass."""
+    for b in range(bodies.size):
+        body = bodies[b]
+        if body.kind == NATURAL and not body.fixed:
+            natural_coordinates.project_length(body, q, v)

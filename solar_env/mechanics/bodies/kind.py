@@ -1,0 +1,83 @@
+"""Interface of a kind of body to the compiler of mechanisms: how a description becomes arrays."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from typing import Any, ClassVar, Generic, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solar_env.mechanics.bodies.description import AnyBody, Point
+
+Array = NDArray[np.float64]
+Fields = list[tuple[str, type]]
+Described = TypeVar("Described", bound=AnyBody)
+
+
+class BodyKind(ABC, Generic[Described]):
+    """A kind of body, with n generalized coordinates.
+
+    Attributes:
+        description: class of its parameters.
+        body_fields: members of a body's row that its kernels need beyond the common ones.
+        marker_fields: members of a marker's row, likewise.
+        linear: whether place and direction of its markers are linear in the coordinates, as ideal joints, guides and
+            drives require.
+        deformable: whether it deforms.
+        constraints: number of constraints among its own coordinates, 0 or 1.
+    """
+
+    description: ClassVar[type[AnyBody]]
+    body_fields: ClassVar[Fields] = []
+    marker_fields: ClassVar[Fields] = []
+    linear: ClassVar[bool] = False
+    deformable: ClassVar[bool] = False
+    constraints: ClassVar[int] = 0
+
+    @abstractmethod
+    def coordinates(self, body: Described) -> int:
+        """Number n of generalized coordinates."""
+
+    @abstractmethod
+    def fill(self, body: Described, row: np.void, constants: list[float]) -> None:
+        """Fill the kind's members of a body's row; arrays are added to ``constants``, the row says where they begin."""
+
+    @abstractmethod
+    def fill_marker(self, body: Described, row: np.void, first: int, point: Point) -> None:
+        """Fill the kind's members of a marker's row.
+
+        Args:
+            body: that the marker belongs to.
+            row: of the marker.
+            first: index of the body's first coordinate.
+            point: in the body frame [m].
+
+        Raises:
+            ValueError: if nothing can be attached there.
+        """
+
+    @abstractmethod
+    def marker_coordinates(self, row: np.void) -> list[int]:
+        """Indices of the coordinates that a marker depends on."""
+
+    @abstractmethod
+    def initial_motion(self, body: Described) -> tuple[Array, Array]:
+        """Coordinates (n,) and velocities (n,) at t = 0."""
+
+    @abstractmethod
+    def weight(self, body: Described, gravity: Point) -> Array:
+        """Generalized force (n,) of gravity [m/s2], which must be constant."""
+
+    def error_weight(self, body: Described) -> Array:
+        """Weights (n,) of the coordinates in error norms: the length by which a unit of each moves the inertia."""
+        return np.ones(self.coordinates(body))
+
+    def stable_step(self, body: Described) -> float:
+        """Largest step [s] with which the explicit method is stable on the free body."""
+        return math.inf
+
+    @abstractmethod
+    def centreline(self, row: Any, q: Array, points_per_element: int) -> Array:
+        """Points (..., k, 2) [m] along the body's axis from its coordinates (..., n), for pictures."""

@@ -1,0 +1,47 @@
+"""Table of the kinds of body, and the rows of bodies and markers that hold what all of them need."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from solar_env.mechanics.arrays.model import record
+from solar_env.mechanics.bodies.cable_element import CableElements
+from solar_env.mechanics.bodies.description import AnyBody
+from solar_env.mechanics.bodies.kind import BodyKind, Fields
+from solar_env.mechanics.bodies.natural_coordinates import NaturalCoordinates
+from solar_env.mechanics.bodies.reference_point import ReferencePoint
+
+# A kind's place in the table is its code in compiled code.
+KINDS: tuple[BodyKind[Any], ...] = (NaturalCoordinates(), CableElements(), ReferencePoint())
+NATURAL, CABLE_ELEMENTS, REFERENCE_POINT = range(len(KINDS))
+
+_BODY: Fields = [
+    ("kind", np.int64),
+    ("offset", np.int64),  # first generalized coordinate
+    ("coordinates", np.int64),  # number of generalized coordinates
+    ("fixed", np.int64),  # whether the body is held in place
+    ("constraints", np.int64),  # number of constraints among its coordinates: its length, or none
+    ("length", np.float64),
+]
+_MARKER: Fields = [
+    ("kind", np.int64),
+    ("body", np.int64),
+    ("linear", np.int64),  # whether place and direction are linear in the coordinates
+]
+body_type = record(list(dict([*_BODY, *(member for kind in KINDS for member in kind.body_fields)]).items()))
+marker_type = record(list(dict([*_MARKER, *(member for kind in KINDS for member in kind.marker_fields)]).items()))
+
+
+def code_of(body: AnyBody) -> int:
+    """Place in `KINDS` of the kind of a described body.
+
+    Raises:
+        ValueError: if its class is none of the table.
+    """
+    for code, kind in enumerate(KINDS):
+        if type(body) is kind.description:
+            return code
+    known = ", ".join(kind.description.__name__ for kind in KINDS)
+    raise ValueError(f"body {body.name!r} is a {type(body).__name__}; describe it as one of {known}")

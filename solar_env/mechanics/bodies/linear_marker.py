@@ -1,0 +1,147 @@
+"""Markers of bodies whose coordinates are points and vectors: linear maps of two coordinate pairs p1 and p2.
+
+Place = (a1 + b1 J) p1 + (a2 + b2 J) p2 and direction = c1 p1 + p2, J being the quarter turn. The direction is as long
+as the body, or as a beam is stretched there. Rates follow from velocities by the same map.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from solar_env.mechanics.numerics.jit import kernel
+from solar_env.mechanics.numerics.profile import add_entry
+
+MARKER_FIELDS: list[tuple[str, type]] = [
+    ("i1", np.int64),
+    ("i2", np.int64),
+    ("a1", np.float64),
+    ("b1", np.float64),
+    ("a2", np.float64),
+    ("b2", np.float64),
+    ("c1", np.float64),
+]
+
+
+def pair_coordinates(row: np.void) -> list[int]:
+    """Indices of the four coordinates that a marker depends on: those of p1, then those of p2."""
+    return [int(row["i1"]), int(row["i1"]) + 1, int(row["i2"]), int(row["i2"]) + 1]
+
+
+def place_row(row: np.void, axis: int) -> dict[int, float]:
+    """Coefficients by coordinate of the marker's x (axis 0) or y (axis 1); those that vanish are left out."""
+    turn = -1.0 if axis == 0 else 1.0
+    entries: dict[int, float] = {}
+    for first, a, b in ((int(row["i1"]), row["a1"], row["b1"]), (int(row["i2"]), row["a2"], row["b2"])):
+        for index, value in ((first + axis, float(a)), (first + 1 - axis, turn * float(b))):
+            if value != 0.0:
+                entries[index] = entries.get(index, 0.0) + value
+    return entries
+
+
+@kernel(inlined=True)
+def place(marker, x):
+    """Place [m] from coordinates, or its rate [m/s] from velocities."""
+    i, k = marker.i1, marker.i2
+    return (
+        marker.a1 * x[i] - marker.b1 * x[i + 1] + marker.a2 * x[k] - marker.b2 * x[k + 1],
+        marker.a1 * x[i + 1] + marker.b1 * x[i] + marker.a2 * x[k + 1] + marker.b2 * x[k],
+    )
+
+
+@kernel(inlined=True)
+def direction(marker, x):
+    """Direction vector from coordinates, or its rate from velocities."""
+    i, k = marker.i1, marker.i2
+    return marker.c1 * x[i] + x[k], marker.c1 * x[i + 1] + x[k + 1]
+
+
+@kernel(inlined=True)
+def spin(marker, q, v):
+    """Angular velocity [rad/s] of the direction."""
+    dx, dy = direction(marker, q)
+    ux, uy = direction(marker, v)
+    return (dx * uy - dy * ux) / (dx * dx + dy * dy)
+
+
+@kernel(inlined=True)
+def vector_angle(marker, q, x, y):
+    """Angle [rad] of a vector, counted from the direction."""
+    dx, dy = direction(marker, q)
+    return math.atan2(dx * y - dy * x, dx * x + dy * y)
+
+
+@kernel(inlined=True)
+def add_point_force(marker, fx, fy, force):
+    """Add the generalized force of a force at the marker."""
+    i, k = marker.i1, marker.i2
+    force[i] += marker.a1 * fx + marker.b1 * fy
+    force[i + 1] += marker.a1 * fy - marker.b1 * fx
+    force[k] += marker.a2 * fx + marker.b2 * fy
+    force[k + 1] += marker.a2 * fy - marker.b2 * fx
+
+
+@kernel(inlined=True)
+def add_torque(marker, q, torque, force):
+    """Add the generalized force of a torque: torque times the gradient of the direction's angle."""
+    dx, dy = direction(marker, q)
+    scale = torque / (dx * dx + dy * dy)
+    i, k = marker.i1, marker.i2
+    force[i] -= marker.c1 * scale * dy
+    force[i + 1] += marker.c1 * scale * dx
+    force[k] -= scale * dy
+    force[k + 1] += scale * dx
+
+
+@kernel
+def set_direction_row(marker, c, s, row):
+    """Write the linear constraint that the direction has no component across (c, s): its first four entries."""
+    row[0] = -s * marker.c1
+    row[1] = c * marker.c1
+    row[2] = -s
+    row[3] = c
+
+
+@kernel
+def angle_hessian(dx, dy):
+    """Entries (xx, xy) of the Hessian of atan2(dy, dx); yy = -xx."""
+    fourth = (dx * dx + dy * dy) ** 2
+    return 2.0 * dx * dy / fourth, (dy * dy - dx * dx) / fourth
+
+
+@kernel
+def fill_slopes(marker, q, v, side, index, gradient, rate_slope):
+    """Fill what `markers.fill_slopes` asks for; the place's rate does not depend on q."""
+    k, angle = 4 * side, 2 + side
+    index[k], index[k + 1] = marker.i1, marker.i1 + 1
+    index[k + 2], index[k + 3] = marker.i2, marker.i2 + 1
+    x, y = gradient[0], gradient[1]
+    x[k], x[k + 1], x[k + 2], x[k + 3] = marker.a1, -marker.b1, marker.a2, -marker.b2
+    y[k], y[k + 1], y[k + 2], y[k + 3] = marker.b1, marker.a1, marker.b2, marker.a2
+    dx, dy = direction(marker, q)
+    ux, uy = direction(marker, v)
+    hxx, hxy = angle_hessian(dx, dy)
+    squared = dx * dx + dy * dy
+    gx, gy = -dy / squared, dx / squared
+    sx, sy = hxx * ux + hxy * uy, hxy * ux - hxx * uy
+    turn, spin = gradient[angle], rate_slope[angle]
+    turn[k], turn[k + 1], turn[k + 2], turn[k + 3] = marker.c1 * gx, marker.c1 * gy, gx, gy
+    spin[k], spin[k + 1], spin[k + 2], spin[k + 3] = marker.c1 * sx, marker.c1 * sy, sx, sy
+
+
+@kernel
+def subtract_hessian(marker, q, torque, elimination, matrix):
+    """Subtract torque * Hessian of the direction's angle from ``matrix``; that of the place vanishes."""
+    dx, dy = direction(marker, q)
+    hxx, hxy = angle_hessian(dx, dy)
+    for row in range(2):
+        first = marker.i1 if row == 0 else marker.i2
+        c = marker.c1 if row == 0 else 1.0
+        for column in range(2):
+            second = marker.i1 if column == 0 else marker.i2
+            d = -torque * c * (marker.c1 if column == 0 else 1.0)
+            add_entry(elimination, matrix, first, second, d * hxx)
+            add_entry(elimination, matrix, first, second + 1, d * hxy)
+            add_entry(elimination, matrix, first + 1, second, d * hxy)
+            add_entry(elimination, matrix, first + 1, second + 1, -d * hxx)

@@ -1,0 +1,235 @@
+"""Rigid bodies in natural coordinates: two base points p1, p2 a fixed distance apart.
+
+The mass matrix is constant and the only constraint is the length, so that the multiplier of a single body is a
+closed expression (J. Garcia de Jalon and E. Bayo, Kinematic and Dynamic Simulation of Multibody Systems, Springer 1994,
+doi:10.1007/978-1-4612-2600-0; paper, Eqs 8-15). With J the quarter turn, every 2 x 2 block has the form a I + b J.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, ClassVar
+
+import numpy as np
+
+from solar_env.mechanics.bodies.description import Body, Point
+from solar_env.mechanics.bodies.kind import Array, BodyKind, Fields
+from solar_env.mechanics.bodies.linear_marker import MARKER_FIELDS, pair_coordinates
+from solar_env.mechanics.numerics.jit import kernel
+from solar_env.mechanics.numerics.profile import add_entry
+
+
+class NaturalCoordinates(BodyKind[Body]):
+    """Rigid bodies in natural coordinates."""
+
+    description = Body
+    # Mass matrix [[m11 I, m12 I + n12 J], [(..)^T, m22 I]] and its inverse (w..).
+    body_fields: ClassVar[Fields] = [
+        (name, np.float64) for name in ("m11", "m22", "m12", "n12", "w11", "w22", "w12", "x12")
+    ]
+    marker_fields = MARKER_FIELDS
+    linear = True
+    constraints = 1
+
+    def coordinates(self, body: Body) -> int:
+        """Four."""
+        return 4
+
+    def fill(self, body: Body, row: np.void, constants: list[float]) -> None:
+        """Fill length, mass matrix and its inverse."""
+        row["length"], row["fixed"] = body.length, body.fixed
+        mass = mass_parameters(body.mass, body.inertia, body.length, body.centroid)
+        row["m11"], row["m22"], row["m12"], row["n12"] = mass
+        row["w11"], row["w22"], row["w12"], row["x12"] = inverse_mass_parameters(*mass)
+
+    def fill_marker(self, body: Body, row: np.void, first: int, point: Point) -> None:
+        """Any point; the direction is p2 - p1."""
+        along, across = point[0] / body.length, point[1] / body.length
+        row["i1"], row["i2"], row["c1"] = first, first + 2, -1.0
+        row["a1"], row["b1"], row["a2"], row["b2"] = 1.0 - along, -across, along, across
+
+    def marker_coordinates(self, row: np.void) -> list[int]:
+        """Those of both base points."""
+        return pair_coordinates(row)
+
+    def initial_motion(self, body: Body) -> tuple[Array, Array]:
+        """Base points as described; a fixed body is at rest."""
+        c, s = math.cos(body.angle), math.sin(body.angle)
+        points = np.array([0.0, body.length])
+        q = (np.array(body.position) + np.outer(points, (c, s))).ravel()
+        v = (np.array(body.velocity) + np.outer(points, (-s * body.spin, c * body.spin))).ravel()
+        return q, np.zeros(4) if body.fixed else v
+
+    def weight(self, body: Body, gravity: Point) -> Array:
+        """That of the mass at the centroid; none if fixed."""
+        along, across = body.centroid[0] / body.length, body.centroid[1] / body.length
+        gx, gy = gravity
+        force = np.zeros(4)
+        if not body.fixed:
+            for k, a, b in ((0, 1.0 - along, -across), (2, along, across)):
+                force[k] = body.mass * (a * gx + b * gy)
+                force[k + 1] = body.mass * (a * gy - b * gx)
+        return force
+
+    def centreline(self, row: Any, q: Array, points_per_element: int) -> Array:
+        """Both base points."""
+        return q.reshape(*q.shape[:-1], 2, 2).copy()
+
+
+def mass_parameters(
+    mass: float, inertia: float, length: float, centroid: tuple[float, float]
+) -> tuple[float, float, float, float]:
+    """Blocks (m11, m22, m12, n12) [kg] of the mass matrix [[m11 I, m12 I + n12 J], [(..)^T, m22 I]].
+
+    Args:
+        mass: [kg].
+        inertia: about the centroid [kg m2].
+        length: distance of the base points [m].
+        centroid: along and across the line p1 -> p2, from p1 [m].
+    """
+    along, across = centroid[0] / length, centroid[1] / length
+    second = inertia / length**2 + mass * (along**2 + across**2)
+    first = inertia / length**2 + mass * ((1.0 - along) ** 2 + across**2)
+    return first, second, mass * along - second, mass * across
+
+
+def inverse_mass_parameters(m11: float, m22: float, m12: float, n12: float) -> tuple[float, float, float, float]:
+    """Blocks (w11, w22, w12, x12) of the inverse of the matrix that `mass_parameters` describes."""
+    determinant = m11 * m22 - m12**2 - n12**2
+    return m22 / determinant, m11 / determinant, -m12 / determinant, -n12 / determinant
+
+
+@kernel(inlined=True)
+def add_mass_product(body, a, out):
+    """Add the body's M a to ``out`` (n,)."""
+    k = body.offset
+    ax, ay, bx, by = a[k], a[k + 1], a[k + 2], a[k + 3]
+    out[k] += body.m11 * ax + body.m12 * bx - body.n12 * by
+    out[k + 1] += body.m11 * ay + body.m12 * by + body.n12 * bx
+    out[k + 2] += body.m22 * bx + body.m12 * ax + body.n12 * ay
+    out[k + 3] += body.m22 * by + body.m12 * ay - body.n12 * ax
+
+
+@kernel(inner=True)
+def add_body_matrix(body, weight, multiplier, elimination, matrix):
+    """Add weight * (mass matrix of a rigid body) + multiplier * (second derivative of its length constraint)."""
+    k = body.offset
+    for axis in range(2):
+        turn = -1.0 if axis == 0 else 1.0
+        i, j = k + axis, k + 2 + axis
+        cross = weight * body.m12 - multiplier
+        add_entry(elimination, matrix, i, i, weight * body.m11 + multiplier)
+        add_entry(elimination, matrix, j, j, weight * body.m22 + multiplier)
+        add_entry(elimination, matrix, i, j, cross)
+        add_entry(elimination, matrix, j, i, cross)
+        add_entry(elimination, matrix, i, k + 3 - axis, weight * turn * body.n12)
+        add_entry(elimination, matrix, j, k + 1 - axis, -weight * turn * body.n12)
+
+
+@kernel(inlined=True)
+def solve_mass(body, force, a):
+    """Write the body's M^-1 force into ``a`` (n,): its acceleration if its length were free."""
+    k = body.offset
+    fx, fy, gx, gy = force[k], force[k + 1], force[k + 2], force[k + 3]
+    a[k] = body.w11 * fx + body.w12 * gx - body.x12 * gy
+    a[k + 1] = body.w11 * fy + body.w12 * gy + body.x12 * gx
+    a[k + 2] = body.w22 * gx + body.w12 * fx + body.x12 * fy
+    a[k + 3] = body.w22 * gy + body.w12 * fy - body.x12 * fx
+
+
+@kernel(inlined=True)
+def solve_body(body, q, v, force, a, with_velocity):
+    """Acceleration ``a`` of one body under a generalized ``force`` that keeps its length; returns its multiplier.
+
+    With ``with_velocity`` zero the centripetal term is left out, which makes the map linear: the body's compliance.
+    """
+    k = body.offset
+    fx, fy, gx, gy = force[k], force[k + 1], force[k + 2], force[k + 3]
+    w12, x12 = body.w12, body.x12
+    ax = body.w11 * fx + w12 * gx - x12 * gy
+    ay = body.w11 * fy + w12 * gy + x12 * gx
+    bx = body.w22 * gx + w12 * fx + x12 * fy
+    by = body.w22 * gy + w12 * fy - x12 * fx
+    dx, dy = q[k + 2] - q[k], q[k + 3] - q[k + 1]
+    ux, uy = v[k + 2] - v[k], v[k + 3] - v[k + 1]
+    squared = dx * dx + dy * dy
+    compliance = body.w11 + body.w22 - 2.0 * w12
+    multiplier = (dx * (bx - ax) + dy * (by - ay) + with_velocity * (ux * ux + uy * uy)) / (compliance * squared)
+    c1 = (w12 - body.w11) * multiplier
+    c2 = (body.w22 - w12) * multiplier
+    cx = x12 * multiplier
+    a[k] = ax - c1 * dx + cx * dy
+    a[k + 1] = ay - c1 * dy - cx * dx
+    a[k + 2] = bx - c2 * dx + cx * dy
+    a[k + 3] = by - c2 * dy - cx * dx
+    return multiplier
+
+
+@kernel(inlined=True)
+def project_length(body, q, v):
+    """Return the body to its length, and its velocity to rigid motion, by the smallest change in the mass metric."""
+    k = body.offset
+    dx, dy = q[k + 2] - q[k], q[k + 3] - q[k + 1]
+    squared = dx * dx + dy * dy
+    compliance = body.w11 + body.w22 - 2.0 * body.w12
+    error = 0.5 * (squared - body.length * body.length) / (squared * compliance)
+    rate = (dx * (v[k + 2] - v[k]) + dy * (v[k + 3] - v[k + 1])) / (squared * compliance)
+    c1, c2, cx = body.w12 - body.w11, body.w22 - body.w12, body.x12
+    ax, ay = c1 * dx - cx * dy, c1 * dy + cx * dx
+    bx, by = c2 * dx - cx * dy, c2 * dy + cx * dx
+    q[k] -= error * ax
+    q[k + 1] -= error * ay
+    q[k + 2] -= error * bx
+    q[k + 3] -= error * by
+    v[k] -= rate * ax
+    v[k + 1] -= rate * ay
+    v[k + 2] -= rate * bx
+    v[k + 3] -= rate * by
+
+
+@kernel(inlined=True)
+def stretch_along(body, q, x, y):
+    """Scalar product of a difference (x, y) of the base points' motions and the vector between these."""
+    k = body.offset
+    return (q[k + 2] - q[k]) * x + (q[k + 3] - q[k + 1]) * y
+
+
+@kernel(inlined=True)
+def length_compliance(body, q):
+    """Acceleration of the length constraint (d.d - length^2) / 2 by a unit of its multiplier."""
+    k = body.offset
+    dx, dy = q[k + 2] - q[k], q[k + 3] - q[k + 1]
+    return (body.w11 + body.w22 - 2.0 * body.w12) * (dx * dx + dy * dy)
+
+
+@kernel(inlined=True)
+def add_length_force(body, q, multiplier, out):
+    """Add the force of the length constraint's ``multiplier`` to ``out`` (n,); returns the constraint's violation."""
+    k = body.offset
+    dx, dy = q[k + 2] - q[k], q[k + 3] - q[k + 1]
+    out[k] += dx * multiplier
+    out[k + 1] += dy * multiplier
+    out[k + 2] -= dx * multiplier
+    out[k + 3] -= dy * multiplier
+    return 0.5 * (dx * dx + dy * dy - body.length * body.length)
+
+
+@kernel(inner=True)
+def add_length_border(body, q, row, elimination, matrix):
+    """Add the gradient of the length constraint to row and column ``row`` of ``matrix``."""
+    k = body.offset
+    for axis in range(2):
+        d = q[k + 2 + axis] - q[k + axis]
+        add_entry(elimination, matrix, row, k + axis, -d)
+        add_entry(elimination, matrix, row, k + 2 + axis, d)
+        add_entry(elimination, matrix, k + axis, row, -d)
+        add_entry(elimination, matrix, k + 2 + axis, row, d)
+
+
+@kernel
+def kinetic_energy(body, v):
+    """Kinetic energy [J] of the body."""
+    k = body.offset
+    ax, ay, bx, by = v[k], v[k + 1], v[k + 2], v[k + 3]
+    total = 0.5 * body.m11 * (ax * ax + ay * ay) + 0.5 * body.m22 * (bx * bx + by * by)
+    return total + body.m12 * (ax * bx + ay * by) + body.n12 * (ay * bx - ax * by)

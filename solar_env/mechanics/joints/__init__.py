@@ -1,1 +1,4 @@
-"""TODO room."""
+"""Forces in a joint: kinematics of its markers, contact and friction laws, wear, springs, stops and cable loops.
+
+It may import `arrays` and `numerics`. The rooms `contact` and `friction` say how to add a law.
+"""

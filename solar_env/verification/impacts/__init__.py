@@ -1,1 +1,1 @@
-"""TODO room."""
+"""Single impacts, lasting contacts and stops against closed forms; may import everything but commands."""

@@ -12,7 +12,6 @@ from solar_env.verification.linkages import chains, clearance_linkages, closed_l
 
 CASES: dict[str, Callable[[], Iterator[Check]]] = {
     "restitution": impact.restitution_curve,
-    "exact-restitution": impact.exact_restitution,
     "single-impact": impact.single_impact,
     "alternate-walls": impact.alternate_walls,
     "contact-stiffness": impact.contact_stiffness,

@@ -1,5 +1,4 @@
-"""What acts in a joint: contact and friction in the bearing, wear, springs, stops and latches.
+"""Forces in a joint: kinematics of its markers, contact and friction laws, wear, springs, stops and cable loops.
 
-Imports `arrays` and `numerics`, and no body. A contact law or a friction law is one file and one row of its table;
-the tests over the tables compare its slopes with differences and its impacts with its own figures.
+Imports `bodies`, `arrays` and `numerics`. The rooms `contact` and `friction` say how to add a law.
 """

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from solar_env.array import MODELS, ArrayParameters, build
 from solar_env.environment.hardware import Hardware
 from solar_env.environment.registration import register_environments
-from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Rosenbrock, RungeKutta
+from solar_env.mechanics.integrators.settings import DormandPrince, GeneralizedAlpha, Rosenbrock, RungeKutta
 from solar_env.mechanics.running.diagnosis import SimulationWarning
 
 if TYPE_CHECKING:
@@ -37,6 +37,7 @@ _LAZY = {
 __all__ = [
     "MODELS",
     "ArrayParameters",
+    "DormandPrince",
     "GeneralizedAlpha",
     "Hardware",
     "Rosenbrock",

@@ -3,6 +3,5 @@
 The package knows nothing of solar arrays or of learning. Its layers, lowest first:
 
 ``_jit`` -> ``model`` -> (``contact``, ``wear``, ``rigid``, ``joint``) -> (``system``, ``tangent``) ->
-(``recording``, ``history``) -> (``runge_kutta``, ``events``, ``explicit``), (``alpha_step``, ``generalized_alpha``) ->
-``accuracy`` -> ``simulation``; ``description`` and ``build`` turn a mechanism into the arrays of ``model``.
+``integrators`` -> ``accuracy`` -> ``simulation``; ``description`` and ``build`` turn a mechanism into the arrays of ``model``.
 """

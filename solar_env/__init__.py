@@ -22,6 +22,7 @@ from solar_env.array import ArrayParameters as ArrayParameters
 from solar_env.array import build as build
 from solar_env.environment.hardware import Hardware as Hardware
 from solar_env.environment.registration import register_environments
+from solar_env.mechanics.integrators.settings import DormandPrince as DormandPrince
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha as GeneralizedAlpha
 from solar_env.mechanics.integrators.settings import Rosenbrock as Rosenbrock
 from solar_env.mechanics.integrators.settings import RungeKutta as RungeKutta

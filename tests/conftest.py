@@ -33,7 +33,8 @@ def kernels(request: pytest.FixtureRequest) -> None:
 
     say("loading the compiled kernels (the first time compiles them, which takes two minutes) ...")
     start = time.perf_counter()
-    from solar_env.commands.warmup import INTEGRATORS, compile_side_by_side, kernels_are_compiled, load_all_models
+    from solar_env.commands.warmup import compile_side_by_side, kernels_are_compiled, load_all_models
+    from solar_env.mechanics.integrators.settings import INTEGRATORS
 
     if not all(kernels_are_compiled(integrator) for integrator in INTEGRATORS):
         list(compile_side_by_side())

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from solar_env.mechanics.integrators.settings import INTEGRATORS, GeneralizedAlpha, Integrator, Rosenbrock, RungeKutta
 
-from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, Rosenbrock, RungeKutta
-
-INTEGRATORS = ("runge-kutta", "rosenbrock", "generalized-alpha", "paper")
+PAPER = "paper"
+# Names on the command line: every method, and the paper's choice of one.
+INTEGRATOR_NAMES = (*INTEGRATORS, PAPER)
 
 
 def default_integrator(model: str) -> RungeKutta:
@@ -20,21 +20,26 @@ def default_integrator(model: str) -> RungeKutta:
     return RungeKutta(rtol=5e-7) if model.endswith("ideal") else RungeKutta(rtol=2e-6, impact_resolution=12.0)
 
 
-def _adaptive(name: str, model: str) -> RungeKutta:
-    """The adaptive integrator ``name`` with the tolerances that suit a model."""
+def _settings(name: str, model: str) -> Integrator:
+    """The method ``name`` with the settings that suit a model."""
     default = default_integrator(model)
     if name == default.name:
         return default
-    return Rosenbrock(rtol=default.rtol) if name == Rosenbrock.name else RungeKutta(rtol=1e-5)
+    suited: dict[str, Integrator] = {
+        RungeKutta.name: RungeKutta(rtol=1e-5),
+        Rosenbrock.name: Rosenbrock(rtol=default.rtol),
+        PAPER: GeneralizedAlpha(rho_inf=1.0),
+    }
+    return suited[name] if name in suited else INTEGRATORS[name]()
 
 
 def make_integrator(name: str, model: str, step: float | None = None, rtol: float | None = None) -> Integrator:
     """An integrator by name, as the command line takes it.
 
     Args:
-        name: "runge-kutta" or "rosenbrock" (adaptive; ``step`` bounds their steps), "generalized-alpha"
-            (rho_inf = 0.8; fixed ``step``, or adaptive to ``rtol``) or "paper" (beta = 1/4, gamma = 1/2, fixed step,
-            1e-4 s by default).
+        name: of a method ("runge-kutta", "rosenbrock" and "dop853" adapt their steps, which ``step`` bounds;
+            "generalized-alpha", rho_inf = 0.8, takes a fixed ``step`` or adapts to ``rtol``) or "paper"
+            (generalized-alpha with beta = 1/4, gamma = 1/2 and a fixed step, 1e-4 s by default).
         model: one of ``array.MODELS``.
         step: [s].
         rtol: local error tolerance.
@@ -42,15 +47,8 @@ def make_integrator(name: str, model: str, step: float | None = None, rtol: floa
     Raises:
         ValueError: if the name is unknown or an option does not apply.
     """
-    if name in (RungeKutta.name, Rosenbrock.name):
-        default = _adaptive(name, model)
-        return replace(
-            default, rtol=default.rtol if rtol is None else rtol, max_step=default.max_step if step is None else step
-        )
-    if name == "generalized-alpha":
-        return GeneralizedAlpha(step=1e-4 if step is None else step, rtol=rtol)
-    if name == "paper":
-        if rtol is not None:
-            raise ValueError("rtol does not apply to the integrator 'paper', whose step is fixed; give a step")
-        return GeneralizedAlpha(step=1e-4 if step is None else step, rho_inf=1.0)
-    raise ValueError(f"integrator {name!r} is unknown; choose from {', '.join(INTEGRATORS)}")
+    if name not in INTEGRATOR_NAMES:
+        raise ValueError(f"integrator {name!r} is unknown; choose from {', '.join(INTEGRATOR_NAMES)}")
+    if name == PAPER and rtol is not None:
+        raise ValueError("rtol does not apply to the integrator 'paper', whose step is fixed; give a step")
+    return _settings(name, model).with_options(step, rtol)

@@ -15,7 +15,7 @@ from rich.table import Table
 
 from solar_env.array import DEFAULT_ELEMENTS, MODELS, PRESETS, ArrayParameters, check_elements, check_model
 from solar_env.array.ladder import DEFAULT_TOLERANCE, QUESTIONS, Answer, cheapest, read_answers
-from solar_env.array.methods import INTEGRATORS, default_integrator, make_integrator
+from solar_env.array.methods import INTEGRATOR_NAMES, default_integrator, make_integrator
 from solar_env.mechanics.integrators.settings import Rosenbrock, RungeKutta
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--set", nargs="+", action="extend", default=[], metavar="KEY=VALUE",
         help="change parameters, e.g. clearance=1e-4,2e-4 (solar_env.ArrayParameters lists them)",
     )  # fmt: skip
-    parser.add_argument("--integrator", help=f"one of {', '.join(INTEGRATORS)}; default: the model's best")
+    parser.add_argument("--integrator", help=f"one of {', '.join(INTEGRATOR_NAMES)}; default: the model's best")
     parser.add_argument("--step", type=float, metavar="S", help="fixed step, or bound on adaptive ones [s]")
     parser.add_argument("--rtol", type=float, help="local error tolerance")
     parser.add_argument("--output-step", type=float, default=0.01, metavar="S", help="distance of the samples [s]")

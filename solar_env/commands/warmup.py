@@ -13,10 +13,8 @@ from rich.console import Console
 
 from solar_env.array import MODELS, ArrayParameters, build
 from solar_env.array.methods import make_integrator
+from solar_env.mechanics.integrators.settings import INTEGRATORS
 
-# All models run with the kernels of the first by default, which "runge-kutta" shares; "paper" has those of the second.
-_ADAPTIVE, _ALPHA = "rosenbrock", "generalized-alpha"
-INTEGRATORS = (_ADAPTIVE, _ALPHA)
 # Functions of `compilation.py`: what everything calls, and the longest of the rest.
 PARTS = ("compile_evaluation", "compile_linear_step")
 
@@ -31,6 +29,7 @@ def load_kernels(model: str, integrator: str) -> float:
 
     start = time.perf_counter()
     Simulation(build(ArrayParameters(), model), make_integrator(integrator, model)).advance(1e-3)
+    _mark(integrator).touch()
     return time.perf_counter() - start
 
 
@@ -46,7 +45,7 @@ def compile_part(part: str) -> None:
     getattr(compilation, part)(build(ArrayParameters(), MODELS[0]))
 
 
-def compile_side_by_side(integrators: Sequence[str] = INTEGRATORS) -> Iterator[tuple[str, list[float]]]:
+def compile_side_by_side(integrators: Sequence[str] = tuple(INTEGRATORS)) -> Iterator[tuple[str, list[float]]]:
     """Compile in two processes: the parts, then the integrators, which share them.
 
     Yields:
@@ -64,24 +63,23 @@ def kernels_are_compiled(integrator: str) -> bool:
     """Whether the cache holds the kernels of an integrator for these very sources, or none are to be compiled."""
     import numba
 
-    from solar_env.mechanics.integrators.adaptive import advance_lanes
-    from solar_env.mechanics.integrators.generalized_alpha import advance_alpha
-
-    kernel = advance_alpha if _family(integrator) == _ALPHA else advance_lanes
-    return bool(numba.config.DISABLE_JIT) or any(
-        Path(kernel.stats.cache_path).glob(f"*.{kernel.py_func.__name__}-*.nbi")
-    )
+    return bool(numba.config.DISABLE_JIT) or _mark(integrator).exists()
 
 
-def _family(integrator: str) -> str:
-    return _ALPHA if integrator in (_ALPHA, "paper") else _ADAPTIVE
+def _mark(integrator: str) -> Path:
+    """File beside the kernels of the driver that tells that an integrator has run with them."""
+    from solar_env.mechanics.integrators import driver
+    from solar_env.mechanics.numerics.jit import cache_folder
+
+    method = make_integrator(integrator, MODELS[0]).name
+    return Path(cache_folder(Path(driver.__file__).resolve())) / f"{method}.compiled"
 
 
 def warm_up(console: Console, model: str, integrator: str) -> None:
     """Compile or load the kernels of a model, saying so."""
     with console.status(f"loading kernels of {model}, {integrator} (compiled the first time: two minutes)"):
         if not kernels_are_compiled(integrator):
-            list(compile_side_by_side([_family(integrator)]))
+            list(compile_side_by_side([integrator]))
         load_kernels(model, integrator)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -12,14 +12,16 @@ from solar_env.array import ArrayParameters
 from solar_env.environment.episodes import SavedEpisode
 from solar_env.mechanics.running.simulation import Simulation
 
-if TYPE_CHECKING:
-    from solar_env.environment.vector_env import SolarArrayVectorEnv
-
 
 class Lane:
-    """One lane as the single environment that it stands for: its own attributes, and those of the whole vector."""
+    """One lane as the single environment that it stands for: its own attributes, and those of the whole vector.
 
-    def __init__(self, env: SolarArrayVectorEnv, index: int) -> None:
+    Args:
+        env: the `SolarArrayVectorEnv`, which imports this module.
+        index: of the lane.
+    """
+
+    def __init__(self, env: Any, index: int) -> None:
         self._env, self._index = env, index
 
     def __getattr__(self, name: str) -> Any:

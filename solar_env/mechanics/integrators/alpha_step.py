@@ -40,7 +40,7 @@ _PATIENCE = 12
 
 
 class AlphaSettings(NamedTuple):
-    """Settings of :func:`advance_alpha`."""
+    """Settings of generalized-alpha as the kernels take them."""
 
     alpha_m: float
     alpha_f: float
@@ -147,7 +147,7 @@ def solve_newton(model, it):
 
 
 @kernel(inner=True)
-def attempt_step(model, state, it, work, settings, h):
+def solve_step(model, state, it, work, settings, h):
     """Solve one step into ``it``; returns the last correction in units of the tolerance (at most 1 if it converged)."""
     n = state.q.size
     alpha_m, alpha_f, beta, gamma = settings.alpha_m, settings.alpha_f, settings.beta, settings.gamma

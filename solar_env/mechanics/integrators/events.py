@@ -1,4 +1,4 @@
-"""Events inside a step of the explicit method: contact starts, latchings and stop engagements.
+"""Events inside a step of an adaptive method: contact starts, latchings and stop engagements.
 
 Each is a root of the step's interpolant, found without further evaluations of the equations of motion.
 """
@@ -11,7 +11,7 @@ import numpy as np
 
 from solar_env.mechanics.arrays.model import CLEARANCE
 from solar_env.mechanics.integrators.history import latch, start_contact
-from solar_env.mechanics.integrators.runge_kutta import STAGES, interpolate, quintic_weights
+from solar_env.mechanics.integrators.methods import eccentricity_of, interpolate_of
 from solar_env.mechanics.joints.joint import (
     ANGLE,
     ECCENTRICITY_X,
@@ -19,47 +19,32 @@ from solar_env.mechanics.joints.joint import (
     joint_motion,
     penetration,
     relative,
-    relative_velocity,
     stop_depth,
 )
 from solar_env.mechanics.numerics.jit import kernel
 
 # Kinds of event inside a step.
 # Typed: Numba would compile the functions that take a literal for each one anew.
-NONE, CONTACT, LATCH, STOP = (np.int64(kind) for kind in range(4))
+NO_EVENT, CONTACT_START, LATCHING, STOP_ENGAGEMENT = (np.int64(kind) for kind in range(4))
 
 
 @kernel(inner=True, inlined=True)
-def event_function(model, state, stages, j, kind, h, share):
+def event_function(model, state, settings, stages, j, kind, h, share):
     """What rises through zero at an event of joint ``j``: a depth, or the angle past the lock."""
     joint, markers = model.joints[j], model.markers
-    linear = markers[joint.outboard].linear and markers[joint.inboard].linear
-    if kind != CONTACT or not linear:
-        interpolate(state, stages, h, share)
-        if kind == CONTACT:
-            depth, _ = penetration(joint, markers, stages.scratch_q, stages.scratch_v)
-            return depth
+    if kind != CONTACT_START:
+        interpolate_of(settings)(state, stages, h, share)
         angle, _, _, _ = joint_motion(joint, markers, stages.scratch_q, stages.scratch_v)
-        if kind == LATCH:
+        if kind == LATCHING:
             return angle - joint.lock_angle
         depth, _ = stop_depth(joint, state.joints[j].latched, angle)
         return depth
-    # An eccentricity that is linear in q, and whose rates are the same map of v and a, is interpolated alone: cheap.
-    acceleration = stages.acceleration
-    p0, p1, p2, r0, r1, r2 = quintic_weights(share)
-    ex0, ey0 = relative(joint, markers, state.q)
-    ex1, ey1 = relative(joint, markers, stages.q)
-    ux0, uy0 = relative_velocity(joint, markers, state.q, state.v)
-    ux1, uy1 = relative_velocity(joint, markers, stages.q, stages.v)
-    ax0, ay0 = relative_velocity(joint, markers, state.q, acceleration[0])
-    ax1, ay1 = relative_velocity(joint, markers, stages.q, acceleration[STAGES - 1])
-    ex = p0 * ex0 + r0 * ex1 + h * (p1 * ux0 + r1 * ux1 + h * (p2 * ax0 + r2 * ax1))
-    ey = p0 * ey0 + r0 * ey1 + h * (p1 * uy0 + r1 * uy1 + h * (p2 * ay0 + r2 * ay1))
+    ex, ey = eccentricity_of(settings)(joint, markers, state, stages, h, share)
     return math.sqrt(ex * ex + ey * ey) - joint.clearance
 
 
 @kernel(inner=True)
-def locate(model, state, stages, j, kind, h, low, f_low, high, f_high):
+def locate(model, state, settings, stages, j, kind, h, low, f_low, high, f_high):
     """Share of the step at which the event function rises through zero: Illinois iteration, ending on its far side."""
     for _ in range(60):
         if high - low < 1e-12 or f_high == 0.0:
@@ -67,7 +52,7 @@ def locate(model, state, stages, j, kind, h, low, f_low, high, f_high):
         middle = high - f_high * (high - low) / (f_high - f_low)
         if not low < middle < high:
             middle = 0.5 * (low + high)
-        f = event_function(model, state, stages, j, kind, h, middle)
+        f = event_function(model, state, settings, stages, j, kind, h, middle)
         if f >= 0.0:
             # The end that stays put has its value halved, which keeps the iteration superlinear.
             high, f_high = middle, f
@@ -82,16 +67,16 @@ def locate(model, state, stages, j, kind, h, low, f_low, high, f_high):
 
 
 @kernel(inner=True)
-def locate_at_end(model, state, stages, j, kind, h, f_high):
+def locate_at_end(model, state, settings, stages, j, kind, h, f_high):
     """Share of the step at which an event function that is positive at its end has risen through zero."""
-    f_low = event_function(model, state, stages, j, kind, h, 0.0)
+    f_low = event_function(model, state, settings, stages, j, kind, h, 0.0)
     if f_low >= 0.0:
         return 0.0
-    return locate(model, state, stages, j, kind, h, 0.0, f_low, 1.0, f_high)
+    return locate(model, state, settings, stages, j, kind, h, 0.0, f_low, 1.0, f_high)
 
 
 @kernel(inner=True)
-def first_touch(model, state, stages, j, h, depth):
+def first_touch(model, state, settings, stages, j, h, depth):
     """Share of the step at which the free journal of joint ``j`` meets its bearing; 2 if it does not.
 
     A curved path can graze the wall inside the step: the interpolant is looked at between the ends too.
@@ -99,37 +84,43 @@ def first_touch(model, state, stages, j, h, depth):
     low, f_low = 0.0, depth
     for k in range(1, 5):
         high = 0.25 * k
-        f_high = event_function(model, state, stages, j, CONTACT, h, high)
+        f_high = event_function(model, state, settings, stages, j, CONTACT_START, h, high)
         if f_high > 0.0:
             if f_low >= 0.0:
                 return low
-            return locate(model, state, stages, j, CONTACT, h, low, f_low, high, f_high)
+            return locate(model, state, settings, stages, j, CONTACT_START, h, low, f_low, high, f_high)
         low, f_low = high, f_high
     return 2.0
 
 
 @kernel(single_caller=True)
-def first_event(model, state, stages, work, h):
+def first_event(model, state, settings, stages, work, h):
     """Earliest contact start, latching or stop engagement inside the step: (share, joint, kind)."""
     joints, joint_states, loads, depths = model.joints, state.joints, work.loads, stages.depth
-    share, which, what = 1.0, np.int64(-1), NONE
+    share, which, what = 1.0, np.int64(-1), NO_EVENT
     for j in range(joints.size):
         joint, own, number = joints[j], joint_states[j], np.int64(j)
-        root, kind = 2.0, NONE
+        root, kind = 2.0, NO_EVENT
         if joint.kind == CLEARANCE and not own.in_contact:
-            root, kind = first_touch(model, state, stages, j, h, depths[j]), CONTACT
-            if root < share or (root == share and what == NONE):
+            root, kind = first_touch(model, state, settings, stages, j, h, depths[j]), CONTACT_START
+            if root < share or (root == share and what == NO_EVENT):
                 share, which, what = root, number, kind
         angle = loads[j, ANGLE]
         if joint.has_latch and not own.latched and angle >= joint.lock_angle:
-            root, kind = locate_at_end(model, state, stages, j, LATCH, h, angle - joint.lock_angle), LATCH
-            if root < share or what == NONE:
+            root, kind = (
+                locate_at_end(model, state, settings, stages, j, LATCHING, h, angle - joint.lock_angle),
+                LATCHING,
+            )
+            if root < share or what == NO_EVENT:
                 share, which, what = root, number, kind
         if not own.stop_engaged:
             depth, _ = stop_depth(joint, own.latched, angle)
             if depth > 0.0:
-                root, kind = locate_at_end(model, state, stages, j, STOP, h, depth), STOP
-                if root < share or what == NONE:
+                root, kind = (
+                    locate_at_end(model, state, settings, stages, j, STOP_ENGAGEMENT, h, depth),
+                    STOP_ENGAGEMENT,
+                )
+                if root < share or what == NO_EVENT:
                     share, which, what = root, number, kind
     return share, which, what
 
@@ -138,10 +129,10 @@ def first_event(model, state, stages, work, h):
 def begin_event(model, state, j, kind, scratch):
     """Latch joint ``j``, engage its stop, or start its contact, at the accepted state."""
     time = state.clock[0].time
-    if kind == LATCH:
+    if kind == LATCHING:
         latch(state, j, time)
         return
-    if kind == STOP:
+    if kind == STOP_ENGAGEMENT:
         state.joints[j].stop_engaged = 1
         return
     joint = model.joints[j]

@@ -18,22 +18,22 @@ from solar_env.mechanics.arrays.model import (
     INTEGRALS_PER_JOINT,
     NEWTON_FAILED,
     NOT_FINITE,
-    PAUSED,
     SINGULAR_CONSTRAINTS,
     SLIDING_WORK,
     STEP_TOO_SMALL,
-    TOO_MANY_STEPS,
     Model,
     State,
 )
+from solar_env.mechanics.equations.newton import fill_mass
 from solar_env.mechanics.equations.system import (
     Workspace,
     applied_forces,
+    fill_columns,
     make_workspace,
     normal_inverse_mass,
     store_constraint_loads,
 )
-from solar_env.mechanics.integrators.alpha_step import Iteration, attempt_step, make_iteration, restart
+from solar_env.mechanics.integrators.alpha_step import AlphaSettings, Iteration, make_iteration, restart, solve_step
 from solar_env.mechanics.integrators.history import (
     check_state,
     fail,
@@ -42,17 +42,19 @@ from solar_env.mechanics.integrators.history import (
     settle_joints,
     start_contact,
 )
-from solar_env.mechanics.integrators.recording import pause_due, record_sample, sample_due
+from solar_env.mechanics.integrators.recording import record_sample, sample_due
+from solar_env.mechanics.integrators.settings import GeneralizedAlpha, alpha_coefficients
 from solar_env.mechanics.joints.contact.normal_force import impact_scales
 from solar_env.mechanics.joints.joint import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, penetration, relative
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
+from solar_env.mechanics.numerics.profile import clear
 
 _SMALLEST_STEP = 1e-12  # s
 
 
 class AlphaArrays(NamedTuple):
-    """Scratch arrays of :func:`advance_alpha`; nothing in them outlives a call."""
+    """Scratch arrays of the method, of one thread; nothing in them outlives a lane's turn."""
 
     work: Workspace
     scratch: Workspace  # for evaluations that leave the other as it is
@@ -63,6 +65,20 @@ def make_alpha_arrays(model: Model, state: State) -> AlphaArrays:
     """Allocate the arrays for a mechanism."""
     work = make_workspace(model, state)
     return AlphaArrays(work, make_workspace(model, state), make_iteration(model, state, work))
+
+
+def convert_settings(chosen: GeneralizedAlpha) -> AlphaSettings:
+    """The settings as the kernels take them; of other types they would be compiled anew."""
+    return AlphaSettings(
+        *alpha_coefficients(chosen.rho_inf),
+        float(chosen.step),
+        float(chosen.rtol or 0.0),
+        float(chosen.velocity_scale),
+        float(chosen.max_step),
+        float(chosen.impact_resolution),
+        float(chosen.newton_tolerance),
+        int(chosen.max_steps),
+    )
 
 
 @kernel(inner=True)
@@ -237,54 +253,62 @@ def judge(model, state, it, scratch, settings, h, convergence):
     return 0.0
 
 
-@kernel
-def advance_alpha(model, state, settings, recorder, end_time, arrays):
-    """Advance ``state`` in place to ``end_time`` [s]; returns a status code."""
+@kernel(inner=True, inlined=True)
+def begin_alpha(model, state, settings, recorder, arrays):
+    """Fill what the arrays hold of a model and record the start of a call; a status code."""
     work, scratch, it = arrays
-    clock = state.clock[0]
-    status = DONE
-    taken = 0
-    if recorder.times.size > 0 and sample_due(recorder, clock.time):
+    for evaluation in (work, scratch):
+        for r in range(evaluation.row_value.shape[0]):
+            copy_into(evaluation.row_value[r], model.constraints.value[r])
+        fill_columns(model, evaluation, False)
+    clear(model.elimination, it.newton.mass)
+    fill_mass(model, it.newton.mass)
+    if recorder.times.size > 0 and sample_due(recorder, state.clock[0].time):
         prepare(model, state, it, work)
         copy_into(it.q, state.q)
         copy_into(it.v, state.v)
         record_until(model, state, it, scratch, recorder, work, 0.0)
-    while clock.time < end_time:
-        if pause_due(recorder, clock.time, model.joints.size):
-            status = PAUSED
+    return DONE
+
+
+@kernel(single_caller=True)
+def solve_until_accepted(model, state, settings, it, work, scratch, h):
+    """Solve a step ``h`` [s], or shorter ones after those that are refused; the step solved and a status code."""
+    clock = state.clock[0]
+    retry = 1.0
+    while retry > 0.0:
+        if clock.acceleration_current != ALGORITHMIC or abs(h - clock.last_step) > 1e-9 * h:
+            if not restart(model, state, it, work, settings, h):
+                return h, fail(state, SINGULAR_CONSTRAINTS, -1, 0.0)
+            clock.acceleration_current = ALGORITHMIC
+            clock.last_step = h
+        convergence = solve_step(model, state, it, work, settings, h)
+        if settings.rtol == 0.0:
+            if not convergence <= 1.0:
+                return h, fail(state, NEWTON_FAILED if math.isfinite(convergence) else NOT_FINITE, -1, convergence)
             break
-        if taken >= settings.max_steps:
-            status = fail(state, TOO_MANY_STEPS, -1, float(taken))
-            break
-        taken += 1
-        h = next_step(state, settings, end_time - clock.time)
-        last = h >= end_time - clock.time
-        prepare(model, state, it, work)
-        retry = 1.0
-        while retry > 0.0:
-            if clock.acceleration_current != ALGORITHMIC or abs(h - clock.last_step) > 1e-9 * h:
-                if not restart(model, state, it, work, settings, h):
-                    return fail(state, SINGULAR_CONSTRAINTS, -1, 0.0)
-                clock.acceleration_current = ALGORITHMIC
-                clock.last_step = h
-            convergence = attempt_step(model, state, it, work, settings, h)
-            if settings.rtol == 0.0:
-                if not convergence <= 1.0:
-                    finite = math.isfinite(convergence)
-                    return fail(state, NEWTON_FAILED if finite else NOT_FINITE, -1, convergence)
-                break
-            retry = judge(model, state, it, scratch, settings, h, convergence)
-            if retry > 0.0:
-                clock.rejected_steps += 1
-                last = False
-                h = retry
-                clock.step_size = h
-                if h < _SMALLEST_STEP:
-                    return fail(state, STEP_TOO_SMALL, -1, clock.failure_value)
-        accept(model, state, it, work, scratch, recorder, h)
-        if last:
-            clock.time = end_time
-        status = check_state(model, state, work.loads)
-        if status != DONE:
-            break
-    return status
+        retry = judge(model, state, it, scratch, settings, h, convergence)
+        if retry > 0.0:
+            clock.rejected_steps += 1
+            h = retry
+            clock.step_size = h
+            if h < _SMALLEST_STEP:
+                return h, fail(state, STEP_TOO_SMALL, -1, clock.failure_value)
+    return h, DONE
+
+
+@kernel(inner=True, inlined=True)
+def take_alpha_step(model, state, settings, recorder, end_time, arrays):
+    """Take a step towards ``end_time`` [s], tried again with shorter ones if need be; a status code."""
+    work, scratch, it = arrays
+    clock = state.clock[0]
+    wanted = next_step(state, settings, end_time - clock.time)
+    last = wanted >= end_time - clock.time
+    prepare(model, state, it, work)
+    h, status = solve_until_accepted(model, state, settings, it, work, scratch, wanted)
+    if status != DONE:
+        return status
+    accept(model, state, it, work, scratch, recorder, h)
+    if last and h == wanted:
+        clock.time = end_time
+    return check_state(model, state, work.loads)

@@ -1,308 +1,119 @@
-"""One linearly implicit step: Rosenbrock's method RODAS, of order four with an estimate of order three, L-stable.
+"""Rosenbrock's method: linearly implicit steps (``rosenbrock_step.py``) where they are worth their price.
 
-E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, 1996, sections IV.7 and VI.4,
-doi:10.1007/978-3-642-05221-7. With y' = f(y) and the Jacobian J at the start of the step, stage i solves
-
-(1 / (gamma h) - J) u_i = f(y_0 + sum_j a_ij u_j) + sum_j c_ij u_j / h,      y_1 = y_0 + sum_i m_i u_i.
-
-Here y = (q, v), and accelerations and multipliers are algebraic variables, as in a differential-algebraic equation of
-index 1. Eliminating all but the velocities leaves, for every stage, one system of equations with the matrix
-
-[[M + gamma h C + (gamma h)^2 K, Phi_q^T], [Phi_q, 0]],
-
-K and C being the tangents of the forces by coordinates and velocities; the rows of the lengths have further terms,
-their own slopes. It is factored once a step, in time that grows linearly with the length of the chain (``profile.py``).
-The stiff vibrations of beams then do not bound the step.
+With flexible bodies the explicit method (``runge_kutta.py``) is unstable beyond a known step. Where accuracy would
+allow several times as long a one, a linearly implicit step is tried; the others are explicit.
 """
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
-from solar_env.mechanics.arrays.model import (
-    CLEARANCE,
-    FRICTION_DISSIPATION,
-    IMPULSE,
-    INTEGRALS_PER_JOINT,
-    NORMAL_DISSIPATION,
-    SLIDING_WORK,
-    Model,
-    State,
+from solar_env.mechanics.arrays.model import Model, State
+from solar_env.mechanics.equations.newton import fill_mass
+from solar_env.mechanics.equations.system import make_workspace
+from solar_env.mechanics.integrators.rosenbrock_step import NEVER, LinearStep, attempt_implicit, make_linear_step
+from solar_env.mechanics.integrators.runge_kutta import (
+    STABILITY_MARGIN,
+    STAGES,
+    StiffForces,
+    attempt_explicit,
+    error_norm,
+    make_stiff_forces,
+    stable_step,
 )
-from solar_env.mechanics.equations.newton import NewtonMatrices, assemble, linearize_forces, make_newton_matrices
-from solar_env.mechanics.equations.system import Workspace, applied_forces, store_constraint_loads
-from solar_env.mechanics.integrators.runge_kutta import STAGES, interpolate
+from solar_env.mechanics.integrators.step import AdaptiveArrays, AdaptiveSettings, make_adaptive_arrays
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
-from solar_env.mechanics.numerics.profile import (
-    BLOCK,
-    add_entry,
-    add_to,
-    enter,
-    profile_factor,
-    profile_product,
-    profile_solve,
-    taken,
-)
+from solar_env.mechanics.numerics.profile import clear
 
-ROSENBROCK_STAGES = 6
-NEVER = -1
-GAMMA = 0.25
-# a_ij and c_ij of stage i; the sixth stage adds the fifth's increment, and the end adds the sixth's.
-_A = (
-    (0.0, 0.0, 0.0, 0.0, 0.0),
-    (1.544, 0.0, 0.0, 0.0, 0.0),
-    (0.9466785280815826, 0.2557011698983284, 0.0, 0.0, 0.0),
-    (3.314825187068521, 2.896124015972201, 0.9986419139977817, 0.0, 0.0),
-    (1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950, 0.0),
-    (1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950, 1.0),
-)
-_C = (
-    (0.0, 0.0, 0.0, 0.0, 0.0),
-    (-5.6688, 0.0, 0.0, 0.0, 0.0),
-    (-2.430093356833875, -0.2063599157091915, 0.0, 0.0, 0.0),
-    (-0.1073529058151375, -9.594562251023355, -20.47028614809616, 0.0, 0.0),
-    (7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160, 0.0),
-    (8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136, -6.058818238834054),
-)
+# A linearly implicit step is taken if it is so many times as long as the stable explicit one. It costs five times as
+# much, but the explicit method's estimate sees the stiff vibrations too and promises less than can be had.
+_WORTH = 2.5
+# Its error is dissipation of vibrations that it does not resolve, which the energy book lacks: hence a stricter
+# tolerance.
+_STRICTER = 2.0
+# After a try that has failed the next one waits for twice as many explicit steps, up to so many.
+_LONGEST_WAIT = 256
+
+# While a flexible mechanism moves more slowly than its velocity scale over _SLOW, the scale shrinks with the square of
+# its speed, to _LEAST_SCALE at most: impacts amplify errors, and those of the first, slow impacts grow for longest.
+_SLOW = 0.5
+_LEAST_SCALE = 1e-3
 
 
-class Rosenbrock(NamedTuple):
-    """Arrays of a linearly implicit step; places are those of the order of elimination."""
-
-    newton: NewtonMatrices  # of the stage equations
-    coordinate_increments: NDArray[np.float64]  # (stages, n)
-    velocity_increments: NDArray[np.float64]  # (stages, n)
-    acceleration_increments: NDArray[np.float64]  # (stages, n)
-    multiplier_increments: NDArray[np.float64]  # (stages, m + bodies)
-    start_force: NDArray[np.float64]  # (n,)
-    q: NDArray[np.float64]  # (n,) stage values
-    v: NDArray[np.float64]
-    a: NDArray[np.float64]
-    past_velocity: NDArray[np.float64]  # (n,) sum of c_ij u_j / h
-    rate: NDArray[np.float64]  # (n,) of the coordinates, but for the increment in hand
-    multipliers: NDArray[np.float64]  # (m + bodies,)
-    unknowns: NDArray[np.float64]  # (blocks, BLOCK)
-    factor: NDArray[np.float64]  # (blocks, BLOCK) of a product
-    product: NDArray[np.float64]  # (blocks, BLOCK)
-    linearized: NDArray[np.int64]  # (1,) number of the accepted step whose end the tangents belong to, or NEVER
+class RosenbrockSettings(AdaptiveSettings):
+    """Settings of this method."""
 
 
-def make_rosenbrock(model: Model, state: State, work: Workspace) -> Rosenbrock:
-    """Allocate the arrays of a step and fill the constant ones."""
-    n, k = state.q.size, state.multipliers.size
-    blocks = model.elimination.first.size
-    return Rosenbrock(
-        newton=make_newton_matrices(model, work),
-        coordinate_increments=np.zeros((ROSENBROCK_STAGES, n)),
-        velocity_increments=np.zeros((ROSENBROCK_STAGES, n)),
-        acceleration_increments=np.zeros((ROSENBROCK_STAGES, n)),
-        multiplier_increments=np.zeros((ROSENBROCK_STAGES, k)),
-        start_force=np.zeros(n),
-        q=np.zeros(n),
-        v=np.zeros(n),
-        a=np.zeros(n),
-        past_velocity=np.zeros(n),
-        rate=np.zeros(n),
-        multipliers=np.zeros(k),
-        unknowns=np.zeros((blocks, BLOCK)),
-        factor=np.zeros((blocks, BLOCK)),
-        product=np.zeros((blocks, BLOCK)),
-        linearized=np.zeros(1, dtype=np.int64),
-    )
+class RosenbrockArrays(NamedTuple):
+    """What the method needs besides the stages."""
+
+    stiff: StiffForces
+    step: LinearStep
+
+
+def make_rosenbrock_arrays(model: Model, state: State) -> AdaptiveArrays:
+    """Allocate the arrays for a mechanism."""
+    work = make_workspace(model, state)
+    own = RosenbrockArrays(make_stiff_forces(state), make_linear_step(model, state, work))
+    return make_adaptive_arrays(model, state, STAGES, work, own)
 
 
 @kernel(single_caller=True)
-def add_length_slopes(model, state, a, newton, diagonal):
-    """Add the slopes, by coordinates and velocities, of the lengths' acceleration-level rows d.a + u.u = 0."""
-    q, v, elimination = state.q, state.v, model.elimination
-    first = q.size + model.constraints.size.size
-    for b in range(model.bodies.size):
-        if model.bodies[b].constraints:
-            k = model.bodies[b].offset
-            for axis in range(2):
-                i, j = k + axis, k + 2 + axis
-                slope = diagonal * (2.0 * (v[j] - v[i]) + diagonal * (a[j] - a[i]))
-                add_entry(elimination, newton.matrix, first + b, i, -slope)
-                add_entry(elimination, newton.matrix, first + b, j, slope)
-
-
-@kernel(single_caller=True)
-def set_stage(state, stages, step, s, h):
-    """Values of the coordinates, velocities, accelerations and multipliers at stage ``s``, and its past terms."""
-    q, v, a, past, rate, multipliers = step.q, step.v, step.a, step.past_velocity, step.rate, step.multipliers
-    copy_into(q, state.q)
-    copy_into(v, state.v)
-    copy_into(a, stages.acceleration[0])
-    copy_into(multipliers, state.multipliers)
-    for i in range(q.size):
-        past[i] = 0.0
-        rate[i] = 0.0
-    for j in range(s):
-        weight, pull = _A[s][j], _C[s][j] / h
-        uq, uv = step.coordinate_increments[j], step.velocity_increments[j]
-        ua, ul = step.acceleration_increments[j], step.multiplier_increments[j]
-        for i in range(q.size):
-            q[i] += weight * uq[i]
-            v[i] += weight * uv[i]
-            a[i] += weight * ua[i]
-            rate[i] += pull * uq[i]
-            past[i] += pull * uv[i]
-        for k in range(ul.size):
-            multipliers[k] += weight * ul[k]
-    for i in range(q.size):
-        rate[i] += v[i]
-
-
-@kernel(single_caller=True)
-def solve_stage(model, state, stages, step, s, force, diagonal):
-    """Increments of stage ``s`` for the applied ``force`` (n,) at its values."""
-    elimination, position = model.elimination, model.elimination.position
-    n, m = state.q.size, model.constraints.size.size
-    x, factor, product = step.unknowns, step.factor, step.product
-    past, rate = step.past_velocity, step.rate
-    for i in range(n):
-        enter(factor, position[i], rate[i])
-    profile_product(elimination, step.newton.stiffness, factor, product)
-    for r in range(x.shape[0]):
-        for k in range(BLOCK):
-            x[r, k] = -diagonal * diagonal * product[r, k]
-    for i in range(n):
-        enter(factor, position[i], past[i])
-    profile_product(elimination, step.newton.mass, factor, product)
-    for r in range(x.shape[0]):
-        for k in range(BLOCK):
-            x[r, k] += diagonal * product[r, k]
-    for i in range(n):
-        add_to(x, position[i], diagonal * force[i])
-    for r in range(m):
-        enter(x, position[n + r], 0.0)
-    for b in range(model.bodies.size):
-        if model.bodies[b].constraints:
-            border_length(state, stages.acceleration[0], step, model.bodies[b].offset, m + b, position, diagonal)
-    profile_solve(elimination, step.newton.matrix, x)
-    uq, uv = step.coordinate_increments[s], step.velocity_increments[s]
-    ua, ul = step.acceleration_increments[s], step.multiplier_increments[s]
-    inverse = 1.0 / diagonal
-    for i in range(n):
-        uv[i] = taken(x, position[i])
-        uq[i] = diagonal * (uv[i] + rate[i])
-        ua[i] = inverse * uv[i] - step.a[i] - past[i]
-    for k in range(ul.size):
-        if position[n + k] >= 0:
-            ul[k] = inverse * taken(x, position[n + k]) - step.multipliers[k]
-
-
-@kernel(single_caller=True)
-def border_length(state, start_a, step, k, row, position, diagonal):
-    """Enter a rigid body's length, and what its multiplier's force is beyond the linear one, in a right-hand side."""
-    q, v, a, rate, past, x = step.q, step.v, step.a, step.rate, step.past_velocity, step.unknowns
-    multiplier, start = step.multipliers[row], state.multipliers[row]
-    square = diagonal * diagonal
-    length_row = 0.0
-    for axis in range(2):
-        i, j = k + axis, k + 2 + axis
-        d0, d = state.q[j] - state.q[i], q[j] - q[i]
-        relative = start_a[j] - start_a[i]
-        pull = diagonal * multiplier * (d - d0) - square * start * (rate[i] - rate[j])
-        add_to(x, position[i], pull)
-        add_to(x, position[j], -pull)
-        u = v[j] - v[i]
-        length_row += d0 * (a[j] - a[i] + past[j] - past[i]) - d * (a[j] - a[i]) - u * u
-        length_row -= diagonal * relative * (rate[j] - rate[i])
-    enter(x, position[state.q.size + row], diagonal * length_row)
-
-
-@kernel(inner=True)
-def evaluate_forces(model, joint_states, q, v, work):
-    """``system.applied_forces`` as a call: inlined at every place it would take long to compile."""
-    applied_forces(model, joint_states, q, v, work)
-
-
-@kernel(single_caller=True)
-def take_contacts_from_ends(joints, power, gain, h):
-    """Put the trapezoidal rule in place of Simpson's for the integrals of contacts.
-
-    The depth of a lasting contact, some nanometres, is a difference of positions that move by millimetres in a step:
-    the solution has it at its ends, but not its interpolant in between.
-    """
-    for j in range(joints.size):
-        if joints[j].kind == CLEARANCE:
-            for integral in (NORMAL_DISSIPATION, FRICTION_DISSIPATION, SLIDING_WORK, IMPULSE):
-                k = INTEGRALS_PER_JOINT * j + integral
-                gain[k] = 0.5 * h * (power[0, k] + power[STAGES - 1, k])
-
-
-@kernel(single_caller=True)
-def estimate_error(model, state, stages, step, settings):
-    """Greatest component of the error estimate, which is the last increment, in units of the tolerance."""
-    last = ROSENBROCK_STAGES - 1
-    uq, uv = step.coordinate_increments[last], step.velocity_increments[last]
-    v0, v, weights, ratios = state.v, stages.v, model.error_weight, stages.ratios
-    rtol, velocity_scale = settings.rtol, settings.velocity_scale
-    position_scale = 1.0 / (rtol * model.length_scale)
+def present_velocity_scale(velocity_scale, weights, v0, v):
+    """Velocity scale [m/s] for the present speed of a flexible mechanism."""
+    top = 0.0
     for i in range(v.size):
-        scale = rtol * (velocity_scale + weights[i] * max(abs(v0[i]), abs(v[i])))
-        ratios[i] = weights[i] * max(abs(uq[i]) * position_scale, abs(uv[i]) / scale)
-    worst = 0.0
-    for i in range(v.size):
-        if not ratios[i] <= worst:  # also true for NaN
-            worst = ratios[i]
-    return worst
+        top = max(top, weights[i] * max(abs(v0[i]), abs(v[i])))
+    return velocity_scale * min(1.0, max((_SLOW * top / velocity_scale) ** 2, _LEAST_SCALE))
 
 
-@kernel(inner=True)
-def attempt_rosenbrock(model, state, stages, step, work, settings, h):
-    """Fill a step ``h``, its end going to ``stages`` as in ``runge_kutta.attempt_step``.
+@kernel(single_caller=True)
+def begin_rosenbrock(model, own):
+    """Forget what other lanes and calls have left, and fill what the arrays hold of a model."""
+    own.stiff.active[0] = 0
+    own.step.linearized[0] = NEVER
+    clear(model.elimination, own.step.newton.mass)
+    fill_mass(model, own.step.newton.mass)
 
-    Returns:
-        The error in units of the tolerance; negative if the constraints are singular.
-    """
-    time = state.clock[0].time
-    diagonal = GAMMA * h
-    if step.linearized[0] != state.clock[0].steps:
-        step.linearized[0] = state.clock[0].steps
-        evaluate_forces(model, state.joints, state.q, state.v, work)
-        copy_into(step.start_force, work.force)
-        linearize_forces(model, state.joints, state.q, state.v, step.newton)
-        state.clock[0].evaluations += 1
-    weights = (1.0, diagonal, diagonal * diagonal)
-    assemble(model, state.q, state.multipliers, work.row_value, step.newton, weights)
-    add_length_slopes(model, state, stages.acceleration[0], step.newton, diagonal)
-    state.clock[0].factorizations += 1
-    if not profile_factor(model.elimination, step.newton.matrix):
+
+@kernel(single_caller=True)
+def choose_rosenbrock(model, state, stages, wanted):
+    """Step to try [s] if ``wanted`` is what accuracy, impacts and the settings allow, and whether linearly implicit."""
+    trial = stages.trial[0]
+    implicit = state.clock[0].explicit_wait <= 0 and wanted > _WORTH * (STABILITY_MARGIN * model.stable_step)
+    trial.implicit = implicit
+    return wanted if implicit else stable_step(model, stages, wanted)
+
+
+@kernel(inner=True, inlined=True)
+def attempt_rosenbrock(model, state, settings, arrays, h):
+    """Fill a step ``h``, its end going to ``stages``; its error in units of the tolerance, negative if singular."""
+    work, stages, own = arrays.work, arrays.stages, arrays.own
+    if stages.trial[0].implicit:
+        error = _STRICTER * attempt_implicit(model, state, stages, own.step, work, settings, h)
+        if 0.0 <= error <= 1.0:
+            copy_into(state.multipliers, stages.multipliers)
+        return error
+    if not attempt_explicit(model, state, arrays, h):
         return -1.0
-    for s in range(ROSENBROCK_STAGES):
-        set_stage(state, stages, step, s, h)
-        if s == 0:
-            solve_stage(model, state, stages, step, s, step.start_force, diagonal)
-        else:
-            evaluate_forces(model, state.joints, step.q, step.v, work)
-            solve_stage(model, state, stages, step, s, work.force, diagonal)
-    last = ROSENBROCK_STAGES - 1
-    end = stages.acceleration[STAGES - 1]
-    for i in range(step.q.size):
-        stages.q[i] = step.q[i] + step.coordinate_increments[last, i]
-        stages.v[i] = step.v[i] + step.velocity_increments[last, i]
-        end[i] = step.a[i] + step.acceleration_increments[last, i]
-    # Simpson's rule for the integrals, with the interpolated state in the middle.
-    power, middle, gain = stages.power, stages.power[1], stages.gain
-    interpolate(state, stages, h, 0.5)
-    evaluate_forces(model, state.joints, stages.scratch_q, stages.scratch_v, work)
-    multipliers, halfway = stages.multipliers, step.multipliers
-    for k in range(multipliers.size):
-        multipliers[k] = step.multipliers[k] + step.multiplier_increments[last, k]
-        halfway[k] = 0.5 * (state.multipliers[k] + multipliers[k])
-    store_constraint_loads(model, halfway, time + 0.5 * h, stages.scratch_q, work)
-    copy_into(middle, work.power)
-    evaluate_forces(model, state.joints, stages.q, stages.v, work)
-    store_constraint_loads(model, multipliers, time + h, stages.q, work)
-    copy_into(power[STAGES - 1], work.power)
-    for k in range(gain.size):
-        gain[k] = h / 6.0 * (power[0, k] + 4.0 * middle[k] + power[STAGES - 1, k])
-    take_contacts_from_ends(model.joints, power, gain, h)
-    state.clock[0].evaluations += ROSENBROCK_STAGES + 1
-    return estimate_error(model, state, stages, step, settings)
+    velocity_scale = settings.velocity_scale
+    if model.flexible:
+        velocity_scale = present_velocity_scale(velocity_scale, model.error_weight, state.v, stages.v)
+    return error_norm(model, state, stages, own.stiff, settings.rtol, velocity_scale, h)
+
+
+@kernel(single_caller=True)
+def adapt_rosenbrock(model, state, stages, accepted):
+    """Choose when a linearly implicit step is tried next, once the next step's size is set."""
+    clock, trial = state.clock[0], stages.trial[0]
+    if accepted:
+        clock.explicit_wait -= not trial.implicit
+        if trial.implicit:
+            clock.explicit_patience = 0
+        if trial.bound and not trial.last:
+            # What accuracy alone would allow.
+            clock.step_size = max(clock.step_size, trial.wanted * min(0.9 * trial.error**-0.25, 10.0))
+    elif trial.implicit and clock.step_size <= _WORTH * (STABILITY_MARGIN * model.stable_step):
+        clock.explicit_patience = min(max(2 * clock.explicit_patience, 4), _LONGEST_WAIT)
+        clock.explicit_wait = clock.explicit_patience

@@ -1,11 +1,11 @@
-"""One explicit Runge-Kutta step: stages, error estimate and interpolant.
+"""Explicit Runge-Kutta method of order four: stages and error estimate of a step.
 
 Kutta's 3/8 rule of order four with an error estimate of order three that uses the first-same-as-last stage (E. Hairer,
 S. P. Norsett and G. Wanner, Solving Ordinary Differential Equations I, 1993, sections II.1 and II.4,
 doi:10.1007/978-3-540-78862-1). In lasting contact the stiffness of the bearing bounds the step; of the common methods
 those with four stages and order four cover the most time per evaluation: their stability interval on the imaginary
-axis, 2 sqrt(2), is nearly as long as four stages allow. Between the ends of a step positions follow the quintic and
-velocities the cubic Hermite polynomial through the derivatives that are known there.
+axis, 2 sqrt(2), is nearly as long as four stages allow. Lasting contacts, and with beams the dampers of stops, are
+treated linearly implicitly (``stiff_forces.py``).
 """
 
 from __future__ import annotations
@@ -17,16 +17,18 @@ from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays.model import (
     CABLE_WORK,
-    ENERGIES,
+    EXACT,
     FRICTION_DISSIPATION,
     GLOBAL_INTEGRALS,
     INTEGRALS_PER_JOINT,
     MOTOR_WORK,
     NORMAL_DISSIPATION,
     STOP_DISSIPATION,
+    Model,
     State,
 )
-from solar_env.mechanics.equations.system import inlined_accelerations
+from solar_env.mechanics.equations.system import inlined_accelerations, make_workspace
+from solar_env.mechanics.integrators.step import AdaptiveArrays, AdaptiveSettings, make_adaptive_arrays, refresh
 from solar_env.mechanics.integrators.stiff_forces import begin_step, correct_stage, may_be_stiff, product
 from solar_env.mechanics.joints.joint import penetration
 from solar_env.mechanics.numerics.jit import kernel
@@ -46,28 +48,19 @@ _COUPLING = (
 # integrals, to which estimates from the last two stages alone are blind.
 _ERROR = tuple(weight / 40.0 for weight in (-1.0, 3.0, -3.0, -3.0, 4.0))
 
-# While a flexible mechanism moves more slowly than its velocity scale over _SLOW, the scale shrinks with the square of
-# its speed, to _LEAST_SCALE at most: impacts amplify errors, and those of the first, slow impacts grow for longest.
-_SLOW = 0.5
-_LEAST_SCALE = 1e-3
+# Share of the flexible bodies' stable step that is used: on its very limit their highest mode would not decay.
+STABILITY_MARGIN = 0.95
 
 # Share of a lasting contact's depth that a step may be off. The depth is some nanometres: to a tolerance of positions
 # alone a step could press the contact with a hundred times its force.
 _DEPTH_ERROR = 0.01
 
 # Integrals that enter the energy book, and with it the error norm.
-_ENERGIES = (NORMAL_DISSIPATION, FRICTION_DISSIPATION, MOTOR_WORK, STOP_DISSIPATION, CABLE_WORK)
+BOOKED_ENERGIES = (NORMAL_DISSIPATION, FRICTION_DISSIPATION, MOTOR_WORK, STOP_DISSIPATION, CABLE_WORK)
 
 
-class AdaptiveSettings(NamedTuple):
-    """Settings of ``adaptive.advance_lanes``."""
-
-    rtol: float  # local error of velocities relative to (velocity_scale + |velocity|), of positions to the length scale
-    velocity_scale: float  # [m/s]
-    max_step: float  # [s]
-    impact_resolution: float  # steps per predicted impact duration
-    max_steps: int  # per call
-    linearly_implicit: int  # whether such steps are taken where they are worth their price
+class RungeKuttaSettings(AdaptiveSettings):
+    """Settings of this method."""
 
 
 class StiffForces(NamedTuple):
@@ -92,51 +85,7 @@ class StiffForces(NamedTuple):
     end: NDArray[np.float64]  # (n,) and at its end
     start_power: NDArray[np.float64]  # (integrals,) powers at the step's start
     end_power: NDArray[np.float64]  # (integrals,) and at its end
-    active: NDArray[np.int64]  # [number of entries in use, number of contacts in the step in hand]
-
-
-class Stages(NamedTuple):
-    """Stage derivatives of the step in hand."""
-
-    velocity: NDArray[np.float64]  # (5, n)
-    acceleration: NDArray[np.float64]  # (5, n)
-    power: NDArray[np.float64]  # (5, integrals)
-    q: NDArray[np.float64]  # (n,) stage or end coordinates
-    v: NDArray[np.float64]  # (n,)
-    gain: NDArray[np.float64]  # integrals over the whole step
-    scratch_q: NDArray[np.float64]  # (n,) interpolated coordinates
-    scratch_v: NDArray[np.float64]  # (n,)
-    scratch_a: NDArray[np.float64]  # (n,)
-    integrals: NDArray[np.float64]  # interpolated integrals
-    energies: NDArray[np.float64]  # (ENERGIES,)
-    depth: NDArray[np.float64]  # (joints,) penetration at the step's start
-    depth_rate: NDArray[np.float64]  # (joints,)
-    sliding_work: NDArray[np.float64]  # (joints,) of the step
-    ratios: NDArray[np.float64]  # (n,) error by tolerance
-    multipliers: NDArray[np.float64]  # (m + bodies,) at the end of a linearly implicit step
-
-
-def make_stages(state: State) -> Stages:
-    """Allocate the arrays of a step."""
-    n, k, joints = state.q.size, state.integrals.size, state.joints.size
-    return Stages(
-        velocity=np.zeros((STAGES, n)),
-        acceleration=np.zeros((STAGES, n)),
-        power=np.zeros((STAGES, k)),
-        q=np.zeros(n),
-        v=np.zeros(n),
-        gain=np.zeros(k),
-        scratch_q=np.zeros(n),
-        scratch_v=np.zeros(n),
-        scratch_a=np.zeros(n),
-        integrals=np.zeros(k),
-        energies=np.zeros(ENERGIES),
-        depth=np.zeros(joints),
-        depth_rate=np.zeros(joints),
-        sliding_work=np.zeros(joints),
-        ratios=np.zeros(n),
-        multipliers=np.zeros(state.multipliers.size),
-    )
+    active: NDArray[np.int64]  # (1,) number of entries in use
 
 
 def make_stiff_forces(state: State) -> StiffForces:
@@ -162,8 +111,40 @@ def make_stiff_forces(state: State) -> StiffForces:
         end=np.zeros(n),
         start_power=np.zeros(k),
         end_power=np.zeros(k),
-        active=np.zeros(2, dtype=np.int64),
+        active=np.zeros(1, dtype=np.int64),
     )
+
+
+class RungeKuttaArrays(NamedTuple):
+    """What the method needs besides the stages."""
+
+    stiff: StiffForces
+
+
+def make_runge_kutta_arrays(model: Model, state: State) -> AdaptiveArrays:
+    """Allocate the arrays for a mechanism."""
+    work = make_workspace(model, state)
+    return make_adaptive_arrays(model, state, STAGES, work, RungeKuttaArrays(make_stiff_forces(state)))
+
+
+@kernel(single_caller=True)
+def begin_runge_kutta(model, own):
+    """Forget the stiff forces of other lanes and calls."""
+    own.stiff.active[0] = 0
+
+
+@kernel(inlined=True)
+def stable_step(model, stages, wanted):
+    """Bound the step ``wanted`` [s] by the method's stability on the flexible bodies, and note whether that did."""
+    stable = STABILITY_MARGIN * model.stable_step
+    stages.trial[0].bound = stable < wanted
+    return min(stable, wanted)
+
+
+@kernel(single_caller=True)
+def choose_runge_kutta(model, state, stages, wanted):
+    """Step to try [s] if ``wanted`` is what accuracy, impacts and the settings allow."""
+    return stable_step(model, stages, wanted)
 
 
 @kernel(inlined=True)
@@ -172,14 +153,14 @@ def restore_ends(v0, stages, stiff):
     velocity, acceleration, power = stages.velocity, stages.acceleration, stages.power
     copy_into(velocity[0], v0)
     copy_into(acceleration[0], stiff.start)
-    copy_into(acceleration[STAGES - 1], stiff.end)
+    copy_into(acceleration[-1], stiff.end)
     copy_into(power[0], stiff.start_power)
-    copy_into(power[STAGES - 1], stiff.end_power)
+    copy_into(power[-1], stiff.end_power)
     stiff.active[0] = 0
 
 
 @kernel(single_caller=True)
-def attempt_step(model, state, stages, stiff, work, h):
+def take_stages(model, state, stages, stiff, work, h):
     """Fill the stages of a step ``h``, its end going to ``stages.q``, ``.v`` and ``.gain``. False if singular."""
     q0, v0, joint_states, multipliers = state.q, state.v, state.joints, state.multipliers
     q, v, velocity, acceleration = stages.q, stages.v, stages.velocity, stages.acceleration
@@ -193,6 +174,7 @@ def attempt_step(model, state, stages, stiff, work, h):
     if stiff.active[0] > 0:
         copy_into(stiff.start, acceleration[0])
         copy_into(stiff.start_power, stage_power[0])
+    stages.trial[0].stiff_contacts = 0 if model.flexible else stiff.active[0]
     for s in range(STAGES):
         c0, c1, c2, c3 = _COUPLING[s]
         if s > 0:
@@ -222,15 +204,6 @@ def attempt_step(model, state, stages, stiff, work, h):
     return True
 
 
-@kernel(single_caller=True)
-def present_velocity_scale(velocity_scale, weights, v0, v):
-    """Velocity scale [m/s] for the present speed of a flexible mechanism."""
-    top = 0.0
-    for i in range(v.size):
-        top = max(top, weights[i] * max(abs(v0[i]), abs(v[i])))
-    return velocity_scale * min(1.0, max((_SLOW * top / velocity_scale) ** 2, _LEAST_SCALE))
-
-
 @kernel(inner=True)
 def contact_error(model, stages, stiff, h):
     """Greatest error estimate of a lasting contact's depth, in units of its tolerance, a share of the depth itself."""
@@ -246,18 +219,15 @@ def contact_error(model, stages, stiff, h):
 
 
 @kernel(single_caller=True)
-def error_norm(model, state, stages, stiff, settings, h):
+def error_norm(model, state, stages, stiff, rtol, velocity_scale, h):
     """Greatest component of the error estimate in units of the tolerance."""
     v0, v, velocity, acceleration, power = state.v, stages.v, stages.velocity, stages.acceleration, stages.power
-    rtol, velocity_scale = settings.rtol, settings.velocity_scale
     e0, e1, e2, e3, e4 = _ERROR
     if stiff.active[0] > 0:
-        copy_into(stiff.end, acceleration[STAGES - 1])
-        copy_into(stiff.end_power, power[STAGES - 1])
+        copy_into(stiff.end, acceleration[-1])
+        copy_into(stiff.end_power, power[-1])
         correct_stage(stiff, STAGES - 1, h, velocity, acceleration, power)
     weights, ratios = model.error_weight, stages.ratios
-    if settings.linearly_implicit and model.flexible:
-        velocity_scale = present_velocity_scale(velocity_scale, weights, v0, v)
     position_scale = 1.0 / (rtol * model.length_scale)
     # Without branches, several entries fit into one instruction.
     for i in range(v.size):
@@ -278,7 +248,7 @@ def error_norm(model, state, stages, stiff, settings, h):
     energy_tolerance = rtol * state.clock[0].energy_scale
     joint_integrals = power.shape[1] - GLOBAL_INTEGRALS
     for j in range(0, joint_integrals, INTEGRALS_PER_JOINT):
-        for k in _ENERGIES:
+        for k in BOOKED_ENERGIES:
             i = j + k
             de = e0 * power[0, i] + e1 * power[1, i] + e2 * power[2, i] + e3 * power[3, i] + e4 * power[4, i]
             worst = max(worst, abs(h * de) / energy_tolerance)
@@ -291,58 +261,19 @@ def error_norm(model, state, stages, stiff, settings, h):
     return worst
 
 
-@kernel(inlined=True)
-def quintic_weights(s):
-    """Weights of position, velocity * h and acceleration * h^2 at the start, then at the end, at the share ``s``."""
-    s3 = s * s * s
-    end = s3 * (10.0 - s * (15.0 - 6.0 * s))
-    return (
-        1.0 - end,
-        s - s3 * (6.0 - s * (8.0 - 3.0 * s)),
-        0.5 * s * s * (1.0 - s * (3.0 - s * (3.0 - s))),
-        end,
-        -s3 * (4.0 - s * (7.0 - 3.0 * s)),
-        0.5 * s3 * (1.0 - s * (2.0 - s)),
-    )
+@kernel(single_caller=True)
+def attempt_explicit(model, state, arrays, h):
+    """Fill a step ``h`` from accelerations that solve the equations of motion. False if constraints are singular."""
+    work, stages = arrays.work, arrays.stages
+    if state.clock[0].acceleration_current != EXACT and not refresh(model, state, stages, work):
+        return False
+    return take_stages(model, state, stages, arrays.own.stiff, work, h)
 
 
-@kernel(inlined=True)
-def cubic_weights(s):
-    """Weights of value and slope * h at the start, then at the end, at the share ``s``."""
-    end = s * s * (3.0 - 2.0 * s)
-    return 1.0 - end, s * (1.0 - s) * (1.0 - s), end, s * s * (s - 1.0)
-
-
-@kernel
-def interpolate(state, stages, h, share):
-    """State at ``share`` of the step, into ``stages.scratch_q`` and ``stages.scratch_v``."""
-    q0, v0, q1, v1 = state.q, state.v, stages.q, stages.v
-    acceleration, q, v = stages.acceleration, stages.scratch_q, stages.scratch_v
-    p0, p1, p2, r0, r1, r2 = quintic_weights(share)
-    c0, c1, d0, d1 = cubic_weights(share)
-    for i in range(q.size):
-        a0, a1 = h * acceleration[0, i], h * acceleration[STAGES - 1, i]
-        q[i] = p0 * q0[i] + r0 * q1[i] + h * (p1 * v0[i] + r1 * v1[i] + p2 * a0 + r2 * a1)
-        v[i] = c0 * v0[i] + c1 * a0 + d0 * v1[i] + d1 * a1
-
-
-@kernel(inner=True)
-def interpolate_without_accelerations(state, stages, h, share):
-    """Coordinates at ``share`` of the step from those and the velocities at its ends alone, into ``stages.scratch_q``.
-
-    For steps that were corrected for stiff contacts: accelerations at the ends are not those in between, and a share of
-    them would press a lasting contact, some nanometres deep, open or shut.
-    """
-    q0, v0, q1, v1, q = state.q, state.v, stages.q, stages.v, stages.scratch_q
-    c0, c1, d0, d1 = cubic_weights(share)
-    for i in range(q.size):
-        q[i] = c0 * q0[i] + d0 * q1[i] + h * (c1 * v0[i] + d1 * v1[i])
-
-
-@kernel(inner=True)
-def interpolate_integrals(state, stages, h, share):
-    """Integrals at ``share`` of the step, into ``stages.integrals``."""
-    integrals, gain, power, base = stages.integrals, stages.gain, stages.power, state.integrals
-    _, start, whole, end = cubic_weights(share)
-    for k in range(integrals.size):
-        integrals[k] = base[k] + whole * gain[k] + h * (start * power[0, k] + end * power[STAGES - 1, k])
+@kernel(inner=True, inlined=True)
+def attempt_runge_kutta(model, state, settings, arrays, h):
+    """Fill a step ``h``, its end going to ``stages``; its error in units of the tolerance, negative if singular."""
+    if not attempt_explicit(model, state, arrays, h):
+        return -1.0
+    stages, stiff = arrays.stages, arrays.own.stiff
+    return error_norm(model, state, stages, stiff, settings.rtol, settings.velocity_scale, h)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -26,6 +26,10 @@ class RungeKutta:
         max_step: [s].
         impact_resolution: least number of steps per predicted duration of an impact, 4 or more.
         max_steps: bound on the steps of one call.
+
+    A run asks the same of every method: ``name``; whether it ``takes_drives``; whether its multipliers only settle to
+    the constraint forces after a change of step (``settles_forces``); ``steps_needed_per_impact``, None if its steps
+    adapt to impacts; and ``remedy``, what makes its energy book close better.
     """
 
     rtol: float = 1e-6
@@ -35,6 +39,14 @@ class RungeKutta:
     max_steps: int = 100_000_000
 
     name = "runge-kutta"
+    takes_drives = True
+    settles_forces = False
+    steps_needed_per_impact = None
+    remedy = property(lambda self: f"tighten rtol = {self.rtol:g}")
+
+    def with_options(self, step: float | None, rtol: float | None) -> RungeKutta:
+        """These settings, with a bound on the step [s] or a tolerance of its own if they are given."""
+        return replace(self, max_step=self.max_step if step is None else step, rtol=self.rtol if rtol is None else rtol)
 
     def __post_init__(self) -> None:
         if not 1e-13 <= self.rtol <= 1e-1:
@@ -55,6 +67,19 @@ class Rosenbrock(RungeKutta):
     rtol: float = 1e-4
 
     name = "rosenbrock"
+    takes_drives = False
+
+
+@dataclass(frozen=True)
+class DormandPrince(RungeKutta):
+    """Explicit Runge-Kutta of order eight (``dormand_prince.py``), for many digits of a motion without clearance.
+
+    In lasting contact, and with flexible bodies, stability bounds its steps: the other methods are then faster.
+    """
+
+    rtol: float = 1e-8
+
+    name = "dop853"
 
 
 @dataclass(frozen=True)
@@ -81,6 +106,22 @@ class GeneralizedAlpha:
     max_steps: int = 100_000_000
 
     name = "generalized-alpha"
+    takes_drives = True
+    settles_forces = True
+
+    @property
+    def steps_needed_per_impact(self) -> int | None:
+        """Steps that an impact needs of a fixed step; None if the steps adapt to impacts."""
+        return steps_per_impact(self.rho_inf) if self.rtol is None else None
+
+    @property
+    def remedy(self) -> str:
+        """What makes the energy book close better."""
+        return "reduce the step, or give rtol" if self.rtol is None else f"tighten rtol = {self.rtol:g}"
+
+    def with_options(self, step: float | None, rtol: float | None) -> GeneralizedAlpha:
+        """These settings with a step [s] or a tolerance of its own if they are given."""
+        return replace(self, step=self.step if step is None else step, rtol=self.rtol if rtol is None else rtol)
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.rho_inf <= 1.0:
@@ -95,6 +136,10 @@ class GeneralizedAlpha:
 
 
 Integrator = RungeKutta | GeneralizedAlpha
+# Settings of every method by its name; their kernels are in ``methods.py``.
+INTEGRATORS: dict[str, type[Integrator]] = {
+    kind.name: kind for kind in (RungeKutta, Rosenbrock, DormandPrince, GeneralizedAlpha)
+}
 
 
 def alpha_coefficients(rho_inf: float) -> tuple[float, float, float, float]:

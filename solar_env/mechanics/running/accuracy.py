@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, steps_per_impact
+from solar_env.mechanics.integrators.settings import Integrator
 from solar_env.mechanics.joints.contact.normal_force import impact_scales
 from solar_env.mechanics.running.diagnosis import check_constraint_forces, check_energy, check_impact_steps
-
-if TYPE_CHECKING:
-    from solar_env.mechanics.running.simulation import Simulation
 
 # Between looks at a run that goes on call by call: a look takes as long as some hundred steps.
 STEPS_BETWEEN_LOOKS = 10_000
@@ -21,10 +18,28 @@ STEPS_BETWEEN_LOOKS = 10_000
 _SETTLING_CALLS = 30
 
 
-class AccuracyWatch:
-    """What was already told of a simulation, and when it was last looked at. Every shortcoming is told once."""
+class Run(Protocol):
+    """What is looked at of a simulation."""
 
-    def __init__(self, simulation: Simulation) -> None:
+    integrator: Integrator
+    model: m.Model
+    state: m.State
+
+    @property
+    def time(self) -> float:
+        """Time [s]."""
+
+    def energy_book(self) -> tuple[float, float]:
+        """Energy that the books do not account for, and the energy turned over [J]."""
+
+    def constraint_force_defect(self) -> tuple[float, float]:
+        """Greatest error of a multiplier, and the greatest force [N]."""
+
+
+class AccuracyWatch:
+    """Looks at a simulation now and then, and tells every shortcoming once."""
+
+    def __init__(self, simulation: Run) -> None:
         self._simulation = simulation
         self._told: set[str] = set()
         self._steps = 0
@@ -32,10 +47,10 @@ class AccuracyWatch:
         self._settling = 0
 
     def after_call(self) -> None:
-        """What every call to advance ends with: a few microseconds, and now and then a closer look."""
+        """Look after a call to advance: for a few microseconds, and now and then more closely."""
         simulation = self._simulation
-        if isinstance(simulation.integrator, GeneralizedAlpha):
-            self.check_impacts()
+        self.check_impacts()
+        if simulation.integrator.settles_forces:
             if simulation.integrator is not self._integrator:
                 self._integrator, self._settling = simulation.integrator, _SETTLING_CALLS
             if self._settling > 0:
@@ -50,20 +65,17 @@ class AccuracyWatch:
         self._steps = int(simulation.state.clock["steps"][0])
         chosen = simulation.integrator
         self.check_impacts()
-        if isinstance(chosen, GeneralizedAlpha):
+        if chosen.settles_forces:
             self._check_forces()
         if "energy" not in self._told:
-            remedy = "reduce the step, or give rtol"
-            if chosen.rtol is not None:
-                remedy = f"tighten rtol = {chosen.rtol:g}"
             residual, turnover = simulation.energy_book()
-            self._tell("energy", check_energy(simulation.time, residual, turnover, remedy))
+            self._tell("energy", check_energy(simulation.time, residual, turnover, chosen.remedy))
 
     def check_impacts(self, contacts: NDArray[np.void] | None = None) -> None:
         """Look at whether a fixed step resolves the impacts: the latest of every joint, or those of a contact table."""
         simulation = self._simulation
-        chosen = simulation.integrator
-        if "impacts" in self._told or not isinstance(chosen, GeneralizedAlpha) or chosen.rtol is not None:
+        needed = simulation.integrator.steps_needed_per_impact
+        if needed is None or "impacts" in self._told:
             return
         durations = simulation.state.joints["contact_duration"]
         struck = durations > 0.0
@@ -73,7 +85,7 @@ class AccuracyWatch:
             durations = durations * _shortest_over_latest(simulation.model.joints, contacts)
         shortest = float(durations[struck].min())
         steps = shortest / float(simulation.state.clock["last_step"][0])
-        self._tell("impacts", check_impact_steps(steps, steps_per_impact(chosen.rho_inf), shortest))
+        self._tell("impacts", check_impact_steps(steps, needed, shortest))
 
     def _check_forces(self) -> None:
         simulation = self._simulation

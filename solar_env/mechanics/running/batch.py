@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.lanes import allocate_lanes, check_structure, copied, fill_lane, lane_view
-from solar_env.mechanics.integrators.adaptive import advance_lanes, make_adaptive_arrays
+from solar_env.mechanics.integrators.driver import advance_lanes
+from solar_env.mechanics.integrators.methods import method_of
 from solar_env.mechanics.integrators.recording import make_recorder
-from solar_env.mechanics.integrators.settings import RungeKutta
 from solar_env.mechanics.running.accuracy import STEPS_BETWEEN_LOOKS
-from solar_env.mechanics.running.simulation import Simulation, adaptive_settings
+from solar_env.mechanics.running.simulation import Simulation
 
 # Time that a further thread must save [s]: waking one takes about as long.
 _WORK_FOR_A_THREAD = 1e-4
@@ -42,29 +42,28 @@ class Batch:
         """Move simulations into a batch.
 
         Args:
-            simulations: with one adaptive integrator, of mechanisms of one structure.
+            simulations: with one integrator, of mechanisms of one structure.
             threads: by default as many as there are processors for this process.
 
         Raises:
-            ValueError: if there are none, if the integrators differ or are not adaptive Runge-Kutta methods, if the
-                mechanisms differ in structure, or if ``threads`` is not positive.
+            ValueError: if there are none, if the integrators differ, if the mechanisms differ in structure, or if
+                ``threads`` is not positive.
         """
         if not simulations:
             raise ValueError("a batch needs at least one simulation")
         if threads is not None and threads < 1:
             raise ValueError(f"threads = {threads!r} must be at least 1")
         first = simulations[0]
-        if not isinstance(first.integrator, RungeKutta):
-            raise ValueError(f"a batch cannot use {first.integrator.name!r}; use RungeKutta or Rosenbrock")
         # Uncompiled, taking a lane from the queue would not be atomic.
         available = 1 if numba.config.DISABLE_JIT else threads or available_processors()
         count = len(simulations)
         self.threads = min(available, count)
         self.integrator = first.integrator
         self.models, self.states = allocate_lanes(first.model, count), allocate_lanes(first.state, count)
-        self._settings = adaptive_settings(first.integrator)
+        method = method_of(first.integrator)
+        self._settings = method.convert(first.integrator)
         self._recorder = make_recorder(first.model, first.state, np.zeros(0), 0)
-        self._arrays = [make_adaptive_arrays(first.model, first.state) for _ in range(self.threads)]
+        self._arrays = [method.arrays(first.model, first.state) for _ in range(self.threads)]
         self._statuses, self._counter = np.zeros(count, dtype=np.int64), np.zeros(1, dtype=np.int64)
         self._steps, self._last_steps, self._steps_looked = (np.zeros(count, dtype=np.int64) for _ in range(3))
         self._work_expected = math.inf

@@ -23,12 +23,10 @@ from solar_env.mechanics.equations.system import (
     stored_energies,
     velocity_drift,
 )
-from solar_env.mechanics.integrators.adaptive import AdaptiveArrays, advance_lanes, make_adaptive_arrays
-from solar_env.mechanics.integrators.alpha_step import AlphaSettings
-from solar_env.mechanics.integrators.generalized_alpha import AlphaArrays, advance_alpha, make_alpha_arrays
+from solar_env.mechanics.integrators.driver import advance_lanes
+from solar_env.mechanics.integrators.methods import method_of
 from solar_env.mechanics.integrators.recording import RECORDED_LOADS, Recorder, make_recorder, sample_columns
-from solar_env.mechanics.integrators.runge_kutta import AdaptiveSettings
-from solar_env.mechanics.integrators.settings import Integrator, Rosenbrock, RungeKutta, alpha_coefficients
+from solar_env.mechanics.integrators.settings import Integrator, RungeKutta
 from solar_env.mechanics.joints import joint as columns
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.running.accuracy import AccuracyWatch, limits_of_the_laws
@@ -38,18 +36,6 @@ from solar_env.mechanics.running.trajectory import Trajectory, contact_record
 _CONTACTS_PER_DRAIN = 4096
 _PROGRESS_CALLS = 20
 _SMALLEST_ENERGY_SCALE = 1e-9  # J, for a mechanism that starts without energy
-
-
-def adaptive_settings(integrator: RungeKutta) -> AdaptiveSettings:
-    """The settings as the kernels take them; of other types they would be compiled anew."""
-    return AdaptiveSettings(
-        float(integrator.rtol),
-        float(integrator.velocity_scale),
-        float(integrator.max_step),
-        float(integrator.impact_resolution),
-        int(integrator.max_steps),
-        int(isinstance(integrator, Rosenbrock)),
-    )
 
 
 class Simulation:
@@ -66,13 +52,12 @@ class Simulation:
             ValueError: if positions or velocities violate a constraint, if the integrator is none, or if it takes no
                 drives and the mechanism has some.
         """
-        if not isinstance(integrator, Integrator | None):
+        self.integrator: Integrator = RungeKutta() if integrator is None else integrator
+        method_of(self.integrator)
+        if mechanism.drives and not self.integrator.takes_drives:
             raise ValueError(
-                f"integrator = {integrator!r} must be RungeKutta(...), Rosenbrock(...) or GeneralizedAlpha(...)"
+                f"the integrator {self.integrator.name!r} takes no drives; use RungeKutta or GeneralizedAlpha"
             )
-        self.integrator: Integrator = integrator or RungeKutta()
-        if isinstance(self.integrator, Rosenbrock) and mechanism.drives:
-            raise ValueError("the integrator 'rosenbrock' takes no drives; use RungeKutta or GeneralizedAlpha")
         self.model, self.state = compile_mechanism(mechanism)
         self._check_initial_state()
         self._engage_stops()
@@ -102,7 +87,7 @@ class Simulation:
 
     def __getstate__(self) -> dict[str, Any]:
         """For copies and pickles: without arrays that share their memory with the state; those of a copy would not."""
-        return {name: value for name, value in vars(self).items() if name != "_single_lane"}
+        return {name: value for name, value in vars(self).items() if name != "_lane"}
 
     @property
     def time(self) -> float:
@@ -128,7 +113,7 @@ class Simulation:
     def move_to(self, model: m.Model, state: m.State) -> None:
         """Go on with other arrays, which hold the same values."""
         self.model, self.state = model, state
-        self.__dict__.pop("_single_lane", None)
+        self.__dict__.pop("_lane", None)
 
     def set_motor_torque(self, joint: int, torque: float) -> None:
         """Set the motor torque on a joint's angle [N m], held until it is set again.
@@ -179,32 +164,20 @@ class Simulation:
         self._watch.check()
 
     @cached_property
-    def _single_lane(self) -> tuple[m.Model, m.State, AdaptiveArrays]:
-        return with_lane_axis(self.model), with_lane_axis(self.state), make_adaptive_arrays(self.model, self.state)
-
-    @cached_property
-    def _alpha_arrays(self) -> AlphaArrays:
-        return make_alpha_arrays(self.model, self.state)
+    def _lane(self) -> tuple[m.Model, m.State, dict[str, Any]]:
+        """Model and state as those of a single lane, and scratch arrays by the name of a method."""
+        return with_lane_axis(self.model), with_lane_axis(self.state), {}
 
     def _advance(self, end_time: float, recorder: Recorder) -> int:
-        chosen = self.integrator
-        if isinstance(chosen, RungeKutta):
-            models, states, arrays = self._single_lane
-            queue, counter, status = np.zeros(1, np.int64), np.zeros(1, np.int64), np.zeros(1, np.int64)
-            settings, end_times = adaptive_settings(chosen), np.array([end_time], np.float64)
-            advance_lanes(models, states, settings, recorder, queue, counter, end_times, status, arrays)
-            return int(status[0])
-        alpha_settings = AlphaSettings(
-            *alpha_coefficients(chosen.rho_inf),
-            float(chosen.step),
-            float(chosen.rtol or 0.0),
-            float(chosen.velocity_scale),
-            float(chosen.max_step),
-            float(chosen.impact_resolution),
-            float(chosen.newton_tolerance),
-            int(chosen.max_steps),
-        )
-        return int(advance_alpha(self.model, self.state, alpha_settings, recorder, float(end_time), self._alpha_arrays))
+        method = method_of(self.integrator)
+        models, states, scratch = self._lane
+        if self.integrator.name not in scratch:
+            scratch[self.integrator.name] = method.arrays(self.model, self.state)
+        queue, counter, status = np.zeros(1, np.int64), np.zeros(1, np.int64), np.zeros(1, np.int64)
+        settings, end_times = method.convert(self.integrator), np.array([end_time], np.float64)
+        arrays = scratch[self.integrator.name]
+        advance_lanes(models, states, settings, recorder, queue, counter, end_times, status, arrays)
+        return int(status[0])
 
     def _evaluate(self) -> tuple[Any, NDArray[np.float64]]:
         """Workspace with loads and powers at the present state, and the multipliers that hold its constraints."""

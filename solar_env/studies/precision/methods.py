@@ -9,7 +9,13 @@ import importlib.util
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, Rosenbrock, RungeKutta
+from solar_env.mechanics.integrators.settings import (
+    DormandPrince,
+    GeneralizedAlpha,
+    Integrator,
+    Rosenbrock,
+    RungeKutta,
+)
 from solar_env.studies.common.motion import Motion, Scene, run_own
 from solar_env.studies.peers.scipy_methods import run_scipy
 
@@ -99,6 +105,10 @@ METHODS: tuple[Method, ...] = (
         "rosenbrock", "rtol", own(lambda rtol: Rosenbrock(rtol=rtol)),
         _by_model((), (), (1e-2, 1e-3, 1e-4, 1e-5, 1e-6), (1e-2, 1e-3, 1e-4, 1e-5)),
         _impacts((), (1e-3, 1e-4, 1e-5, 1e-6)),
+    ),
+    Method(
+        "dop853", "rtol", own(lambda rtol: DormandPrince(rtol=rtol)),
+        _by_model((1e-4, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12)), _impacts((1e-4, 1e-6, 1e-8, 1e-10, 1e-12)),
     ),
     Method(
         "generalized-alpha", "step", own(lambda step: GeneralizedAlpha(step=step)),

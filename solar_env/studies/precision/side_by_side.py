@@ -22,7 +22,7 @@ Entry = tuple[str, float]
 
 # Method and setting: own looser and tighter tolerances; the peer at its leanest, the first of which short plans take.
 OWN: dict[str, tuple[Entry, ...]] = {
-    "rigid-ideal": (("runge-kutta", 1e-6), ("runge-kutta", 1e-10)),
+    "rigid-ideal": (("runge-kutta", 1e-6), ("dop853", 1e-8)),
     "rigid-clearance": (("runge-kutta", 1e-5), ("runge-kutta", 1e-7)),
     "flexible-ideal": (("rosenbrock", 1e-3),),
     "flexible-clearance": (("rosenbrock", 1e-3), ("rosenbrock", 3e-5)),

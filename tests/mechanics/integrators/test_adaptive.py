@@ -21,16 +21,9 @@ from helpers import (
 )
 
 from solar_env.array import ArrayParameters, build
-from solar_env.mechanics.equations.system import make_workspace
-from solar_env.mechanics.integrators.adaptive import refresh
-from solar_env.mechanics.integrators.runge_kutta import (
-    attempt_step,
-    cubic_weights,
-    make_stages,
-    make_stiff_forces,
-    quintic_weights,
-)
+from solar_env.mechanics.integrators.runge_kutta import make_runge_kutta_arrays, take_stages
 from solar_env.mechanics.integrators.settings import Rosenbrock, RungeKutta
+from solar_env.mechanics.integrators.step import cubic_weights, quintic_weights, refresh
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.joints.joint import ANGLE, penetration
 from solar_env.mechanics.mechanism.description import GROUND, Bearing, Body, Joint, Mechanism, Point
@@ -253,42 +246,17 @@ def test_a_step_depends_on_nothing_but_the_accepted_state_and_its_size() -> None
     h = 1e-5
 
     def step(*rejected: float) -> tuple[bytes, ...]:
-        work, stages, stiff = make_workspace(model, state), make_stages(state), make_stiff_forces(state)
+        work, _, stages, own = make_runge_kutta_arrays(model, state)
         assert refresh(model, state, stages, work)
         stages.velocity[0] = state.v
         for tried in (*rejected, h):
-            assert attempt_step(model, state, stages, stiff, work, tried)
+            assert take_stages(model, state, stages, own.stiff, work, tried)
         return tuple(array.tobytes() for array in (stages.q, stages.v, stages.gain, stages.acceleration, stages.power))
 
+    alone = step()
     before = fingerprint(state, skip=("clock", "multipliers"))
-    assert step() == step(7 * h) == step(0.01, 1e-9, 3.0)
+    assert alone == step(7 * h) == step(0.01, 1e-9, 3.0)
     assert fingerprint(state, skip=("clock", "multipliers")) == before
-
-
-def test_a_rejected_step_leaves_no_trace_in_the_motion_or_its_history() -> None:
-    simulation = mid_run()
-    # Contacts that began long ago do not bound the step, which is then far too long.
-    simulation.state.joints["contact_start"] = -1.0
-    before = fingerprint(simulation.state, skip=("clock", "multipliers"))
-    rejected = simulation.state.clock["rejected_steps"][0]
-    steps, start = simulation.state.clock["steps"][0], simulation.time
-    simulation.state.clock["step_size"] = 0.5
-    attempt(simulation, 1.0)
-    assert simulation.state.clock["rejected_steps"][0] == rejected + 1
-    assert (simulation.state.clock["steps"][0], simulation.time) == (steps, start)
-    assert fingerprint(simulation.state, skip=("clock", "multipliers")) == before
-
-
-def test_stopping_after_every_step_gives_the_same_bits() -> None:
-    mechanism = build(ArrayParameters())
-    whole, pieces = Simulation(mechanism), single_steps(mechanism, RungeKutta())
-    whole.advance(1.0)
-    while not attempt(pieces, 1.0):
-        pass
-    assert whole.state.clock["rejected_steps"][0] > 0
-    assert whole.state.joints["contact_starts"].min() > 0
-    assert fingerprint(whole.state, skip=("clock",)) == fingerprint(pieces.state, skip=("clock",))
-    assert whole.state.clock["steps"] == pieces.state.clock["steps"]
 
 
 def test_a_failed_call_raises_with_its_time_and_keeps_the_last_accepted_state() -> None:

@@ -36,7 +36,6 @@ def lanes() -> list[Simulation]:
     [
         (lambda: Batch([]), "a batch needs at least one simulation"),
         (lambda: Batch([lane()], threads=0), "threads = 0 must be at least 1"),
-        (lambda: Batch([lane(GeneralizedAlpha())]), "a batch cannot use 'generalized-alpha'; use RungeKutta or Rosen"),
         (lambda: Batch([lane(), lane(GeneralizedAlpha())]), r"integrates with RungeKutta\(.*, not with Generalized"),
         (lambda: Batch([lane(), lane(Rosenbrock(rtol=1e-6))]), r"integrates with RungeKutta\(.*, not with Rosenbrock"),
         (lambda: Batch([lane(), lane(RungeKutta(rtol=1e-7))]), r"rtol=1e-06, .*, not with RungeKutta\(rtol=1e-07"),

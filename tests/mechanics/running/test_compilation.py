@@ -10,14 +10,14 @@ from numba.core.dispatcher import Dispatcher
 from solar_env.array import ArrayParameters, build
 from solar_env.array.methods import make_integrator
 from solar_env.commands.warmup import PARTS, compile_part
-from solar_env.mechanics.integrators.adaptive import record_until
 from solar_env.mechanics.integrators.events import begin_event
-from solar_env.mechanics.integrators.rosenbrock import attempt_rosenbrock
+from solar_env.mechanics.integrators.recording import record_sample
+from solar_env.mechanics.integrators.rosenbrock_step import attempt_implicit
 from solar_env.mechanics.integrators.stiff_forces import begin_step
 from solar_env.mechanics.running.simulation import Simulation
 
 
-@pytest.mark.parametrize("kernel", [attempt_rosenbrock, begin_step, begin_event, record_until])
+@pytest.mark.parametrize("kernel", [attempt_implicit, begin_step, begin_event, record_sample])
 def test_compiling_ahead_and_running_share_one_version_of_a_kernel(kernel: Dispatcher) -> None:
     for part in PARTS:
         compile_part(part)

@@ -134,7 +134,7 @@ def test_a_snapshot_that_is_refused_changes_nothing() -> None:
 
 
 def test_an_integrator_that_is_none_is_refused() -> None:
-    with pytest.raises(ValueError, match="integrator = 'rosenbrock' must be RungeKutta"):
+    with pytest.raises(ValueError, match="integrator = 'rosenbrock' must be one of RungeKutta"):
         Simulation(pendulum(), "rosenbrock")  # type: ignore[arg-type]
 
 

@@ -1,0 +1,253 @@
+"""The step in hand of an adaptive method: its stages, its end, and Hermite's interpolant between start and end.
+
+Row 0 of the stage arrays holds the derivatives at the step's start, the last row those at its end, whatever the method.
+Between the ends positions follow the quintic and velocities the cubic Hermite polynomial through what is known there
+(E. Hairer, S. P. Norsett and G. Wanner, Solving Ordinary Differential Equations I, 1993, section II.6,
+doi:10.1007/978-3-540-78862-1).
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solar_env.mechanics.arrays.model import ENERGIES, EXACT, Model, State
+from solar_env.mechanics.equations.system import Workspace, accelerations, make_workspace
+from solar_env.mechanics.joints.joint import relative, relative_velocity
+from solar_env.mechanics.numerics.jit import kernel
+from solar_env.mechanics.numerics.linear import copy_into
+
+# Facts of the step in hand; attributes outside compiled code, so that the kernels run uncompiled too.
+_trial_type = np.dtype(
+    (
+        np.record,
+        np.dtype(
+            [
+                ("wanted", np.float64),  # step [s] that the controller asked for
+                ("step", np.float64),  # step [s] that is tried: at most up to the end of the call
+                ("error", np.float64),  # estimate in units of the tolerance
+                ("last", np.int64),  # whether it ends the call
+                ("bound", np.int64),  # whether the method's stability on the flexible bodies bounds it
+                # Whether it is linearly implicit: the accelerations at its end solve the equations of motion only to
+                # its tolerance, and the workspace is not that of an evaluation there.
+                ("implicit", np.int64),
+                # Whether it corrects for stiff contacts: the accelerations at its ends are not those in between.
+                ("stiff_contacts", np.int64),
+                ("at_once", np.int64),  # events that have followed each other without time between them
+            ],
+            align=True,
+        ),
+    )
+)
+
+
+class AdaptiveSettings(NamedTuple):
+    """Settings of an adaptive method as the kernels take them; a subclass a method tells the compiler which it is."""
+
+    rtol: float  # local error of velocities relative to (velocity_scale + |velocity|), of positions to the length scale
+    velocity_scale: float  # [m/s]
+    max_step: float  # [s]
+    impact_resolution: float  # steps per predicted impact duration
+    max_steps: int  # per call
+    order: float  # of the method: the error estimate grows with this power of the step
+
+
+class Stages(NamedTuple):
+    """Stage derivatives of the step in hand, its end, and scratch."""
+
+    velocity: NDArray[np.float64]  # (stages, n)
+    acceleration: NDArray[np.float64]  # (stages, n)
+    power: NDArray[np.float64]  # (stages, integrals)
+    q: NDArray[np.float64]  # (n,) stage or end coordinates
+    v: NDArray[np.float64]  # (n,)
+    gain: NDArray[np.float64]  # integrals over the whole step
+    scratch_q: NDArray[np.float64]  # (n,) interpolated coordinates
+    scratch_v: NDArray[np.float64]  # (n,)
+    scratch_a: NDArray[np.float64]  # (n,)
+    integrals: NDArray[np.float64]  # interpolated integrals
+    energies: NDArray[np.float64]  # (ENERGIES,)
+    depth: NDArray[np.float64]  # (joints,) penetration at the step's start
+    depth_rate: NDArray[np.float64]  # (joints,)
+    sliding_work: NDArray[np.float64]  # (joints,) of the step
+    ratios: NDArray[np.float64]  # (n,) error by tolerance
+    multipliers: NDArray[np.float64]  # (m + bodies,) scratch; at the end of a linearly implicit step
+    weights: NDArray[np.float64]  # (stages,) of an interpolant
+    trial: NDArray[np.void]  # (1,)
+
+
+class AdaptiveArrays(NamedTuple):
+    """Scratch arrays of an adaptive method, of one thread; nothing in them outlives a lane's turn."""
+
+    work: Workspace
+    scratch: Workspace  # for evaluations that leave the other as it is
+    stages: Stages
+    own: Any  # what else the method needs: a named tuple of arrays
+
+
+def make_stages(state: State, rows: int) -> Stages:
+    """Allocate the arrays of a step of ``rows`` stages, the derivatives at its end included."""
+    n, k, joints = state.q.size, state.integrals.size, state.joints.size
+    return Stages(
+        velocity=np.zeros((rows, n)),
+        acceleration=np.zeros((rows, n)),
+        power=np.zeros((rows, k)),
+        q=np.zeros(n),
+        v=np.zeros(n),
+        gain=np.zeros(k),
+        scratch_q=np.zeros(n),
+        scratch_v=np.zeros(n),
+        scratch_a=np.zeros(n),
+        integrals=np.zeros(k),
+        energies=np.zeros(ENERGIES),
+        depth=np.zeros(joints),
+        depth_rate=np.zeros(joints),
+        sliding_work=np.zeros(joints),
+        ratios=np.zeros(n),
+        multipliers=np.zeros(state.multipliers.size),
+        weights=np.zeros(rows),
+        trial=np.zeros(1, dtype=_trial_type),
+    )
+
+
+def make_adaptive_arrays(model: Model, state: State, rows: int, work: Workspace, own: Any) -> AdaptiveArrays:
+    """Allocate the arrays of a method of ``rows`` stages that works in ``work`` and has arrays of its ``own``."""
+    return AdaptiveArrays(work, make_workspace(model, state), make_stages(state, rows), own)
+
+
+@kernel(inner=True, inlined=True)
+def set_impact_speeds(joint_states, impact_speeds):
+    """Fill (joints,) with the impact speeds of the contacts under way, and zeros for free journals."""
+    for j in range(joint_states.size):
+        impact_speeds[j] = joint_states[j].impact_speed if joint_states[j].in_contact else 0.0
+
+
+@kernel
+def refresh(model, state, stages, work):
+    """Evaluate the first stage at the accepted state, with its contact modes. False if constraints are singular."""
+    set_impact_speeds(state.joints, work.impact_speeds)
+    clock = state.clock[0]
+    regular = accelerations(
+        model,
+        state.joints,
+        state.q,
+        state.v,
+        clock.time,
+        work,
+        stages.acceleration[0],
+        state.multipliers,
+    )
+    clock.evaluations += 1
+    clock.acceleration_current = EXACT if regular else 0
+    copy_into(stages.power[0], work.power)
+    copy_into(state.a, stages.acceleration[0])
+    copy_into(state.power, work.power)
+    return regular
+
+
+@kernel(inlined=True)
+def quintic_weights(s):
+    """Weights of position, velocity * h and acceleration * h^2 at the start, then at the end, at the share ``s``."""
+    s3 = s * s * s
+    end = s3 * (10.0 - s * (15.0 - 6.0 * s))
+    return (
+        1.0 - end,
+        s - s3 * (6.0 - s * (8.0 - 3.0 * s)),
+        0.5 * s * s * (1.0 - s * (3.0 - s * (3.0 - s))),
+        end,
+        -s3 * (4.0 - s * (7.0 - 3.0 * s)),
+        0.5 * s3 * (1.0 - s * (2.0 - s)),
+    )
+
+
+@kernel(inlined=True)
+def cubic_weights(s):
+    """Weights of value and slope * h at the start, then at the end, at the share ``s``."""
+    end = s * s * (3.0 - 2.0 * s)
+    return 1.0 - end, s * (1.0 - s) * (1.0 - s), end, s * s * (s - 1.0)
+
+
+@kernel
+def hermite_state(state, stages, h, share):
+    """State at ``share`` of the step, into ``stages.scratch_q`` and ``stages.scratch_v``."""
+    q0, v0, q1, v1 = state.q, state.v, stages.q, stages.v
+    acceleration, q, v = stages.acceleration, stages.scratch_q, stages.scratch_v
+    p0, p1, p2, r0, r1, r2 = quintic_weights(share)
+    c0, c1, d0, d1 = cubic_weights(share)
+    for i in range(q.size):
+        a0, a1 = h * acceleration[0, i], h * acceleration[-1, i]
+        q[i] = p0 * q0[i] + r0 * q1[i] + h * (p1 * v0[i] + r1 * v1[i] + p2 * a0 + r2 * a1)
+        v[i] = c0 * v0[i] + c1 * a0 + d0 * v1[i] + d1 * a1
+
+
+@kernel(inner=True, inlined=True)
+def hermite_eccentricity(joint, markers, state, stages, h, share):
+    """Eccentricity of a joint at ``share`` of the step; where it is linear in the coordinates, it is taken alone."""
+    if not (markers[joint.outboard].linear and markers[joint.inboard].linear):
+        hermite_state(state, stages, h, share)
+        return relative(joint, markers, stages.scratch_q)
+    acceleration = stages.acceleration
+    p0, p1, p2, r0, r1, r2 = quintic_weights(share)
+    ex0, ey0 = relative(joint, markers, state.q)
+    ex1, ey1 = relative(joint, markers, stages.q)
+    ux0, uy0 = relative_velocity(joint, markers, state.q, state.v)
+    ux1, uy1 = relative_velocity(joint, markers, stages.q, stages.v)
+    ax0, ay0 = relative_velocity(joint, markers, state.q, acceleration[0])
+    ax1, ay1 = relative_velocity(joint, markers, stages.q, acceleration[-1])
+    ex = p0 * ex0 + r0 * ex1 + h * (p1 * ux0 + r1 * ux1 + h * (p2 * ax0 + r2 * ax1))
+    ey = p0 * ey0 + r0 * ey1 + h * (p1 * uy0 + r1 * uy1 + h * (p2 * ay0 + r2 * ay1))
+    return ex, ey
+
+
+@kernel(inner=True)
+def interpolate_without_accelerations(state, stages, h, share):
+    """Coordinates at ``share`` of the step from those and the velocities at its ends alone, into ``stages.scratch_q``.
+
+    For steps that were corrected for stiff contacts: accelerations at the ends are not those in between, and a share of
+    them would press a lasting contact, some nanometres deep, open or shut.
+    """
+    q0, v0, q1, v1, q = state.q, state.v, stages.q, stages.v, stages.scratch_q
+    c0, c1, d0, d1 = cubic_weights(share)
+    for i in range(q.size):
+        q[i] = c0 * q0[i] + d0 * q1[i] + h * (c1 * v0[i] + d1 * v1[i])
+
+
+@kernel(inner=True)
+def hermite_integrals(state, stages, h, share):
+    """Integrals at ``share`` of the step, into ``stages.integrals``."""
+    integrals, gain, power, base = stages.integrals, stages.gain, stages.power, state.integrals
+    _, start, whole, end = cubic_weights(share)
+    for k in range(integrals.size):
+        integrals[k] = base[k] + whole * gain[k] + h * (start * power[0, k] + end * power[-1, k])
+
+
+@kernel(single_caller=True)
+def hermite_is_complete(model, state, arrays, recorder, h):
+    """Hermite's interpolant needs nothing beyond what every step leaves at its ends."""
+    return True
+
+
+@kernel(single_caller=True)
+def adapt_nothing(model, state, stages, accepted):
+    """The method has no choice of its own between steps."""
+
+
+class Interpolant(NamedTuple):
+    """Kernels that look between the ends of a step ``h``, at a ``share`` of it from 0 to 1.
+
+    Attributes:
+        complete: (model, state, arrays, recorder, h): evaluates what the others need beyond what the step left, if
+            anything will be looked at; False if constraints are singular.
+        state: (state, stages, h, share): coordinates and velocities to ``stages.scratch_q`` and ``.scratch_v``.
+        integrals: (state, stages, h, share): time integrals to ``stages.integrals``.
+        eccentricity: (joint, markers, state, stages, h, share): of a joint (2,) [m].
+    """
+
+    complete: Any
+    state: Any
+    integrals: Any
+    eccentricity: Any
+
+
+HERMITE = Interpolant(hermite_is_complete, hermite_state, hermite_integrals, hermite_eccentricity)

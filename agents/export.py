@@ -32,6 +32,7 @@ from agents.laws.baselines import BASELINES
 from agents.learning.features import LIMIT, DriveFeatures
 from agents.rollout import run_episode
 from agents.shipped import Description, Layer, PolicyNetwork, ShippedPolicy
+from solar_env.array import has_flexible_panels
 from solar_env.environment.hardware import Hardware
 
 OPSET = 17
@@ -256,7 +257,7 @@ def _training(config: dict[str, Any], policy: ShippedPolicy, env: Any) -> str:
     facts = {
         "algorithm": config["algo"],
         "environment": f"`{config['env_id']}` with `{json.dumps(config['env_kwargs'])}`",
-        "model": env.model + (f", {env.elements} elements a panel" if env.model.startswith("flexible") else ""),
+        "model": env.model + (f", {env.elements} elements a panel" if has_flexible_panels(env.model) else ""),
         "scenario": f"{env.scenario}; drawn for every episode: {_ranges(env.randomize)}",
         "sensors and motor": _imperfections(env.hardware),
         "environment steps": steps,

@@ -14,6 +14,7 @@ from solar_env.array.parameters import (
     ArrayParameters,
     check_elements,
     check_model,
+    has_flexible_panels,
 )
 
 __all__ = [
@@ -24,5 +25,6 @@ __all__ = [
     "build",
     "check_elements",
     "check_model",
+    "has_flexible_panels",
     "main_body_corners",
 ]

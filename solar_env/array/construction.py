@@ -7,10 +7,23 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.array.parameters import DEFAULT_ELEMENTS, ArrayParameters, check_elements, check_model
-from solar_env.mechanics.mechanism.description import Body, CableLoop, FlexibleBody, Joint, Mechanism, Point, Spring
-
-AnyBody = Body | FlexibleBody
+from solar_env.array.parameters import (
+    DEFAULT_ELEMENTS,
+    ArrayParameters,
+    check_elements,
+    check_model,
+    has_flexible_panels,
+)
+from solar_env.mechanics.mechanism.description import (
+    AnyBody,
+    Body,
+    CableLoop,
+    FlexibleBody,
+    Joint,
+    Mechanism,
+    Point,
+    Spring,
+)
 
 
 def _panel(
@@ -62,7 +75,7 @@ def build(parameters: ArrayParameters, model: str = "rigid-clearance", elements:
     """
     clearance = check_model(model).endswith("clearance")
     check_elements(elements)
-    panel_elements = elements if model.startswith("flexible") else None
+    panel_elements = elements if has_flexible_panels(model) else None
     p = parameters
     # Base points of the main body: below the hinge's height at the centroid, and the hinge itself.
     bodies: list[AnyBody] = [

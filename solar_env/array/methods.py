@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from solar_env.array.parameters import has_flexible_panels
 from solar_env.mechanics.integrators.settings import INTEGRATORS, GeneralizedAlpha, Integrator, Rosenbrock, RungeKutta
 
 PAPER = "paper"
@@ -15,7 +16,7 @@ def default_integrator(model: str) -> RungeKutta:
     Linearly implicit with flexible panels, whose stiff vibrations would bound explicit steps. The tolerances come from
     measured errors: angles, latch times and statistics of impacts (``python -m solar_env chart``).
     """
-    if model.startswith("flexible"):
+    if has_flexible_panels(model):
         return Rosenbrock(rtol=1e-4)
     return RungeKutta(rtol=5e-7) if model.endswith("ideal") else RungeKutta(rtol=2e-6, impact_resolution=12.0)
 

@@ -377,6 +377,15 @@ def check_model(model: str) -> str:
     return model
 
 
+def has_flexible_panels(model: str) -> bool:
+    """Whether the panels of a model are beams of cable elements instead of rigid bodies.
+
+    Raises:
+        ValueError: if the model is none of MODELS.
+    """
+    return check_model(model).startswith("flexible")
+
+
 def check_elements(elements: int) -> int:
     """Return ``elements`` if a panel can be divided into so many beam elements.
 

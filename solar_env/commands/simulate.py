@@ -13,7 +13,15 @@ from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
-from solar_env.array import DEFAULT_ELEMENTS, MODELS, PRESETS, ArrayParameters, check_elements, check_model
+from solar_env.array import (
+    DEFAULT_ELEMENTS,
+    MODELS,
+    PRESETS,
+    ArrayParameters,
+    check_elements,
+    check_model,
+    has_flexible_panels,
+)
 from solar_env.array.ladder import DEFAULT_TOLERANCE, QUESTIONS, Answer, cheapest, read_answers
 from solar_env.array.methods import INTEGRATOR_NAMES, default_integrator, make_integrator
 from solar_env.mechanics.integrators.settings import Rosenbrock, RungeKutta
@@ -115,8 +123,7 @@ def run_command(args: argparse.Namespace) -> int:
     if args.plot:
         from solar_env.pictures.plots import plot_deployment
 
-        flexible = model.startswith("flexible")
-        plot_deployment(trajectory, args.plot, panel_deflections(trajectory) if flexible else None)
+        plot_deployment(trajectory, args.plot, panel_deflections(trajectory) if has_flexible_panels(model) else None)
     return 0
 
 

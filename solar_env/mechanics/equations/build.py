@@ -79,7 +79,7 @@ class _Compiler:
             constraints=self._constraints(drives),
             cable_elements=element_blocks(zip(self.offsets, self.described, strict=True)),
             body_constants=np.array(self.constants, dtype=np.float64),
-            elimination=self._elimination(joints, cables),
+            elimination=self._elimination(bodies, joints, cables),
             error_weight=np.concatenate([kind.error_weight(body) for kind, body in self._kinds_and_bodies()]),
             length_scale=float(bodies["length"].max()),
             stable_step=min(kind.stable_step(body) for kind, body in self._kinds_and_bodies()),
@@ -257,17 +257,11 @@ class _Compiler:
                 rows.append((k, fx, fy, load.torque))
         return np.array(rows, dtype=m.load_type)
 
-    def _elimination(self, joints: NDArray[np.void], cables: NDArray[np.void]) -> Elimination:
+    def _elimination(self, bodies: NDArray[np.void], joints: NDArray[np.void], cables: NDArray[np.void]) -> Elimination:
         """Order along the bodies, node by node; a multiplier follows the last coordinate that it acts on."""
         n, rows = self.size, len(self.rows)
         position = np.full(n + rows + len(self.described), -1, dtype=np.int64)
-        fixed = [bool(getattr(body, "fixed", False)) for body in self.described]
-        held = {
-            first + i
-            for first, size, still in zip(self.offsets, self.sizes, fixed, strict=True)
-            if still
-            for i in range(size)
-        }
+        held = {body["offset"] + i for body in bodies if body["fixed"] for i in range(body["coordinates"])}
         waiting = [set(row) - held for row, _ in self.rows]
         couplings = [(n + r, i) for r, (row, _) in enumerate(self.rows) for i in row]
         place = 0

@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass, field
 
 from solar_env.mechanics.bodies.description import GROUND as GROUND
-from solar_env.mechanics.bodies.description import AnyBody
+from solar_env.mechanics.bodies.description import AnyBody as AnyBody
 from solar_env.mechanics.bodies.description import Body as Body
 from solar_env.mechanics.bodies.description import FlexibleBody as FlexibleBody
 from solar_env.mechanics.bodies.description import Point as Point

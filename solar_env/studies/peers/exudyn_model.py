@@ -18,6 +18,7 @@ import math
 import exudyn
 import numpy as np
 
+from solar_env.array import has_flexible_panels
 from solar_env.studies.common.motion import Scene
 from solar_env.studies.peers.exudyn_beams import FlexibleBuilder
 from solar_env.studies.peers.exudyn_parts import Builder, PeerArray, items
@@ -58,7 +59,7 @@ def build_peer(scene: Scene, implicit: bool) -> PeerArray:
     container = exudyn.SystemContainer()
     array = PeerArray(scene, container, container.AddSystem())
     tree = scene.model == "rigid-ideal" and not implicit
-    builder = TreeBuilder if tree else FlexibleBuilder if scene.model.startswith("flexible") else RigidBuilder
+    builder = TreeBuilder if tree else FlexibleBuilder if has_flexible_panels(scene.model) else RigidBuilder
     builder(array).build()
     return array
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
+from solar_env.array import has_flexible_panels
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.mechanics.running.trajectory import contact_record
 from solar_env.studies.common.motion import Motion, Scene, no_contacts
@@ -68,7 +69,7 @@ def run_exudyn(scene: Scene, solver: str, step: float) -> Motion:
 
 
 def _settings(scene: Scene, step: float) -> Any:
-    flexible, clearance = scene.model.startswith("flexible"), scene.model.endswith("clearance")
+    flexible, clearance = has_flexible_panels(scene.model), scene.model.endswith("clearance")
     settings = exudyn.SimulationSettings()
     settings.solution.file.write = False
     settings.solution.sensors.writePeriod = step if scene.every_contact else scene.sample_step

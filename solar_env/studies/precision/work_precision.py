@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 
+from solar_env.array import has_flexible_panels
 from solar_env.studies.common import measures
 from solar_env.studies.common.motion import Motion, Scene
 from solar_env.studies.common.plans import Plan
@@ -165,7 +166,7 @@ def _row(
     row: Row = {
         "scene": kind,
         "model": scene.model,
-        "elements": scene.elements if scene.model.startswith("flexible") else 0,
+        "elements": scene.elements if has_flexible_panels(scene.model) else 0,
         "duration_s": scene.duration,
         "method": method.name,
         "setting": method.setting,

@@ -11,7 +11,7 @@ from solar_env.support.campaigns import Workers
 
 @dataclass
 class WorkerOptions:
-    """Where a command runs its simulations, and whether it shows progress."""
+    """Processes or machines that a command runs on, and its progress bars."""
 
     jobs: int | None = None
     """processes; None: one per processor"""

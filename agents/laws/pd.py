@@ -1,12 +1,11 @@
 """A proportional-derivative controller of joint 1."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from agents.laws.opening import LOCK_ANGLES
-from agents.torque_laws import LawParameters, TunableLaw, bounded
+from agents.torque_laws import Entries, LawParameters, TunableLaw, bounded
 
 
 @dataclass(frozen=True)
@@ -33,7 +32,7 @@ class ProportionalDerivative(TunableLaw[ProportionalDerivativeParameters]):
     reads = ("theta_1", "rate_1")
     defaults = ProportionalDerivativeParameters()
 
-    def _torque(self, entries: Mapping[str, np.ndarray], all_latched: np.ndarray) -> np.ndarray:
+    def _torque(self, entries: Entries, all_latched: np.ndarray) -> np.ndarray:
         p = self.parameters
         short = LOCK_ANGLES[0] * (1.0 - entries["theta_1"])
         return np.clip(p.proportional_gain * short - p.derivative_gain * entries["rate_1"], -p.saturation, p.saturation)

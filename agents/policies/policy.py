@@ -1,6 +1,6 @@
 """A trained policy with the description of its training, as a controller."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import gymnasium
@@ -52,9 +52,7 @@ class Description:
     @property
     def signals(self) -> Signals:
         """Names and units of the environment that it was trained on."""
-        return Signals(
-            self.observation_names, self.torque_limit, self.deadline, self.control_period, self.postlock_window
-        )
+        return Signals(self.observation_names, *(getattr(self, f.name) for f in fields(Signals)[1:]))
 
 
 class ShippedPolicy(DeterministicController):

@@ -153,9 +153,8 @@ def compare(
     """Compare runs, as training seeds of one controller, with the baselines; for the rest see `write_comparison`."""
     seed = args.seed or 0 if args.seeds else config.seed
     controllers = [*references(config), *(f"{config.algo}={folder}" for folder in folders)]
-    rows = evaluate(
-        controllers, args.eval_episodes, seed, config.env_id, config.env_kwargs, not args.quiet, args.workers
-    )
+    env_id, env_kwargs = config.env_id, config.env_kwargs
+    rows = evaluate(controllers, args.eval_episodes, seed, env_id, env_kwargs, not args.quiet, args.workers)
     settings = {"command": command, "eval_episodes": args.eval_episodes, "seed": seed}
     return write_comparison(out, rows, settings, efforts(controllers, config.env_id, config.env_kwargs))
 

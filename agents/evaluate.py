@@ -70,14 +70,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     out = Path(args.out or (Path("evaluation") / (args.suite or "")))
     env_kwargs = with_sampling(given, env_id)
     rows = evaluate(
-        controllers,
-        args.episodes,
-        args.seed,
-        env_id,
-        env_kwargs,
-        progress=not args.quiet,
-        workers=args.workers,
-        store=out / STORE,
+        controllers, args.episodes, args.seed, env_id, env_kwargs, not args.quiet, args.workers, out / STORE
     )
     settings = {"command": command_line(PROG, argv), **asdict(args), "env_id": env_id, "env_kwargs": env_kwargs}
     summary, tables = write_comparison(out, rows, settings, efforts(controllers, env_id, env_kwargs))

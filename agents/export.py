@@ -74,6 +74,7 @@ def export(run: str | Path, folder: Path, comparison: str | Path | None = None) 
         model = runs.load_model(run, env)
         network = network_of(model)
         signals = dict(vars(Signals.of(env)))
+        del signals["driven_joint"]  # the keywords of the environment hold it
         description = Description(
             algorithm=config["algo"],
             feature_limit=network.feature_limit,

@@ -11,7 +11,7 @@ from solar_env.support.campaigns import Workers
 
 @dataclass
 class WorkerOptions:
-    """Where a command runs its simulations, and whether it shows progress."""
+    """Processes or machines that a command runs on, and its progress bars."""
 
     jobs: int | None = None
     """processes; None: one per processor"""
@@ -35,10 +35,9 @@ class ModelOptions:
     """Physics of the environments of a command."""
 
     model: str | None = None
-    """rigid-ideal, rigid-clearance, flexible-ideal, flexible-clearance, or auto (see the environment); None: as said
-    above"""
+    """rigid-ideal, rigid-clearance, flexible-ideal, flexible-clearance or auto; None: see above"""
     elements: int | None = None
-    """beam elements of each panel of a flexible model; None: as said above, or 6 for a model that is named"""
+    """beam elements of each panel of a flexible model; None: see above, or 6 for a model that is named"""
     env_kwargs: Assignments = field(default_factory=dict)
     """environment keywords, for example torque_limit=0.3 observation=privileged"""
 

@@ -10,6 +10,9 @@ import numpy as np
 
 from solar_env.environment.task import Task
 
+Entries = Mapping[str, np.ndarray]
+"""Observed values (n,) by the name of the entry."""
+
 
 class Controller(Protocol):
     """The interface that torque laws and Stable-Baselines3 models have in common."""
@@ -121,7 +124,7 @@ class TorqueLaw(DeterministicController):
         self._signals = signals
 
     @abstractmethod
-    def _torque(self, entries: Mapping[str, np.ndarray], all_latched: np.ndarray) -> np.ndarray:
+    def _torque(self, entries: Entries, all_latched: np.ndarray) -> np.ndarray:
         """Torque (n,) [N m] from named entries (n,); `all_latched` (n,) is true where every joint has latched."""
 
     def act(self, observation: np.ndarray) -> np.ndarray:

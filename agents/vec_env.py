@@ -20,7 +20,7 @@ LAW_REWARD = "law_reward"
 
 
 class NativeVecEnv(VecEnv):
-    """All environments of a Stable-Baselines3 algorithm in one process and one compiled call a thread.
+    """All environments of a Stable-Baselines3 algorithm in one process, with one compiled call per thread.
 
     The end of an episode is reported as by `DummyVecEnv`: `terminal_observation` and `TimeLimit.truncated` are in its
     last info, while the observation is already the first of the next episode. Episodes, seeds and actions being equal,

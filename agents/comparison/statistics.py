@@ -20,7 +20,7 @@ class Estimate:
 
 
 def interquartile_mean(values: np.ndarray, axis: int = -1) -> np.ndarray:
-    """Mean of the middle half of `values` along `axis`."""
+    """Return the mean of the middle half of `values` along `axis`."""
     return stats.trim_mean(values, 0.25, axis=axis)
 
 
@@ -31,7 +31,7 @@ def estimate(
     confidence: float = 0.95,
     mean: Callable[[np.ndarray], np.ndarray] = interquartile_mean,
 ) -> Estimate:
-    """A mean over all episodes of all runs, by default the interquartile one, with a bootstrap interval.
+    """Estimate a mean over all episodes of all runs, by default the interquartile one, with a bootstrap interval.
 
     Every run has the same episodes. A resample draws runs and, apart from that, episodes, both with replacement, and
     takes all drawn episodes of all drawn runs (A. B. Owen, The pigeonhole bootstrap, Ann. Appl. Stat. 1 (2007) 386-411,
@@ -49,7 +49,7 @@ def estimate(
         mean: Reduces the last axis.
 
     Raises:
-        ValueError: the runs have different numbers of episodes.
+        ValueError: The runs have different numbers of episodes.
     """
     figures = np.stack([np.atleast_2d(np.asarray(run, dtype=float)) for run in runs])
     known = figures[np.isfinite(figures)]
@@ -81,7 +81,7 @@ def estimate(
 
 
 def difference(runs: Sequence[np.ndarray], references: Sequence[np.ndarray]) -> Estimate:
-    """Difference from a reference on the same episode, with its interval.
+    """Estimate the difference from a reference on the same episode.
 
     Every run meets every run of the reference.
 
@@ -90,23 +90,17 @@ def difference(runs: Sequence[np.ndarray], references: Sequence[np.ndarray]) -> 
         references: Those of each run of the reference, on the same episodes.
 
     Raises:
-        ValueError: as `estimate`.
+        ValueError: As `estimate`.
     """
     return estimate([mine - np.stack(references) for mine in runs])
 
 
 def improvement(runs: Sequence[np.ndarray], references: Sequence[np.ndarray]) -> Estimate:
-    """Probability of doing better than a reference on the same episode, with its interval; a tie counts half.
+    """Estimate the probability of doing better than a reference on the same episode; a tie counts half.
 
     The paired form of what R. Agarwal et al. compare algorithms by (Deep Reinforcement Learning at the Edge of the
     Statistical Precipice, 2021, doi:10.48550/arXiv.2108.13264). Every run meets every run of the reference.
-
-    Args:
-        runs: Scores (episodes,), higher being better, of each training run.
-        references: Those of each run of the reference, on the same episodes.
-
-    Raises:
-        ValueError: as `estimate`.
+    Args and errors are those of `difference`, but higher figures are better.
     """
     better = [0.5 * (1.0 + np.sign(mine - np.stack(references))) for mine in runs]
     return estimate(better, mean=lambda values: np.mean(values, axis=-1))

@@ -1,11 +1,10 @@
 """A constant torque against opening."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from agents.torque_laws import LawParameters, TunableLaw, bounded
+from agents.torque_laws import Entries, LawParameters, TunableLaw, bounded
 
 
 @dataclass(frozen=True)
@@ -27,6 +26,6 @@ class ConstantBrake(TunableLaw[BrakeParameters]):
     reads = ("theta_driven",)
     defaults = BrakeParameters()
 
-    def _torque(self, entries: Mapping[str, np.ndarray], all_latched: np.ndarray) -> np.ndarray:
+    def _torque(self, entries: Entries, all_latched: np.ndarray) -> np.ndarray:
         acts = (entries["theta_driven"] >= self.parameters.onset) & ~all_latched
         return np.where(acts, -self.parameters.torque, 0.0)

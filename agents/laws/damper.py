@@ -1,11 +1,10 @@
 """A torque against the rate of the driven joint."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from agents.torque_laws import LawParameters, TunableLaw, bounded
+from agents.torque_laws import Entries, LawParameters, TunableLaw, bounded
 
 
 @dataclass(frozen=True)
@@ -27,6 +26,6 @@ class ViscousDamper(TunableLaw[DamperParameters]):
     reads = ("rate_driven",)
     defaults = DamperParameters()
 
-    def _torque(self, entries: Mapping[str, np.ndarray], all_latched: np.ndarray) -> np.ndarray:
+    def _torque(self, entries: Entries, all_latched: np.ndarray) -> np.ndarray:
         p = self.parameters
         return -np.where(all_latched, p.postlock_damping, p.damping) * entries["rate_driven"]

@@ -1,11 +1,10 @@
 """A torque over time, without feedback."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from agents.torque_laws import LawParameters, TunableLaw, bounded
+from agents.torque_laws import Entries, LawParameters, TunableLaw, bounded
 
 
 @dataclass(frozen=True)
@@ -25,7 +24,7 @@ class OpenLoopTorque(TunableLaw[OpenLoopParameters]):
     reads = ("time_to_deadline",)
     defaults = OpenLoopParameters()
 
-    def _torque(self, entries: Mapping[str, np.ndarray], all_latched: np.ndarray) -> np.ndarray:
+    def _torque(self, entries: Entries, all_latched: np.ndarray) -> np.ndarray:
         to_go = entries["time_to_deadline"]
         torques = self.parameters.torques
         torque = np.interp(1.0 - to_go, np.linspace(0.0, 1.0, len(torques)), torques)

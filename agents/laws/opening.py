@@ -1,9 +1,10 @@
 """The opening of the array as one quantity, which several laws control."""
 
 import math
-from collections.abc import Mapping
 
 import numpy as np
+
+from agents.torque_laws import Entries
 
 LOCK_ANGLES = (math.pi / 2, math.pi)
 """Lock angles of joint 1, and of those further out [rad]."""
@@ -11,9 +12,7 @@ OPENING = ("theta_1", "theta_2", "rate_1", "rate_2")
 """Entries that the opening is made of."""
 
 
-def weighted_opening(
-    entries: Mapping[str, np.ndarray], joint_2_weight: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def weighted_opening(entries: Entries, joint_2_weight: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the weighted opening of both joints in units of their lock angles, its rate and the difference of rates.
 
     Args:

@@ -1,14 +1,12 @@
 """The passive deployment: no motor torque."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
-from agents.torque_laws import TorqueLaw
+from agents.torque_laws import Entries, TorqueLaw
 
 
 class Passive(TorqueLaw):
     """Zero torque: the springs deploy the array alone."""
 
-    def _torque(self, entries: Mapping[str, np.ndarray], all_latched: np.ndarray) -> np.ndarray:
+    def _torque(self, entries: Entries, all_latched: np.ndarray) -> np.ndarray:
         return np.zeros(len(all_latched))

@@ -1,12 +1,11 @@
 """A proportional-derivative controller of the driven joint."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from agents.laws.opening import LOCK_ANGLES
-from agents.torque_laws import LawParameters, TunableLaw, bounded
+from agents.torque_laws import Entries, LawParameters, TunableLaw, bounded
 
 
 @dataclass(frozen=True)
@@ -33,7 +32,7 @@ class ProportionalDerivative(TunableLaw[ProportionalDerivativeParameters]):
     reads = ("theta_driven", "rate_driven")
     defaults = ProportionalDerivativeParameters()
 
-    def _torque(self, entries: Mapping[str, np.ndarray], all_latched: np.ndarray) -> np.ndarray:
+    def _torque(self, entries: Entries, all_latched: np.ndarray) -> np.ndarray:
         p = self.parameters
         short = LOCK_ANGLES[min(self._signals.driven_joint, 1)] * (1.0 - entries["theta_driven"])
         return np.clip(

@@ -1,12 +1,11 @@
 """Feedback that makes the opening follow a velocity profile."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from agents.laws.opening import LOCK_ANGLES, OPENING, weighted_opening
-from agents.torque_laws import LawParameters, TunableLaw, bounded
+from agents.torque_laws import Entries, LawParameters, TunableLaw, bounded
 
 RESERVE = 0.5  # time before the deadline by which the profile ends [s]
 LEAST_TIME = 0.1  # shortest time in which the profile covers the rest of the opening [s]
@@ -69,7 +68,7 @@ class VelocityProfileServo(TunableLaw[ServoParameters]):
         profile = np.minimum(p.cruise_rate, np.sqrt(p.latch_rate**2 + 2.0 * p.deceleration * to_go))
         return np.maximum(profile, to_go / np.maximum(time_left - RESERVE, LEAST_TIME))
 
-    def _torque(self, entries: Mapping[str, np.ndarray], all_latched: np.ndarray) -> np.ndarray:
+    def _torque(self, entries: Entries, all_latched: np.ndarray) -> np.ndarray:
         p = self.parameters
         opening, rate, difference = weighted_opening(entries, p.joint_2_weight)
         time_left = self._signals.deadline * entries["time_to_deadline"]

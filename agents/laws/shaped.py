@@ -1,12 +1,11 @@
 """Feedback that makes the opening follow an input-shaped motion over time."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from agents.laws.opening import OPENING, weighted_opening
-from agents.torque_laws import LawParameters, TunableLaw, bounded
+from agents.torque_laws import Entries, LawParameters, TunableLaw, bounded
 
 
 @dataclass(frozen=True)
@@ -58,7 +57,7 @@ class InputShapedProfile(TunableLaw[ShapedProfileParameters]):
         opening = u * u * (3.0 - 2.0 * u) + end * u * u * (u - 1.0) + p.latch_rate * beyond
         return opening, (6.0 * u * (1.0 - u) + end * u * (3.0 * u - 2.0)) / p.duration
 
-    def _torque(self, entries: Mapping[str, np.ndarray], all_latched: np.ndarray) -> np.ndarray:
+    def _torque(self, entries: Entries, all_latched: np.ndarray) -> np.ndarray:
         p = self.parameters
         opening, rate, _ = weighted_opening(entries, p.joint_2_weight)
         wanted, wanted_rate = self.reference((1.0 - entries["time_to_deadline"]) * self._signals.deadline)

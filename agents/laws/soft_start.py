@@ -1,12 +1,11 @@
 """A torque over time that hands over to the servo."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from agents.laws.servo import ServoParameters, VelocityProfileServo
-from agents.torque_laws import bounded
+from agents.torque_laws import Entries, bounded
 
 
 @dataclass(frozen=True)
@@ -34,7 +33,7 @@ class SoftStartServo(VelocityProfileServo):
     parameters: SoftStartParameters
     defaults = SoftStartParameters()
 
-    def _torque(self, entries: Mapping[str, np.ndarray], all_latched: np.ndarray) -> np.ndarray:
+    def _torque(self, entries: Entries, all_latched: np.ndarray) -> np.ndarray:
         p = self.parameters
         time = (1.0 - entries["time_to_deadline"]) * self._signals.deadline
         of_time = np.interp(time, np.arange(len(p.torques)) * 4.0 / 3.0, p.torques)

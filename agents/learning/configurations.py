@@ -120,8 +120,10 @@ class Request:
         scale = entry(algo, env_id)["residual"] if self.residual is None else self.residual
         found = entry(algo, env_id, whole=not scale)
         _check_hyperparameters(algo, self.hyperparameters)
-        n_envs = found["n_envs"] if self.n_envs is None else self.n_envs
-        timesteps = found["timesteps"] if self.timesteps is None else self.timesteps
+        n_envs, timesteps, landings = (
+            found[name] if (asked := getattr(self, name)) is None else asked
+            for name in ("n_envs", "timesteps", "landings")
+        )
         _check_positive("n_envs", n_envs)
         _check_positive("timesteps", timesteps)
         check_episode_seeds(self.seed, n_envs)
@@ -131,7 +133,6 @@ class Request:
             for name in ("landings", "law"):
                 if given := getattr(self, name):
                     raise ValueError(f"{name} is {given!r}, but with residual 0 there is no law; leave it out")
-        landings = (found["landings"] if self.landings is None else self.landings) if scale else 0
         residual = None
         if scale:
             _check_positive("landings", landings)
@@ -148,7 +149,7 @@ class Request:
             timesteps=timesteps,
             hyperparameters=chosen,
             residual=residual,
-            landings=landings,
+            landings=landings if scale else 0,
         )
 
 

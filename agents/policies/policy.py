@@ -52,14 +52,8 @@ class Description:
     @property
     def signals(self) -> Signals:
         """Names and units of the environment that it was trained on."""
-        return Signals(
-            self.observation_names,
-            self.torque_limit,
-            self.deadline,
-            self.control_period,
-            self.postlock_window,
-            self.env_kwargs.get("driven_joint", 0),
-        )
+        units = (self.torque_limit, self.deadline, self.control_period, self.postlock_window)
+        return Signals(self.observation_names, *units, self.env_kwargs.get("driven_joint", 0))
 
 
 class ShippedPolicy(DeterministicController):

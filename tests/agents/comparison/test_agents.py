@@ -1,5 +1,6 @@
 """Seeds, environments, figures of episodes, statistics and the parsing of arguments."""
 
+import re
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -271,7 +272,18 @@ def test_a_documented_dataclass_is_a_command_line(capsys):
     assert "how many" in capsys.readouterr().out
 
 
-def test_an_unreadable_pair_ends_the_command_line_with_its_option(capsys):
-    with pytest.raises(SystemExit):
-        parse_arguments(Example, ["--keywords", "k"])
-    assert "--keywords: cannot read 'k'" in capsys.readouterr().err
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--stepz", "3"], "--stepz"),
+        (["--steps", "few"], "--steps: .*'few'"),
+        (["--steps"], "--steps"),
+        (["--keywords", "k"], "--keywords: cannot read 'k'"),
+        (["--keywords", "a=1", "--keywords", "a=2"], "--keywords: 'a' is given twice"),
+    ],
+)
+def test_wrong_input_ends_the_command_line_with_one_sentence_and_status_2(capsys, arguments, message):
+    with pytest.raises(SystemExit) as end:
+        parse_arguments(Example, arguments)
+    assert end.value.code == 2
+    assert re.fullmatch(rf"error: [^\n]*{message}[^\n]*; see --help\n", capsys.readouterr().err)

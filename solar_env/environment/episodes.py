@@ -1,7 +1,5 @@
 """Episodes of the control task, lane by lane: what a single environment and a vector of them have in common."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -213,7 +211,7 @@ class Episodes:
         if self._films is not None:
             self._films[lane] = Film(self.setup)
 
-    def futures(self, lane: int, count: int, threads: int | None = None) -> Episodes:
+    def futures(self, lane: int, count: int, threads: int | None = None) -> "Episodes":
         """Copies of the present episode of a lane, which go on without touching it.
 
         Each has the original's whole state, mid-contact included, its parameters, its charges so far and its motor, and

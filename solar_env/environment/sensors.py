@@ -1,7 +1,5 @@
 """What is observed of the exact state: noisy, in steps of an encoder, late, and with what was observed before."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from copy import deepcopy
 from typing import NamedTuple

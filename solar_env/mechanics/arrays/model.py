@@ -8,8 +8,6 @@ coordinates (Garcia de Jalon and Bayo, Kinematic and Dynamic Simulation of Multi
 doi:10.1007/978-1-4612-2600-0); a flexible one position and slope of every node (``flexible.py``).
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -6,8 +6,6 @@ solved through the bodies' compliances (the dual Schur complement A P A^T, one r
 flexible bodies are constant.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

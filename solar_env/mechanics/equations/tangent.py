@@ -6,8 +6,6 @@ generalized force is B^T p(x, x') with B = dx/dq. Only the angles are nonlinear 
 dQ/dq = B^T (dp/dx B + dp/dx' dx'/dq) + torques times the Hessians of the angles,   dQ/dv = B^T dp/dx' B.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

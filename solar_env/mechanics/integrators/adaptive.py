@@ -12,8 +12,6 @@ With flexible bodies the explicit method (``runge_kutta.py``) is unstable beyond
 allow several times as long a one, a linearly implicit step is tried (``rosenbrock.py``).
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -15,8 +15,6 @@ their own slopes. It is factored once a step, in time that grows linearly with t
 The stiff vibrations of beams then do not bound the step.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

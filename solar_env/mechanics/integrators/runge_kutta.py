@@ -8,8 +8,6 @@ axis, 2 sqrt(2), is nearly as long as four stages allow. Between the ends of a s
 velocities the cubic Hermite polynomial through the derivatives that are known there.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

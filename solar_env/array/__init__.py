@@ -6,25 +6,12 @@ integrator a model gets, ``deployment`` simulates one, ``ladder`` chooses the ch
 Imports ``mechanics`` alone. A new parameter is a field of ``ArrayParameters`` and its use in ``construction``.
 """
 
-from solar_env.array.construction import build, main_body_corners
-from solar_env.array.parameters import (
-    DEFAULT_ELEMENTS,
-    MODELS,
-    PRESETS,
-    ArrayParameters,
-    check_elements,
-    check_model,
-    has_flexible_panels,
-)
-
-__all__ = [
-    "DEFAULT_ELEMENTS",
-    "MODELS",
-    "PRESETS",
-    "ArrayParameters",
-    "build",
-    "check_elements",
-    "check_model",
-    "has_flexible_panels",
-    "main_body_corners",
-]
+from solar_env.array.construction import build as build
+from solar_env.array.construction import main_body_corners as main_body_corners
+from solar_env.array.parameters import DEFAULT_ELEMENTS as DEFAULT_ELEMENTS
+from solar_env.array.parameters import MODELS as MODELS
+from solar_env.array.parameters import PRESETS as PRESETS
+from solar_env.array.parameters import ArrayParameters as ArrayParameters
+from solar_env.array.parameters import check_elements as check_elements
+from solar_env.array.parameters import check_model as check_model
+from solar_env.array.parameters import has_flexible_panels as has_flexible_panels

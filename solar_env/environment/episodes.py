@@ -1,7 +1,5 @@
 """Episodes of the control task, lane by lane, of a single environment and of a vector of them."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -222,7 +220,7 @@ class Episodes:
         if self._films is not None:
             self._films[lane] = Film(self.setup)
 
-    def futures(self, lane: int, count: int, threads: int | None = None) -> Episodes:
+    def futures(self, lane: int, count: int, threads: int | None = None) -> "Episodes":
         """Copies of the present episode of a lane, which go on without touching it.
 
         Each has the original's whole state, mid-contact included, its parameters, its charges so far and its motor, and

@@ -1,7 +1,5 @@
 """Sensors between the exact state and the observation: noise, steps of an encoder, delay, and memory of the past."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from copy import deepcopy
 from typing import NamedTuple

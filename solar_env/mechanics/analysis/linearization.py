@@ -3,8 +3,6 @@
 The matrices are those of Newton's equations of the implicit integrator (``alpha_step.py``).
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -7,8 +7,6 @@ Generalized coordinates ``q`` come body by body; what they are is known to the k
 which also makes the rows for bodies and for markers, that is points of bodies with a direction.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -7,8 +7,6 @@ worked on at a time, in the processor's vector registers; for that, what is read
 own.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

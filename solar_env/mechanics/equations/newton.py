@@ -4,8 +4,6 @@ Mass M, damping C and stiffness K share one profile (``profile.py``), so that th
 their entries: a change of the step needs no new tangents.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from solar_env.mechanics.arrays.model import Model

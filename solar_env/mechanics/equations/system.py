@@ -6,8 +6,6 @@ drives, solved through the bodies' compliances (the dual Schur complement A P A^
 Those of other bodies are constant.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

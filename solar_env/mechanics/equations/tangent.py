@@ -6,8 +6,6 @@ generalized force is B^T p(x, x') with B = dx/dq, so that
 dQ/dq = B^T (dp/dx B + dp/dx' dx'/dq) + p times the Hessians of x,   dQ/dv = B^T dp/dx' B.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

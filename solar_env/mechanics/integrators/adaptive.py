@@ -9,8 +9,6 @@ contact starts with its exact approach speed. Latchings are found in the same wa
 by a share of its duration, which impact speed and stiffness give beforehand.
 """
 
-from __future__ import annotations
-
 import math
 
 from solar_env.mechanics.arrays.model import (

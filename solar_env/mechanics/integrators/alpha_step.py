@@ -9,8 +9,6 @@ A change of step size leaves the auxiliary accelerations inconsistent; they are 
 acceleration level, at the instant t + (alpha_m - alpha_f) h which they stand for.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

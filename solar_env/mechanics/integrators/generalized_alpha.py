@@ -6,8 +6,6 @@ Fixed steps divide a call evenly. Adaptive steps follow the change of the accele
 bearing wall when a contact begins that they would not resolve.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """What a run keeps: samples at requested times and one line for every contact. Both are optional."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -4,8 +4,6 @@ With flexible bodies the explicit method (``runge_kutta.py``) is unstable beyond
 allow several times as long a one, a linearly implicit step is tried; the others are explicit.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from solar_env.mechanics.arrays.model import Model, State

@@ -8,8 +8,6 @@ axis, 2 sqrt(2), is nearly as long as four stages allow. Lasting contacts, and w
 treated linearly implicitly (``stiff_forces.py``).
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -10,8 +10,6 @@ Places come in blocks of four, the coordinates of a node: products of 4 x 4 bloc
 filled. Places without an unknown fill the blocks of multipliers up.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -14,9 +14,8 @@ from solar_env.__main__ import main
 from solar_env.commands import chart
 from solar_env.studies.common.plans import FULL, QUICK
 from solar_env.studies.common.tables import Table, read_table
-from solar_env.studies.precision import charts, growth_plot, methods, side_by_side
-from solar_env.studies.precision.ensembles import STATISTICS, statistics_of
-from solar_env.studies.precision.ensembles_plot import LABELS
+from solar_env.studies.precision import charts, growth, methods, side_by_side
+from solar_env.studies.precision.ensembles import LABELS, STATISTICS, statistics_of
 from solar_env.studies.precision.growth import with_panels
 
 MOMENT = replace(
@@ -149,7 +148,7 @@ def test_statistics_count_what_follows_the_first_latching():
 
 def test_the_fitted_exponent_is_that_of_a_power_law():
     counts = np.array([2.0, 4.0, 8.0, 16.0])
-    assert growth_plot.fitted_exponent(counts, 3.0 * counts**1.5) == pytest.approx(1.5)
+    assert growth.fitted_exponent(counts, 3.0 * counts**1.5) == pytest.approx(1.5)
 
 
 @pytest.mark.parametrize("count", [1, 2, 5])

@@ -11,12 +11,9 @@ from rich.console import Console
 
 from solar_env.studies.common.plans import FULL, QUICK, Plan
 from solar_env.studies.common.tables import Row, Table, provenance, read_table, write_table
-from solar_env.studies.precision.ensembles import count_ensembles, run_ensembles
-from solar_env.studies.precision.ensembles_plot import draw_ensembles
-from solar_env.studies.precision.growth import count_growth, run_growth
-from solar_env.studies.precision.growth_plot import draw_growth
-from solar_env.studies.precision.levels import count_levels, run_levels
-from solar_env.studies.precision.levels_plot import draw_levels
+from solar_env.studies.precision.ensembles import count_ensembles, draw_ensembles, run_ensembles
+from solar_env.studies.precision.growth import count_growth, draw_growth, run_growth
+from solar_env.studies.precision.levels import count_levels, draw_levels, run_levels
 from solar_env.studies.precision.methods import METHODS, MISSING_PEER, peer_is_missing
 from solar_env.studies.precision.side_by_side import count_side_by_side, run_side_by_side, write_side_by_side
 from solar_env.studies.precision.work_precision import count_work_precision, run_work_precision

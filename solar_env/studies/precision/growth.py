@@ -1,18 +1,28 @@
-"""How the cost grows with the size of the model: wall time of a step against elements and against panels."""
+"""Growth of the cost with the size of the model: wall time against elements and panels, measured and drawn."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters
 from solar_env.array.methods import default_integrator
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator
+from solar_env.pictures.style import METHOD_LOOKS, STYLE, Look, look_of
+from solar_env.studies.common.drawing import make_figure, save, use_decades
 from solar_env.studies.common.motion import Scene, run_own
 from solar_env.studies.common.plans import Plan
-from solar_env.studies.common.tables import Row
+from solar_env.studies.common.tables import Cell, Row, Table
 from solar_env.studies.common.timing import time_interleaved
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 ELEMENTS, PANELS = "elements", "panels"
 _REPEATS = 5  # of runs that are short in every plan
@@ -102,3 +112,76 @@ def run_growth(plan: Plan, announce: Callable[[str], None]) -> dict[str, list[Ro
             }
         )
     return {"growth": rows}
+
+
+COSTS = {
+    "wall_per_step_s": "wall time of a step [s]",
+    "wall_per_simulated_second": "wall time of a simulated second [s]",
+}
+COUNTS = {"elements": "elements of a panel", "panels": "panels"}
+
+
+def fitted_exponent(counts: NDArray[np.float64], costs: NDArray[np.float64]) -> float:
+    """Exponent p of the least-squares fit of costs (n,) by a counts^p over the upper half of the range of counts.
+
+    Small models have a cost of their own that does not grow, which the lower half would mix in.
+    """
+    upper = counts >= min(np.sqrt(counts.min() * counts.max()), np.sort(counts)[-2])
+    return float(np.polyfit(np.log(counts[upper]), np.log(costs[upper]), 1)[0])
+
+
+def draw_growth(rows: Table, folder: Path) -> list[Path]:
+    """Draw cost against elements and against panels; returns the file."""
+    import matplotlib as mpl
+
+    looks = {f"{row['model']}, {row['method']}": _look(row) for row in rows.rows}
+    figure, axes = make_figure(len(COSTS), len(COUNTS), (3.4, 2.4), len(looks))
+    with mpl.rc_context(STYLE):
+        for column, (varied, count_label) in zip(axes.T, COUNTS.items(), strict=True):
+            for axis, (cost, label) in zip(column, COSTS.items(), strict=True):
+                _draw_panel(axis, rows.where(varied=varied), cost)
+                axis.set_xlabel(count_label)
+                axis.set_ylabel(label)
+    path = folder / "growth.png"
+    note = (
+        "numbers: fitted exponents over the upper half of the range; with explicit methods the stable step shrinks too"
+    )
+    save(figure, path, looks, _title(rows), note)
+    return [path]
+
+
+def _look(row: Mapping[str, Cell]) -> Look:
+    """The look of a method, open markers for rigid panels."""
+    filled = {} if str(row["model"]).startswith("flexible") else {"markerfacecolor": "white"}
+    return {**look_of(str(row["method"]), METHOD_LOOKS), **filled}
+
+
+def _title(rows: Table) -> str:
+    """The range of the fitted exponents of a step's cost with flexible panels."""
+    parts = []
+    for varied in COUNTS:
+        own = rows.where(varied=varied, model="flexible-ideal")
+        exponents = [
+            fitted_exponent(of.column("count"), of.column("wall_per_step_s"))
+            for of in (own.where(method=method) for method in own.values("method"))
+        ]
+        parts.append(f"{varied} to the power {min(exponents):.2f} to {max(exponents):.2f}")
+    return "With flexible panels a step's time grows with " + ", ".join(parts)
+
+
+def _draw_panel(axis: Axes, rows: Table, cost: str) -> None:
+    axis.set_xscale("log", base=2)
+    axis.set_yscale("log")
+    for model, method in dict.fromkeys((row["model"], row["method"]) for row in rows.rows):
+        own = rows.where(model=model, method=method)
+        counts, costs = own.column("count"), own.column(cost)
+        style = _look(own.rows[0])
+        axis.plot(counts, costs, markersize=3.5, **style)
+        exponent = fitted_exponent(counts, costs)
+        axis.annotate(
+            f"{exponent:.2f}", (counts[-1], costs[-1]), (4, 0), textcoords="offset points", color=style["color"]
+        )
+    low, high = axis.get_xlim()
+    axis.set_xlim(low, 1.25 * high)
+    axis.xaxis.set_major_formatter("{x:g}")
+    use_decades(axis, "y")

@@ -416,7 +416,8 @@ def test_integrators_by_name(name: str, model: str) -> None:
 
 def test_an_unknown_integrator_is_refused_with_the_choices() -> None:
     with pytest.raises(
-        ValueError, match="integrator 'euler' is unknown; choose from runge-kutta, rosenbrock, generalized-alpha, paper"
+        ValueError,
+        match="integrator 'euler' is unknown; choose from runge-kutta, rosenbrock, dop853, generalized-alpha, paper",
     ):
         make_integrator("euler", "rigid-ideal")
 

@@ -111,12 +111,15 @@ def move_to(state, settings, stages, h, share):
 
 
 @kernel(single_caller=True)
-def accept(model, state, settings, arrays, recorder, share, event_joint, kind):
-    """Move to ``share`` of the step in hand and book what happened on the way. False if constraints are singular."""
+def accept(model, state, settings, arrays, recorder, share, end, event_joint, kind):
+    """Move to ``share`` of the step in hand, at the time ``end`` [s], and book what happened on the way.
+
+    Returns:
+        False if the constraints are singular.
+    """
     work, scratch, stages = arrays.work, arrays.scratch, arrays.stages
     clock, h, implicit = state.clock[0], stages.trial[0].step, stages.trial[0].implicit
     start = clock.time
-    end = start + share * h
     if recorder.times.size > 0:
         copy_into(scratch.impact_speeds, work.impact_speeds)
         record_until(model, state, settings, stages, scratch, recorder, h, end)

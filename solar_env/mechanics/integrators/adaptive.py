@@ -55,7 +55,7 @@ def prepare_arrays(model, settings, arrays):
     begin_of(settings)(model, arrays.own)
 
 
-@kernel(single_caller=True)
+@kernel(inner=True, inlined=True)
 def begin_adaptive(model, state, settings, recorder, arrays):
     """Prepare a call, from the accelerations of the last one where they hold, and record its start; a status code."""
     prepare_arrays(model, settings, arrays)
@@ -125,7 +125,7 @@ def choose_next(model, state, settings, stages):
     adapt_of(settings)(model, state, stages, True)
 
 
-@kernel(single_caller=True)
+@kernel(inner=True, inlined=True)
 def take_adaptive_step(model, state, settings, recorder, end_time, arrays):
     """Try a step towards ``end_time`` [s], and take it if its error allows, up to its first event; a status code."""
     stages, clock, trial = arrays.stages, state.clock[0], arrays.stages.trial[0]
@@ -139,10 +139,11 @@ def take_adaptive_step(model, state, settings, recorder, end_time, arrays):
     if not complete_of(settings)(model, state, arrays, recorder, h):
         return fail(state, SINGULAR_CONSTRAINTS, -1, 0.0)
     share, event_joint, kind = first_event(model, state, settings, stages, arrays.work, h)
-    trial.at_once = 0 if clock.time + share * h > clock.time else trial.at_once + 1
+    end = clock.time + share * h
+    trial.at_once = 0 if end > clock.time else trial.at_once + 1
     if trial.at_once > _MOST_EVENTS_AT_ONCE:
         return fail(state, EVENTS_PILE_UP, event_joint, float(trial.at_once))
-    if not accept(model, state, settings, arrays, recorder, share, event_joint, kind):
+    if not accept(model, state, settings, arrays, recorder, share, end, event_joint, kind):
         return fail(state, SINGULAR_CONSTRAINTS, -1, 0.0)
     if trial.last and share == 1.0:
         clock.time = end_time

@@ -37,12 +37,12 @@ def make_dormand_prince_arrays(model: Model, state: State) -> AdaptiveArrays:
     return make_adaptive_arrays(model, state, ROWS, make_workspace(model, state), ())
 
 
-@kernel(single_caller=True)
+@kernel(inner=True, inlined=True)
 def begin_dormand_prince(model, own):
     """Nothing is kept between calls."""
 
 
-@kernel(single_caller=True)
+@kernel(inner=True, inlined=True)
 def choose_dormand_prince(model, state, stages, wanted):
     """Step to try [s]: the one ``wanted``, for the error estimate alone bounds it."""
     return wanted
@@ -206,10 +206,11 @@ def dense_integrals(state, stages, h, share):
 
 
 @kernel(inner=True, inlined=True)
-def dense_eccentricity(joint, markers, state, stages, h, share):
-    """Eccentricity of a joint at ``share`` of the step."""
+def dense_depth(joint, markers, state, stages, h, share):
+    """Penetration [m] of a joint at ``share`` of the step."""
     dense_state(state, stages, h, share)
-    return relative(joint, markers, stages.scratch_q)
+    ex, ey = relative(joint, markers, stages.scratch_q)
+    return math.sqrt(ex * ex + ey * ey) - joint.clearance
 
 
-INTERPOLANT = Interpolant(complete_dense, dense_state, dense_integrals, dense_eccentricity)
+INTERPOLANT = Interpolant(complete_dense, dense_state, dense_integrals, dense_depth)

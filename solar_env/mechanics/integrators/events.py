@@ -5,13 +5,11 @@ Each is a root of the step's interpolant, found without further evaluations of t
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from solar_env.mechanics.arrays.model import CLEARANCE
 from solar_env.mechanics.integrators.history import latch, start_contact
-from solar_env.mechanics.integrators.methods import eccentricity_of, interpolate_of
+from solar_env.mechanics.integrators.methods import depth_of, interpolate_of
 from solar_env.mechanics.joints.joint import (
     ANGLE,
     ECCENTRICITY_X,
@@ -39,8 +37,7 @@ def event_function(model, state, settings, stages, j, kind, h, share):
             return angle - joint.lock_angle
         depth, _ = stop_depth(joint, state.joints[j].latched, angle)
         return depth
-    ex, ey = eccentricity_of(settings)(joint, markers, state, stages, h, share)
-    return math.sqrt(ex * ex + ey * ey) - joint.clearance
+    return depth_of(settings)(joint, markers, state, stages, h, share)
 
 
 @kernel(inner=True)

@@ -66,7 +66,7 @@ def present_velocity_scale(velocity_scale, weights, v0, v):
     return velocity_scale * min(1.0, max((_SLOW * top / velocity_scale) ** 2, _LEAST_SCALE))
 
 
-@kernel(single_caller=True)
+@kernel(inner=True, inlined=True)
 def begin_rosenbrock(model, own):
     """Forget what other lanes and calls have left, and fill what the arrays hold of a model."""
     own.stiff.active[0] = 0
@@ -75,7 +75,7 @@ def begin_rosenbrock(model, own):
     fill_mass(model, own.step.newton.mass)
 
 
-@kernel(single_caller=True)
+@kernel(inner=True, inlined=True)
 def choose_rosenbrock(model, state, stages, wanted):
     """Step to try [s] if ``wanted`` is what accuracy, impacts and the settings allow, and whether linearly implicit."""
     trial = stages.trial[0]
@@ -101,7 +101,7 @@ def attempt_rosenbrock(model, state, settings, arrays, h):
     return error_norm(model, state, stages, own.stiff, settings.rtol, velocity_scale, h)
 
 
-@kernel(single_caller=True)
+@kernel(inner=True, inlined=True)
 def adapt_rosenbrock(model, state, stages, accepted):
     """Choose when a linearly implicit step is tried next, once the next step's size is set."""
     clock, trial = state.clock[0], stages.trial[0]

@@ -125,7 +125,7 @@ def make_runge_kutta_arrays(model: Model, state: State) -> AdaptiveArrays:
     return make_adaptive_arrays(model, state, STAGES, work, RungeKuttaArrays(make_stiff_forces(state)))
 
 
-@kernel(single_caller=True)
+@kernel(inner=True, inlined=True)
 def begin_runge_kutta(model, own):
     """Forget the stiff forces of other lanes and calls."""
     own.stiff.active[0] = 0
@@ -139,7 +139,7 @@ def stable_step(model, stages, wanted):
     return min(stable, wanted)
 
 
-@kernel(single_caller=True)
+@kernel(inner=True, inlined=True)
 def choose_runge_kutta(model, state, stages, wanted):
     """Step to try [s] if ``wanted`` is what accuracy, impacts and the settings allow."""
     return stable_step(model, stages, wanted)

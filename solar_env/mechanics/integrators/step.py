@@ -8,6 +8,7 @@ doi:10.1007/978-3-540-78862-1).
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays.model import ENERGIES, EXACT, Model, State
 from solar_env.mechanics.equations.system import Workspace, accelerations, make_workspace
-from solar_env.mechanics.joints.joint import relative, relative_velocity
+from solar_env.mechanics.joints.joint import penetration, relative, relative_velocity
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 
@@ -182,11 +183,12 @@ def hermite_state(state, stages, h, share):
 
 
 @kernel(inner=True, inlined=True)
-def hermite_eccentricity(joint, markers, state, stages, h, share):
-    """Eccentricity of a joint at ``share`` of the step; where it is linear in the coordinates, it is taken alone."""
+def hermite_depth(joint, markers, state, stages, h, share):
+    """Penetration [m] of a joint at ``share`` of the step; an eccentricity that is linear in q is interpolated alone."""
     if not (markers[joint.outboard].linear and markers[joint.inboard].linear):
         hermite_state(state, stages, h, share)
-        return relative(joint, markers, stages.scratch_q)
+        depth, _ = penetration(joint, markers, stages.scratch_q, stages.scratch_v)
+        return depth
     acceleration = stages.acceleration
     p0, p1, p2, r0, r1, r2 = quintic_weights(share)
     ex0, ey0 = relative(joint, markers, state.q)
@@ -197,7 +199,7 @@ def hermite_eccentricity(joint, markers, state, stages, h, share):
     ax1, ay1 = relative_velocity(joint, markers, stages.q, acceleration[-1])
     ex = p0 * ex0 + r0 * ex1 + h * (p1 * ux0 + r1 * ux1 + h * (p2 * ax0 + r2 * ax1))
     ey = p0 * ey0 + r0 * ey1 + h * (p1 * uy0 + r1 * uy1 + h * (p2 * ay0 + r2 * ay1))
-    return ex, ey
+    return math.sqrt(ex * ex + ey * ey) - joint.clearance
 
 
 @kernel(inner=True)
@@ -222,13 +224,13 @@ def hermite_integrals(state, stages, h, share):
         integrals[k] = base[k] + whole * gain[k] + h * (start * power[0, k] + end * power[-1, k])
 
 
-@kernel(single_caller=True)
+@kernel(inner=True, inlined=True)
 def hermite_is_complete(model, state, arrays, recorder, h):
     """Hermite's interpolant needs nothing beyond what every step leaves at its ends."""
     return True
 
 
-@kernel(single_caller=True)
+@kernel(inner=True, inlined=True)
 def adapt_nothing(model, state, stages, accepted):
     """The method has no choice of its own between steps."""
 
@@ -241,13 +243,13 @@ class Interpolant(NamedTuple):
             anything will be looked at; False if constraints are singular.
         state: (state, stages, h, share): coordinates and velocities to ``stages.scratch_q`` and ``.scratch_v``.
         integrals: (state, stages, h, share): time integrals to ``stages.integrals``.
-        eccentricity: (joint, markers, state, stages, h, share): of a joint (2,) [m].
+        depth: (joint, markers, state, stages, h, share): penetration of a joint with clearance [m].
     """
 
     complete: Any
     state: Any
     integrals: Any
-    eccentricity: Any
+    depth: Any
 
 
-HERMITE = Interpolant(hermite_is_complete, hermite_state, hermite_integrals, hermite_eccentricity)
+HERMITE = Interpolant(hermite_is_complete, hermite_state, hermite_integrals, hermite_depth)

@@ -91,7 +91,9 @@ def kernel(
     """
     if function is None:
         return partial(kernel, inner=inner, inlined=inlined, single_caller=single_caller)
-    options = {"no_cpython_wrapper": inner, "forceinline": inlined, "inline": "always" if single_caller else "never"}
+    wishes = {"no_cpython_wrapper": inner, "forceinline": inlined, "inline": "always" if single_caller else ""}
+    # Only what is wished for: to name the default "never" keeps LLVM from inlining, which costs up to half the speed.
+    options = {name: value for name, value in wishes.items() if value}
     previous = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = cache_folder(Path(function.__code__.co_filename).resolve())
     try:

@@ -227,7 +227,7 @@ def test_seeds_are_by_lane_and_none_goes_on():
     assert env.unwrapped.episodes.parameters[0].clearance != drawn
     env.reset(seed=4)
     assert env.unwrapped.episodes.parameters[0].clearance == drawn
-    with pytest.raises(ValueError, match="2 seeds were given for 3 lanes"):
+    with pytest.raises(ValueError, match="seed has 2 entries for num_envs = 3 lanes"):
         env.reset(seed=[1, 2])
 
 

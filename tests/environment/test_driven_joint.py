@@ -8,17 +8,12 @@ import gymnasium
 import numpy as np
 import pytest
 
+from agents.laws.brake import BrakeParameters, ConstantBrake
+from agents.laws.damper import DamperParameters, ViscousDamper
 from agents.laws.receding_horizon import RecedingHorizon, SearchSettings
-from agents.torque_laws import (
-    BrakeParameters,
-    ConstantBrake,
-    DamperParameters,
-    InputShapedProfile,
-    ServoParameters,
-    Signals,
-    VelocityProfileServo,
-    ViscousDamper,
-)
+from agents.laws.servo import ServoParameters, VelocityProfileServo
+from agents.laws.shaped import InputShapedProfile
+from agents.torque_laws import Signals
 from solar_env.environment.observations import observation_entries
 
 ID = "solar_env/Deploy-v0"

@@ -8,7 +8,6 @@ import gymnasium
 
 import solar_env  # noqa: F401  (registers the environment ids)
 from solar_env.environment.settings import EnvironmentSettings
-from solar_env.environment.setup import Setup
 
 DEFAULT_ENV_ID = "solar_env/Deploy-v0"
 
@@ -89,15 +88,17 @@ def with_model(
     return chosen
 
 
-def environment_settings(env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, Any] | None = None) -> Setup:
+def environment_settings(
+    env_id: str = DEFAULT_ENV_ID, env_kwargs: Mapping[str, Any] | None = None
+) -> EnvironmentSettings:
     """Check the keywords of an environment and return its settings, such as model and task, without making it.
 
     Raises:
         ValueError: As `make_env`.
     """
 
-    def settings(**keywords: Any) -> Setup:
-        return Setup(EnvironmentSettings.of({**gymnasium.spec(env_id).kwargs, **keywords}))
+    def settings(**keywords: Any) -> EnvironmentSettings:
+        return EnvironmentSettings.of({**gymnasium.spec(env_id).kwargs, **keywords})
 
     return _made(settings, env_id, env_kwargs)
 

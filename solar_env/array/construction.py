@@ -1,42 +1,19 @@
 """The mechanism that array parameters describe, folded, and the outline of its main body."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.array.parameters import (
-    DEFAULT_ELEMENTS,
-    ArrayParameters,
-    check_elements,
-    check_model,
-    has_flexible_panels,
-)
-from solar_env.mechanics.mechanism.description import (
-    AnyBody,
-    Body,
-    CableLoop,
-    FlexibleBody,
-    Joint,
-    Mechanism,
-    Point,
-    Spring,
-)
+from solar_env.array.parameters import DEFAULT_ELEMENTS, ArrayParameters, check_elements, has_flexible_panels
+from solar_env.mechanics.bodies.description import Point
+from solar_env.mechanics.mechanism.description import AnyBody, Body, CableLoop, FlexibleBody, Joint, Mechanism, Spring
 
 
 def _panel(
-    parameters: ArrayParameters,
-    name: str,
-    elements: int | None,
-    hinge: Point,
-    angle: float,
-    velocity: Point,
-    spin: float,
+    p: ArrayParameters, name: str, elements: int | None, hinge: Point, angle: float, velocity: Point, spin: float
 ) -> AnyBody:
     """A panel as a rigid body (``elements`` None) or as a beam; ``velocity`` is that of its hinge."""
-    p = parameters
     section = p.panel_width * p.panel_thickness
     if elements is None:
         mass = p.panel_density * section * p.panel_length
@@ -73,7 +50,6 @@ def build(parameters: ArrayParameters, model: str = "rigid-clearance", elements:
     Raises:
         ValueError: if the model is unknown or the number of elements refused.
     """
-    clearance = check_model(model).endswith("clearance")
     check_elements(elements)
     panel_elements = elements if has_flexible_panels(model) else None
     p = parameters
@@ -92,8 +68,7 @@ def build(parameters: ArrayParameters, model: str = "rigid-clearance", elements:
             fixed=p.body_fixed,
         )
     ]
-    joints, cables = [], []
-    stop = p.stop()
+    joints, cables, stop = [], [], p.stop()
     hinge = (p.hinge_x, p.hinge_y)
     velocity, spin = _turning(p.initial_spin, hinge), p.initial_spin
     for k in range(p.panel_count):
@@ -112,7 +87,7 @@ def build(parameters: ArrayParameters, model: str = "rigid-clearance", elements:
                 sign=sign,
                 folded_angle=-sign * math.pi if k else angle,
                 middle=lock / 2,
-                bearing=p.bearing(k) if clearance else None,
+                bearing=p.bearing(k) if model.endswith("clearance") else None,
                 spring=Spring(p.by_joint("spring_stiffness", k), p.by_joint("spring_preload_angle", k)),
                 stop=stop,
                 lock_angle=lock,

@@ -1,7 +1,5 @@
 """Simulating a deployment of the array as a whole: parameters and model level in, trajectory out."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -35,7 +33,7 @@ def simulate(
         model: one of ``array.MODELS``.
         elements: beam elements of each panel; rigid models do not use it.
         duration: [s].
-        integrator: defaults to :func:`default_integrator` of the model.
+        integrator: defaults to `default_integrator` of the model.
         output_step: distance of the samples [s]; independent of the integration step.
         progress: called with the simulated time [s] now and then; the result does not depend on it.
 
@@ -68,7 +66,7 @@ def panel_deflections(trajectory: Trajectory) -> NDArray[np.float64]:
     """Deflection of every panel's middle from the chord between its ends, over the samples of a deployment.
 
     Args:
-        trajectory: as :func:`simulate` returns it, or loaded from a file.
+        trajectory: as `simulate` returns it, or loaded from a file.
 
     Returns:
         (nt, panels) [m]; positive to the left of the way from the inner hinge to the tip, zero for rigid panels.

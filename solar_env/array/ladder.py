@@ -1,15 +1,14 @@
-"""The ladder of model levels: which questions it answers, and the cheapest level that answers one to a tolerance.
+"""The ladder of model levels: its questions, and the cheapest level that answers one to a tolerance.
 
-What a level errs by and costs is read from a table that ``python -m solar_env ladder`` measured.
+Errors and costs of the levels are read from a table that ``python -m solar_env ladder`` measured.
 """
-
-from __future__ import annotations
 
 import csv
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import get_type_hints
 
 PACKAGED_TABLE = Path(__file__).resolve().parent / "data" / "ladder.csv"
 
@@ -30,7 +29,7 @@ _ROUNDING = 1.0 + 1e-9  # shares of pairs are compared with tolerances that are 
 
 @dataclass(frozen=True)
 class Answer:
-    """What one level makes of one question.
+    """Error and cost of one level for one question.
 
     Attributes:
         question: one of QUESTIONS.
@@ -77,28 +76,17 @@ def read_answers(path: Path = PACKAGED_TABLE) -> tuple[Answer, ...]:
     """
     if not path.is_file():
         raise ValueError(f"{path} does not exist; measure it: python -m solar_env ladder")
+    kinds = get_type_hints(Answer)
     with path.open(newline="", encoding="utf-8") as file:
         rows = csv.DictReader(line for line in file if not line.startswith("# "))
         try:
-            return tuple(
-                Answer(
-                    row["question"],
-                    row["model"],
-                    int(row["elements"]),
-                    float(row["error"]),
-                    float(row["half_width"]),
-                    float(row["cost_ratio"]),
-                    float(row["evaluations"]),
-                    int(row["members"]),
-                )
-                for row in rows
-            )
+            return tuple(Answer(**{name: kind(row[name]) for name, kind in kinds.items()}) for row in rows)
         except (KeyError, TypeError, ValueError) as error:
             raise ValueError(f"{path} is not a table of the ladder: {error!r}") from error
 
 
 def steps(answers: Iterable[Answer], question: str) -> tuple[Answer, ...]:
-    """The levels that :func:`cheapest` chooses for one tolerance or another, from the finest to the cheapest.
+    """The levels that `cheapest` chooses for one tolerance or another, from the finest to the cheapest.
 
     A level is chosen from its ``bound`` on, up to the bound of the next.
     """
@@ -113,7 +101,7 @@ def cheapest(answers: Iterable[Answer], question: str, tolerance: float) -> Answ
     """The answer of the cheapest level whose error, sampling included, is within a tolerance.
 
     Args:
-        answers: as :func:`read_answers` gives them.
+        answers: as `read_answers` gives them.
         question: one of QUESTIONS.
         tolerance: relative, see QUESTIONS.
 

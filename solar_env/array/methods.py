@@ -1,6 +1,4 @@
-"""Which integrator a deployment gets: by name, or the model's default."""
-
-from __future__ import annotations
+"""The integrator of a deployment: by name, or the model's default."""
 
 from solar_env.array.parameters import has_flexible_panels
 from solar_env.mechanics.integrators.settings import INTEGRATORS, GeneralizedAlpha, Integrator, Rosenbrock, RungeKutta

@@ -1,4 +1,4 @@
-"""The deployable solar array: its parameters and the mechanism they describe.
+"""The parameters of the deployable solar array, with their sources and checks.
 
 Scene and defaults: Y. Li, C. Wang and W. Huang, "Dynamics analysis of planar rigid-flexible coupling deployable solar
 array system with multiple revolute clearance joints", Mech. Syst. Signal Process. 117 (2019) 188-209,
@@ -9,57 +9,32 @@ further joint from 0 to pi, in alternating senses. At t = 0 the journals are cen
 rest.
 """
 
-from __future__ import annotations
-
-import difflib
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields, replace
-from typing import Any, ClassVar
+from dataclasses import asdict, dataclass, fields
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
+from solar_env.array.names import changed, unknown_name
 from solar_env.mechanics.joints.contact.laws import ContactLaw, contact_law
 from solar_env.mechanics.joints.contact.surfaces import Surfaces
 from solar_env.mechanics.joints.friction.laws import FRICTION_LAWS, SLIDING_READINGS, FrictionLaw
-from solar_env.mechanics.mechanism.description import (
-    Bearing,
-    FlexibleBody,
-    Stop,
-)
+from solar_env.mechanics.mechanism.description import Bearing, FlexibleBody, Stop
 from solar_env.mechanics.running.diagnosis import check_restitution
 
 MODELS = ("rigid-ideal", "rigid-clearance", "flexible-ideal", "flexible-clearance")
 DEFAULT_ELEMENTS = 6
 
 _POSITIVE = (
-    "body_mass",
-    "body_inertia",
-    "body_size",
-    "panel_length",
-    "panel_width",
-    "panel_thickness",
-    "panel_density",
-    "panel_young",
-    "cable_wheel_radius",
-    "latch_stiffness",
-    "latch_ramp_depth",
-    "journal_radius",
-    "journal_young",
-    "bearing_young",
-    "minimum_impact_speed",
-    "bearing_width",
-)
+    "body_mass", "body_inertia", "body_size", "panel_length", "panel_width", "panel_thickness", "panel_density",
+    "panel_young", "cable_wheel_radius", "latch_stiffness", "latch_ramp_depth", "journal_radius", "journal_young",
+    "bearing_young", "minimum_impact_speed", "bearing_width",
+)  # fmt: skip
 _NOT_NEGATIVE = (
-    "panel_damping",
-    "cable_stiffness",
-    "cable_preload_force",
-    "latch_gap",
-    "latch_damping",
-    "friction_coefficient",
-    "friction_speed_zero",
-    "wear_coefficient",
-)
+    "panel_damping", "cable_stiffness", "cable_preload_force", "latch_gap", "latch_damping", "friction_coefficient",
+    "friction_speed_zero", "wear_coefficient",
+)  # fmt: skip
 # Parameters for which None is a value.
 _OPTIONAL = ("cable_torque_ratio", "contact_stiffness")
 
@@ -131,7 +106,7 @@ class ArrayParameters:
 
     # Quantities that may differ from joint to joint.
     BY_JOINT: ClassVar[tuple[str, ...]] = ("spring_stiffness", "spring_preload_angle", "clearance", "initial_rate")
-    # What decides how many numbers describe the mechanism and its state.
+    # They decide how many numbers describe the mechanism and its state.
     STRUCTURAL: ClassVar[tuple[str, ...]] = ("panel_count", "body_fixed", "wear_bins")
     # Everything that is a real number.
     CONTINUOUS: ClassVar[frozenset[str]]
@@ -196,21 +171,13 @@ class ArrayParameters:
         self._require("latch_exponent", self.latch_exponent >= 1.0, "must be at least 1")
         for name in ("journal_poisson", "bearing_poisson"):
             self._require(name, -1.0 < getattr(self, name) <= 0.5, "must lie in (-1, 0.5]")
-        self._require(
-            "friction_speed_zero",
-            self.friction_speed_zero < self.friction_speed_full,
-            f"must be below friction_speed_full = {self.friction_speed_full!r}",
-        )
+        rule = f"must be below friction_speed_full = {self.friction_speed_full!r}"
+        self._require("friction_speed_zero", self.friction_speed_zero < self.friction_speed_full, rule)
         self._require("panel_count", 1 <= self.panel_count <= 100, "must lie between 1 and 100")
         self._require("wear_bins", 1 <= self.wear_bins <= 100_000, "must lie between 1 and 100000")
-        self._require(
-            "clearance",
-            min(self._entries("clearance")) > 0.0,
-            "must be positive; for no clearance choose an ideal model",
-        )
-        self._require(
-            "clearance", max(self._entries("clearance")) < self.journal_radius, "must be below journal_radius"
-        )
+        clearances = self._entries("clearance")
+        self._require("clearance", min(clearances) > 0.0, "must be positive; for no clearance choose an ideal model")
+        self._require("clearance", max(clearances) < self.journal_radius, "must be below journal_radius")
         self._require("spring_stiffness", min(self._entries("spring_stiffness")) >= 0.0, "must not be negative")
         self._require("restitution", 0.0 < self.restitution <= 1.0, "must lie in (0, 1]")
         self._require("friction_sliding", self.friction_sliding in SLIDING_READINGS, "must be material or centres")
@@ -218,9 +185,8 @@ class ArrayParameters:
         self._require("static_friction_ratio", self.static_friction_ratio >= 1.0, "must be at least 1")
         self.friction()
         self._require("initial_spin", self.initial_spin == 0.0 or not self.body_fixed, "needs a body that is not fixed")
-        self._require(
-            "contact_stiffness", self.contact_stiffness is None or self.contact_stiffness > 0.0, "must be positive"
-        )
+        stiffness = self.contact_stiffness
+        self._require("contact_stiffness", stiffness is None or stiffness > 0.0, "must be positive")
         for joint in range(self.panel_count):
             contact = self.contact(joint)
         given = contact.exit_speed_ratio()
@@ -261,7 +227,7 @@ class ArrayParameters:
         return float(entries[min(joint, len(entries) - 1)])
 
     @classmethod
-    def preset(cls, name: str) -> ArrayParameters:
+    def preset(cls, name: str) -> Self:
         """Named parameter sets: "default", and "paper", which reads the paper as literally as its results allow.
 
         "paper": hinge at the side's end that the folded panels point away from and a cable couple of torque ratio 1,
@@ -271,31 +237,16 @@ class ArrayParameters:
             ValueError: if the name is unknown.
         """
         if name not in PRESETS:
-            raise ValueError(f"preset {name!r} is unknown; choose from {', '.join(PRESETS)}")
+            raise ValueError(unknown_name("preset", name, PRESETS))
         return cls(**PRESETS[name])
 
-    def with_changes(self, changes: Mapping[str, Any]) -> ArrayParameters:
+    def with_changes(self, changes: Mapping[str, Any]) -> Self:
         """A copy with some parameters changed.
 
         Raises:
             ValueError: if a name is unknown or a value is refused.
         """
-        for name in changes:
-            self.check_name(name)
-        return replace(self, **changes)
-
-    @classmethod
-    def check_name(cls, name: str) -> None:
-        """Check that there is a parameter of this name.
-
-        Raises:
-            ValueError: if there is none; the message shows what comes close.
-        """
-        known = [item.name for item in fields(cls)]
-        if name not in known:
-            close = difflib.get_close_matches(name, known, n=1)
-            hint = f"; did you mean {close[0]!r}?" if close else f"; known are {', '.join(known)}"
-            raise ValueError(f"parameter {name!r} is unknown{hint}")
+        return changed("parameter", self, changes)
 
     def lock_angle(self, joint: int) -> float:
         """Angle at which a joint latches [rad]: pi/2 at the root, pi further out."""
@@ -303,9 +254,8 @@ class ArrayParameters:
 
     def stop(self) -> Stop:
         """The stop of latch and stow stop."""
-        return Stop(
-            self.latch_gap, self.latch_stiffness, self.latch_exponent, self.latch_ramp_depth, self.latch_damping
-        )
+        p = self
+        return Stop(p.latch_gap, p.latch_stiffness, p.latch_exponent, p.latch_ramp_depth, p.latch_damping)
 
     def surfaces(self, joint: int) -> Surfaces:
         """Journal and bearing of a joint, counted from 0, as its contact law takes them."""
@@ -344,7 +294,7 @@ class ArrayParameters:
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """All parameters as values that JSON keeps; :meth:`with_changes` takes them back."""
+        """All parameters as values that JSON keeps; `with_changes` takes them back."""
         return {name: list(value) if isinstance(value, tuple) else value for name, value in asdict(self).items()}
 
 

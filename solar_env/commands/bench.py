@@ -1,7 +1,5 @@
 """`python -m solar_env bench`: environment steps per second, and what they cost."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 
@@ -32,7 +30,6 @@ def run_command(args: argparse.Namespace) -> int:
         ValueError: if the page has no place for the tables.
         OSError: if the tables cannot be written.
     """
-    # The measurements need the compiler, --help does not.
     from solar_env.studies.throughput.step_rates import measurements, tables
 
     if args.readme:

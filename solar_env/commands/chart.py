@@ -1,12 +1,11 @@
 """`python -m solar_env chart`: speed against accuracy, measured into tables, drawn from the tables."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 
 from rich.console import Console
 
+from solar_env.support.campaigns import Workers
 from solar_env.support.readme import STUDIES as STUDY_FOLDER
 from solar_env.support.readme import Section
 
@@ -38,17 +37,14 @@ def run_command(args: argparse.Namespace) -> int:
     Raises:
         ValueError: if figures are to be drawn of tables that do not exist.
     """
-    # The studies need the compiler, --help does not.
     from solar_env.studies.precision.charts import draw, measure_charts
-    from solar_env.support.campaigns import Workers
 
     tables, figures = (FOLDER / "data", FOLDER / "figures") if args.readme else (args.out, args.out)
     names = (args.only,) if args.only else STUDIES
     if args.readme:
         SECTION.read()  # refuses a page without a place before everything is measured
-    console = Console(stderr=True)
     if not args.draw:
-        measure_charts(names, args.quick, tables, console, Workers(args.jobs))
+        measure_charts(names, args.quick, tables, Console(stderr=True), Workers(args.jobs))
     for path in draw(names, tables, figures):
         print(path)
         if args.readme and path.suffix == ".md":

@@ -1,14 +1,13 @@
 """`python -m solar_env design`: peak force and wear over clearances and over latch and cable stiffness."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 
 from rich.console import Console
 
 from solar_env.array import PRESETS
-from solar_env.commands._workers import add_worker_arguments, chosen_workers
+from solar_env.commands._workers import add_worker_arguments
+from solar_env.support.campaigns import Workers
 from solar_env.support.readme import STUDIES
 
 
@@ -32,7 +31,6 @@ def run_command(args: argparse.Namespace) -> int:
         ValueError: if there are no runs or processes, or the folder holds cells of other settings.
         OSError: if a file cannot be read or written.
     """
-    # The studies need the compiler, --help does not.
     from solar_env.studies.common.tables import read_table
     from solar_env.studies.design.design_map import FILE, measure_design
     from solar_env.studies.design.design_plot import draw_design
@@ -40,6 +38,7 @@ def run_command(args: argparse.Namespace) -> int:
     if args.members < 1:
         raise ValueError(f"members = {args.members} must be at least 1")
     if not args.draw:
-        print(measure_design(args.preset, args.members, chosen_workers(args), args.out, Console(stderr=True)))
+        workers = Workers(args.jobs, args.cluster)
+        print(measure_design(args.preset, args.members, workers, args.out, Console(stderr=True)))
     print(draw_design(read_table(args.out / FILE), STUDIES / "design" / "figures" if args.readme else args.out))
     return 0

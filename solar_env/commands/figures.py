@@ -1,7 +1,5 @@
 """`python -m solar_env figures`: the pictures of a deployment, and of where a fixed step fails, for the pages."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 from tempfile import TemporaryDirectory

@@ -1,7 +1,5 @@
 """`python -m solar_env ground-test`: deployments repeated with the worn clearance fed back."""
 
-from __future__ import annotations
-
 import argparse
 from dataclasses import replace
 from pathlib import Path
@@ -9,7 +7,8 @@ from pathlib import Path
 from rich.console import Console
 
 from solar_env.array import PRESETS, ArrayParameters
-from solar_env.commands._workers import add_worker_arguments, chosen_workers
+from solar_env.commands._workers import add_worker_arguments
+from solar_env.support.campaigns import Workers
 from solar_env.support.progress import counting_bar
 from solar_env.support.readme import STUDIES
 
@@ -46,7 +45,6 @@ def run_command(args: argparse.Namespace) -> int:
         SimulationError: if a run cannot go on.
         OSError: if a file cannot be written.
     """
-    # The studies need the compiler, --help does not.
     from solar_env.studies.common.tables import provenance, read_table, write_table
     from solar_env.studies.design.ground_test import FILE, Deployment, as_rows, clearances_after, wear_campaign
     from solar_env.studies.design.ground_test_plot import draw_ground_test
@@ -55,14 +53,14 @@ def run_command(args: argparse.Namespace) -> int:
     if not 0 <= check <= args.deployments:
         raise ValueError(f"check = {check} must lie between 0 and the {args.deployments} deployments")
     parameters = replace(ArrayParameters.preset(args.preset), wear_coefficient=args.wear_coefficient)
-    console = Console(stderr=True)
+    workers = Workers(args.jobs, args.cluster)
     campaigns: dict[str, list[Deployment]] = {}
     plans = {"extrapolated": (args.deployments, args.growth)} | ({"direct": (check, 0.0)} if check else {})
-    with counting_bar(console) as bar:
+    with counting_bar(Console(stderr=True)) as bar:
         for kind, (deployments, growth) in plans.items():
             task = bar.add_task(f"{kind} deployments", total=deployments)
             campaigns[kind] = []
-            for deployment in wear_campaign(parameters, deployments, growth, args.members, chosen_workers(args)):
+            for deployment in wear_campaign(parameters, deployments, growth, args.members, workers):
                 campaigns[kind].append(deployment)
                 bar.advance(task, deployment.repeated)
     rows = [row for kind, campaign in campaigns.items() for row in as_rows(campaign, kind)]

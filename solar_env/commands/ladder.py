@@ -1,7 +1,5 @@
 """`python -m solar_env ladder`: the cheapest model level that answers a question, measured."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 
@@ -33,7 +31,6 @@ def run_command(args: argparse.Namespace) -> int:
         ValueError: if a figure is to be drawn of a table that does not exist.
         OSError: if a file cannot be written.
     """
-    # The studies need the compiler, --help does not.
     from solar_env.studies.ladder.campaign import FILE, measure_ladder
     from solar_env.studies.ladder.plot import draw_ladder
 

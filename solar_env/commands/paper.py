@@ -1,13 +1,12 @@
 """`python -m solar_env paper`: the paper, figure by figure and claim by claim."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 
 from rich.console import Console
 
-from solar_env.commands._workers import add_worker_arguments, chosen_workers
+from solar_env.commands._workers import add_worker_arguments
+from solar_env.support.campaigns import Workers, each_done
 from solar_env.support.progress import counting_bar
 from solar_env.support.readme import STUDIES, Section
 
@@ -37,14 +36,12 @@ def run_command(args: argparse.Namespace) -> int:
         ValueError: if a figure's number is unknown, or there are no processes to run on.
         OSError: if a file cannot be written.
     """
-    # The engine needs the compiler, --help does not.
     from solar_env.studies.common.tables import provenance, read_table, write_table
     from solar_env.studies.paper.cases import Run, simulate_run
     from solar_env.studies.paper.claims import CLAIMS
     from solar_env.studies.paper.drawings import draw_figure
     from solar_env.studies.paper.figures import FIGURES
     from solar_env.studies.paper.survey import as_json, as_markdown, judge, planned_runs
-    from solar_env.support.campaigns import each_done
 
     unknown = [number for number in args.figure or () if number not in FIGURES]
     if unknown:
@@ -60,21 +57,15 @@ def run_command(args: argparse.Namespace) -> int:
     pictures = FOLDER / "figures" if args.readme else args.out
     for folder in (pictures, args.out):
         folder.mkdir(parents=True, exist_ok=True)
-    console = Console(stderr=True)
-    motions = {}
-    with counting_bar(console) as bar:
-        task = bar.add_task("deployments", total=len(runs))
-        for run, motion in each_done(simulate_run, runs, chosen_workers(args)):
-            motions[run] = motion
-            bar.advance(task)
+    with counting_bar(Console(stderr=True)) as bar:
+        done = each_done(simulate_run, runs, Workers(args.jobs, args.cluster))
+        motions = dict(bar.track(done, len(runs), description="deployments"))
         first = {run.case: motion for run, motion in motions.items() if run.member == 0 and not run.parameter}
-        task = bar.add_task("figures", total=len(figures))
-        for figure in figures:
+        for figure in bar.track(figures, description="figures"):
             table = args.out / f"{figure.stem}.csv"
             write_table(table, figure.rows(first), provenance("paper", figure=figure.number, title=figure.title))
             title = f"Fig. {figure.number}: {figure.title}"
             draw_figure(read_table(table), figure.kind, title, pictures / f"{figure.stem}.png")
-            bar.advance(task)
     if args.figure:
         return 0
     findings = [judge(claim, motions) for claim in CLAIMS]

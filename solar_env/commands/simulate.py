@@ -1,33 +1,21 @@
 """`python -m solar_env simulate`: one deployment from the command line."""
 
-from __future__ import annotations
-
 import argparse
 import ast
 import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
-from solar_env.array import (
-    DEFAULT_ELEMENTS,
-    MODELS,
-    PRESETS,
-    ArrayParameters,
-    check_elements,
-    check_model,
-    has_flexible_panels,
-)
+from solar_env.array import DEFAULT_ELEMENTS, MODELS, PRESETS, ArrayParameters, check_elements, check_model
 from solar_env.array.ladder import DEFAULT_TOLERANCE, QUESTIONS, Answer, cheapest, read_answers
 from solar_env.array.methods import INTEGRATOR_NAMES, default_integrator, make_integrator
+from solar_env.array.parameters import has_flexible_panels
 from solar_env.mechanics.integrators.settings import Rosenbrock, RungeKutta
-
-if TYPE_CHECKING:
-    from solar_env.mechanics.running.trajectory import Trajectory
 
 DEFAULT_MODEL = "rigid-clearance"
 _NOTEWORTHY_SHARE = 0.1  # of steps at the limit of stability, above which the command says so
@@ -109,7 +97,7 @@ def run_command(args: argparse.Namespace) -> int:
             progress=lambda time: progress.update(task, completed=time),
         )
     if name == RungeKutta.name and trajectory.stability_bound_share > _NOTEWORTHY_SHARE:
-        console.print(_stability_note(trajectory), highlight=False, soft_wrap=True)
+        console.print(_stability_note(trajectory.stability_bound_share), highlight=False, soft_wrap=True)
     summary = trajectory.summary()
     if str(args.json) == "-":
         json.dump(summary, sys.stdout, indent=2)
@@ -165,9 +153,9 @@ def _answer_note(answer: Answer, parameters: ArrayParameters) -> str:
     return note
 
 
-def _stability_note(trajectory: Trajectory) -> str:
+def _stability_note(share: float) -> str:
     return (
-        f"{100.0 * trajectory.stability_bound_share:.0f} % of the steps were as long as the stability of the explicit "
+        f"{100.0 * share:.0f} % of the steps were as long as the stability of the explicit "
         f"method on the panels' axial vibration allows; a looser tolerance does not make them longer, the integrator "
         f"'{Rosenbrock.name}' does"
     )

@@ -1,7 +1,5 @@
 """`python -m solar_env stability`: maps of where methods fail, as tables and figures."""
 
-from __future__ import annotations
-
 import argparse
 import textwrap
 from pathlib import Path
@@ -28,26 +26,20 @@ def run_command(args: argparse.Namespace) -> int:
         ValueError: if the map is unknown.
         OSError: if a table cannot be read or written.
     """
-    # The maps need the compiler, --help does not.
-    from solar_env.studies.stability.stability_maps import MAPS
+    from solar_env.studies.stability.stability_maps import MAPS, measure_map
 
     if args.only is not None and args.only not in MAPS:
         raise ValueError(f"map {args.only!r} is unknown; choose from {', '.join(MAPS)}")
     names = list(MAPS) if args.only is None else [args.only]
-    if not args.draw:
-        _measure(names, args.quick, args.out)
-    return max(_report(name, args.out) for name in names)
-
-
-def _measure(names: list[str], quick: bool, folder: Path) -> None:
-    from solar_env.studies.stability.stability_maps import MAPS, measure_map
-
-    cells = sum(1 for name in names for _ in MAPS[name].cells(quick))
+    if args.draw:
+        return max(_report(name, args.out) for name in names)
+    cells = sum(1 for name in names for _ in MAPS[name].cells(args.quick))
     with counting_bar(Console(stderr=True)) as progress:
         task = progress.add_task("", total=cells)
         for name in names:
             progress.update(task, description=f"{name} (compiles kernels the first time: a few minutes at most)")
-            measure_map(name, quick, folder / f"{name}.csv", lambda: progress.advance(task))
+            measure_map(name, args.quick, args.out / f"{name}.csv", lambda: progress.advance(task))
+    return max(_report(name, args.out) for name in names)
 
 
 def _report(name: str, folder: Path) -> int:

@@ -1,14 +1,12 @@
 """`python -m solar_env verify`: run the cases with known answers."""
 
-from __future__ import annotations
-
 import argparse
+import itertools
 from pathlib import Path
 
 from rich.console import Console
 
 from solar_env.support.progress import counting_bar
-from solar_env.verification.checks import Row
 from solar_env.verification.report import make_table, to_json
 
 _NARROWEST = 140  # columns, where the output is not a terminal
@@ -26,14 +24,22 @@ def run_command(args: argparse.Namespace) -> int:
     Raises:
         ValueError: if the case is unknown or the folder of the JSON file does not exist.
     """
-    # The cases need the compiler, --help does not.
-    from solar_env.verification.suite import select
+    from solar_env.verification.suite import run, select
 
     names = select(args.only)
     to_standard_output = str(args.json) == "-"
     if args.json and not to_standard_output and not args.json.parent.is_dir():
         raise ValueError(f"the folder of {args.json} does not exist")
-    rows = _run_with_progress(args.only, len(names))
+    begun = itertools.count()
+    with counting_bar(Console(stderr=True)) as progress:
+        task = progress.add_task("", total=len(names))
+
+        def announce(name: str) -> None:
+            done = next(begun)
+            note = "" if done else " (compiles kernels the first time: a few minutes at most)"
+            progress.update(task, completed=done, description=name + note)
+
+        rows = run(args.only, announce)
     if to_standard_output:
         print(to_json(rows))
     else:
@@ -44,22 +50,3 @@ def run_command(args: argparse.Namespace) -> int:
         if args.json:
             args.json.write_text(to_json(rows) + "\n")
     return 0 if all(row.passed for row in rows) else 1
-
-
-def _run_with_progress(only: str | None, count: int) -> list[Row]:
-    from solar_env.verification.suite import run
-
-    with counting_bar(Console(stderr=True)) as progress:
-        task = progress.add_task("", total=count)
-        started = False
-
-        def announce(name: str) -> None:
-            nonlocal started
-            progress.update(
-                task,
-                advance=1 if started else 0,
-                description=name if started else f"{name} (compiles kernels the first time: a few minutes at most)",
-            )
-            started = True
-
-        return run(only, announce)

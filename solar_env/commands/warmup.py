@@ -1,7 +1,5 @@
 """`python -m solar_env warmup`: compile every kernel once, with a sign of progress."""
 
-from __future__ import annotations
-
 import argparse
 import multiprocessing
 import time

@@ -2,8 +2,8 @@
 
 From the bottom up: `hardware` and `scenarios` say what differs between environments; `task` has limits, durations and
 the motor; `observations` and `reward` are the tables of what can be observed and charged; `periods` begins and ends a
-control period with them; `settings` checks all keywords, `setup` makes of them what episodes share; `episodes` runs
-these lane by lane; `env` and `vector_env` are the shells that Gymnasium sees. The room may import `solar_env.array`,
+control period with them; `settings` checks all keywords and holds what episodes take from them; `episodes` runs these
+lane by lane; `env` and `vector_env` are the environments of Gymnasium. The room may import `solar_env.array`,
 `solar_env.pictures` and `solar_env.mechanics`, and nothing of learning.
 
 To add

@@ -1,7 +1,5 @@
 """The Gymnasium environment of one deploying array."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import gymnasium
@@ -13,7 +11,6 @@ from solar_env.environment.episodes import Episodes
 from solar_env.environment.observations import observation_table
 from solar_env.environment.reward import reward_table
 from solar_env.environment.settings import RENDER_MODES, EnvironmentSettings
-from solar_env.environment.setup import Setup
 from solar_env.mechanics.running.simulation import Simulation
 
 Observation = NDArray[np.float32]
@@ -111,10 +108,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     * v0: first version.
     """
 
-    metadata: dict[str, Any] = {  # noqa: RUF012 - declared so by Gymnasium
-        "render_modes": list(RENDER_MODES),
-        "render_fps": 10,
-    }
+    metadata: dict[str, Any] = {"render_modes": list(RENDER_MODES), "render_fps": 10}  # noqa: RUF012 - as Gymnasium's
 
     def __init__(self, **keywords: Any) -> None:
         """See the class.
@@ -124,15 +118,13 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             ValueError: for an unknown name or a refused value; the message says which.
         """
         settings = EnvironmentSettings.of(keywords)
-        self._setup = setup = Setup(settings)
         self.render_mode, self.scenario = settings.render_mode, settings.scenario
         self.metadata = {**self.metadata, "render_fps": 1.0 / settings.control_period}
-        self.model, self.elements = setup.model, setup.elements
-        self.parameters, self.randomize, self.hardware = setup.parameters, setup.randomize, setup.hardware
-        self.task, self.reward, self.observation_names = setup.task, setup.reward, setup.observation_names
-        self.observation_space = setup.observation_space()
-        self.action_space = setup.action_space()
-        self._episodes = Episodes(setup, [self.parameters], recorded=self.render_mode is not None)
+        self.model, self.elements = settings.level
+        self.parameters, self.randomize, self.hardware = settings.array, settings.ranges, settings.drive
+        self.task, self.reward, self.observation_names = settings.task, settings.prices, settings.observation_names
+        self.observation_space, self.action_space = settings.observation_space(), settings.action_space()
+        self._episodes = Episodes(settings, [self.parameters])
         self._lane = np.zeros(1, dtype=np.int64)
         self._action = np.zeros(1)
 
@@ -151,19 +143,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         return self._episodes.parameters[0]
 
     def futures(self, lanes: int, threads: int | None = None) -> Episodes:
-        """Copies of the present episode to try its futures with, lane by lane, while it stays as it is.
-
-        They go on from the exact state with the parameters of the episode, and observe the entries of "drive" with
-        perfect sensors; see ``Episodes.futures``.
-
-        Args:
-            lanes: number of copies.
-            threads: most threads that advance them; by default as many as there are processors for this process.
-
-        Raises:
-            gymnasium.error.ResetNeeded: before the first reset.
-            ValueError: if ``lanes`` or ``threads`` is not positive.
-        """
+        """Copies of the present episode to try its futures with, while it stays as it is; see ``Episodes.futures``."""
         return self._episodes.futures(0, lanes, threads)
 
     def reset(
@@ -218,11 +198,6 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     def render(self) -> NDArray[np.uint8] | None:
         """Draw the present state; (540, 960, 3) uint8, or None without a render mode."""
-        if self.render_mode is None:
-            gymnasium.logger.warn(
-                'render() does nothing without a render mode; make the environment with render_mode="rgb_array"'
-            )
-            return None
         return self._episodes.render(0)
 
 

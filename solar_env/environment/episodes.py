@@ -1,7 +1,7 @@
 """Episodes of the control task, lane by lane, of a single environment and of a vector of them."""
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import gymnasium
 import numpy as np
@@ -11,13 +11,13 @@ from solar_env.array import ArrayParameters
 from solar_env.environment.film import Film
 from solar_env.environment.periods import begin_periods, end_periods, observe_lanes
 from solar_env.environment.sensors import Memory
-from solar_env.environment.setup import Changes, Setup
+from solar_env.environment.settings import Changes, EnvironmentSettings
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.running.batch import Batch
 
 
 class SavedEpisode(NamedTuple):
-    """An episode between two of its steps: see :meth:`Episodes.save`.
+    """An episode between two of its steps: see `Episodes.save`.
 
     Attributes:
         parameters: of the episode.
@@ -40,41 +40,36 @@ class Episodes:
     """One episode after another in each of several lanes.
 
     Attributes:
-        setup: what they share.
+        settings: of the environment.
         designs: parameters by lane, before anything is drawn.
         parameters: by lane, of the present episode.
         observations: (lanes, entries) float32, the latest, as the sensors show them.
-        terms: (lanes, terms) of the latest reward, in the order of ``setup.reward.names``.
+        terms: (lanes, terms) of the latest reward, in the order of ``settings.prices.names``.
         rewards: (lanes,) their sums.
         terminated: (lanes,) whether the present episode has ended.
     """
 
     def __init__(
-        self, setup: Setup, designs: Sequence[ArrayParameters], threads: int | None = None, recorded: bool = False
+        self, settings: EnvironmentSettings, designs: Sequence[ArrayParameters], threads: int | None = None
     ) -> None:
-        """Without episodes yet: they begin with :meth:`reset`.
+        """Without episodes yet: they begin with `reset`.
 
         Args:
-            setup: what they share.
+            settings: of the environment; with a render mode, force peaks are kept for frames.
             designs: parameters by lane, before anything is drawn.
             threads: see ``Batch``.
-            recorded: whether force peaks are kept for frames.
         """
-        self.setup = setup
-        self.designs = tuple(designs)
-        self.parameters = list(designs)
-        lanes = len(designs)
-        self._sensors = setup.sensors(lanes)
+        self.settings, self.designs, self.parameters = settings, tuple(designs), list(designs)
+        lanes, terms = len(designs), len(settings.prices.names)
+        self._sensors = settings.sensors(lanes)
         self.observations = self._sensors.observed
-        terms = len(setup.reward.names)
-        self.terms, self.rewards = np.zeros((lanes, terms)), np.zeros(lanes)
+        self.terms, self._charged = np.zeros((lanes, terms)), np.zeros((lanes, terms, 2))
+        self.rewards, self._end_times = np.zeros(lanes), np.zeros(lanes)
         self.terminated = np.zeros(lanes, dtype=np.bool_)
-        self._charged = np.zeros((lanes, terms, 2))
-        self._end_times = np.zeros(lanes)
-        self._numbers = setup.task.numbers(setup.hardware)
+        self._numbers = settings.task.numbers(settings.drive)
         self._threads = threads
         self._batch: Batch | None = None
-        self._films: list[Film] | None = [Film(setup) for _ in range(lanes)] if recorded else None
+        self._films: list[Film] | None = [Film(settings) for _ in range(lanes)] if settings.render_mode else None
 
     @property
     def batch(self) -> Batch:
@@ -99,7 +94,7 @@ class Episodes:
             ValueError: for unknown parameters, refused values, or values that change the mechanism's structure.
         """
         for lane, change in zip(lanes, changes, strict=True):
-            self.setup.check_changes(self.designs[lane], change)
+            self.settings.check_changes(self.designs[lane], change)
 
     def reset(
         self, lanes: NDArray[np.int64], generators: Sequence[np.random.Generator], changes: Sequence[Changes]
@@ -113,16 +108,16 @@ class Episodes:
 
         Raises:
             gymnasium.error.ResetNeeded: if not all lanes have begun an episode yet.
-            ValueError: for unknown parameters or refused values, see :meth:`check_changes`; or if the lanes' designs
+            ValueError: for unknown parameters or refused values, see `check_changes`; or if the lanes' designs
                 differ in structure.
         """
         if self._batch is None and lanes.size < len(self.parameters):
             raise gymnasium.error.ResetNeeded("the first reset must be one of all lanes")
         drawn = [
-            self.setup.draw(self.designs[lane], generator, change)
+            self.settings.draw(self.designs[lane], generator, change)
             for lane, generator, change in zip(lanes, generators, changes, strict=True)
         ]
-        simulations = [self.setup.simulation(parameters) for parameters in drawn]
+        simulations = [self.settings.simulation(parameters) for parameters in drawn]
         if self._batch is None:
             self._batch = Batch(simulations, self._threads)
         else:
@@ -131,7 +126,7 @@ class Episodes:
         for lane, parameters in zip(lanes, drawn, strict=True):
             self.parameters[lane] = parameters
             if self._films is not None:
-                self._films[lane] = Film(self.setup)
+                self._films[lane] = Film(self.settings)
         self.terminated[lanes] = False
         self.terms[lanes], self.rewards[lanes] = 0.0, 0.0
         self._charged[lanes] = 0.0
@@ -139,7 +134,7 @@ class Episodes:
         self._sensors.begin(lanes, generators)
 
     def _observe(self, lanes: NDArray[np.int64]) -> None:
-        """Write what ideal sensors see of the present states."""
+        """Observe the present states with ideal sensors."""
         batch = self.batch
         observe_lanes(batch.models, batch.states, self._numbers, self._sensors.channels, lanes, self._sensors.exact)
 
@@ -156,44 +151,31 @@ class Episodes:
         Warns:
             SimulationWarning: as ``Simulation.check``.
         """
-        self.begin(lanes, actions)
+        begin_periods(self.batch.states, self._numbers, lanes, actions, self._end_times)
         self.batch.advance(lanes, self._end_times)
         self.end(lanes)
 
-    def begin(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> None:
-        """Set the motor torques of a control period, and when it ends."""
-        begin_periods(self.batch.states, self._numbers, lanes, actions, self._end_times)
-
     def end(self, lanes: NDArray[np.int64]) -> None:
         """Charge and observe a control period."""
-        batch = self.batch
+        batch, sensors = self.batch, self._sensors
         end_periods(
-            batch.models,
-            batch.states,
-            self._numbers,
-            self._sensors.channels,
-            self.setup.reward.charges,
-            lanes,
-            self._charged,
-            self.terms,
-            self.rewards,
-            self._sensors.exact,
-            self.terminated,
-        )
-        self._sensors.measure(lanes)
+            batch.models, batch.states, self._numbers, sensors.channels, self.settings.prices.charges, lanes,
+            self._charged, self.terms, self.rewards, sensors.exact, self.terminated,
+        )  # fmt: skip
+        sensors.measure(lanes)
         if self._films is not None:
             for lane in lanes:
                 self._films[lane].add(batch.simulations[lane].state)
 
     def save(self, lane: int) -> SavedEpisode:
-        """The present episode of a lane, to be gone on with later, in any lane of episodes with the same setup.
+        """The present episode of a lane, to be gone on with later, in any lane of episodes with the same settings.
 
         Raises:
             gymnasium.error.ResetNeeded: before the first reset.
         """
         state = self.batch.simulations[lane].snapshot()
         charged, terms = self._charged[lane].copy(), self.terms[lane].copy()
-        names, sensors = self.setup.reward.names, self._sensors.memory(lane)
+        names, sensors = self.settings.prices.names, self._sensors.memory(lane)
         return SavedEpisode(self.parameters[lane], state, charged, terms, names, sensors)
 
     def restore(self, lane: int, saved: SavedEpisode) -> None:
@@ -201,16 +183,16 @@ class Episodes:
 
         Raises:
             gymnasium.error.ResetNeeded: before the first reset.
-            ValueError: if the episode's structure is not that of this setup, or other entries were observed or other
-                terms charged; the present episode goes on then.
+            ValueError: if the episode's structure is not that of these settings, or other entries were observed or
+                other terms charged; the present episode goes on then.
         """
-        if saved.names != self.setup.reward.names:
+        if saved.names != self.settings.prices.names:
             raise ValueError(
                 f"the saved episode was charged for {', '.join(saved.names)}, this one for "
-                f"{', '.join(self.setup.reward.names)}: go on with it where the same terms are charged"
+                f"{', '.join(self.settings.prices.names)}: go on with it where the same terms are charged"
             )
         self._sensors.check(saved.sensors)
-        simulation = self.setup.simulation(saved.parameters)
+        simulation = self.settings.simulation(saved.parameters)
         simulation.restore(saved.state)
         self.batch.replace(lane, simulation)
         self.parameters[lane] = saved.parameters
@@ -218,9 +200,9 @@ class Episodes:
         self.rewards[lane] = saved.terms.sum()
         self._sensors.recall(lane, saved.sensors)
         if self._films is not None:
-            self._films[lane] = Film(self.setup)
+            self._films[lane] = Film(self.settings)
 
-    def futures(self, lane: int, count: int, threads: int | None = None) -> "Episodes":
+    def futures(self, lane: int, count: int, threads: int | None = None) -> Self:
         """Copies of the present episode of a lane, which go on without touching it.
 
         Each has the original's whole state, mid-contact included, its parameters, its charges so far and its motor, and
@@ -230,17 +212,17 @@ class Episodes:
         Args:
             lane: of the original.
             count: number of copies, the lanes of what is returned.
-            threads: see ``Batch``.
+            threads: most threads that advance them; by default as many as there are processors for this process.
 
         Raises:
             gymnasium.error.ResetNeeded: before the first reset.
             ValueError: if ``count`` or ``threads`` is not positive.
         """
         state, parameters = self.batch.simulations[lane].state, self.parameters[lane]
-        simulations = [self.setup.simulation(parameters) for _ in range(count)]
+        simulations = [self.settings.simulation(parameters) for _ in range(count)]
         for simulation in simulations:
             simulation.restore(state)
-        copies = Episodes(self.setup.with_exact_observations(), [parameters] * count, threads)
+        copies = type(self)(self.settings.with_exact_observations(), [parameters] * count, threads)
         copies._batch = Batch(simulations, threads)
         copies.terms[:], copies.rewards[:] = self.terms[lane], self.rewards[lane]
         copies.terminated[:] = self.terminated[lane]
@@ -249,8 +231,8 @@ class Episodes:
         return copies
 
     def info(self, lane: int) -> dict[str, Any]:
-        """What every step tells: time [s] and terms of the reward."""
-        terms = dict(zip(self.setup.reward.names, self.terms[lane].tolist(), strict=True))
+        """Information of every step: time [s] and terms of the reward."""
+        terms = dict(zip(self.settings.prices.names, self.terms[lane].tolist(), strict=True))
         return {"time_s": self.batch.simulations[lane].time, "reward_terms": terms}
 
     def figures(self, lane: int) -> dict[str, Any]:
@@ -261,21 +243,19 @@ class Episodes:
         """
         simulation = self.batch.simulations[lane]
         simulation.check()
-        state = simulation.state
-        joints = state.joints
+        state, joints = simulation.state, simulation.state.joints
         by_joint = m.joint_integrals(state.integrals)
         locked = float(state.clock["latched_joints"][0] > 0)
+        latches = zip(joints["latch_time"], joints["latched"], strict=True)
         return {
             "latched": bool(joints["latched"].all()),
-            "latch_times_s": [
-                float(t) if own else None for t, own in zip(joints["latch_time"], joints["latched"], strict=True)
-            ],
+            "latch_times_s": [float(time) if latched else None for time, latched in latches],
             "peak_postlock_force_N": joints["postlock_peak_force"].tolist(),
             "postlock_impulse_Ns": ((by_joint[:, m.IMPULSE] - joints["lock_impulse"]) * locked).tolist(),
             "postlock_sliding_work_J": ((by_joint[:, m.SLIDING_WORK] - joints["lock_sliding_work"]) * locked).tolist(),
             "wear_depth_max_m": np.maximum(state.wear_journal.max(axis=1), state.wear_bearing.max(axis=1)).tolist(),
             "contact_starts": joints["contact_starts"].tolist(),
-            "motor_work_J": float(by_joint[self.setup.task.driven_joint, m.MOTOR_WORK]),
+            "motor_work_J": float(by_joint[self.settings.task.driven_joint, m.MOTOR_WORK]),
             "energy_residual_J": simulation.energy_residual(),
             "duration_s": simulation.time,
         }
@@ -285,7 +265,11 @@ class Episodes:
         if self._batch is not None:
             self._batch.close()
 
-    def render(self, lane: int) -> NDArray[np.uint8]:
-        """Draw the present state; (540, 960, 3) uint8. The episodes must be recorded."""
-        assert self._films is not None
+    def render(self, lane: int) -> NDArray[np.uint8] | None:
+        """Draw the present state; (540, 960, 3) uint8, or None with a warning if the settings have no render mode."""
+        if self._films is None:
+            gymnasium.logger.warn(
+                'render() does nothing without a render mode; make the environment with render_mode="rgb_array"'
+            )
+            return None
         return self._films[lane].draw(self.batch.simulations[lane], self.parameters[lane])

@@ -1,13 +1,11 @@
-"""What stands between the array and whoever controls it: sensors and motor."""
-
-from __future__ import annotations
+"""Sensors and motor of the hinge drives, between the array and its controller."""
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, Self
 
-from solar_env.environment.names import unknown_name
+from solar_env.array.names import changed
 
 
 @dataclass(frozen=True)
@@ -50,20 +48,16 @@ class Hardware:
 
     @property
     def ideal_sensors(self) -> bool:
-        """Whether what is observed is what is."""
+        """Whether observations are exact and shown at once."""
         return replace(self, motor_lag=0.0, torque_rate_limit=math.inf) == Hardware()
 
-    def with_changes(self, changes: Mapping[str, Any]) -> Hardware:
+    def with_changes(self, changes: Mapping[str, Any]) -> Self:
         """A copy with some values changed.
 
         Raises:
             ValueError: if a name is unknown or a value is refused.
         """
-        known = [item.name for item in fields(self)]
-        for name in changes:
-            if name not in known:
-                raise ValueError(unknown_name("hardware", name, known))
-        return replace(self, **changes)
+        return changed("hardware", self, changes)
 
     def motor_response(self, period: float) -> float:
         """Share of the way to a new torque that the motor goes within a control period [s]."""

@@ -1,7 +1,5 @@
 """One lane of a vector environment, seen as a single environment."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import gymnasium
@@ -28,7 +26,10 @@ class Lane:
         if name.startswith("_"):
             # Copies ask for such names before there is a vector.
             raise AttributeError(f"a lane has no {name!r}")
-        return getattr(self._env, name)
+        if name in ("observation_space", "action_space"):
+            return getattr(self._env, f"single_{name}")
+        value = getattr(self._env, name)
+        return value[self._index] if name in ("parameters", "np_random", "np_random_seed") else value
 
     @property
     def simulation(self) -> Simulation:
@@ -40,37 +41,12 @@ class Lane:
         return self._env.episodes.batch.simulations[self._index]
 
     @property
-    def parameters(self) -> ArrayParameters:
-        """Parameters before anything is drawn."""
-        return self._env.episodes.designs[self._index]
-
-    @property
     def episode_parameters(self) -> ArrayParameters:
         """Parameters of the present episode."""
         return self._env.episodes.parameters[self._index]
 
-    @property
-    def np_random(self) -> np.random.Generator:
-        """The generator of random numbers."""
-        return self._env.np_random[self._index]
-
-    @property
-    def np_random_seed(self) -> int:
-        """The seed."""
-        return self._env.np_random_seed[self._index]
-
-    @property
-    def observation_space(self) -> gymnasium.Space[Any]:
-        """Space of one observation."""
-        return self._env.single_observation_space
-
-    @property
-    def action_space(self) -> gymnasium.Space[Any]:
-        """Space of one action."""
-        return self._env.single_action_space
-
     def save_episode(self) -> SavedEpisode:
-        """The present episode, to be gone on with by :meth:`restore_episode`, here or in a lane of an equal vector.
+        """The present episode, to be gone on with by `restore_episode`, here or in a lane of an equal vector.
 
         Raises:
             gymnasium.error.ResetNeeded: before the first reset, and where the episode has ended.
@@ -94,4 +70,4 @@ class Lane:
 
     def render(self) -> NDArray[np.uint8] | None:
         """Draw the present state; (540, 960, 3) uint8."""
-        return self._env.episodes.render(self._index) if self._env.render_mode else None
+        return self._env.episodes.render(self._index)

@@ -1,9 +1,4 @@
-"""All that can be observed: one table, with how each quantity is read and what the sensors do to it.
-
-To add a quantity, add its code, its branch in :func:`reading` and its row in ``OBSERVABLES``.
-"""
-
-from __future__ import annotations
+"""The table of what can be observed, with the reading of each quantity and the sensor effects on it."""
 
 import math
 import re
@@ -13,28 +8,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.environment.names import unknown_name
+from solar_env.array.names import unknown_name
 from solar_env.environment.task import last_latch
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.bodies.markers import direction
 from solar_env.mechanics.joints.joint import joint_motion, relative
 from solar_env.mechanics.numerics.jit import kernel
 
-# Codes of :func:`reading`.
-(
-    THETA,
-    RATE,
-    LATCHED,
-    MOTOR_TORQUE,
-    TIME_TO_DEADLINE,
-    TIME_SINCE_LATCH,
-    ECCENTRICITY_X,
-    ECCENTRICITY_Y,
-    IN_CONTACT,
-    MAIN_BODY_SPIN,
-    MAIN_BODY_ANGLE,
-    PEAK_FORCE,
-) = range(12)
+# Codes of `reading`.
+THETA, RATE, LATCHED, MOTOR_TORQUE, TIME_TO_DEADLINE, TIME_SINCE_LATCH, ECCENTRICITY_X, ECCENTRICITY_Y = range(8)
+IN_CONTACT, MAIN_BODY_SPIN, MAIN_BODY_ANGLE, PEAK_FORCE = range(8, 12)
 
 LOCK_ANGLE = "lock angle"
 GREATEST_AGE = 100
@@ -48,7 +31,7 @@ class Observable(NamedTuple):
         meaning: for the documentation.
         unit: as observed.
         low, high: bounds in that unit, to which it is clipped.
-        code: of :func:`reading`.
+        code: of `reading`.
         by_joint: whether there is one entry a joint.
         noise: name of the standard deviation in ``Hardware``; None where the reading is exact.
         encoder: whether it is read in steps of ``Hardware.encoder_resolution``.
@@ -68,9 +51,7 @@ class Observable(NamedTuple):
 
 
 OBSERVABLES = (
-    Observable(
-        "theta", "joint angle: 0 folded, 1 locked", LOCK_ANGLE, -2.0, 2.0, THETA, True, "angle_noise", True, True
-    ),
+    Observable("theta", "joint angle: 0 folded, 1 locked", LOCK_ANGLE, -2, 2, THETA, True, "angle_noise", True, True),
     Observable("rate", "rate of the joint angle", "rad/s", -5.0, 5.0, RATE, True, "rate_noise", False, True),
     Observable("latched", "latch switch", "0 or 1", 0.0, 1.0, LATCHED, True, delayed=True),
     Observable("motor_torque", "torque in the last period", "torque_limit", -1.0, 1.0, MOTOR_TORQUE),
@@ -154,7 +135,7 @@ def observation_entries(joints: int, observation: str | Names) -> tuple[Entry, .
 
 
 def _observable(name: str) -> tuple[Observable, int]:
-    """What a name of an observation stands for, and its age [control periods]."""
+    """The observable that a name of an observation stands for, and its age [control periods]."""
     past = re.fullmatch(r"(\w+)_([1-9]\d*)_ago", str(name))
     stem, age = (past[1], int(past[2])) if past else (name, 0)
     if stem not in _BY_NAME:
@@ -216,10 +197,8 @@ def observe(model, state, task, channels, out):
 
 def observation_table() -> str:
     """The table of observables, in Markdown."""
-    lines = [
-        "| Name | Observation | Min | Max | Unit | Sensors |",
-        "|------|-------------|-----|-----|------|---------|",
-    ]
+    lines = ["| Name | Observation | Min | Max | Unit | Sensors |"]
+    lines += ["|------|-------------|-----|-----|------|---------|"]
     for row in OBSERVABLES:
         sensed = [row.noise, "encoder_resolution" if row.encoder else None, "sensor_delay" if row.delayed else None]
         sensors = ", ".join(f"`{name}`" for name in sensed if name) or "exact"

@@ -1,7 +1,5 @@
 """Beginning and end of a control period, lane by lane; a single environment is a batch of one lane."""
 
-from __future__ import annotations
-
 from solar_env.environment.observations import observe
 from solar_env.environment.reward import charge
 from solar_env.environment.task import begin_period, has_ended
@@ -23,8 +21,8 @@ def end_periods(models, states, task, channels, charges, lanes, charged, terms, 
     Args:
         models, states: arrays of all lanes.
         task: TaskNumbers.
-        channels: (measured,) of ``observations.channels``.
-        charges: (terms,) of ``reward.Reward.charges``.
+        channels: (measured,) of `observations.channels`.
+        charges: (terms,) of `reward.Reward`.
         lanes: (k,) indices.
         charged: (lanes, terms, 2) of ``reward.charge``; updated.
         terms: (lanes, terms) of the reward; written, as is all that follows.

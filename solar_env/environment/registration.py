@@ -1,7 +1,5 @@
 """Gymnasium ids of the environments, with string entry points so that registering imports nothing."""
 
-from __future__ import annotations
-
 import gymnasium
 
 # Id -> scenario.

@@ -1,24 +1,19 @@
-"""All that an episode can be charged for: one table of physical figures with their prices.
-
-To add a term, add its code, its branch in :func:`reading` and its row in ``REWARD_TERMS``.
-"""
-
-from __future__ import annotations
+"""The table of physical figures that an episode can be charged for, with their prices."""
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from solar_env.environment.names import unknown_name
+from solar_env.array.names import changed, unknown_name
 from solar_env.environment.task import missed_deadline
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.bodies.markers import spin
 from solar_env.mechanics.numerics.jit import kernel
 
-# Codes of :func:`reading`.
+# Codes of `reading`.
 PEAK_IMPACT, WEAR, MISSED_DEADLINE, ATTITUDE_DISTURBANCE, PRELATCH_WEAR, MOTOR_WORK = range(6)
 # How a figure grows with its readings at the ends of the control periods: it is the latest one (of what never falls),
 # the greatest magnitude, or the sum of the magnitudes of their changes.
@@ -29,7 +24,7 @@ FIGURE, READING = range(2)
 
 @dataclass(frozen=True)
 class Price:
-    """What a figure costs: ``weight * min(figure / scale, bound)``.
+    """The price of a figure, which costs ``weight * min(figure / scale, bound)``.
 
     Attributes:
         scale: amount of the figure that costs 1 at a weight of 1, in the unit of the figure.
@@ -60,7 +55,7 @@ class RewardTerm(NamedTuple):
         figure: that it charges, for the documentation.
         phase: in which it is charged.
         unit: of the figure.
-        code: of :func:`reading`.
+        code: of `reading`.
         growth: LATEST, GREATEST or CHANGES.
         price: by default.
     """
@@ -104,14 +99,14 @@ class Reward:
     Attributes:
         prices: by name, of all terms.
         names: of the terms that are charged, whose weight is not zero, in the order of ``REWARD_TERMS``.
-        charges: (names,) what the kernels need to know of them.
+        charges: (names,) codes, growths and prices of these terms, for the kernels.
     """
 
     def __init__(self, changes: Mapping[str, Any] | None = None) -> None:
         """The default prices with some changed.
 
         Args:
-            changes: term -> its weight, a mapping of changes to "scale", "weight" and "bound", or a :class:`Price`.
+            changes: term -> its weight, a mapping of changes to "scale", "weight" and "bound", or a `Price`.
 
         Raises:
             ValueError: for an unknown name or a refused value, or if a missed deadline costs no more than all the other
@@ -147,12 +142,8 @@ def _changed(name: str, price: Price, change: Any) -> Price:
     """The price of a term with what a keyword changes of it."""
     if isinstance(change, Price):
         return change
-    changes = change if isinstance(change, Mapping) else {"weight": change}
-    for key in changes:
-        if key not in (known := [item.name for item in fields(Price)]):
-            raise ValueError(unknown_name(f"reward[{name!r}]:", key, known))
     try:
-        return replace(price, **changes)
+        return changed("the entry", price, change if isinstance(change, Mapping) else {"weight": change})
     except ValueError as error:
         raise ValueError(f"reward[{name!r}]: {error}") from error
 
@@ -181,7 +172,7 @@ def reading(code, model, state, task):
 
 @kernel(inlined=True)
 def cost(price, figure):
-    """What a figure costs at a weight of 1."""
+    """The cost of a figure at a weight of 1."""
     return min(figure / price.scale, price.bound)
 
 
@@ -192,7 +183,7 @@ def charge(model, state, task, charges, charged, terms):
     Args:
         model, state: of the array.
         task: TaskNumbers.
-        charges: (terms,) of :class:`Reward`.
+        charges: (terms,) of `Reward`.
         charged: (terms, 2) figures charged so far, and latest readings, zero when an episode begins.
         terms: (terms,) of the reward.
     """
@@ -214,14 +205,10 @@ def charge(model, state, task, charges, charged, terms):
 
 def reward_table() -> str:
     """The table of terms, in Markdown."""
-    lines = [
-        "| Term | Figure | Charged | Scale | Weight | Bound |",
-        "|------|--------|---------|-------|--------|-------|",
-    ]
+    lines = ["| Term | Figure | Charged | Scale | Weight | Bound |"]
+    lines += ["|------|--------|---------|-------|--------|-------|"]
     for term in REWARD_TERMS:
-        price = term.price
-        lines.append(
-            f"| `{term.name}` | {term.figure} | {term.phase} | {price.scale:g} {term.unit} | {price.weight:g} | "
-            f"{price.bound:g} |"
-        )
+        scale, weight, bound = vars(term.price).values()
+        scale = f"{scale:g} {term.unit}"
+        lines.append(f"| `{term.name}` | {term.figure} | {term.phase} | {scale} | {weight:g} | {bound:g} |")
     return "\n".join(lines)

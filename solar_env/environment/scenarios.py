@@ -1,6 +1,4 @@
-"""Named scenarios: what differs from episode to episode, and how good sensors and motor are."""
-
-from __future__ import annotations
+"""Named scenarios: the parameters drawn for each episode, and the quality of sensors and motor."""
 
 import math
 from collections.abc import Mapping
@@ -11,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from solar_env.array import ArrayParameters
+from solar_env.array.names import unknown_name
 from solar_env.environment.hardware import Hardware
-from solar_env.environment.names import unknown_name
 
 # Bounds of a uniform draw: numbers, or one by joint.
 Bound = float | tuple[float, ...]
@@ -21,7 +19,7 @@ Ranges = Mapping[str, tuple[Bound, Bound]]
 
 @dataclass(frozen=True)
 class Scenario:
-    """What the keywords of an environment change.
+    """Values that the keywords of an environment change.
 
     Attributes:
         parameters: of the array, before anything is drawn.
@@ -40,14 +38,6 @@ class Scenario:
             ValueError: for unknown parameters or refused values.
         """
         return parameters if isinstance(parameters, ArrayParameters) else self.parameters.with_changes(parameters or {})
-
-    def drive(self, hardware: Hardware | Mapping[str, Any] | None) -> Hardware:
-        """The scenario's hardware with changes, or other hardware in its place.
-
-        Raises:
-            ValueError: for unknown names or refused values.
-        """
-        return hardware if isinstance(hardware, Hardware) else self.hardware.with_changes(hardware or {})
 
 
 def _around(value: float | tuple[float, ...], share: float) -> tuple[Bound, Bound]:
@@ -108,7 +98,8 @@ def checked_ranges(parameters: ArrayParameters, ranges: Ranges) -> Ranges:
     """
     checked: dict[str, tuple[Bound, Bound]] = {}
     for name, bounds in ranges.items():
-        parameters.check_name(name)
+        if name not in vars(parameters):
+            raise ValueError(unknown_name("parameter", name, vars(parameters)))
         if name not in ArrayParameters.CONTINUOUS:
             raise ValueError(f"randomize[{name!r}]: {name} is not a real number and cannot be drawn")
         pair: Any = bounds

@@ -12,7 +12,7 @@ from solar_env.environment.observations import LOCK_ANGLE, Entry, channels
 
 
 class Memory(NamedTuple):
-    """The memory of the sensors of one lane: see :class:`Sensors`; the generator is a copy."""
+    """The memory of the sensors of one lane: see `Sensors`; the generator is a copy."""
 
     exact: NDArray[np.float32]
     observed: NDArray[np.float32]
@@ -31,9 +31,9 @@ class Sensors:
         hardware: how imperfect the sensors are.
 
     Attributes:
-        channels: (measured,) what is measured: every quantity of a joint that the entries show, now or later.
-        exact: (lanes, measured) float32, what ideal sensors see; to be written before every measurement.
-        observed: (lanes, entries) float32, what the controller gets.
+        channels: (measured,) every quantity of a joint that the entries show, now or later.
+        exact: (lanes, measured) float32, as ideal sensors see them; to be written before every measurement.
+        observed: (lanes, entries) float32, as the controller gets them.
     """
 
     def __init__(self, lanes: int, lock_angles: Sequence[float], entries: Sequence[Entry], hardware: Hardware) -> None:
@@ -54,6 +54,7 @@ class Sensors:
         self._step = hardware.encoder_resolution * per_unit[self._in_steps]
         self._pipeline = np.zeros((lanes, hardware.sensor_delay + 1, self._late.size), dtype=np.float32)
         self._past = np.zeros((lanes, self._age.max() + 1, len(measured)), dtype=np.float32)
+        self._arrays = (self.exact, self.observed, self._pipeline, self._past)
         self._generators: list[np.random.Generator | None] = [None] * lanes
 
     def begin(self, lanes: NDArray[np.int64], generators: Sequence[np.random.Generator]) -> None:
@@ -77,9 +78,8 @@ class Sensors:
         if self._transparent:
             return
         measured = self._measured(lanes)
-        self._pipeline[lanes] = np.concatenate(
-            [measured[:, np.newaxis, self._late], self._pipeline[lanes, :-1]], axis=1
-        )
+        newest = measured[:, np.newaxis, self._late]
+        self._pipeline[lanes] = np.concatenate([newest, self._pipeline[lanes, :-1]], axis=1)
         measured[:, self._late] = self._pipeline[lanes, -1]
         self._past[lanes] = np.concatenate([measured[:, np.newaxis], self._past[lanes, :-1]], axis=1)
         self._show(lanes)
@@ -89,9 +89,8 @@ class Sensors:
         self.observed[lanes] = self._past[lanes][:, self._age, self._shown]
 
     def memory(self, lane: int) -> Memory:
-        """What a lane needs to go on measuring, and what it shows now."""
-        exact, observed = self.exact[lane].copy(), self.observed[lane].copy()
-        pipeline, past = self._pipeline[lane].copy(), self._past[lane].copy()
+        """A copy of the memory of a lane, with the values that it shows now."""
+        exact, observed, pipeline, past = (values[lane].copy() for values in self._arrays)
         return Memory(exact, observed, pipeline, past, deepcopy(self._generators[lane]))
 
     def check(self, memory: Memory) -> None:
@@ -100,12 +99,8 @@ class Sensors:
         Raises:
             ValueError: otherwise.
         """
-        for name, mine, theirs in (
-            ("exact entries", self.exact, memory.exact),
-            ("observed entries", self.observed, memory.observed),
-            ("delayed measurements", self._pipeline, memory.pipeline),
-            ("past measurements", self._past, memory.past),
-        ):
+        names = ("exact entries", "observed entries", "delayed measurements", "past measurements")
+        for name, mine, theirs in zip(names, self._arrays, memory[:4], strict=True):
             if mine.shape[1:] != theirs.shape:
                 raise ValueError(
                     f"the saved episode has {name} of shape {theirs.shape}, these sensors {mine.shape[1:]}: go on "
@@ -113,12 +108,13 @@ class Sensors:
                 )
 
     def recall(self, lane: int, memory: Memory) -> None:
-        """Go on in a lane from what :meth:`memory` returned, as often as one likes."""
-        self.exact[lane], self.observed[lane], self._pipeline[lane], self._past[lane] = memory[:4]
+        """Go on in a lane from what `memory` returned, as often as one likes."""
+        for mine, theirs in zip(self._arrays, memory[:4], strict=True):
+            mine[lane] = theirs
         self._generators[lane] = deepcopy(memory.generator)
 
     def _measured(self, lanes: NDArray[np.int64]) -> NDArray[np.float32]:
-        """(k, measured) what noise and encoder make of the exact values."""
+        """(k, measured) exact values with noise and in steps of the encoder."""
         measured = self.exact[lanes]
         if self._noise.any():
             for row, lane in enumerate(lanes):

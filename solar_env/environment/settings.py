@@ -1,22 +1,27 @@
-"""The keywords of the environments: names, defaults, and the checks of their values."""
-
-from __future__ import annotations
+"""The keywords of the environments: names, defaults, checks of their values, and what episodes take from them."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
-from solar_env.array import DEFAULT_ELEMENTS, ArrayParameters, check_elements, check_model
+import gymnasium
+import numpy as np
+
+from solar_env.array import DEFAULT_ELEMENTS, ArrayParameters, build, check_elements, check_model
 from solar_env.array.ladder import DEFAULT_QUESTION, DEFAULT_TOLERANCE, cheapest, read_answers
+from solar_env.array.methods import default_integrator
+from solar_env.array.names import unknown_name
 from solar_env.environment.hardware import Hardware
-from solar_env.environment.names import unknown_name
 from solar_env.environment.observations import Entry, Names, observation_entries
 from solar_env.environment.reward import Reward
 from solar_env.environment.scenarios import Ranges, checked_ranges, scenario_named
+from solar_env.environment.sensors import Sensors
 from solar_env.environment.task import Task
+from solar_env.mechanics.running.simulation import Simulation
 
 RENDER_MODES = ("rgb_array",)
+Changes = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
@@ -48,7 +53,7 @@ class EnvironmentSettings:
     """
 
     model: str = "rigid-clearance"
-    parameters: ArrayParameters | Mapping[str, Any] | None = None
+    parameters: ArrayParameters | Changes | None = None
     elements: int = DEFAULT_ELEMENTS
     question: str | None = None
     tolerance: float | None = None
@@ -58,10 +63,10 @@ class EnvironmentSettings:
     postlock_window: float = Task.postlock_window
     driven_joint: int = Task.driven_joint
     observation: str | Names = "drive"
-    reward: Mapping[str, Any] | None = None
+    reward: Changes | None = None
     scenario: str = "nominal"
     randomize: Ranges | None = None
-    hardware: Hardware | Mapping[str, Any] | None = None
+    hardware: Hardware | Changes | None = None
     render_mode: str | None = None
 
     def __post_init__(self) -> None:
@@ -72,8 +77,8 @@ class EnvironmentSettings:
             getattr(self, name)
 
     @classmethod
-    def of(cls, keywords: Mapping[str, Any]) -> EnvironmentSettings:
-        """Settings from keywords.
+    def of(cls, keywords: Changes) -> Self:
+        """Settings from keywords, with what the scenario and ``model="auto"`` stand for in their place.
 
         Raises:
             TypeError: for an unknown keyword; the message names the closest ones.
@@ -83,7 +88,10 @@ class EnvironmentSettings:
         for name in keywords:
             if name not in known:
                 raise TypeError(unknown_name("the environment's keyword", name, known))
-        return cls(**keywords)
+        given = cls(**keywords)
+        (model, elements), hardware = given.level, given.drive
+        chosen = replace(given, model=model, elements=elements, question=None, tolerance=None)
+        return replace(chosen, parameters=given.array, randomize=given.ranges, hardware=hardware)
 
     @cached_property
     def level(self) -> tuple[str, int]:
@@ -96,11 +104,9 @@ class EnvironmentSettings:
             raise ValueError(
                 f"model='auto' chooses the elements too: leave out elements = {self.elements!r}, or name the model"
             )
-        chosen = cheapest(
-            read_answers(),
-            DEFAULT_QUESTION if self.question is None else self.question,
-            DEFAULT_TOLERANCE if self.tolerance is None else self.tolerance,
-        )
+        question = DEFAULT_QUESTION if self.question is None else self.question
+        tolerance = DEFAULT_TOLERANCE if self.tolerance is None else self.tolerance
+        chosen = cheapest(read_answers(), question, tolerance)
         return chosen.model, chosen.elements or DEFAULT_ELEMENTS
 
     @cached_property
@@ -117,7 +123,9 @@ class EnvironmentSettings:
     @cached_property
     def drive(self) -> Hardware:
         """Sensors and motor."""
-        return scenario_named(self.scenario).drive(self.hardware)
+        if isinstance(self.hardware, Hardware):
+            return self.hardware
+        return scenario_named(self.scenario).hardware.with_changes(self.hardware or {})
 
     @cached_property
     def task(self) -> Task:
@@ -135,7 +143,66 @@ class EnvironmentSettings:
         """Entries of an observation, in order."""
         return observation_entries(self.array.panel_count, self.observation)
 
+    @property
+    def observation_names(self) -> tuple[str, ...]:
+        """Names of the entries."""
+        return tuple(entry.name for entry in self.entries)
+
     @cached_property
     def prices(self) -> Reward:
         """The terms of the reward with their prices."""
         return Reward(self.reward)
+
+    def sensors(self, lanes: int) -> Sensors:
+        """The sensors of several arrays."""
+        lock_angles = [self.array.lock_angle(j) for j in range(self.array.panel_count)]
+        return Sensors(lanes, lock_angles, self.entries, self.drive)
+
+    def observation_space(self) -> gymnasium.Space[Any]:
+        """Space of one observation."""
+        bounds = [(entry.observable.low, entry.observable.high) for entry in self.entries]
+        return gymnasium.spaces.Box(*np.array(bounds, dtype=np.float32).T, dtype=np.float32)
+
+    def action_space(self) -> gymnasium.Space[Any]:
+        """Space of one action."""
+        return gymnasium.spaces.Box(-1.0, 1.0, (1,), dtype=np.float32)
+
+    def with_exact_observations(self) -> Self:
+        """The same with perfect sensors that show the entries of the observation "drive"; the motor stays as it is."""
+        motor = Hardware(motor_lag=self.drive.motor_lag, torque_rate_limit=self.drive.torque_rate_limit)
+        return replace(self, hardware=motor, observation="drive")
+
+    def check_changes(self, design: ArrayParameters, changes: Changes) -> None:
+        """Check changes of the parameters of one episode, before anything is drawn.
+
+        Raises:
+            ValueError: for unknown parameters, refused values, or values that change the mechanism's structure.
+        """
+        if not isinstance(changes, Mapping):
+            raise ValueError(f"options['parameters'] = {changes!r} must be a mapping of names to values")
+        if not changes:
+            return
+        changed = design.with_changes(changes)
+        for name in ArrayParameters.STRUCTURAL:
+            if getattr(changed, name) != getattr(design, name):
+                raise ValueError(
+                    f"{name} = {getattr(changed, name)!r} changes the mechanism's structure, here with {name} = "
+                    f"{getattr(design, name)!r}; set it when the environment is made"
+                )
+
+    def draw(self, design: ArrayParameters, generator: np.random.Generator, changes: Changes) -> ArrayParameters:
+        """Parameters of one episode: those of a design, with some drawn from the ranges, then some changed.
+
+        Raises:
+            ValueError: for unknown parameters or refused values.
+        """
+        drawn: dict[str, Any] = {}
+        for name, (low, high) in self.ranges.items():
+            values = generator.uniform(low, high)
+            drawn[name] = tuple(values.tolist()) if name in ArrayParameters.BY_JOINT else float(values)
+        return design.with_changes({**drawn, **changes})
+
+    def simulation(self, parameters: ArrayParameters) -> Simulation:
+        """A folded array at rest."""
+        model, elements = self.level
+        return Simulation(build(parameters, model, elements), default_integrator(model))

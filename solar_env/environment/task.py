@@ -1,13 +1,23 @@
 """The control task: limits and durations, the motor's torque in a control period, the end of an episode."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from solar_env.environment.hardware import Hardware
 from solar_env.mechanics.numerics.jit import kernel
+
+
+class TaskNumbers(NamedTuple):
+    """A `Task` for kernels, with what the motor can do in a period: share of the way, and greatest change."""
+
+    torque_limit: float
+    control_period: float
+    deadline: float
+    postlock_window: float
+    driven_joint: int
+    motor_response: float
+    largest_change: float
 
 
 @dataclass(frozen=True)
@@ -51,18 +61,6 @@ class Task:
         numbers["driven_joint"] = self.driven_joint
         response, rate = hardware.motor_response(self.control_period), hardware.torque_rate_limit
         return TaskNumbers(**numbers, motor_response=response, largest_change=float(rate * self.control_period))
-
-
-class TaskNumbers(NamedTuple):
-    """A :class:`Task` for kernels, with what the motor can do in a period: share of the way, and greatest change."""
-
-    torque_limit: float
-    control_period: float
-    deadline: float
-    postlock_window: float
-    driven_joint: int
-    motor_response: float
-    largest_change: float
 
 
 @kernel(single_caller=True)

@@ -1,9 +1,8 @@
 """The Gymnasium vector environment: many deploying arrays that advance together on all cores."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from numbers import Integral
+from operator import index
 from typing import Any
 
 import gymnasium
@@ -18,7 +17,6 @@ from solar_env.environment.episodes import Episodes, SavedEpisode
 from solar_env.environment.lane import Lane
 from solar_env.environment.scenarios import scenario_named
 from solar_env.environment.settings import EnvironmentSettings
-from solar_env.environment.setup import Setup
 
 Actions = NDArray[np.float32]
 Flags = NDArray[np.bool_]
@@ -26,7 +24,7 @@ Results = tuple[Observation, NDArray[np.float64], Flags, Flags, dict[str, Any]]
 
 
 class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
-    """Several of :class:`~solar_env.SolarArrayEnv`, which describes actions, observations, rewards and info.
+    """Several of `solar_env.SolarArrayEnv`, which describes actions, observations, rewards and info.
 
     ``gymnasium.make_vec("solar_env/Deploy-v0", num_envs=64)`` makes it. All lanes advance in one compiled call a
     thread, without the interpreter lock; the threads share a queue of lanes, so that lanes full of impacts do not keep
@@ -42,7 +40,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         max_episode_steps: control periods after which an episode is truncated; None for none.
         autoreset_mode: a ``gymnasium.vector.AutoresetMode``, or its value.
         num_threads: most threads; by default as many as there are processors for this process.
-        keywords: those of :class:`~solar_env.environment.settings.EnvironmentSettings`; `parameters` may also be a
+        keywords: those of `solar_env.environment.settings.EnvironmentSettings`; `parameters` may also be a
             sequence with an entry for every lane.
     """
 
@@ -61,44 +59,28 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
             TypeError: for an unknown keyword.
             ValueError: for an unknown name or a refused value; the message says which.
         """
-        counts: dict[str, Any] = {
-            "num_envs": num_envs,
-            "max_episode_steps": max_episode_steps,
-            "num_threads": num_threads,
-        }
-        for name, number in counts.items():
+        counts: dict[str, Any] = {"num_envs": num_envs, "max_episode_steps": max_episode_steps}
+        for name, number in {**counts, "num_threads": num_threads}.items():
             whole = isinstance(number, Integral) and not isinstance(number, bool)
             if number is not None and not (whole and number >= 1):
                 raise ValueError(f"{name} = {number!r} must be a whole number, at least 1")
         self.num_envs = int(num_envs)
-        given = keywords.get("parameters")
-        by_lane = list(given) if isinstance(given, Sequence) else [given] * self.num_envs
-        if len(by_lane) != self.num_envs:
-            raise ValueError(
-                f"parameters has {len(by_lane)} entries for num_envs = {num_envs} lanes; give one for each"
-            )
+        by_lane = _by_lane("parameters", keywords.get("parameters"), self.num_envs)
         settings = EnvironmentSettings.of({**keywords, "parameters": by_lane[0]})
-        self._setup = setup = Setup(settings)
         self.render_mode, self.scenario = settings.render_mode, settings.scenario
         self.parameters = [scenario_named(self.scenario).design(entry) for entry in by_lane]
-        self.model, self.elements = setup.model, setup.elements
-        self.hardware, self.randomize = setup.hardware, setup.randomize
-        self.task, self.reward = setup.task, setup.reward
-        self.observation_names = setup.observation_names
+        self.model, self.elements = settings.level
+        self.randomize, self.hardware = settings.ranges, settings.drive
+        self.task, self.reward, self.observation_names = settings.task, settings.prices, settings.observation_names
         self.autoreset_mode = AutoresetMode(autoreset_mode)
-        self.metadata = {
-            **SolarArrayEnv.metadata,
-            "render_fps": 1.0 / self.task.control_period,
-            "autoreset_mode": self.autoreset_mode,
-        }
-        self.single_observation_space = setup.observation_space()
+        timing = {"render_fps": 1.0 / settings.control_period, "autoreset_mode": self.autoreset_mode}
+        self.metadata = {**SolarArrayEnv.metadata, **timing}
+        self.single_observation_space, self.single_action_space = settings.observation_space(), settings.action_space()
         self.observation_space = batch_space(self.single_observation_space, num_envs)
-        self.single_action_space = setup.action_space()
         self.action_space = batch_space(self.single_action_space, num_envs)
-        self.episodes = Episodes(setup, self.parameters, num_threads, recorded=self.render_mode is not None)
+        self.episodes = Episodes(settings, self.parameters, num_threads)
         self._generators: list[np.random.Generator | None] = [None] * num_envs
-        self._seeds: list[int] = [-1] * num_envs
-        self._longest = max_episode_steps
+        self._seeds, self._longest = [-1] * num_envs, max_episode_steps
         self._all_lanes = np.arange(num_envs)
         self._elapsed = np.zeros(num_envs, dtype=np.int64)
         self._ended = np.zeros(num_envs, dtype=np.bool_)
@@ -149,19 +131,16 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
             raise TypeError(f"reset_mask = {mask!r} must be an array of bool")
         if mask is not None and (mask.shape != (self.num_envs,) or not mask.any()):
             raise ValueError(f"reset_mask = {mask!r} must have shape ({self.num_envs},) and name at least one lane")
-        seeds = _by_lane(seed, self.num_envs)
-        if len(seeds) != self.num_envs:
-            raise ValueError(f"{len(seeds)} seeds were given for {self.num_envs} lanes")
+        if isinstance(seed, (int, np.integer)):
+            seed = range(int(seed), int(seed) + self.num_envs)
+        seeds = _by_lane("seed", seed, self.num_envs)
         lanes = self._all_lanes if mask is None else np.flatnonzero(mask)
-        changes = given.get("parameters") or {}
-        by_lane = list(changes) if isinstance(changes, Sequence) else [changes] * self.num_envs
-        if len(by_lane) != self.num_envs:
-            raise ValueError(f"changed parameters were given for {len(by_lane)} lanes; there are {self.num_envs}")
+        by_lane = _by_lane("options['parameters']", given.get("parameters") or {}, self.num_envs)
         chosen = [by_lane[lane] for lane in lanes]
         self.episodes.check_changes(lanes, chosen)
         for lane in lanes:
             if seeds[lane] is not None:
-                self._generators[lane], self._seeds[lane] = seeding.np_random(seeds[lane])
+                self._generators[lane], self._seeds[lane] = seeding.np_random(index(seeds[lane]))
         self._fold(lanes, chosen)
         infos: dict[str, Any] = {}
         for begun in lanes.tolist():
@@ -193,8 +172,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         if not np.isfinite(self._actions).all():
             lane = int(np.argmin(np.isfinite(self._actions[:, 0])))
             raise ValueError(f"action = {self._actions[lane]!r} of lane {lane} is not finite")
-        episodes = self.episodes
-        lanes = self._all_lanes
+        episodes, lanes = self.episodes, self._all_lanes
         if self._ended.any():
             folded = np.flatnonzero(self._ended)
             if self.autoreset_mode is AutoresetMode.DISABLED:
@@ -224,7 +202,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         return {"time_s": self.episodes.times, "reward_terms": terms, **everywhere}
 
     def _end_episodes(self, lanes: NDArray[np.int64], terminations: Flags, infos: dict[str, Any]) -> None:
-        """Add what the last step of an episode tells, and begin the next episodes if that is to be in the same step."""
+        """Add the information of last steps of episodes, and begin the next ones if that is to be in the same step."""
         episodes = self.episodes
         figures = {lane: episodes.figures(lane) for lane in lanes.tolist() if terminations[lane]}
         if self.autoreset_mode is not AutoresetMode.SAME_STEP:
@@ -252,11 +230,6 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
 
     def render(self) -> tuple[NDArray[np.uint8] | None, ...]:  # type: ignore[override]
         """Draw every lane's present state; (540, 960, 3) uint8 each."""
-        if self.render_mode is None:
-            gymnasium.logger.warn(
-                'render() does nothing without a render mode; make the environment with render_mode="rgb_array"'
-            )
-            return (None,) * self.num_envs
         return tuple(self.episodes.render(lane) for lane in range(self.num_envs))
 
     def close_extras(self, **kwargs: Any) -> None:
@@ -264,9 +237,9 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         self.episodes.close()
 
 
-def _by_lane(seed: int | Sequence[int | None] | None, lanes: int) -> list[int | None]:
-    if seed is None:
-        return [None] * lanes
-    if isinstance(seed, (int, np.integer)):
-        return [int(seed) + lane for lane in range(lanes)]
-    return [None if entry is None else int(entry) for entry in seed]
+def _by_lane(name: str, given: Any, lanes: int) -> list[Any]:
+    """An entry for each lane: those of a sequence, or one and the same."""
+    entries = list(given) if isinstance(given, (Sequence, np.ndarray)) else [given] * lanes
+    if len(entries) != lanes:
+        raise ValueError(f"{name} has {len(entries)} entries for num_envs = {lanes} lanes; give one for each")
+    return entries

@@ -33,7 +33,7 @@ DATE_KEY = {".pdf": "CreationDate", ".svg": "Date"}
 
 
 def plot_deployment(trajectory: Trajectory, path: str | Path, deflections: NDArray[np.float64] | None = None) -> None:
-    """Write one figure of a deployment: what moved, what hit, what it cost.
+    """Write one figure of a deployment: motion, forces, energies and wear.
 
     Against time: angles with the latch times dotted, contact force of each joint (samples, and each contact's
     peak as a stem; of an ideal joint the joint force), latch and cable torques, deflections of flexible panels,
@@ -49,17 +49,13 @@ def plot_deployment(trajectory: Trajectory, path: str | Path, deflections: NDArr
         ValueError: the suffix is none of these.
     """
     suffix = _checked_suffix(path)
-
     import matplotlib as mpl
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
 
     loose = np.flatnonzero(trajectory.clearance > 0.0)
     columns = 0 if len(loose) == 0 else 1 if len(loose) < 3 else 2
     rows = len(trajectory.clearance) + (6 if deflections is None else 7)
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(HISTORY_WIDTH + BEARING_WIDTH * columns, 1.25 * rows))
-        FigureCanvasAgg(figure)
+        figure = _figure(HISTORY_WIDTH + BEARING_WIDTH * columns, 1.25 * rows)
         _draw_histories(figure, trajectory, deflections)
         if columns > 0:
             _draw_bearings(figure, trajectory, loose, columns)
@@ -91,15 +87,11 @@ def plot_comparison(
     for trajectory in trajectories:
         if np.all(np.isnan(trajectory.latch_times)):
             raise ValueError(f"no joint of {trajectory.metadata['model']} has latched; simulate for longer")
-
     import matplotlib as mpl
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
 
     joints = len(trajectories[0].clearance)
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(COMPARED_WIDTH * len(trajectories) + 0.4, 1.4 * (joints + 2) + 1.0))
-        FigureCanvasAgg(figure)
+        figure = _figure(COMPARED_WIDTH * len(trajectories) + 0.4, 1.4 * (joints + 2) + 1.0)
         edges = (0.75, 0.45, figure.get_figwidth() - 0.2, -0.3)
         grid = _cells(figure, joints + 2, len(trajectories), edges, hspace=0.36, wspace=0.1)
         axes = grid.subplots(sharex="row", sharey="row", squeeze=False)
@@ -155,6 +147,14 @@ def _checked_suffix(path: str | Path) -> str:
     return suffix
 
 
+def _figure(width: float, height: float) -> Figure:
+    """An empty figure [inch] that needs no display."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    return FigureCanvasAgg(Figure(figsize=(width, height))).figure
+
+
 def _save(figure: Figure, path: str | Path, suffix: str) -> None:
     """Write a figure without the date, so that the same data give the same file."""
     figure.savefig(path, dpi=160, metadata={DATE_KEY[suffix]: None} if suffix in DATE_KEY else {})
@@ -167,15 +167,8 @@ def _cells(figure: Figure, rows: int, columns: int, edges: tuple[float, float, f
     """
     width, height = figure.get_size_inches()
     left, bottom, right, top = edges
-    return figure.add_gridspec(
-        rows,
-        columns,
-        left=left / width,
-        bottom=bottom / height,
-        right=right / width,
-        top=1.0 + top / height,
-        **how,
-    )
+    place = {"left": left / width, "bottom": bottom / height, "right": right / width, "top": 1.0 + top / height}
+    return figure.add_gridspec(rows, columns, **place, **how)
 
 
 def _draw_histories(figure: Figure, trajectory: Trajectory, deflections: NDArray[np.float64] | None) -> None:

@@ -1,7 +1,5 @@
 """Layout, and drawing with smooth edges: shapes are drawn enlarged and then reduced."""
 
-from __future__ import annotations
-
 import math
 from typing import Literal
 

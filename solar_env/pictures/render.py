@@ -4,8 +4,6 @@ A frame is drawn from a `Scene`, plain numbers that say nothing of how they were
 imported when the first `Renderer` is made, not with this module.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,8 +1,6 @@
 """One instant of a deployment as plain numbers, from which a frame is drawn."""
 
-from __future__ import annotations
-
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,23 +47,14 @@ class Scene:
 
     def __post_init__(self) -> None:
         joints, samples = len(self.panels), len(self.force_times)
-        shapes = {
+        shapes: dict[str, tuple[int, ...]] = {
             "main_body": (4, 2),
-            "hinges": (joints, 2),
-            "eccentricity": (joints, 2),
-            "clearance": (joints,),
-            "journal_radius": (joints,),
-            "in_contact": (joints,),
-            "normal_force": (joints,),
-            "latched": (joints,),
-            "force_times": (samples,),
-            "force_history": (samples, joints),
+            **dict.fromkeys(("hinges", "eccentricity"), (joints, 2)),
         }
-        for field in fields(self):
-            if field.name in shapes and np.shape(getattr(self, field.name)) != shapes[field.name]:
-                raise ValueError(
-                    f"{field.name} has shape {np.shape(getattr(self, field.name))}, "
-                    f"expected {shapes[field.name]} for {joints} panels"
-                )
+        shapes |= dict.fromkeys(("clearance", "journal_radius", "in_contact", "normal_force", "latched"), (joints,))
+        shapes |= {"force_times": (samples,), "force_history": (samples, joints)}
+        for name, expected in shapes.items():
+            if (given := np.shape(getattr(self, name))) != expected:
+                raise ValueError(f"{name} has shape {given}, expected {expected} for {joints} panels")
         if joints == 0 or any(np.ndim(p) != 2 or len(p) < 2 or np.shape(p)[1] != 2 for p in self.panels):
             raise ValueError("panels needs at least one polyline, each of shape (k, 2) with k >= 2")

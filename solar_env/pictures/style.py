@@ -4,8 +4,6 @@ A look is what Matplotlib's `plot` takes: colour, marker and line. Colours are t
 Universal Design (2008), which colour-blind readers tell apart, and a few more.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -78,6 +76,7 @@ CONTROLLER_LOOKS: Mapping[str, Look] = {
     "damper": _look(GREEN, "^"),
     "servo": _look(BLUE, "s"),
     "shaped": _look(SKY, "D"),
+    "pd": _look("#17becf", "d"),
     "open-loop": _look(PURPLE, "<"),
     "soft-start": _look(ORANGE, ">"),
     "receding-horizon": _look("black", "*"),

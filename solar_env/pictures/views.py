@@ -1,18 +1,14 @@
 """Parts of a frame: the array in its world, the contact force against time, a bearing magnified."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from PIL import Image
 
 from solar_env.pictures.raster import CARD, GRID, INK, QUIET, Layout, Region, TextPen
-from solar_env.pictures.scene import Scene
+from solar_env.pictures.scene import Array, Scene
 from solar_env.pictures.style import COLOURS
-
-Array = NDArray[np.float64]
 
 BODY, BODY_EDGE, PANEL, PANEL_SHINE = "#d8b365", "#a67c2d", "#1f3f77", "#7fa6d9"
 BEARING, BOLT, JOURNAL, JOURNAL_MARK, FORCE = "#aeb9c6", "#7c8896", "#3d4a5c", "#75839a", "#e01e37"
@@ -107,8 +103,7 @@ class ForceView:
         return self._region.left + 0.5 + share * (self._region.right - self._region.left - 1.0)
 
     def _heights(self, forces: ArrayLike) -> Array:
-        share = (log_force(forces) - FORCE_DECADES[0]) / (FORCE_DECADES[1] - FORCE_DECADES[0])
-        return self._region.bottom - 1.5 - share * (self._region.bottom - self._region.top - 3.0)
+        return self._region.bottom - 1.5 - force_share(forces) * (self._region.bottom - self._region.top - 3.0)
 
     def label(self, pen: TextPen) -> None:
         """Write the title and the scales."""
@@ -141,9 +136,10 @@ class ForceView:
         region.paste_into(frame)
 
 
-def log_force(forces: ArrayLike) -> Array:
-    """Common logarithm of forces [N], held a little below the scale for those that it does not reach."""
-    return np.log10(np.maximum(forces, 10.0 ** (FORCE_DECADES[0] - 0.2)))
+def force_share(forces: ArrayLike) -> Array:
+    """Place of forces [N] on the logarithmic scale, from 0 to 1; a little below for those that it does not reach."""
+    low, high = FORCE_DECADES
+    return (np.log10(np.maximum(forces, 10.0 ** (low - 0.2))) - low) / (high - low)
 
 
 def tick_spacing(duration: float) -> float:
@@ -206,8 +202,7 @@ class BearingView:
     def _draw_contact(self, offset: Array, force: float) -> None:
         outward = offset / math.hypot(*offset)
         contact = self.centre + self.bearing_radius * outward
-        share = (float(log_force(force)) - FORCE_DECADES[0]) / (FORCE_DECADES[1] - FORCE_DECADES[0])
-        length = max(0.0, share) * 2.0 * JOURNAL_SHARE * self.bearing_radius
+        length = max(0.0, float(force_share(force))) * 2.0 * JOURNAL_SHARE * self.bearing_radius
         self._region.arrow(contact, contact - length * outward, FORCE, 4 * self._layout.unit)
         self._region.disc(contact, 5 * self._layout.unit, FORCE)
 

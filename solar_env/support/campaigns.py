@@ -3,8 +3,6 @@
 `each_done` hands simulations to joblib; a campaign is a set of them whose results a file keeps as they come.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence

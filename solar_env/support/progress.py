@@ -1,7 +1,5 @@
 """The progress bar of commands that do a known number of things."""
 
-from __future__ import annotations
-
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 

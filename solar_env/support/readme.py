@@ -1,7 +1,5 @@
 """README pages of the studies: where they lie, and the sections of them that commands write."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 

@@ -144,7 +144,9 @@ def test_a_reset_that_is_refused_begins_nothing_and_draws_nothing(parameters):
     for each in (env, other):
         each.reset(seed=0)
         each.step(random_actions(1, 2)[0])
-    with pytest.raises(ValueError, match=r"wear_bins = 90 changes|clearance = -1|must be a mapping|given for 1 lanes"):
+    with pytest.raises(
+        ValueError, match=r"wear_bins = 90 changes|clearance = -1|must be a mapping|1 entries for num_envs = 2"
+    ):
         env.reset(options={"parameters": parameters})
     assert_same(env.step(random_actions(1, 2)[0]), other.step(random_actions(1, 2)[0]))
     assert_same(env.reset(), other.reset())
@@ -227,7 +229,7 @@ def test_seeds_are_by_lane_and_none_goes_on():
     assert env.unwrapped.episodes.parameters[0].clearance != drawn
     env.reset(seed=4)
     assert env.unwrapped.episodes.parameters[0].clearance == drawn
-    with pytest.raises(ValueError, match="2 seeds were given for 3 lanes"):
+    with pytest.raises(ValueError, match="seed has 2 entries for num_envs = 3 lanes"):
         env.reset(seed=[1, 2])
 
 

@@ -184,7 +184,7 @@ def hermite_state(state, stages, h, share):
 
 @kernel(inner=True, inlined=True)
 def hermite_depth(joint, markers, state, stages, h, share):
-    """Penetration [m] of a joint at ``share`` of the step; an eccentricity that is linear in q is interpolated alone."""
+    """Penetration [m] of a joint at `share` of the step; an eccentricity that is linear in q is interpolated alone."""
     if not (markers[joint.outboard].linear and markers[joint.inboard].linear):
         hermite_state(state, stages, h, share)
         depth, _ = penetration(joint, markers, stages.scratch_q, stages.scratch_v)

@@ -96,7 +96,7 @@ def test_futures_are_seen_by_perfect_sensors_and_moved_by_the_motor_of_the_envir
     brought_into_contact(env)
     futures = env.unwrapped.futures(1)
     loads = env.unwrapped.simulation.joint_loads()
-    observed = dict(zip(futures.setup.observation_names, futures.observations[0], strict=True))
+    observed = dict(zip(futures.settings.observation_names, futures.observations[0], strict=True))
     assert "theta_1_1_ago" not in observed
     assert observed["theta_2"] == np.float32(loads[1, 2] / np.pi)
     assert observed["rate_1"] == np.float32(loads[0, 3])

@@ -13,7 +13,7 @@ from agents.environments import episode_seeds, make_env
 from agents.rollout import run_episode
 from agents.shipped import load_shipped
 from solar_env import Rosenbrock
-from solar_env.environment import setup as episode_setup
+from solar_env.environment import settings
 
 POLICIES = shipped.available()
 
@@ -105,7 +105,7 @@ def test_the_nominal_policy_lands_more_softly_than_its_law_at_a_hundredth_of_the
         return -np.mean([run_episode(env, law, seed)["return"] for seed in episode_seeds("evaluation", 0, 12)])
 
     usual = mean_cost("ppo-nominal")
-    monkeypatch.setattr(episode_setup, "default_integrator", lambda model: Rosenbrock(rtol=1e-6))
+    monkeypatch.setattr(settings, "default_integrator", lambda model: Rosenbrock(rtol=1e-6))
     policy, servo = mean_cost("ppo-nominal"), mean_cost("servo")
     assert policy < 0.8 * servo
     assert policy == pytest.approx(usual, rel=0.35)

@@ -78,38 +78,25 @@ def run_figure(
     episodes: Mapping[str, Sequence[Step]],
     names: Sequence[str],
     torque_limit: float,
-) -> Path:
-    """Draw ``figure.png`` of the run in `folder`.
+) -> None:
+    """Draw `figure.png` of the finished run in `folder`.
 
-    Args:
-        folder: A finished run.
-        reference_returns: Controller -> return, drawn as lines into the learning curve.
-        episodes: Controller -> steps of one episode.
-        names: Names of the observation entries.
-        torque_limit: Motor torque of a unit action [N m].
-
-    Returns:
-        The path of the figure.
+    `reference_returns` by controller are lines in the learning curve; the rest is as for `plot_episodes`.
     """
     figure = Figure(figsize=(11, 7), layout="constrained")
     axes = figure.subplots(2, 2)
     plot_learning_curve(axes[0, 0], folder, reference_returns)
     panels = {OPENING: axes[0, 1], COMMAND: axes[1, 0], CHARGED: axes[1, 1]}
     plot_episodes(panels, episodes, names, torque_limit)
-    path = folder / "figure.png"
-    figure.savefig(path, dpi=150)
-    return path
+    figure.savefig(folder / "figure.png", dpi=150)
 
 
 @rc_context(STYLE)
 def comparison_figure(summary: Mapping[str, Mapping[str, Any]], path: Path) -> None:
     """Draw a comparison: interquartile mean, interval and worst episode of every controller.
 
-    A figure that is zero for all of them, as wear where joints are ideal, has no panel.
-
-    Args:
-        summary: As `agents.comparison.report.summarize` returns it.
-        path: File to write.
+    A figure that is zero for all of them, as wear where joints are ideal, has no panel. `summary` is that of
+    `agents.comparison.report.summarize`.
     """
     panels = [("return", "minus return", -1.0)]
     for key in ("peak_postlock_force_N", "postlock_sliding_work_J", "wear_depth_max_m"):
@@ -127,7 +114,7 @@ def comparison_figure(summary: Mapping[str, Mapping[str, Any]], path: Path) -> N
             worst = factor * (value.minimum if key in HIGHER_IS_BETTER else value.maximum)
             color, marker = looks[name]["color"], looks[name]["marker"]
             axes.plot(ends, [row, row], "-", color=color, lw=4, solid_capstyle="butt", alpha=0.5)
-            axes.plot(factor * value.mean, row, marker, color=color, ms=5)
+            axes.plot(factor * value.mean, row, marker, color=color, ms=4)
             axes.plot(worst, row, "x", color=color, ms=5)
         axes.set_xscale("log")
         least, greatest = np.log10(axes.get_xlim())
@@ -142,12 +129,7 @@ def comparison_figure(summary: Mapping[str, Mapping[str, Any]], path: Path) -> N
 
 @rc_context({**STYLE, "axes.grid": False})
 def transfer_figure(returns: Mapping[str, Mapping[str, float]], path: Path) -> None:
-    """Draw a matrix of returns: levels of training downwards, levels of evaluation across.
-
-    Args:
-        returns: Level of evaluation -> level of training -> return.
-        path: File to write.
-    """
+    """Draw returns (by level of evaluation, then by level of training): training downwards, evaluation across."""
     across, down = list(returns), list(next(iter(returns.values())))
     cost = np.array([[-returns[column][row] for column in across] for row in down])
     figure = Figure(figsize=(1.8 + 1.2 * len(across), 1.2 + 0.5 * len(down)), layout="constrained")
@@ -166,11 +148,7 @@ def transfer_figure(returns: Mapping[str, Mapping[str, float]], path: Path) -> N
 def learning_curves_figure(curves: Mapping[tuple[str, str], tuple[np.ndarray, np.ndarray]], path: Path) -> None:
     """Draw validation returns over environment steps, panel by panel: medians over training seeds, and their range.
 
-    Agents that add to the servo begin as the servo.
-
-    Args:
-        curves: (panel, algorithm) -> steps (n,), mean validation returns (seeds, n).
-        path: File to write.
+    `curves` maps (panel, algorithm) to steps (n,) and mean validation returns (seeds, n).
     """
     panels = list(dict.fromkeys(panel for panel, _ in curves))
     across = min(len(panels), 2)
@@ -194,14 +172,7 @@ def learning_curves_figure(curves: Mapping[tuple[str, str], tuple[np.ndarray, np
 def deployments_figure(
     episodes: Mapping[str, Sequence[Step]], names: Sequence[str], torque_limit: float, path: Path
 ) -> None:
-    """Draw one episode of each controller over time: torque, rates, forces and the charged costs, one below the other.
-
-    Args:
-        episodes: Controller -> steps of one episode.
-        names: Names of the observation entries.
-        torque_limit: Motor torque of a unit action [N m].
-        path: File to write.
-    """
+    """Draw one episode of each controller: torque, rates, forces and charged costs over time; see `plot_episodes`."""
     figure = Figure(figsize=(10, 9), layout="constrained")
     panels = dict(zip((TORQUE, RATES, FORCE, CHARGED), figure.subplots(4, 1, sharex=True), strict=True))
     plot_episodes(panels, episodes, names, torque_limit)

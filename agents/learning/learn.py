@@ -166,14 +166,7 @@ def train(training: Training) -> None:
 def train_missing(
     wanted: Mapping[Path, Configuration], command: str, device: str, workers: Workers, progress: bool = True
 ) -> None:
-    """Train those runs that are not complete, side by side.
-
-    Args:
-        wanted: Run folder -> configuration of its run.
-        command: Command line to record.
-        device: Torch device.
-        workers: Processes or machines to train on.
-        progress: Show a progress bar.
+    """Train those of the runs `wanted`, run folder -> configuration, that are not complete, side by side on `workers`.
 
     Raises:
         ValueError: A run has another configuration.

@@ -165,12 +165,7 @@ def store(algo: str, env_id: str, config: configurations.Configuration, record: 
 
 
 def main(argv: Sequence[str] | None = None) -> None:
-    """Run the command; see `Args`.
-
-    Raises:
-        ValueError: There is nothing to search for, the budget holds no generation, or as
-            `configurations.complete`.
-    """
+    """Run the command; see `Args`. A ValueError says that there is nothing to search, or the budget is too small."""
     args = parse_arguments(Args, argv, PROG)
     if args.algo not in SPACES:
         raise ValueError(f"nothing to search for {args.algo!r}; choose from {', '.join(SPACES)}")

@@ -69,11 +69,7 @@ def tune(
 
 
 def main(argv: Sequence[str] | None = None) -> None:
-    """Run the command; see `Args`.
-
-    Raises:
-        ValueError: The controller has nothing to tune, the budget is too small, or as `make_env`.
-    """
+    """Run the command; see `Args`. A ValueError says that there is nothing to tune, or the budget is too small."""
     args = parse_arguments(Args, argv, PROG)
     if args.controller not in TUNABLE:
         raise ValueError(f"nothing to tune in {args.controller!r}; choose from {', '.join(TUNABLE)}")

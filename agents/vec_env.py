@@ -91,11 +91,7 @@ class NativeVecEnv(VecEnv):
         return [getattr(self.env.unwrapped.lane(lane), attr_name) for lane in self._get_indices(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:
-        """Refuse to set an attribute.
-
-        Raises:
-            AttributeError: Always; it says what to do instead.
-        """
+        """Refuse to set an attribute, by an AttributeError that says what to do instead."""
         raise AttributeError(
             f"{attr_name!r} cannot be set in a lane; pass keywords when the environment is made, or reset options"
         )

@@ -154,8 +154,8 @@ def resumed_configuration(folder: str | Path, timesteps: int | None = None) -> C
     The landings that it records are added to the episodes that its law has cost.
 
     Raises:
-        FileNotFoundError, ValueError: As `stored_configuration`.
-        ValueError: The number of steps is not positive, or there are no episodes left to record.
+        FileNotFoundError, ValueError: As `stored_configuration`, or the number of steps is not positive, or there are
+            no episodes left to record.
     """
     previous = stored_configuration(folder)
     timesteps = previous.timesteps if timesteps is None else timesteps

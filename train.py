@@ -13,7 +13,7 @@ from typing import Annotated
 import tyro
 
 from agents import runs
-from agents.arguments import command_line, parse_arguments, run_command
+from agents.arguments import ModelOptions, TrainingOptions, command_line, parse_arguments, run_command
 from agents.comparison.evaluation import efforts, evaluate
 from agents.comparison.figures import run_figure
 from agents.comparison.report import Summary, Tables, write_comparison
@@ -22,7 +22,6 @@ from agents.environments import DEFAULT_ENV_ID, check_distinct_seeds, check_epis
 from agents.laws.baselines import make_baseline
 from agents.laws.table import TUNABLE
 from agents.learning import configurations, learn
-from agents.options import ModelOptions, TrainingOptions
 from agents.rollout import Step, run_episode
 from agents.torque_laws import Signals
 from solar_env.array import DEFAULT_ELEMENTS
@@ -95,19 +94,9 @@ def configuration(args: Args, seed: int) -> configurations.Configuration:
     env_id = args.env_id or DEFAULT_ENV_ID
     whole = args.residual == 0.0
     named = args.model or args.env_kwargs.get("model")
-    request = configurations.Request(
-        args.algo or "ppo",
-        env_id,
-        args.keywords(env_id, WHOLE_TORQUE_MODEL if whole else MODEL),
-        seed,
-        args.n_envs,
-        args.timesteps,
-        args.hyperparams,
-        args.residual,
-        args.landings,
-        args.law,
-    )
-    config = request.configuration()
+    keywords = args.keywords(env_id, WHOLE_TORQUE_MODEL if whole else MODEL)
+    numbers = args.n_envs, args.timesteps, args.hyperparams, args.residual, args.landings, args.law
+    config = configurations.complete(args.algo or "ppo", env_id, keywords, seed, *numbers)
     quick = args.timesteps is None and not (named or whole)
     return replace(config, timesteps=min(config.timesteps, TIMESTEPS)) if quick else config
 
@@ -132,11 +121,7 @@ def train_seeds(args: Args, command: str) -> Path:
 
 
 def check_comparison(args: Args, seed: int) -> None:
-    """Refuse settings of the comparison before anything is trained.
-
-    Raises:
-        ValueError: The number of episodes or processes, the cluster or the seed is out of range.
-    """
+    """Refuse settings of the comparison, by a ValueError, before anything is trained."""
     args.workers  # noqa: B018 (checks them)
     check_episode_seeds(seed, args.eval_episodes)
 

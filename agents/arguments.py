@@ -1,4 +1,4 @@
-"""Command lines from documented dataclasses, by tyro; key=value pairs are read without evaluating code."""
+"""Command lines from documented dataclasses, by tyro, and the options that several commands have in common."""
 
 import ast
 import contextlib
@@ -7,12 +7,14 @@ import io
 import re
 import shlex
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Annotated, Any, TypeVar
 
 import tyro
 
+from agents.environments import DEFAULT_ENV_ID, with_model
 from solar_env import SimulationError
+from solar_env.support.campaigns import Workers
 
 Arguments = TypeVar("Arguments")
 
@@ -54,6 +56,55 @@ _PAIRS: tyro.constructors.PrimitiveConstructorSpec[dict[str, Any]] = tyro.constr
 )
 Assignments = Annotated[dict[str, Any], _PAIRS]
 """Type of a field that takes `key=value` pairs, also when its option is repeated."""
+
+
+@dataclasses.dataclass
+class WorkerOptions:
+    """Processes or machines that a command runs on, and its progress bars."""
+
+    jobs: int | None = None
+    """processes; None: one per processor"""
+    cluster: str | None = None
+    """ray: run on the Ray cluster that this machine belongs to"""
+    quiet: bool = False
+    """no progress bars"""
+
+    @property
+    def workers(self) -> Workers:
+        """The processes or machines.
+
+        Raises:
+            ValueError: The number of processes is not positive, or there is no such cluster.
+        """
+        return Workers(self.jobs, self.cluster)
+
+
+@dataclasses.dataclass
+class ModelOptions:
+    """Physics of the environments of a command."""
+
+    model: str | None = None
+    """rigid-ideal, rigid-clearance, flexible-ideal, flexible-clearance or auto; None: see above"""
+    elements: int | None = None
+    """beam elements of each panel of a flexible model; None: see above, or 6 for a model that is named"""
+    env_kwargs: Assignments = dataclasses.field(default_factory=dict)
+    """environment keywords, for example torque_limit=0.3 observation=privileged"""
+
+    def keywords(self, env_id: str = DEFAULT_ENV_ID, default: Mapping[str, Any] | None = None) -> dict[str, Any]:
+        """Return the environment keywords that the options ask for, see `with_model`."""
+        return with_model(self.env_kwargs, self.model, self.elements, env_id, default)
+
+
+@dataclasses.dataclass
+class TrainingOptions(WorkerOptions):
+    """Settings of trainings in place of those in agents/configs."""
+
+    timesteps: int | None = None
+    """environment steps of every training; None: the number in agents/configs"""
+    landings: int | None = None
+    """episodes of the law alone with whose landings training begins; None: the number in agents/configs"""
+    hyperparams: Assignments = dataclasses.field(default_factory=dict)
+    """hyperparameters in place of those in agents/configs, for example learning_rate=1e-3"""
 
 
 def parse_arguments(cls: type[Arguments], argv: Sequence[str] | None = None, prog: str | None = None) -> Arguments:

@@ -4,18 +4,17 @@ import csv
 import itertools
 import shutil
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from agents import runs
-from agents.arguments import command_line, parse_arguments, run_command
+from agents.arguments import ModelOptions, TrainingOptions, command_line, parse_arguments, run_command
 from agents.comparison.figures import learning_curves_figure
 from agents.comparison.suites import SUITES, TRAINING_MODEL, WHOLE_TORQUE_MODEL
 from agents.environments import check_distinct_seeds
 from agents.learning import configurations, learn
-from agents.options import ModelOptions, TrainingOptions
 from solar_env.environment.registration import ENVIRONMENTS
 
 PROG = "python -m agents.curves"
@@ -56,21 +55,12 @@ def wanted_runs(args: Args) -> dict[tuple[str, str], dict[Path, configurations.C
         else:
             keywords = args.keywords(env_id, TRAINING_MODEL)
         panel = f"{ENVIRONMENTS[env_id]}, {keywords['model']}, {'whole torque' if whole else 'added to the servo'}"
-        request = configurations.Request(
-            "",
-            env_id,
-            keywords,
-            0,
-            timesteps=args.timesteps,
-            hyperparameters=args.hyperparams,
-            residual=0.0 if whole else None,
-            landings=None if whole else args.landings,
-        )
+        residual, landings = (0.0, None) if whole else (None, args.landings)
+        numbers = None, args.timesteps, args.hyperparams, residual, landings
         for algo in args.algos:
+            name = f"{suite}-{algo}{'-whole' if whole else ''}"
             wanted[panel, algo] = {
-                Path(args.out) / f"{suite}-{algo}{'-whole' if whole else ''}-{seed}": replace(
-                    request, algo=algo, seed=seed
-                ).configuration()
+                Path(args.out) / f"{name}-{seed}": configurations.complete(algo, env_id, keywords, seed, *numbers)
                 for seed in args.seeds
             }
     return wanted

@@ -8,14 +8,13 @@ from typing import Annotated, Any
 
 import tyro
 
-from agents.arguments import command_line, parse_arguments, run_command
+from agents.arguments import ModelOptions, WorkerOptions, command_line, parse_arguments, run_command
 from agents.comparison.evaluation import STORE, common_env_id, common_env_kwargs, efforts, evaluate
 from agents.comparison.figures import comparison_figure
 from agents.comparison.report import write_comparison
 from agents.comparison.suites import MODEL, SUITES, suite_controllers
 from agents.environments import with_sampling
 from agents.laws.table import LAWS
-from agents.options import ModelOptions, WorkerOptions
 from solar_env.support.readme import Section
 
 PROG = "python -m agents.evaluate"

@@ -52,11 +52,8 @@ def observed(policy: ShippedPolicy, env: gymnasium.Env, seed: int) -> np.ndarray
 def export(run: str | Path, folder: Path, comparison: str | Path | None = None) -> ShippedPolicy:
     """Write the best policy of a run, its ONNX form and its card to `folder`. Export only runs you trust: it unpickles.
 
-    Args:
-        run: Run folder.
-        folder: Folder to write.
-        comparison: Folder of a comparison in which the run, or a policy named as `folder` is, was measured; by default
-            the run's own, or that of all the seeds that it was trained with.
+    `comparison` is the folder of one in which the run, or a policy named as `folder` is, was measured; by default the
+    run's own, or that of all the seeds that it was trained with.
 
     Raises:
         FileExistsError: `folder` exists.
@@ -77,10 +74,7 @@ def export(run: str | Path, folder: Path, comparison: str | Path | None = None) 
         del signals["driven_joint"]  # the keywords of the environment hold it
         description = Description(
             algorithm=config["algo"],
-            feature_limit=network.feature_limit,
-            activation=network.activation,
-            output=network.output,
-            mean_limit=network.mean_limit,
+            **{name: getattr(network, name) for name in ("feature_limit", "activation", "output", "mean_limit")},
             training_steps=config["timesteps_before"] + config["timesteps"],
             env_id=config["env_id"],
             env_kwargs=config["env_kwargs"],

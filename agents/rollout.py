@@ -11,6 +11,9 @@ import numpy as np
 
 from agents.torque_laws import Controller
 
+UNITS = ("s", "N", "Ns", "J", "m")
+"""Ends of the names of figures: `contact_starts` has no unit."""
+
 
 @dataclass(frozen=True)
 class Step:
@@ -61,29 +64,13 @@ def episode_figures(deployment: Mapping[str, Any], reward_terms: Mapping[str, fl
         "latched": latched,
     }
     for name, value in deployment.items():
-        if name == "latched":
-            continue
         if not isinstance(value, list | tuple):
-            figures[name] = float(value)
+            figures[name] = latched if name == "latched" else float(value)
             continue
-        by_joint = [math.nan if v is None else float(v) for v in value]
-        if "postlock" in name and not latched:
-            by_joint = [math.nan] * len(by_joint)
-        quantity, unit = _split_unit(name)
-        figures[quantity + unit] = max_or_sum(name)(by_joint)
-        for joint, v in enumerate(by_joint, start=1):
-            figures[f"{quantity}_{joint}{unit}"] = v
+        by_joint = [math.nan if v is None or ("postlock" in name and not latched) else float(v) for v in value]
+        quantity, _, unit = name.rpartition("_")
+        quantity, unit = (quantity, "_" + unit) if unit in UNITS else (name, "")
+        reduction = np.max if any(part in name for part in ("peak", "latch_time", "max")) else np.sum
+        figures[quantity + unit] = float(reduction(by_joint))
+        figures |= {f"{quantity}_{joint}{unit}": v for joint, v in enumerate(by_joint, start=1)}
     return figures
-
-
-def max_or_sum(name: str) -> Callable[[list[float]], float]:
-    """Return the reduction of the joints' figures `name` to that of the array; NaN if any of them is."""
-    if any(part in name for part in ("peak", "latch_time", "max")):
-        return lambda values: float(np.max(values))
-    return lambda values: float(np.sum(values))
-
-
-def _split_unit(name: str) -> tuple[str, str]:
-    """Split `peak_postlock_force_N` into `peak_postlock_force` and `_N`; `contact_starts` has no unit."""
-    quantity, _, unit = name.rpartition("_")
-    return (quantity, "_" + unit) if unit in {"s", "N", "Ns", "J", "m"} else (name, "")

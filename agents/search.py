@@ -10,13 +10,12 @@ from typing import Any
 import numpy as np
 
 from agents import runs
-from agents.arguments import command_line, parse_arguments, run_command
+from agents.arguments import ModelOptions, WorkerOptions, command_line, parse_arguments, run_command
 from agents.comparison.suites import TRAINING_MODEL, WHOLE_TORQUE_MODEL
 from agents.environments import DEFAULT_ENV_ID
 from agents.laws.baselines import CONFIGS
 from agents.learning import configurations, learn
-from agents.optimization import minimise
-from agents.options import ModelOptions, WorkerOptions
+from agents.learning.minimisation import minimise
 
 PROG = "python -m agents.search"
 SIGNIFICANT_DIGITS = 3
@@ -113,26 +112,12 @@ def space(algo: str, whole: bool) -> dict[str, Range]:
 def trial(args: Args, env_kwargs: dict[str, Any], unit: np.ndarray) -> configurations.Configuration:
     """Make the configuration of a point (n,) in [0, 1]."""
     ranges = space(args.algo, args.whole)
-    chosen = {name: r.value(float(u)) for (name, r), u in zip(ranges.items(), unit, strict=True)}
-    request = configurations.Request(
-        args.algo,
-        args.env_id,
-        env_kwargs,
-        args.seed,
-        timesteps=args.timesteps,
-        residual=chosen.pop("residual", 0.0),
-        hyperparameters=_nested(chosen),
-        landings=args.landings,
-    )
-    return request.configuration()
-
-
-def _nested(chosen: dict[str, float]) -> dict[str, Any]:
-    """Return the chosen values, those of the policy among its keywords."""
-    outer: dict[str, Any] = {name: value for name, value in chosen.items() if name != "log_std_init"}
-    if "log_std_init" in chosen:
-        outer["policy_kwargs"] = {"log_std_init": chosen["log_std_init"]}
-    return outer
+    chosen: dict[str, Any] = {name: r.value(float(u)) for (name, r), u in zip(ranges.items(), unit, strict=True)}
+    residual = chosen.pop("residual", 0.0)
+    if "log_std_init" in chosen:  # a keyword of the policy
+        chosen["policy_kwargs"] = {"log_std_init": chosen.pop("log_std_init")}
+    agent = args.algo, args.env_id, env_kwargs, args.seed
+    return configurations.complete(*agent, None, args.timesteps, chosen, residual, args.landings)
 
 
 def start(algo: str, env_id: str, whole: bool = False, repeat: bool = False) -> dict[str, float]:
@@ -180,12 +165,7 @@ def store(algo: str, env_id: str, config: configurations.Configuration, record: 
 
 
 def main(argv: Sequence[str] | None = None) -> None:
-    """Run the command; see `Args`.
-
-    Raises:
-        ValueError: There is nothing to search for, the budget holds no generation, or as
-            `configurations.configuration`.
-    """
+    """Run the command; see `Args`. A ValueError says that there is nothing to search, or the budget is too small."""
     args = parse_arguments(Args, argv, PROG)
     if args.algo not in SPACES:
         raise ValueError(f"nothing to search for {args.algo!r}; choose from {', '.join(SPACES)}")

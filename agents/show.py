@@ -10,12 +10,11 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 from rich.console import Console
 
-from agents.arguments import parse_arguments, run_command
+from agents.arguments import ModelOptions, parse_arguments, run_command
 from agents.comparison.controllers import parse_controllers
 from agents.comparison.figures import deployments_figure
 from agents.comparison.suites import MODEL
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_sampling
-from agents.options import ModelOptions
 from agents.rollout import Step, run_episode
 from agents.torque_laws import Controller, Signals
 from solar_env.support.progress import counting_bar

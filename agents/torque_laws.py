@@ -60,11 +60,7 @@ class Signals:
         return cls(tuple(names), **vars(task))
 
     def check(self, env: gymnasium.Env, learned_on: str) -> None:
-        """Refuse an environment whose observations or actions have another meaning than these.
-
-        Args:
-            env: Environment of this project.
-            learned_on: Origin of these signals, for the message.
+        """Refuse an environment whose observations or actions have another meaning than these, of `learned_on`.
 
         Raises:
             ValueError: The entries of an observation, or the units or the period of actions or observations, differ.
@@ -182,15 +178,7 @@ P = TypeVar("P", bound=LawParameters)
 
 
 class TunableLaw(TorqueLaw, Generic[P]):
-    """A torque law with parameters to tune.
-
-    Args:
-        signals: Names and units of the environment.
-        parameters: Parameters of the law; None: its untuned `defaults`.
-
-    Raises:
-        ValueError: As `TorqueLaw`.
-    """
+    """A torque law with parameters to tune, by default its untuned `defaults`; errors are those of `TorqueLaw`."""
 
     defaults: P
 

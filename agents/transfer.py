@@ -7,14 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from agents import runs
-from agents.arguments import Assignments, command_line, parse_arguments, run_command
+from agents.arguments import Assignments, TrainingOptions, command_line, parse_arguments, run_command
 from agents.comparison.evaluation import STORE, evaluate
 from agents.comparison.figures import transfer_figure
 from agents.comparison.report import header, summarize
 from agents.comparison.statistics import Estimate
 from agents.environments import DEFAULT_ENV_ID, check_distinct_seeds, check_episode_seeds, with_model
 from agents.learning import configurations, learn
-from agents.options import TrainingOptions
 from solar_env.support.readme import Section
 
 PROG = "python -m agents.transfer"
@@ -64,20 +63,13 @@ def train_all(args: Args, command: str) -> dict[str, list[Path]]:
     Raises:
         ValueError: A complete run there has another configuration.
     """
+    numbers = None, args.timesteps, args.hyperparams, args.residual, args.landings
     wanted: dict[str, dict[Path, configurations.Configuration]] = {}
     for level, keywords in LEVELS.items():
         wanted[level] = {
-            Path(args.out) / f"{level.replace(' ', '-')}-{seed}": configurations.Request(
-                args.algo,
-                args.env_id,
-                _on_level(args, keywords),
-                seed,
-                timesteps=args.timesteps,
-                hyperparameters=args.hyperparams,
-                residual=args.residual,
-                landings=args.landings,
-                law_model=LAW_MODEL,
-            ).configuration()
+            Path(args.out) / f"{level.replace(' ', '-')}-{seed}": configurations.complete(
+                args.algo, args.env_id, _on_level(args, keywords), seed, *numbers, law_model=LAW_MODEL
+            )
             for seed in args.seeds
         }
     everything = {folder: config for runs_of_level in wanted.values() for folder, config in runs_of_level.items()}

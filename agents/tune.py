@@ -10,13 +10,12 @@ import numpy as np
 import tyro
 
 from agents import runs
-from agents.arguments import command_line, parse_arguments, run_command
+from agents.arguments import ModelOptions, WorkerOptions, command_line, parse_arguments, run_command
 from agents.comparison.episodes import mean_returns
 from agents.environments import DEFAULT_ENV_ID, environment_settings, episode_seeds, with_sampling
 from agents.laws.baselines import episodes_spent, load_parameters, store_parameters
 from agents.laws.table import TUNABLE
-from agents.optimization import minimise
-from agents.options import ModelOptions, WorkerOptions
+from agents.learning.minimisation import minimise
 
 PROG = "python -m agents.tune"
 
@@ -56,13 +55,8 @@ def tune(
 ) -> list[np.ndarray]:
     """`minimise` with common random numbers: all points of a generation have the same fresh training episodes.
 
-    The rest is as in `minimise`.
-
-    Args:
-        objective: Maps points, each (n,) in [0, 1], and episode seeds to the costs of the points.
-        episodes: Budget of episodes.
-        episodes_per_candidate: Number of seeds of each call of `objective`.
-        seed: Seed of the search, and of its training episodes.
+    `objective` maps points and the seeds of `episodes_per_candidate` episodes to the costs of the points; the budget is
+    in episodes, and `seed` that of the search and of its episodes.
     """
     used = 0
 
@@ -75,11 +69,7 @@ def tune(
 
 
 def main(argv: Sequence[str] | None = None) -> None:
-    """Run the command; see `Args`.
-
-    Raises:
-        ValueError: The controller has nothing to tune, the budget is too small, or as `make_env`.
-    """
+    """Run the command; see `Args`. A ValueError says that there is nothing to tune, or the budget is too small."""
     args = parse_arguments(Args, argv, PROG)
     if args.controller not in TUNABLE:
         raise ValueError(f"nothing to tune in {args.controller!r}; choose from {', '.join(TUNABLE)}")
@@ -104,15 +94,9 @@ def main(argv: Sequence[str] | None = None) -> None:
         raise ValueError(f"--wear-cost is {args.wear_cost}; give a finite number that is not negative")
     start = load_parameters(args.controller, args.refine, model) if args.refine else untuned
     spent = episodes_spent(args.controller, args.refine, model) if args.refine else 0
-    candidates = tune(
-        costs,
-        start.to_unit(),
-        args.episodes,
-        args.episodes_per_candidate,
-        args.seed,
-        progress=not args.quiet,
-        spread=0.05 if args.refine else 0.25,
-    )
+    budget = args.episodes, args.episodes_per_candidate
+    spread = 0.05 if args.refine else 0.25
+    candidates = tune(costs, start.to_unit(), *budget, args.seed, progress=not args.quiet, spread=spread)
     trained = simulated
     returns = [-cost for cost in costs(candidates, validation)]
     best = int(np.argmax(returns))

@@ -91,11 +91,7 @@ class NativeVecEnv(VecEnv):
         return [getattr(self.env.unwrapped.lane(lane), attr_name) for lane in self._get_indices(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:
-        """Refuse to set an attribute.
-
-        Raises:
-            AttributeError: Always; it says what to do instead.
-        """
+        """Refuse to set an attribute, by an AttributeError that says what to do instead."""
         raise AttributeError(
             f"{attr_name!r} cannot be set in a lane; pass keywords when the environment is made, or reset options"
         )
@@ -115,9 +111,7 @@ class NativeVecEnv(VecEnv):
 class FixedSeeds(VecEnvWrapper):
     """Begins every reset with the same seeds, so that every evaluation has the same episodes.
 
-    Args:
-        venv: Environment to wrap.
-        first: Seed of lane 0; the others have the following ones.
+    Lane 0 has the seed `first`, the others the following ones.
     """
 
     def __init__(self, venv: VecEnv, first: int) -> None:
@@ -172,12 +166,7 @@ class LogarithmicCharges(VecEnvWrapper):
 
 
 class ResidualVecEnv(VecEnvWrapper):
-    """Adds the agent's actions to those of a torque law that gets the same observations.
-
-    Args:
-        venv: Environment to wrap.
-        residual: Residual as `agents.laws.residual.residual_on` describes it.
-    """
+    """Adds the agent's actions to those of a torque law, see `residual_on`, that gets the same observations."""
 
     def __init__(self, venv: VecEnv, residual: Mapping[str, Any]) -> None:
         super().__init__(venv)

@@ -28,9 +28,7 @@ def train_and_export(folder: Path) -> dict[str, tuple[Path, Path]]:
     made = {}
     for name, (algo, hyperparameters, residual) in TRAINED.items():
         landings = 2 if residual else None
-        config = configurations.Request(
-            algo, DEFAULT_ENV_ID, QUICK, 7, 1, 100, hyperparameters, residual, landings
-        ).configuration()
+        config = configurations.complete(algo, DEFAULT_ENV_ID, QUICK, 7, 1, 100, hyperparameters, residual, landings)
         run = runs.new_run_folder(folder / "runs" / name, config.env_id, algo, config.seed)
         learn.train(learn.Training(config, run, command=COMMAND, progress=False, threads=1))
         if name == "residual":

@@ -34,13 +34,13 @@ class NamedController(ABC):
     def load(self, env: gymnasium.Env) -> Controller:
         """Make the controller for `env`. Load only runs you trust: they are pickles."""
 
-    @abstractmethod
     def files(self) -> list[Path]:
         """List the files that determine a trained controller; none for a law."""
+        return []
 
-    @abstractmethod
     def training(self) -> Mapping[str, Any]:
         """Return the record of the training, with `env_id` and `env_kwargs`; empty for a law."""
+        return {}
 
     @abstractmethod
     def effort(self, env_id: str, model: str) -> str | None:
@@ -62,12 +62,6 @@ class _Law(NamedController):
 
     def load(self, env: gymnasium.Env) -> Controller:
         return make_baseline(self.spec, env)
-
-    def files(self) -> list[Path]:
-        return []
-
-    def training(self) -> Mapping[str, Any]:
-        return {}
 
     def effort(self, env_id: str, model: str) -> str | None:
         return f"{episodes_spent(self.spec, env_id, model):,} episodes" if self.spec in TUNABLE else None

@@ -26,14 +26,7 @@ Figures = dict[str, float | int | bool]
 
 
 def episode_cell(controller: NamedController, env_id: str, env_kwargs: Mapping[str, Any], seed: int) -> Cell:
-    """Make the cell of one episode.
-
-    Args:
-        controller: Controller to run.
-        env_id: Environment id.
-        env_kwargs: Environment keywords that JSON keeps.
-        seed: Seed of the episode.
-    """
+    """Make the cell of one episode of a controller; JSON keeps the environment keywords."""
     files = controller.files()
     return {
         "spec": controller.resolved,

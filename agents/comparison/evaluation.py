@@ -31,12 +31,9 @@ def evaluate(
             environment's model, see `agents.laws.baselines.load_parameters`.
         episodes: Episodes of each controller.
         seed: Chooses the block of evaluation seeds.
-        env_id: Environment id.
-        env_kwargs: Environment keywords; without "randomize", that of `with_sampling`. The
-            "observation" that a policy was trained with takes precedence for it.
-        progress: Show a progress bar.
-        workers: Processes or machines to run on.
-        store: File that keeps the figures, so that an interrupted evaluation goes on.
+        env_id, env_kwargs: Environment; without "randomize", that of `with_sampling`. The "observation" that a policy
+            was trained with takes precedence for it.
+        progress, workers, store: As for `agents.comparison.episodes.run_cells`.
 
     Returns:
         One row per controller and episode: controller, spec, episode, and the figures of `run_episode`.
@@ -92,12 +89,7 @@ def common_env_kwargs(
     """Return the environment keywords on which all trained ones among `controllers` agree.
 
     The ranges drawn in training belong to the scenario: in another one than `env_id` they are left out. So is the range
-    that `with_sampling` added, which adds it anew around the parameters given.
-
-    Args:
-        controllers: Controllers as `evaluate` takes them.
-        env_id: Environment to compare on.
-        given: Keywords to leave out, as they are chosen otherwise.
+    that `with_sampling` added, which adds it anew around the parameters given, and so are the keywords `given`.
 
     Raises:
         ValueError: They differ; the physics to compare on must then be given.

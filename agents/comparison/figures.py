@@ -6,13 +6,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from agents import runs
-from agents.comparison.report import HIGHER_IS_BETTER
+from agents.comparison.report import HIGHER_IS_BETTER, TABLE
 from agents.rollout import Step
+from solar_env.pictures.style import CONTROLLER_LOOKS, STYLE, controller_looks, look_of
 
 OPENING, RATES = "opening [lock angle]", "joint rates [rad/s]"
 COMMAND, TORQUE = "commanded torque [N m]", "motor torque [N m]"
@@ -21,16 +23,18 @@ FORCE, CHARGED = "peak force in a period [N]", "charged so far"
 
 def plot_learning_curve(axes: Axes, folder: Path, reference_returns: Mapping[str, float]) -> None:
     """Plot minus the returns of training and validation episodes over environment steps, with references as lines."""
-    before = runs.read_config(folder)["timesteps_before"]
+    config = runs.read_config(folder)
+    color = look_of(config["algo"], CONTROLLER_LOOKS)["color"]
     episodes = np.genfromtxt(folder / "monitor.csv", delimiter=",", skip_header=1, names=True, ndmin=1)
     with np.load(folder / "evaluations.npz") as history:
         steps, validation = history["timesteps"], history["results"].mean(axis=1)
-    axes.plot(before + np.cumsum(episodes["l"]), -episodes["r"], ".", ms=2, alpha=0.4, label="training episode")
-    axes.plot(steps, -validation, "o-", ms=3, label="validation, mean")
-    for style, (name, value) in zip(("--", ":", "-."), reference_returns.items(), strict=False):
-        axes.axhline(-value, ls=style, color="0.3", lw=1, label=name)
+    ends = config["timesteps_before"] + np.cumsum(episodes["l"])
+    axes.plot(ends, -episodes["r"], ".", color=color, ms=2, alpha=0.4, label="training episode")
+    axes.plot(steps, -validation, "o-", color=color, ms=3, label="validation, mean")
+    for name, look in controller_looks(list(reference_returns)).items():
+        axes.axhline(-reference_returns[name], ls="--", color=look["color"], label=name)
     axes.set(xlabel="environment steps", ylabel="minus the return", yscale="log")
-    axes.legend(fontsize=7)
+    axes.legend()
 
 
 def plot_episodes(
@@ -44,7 +48,8 @@ def plot_episodes(
         names: Names of the observation entries.
         torque_limit: Motor torque of a unit action [N m].
     """
-    for color, (controller, steps) in enumerate(episodes.items()):
+    looks = controller_looks(list(episodes))
+    for controller, steps in episodes.items():
         time = [step.time_s for step in steps]
         observed = dict(zip(names, np.array([step.observation for step in steps]).T, strict=True))
         joints = [name.removeprefix("theta_") for name in names if name.startswith("theta_")]
@@ -59,61 +64,45 @@ def plot_episodes(
         for quantity, axes in panels.items():
             drawstyle, lines = series[quantity]
             for line, (suffix, values) in zip(("-", "--", ":"), lines.items(), strict=False):
-                label = controller + suffix
-                axes.plot(time, values, line, drawstyle=drawstyle, color=f"C{color}", lw=1, label=label)
+                color = looks[controller]["color"]
+                axes.plot(time, values, line, drawstyle=drawstyle, color=color, label=controller + suffix)
     for quantity, axes in panels.items():
         axes.set(xlabel="time [s]", ylabel=quantity)
-        axes.legend(fontsize=7)
+        axes.legend()
 
 
+@rc_context(STYLE)
 def run_figure(
     folder: Path,
     reference_returns: Mapping[str, float],
     episodes: Mapping[str, Sequence[Step]],
     names: Sequence[str],
     torque_limit: float,
-) -> Path:
-    """Draw ``figure.png`` of the run in `folder`.
+) -> None:
+    """Draw `figure.png` of the finished run in `folder`.
 
-    Args:
-        folder: A finished run.
-        reference_returns: Controller -> return, drawn as lines into the learning curve.
-        episodes: Controller -> steps of one episode.
-        names: Names of the observation entries.
-        torque_limit: Motor torque of a unit action [N m].
-
-    Returns:
-        The path of the figure.
+    `reference_returns` by controller are lines in the learning curve; the rest is as for `plot_episodes`.
     """
     figure = Figure(figsize=(11, 7), layout="constrained")
     axes = figure.subplots(2, 2)
     plot_learning_curve(axes[0, 0], folder, reference_returns)
     panels = {OPENING: axes[0, 1], COMMAND: axes[1, 0], CHARGED: axes[1, 1]}
     plot_episodes(panels, episodes, names, torque_limit)
-    path = folder / "figure.png"
-    figure.savefig(path, dpi=150)
-    return path
+    figure.savefig(folder / "figure.png", dpi=150)
 
 
+@rc_context(STYLE)
 def comparison_figure(summary: Mapping[str, Mapping[str, Any]], path: Path) -> None:
     """Draw a comparison: interquartile mean, interval and worst episode of every controller.
 
-    A figure that is zero for all of them, as wear where joints are ideal, has no panel.
-
-    Args:
-        summary: As `agents.comparison.report.summarize` returns it.
-        path: File to write.
+    A figure that is zero for all of them, as wear where joints are ideal, has no panel. `summary` is that of
+    `agents.comparison.report.summarize`.
     """
-    panels = [
-        ("return", "minus return", -1.0),
-        ("peak_postlock_force_N", "peak post-lock force [N]", 1.0),
-        ("postlock_sliding_work_J", "post-lock sliding work [mJ]", 1e3),
-        ("wear_depth_max_m", "largest wear depth [1e-15 m]", 1e15),
-    ]
-    panels = [
-        panel for panel in panels if panel[0] == "return" or any(of[panel[0]].mean > 0 for of in summary.values())
-    ]
-    names = list(summary)[::-1]
+    panels = [("return", "minus return", -1.0)]
+    for key in ("peak_postlock_force_N", "postlock_sliding_work_J", "wear_depth_max_m"):
+        if any(of[key].mean > 0 for of in summary.values()):
+            panels.append((key, *TABLE[key]))
+    names, looks = list(summary)[::-1], controller_looks(list(summary))
     figure = Figure(figsize=(0.5 + 3.25 * len(panels), 0.6 + 0.32 * len(names)), layout="constrained")
     across = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
     for axes, (key, label, factor) in zip(across, panels, strict=True):
@@ -123,27 +112,24 @@ def comparison_figure(summary: Mapping[str, Mapping[str, Any]], path: Path) -> N
                 continue
             ends = sorted((factor * value.lower, factor * value.upper))
             worst = factor * (value.minimum if key in HIGHER_IS_BETTER else value.maximum)
-            axes.plot(ends, [row, row], "-", color="C0", lw=4, solid_capstyle="butt", alpha=0.6)
-            axes.plot(factor * value.mean, row, "o", color="C0", ms=5)
-            axes.plot(worst, row, "x", color="C1", ms=5)
+            color, marker = looks[name]["color"], looks[name]["marker"]
+            axes.plot(ends, [row, row], "-", color=color, lw=4, solid_capstyle="butt", alpha=0.5)
+            axes.plot(factor * value.mean, row, marker, color=color, ms=4)
+            axes.plot(worst, row, "x", color=color, ms=5)
         axes.set_xscale("log")
         least, greatest = np.log10(axes.get_xlim())
         if math.ceil(least) <= greatest:  # the labels between powers of ten would overlap
             axes.xaxis.set_minor_formatter(NullFormatter())
         axes.set_yticks(range(len(names)), names)
         axes.set_xlabel(label)
-        axes.grid(axis="x", alpha=0.3)
-    figure.suptitle("interquartile mean with 95 % interval; x: worst episode", fontsize=9)
+        axes.grid(visible=False, axis="y")
+    figure.suptitle("interquartile mean with 95 % interval; x: worst episode")
     figure.savefig(path, dpi=130)
 
 
+@rc_context({**STYLE, "axes.grid": False})
 def transfer_figure(returns: Mapping[str, Mapping[str, float]], path: Path) -> None:
-    """Draw a matrix of returns: levels of training downwards, levels of evaluation across.
-
-    Args:
-        returns: Level of evaluation -> level of training -> return.
-        path: File to write.
-    """
+    """Draw returns (by level of evaluation, then by level of training): training downwards, evaluation across."""
     across, down = list(returns), list(next(iter(returns.values())))
     cost = np.array([[-returns[column][row] for column in across] for row in down])
     figure = Figure(figsize=(1.8 + 1.2 * len(across), 1.2 + 0.5 * len(down)), layout="constrained")
@@ -158,50 +144,40 @@ def transfer_figure(returns: Mapping[str, Mapping[str, float]], path: Path) -> N
     figure.savefig(path, dpi=130)
 
 
+@rc_context(STYLE)
 def learning_curves_figure(curves: Mapping[tuple[str, str], tuple[np.ndarray, np.ndarray]], path: Path) -> None:
     """Draw validation returns over environment steps, panel by panel: medians over training seeds, and their range.
 
-    Agents that add to the servo begin as the servo.
-
-    Args:
-        curves: (panel, algorithm) -> steps (n,), mean validation returns (seeds, n).
-        path: File to write.
+    `curves` maps (panel, algorithm) to steps (n,) and mean validation returns (seeds, n).
     """
     panels = list(dict.fromkeys(panel for panel, _ in curves))
     across = min(len(panels), 2)
     down = math.ceil(len(panels) / across)
     figure = Figure(figsize=(5.5 * across, 3.6 * down), layout="constrained")
     for axes, panel in zip(figure.subplots(down, across, squeeze=False).flat, panels, strict=False):
-        for color, algo in enumerate(algo for title, algo in curves if title == panel):
+        for algo in (algo for title, algo in curves if title == panel):
             steps, returns = curves[panel, algo]
-            axes.plot(steps, -np.median(returns, axis=0), color=f"C{color}", label=f"{algo}, {len(returns)} seeds")
-            axes.fill_between(steps, -returns.max(axis=0), -returns.min(axis=0), color=f"C{color}", alpha=0.15, lw=0)
+            color = look_of(algo, CONTROLLER_LOOKS)["color"]
+            axes.plot(steps, -np.median(returns, axis=0), color=color, label=f"{algo}, {len(returns)} seeds")
+            axes.fill_between(steps, -returns.max(axis=0), -returns.min(axis=0), color=color, alpha=0.15, lw=0)
         axes.set(yscale="log", xlabel="environment steps", ylabel="minus the validation return", title=panel)
         axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 1.5, 2.0, 3.0, 5.0, 7.0)))  # some in less than a decade
         axes.yaxis.set_major_formatter("{x:g}")
         axes.yaxis.set_minor_formatter(NullFormatter())
-        axes.grid(alpha=0.3)
-        axes.legend(fontsize=7)
+        axes.legend()
     figure.savefig(path, dpi=130)
 
 
+@rc_context(STYLE)
 def deployments_figure(
     episodes: Mapping[str, Sequence[Step]], names: Sequence[str], torque_limit: float, path: Path
 ) -> None:
-    """Draw one episode of each controller over time: torque, rates, forces and the charged costs, one below the other.
-
-    Args:
-        episodes: Controller -> steps of one episode.
-        names: Names of the observation entries.
-        torque_limit: Motor torque of a unit action [N m].
-        path: File to write.
-    """
+    """Draw one episode of each controller: torque, rates, forces and charged costs over time; see `plot_episodes`."""
     figure = Figure(figsize=(10, 9), layout="constrained")
     panels = dict(zip((TORQUE, RATES, FORCE, CHARGED), figure.subplots(4, 1, sharex=True), strict=True))
     plot_episodes(panels, episodes, names, torque_limit)
     panels[FORCE].set_yscale("symlog", linthresh=1.0)
     panels[CHARGED].set_yscale("symlog", linthresh=1e-3)
     for axes in panels.values():
-        axes.grid(alpha=0.3)
         axes.label_outer()
     figure.savefig(path, dpi=130)

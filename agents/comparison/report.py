@@ -3,7 +3,7 @@
 import csv
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -73,12 +73,9 @@ def references(rows: Sequence[Row]) -> list[str]:
 
 @dataclass(frozen=True)
 class Tables:
-    """A comparison in Markdown.
+    """A comparison in Markdown: all figures, the differences from `references`, and the effort of tuning and training.
 
-    Attributes:
-        scores: Figures of every controller.
-        differences: Differences from each of the `references`; empty for one controller alone.
-        effort: Episodes or steps simulated to tune or train them; empty where there were none.
+    The last two may be empty.
     """
 
     scores: str
@@ -98,12 +95,9 @@ class Tables:
         return "\n\n".join(filter(None, (self.scores, differences, self.effort))) + "\n"
 
 
-def tabulate(rows: Sequence[Row]) -> Tables:
-    """Write the comparison as tables, with an explanation of the numbers."""
-    return _tables(rows, summarize(rows))
-
-
-def _tables(rows: Sequence[Row], summary: Summary) -> Tables:
+def tabulate(rows: Sequence[Row], summary: Summary | None = None, effort: str = "") -> Tables:
+    """Write the comparison, by default its `summarize`, as tables, with an explanation of the numbers."""
+    summary = summarize(rows) if summary is None else summary
     names = list(summary)
     figures = [figure for figure in TABLE if figure in summary[names[0]]]
     episodes = len({row["episode"] for row in rows})
@@ -132,7 +126,7 @@ def _tables(rows: Sequence[Row], summary: Summary) -> Tables:
                 better = summary[name][f"better than {reference}"]
                 share = f"{better.mean:.0%} [{better.lower:.0%}, {better.upper:.0%}]"
                 differences.append(f"| {name} | " + " | ".join([*cells, share]) + " |")
-    return Tables("\n".join(scores), "\n".join(differences[1:]))
+    return Tables("\n".join(scores), "\n".join(differences[1:]), effort)
 
 
 def header(names: Sequence[str]) -> list[str]:
@@ -154,11 +148,7 @@ def write_comparison(
 ) -> tuple[Summary, Tables]:
     """Write `episodes.csv`, `metrics.json` and `comparison.md` into `folder`; returns summary and tables.
 
-    Args:
-        folder: Folder to write, made where it does not exist.
-        rows: Rows that `agents.comparison.evaluation.evaluate` returned.
-        settings: Settings of the evaluation, for the record.
-        effort: Controller -> its tuning or training effort, see `agents.comparison.evaluation.efforts`.
+    `rows` and `effort` are what `evaluate` and `efforts` of `agents.comparison.evaluation` return.
     """
     folder.mkdir(parents=True, exist_ok=True)
     columns = list(dict.fromkeys(column for row in rows for column in row))
@@ -167,10 +157,8 @@ def write_comparison(
         writer.writeheader()
         writer.writerows(rows)
     summary = summarize(rows)
-    tables = _tables(rows, summary)
-    if effort:
-        spent = ", ".join(f"{name} {what}" for name, what in effort.items())
-        tables = replace(tables, effort=f"Simulated to tune or train: {spent}.")
+    spent = ", ".join(f"{name} {what}" for name, what in effort.items())
+    tables = tabulate(rows, summary, f"Simulated to tune or train: {spent}." if spent else "")
     controllers = {name: {key: _plain(value) for key, value in entry.items()} for name, entry in summary.items()}
     content = {"settings": settings, "versions": runs.versions(), "controllers": controllers}
     runs.write_json(folder / "metrics.json", content)

@@ -81,16 +81,9 @@ def estimate(
 
 
 def difference(runs: Sequence[np.ndarray], references: Sequence[np.ndarray]) -> Estimate:
-    """Estimate the difference from a reference on the same episode.
+    """Estimate the difference from a reference on the same episode; every run meets every run of the reference.
 
-    Every run meets every run of the reference.
-
-    Args:
-        runs: Figures (episodes,) of each training run.
-        references: Those of each run of the reference, on the same episodes.
-
-    Raises:
-        ValueError: As `estimate`.
+    Figures (episodes,) are given for each training run, and for each run of the reference; errors are as in `estimate`.
     """
     return estimate([mine - np.stack(references) for mine in runs])
 
@@ -99,8 +92,7 @@ def improvement(runs: Sequence[np.ndarray], references: Sequence[np.ndarray]) ->
     """Estimate the probability of doing better than a reference on the same episode; a tie counts half.
 
     The paired form of what R. Agarwal et al. compare algorithms by (Deep Reinforcement Learning at the Edge of the
-    Statistical Precipice, 2021, doi:10.48550/arXiv.2108.13264). Every run meets every run of the reference.
-    Args and errors are those of `difference`, but higher figures are better.
+    Statistical Precipice, 2021, doi:10.48550/arXiv.2108.13264). The rest is as in `difference`; higher is better.
     """
     better = [0.5 * (1.0 + np.sign(mine - np.stack(references))) for mine in runs]
     return estimate(better, mean=lambda values: np.mean(values, axis=-1))

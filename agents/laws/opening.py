@@ -15,12 +15,7 @@ OPENING = ("theta_1", "theta_2", "rate_1", "rate_2")
 def weighted_opening(entries: Entries, joint_2_weight: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the weighted opening of both joints in units of their lock angles, its rate and the difference of rates.
 
-    Args:
-        entries: Observed angles and rates of joints 1 and 2, each (n,).
-        joint_2_weight: Share of joint 2; joint 1 has the rest.
-
-    Returns:
-        The opening, its rate [1/s], and the rate of joint 1 minus that of joint 2 [1/s], each (n,).
+    The rates, the second that of joint 1 minus that of joint 2, are in 1/s; all are (n,). Joint 1 has the other weight.
     """
     rate_1, rate_2 = (entries[f"rate_{i + 1}"] / LOCK_ANGLES[i] for i in range(2))
     opening = entries["theta_1"] + joint_2_weight * (entries["theta_2"] - entries["theta_1"])

@@ -52,23 +52,14 @@ class SearchSettings:
 
 @dataclass(frozen=True)
 class Plan:
-    """A predicted episode.
+    """A predicted episode."""
 
-    Attributes:
-        start: Control period in which it begins.
-        actions: Actions (periods,) in float32, from `start` to the end of the episode.
-        rewards: Rewards (periods,) of these actions.
-        knot_times: Times (knots,) of the residual's values [s].
-        residual: Torque (knots,) on top of that of the base law [N m].
-        predicted_return: Sum of the rewards; -inf where there is no plan yet.
-    """
-
-    start: int
-    actions: np.ndarray
-    rewards: np.ndarray
-    knot_times: np.ndarray
-    residual: np.ndarray
-    predicted_return: float
+    start: int  # control period in which it begins
+    actions: np.ndarray  # (periods,) float32, from `start` to the end of the episode
+    rewards: np.ndarray  # (periods,) of these actions
+    knot_times: np.ndarray  # (knots,) of the residual's values [s]
+    residual: np.ndarray  # (knots,) torque on top of that of the base law [N m]
+    predicted_return: float  # sum of the rewards; -inf where there is no plan yet
 
 
 class RecedingHorizon(DeterministicController):

@@ -8,7 +8,7 @@ import numpy as np
 
 from agents.laws.baselines import episodes_spent, load_parameters
 from agents.laws.table import TUNABLE
-from agents.torque_laws import Controller, Signals, TorqueLaw
+from agents.torque_laws import Controller, DeterministicController, Signals, TorqueLaw
 
 DEFAULT_LAW = "servo"
 
@@ -67,30 +67,13 @@ def added(base: np.ndarray, action: np.ndarray, scale: float) -> np.ndarray:
     return np.clip(base + np.float32(scale) * np.clip(action, -1.0, 1.0), -1.0, 1.0)
 
 
-class ResidualController:
-    """A policy together with the law that it adds to.
-
-    Args:
-        policy: Policy of the agent.
-        residual: As `residual_on` describes it.
-        signals: Names and units of the environment.
-
-    Raises:
-        ValueError: As `base_law`.
-    """
+class ResidualController(DeterministicController):
+    """A policy together with the law that it adds to, as `residual_on` describes it; errors are those of `base_law`."""
 
     def __init__(self, policy: Controller, residual: Mapping[str, Any], signals: Signals) -> None:
-        self._policy = policy
-        self._law = base_law(residual, signals)
-        self._scale = residual["scale"]
+        self._policy, self._law, self._scale = policy, base_law(residual, signals), residual["scale"]
 
-    def predict(
-        self,
-        observation: np.ndarray,
-        state: tuple[np.ndarray, ...] | None = None,
-        episode_start: np.ndarray | None = None,
-        deterministic: bool = False,
-    ) -> tuple[np.ndarray, tuple[np.ndarray, ...] | None]:
+    def act(self, observation: np.ndarray) -> np.ndarray:
         """Map observations (n_obs,) or (n, n_obs) to actions (1,) or (n, 1) in [-1, 1]."""
-        action, state = self._policy.predict(observation, state, episode_start, deterministic)
-        return added(self._law.predict(observation)[0], action, self._scale), state
+        action, _ = self._policy.predict(observation, deterministic=True)
+        return added(self._law.act(observation), action, self._scale)

@@ -17,17 +17,11 @@ from agents.torque_laws import TorqueLaw, TunableLaw
 
 @dataclass(frozen=True)
 class Row:
-    """A controller without learning.
-
-    Attributes:
-        cls: Class of a torque law, which names the entries that it `reads`, or of a search that needs the simulator.
-        tuned: Whether the parameters are those that `agents.tune` has found, of the class's `defaults` in kind.
-        base: Name of the law that a search improves on; None for a torque law.
-    """
+    """A controller without learning: the class of a torque law, or of a search that needs the simulator."""
 
     cls: type[TorqueLaw] | type[RecedingHorizon]
-    tuned: bool = False
-    base: str | None = None
+    tuned: bool = False  # whether the parameters are those that `agents.tune` has found
+    base: str | None = None  # name of the law that a search improves on; None for a torque law
 
 
 LAWS: dict[str, Row] = {

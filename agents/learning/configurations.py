@@ -4,7 +4,7 @@ import inspect
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -84,73 +84,54 @@ def entry(algo: str, env_id: str, whole: bool = False) -> dict[str, Any]:
     return found
 
 
-@dataclass(frozen=True)
-class Request:
-    """A training run that is asked for; None: the value in `agents/configs/<algo>.json` for the environment.
+def complete(
+    algo: str,
+    env_id: str,
+    env_kwargs: Mapping[str, Any],
+    seed: int,
+    n_envs: int | None = None,
+    timesteps: int | None = None,
+    hyperparameters: Mapping[str, Any] | None = None,
+    residual: float | None = None,
+    landings: int | None = None,
+    law: str | None = None,
+    law_model: str | None = None,
+) -> Configuration:
+    """Complete a request with the values in `agents/configs/<algo>.json` for its environment, in place of each None.
 
-    Attributes:
+    Args:
         algo, env_id, env_kwargs, seed, n_envs, timesteps: See `Configuration`.
         hyperparameters: Values in place of single ones of the file, and of single "policy_kwargs" of its.
         residual: Greatest action that the agent adds to a law, as a share of the torque limit; 0: no law.
         landings: See `Configuration`; there are none without a law.
         law: Name in `agents.laws.table.TUNABLE` of the law that the agent adds to; None: the servo.
         law_model: Model whose tuned parameters the law has; None: that of the environment.
+
+    Raises:
+        ValueError: Algorithm, environment, one of its keywords or a hyperparameter is unknown, or a number is
+            out of range.
     """
-
-    algo: str
-    env_id: str
-    env_kwargs: Mapping[str, Any]
-    seed: int
-    n_envs: int | None = None
-    timesteps: int | None = None
-    hyperparameters: Mapping[str, Any] = field(default_factory=dict)
-    residual: float | None = None
-    landings: int | None = None
-    law: str | None = None
-    law_model: str | None = None
-
-    def configuration(self) -> Configuration:
-        """Complete the request with the values in `agents/configs/<algo>.json` for its environment.
-
-        Raises:
-            ValueError: Algorithm, environment, one of its keywords or a hyperparameter is unknown, or a number is
-                out of range.
-        """
-        algo, env_id = self.algo, self.env_id
-        scale = entry(algo, env_id)["residual"] if self.residual is None else self.residual
-        found = entry(algo, env_id, whole=not scale)
-        _check_hyperparameters(algo, self.hyperparameters)
-        n_envs, timesteps, landings = (
-            found[name] if (asked := getattr(self, name)) is None else asked
-            for name in ("n_envs", "timesteps", "landings")
-        )
-        _check_positive("n_envs", n_envs)
-        _check_positive("timesteps", timesteps)
-        check_episode_seeds(self.seed, n_envs)
-        env_kwargs = with_sampling({"observation": found["observation"], **self.env_kwargs}, env_id)
-        model = environment_settings(env_id, env_kwargs).model
-        if not scale:
-            for name in ("landings", "law"):
-                if given := getattr(self, name):
-                    raise ValueError(f"{name} is {given!r}, but with residual 0 there is no law; leave it out")
-        residual = None
-        if scale:
-            _check_positive("landings", landings)
-            residual = residual_on(scale, self.law or DEFAULT_LAW, env_id, self.law_model or model, landings)
-        chosen = {**found["hyperparameters"], **self.hyperparameters}
-        if "policy_kwargs" in found["hyperparameters"]:
-            chosen["policy_kwargs"] = {**found["hyperparameters"]["policy_kwargs"], **chosen["policy_kwargs"]}
-        return Configuration(
-            algo=algo,
-            env_id=env_id,
-            env_kwargs=runs.jsonable(env_kwargs),
-            seed=self.seed,
-            n_envs=n_envs,
-            timesteps=timesteps,
-            hyperparameters=chosen,
-            residual=residual,
-            landings=landings if scale else 0,
-        )
+    asked = {"n_envs": n_envs, "timesteps": timesteps, "landings": landings}
+    scale = entry(algo, env_id)["residual"] if residual is None else residual
+    found = entry(algo, env_id, whole=not scale)
+    _check_hyperparameters(algo, hyperparameters or {})
+    counts = {name: found[name] if number is None else number for name, number in asked.items()}
+    for name in ("n_envs", "timesteps", *(["landings"] if scale else [])):
+        _check_positive(name, counts[name])
+    check_episode_seeds(seed, counts["n_envs"])
+    keywords = with_sampling({"observation": found["observation"], **env_kwargs}, env_id)
+    model = environment_settings(env_id, keywords).model
+    for name, given in (("landings", landings), ("law", law)):
+        if given and not scale:
+            raise ValueError(f"{name} is {given!r}, but with residual 0 there is no law; leave it out")
+    chosen = {**found["hyperparameters"], **(hyperparameters or {})}
+    if "policy_kwargs" in found["hyperparameters"]:
+        chosen["policy_kwargs"] = {**found["hyperparameters"]["policy_kwargs"], **chosen["policy_kwargs"]}
+    adds_to = residual_on(scale, law or DEFAULT_LAW, env_id, law_model or model, counts["landings"]) if scale else None
+    counts |= {} if scale else {"landings": 0}
+    return Configuration(
+        algo, env_id, runs.jsonable(keywords), seed, hyperparameters=chosen, residual=adds_to, **counts
+    )
 
 
 def stored_configuration(folder: str | Path) -> Configuration:
@@ -173,8 +154,8 @@ def resumed_configuration(folder: str | Path, timesteps: int | None = None) -> C
     The landings that it records are added to the episodes that its law has cost.
 
     Raises:
-        FileNotFoundError, ValueError: As `stored_configuration`.
-        ValueError: The number of steps is not positive, or there are no episodes left to record.
+        FileNotFoundError, ValueError: As `stored_configuration`, or the number of steps is not positive, or there are
+            no episodes left to record.
     """
     previous = stored_configuration(folder)
     timesteps = previous.timesteps if timesteps is None else timesteps
@@ -199,16 +180,13 @@ def _check_hyperparameters(algo: str, values: Mapping[str, Any]) -> None:
         if name not in accepted:
             raise ValueError(f"{algo} has no hyperparameter {name!r}; it has {', '.join(sorted(accepted))}")
         number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
-        required = None
-        if name in NOT_NEGATIVE and not (number and value >= 0):
-            required = "a positive number, or 0 for none"
-        elif name == "actor_learning_rate" and not (number and value > 0):
-            required = "a positive number"
-        elif name in COUNTS and not (number and value == int(value) >= 1):
-            required = "a positive whole number"
-        elif name in SHARES and not (number and 0 < value <= 1):
-            required = "a number above 0, at most 1"
-        elif name == "policy_kwargs" and not isinstance(value, Mapping):
-            required = "a dictionary"
-        if required:
-            raise ValueError(f"hyperparameter {name} is {value!r}; give {required}")
+        rules = (
+            (NOT_NEGATIVE, number and value >= 0, "a positive number, or 0 for none"),
+            ({"actor_learning_rate"}, number and value > 0, "a positive number"),
+            (COUNTS, number and value == int(value) >= 1, "a positive whole number"),
+            (SHARES, number and 0 < value <= 1, "a number above 0, at most 1"),
+            ({"policy_kwargs"}, isinstance(value, Mapping), "a dictionary"),
+        )
+        for names, holds, required in rules:
+            if name in names and not holds:
+                raise ValueError(f"hyperparameter {name} is {value!r}; give {required}")

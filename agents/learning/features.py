@@ -30,11 +30,7 @@ class Features(NamedTuple):
     They are computed in double precision: differences of entries magnified by thousands keep three digits in single
     precision, which would then depend on the number of observations that are multiplied together.
 
-    Attributes:
-        matrix: (features, entries), float64.
-        offset: (features,), float64.
-        gate_matrix: (features, entries), float64.
-        gate_offset: (features,), float64.
+    Matrices are (features, entries), offsets (features,), all float64.
     """
 
     matrix: np.ndarray
@@ -44,11 +40,7 @@ class Features(NamedTuple):
 
 
 def whole_motion(names: Sequence[str]) -> Features:
-    """Make features for an agent that commands the whole torque: each entry, angles also magnified about the latch.
-
-    Args:
-        names: Name of every entry of an observation, as `env.unwrapped.observation_names`.
-    """
+    """Make features for an agent that commands the whole torque: each entry, angles also magnified about the latch."""
     rows, offsets = [], []
     for column, name in enumerate(names):
         kind = next((kind for kind in _WHOLE if name.startswith(kind)), None)
@@ -114,12 +106,7 @@ def _standardised(names: Sequence[str], observations: np.ndarray) -> tuple[np.nd
 
 
 class DriveFeatures(BaseFeaturesExtractor):
-    """Features extractor for Stable-Baselines3: a fixed map of the observation, without learned parameters.
-
-    Args:
-        observation_space: Observation space of the environment.
-        features: Coefficients of the map.
-    """
+    """Features extractor for Stable-Baselines3: a fixed map of the observation, without learned parameters."""
 
     matrix: torch.Tensor
     offset: torch.Tensor

@@ -14,12 +14,7 @@ from solar_env.environment.episodes import SavedEpisode
 
 
 class Landing(NamedTuple):
-    """An episode that a law has brought near the latches, and its rewards under the law alone.
-
-    Attributes:
-        episode: State of the episode near the latches.
-        rewards: Rewards (periods,) from then on, float32.
-    """
+    """An episode that a law has brought near the latches, and its rewards (periods,) from then on, float32."""
 
     episode: SavedEpisode
     rewards: np.ndarray
@@ -28,8 +23,7 @@ class Landing(NamedTuple):
 def record(venv: VecEnv) -> tuple[list[Landing], np.ndarray]:
     """Record a landing of the law alone in every lane, and all observations (n, entries) of these episodes.
 
-    Args:
-        venv: Lanes in which an action of zero adds nothing to the law, with the environment's own rewards.
+    In the lanes of `venv` an action of zero adds nothing to the law, and rewards are the environment's own.
 
     Raises:
         ValueError: The law never brings the array near the latches.
@@ -54,11 +48,8 @@ def record(venv: VecEnv) -> tuple[list[Landing], np.ndarray]:
             if episodes[lane] is not None:
                 rewards[lane].append(rewarded[lane])
         goes_on &= ~dones
-    found = [
-        Landing(episode, np.array(series, dtype=np.float32))
-        for episode, series in zip(episodes, rewards, strict=True)
-        if episode is not None
-    ]
+    pairs = zip(episodes, rewards, strict=True)
+    found = [Landing(episode, np.array(series, dtype=np.float32)) for episode, series in pairs if episode is not None]
     if not found:
         raise ValueError("the law that the agent adds to does not bring the array near the latches; tune it first")
     if len(found) < lanes:
@@ -81,9 +72,7 @@ class LandingVecEnv(NativeVecEnv):
     gradients less noisy without a bias (E. Greensmith, P. L. Bartlett, J. Baxter, Variance Reduction Techniques for
     Gradient Estimates in Reinforcement Learning, J. Mach. Learn. Res. 5 (2004) 1471-1530).
 
-    Args:
-        num_envs, env_id, env_kwargs: See `NativeVecEnv`.
-        landings: Landings that were recorded with equal keywords of the environment.
+    The `landings` were recorded with equal keywords of the environment.
     """
 
     def __init__(self, num_envs: int, env_id: str, env_kwargs: Mapping[str, Any], landings: Sequence[Landing]) -> None:

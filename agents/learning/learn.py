@@ -85,25 +85,15 @@ def _recorded(
 
 @dataclass(frozen=True)
 class Training:
-    """A training to run.
-
-    Attributes:
-        config: Configuration of the run.
-        folder: An existing run folder without a run.
-        resume: Folder of the run to go on from.
-        command: Command line to record.
-        device: Torch device.
-        progress: Show a progress bar.
-        threads: Greatest number of threads that step environments; None: one per processor.
-    """
+    """A training to run."""
 
     config: Configuration
-    folder: Path
-    resume: str | Path | None = None
-    command: str = ""
-    device: str = "cpu"
-    progress: bool = True
-    threads: int | None = None
+    folder: Path  # existing, without a run
+    resume: str | Path | None = None  # folder of the run to go on from
+    command: str = ""  # command line to record
+    device: str = "cpu"  # Torch's name of it
+    progress: bool = True  # show a progress bar
+    threads: int | None = None  # greatest number that steps environments; None: one per processor
 
 
 def train(training: Training) -> None:
@@ -166,14 +156,7 @@ def train(training: Training) -> None:
 def train_missing(
     wanted: Mapping[Path, Configuration], command: str, device: str, workers: Workers, progress: bool = True
 ) -> None:
-    """Train those runs that are not complete, side by side.
-
-    Args:
-        wanted: Run folder -> configuration of its run.
-        command: Command line to record.
-        device: Torch device.
-        workers: Processes or machines to train on.
-        progress: Show a progress bar.
+    """Train those of the runs `wanted`, run folder -> configuration, that are not complete, side by side on `workers`.
 
     Raises:
         ValueError: A run has another configuration.

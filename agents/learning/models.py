@@ -1,6 +1,7 @@
 """Models of Stable-Baselines3: a fresh one for a configuration, and one as a run has left it."""
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -19,10 +20,28 @@ from agents import runs
 from agents.environments import episode_seeds
 from agents.learning.configurations import Configuration
 from agents.learning.features import DriveFeatures, Features
-from agents.learning.optimizers import SlowedAdam, slow_actor
 
+SHARE = "share"
 NOISE_PERIODS = 100
 """Control periods over which the noise of TD3 is correlated."""
+
+
+class SlowedAdam(torch.optim.Adam):
+    """Adam whose parameter groups learn at a "share" of their rate.
+
+    Stable-Baselines3 sets one rate for actor and critics, anew before every update. The share is part of the
+    optimiser's state, and so of a checkpoint.
+    """
+
+    def step(self, closure: Callable[[], float] | None = None) -> Any:
+        """Update the parameters once; returns the loss of the closure."""
+        rates = [group["lr"] for group in self.param_groups]
+        for group in self.param_groups:
+            group["lr"] *= group.get(SHARE, 1.0)
+        loss = super().step(closure)
+        for group, rate in zip(self.param_groups, rates, strict=True):
+            group["lr"] = rate
+        return loss
 
 
 def make_model(config: Configuration, venv: VecEnv, features: Features, device: str = "cpu") -> BaseAlgorithm:
@@ -62,7 +81,9 @@ def make_model(config: Configuration, venv: VecEnv, features: Features, device: 
     hyperparameters["learning_rate"] = LinearSchedule(rate + step, step, 1.0)
     model = cls("MlpPolicy", normalized, seed=seed, device=device, **hyperparameters)
     if actor_rate is not None:
-        slow_actor(model, actor_rate / rate if rate else 0.0)
+        policy: Any = model.policy
+        for group in policy.actor.optimizer.param_groups:
+            group[SHARE] = actor_rate / rate if rate else 0.0
     if config.residual:
         for layer in _actor_layers(model):
             torch.nn.init.zeros_(layer.weight)

@@ -9,15 +9,9 @@ from solar_env.environment.hardware import Hardware
 
 
 def card(name: str, config: dict[str, Any], policy: ShippedPolicy, env: Any, scores: str, difference: float) -> str:
-    """Write the card of a policy.
+    """Write the card of the policy `name`, from the configuration of its run and the environment that it learned on.
 
-    Args:
-        name: Name of the policy.
-        config: Configuration of its run, as `agents.runs.read_config` returns it.
-        policy: The policy.
-        env: Environment that it was trained on, unwrapped.
-        scores: Table of its scores, in Markdown.
-        difference: Greatest difference of its actions from those of Stable-Baselines3.
+    `env` is unwrapped, `scores` are in Markdown, `difference` is the greatest of its actions from Stable-Baselines3's.
     """
     parts = [
         f"# {name}\n\nA controller of the hinge motor for `{config['env_id']}`, trained by "

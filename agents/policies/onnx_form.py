@@ -70,11 +70,7 @@ def onnx_model(network: PolicyNetwork) -> Any:
 def difference(network: PolicyNetwork, onnx_bytes: bytes, model: Controller, observations: np.ndarray) -> float:
     """Return the greatest difference of the actions of a network, and of its ONNX form, from those of their model.
 
-    Args:
-        network: Network that `network_of` extracted from the model.
-        onnx_bytes: Its ONNX form.
-        model: Model of Stable-Baselines3.
-        observations: Observations (n, entries), tried together and one by one.
+    The observations (n, entries) are tried together and one by one.
     """
     session = onnxruntime.InferenceSession(onnx_bytes)
     found = []

@@ -17,18 +17,12 @@ class Description:
 
     Attributes:
         algorithm: ppo, sac or td3.
-        feature_limit: See `PolicyNetwork`.
-        activation: See `PolicyNetwork`.
-        output: See `PolicyNetwork`.
-        mean_limit: See `PolicyNetwork`.
+        feature_limit, activation, output, mean_limit: See `PolicyNetwork`.
         training_steps: Environment steps of its training, with those of the runs that it was resumed from.
         env_id: Environment that it was trained on.
         env_kwargs: Keywords of that environment.
         observation_names: Name of every entry, in order.
-        torque_limit: Motor torque of a unit action [N m].
-        deadline: Unit of the observed time [s].
-        control_period: Time for which an action is held [s].
-        postlock_window: Unit of the observed time since the last latch [s].
+        torque_limit, deadline, control_period, postlock_window: See `Signals`.
         residual: {"law": name in `agents.laws.table.TUNABLE`, "parameters": those of the law, "tuning_episodes": their
             cost, "scale": share of the torque limit}; the action is then `clip(law + scale * network, -1, 1)`. None:
             the action is the network's.
@@ -58,10 +52,6 @@ class Description:
 
 class ShippedPolicy(DeterministicController):
     """A trained policy as a controller: the network's action, added to that of a torque law where it was trained so.
-
-    Args:
-        network: Network of the policy.
-        description: Its training, and the law that it adds to.
 
     Raises:
         ValueError: The network does not fit the observation or the action, or the law or one of its parameters is

@@ -79,13 +79,14 @@ CONTROLLER_LOOKS: Mapping[str, Look] = {
     "pd": _look("#17becf", "d"),
     "open-loop": _look(PURPLE, "<"),
     "soft-start": _look(ORANGE, ">"),
+    "pd": _look("#b80058", "d"),
     "receding-horizon": _look("black", "*"),
     "ppo": _look(VERMILLION, "P"),
     "sac": _look(VIOLET, "X"),
     "td3": _look(BROWN, "p"),
 }
 # Of controllers that have no look of their own, as those of training runs.
-_OTHERS = (_look("#ff5fa2", "h"), _look("#2ab7a9", "H"), _look("#9aa300", "d"), _look("#a05fff", "8"))
+_OTHERS = (_look("#ff5fa2", "h"), _look("#2ab7a9", "H"), _look("#9aa300", "1"), _look("#a05fff", "8"))
 
 
 def look_of(name: str, looks: Mapping[str, Look]) -> Look:

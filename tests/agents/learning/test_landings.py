@@ -13,7 +13,7 @@ LANES = 3
 
 
 def prepared(env_id, count=4, seed=0):
-    config = configurations.Request("ppo", env_id, {}, seed, n_envs=LANES, residual=0.2, landings=count).configuration()
+    config = configurations.complete("ppo", env_id, {}, seed, n_envs=LANES, residual=0.2, landings=count)
     return config, learn.prepare(config)[1]
 
 
@@ -62,10 +62,8 @@ def test_a_landing_begins_where_the_law_has_come_near_the_latches():
 
 def test_agents_that_add_more_or_less_to_the_same_law_have_their_landings_in_common():
     config, landings = prepared(ENV_IDS[0])
-    more = configurations.Request("sac", config.env_id, {}, 0, residual=0.4, landings=len(landings)).configuration()
-    other_seed = configurations.Request(
-        "ppo", config.env_id, {}, 1, residual=0.2, landings=len(landings)
-    ).configuration()
+    more = configurations.complete("sac", config.env_id, {}, 0, residual=0.4, landings=len(landings))
+    other_seed = configurations.complete("ppo", config.env_id, {}, 1, residual=0.2, landings=len(landings))
     assert learn.prepare(more)[1] is landings
     assert learn.prepare(other_seed)[1] is not landings
 

@@ -137,7 +137,7 @@ def test_resuming_continues_step_count_normalisation_and_validation_history(ppo_
 
 
 def normalisation_count(folder):
-    config = configurations.Request("ppo", "solar_env/Deploy-v0", {}, seed=0, n_envs=2).configuration()
+    config = configurations.complete("ppo", "solar_env/Deploy-v0", {}, seed=0, n_envs=2)
     venv = learn.make_training_env(config, [], None)
     return learn.VecNormalize.load(str(folder / "checkpoint" / "vecnormalize.pkl"), venv).ret_rms.count
 
@@ -172,9 +172,9 @@ def test_a_resumed_run_sees_other_landings_than_the_first(ppo_run):
 
 def test_a_resumed_agent_of_the_whole_torque_sees_other_training_episodes_than_the_first(tmp_path):
     quick = {"n_steps": 10, "batch_size": 10}
-    config = configurations.Request(
+    config = configurations.complete(
         "ppo", "solar_env/Deploy-v0", {"model": "rigid-ideal"}, 0, 2, 20, quick, residual=0.0
-    ).configuration()
+    )
     learn.train(learn.Training(config, tmp_path, progress=False))
     seen = []
     for segment in (config, configurations.resumed_configuration(tmp_path)):
@@ -200,9 +200,9 @@ def test_ctrl_c_leaves_a_run_that_is_not_complete_and_can_be_resumed(tmp_path, m
 
     monkeypatch.setattr(DeploymentLogger, "_on_step", interrupt)
     quick = {"n_steps": 10, "batch_size": 10}
-    config = configurations.Request(
+    config = configurations.complete(
         "ppo", "solar_env/Deploy-v0", {"model": "rigid-ideal"}, 0, 1, 40, quick, residual=0.0
-    ).configuration()
+    )
     first, second = tmp_path / "first", tmp_path / "second"
     for folder in (first, second):
         folder.mkdir()

@@ -39,9 +39,9 @@ def test_a_residual_beyond_the_torque_limit_is_refused(tmp_path, scale):
 
 def test_one_of_the_keywords_of_a_policy_leaves_the_others_as_they_are():
     def policy_kwargs(hyperparameters):
-        given = configurations.Request(
+        given = configurations.complete(
             "ppo", SUITES["paper"], {"model": "rigid-clearance"}, seed=0, hyperparameters=hyperparameters
-        ).configuration()
+        )
         return given.hyperparameters["policy_kwargs"]
 
     usual = policy_kwargs({})
@@ -53,9 +53,7 @@ def test_one_of_the_keywords_of_a_policy_leaves_the_others_as_they_are():
 @pytest.mark.parametrize("residual", [None, 0.0], ids=["added", "whole"])
 @pytest.mark.parametrize("algo", sorted(runs.ALGORITHMS))
 def test_the_discount_reaches_over_a_whole_episode(algo, residual, env_id):
-    config = configurations.Request(
-        algo, env_id, {"model": "rigid-clearance"}, seed=0, residual=residual
-    ).configuration()
+    config = configurations.complete(algo, env_id, {"model": "rigid-clearance"}, seed=0, residual=residual)
     assert 1.0 / (1.0 - config.hyperparameters["gamma"]) >= 300.0
 
 

@@ -11,9 +11,9 @@ from agents.learning import configurations, learn
 def configuration():
     """Steps so large that training makes the agent worse than the law it adds to."""
     spoiling = {"n_steps": 50, "batch_size": 50, "learning_rate": 1.0}
-    return configurations.Request(
+    return configurations.complete(
         "ppo", DEFAULT_ENV_ID, {"model": "rigid-ideal"}, 0, 1, 100, spoiling, residual=0.5, landings=2
-    ).configuration()
+    )
 
 
 @pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")

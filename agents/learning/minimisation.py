@@ -23,8 +23,6 @@ def minimise(
         objective: Maps the points of a generation, each (n,) in [0, 1], to their costs.
         start: Point (n,) to start from.
         points: Budget of points, spent in whole generations.
-        seed: Seed of the search.
-        progress: Show a progress bar.
         spread: Standard deviation of the first generation in each direction.
 
     Returns:

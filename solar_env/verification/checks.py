@@ -1,7 +1,5 @@
 """Checks: one number of a verification case beside its expected value."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """Table of the cases by name, and running them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 
 from solar_env.verification.arrays import conservation, flexible, impacts, latching

@@ -1,7 +1,5 @@
 """Maps of where methods fail: classes, what is heard of the library, and which failures count as silent."""
 
-from __future__ import annotations
-
 import math
 import warnings
 

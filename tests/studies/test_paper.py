@@ -1,7 +1,5 @@
 """The paper's figures and claims: what it reports of rigid panels, and the algorithms that read it off."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Where methods fail, and that the library says so: every quick map is measured, and its claims are checked."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from functools import lru_cache

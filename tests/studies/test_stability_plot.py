@@ -1,7 +1,5 @@
 """Figures of maps come from their tables alone."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

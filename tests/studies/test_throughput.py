@@ -1,7 +1,5 @@
 """The benchmark measures what it says, and its tables hold all of it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from types import SimpleNamespace
 

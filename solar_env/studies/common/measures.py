@@ -1,7 +1,5 @@
 """Errors of a run against a reference: angles, latch times, and impacts up to the horizon of prediction."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Scenes that studies simulate, and motions: the record of a run, whichever program made it."""
 
-from __future__ import annotations
-
 import math
 import warnings
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Plans of the charts: how much is measured, in full or in two minutes."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 

@@ -1,7 +1,5 @@
 """Interleaved timing: all runs once, then all again, so that disturbances of the machine meet all alike."""
 
-from __future__ import annotations
-
 import statistics
 from collections.abc import Callable, Hashable, Iterable, Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Maps of peak force and of the deepest wear over parameters of the design, an ensemble in every cell."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path

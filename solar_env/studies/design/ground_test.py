@@ -7,8 +7,6 @@ fed back is the mean depth round the circumference of bearing and journal togeth
 round as the contact law wants it.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Error and cost of every level of the model, question by question, measured into a table."""
 
-from __future__ import annotations
-
 import statistics
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

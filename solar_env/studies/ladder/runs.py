@@ -1,7 +1,5 @@
 """The runs of the ladder: a deployment on its springs alone, and under fixed controllers, at one level."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The deployments and the linkage that the paper shows, and their simulation on several cores."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace

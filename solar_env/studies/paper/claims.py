@@ -1,7 +1,5 @@
 """The paper's statements about its deployments, each a measured figure with the interval in which it agrees."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass

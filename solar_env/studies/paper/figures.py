@@ -4,8 +4,6 @@ The paper's figures are drawn from these tables alone (`drawings.py`). Angles ar
 as on its axes.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Phases of contact, bursts, slides and lags, found by algorithms where the paper reads them off its figures."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

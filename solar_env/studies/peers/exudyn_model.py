@@ -11,8 +11,6 @@ Everything on the way of a force is a compiled object of the library, chosen for
 * latches: the torque of the stop as a symbolic expression, which the library evaluates itself.
 """
 
-from __future__ import annotations
-
 import math
 
 import exudyn

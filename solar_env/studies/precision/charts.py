@@ -1,7 +1,5 @@
 """Table of the charts of speed against accuracy; measuring them into tables, drawing from tables."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial

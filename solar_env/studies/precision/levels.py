@@ -1,7 +1,5 @@
 """Levels of the model, rigid panels and 1 to 24 elements: their error and cost, measured and drawn."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace

@@ -3,8 +3,6 @@
 A further integrator is one more row of METHODS.
 """
 
-from __future__ import annotations
-
 import importlib.util
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field

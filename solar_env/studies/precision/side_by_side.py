@@ -1,7 +1,5 @@
 """Whole deployments side by side: default settings against the cheapest settings of Exudyn, at equal error."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace

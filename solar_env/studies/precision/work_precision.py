@@ -5,8 +5,6 @@ runs from it is the floor below which an error says nothing. With clearance the 
 leaves: for the ensembles see `ensembles`.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ A panel of the solar array floats, shaken by tiny random velocities. What is mea
 vibration grows from step to step.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -4,8 +4,6 @@ A factor 1 + d rate / impact speed with d > 0 is singular as the impact speed va
 prevents; and it attracts where the surfaces part faster than impact speed / d, which the library cuts off.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -5,8 +5,6 @@ would hold it; the ramp between the speeds v0 and v1 lets it creep at v0 + (v1 -
 Mech. Syst. Signal Process. 117 (2019) 188, Eq 42, solved for the speed).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

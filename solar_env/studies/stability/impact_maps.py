@@ -5,8 +5,6 @@ the impact speeds of successive contacts are the exit speeds of the ones before:
 bounce, to be compared with the exact one of the law.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache

@@ -5,8 +5,6 @@ what the library said about it (an error, a warning, a figure of the result) is 
 without a word is a fault of the library: see `silent_failures`.
 """
 
-from __future__ import annotations
-
 import math
 import warnings
 from collections.abc import Callable, Iterator, Mapping

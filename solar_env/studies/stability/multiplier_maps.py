@@ -8,8 +8,6 @@ The mode that grows with rho_inf = 1: A. Cardona and M. Geradin, Comput. Struct.
 doi:10.1016/0045-7949(89)90255-6.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

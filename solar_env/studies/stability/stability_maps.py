@@ -1,7 +1,5 @@
 """Table of all maps of where methods fail, and measuring them into tables."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

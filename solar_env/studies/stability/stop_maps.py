@@ -3,8 +3,6 @@
 Both conserve energy, so that what a method gains or loses is the energy at the end over the energy at the start.
 """
 
-from __future__ import annotations
-
 import math
 from functools import lru_cache
 

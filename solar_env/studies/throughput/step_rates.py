@@ -4,8 +4,6 @@ Episodes cost most after latching, hundreds of times as much as in free flight. 
 spread evenly over one passive deployment, so that a few steps stand for whole episodes.
 """
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Cases of the free-floating array with clearance: conservation of momenta and energy."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

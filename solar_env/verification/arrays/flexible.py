@@ -1,7 +1,5 @@
 """Cases of the array with flexible panels, and of the limits that connect its four models."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import replace

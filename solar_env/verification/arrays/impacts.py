@@ -4,8 +4,6 @@ Deployments with clearance are chaotic: two runs soon have different impacts. He
 solved a second time from the very state in which it began.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Cases of the rigid array's deployment: its motion and its latch times, against minimal coordinates."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The rigid array with ideal hinges in minimal coordinates; its latch times with an inextensible cable."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Cases of beams in large motion: spin-up, falling pendulum, free flight; order of the implicit integrator."""
 
-from __future__ import annotations
-
 import cmath
 import math
 from collections.abc import Iterator

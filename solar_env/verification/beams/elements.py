@@ -1,7 +1,5 @@
 """Cases of the beam element itself: mass, rigid motion, strain energy, tangents, orders of convergence."""
 
-from __future__ import annotations
-
 import cmath
 import math
 from collections.abc import Iterator

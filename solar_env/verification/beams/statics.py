@@ -1,7 +1,5 @@
 """Cases of beams at rest under loads: large deflections of a cantilever, and a beam that hangs."""
 
-from __future__ import annotations
-
 import cmath
 import math
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Cases of beams that vibrate: natural frequencies of a panel, material damping."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Cases of a single contact: a block that strikes the wall of its gap."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import product

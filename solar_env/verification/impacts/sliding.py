@@ -5,8 +5,6 @@ force N and friction T satisfy N^2 + T^2 = W^2; the journal's centre rests at th
 bottom.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Cases of the torques about a hinge: a slack cable, and a link that swings into its latch or stow stop."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 

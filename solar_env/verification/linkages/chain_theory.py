@@ -7,8 +7,6 @@ equations follow from these arms without constraints. Integrated with SciPy's DO
 and G. Wanner, Solving Ordinary Differential Equations I, 1993).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """Cases of open chains: natural coordinates with constraints against minimal coordinates without."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

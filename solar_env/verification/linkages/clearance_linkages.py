@@ -1,7 +1,5 @@
 """Cases of linkages with one clearance pin: its play bounds the deviation from the ideal linkage."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace

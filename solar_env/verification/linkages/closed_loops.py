@@ -1,7 +1,5 @@
 """Cases of closed loops with a prescribed crank and ideal pins: slider-crank and four-bar."""
 
-from __future__ import annotations
-
 import cmath
 import math
 from collections.abc import Callable, Iterator

@@ -7,8 +7,6 @@ other ones (J. J. Uicker, G. R. Pennock and J. E. Shigley, Theory of Machines an
 University Press).
 """
 
-from __future__ import annotations
-
 import cmath
 import math
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Cases of the simple pendulum released from the horizontal, whose motion elliptic functions give exactly."""
 
-from __future__ import annotations
-
 import math
 import warnings
 from collections.abc import Iterator

@@ -7,13 +7,7 @@ import importlib.util
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from solar_env.mechanics.integrators.settings import (
-    DormandPrince,
-    GeneralizedAlpha,
-    Integrator,
-    Rosenbrock,
-    RungeKutta,
-)
+from solar_env.mechanics.integrators.settings import DormandPrince, GeneralizedAlpha, Integrator, Rosenbrock, RungeKutta
 from solar_env.studies.common.motion import Motion, Scene, run_own
 from solar_env.studies.peers.scipy_methods import run_scipy
 

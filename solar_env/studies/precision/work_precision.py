@@ -153,13 +153,7 @@ def _errors(kind: str, motion: Motion, reference: Reference, plan: Plan) -> Row:
 
 
 def _row(
-    kind: str,
-    scene: Scene,
-    method: Method,
-    key: Key,
-    result: Measured[Key],
-    reference: Reference,
-    plan: Plan,
+    kind: str, scene: Scene, method: Method, key: Key, result: Measured[Key], reference: Reference, plan: Plan
 ) -> Row:
     row: Row = {
         "scene": kind,

@@ -16,7 +16,7 @@ from solar_env.verification.beams.theory import (
     tip_load_elastica,
     tip_moment_circle,
 )
-from solar_env.verification.checks import Check
+from solar_env.verification.checks import Check, compare
 
 LOADS = (0.5, 1.0, 2.0, 5.0)
 NEWTON = 1e-9  # relative to the length: end of the iteration
@@ -38,15 +38,9 @@ def tip_load() -> Iterator[Check]:
     for load in LOADS:
         place, angle = solve_tip(cantilever(slender, elements, (0.0, load)))
         bound = abs(element_deflection_error(load, slender.axial_stiffness, elements))
-        obtained = (place.imag, 1.0 - place.real, angle)
-        for name, expected, value in zip(names, tip_load_elastica(load), obtained, strict=True):
-            yield Check(
-                quantity=f"P L^2 / (E I) = {load:g}: {name}, {elements} elements",
-                expected=expected,
-                obtained=value,
-                tolerance=2.0 * bound + 4.0 * load / slender.axial_stiffness,
-                source=ELASTICA,
-            )
+        figures = zip(names, tip_load_elastica(load), (place.imag, 1.0 - place.real, angle), strict=True)
+        quantity = f"P L^2 / (E I) = {load:g}: {{}}, {elements} elements"
+        yield from compare(figures, quantity, 2.0 * bound + 4.0 * load / slender.axial_stiffness, ELASTICA)
     beam, elements = PANEL, 16
     slenderness = beam.axial_stiffness * beam.length**2 / beam.bending_stiffness
     for load in LOADS:
@@ -54,12 +48,12 @@ def tip_load() -> Iterator[Check]:
         exact, exact_angle = deflected_tip(beam.length, beam.axial_stiffness, beam.bending_stiffness, 1j * force)
         place, angle = solve_tip(cantilever(beam, elements, (0.0, force)))
         bound = abs(element_deflection_error(load, slenderness, elements))
-        figures = (
+        panel_figures = (
             (exact.imag / beam.length, place.imag / beam.length, 1.1),
             (1.0 - exact.real / beam.length, 1.0 - place.real / beam.length, 2.0),
             (exact_angle, angle, 2.0),
         )
-        for name, (expected, value, factor) in zip(names, figures, strict=True):
+        for name, (expected, value, factor) in zip(names, panel_figures, strict=True):
             yield Check(
                 quantity=f"panel, P L^2 / (E I) = {load:g}: {name}, {elements} elements",
                 expected=expected,
@@ -84,14 +78,12 @@ def tip_moment() -> Iterator[Check]:
             ("y / L of the tip", y, place.imag / beam.length),
             ("turn of the tip [rad]", turn, angle + 2.0 * math.pi * round((turn - angle) / (2.0 * math.pi))),
         )
-        for figure, expected, obtained in figures:
-            yield Check(
-                quantity=f"{name} circle: {figure}, {elements} elements",
-                expected=expected,
-                obtained=float(obtained),
-                tolerance=1.1 * missing + NEWTON,
-                source="exact: circular arc; elements miss E I h^4 kappa^6 / 1440 and turn less by (kappa h)^4 / 240",
-            )
+        yield from compare(
+            figures,
+            f"{name} circle: {{}}, {elements} elements",
+            tolerance=1.1 * missing + NEWTON,
+            source="exact: circular arc; elements miss E I h^4 kappa^6 / 1440 and turn less by (kappa h)^4 / 240",
+        )
 
 
 def own_weight() -> Iterator[Check]:
@@ -112,11 +104,6 @@ def own_weight() -> Iterator[Check]:
     )
     drooping, _ = solve_tip(cantilever(beam, elements, gravity=(0.0, -gravity)))
     turn = 0.5 * beam.linear_density * gravity * beam.length**3 / beam.bending_stiffness  # of linear theory, times 3
-    for name, expected, obtained in (("x", exact.real, drooping.real), ("y", exact.imag, drooping.imag)):
-        yield Check(
-            quantity=f"drooping beam: {name} of the tip [m], {elements} elements",
-            expected=expected,
-            obtained=obtained,
-            tolerance=beam.length * turn**3 / (384.0 * elements**4),  # h^4 max |r''''| / 384, cubic interpolation
-            source=EXTENSIBLE,
-        )
+    bound = beam.length * turn**3 / (384.0 * elements**4)  # h^4 max |r''''| / 384, cubic interpolation
+    figures = (("x", exact.real, drooping.real), ("y", exact.imag, drooping.imag))
+    yield from compare(figures, f"drooping beam: {{}} of the tip [m], {elements} elements", bound, EXTENSIBLE)

@@ -21,9 +21,9 @@ from solar_env.mechanics.mechanism.beams import (
 from solar_env.mechanics.mechanism.description import Load
 from solar_env.mechanics.mechanism.textbook import STANDARD_GRAVITY
 from solar_env.mechanics.running.simulation import Simulation, simulate
+from solar_env.verification.beams import theory
 from solar_env.verification.beams.fields import flexible_body, momenta, tip
 from solar_env.verification.beams.strain_theory import StrainBeam
-from solar_env.verification.beams.theory import FALLING_TIPS, spin_up_angle, spinning_extension
 from solar_env.verification.checks import Check, compare
 
 STRAIN_BEAM = "beam in direction and stretch instead of positions, Legendre polynomials, SciPy's DOP853"
@@ -40,11 +40,11 @@ def spin_up() -> Iterator[Check]:
     beam, elements = SPIN_UP_BEAM, 16
     mechanism = spin_up_beam(beam, elements, SPIN_RATE, RAMP_TIME)
     motion = simulate(mechanism, 20.0, integrator=GeneralizedAlpha(step=2e-3), output_step=0.01)
-    turned = np.array([spin_up_angle(t, SPIN_RATE, RAMP_TIME)[0] for t in motion.time])
+    turned = np.array([theory.spin_up_angle(t, SPIN_RATE, RAMP_TIME)[0] for t in motion.time])
     local = tip(flexible_body(mechanism), motion.coordinates) * np.exp(-1j * turned)
     lowest = int(local.imag.argmin())
     late = motion.time > RAMP_TIME
-    extension = spinning_extension(beam.length, beam.linear_density, beam.axial_stiffness, SPIN_RATE)
+    extension = theory.spinning_extension(beam.length, beam.linear_density, beam.axial_stiffness, SPIN_RATE)
     for name, expected, obtained, tolerance, source in (
         ("largest lag of the tip [m]", -0.5738, local[lowest].imag, 1e-4, SIMO),
         ("time of the largest lag [s]", 6.76, motion.time[lowest], 0.01, SIMO),
@@ -65,7 +65,7 @@ def spin_up() -> Iterator[Check]:
             source=source,
         )
     times = [3.0, 6.0, 9.0, 12.0, 15.0, 18.0]
-    reference = StrainBeam(beam, 5, 1, root_angle=lambda t: spin_up_angle(t, SPIN_RATE, RAMP_TIME))
+    reference = StrainBeam(beam, 5, 1, root_angle=lambda t: theory.spin_up_angle(t, SPIN_RATE, RAMP_TIME))
     places = reference.tips([0.0, *times], rtol=1e-6)[1:]
     difference = [
         abs(tip(flexible_body(mechanism), motion.coordinates[round(t / 0.01)]) - p)
@@ -90,7 +90,7 @@ def falling_pendulum() -> Iterator[Check]:
     elements = 32
     mechanism = flexible_pendulum(PENDULUM_BEAM, elements)
     simulation = Simulation(mechanism, GeneralizedAlpha(step=1e-3))
-    for time, (x, y, tolerance) in FALLING_TIPS.items():
+    for time, (x, y, tolerance) in theory.FALLING_TIPS.items():
         simulation.advance(time)
         place = tip(flexible_body(mechanism), simulation.state.q)
         quantity = f"{{}} of the tip at t = {time:g} s [m], {elements} elements"

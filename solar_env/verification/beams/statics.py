@@ -9,13 +9,8 @@ import numpy as np
 from solar_env.mechanics.analysis.statics import static_equilibrium
 from solar_env.mechanics.mechanism.beams import PANEL, Beam, cantilever
 from solar_env.mechanics.mechanism.description import Mechanism
+from solar_env.verification.beams import theory
 from solar_env.verification.beams.fields import flexible_body, nodes
-from solar_env.verification.beams.theory import (
-    deflected_tip,
-    element_deflection_error,
-    tip_load_elastica,
-    tip_moment_circle,
-)
 from solar_env.verification.checks import Check, compare
 
 LOADS = (0.5, 1.0, 2.0, 5.0)
@@ -37,17 +32,17 @@ def tip_load() -> Iterator[Check]:
     names = ("deflection w / L", "shortening u / L", "tip angle [rad]")
     for load in LOADS:
         place, angle = solve_tip(cantilever(slender, elements, (0.0, load)))
-        bound = abs(element_deflection_error(load, slender.axial_stiffness, elements))
-        figures = zip(names, tip_load_elastica(load), (place.imag, 1.0 - place.real, angle), strict=True)
+        bound = abs(theory.element_deflection_error(load, slender.axial_stiffness, elements))
+        figures = zip(names, theory.tip_load_elastica(load), (place.imag, 1.0 - place.real, angle), strict=True)
         quantity = f"P L^2 / (E I) = {load:g}: {{}}, {elements} elements"
         yield from compare(figures, quantity, 2.0 * bound + 4.0 * load / slender.axial_stiffness, ELASTICA)
     beam, elements = PANEL, 16
     slenderness = beam.axial_stiffness * beam.length**2 / beam.bending_stiffness
     for load in LOADS:
         force = load * beam.bending_stiffness / beam.length**2
-        exact, exact_angle = deflected_tip(beam.length, beam.axial_stiffness, beam.bending_stiffness, 1j * force)
+        exact, exact_angle = theory.deflected_tip(beam.length, beam.axial_stiffness, beam.bending_stiffness, 1j * force)
         place, angle = solve_tip(cantilever(beam, elements, (0.0, force)))
-        bound = abs(element_deflection_error(load, slenderness, elements))
+        bound = abs(theory.element_deflection_error(load, slenderness, elements))
         panel_figures = (
             (exact.imag / beam.length, place.imag / beam.length, 1.1),
             (1.0 - exact.real / beam.length, 1.0 - place.real / beam.length, 2.0),
@@ -71,7 +66,7 @@ def tip_moment() -> Iterator[Check]:
         turn = 2.0 * math.pi * turns
         mechanism = cantilever(beam, elements, tip_torque=turn * beam.bending_stiffness / beam.length)
         place, angle = solve_tip(mechanism, load_steps=20)
-        x, y = tip_moment_circle(turn)
+        x, y = theory.tip_moment_circle(turn)
         missing = turn * (turn / elements) ** 4 / 240.0
         figures = (
             ("x / L of the tip", x, place.real / beam.length),
@@ -99,7 +94,7 @@ def own_weight() -> Iterator[Check]:
         source="exact: rho A g L^2 / (2 E A), a quadratic field, which the element contains",
     )
     elements = 16
-    exact, _ = deflected_tip(
+    exact, _ = theory.deflected_tip(
         beam.length, beam.axial_stiffness, beam.bending_stiffness, line_load=-1j * beam.linear_density * gravity
     )
     drooping, _ = solve_tip(cantilever(beam, elements, gravity=(0.0, -gravity)))

@@ -9,16 +9,8 @@ from numpy.typing import NDArray
 from scipy.integrate import cumulative_simpson
 
 from solar_env.mechanics.integrators.settings import RungeKutta
+from solar_env.mechanics.mechanism import textbook
 from solar_env.mechanics.mechanism.description import Mechanism
-from solar_env.mechanics.mechanism.textbook import (
-    FOUR_BAR_PINS,
-    SLIDER_CRANK_PINS,
-    STANDARD_GRAVITY,
-    Link,
-    flores_bearing,
-    four_bar,
-    slider_crank,
-)
 from solar_env.mechanics.running.simulation import simulate
 from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.verification.checks import Check
@@ -62,9 +54,9 @@ def _checks(
 
 def slider_crank_clearance() -> Iterator[Check]:
     """Flores' slider-crank at 5000 rpm, each pin in turn with play; impacts all along."""
-    for joint, pin in enumerate(SLIDER_CRANK_PINS):
+    for joint, pin in enumerate(textbook.SLIDER_CRANK_PINS):
         for clearance in (5e-4, 5e-5):
-            motion = _turns(slider_crank(clearances={pin: flores_bearing(clearance)}), RATE, 2.0)
+            motion = _turns(textbook.slider_crank(clearances={pin: textbook.flores_bearing(clearance)}), RATE, 2.0)
             ideal = [slider_crank_state(CRANK, ROD, SLIDER_MASS, RATE, RATE * time) for time in motion.time]
             yield from _checks(f"pin {pin}", motion, motion.coordinates[:, 8], ideal, joint)
 
@@ -84,15 +76,19 @@ def _work_error(motion: Trajectory, ideal: Sequence[LinkageState], rate: float) 
 def four_bar_clearance() -> Iterator[Check]:
     """Crank-rocker under gravity, each pin in turn with play; the weights keep every pin in contact."""
     rate, start, ground = 2.0 * math.pi, 0.5, 0.40
-    crank, coupler, rocker = Link.slender(0.10, 0.10), Link(0.35, 0.5, 0.004), Link.slender(0.25, 0.25)
+    crank, coupler, rocker = (
+        textbook.Link.slender(0.10, 0.10),
+        textbook.Link(0.35, 0.5, 0.004),
+        textbook.Link.slender(0.25, 0.25),
+    )
 
     def state_at(time: float) -> LinkageState:
-        return four_bar_state(crank, coupler, rocker, ground, rate, start + rate * time, STANDARD_GRAVITY)
+        return four_bar_state(crank, coupler, rocker, ground, rate, start + rate * time, textbook.STANDARD_GRAVITY)
 
-    for joint, pin in enumerate(FOUR_BAR_PINS):
+    for joint, pin in enumerate(textbook.FOUR_BAR_PINS):
         for clearance in (1e-4, 1e-5):
-            bearings = {pin: replace(flores_bearing(clearance), friction_coefficient=0.0)}
-            mechanism = four_bar(crank, coupler, rocker, ground, rate, start, clearances=bearings)
+            bearings = {pin: replace(textbook.flores_bearing(clearance), friction_coefficient=0.0)}
+            mechanism = textbook.four_bar(crank, coupler, rocker, ground, rate, start, clearances=bearings)
             motion = _turns(mechanism, rate, 1.5)
             ideal = [state_at(time) for time in motion.time]
             q = motion.coordinates

@@ -60,12 +60,11 @@ def bounce_ratios(contact: PowerLaw, integrator: Integrator) -> NDArray[np.float
 
 
 def _cell(contact: PowerLaw, make: Callable[[], Integrator]) -> Cell:
-    heard = listen(lambda: bounce_ratios(contact, make()))
-    if heard.result is None:
-        return heard.failed()
-    ratios = heard.result
-    worst = float(ratios[np.argmax(np.abs(ratios - 1.0))])
-    return heard.classified(classify_ratios(ratios.min(), ratios.max(), TOLERANCE), worst)
+    def judge(ratios: NDArray[np.float64]) -> Cell:
+        worst = float(ratios[np.argmax(np.abs(ratios - 1.0))])
+        return Cell(classify_ratios(ratios.min(), ratios.max(), TOLERANCE), worst)
+
+    return listen(lambda: bounce_ratios(contact, make())).cell(judge)
 
 
 def measure_implicit(panel: str, share: float, rho_inf: float) -> Cell:
@@ -125,4 +124,3 @@ EXPLICIT = StabilityMap(
     limit_label="fewer steps than this are refused",
     bare=(UNCHECKED,),
 )
-MAPS = (IMPLICIT, EXPLICIT)

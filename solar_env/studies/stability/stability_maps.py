@@ -4,21 +4,18 @@ from collections.abc import Callable
 from pathlib import Path
 
 from solar_env.studies.common.tables import provenance, write_table
-from solar_env.studies.stability import (
-    beam_maps,
-    contact_law_maps,
-    friction_maps,
-    impact_maps,
-    multiplier_maps,
-    stop_maps,
-)
+from solar_env.studies.stability.beam_maps import BEAM_STEP
+from solar_env.studies.stability.contact_law_maps import PULL_OFF, RESTITUTION
+from solar_env.studies.stability.friction_maps import CREEP, STEP
+from solar_env.studies.stability.impact_maps import EXPLICIT, IMPLICIT
 from solar_env.studies.stability.maps import StabilityMap
+from solar_env.studies.stability.multiplier_maps import STEP_CHANGE
+from solar_env.studies.stability.stop_maps import CABLE, DEPTH, LATCH
 
 COMMAND = "python -m solar_env stability"
 MAPS: dict[str, StabilityMap] = {
     one.name: one
-    for module in (impact_maps, multiplier_maps, beam_maps, contact_law_maps, friction_maps, stop_maps)
-    for one in module.MAPS
+    for one in (IMPLICIT, EXPLICIT, STEP_CHANGE, BEAM_STEP, RESTITUTION, PULL_OFF, CREEP, STEP, CABLE, LATCH, DEPTH)
 }
 
 

@@ -33,7 +33,8 @@ def run_command(args: argparse.Namespace) -> int:
         OSError: if the tables cannot be written.
     """
     # The measurements need the compiler, --help does not.
-    from solar_env.studies.throughput.step_rates import measurements, tables
+    from solar_env.studies.throughput.rate_tables import tables
+    from solar_env.studies.throughput.step_rates import measurements
 
     if args.readme:
         SECTION.read()  # refuses a page without a place before everything is measured

@@ -1,7 +1,7 @@
 """Interleaved timing: all runs once, then all again, so that disturbances of the machine meet all alike."""
 
 import statistics
-from collections.abc import Callable, Hashable, Iterable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
@@ -59,10 +59,7 @@ def time_interleaved(
         except SimulationError as error:
             failures[key] = str(error)
     for _ in range(repeats - 1):
-        for key in _repeated(walls, long_run):
-            walls[key].append(jobs[key]().wall_time)
+        for key, times in walls.items():
+            if times[0] <= long_run:
+                times.append(jobs[key]().wall_time)
     return {key: Measured(first.get(key), tuple(walls.get(key, ())), failures.get(key, "")) for key in jobs}
-
-
-def _repeated(walls: Mapping[Key, list[float]], long_run: float) -> Iterable[Key]:
-    return [key for key, times in walls.items() if times[0] <= long_run]

@@ -10,8 +10,8 @@ from rich.console import Console
 
 from solar_env.array import ArrayParameters
 from solar_env.array.deployment import simulate
+from solar_env.studies.common.motion import perturbed
 from solar_env.studies.common.tables import Row, provenance, write_table
-from solar_env.studies.precision.ensembles import perturbed
 from solar_env.support.campaigns import Campaign, Cell, Workers
 from solar_env.support.progress import counting_bar
 

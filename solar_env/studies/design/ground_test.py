@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters
 from solar_env.array.deployment import simulate
+from solar_env.studies.common.motion import perturbed
 from solar_env.studies.common.tables import Row
-from solar_env.studies.precision.ensembles import perturbed
 from solar_env.support.campaigns import ONE, Workers, each_done
 
 Array = NDArray[np.float64]

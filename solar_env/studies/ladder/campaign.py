@@ -3,7 +3,6 @@
 import statistics
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -90,13 +89,13 @@ def run_ladder(plan: LadderPlan, announce: Announce) -> list[Row]:
     for member in range(plan.controlled_members):
         for level in plan.levels:
             if member < plan.controlled_runs_of(level):
-                label = f"{level.name}, run {member + 1}, "
-                controlled[level].append(control(level, member, plan.window, partial(_announce_after, label, announce)))
+                label = f"{level.name}, run {member + 1}"
+
+                def say(name: str, label: str = label) -> None:
+                    announce(f"{label}, {name}")
+
+                controlled[level].append(control(level, member, plan.window, say))
     return rows_of(deployed, controlled)
-
-
-def _announce_after(label: str, announce: Announce, name: str) -> None:
-    announce(label + name)
 
 
 def rows_of(deployed: Mapping[Level, Sequence[Outcome]], controlled: Mapping[Level, Sequence[Outcome]]) -> list[Row]:

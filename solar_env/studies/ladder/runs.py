@@ -15,7 +15,7 @@ from solar_env.environment.env import SolarArrayEnv
 from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.running.trajectory import Trajectory
-from solar_env.studies.precision.ensembles import perturbed
+from solar_env.studies.common.motion import perturbed
 
 Array = NDArray[np.float64]
 

@@ -44,6 +44,14 @@ def find_phases(trajectory: Trajectory, joint: int) -> Phases:
     return Phases(float(lasting[0]) if len(lasting) else np.nan, float(trajectory.latch_times[joint]))
 
 
+def contacts_in(trajectory: Trajectory, joint: int, phase: int) -> NDArray[np.void]:
+    """Contacts of a joint that start in a phase; the one that settles the joint counts with neither."""
+    phases, contacts = find_phases(trajectory, joint), contacts_of(trajectory, joint)
+    start = contacts["start_s"]
+    between = (start > phases.settled) & (start < phases.latched)
+    return contacts[{1: start < phases.settled, 2: between, 3: start > phases.latched}[phase]]
+
+
 def phase_of(trajectory: Trajectory, joint: int) -> NDArray[np.int64]:
     """(nt,) phase of every sample: 1 initial, 2 deployment, 3 after latching."""
     phases = find_phases(trajectory, joint)

@@ -26,8 +26,7 @@ def make_figure(
     """A figure with (rows, columns) axes, and room for titles above and a legend below.
 
     Args:
-        rows: of axes.
-        columns: of axes.
+        rows, columns: of axes.
         size: of one axes with its labels [inch].
         entries: of the legend.
         gap: between rows of axes, for their labels [inch].
@@ -78,14 +77,9 @@ def draw_floor(axis: Axes, floor: float) -> None:
 
 
 def save(figure: Figure, path: Path, looks: Mapping[str, Look], title: str, note: str = "") -> None:
-    """Write a figure with its conclusion as title, and a legend and a note below; the same tables give the same file.
+    """Write a figure of `make_figure` with its conclusion as title, and below a legend of names and a note.
 
-    Args:
-        figure: as `make_figure` made it.
-        path: file to write.
-        looks: name -> look, the entries of the legend.
-        title: says in one line what the figure shows.
-        note: what the reader must know.
+    The same tables give the same file.
     """
     with mpl.rc_context(STYLE):
         handles = [Line2D([], [], linewidth=1.0, markersize=4, label=name, **look) for name, look in looks.items()]

@@ -37,16 +37,9 @@ def time_interleaved(
     long_run: float,
     announce: Callable[[Key], None] = lambda key: None,
 ) -> dict[Key, Measured[Key]]:
-    """Run every job once, then all again, up to the number of repeats.
+    """Run every job once, announced by its key, then all again, up to the number of repeats.
 
-    Args:
-        jobs: key -> run.
-        repeats: of every run.
-        long_run: a run that took longer than this [s] is not repeated.
-        announce: called with the key of a run before its first repeat.
-
-    Returns:
-        key -> result. A run that raises SimulationError is not repeated.
+    A run that raises SimulationError, or takes longer than `long_run` [s], is not repeated.
     """
     first: dict[Key, Motion] = {}
     walls: dict[Key, list[float]] = {}

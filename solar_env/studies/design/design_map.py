@@ -59,10 +59,7 @@ def changes(name: str, x: float, y: float) -> dict[str, Any]:
 
 
 def measure_cell(cell: Cell) -> dict[str, list[list[float]]]:
-    """Wear and forces of the ensemble of a cell.
-
-    Args:
-        cell: preset, map, x, y and number of members.
+    """Wear and forces of the ensemble of a cell, which is preset, map, x, y and number of members.
 
     Returns:
         (members, joints) lists: deepest wear of bearing or journal [m], greatest contact force after the first

@@ -19,14 +19,7 @@ PHASES = ("initial", "deployment", "after latching")
 
 
 def draw_figure(table: Table, kind: str, title: str, path: Path) -> None:
-    """Draw a table to a PNG file; the same table gives the same file.
-
-    Args:
-        table: of a figure.
-        kind: of the figure, a key of DRAWERS.
-        title: above the drawing.
-        path: of the picture, in a folder that exists.
-    """
+    """Draw a figure, of a `kind` in DRAWERS, from its table to a PNG file; the same table gives the same file."""
     with mpl.rc_context(STYLE):
         figure = Figure(layout="constrained")
         FigureCanvasAgg(figure)

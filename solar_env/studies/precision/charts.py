@@ -51,14 +51,9 @@ STUDIES = {
 
 
 def measure_charts(names: Sequence[str], quick: bool, folder: Path, console: Console, workers: Workers = ONE) -> None:
-    """Measure studies and write their tables.
+    """Measure studies, in about an hour or `quick` in two minutes, and write their tables.
 
-    Args:
-        names: of STUDIES.
-        quick: whether to take two minutes instead of about an hour.
-        folder: for the tables.
-        console: for what is told on the way.
-        workers: where the ensembles run; everything else is timed and runs here, one after the other.
+    Ensembles run where the workers are; everything else is timed and runs here, one after the other.
     """
     plan = QUICK if quick else FULL
     if peer_is_missing():
@@ -85,12 +80,7 @@ def warm_up(plan: Plan) -> None:
 
 
 def draw(names: Sequence[str], tables: Path, figures: Path) -> list[Path]:
-    """Draw studies from their tables alone; returns the files.
-
-    Args:
-        names: of STUDIES.
-        tables: folder of the tables.
-        figures: folder for the figures.
+    """Draw studies from the tables in one folder into another; returns the files.
 
     Raises:
         ValueError: if a table does not exist.

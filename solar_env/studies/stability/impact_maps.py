@@ -44,10 +44,6 @@ def contact_duration() -> float:
 def bounce_ratios(contact: PowerLaw, integrator: Integrator) -> NDArray[np.float64]:
     """(bounces,) exit speeds of a bouncing block over the exact ones.
 
-    Args:
-        contact: law of the contact.
-        integrator: with its settings.
-
     Raises:
         SimulationError: if the run cannot go on.
     """

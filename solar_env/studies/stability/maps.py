@@ -164,11 +164,7 @@ class Heard(Generic[Result]):
     failure: Kind | None = None
 
     def cell(self, judge: Callable[[Result], Cell]) -> Cell:
-        """The cell of the run: that of its error, or as judged by its result, with the warnings if that says nothing.
-
-        Args:
-            judge: result to cell.
-        """
+        """The cell of the run: that of its error, or as judged by its result, with the warnings if it says nothing."""
         if self.failure is not None:
             return Cell(self.failure, math.nan, self.said, self.message)
         assert self.result is not None

@@ -20,14 +20,7 @@ MAPS: dict[str, StabilityMap] = {
 
 
 def measure_map(name: str, quick: bool, path: Path, progress: Callable[[], None]) -> None:
-    """Measure every cell of a map and write its table.
-
-    Args:
-        name: a key of MAPS.
-        quick: few cells, or all.
-        path: of the CSV file.
-        progress: called after every cell.
-    """
+    """Measure all cells of one of MAPS, or a `quick` few, and write its table; `progress` is called after each."""
     chosen, rows = MAPS[name], []
     for panel, x, y in chosen.cells(quick):
         rows.append(chosen.row(panel, x, y))

@@ -43,11 +43,7 @@ _IN_A_LINE = 6  # classes of the legend
 
 
 def draw_map(table_path: Path, figure_path: Path) -> None:
-    """Draw the figure of a map: panels of cells with class and value, the limit, the legend and the advice.
-
-    Args:
-        table_path: CSV file of `stability_maps.measure_map`.
-        figure_path: its suffix chooses the format.
+    """Draw the figure of a map from its CSV file: panels of cells with class and value, limit, legend and advice.
 
     Raises:
         ValueError: if the table is not that of a map.

@@ -153,14 +153,11 @@ class _Clock:
 
 
 def compare(contestants: Mapping[str, tuple[Any, Callable[[], Any]]], lanes: int) -> dict[str, float]:
-    """Steps per second of vector environments that are stepped in turn, so that what disturbs one disturbs all.
+    """Steps per second, medians over rounds of contestants stepped in turn, so that what disturbs one disturbs all.
 
     Args:
         contestants: name -> environment, and what puts its lanes to their moments.
         lanes: of each.
-
-    Returns:
-        Median over the rounds.
     """
     actions = np.zeros((lanes, 1), dtype=np.float32)
     walls: dict[str, list[float]] = {name: [] for name in contestants}

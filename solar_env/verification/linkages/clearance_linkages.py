@@ -14,8 +14,16 @@ from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.running.simulation import simulate
 from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.verification.checks import Check
-from solar_env.verification.linkages.closed_loops import CRANK, RATE, ROD, SLIDER_MASS
-from solar_env.verification.linkages.linkage_theory import LinkageState, four_bar_state, slider_crank_state
+from solar_env.verification.linkages.closed_loops import (
+    CRANK,
+    FOUR_BAR,
+    FOUR_BAR_START,
+    RATE,
+    ROD,
+    SLIDER_MASS,
+    rocker_state,
+)
+from solar_env.verification.linkages.linkage_theory import LinkageState, slider_crank_state
 
 SAMPLES = 720  # per turn
 GEOMETRY = "play moves a pin by no more than clearance and penetration; closed-form kinematics"
@@ -75,30 +83,20 @@ def _work_error(motion: Trajectory, ideal: Sequence[LinkageState], rate: float) 
 
 def four_bar_clearance() -> Iterator[Check]:
     """Crank-rocker under gravity, each pin in turn with play; the weights keep every pin in contact."""
-    rate, start, ground = 2.0 * math.pi, 0.5, 0.40
-    crank, coupler, rocker = (
-        textbook.Link.slender(0.10, 0.10),
-        textbook.Link(0.35, 0.5, 0.004),
-        textbook.Link.slender(0.25, 0.25),
-    )
-
-    def state_at(time: float) -> LinkageState:
-        return four_bar_state(crank, coupler, rocker, ground, rate, start + rate * time, textbook.STANDARD_GRAVITY)
-
+    rate = FOUR_BAR[-1]
     for joint, pin in enumerate(textbook.FOUR_BAR_PINS):
         for clearance in (1e-4, 1e-5):
             bearings = {pin: replace(textbook.flores_bearing(clearance), friction_coefficient=0.0)}
-            mechanism = textbook.four_bar(crank, coupler, rocker, ground, rate, start, clearances=bearings)
+            mechanism = textbook.four_bar(*FOUR_BAR, FOUR_BAR_START, clearances=bearings)
             motion = _turns(mechanism, rate, 1.5)
-            ideal = [state_at(time) for time in motion.time]
+            ideal = [rocker_state(rate * time) for time in motion.time]
             q = motion.coordinates
             angle = np.arctan2(q[:, 11] - q[:, 9], q[:, 10] - q[:, 8])
             yield from _checks(f"pin {pin}", motion, angle, ideal, joint)
         yield Check(
             quantity=f"pin {pin}, c = {1e3 * clearance:g} mm: crank's work in twentieths of a turn",
             obtained=_work_error(motion, ideal, rate),
-            # The play is 1e-4 of the crank; the journal keeps swinging in it, for without friction nothing
-            # stops it.
+            # The play is 1e-4 of the crank; the journal keeps swinging in it, for without friction nothing stops it.
             tolerance=0.02,
             source="Newton-Euler inverse dynamics of the ideal linkage",
         )

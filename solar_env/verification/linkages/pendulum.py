@@ -31,8 +31,7 @@ def _bob(simulation: Simulation) -> tuple[float, float]:
 
 
 def _tension(simulation: Simulation) -> float:
-    # The multipliers of the lengths, by body, follow those of the pins; times the length, 1 m, it is the
-    # tension.
+    # The multipliers of the lengths, by body, follow those of the pins; times the length, 1 m, it is the tension.
     return float(simulation.state.multipliers[simulation.model.constraints.target.size])
 
 

@@ -47,6 +47,11 @@ class Run:
     parameter: str = ""
     value: float | str = 0.0
 
+    @property
+    def changes(self) -> dict[str, float | str]:
+        """Parameters that differ from those of the case."""
+        return {self.parameter: self.value} if self.parameter else {}
+
 
 def simulate_run(run: Run) -> Trajectory:
     """Simulate a deployment with default settings, the root hinge moved by `member` times PERTURBATION.
@@ -57,8 +62,8 @@ def simulate_run(run: Run) -> Trajectory:
         SimulationError: if the run cannot go on.
     """
     case = CASES[run.case]
-    changes = {**case.changes, **({run.parameter: run.value} if run.parameter else {})}
-    parameters = perturbed(ArrayParameters.preset("paper").with_changes(changes), run.member, PERTURBATION)
+    parameters = ArrayParameters.preset("paper").with_changes({**case.changes, **run.changes})
+    parameters = perturbed(parameters, run.member, PERTURBATION)
     return simulate(parameters, model=case.model, duration=DURATION, output_step=OUTPUT_STEP)
 
 

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from solar_env.mechanics.running.batch import available_processors
-from solar_env.studies.throughput.step_rates import COMPARED_LANES, LANES, PEERS, SCALED_LANES, Key
+from solar_env.studies.throughput import step_rates as measured
 
 
 def _table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
@@ -12,25 +12,25 @@ def _table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]]) ->
     return [f"{title}:", "", lines[0], "|---" * len(columns) + "|", *lines[1:], ""]
 
 
-def tables(results: Mapping[Key, Any]) -> str:
+def tables(results: Mapping[measured.Key, Any]) -> str:
     """The results of `step_rates.measurements`: rates by lanes, where a step's time goes, and peers."""
     models = list(dict.fromkeys(model for _, model, _ in results))
     threads = available_processors()
     lines = _table(
         f"Environment steps (0.1 s) per second, {threads} threads, by number of lanes",
-        ("model", *map(str, LANES), f"{threads} threads over 1 ({SCALED_LANES} lanes)"),
+        ("model", *map(str, measured.LANES), f"{threads} threads over 1 ({measured.SCALED_LANES} lanes)"),
         (
             (
                 model,
-                *(f"{results['lanes', model, lanes].rate:,.0f}" for lanes in LANES),
+                *(f"{results['lanes', model, lanes].rate:,.0f}" for lanes in measured.LANES),
                 f"{results['threads', model, '']:.2f}",
             )
             for model in models
         ),
     )
-    splits = {model: results["lanes", model, SCALED_LANES] for model in models}
+    splits = {model: results["lanes", model, measured.SCALED_LANES] for model in models}
     lines += _table(
-        f"Where a step's time goes, {SCALED_LANES} lanes",
+        f"Where a step's time goes, {measured.SCALED_LANES} lanes",
         ("model", "a lane's step [us]", "physics", "observation and reward", "Python"),
         (
             (
@@ -42,12 +42,13 @@ def tables(results: Mapping[Key, Any]) -> str:
         ),
     )
     lines += _table(
-        f"Against other vectors of {COMPARED_LANES} environments (ratio of steps per second), memory and start-up",
-        ("model", *(f"over {peer}" for peer in PEERS), "memory a lane [kB]", "start-up, cached [s]"),
+        f"Against other vectors of {measured.COMPARED_LANES} environments (ratio of steps per second), "
+        "memory and start-up",
+        ("model", *(f"over {peer}" for peer in measured.PEERS), "memory a lane [kB]", "start-up, cached [s]"),
         (
             (
                 model,
-                *(f"{results['peers', model, ''][peer]:.2f}" for peer in PEERS),
+                *(f"{results['peers', model, ''][peer]:.2f}" for peer in measured.PEERS),
                 f"{results['memory', model, ''] / 1e3:,.0f}",
                 f"{results['startup', model, 'cached']:.1f}",
             )

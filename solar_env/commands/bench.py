@@ -30,7 +30,8 @@ def run_command(args: argparse.Namespace) -> int:
         ValueError: if the page has no place for the tables.
         OSError: if the tables cannot be written.
     """
-    from solar_env.studies.throughput.step_rates import measurements, tables
+    from solar_env.studies.throughput.rate_tables import tables
+    from solar_env.studies.throughput.step_rates import measurements
 
     if args.readme:
         SECTION.read()  # refuses a page without a place before everything is measured

@@ -76,7 +76,6 @@ CONTROLLER_LOOKS: Mapping[str, Look] = {
     "damper": _look(GREEN, "^"),
     "servo": _look(BLUE, "s"),
     "shaped": _look(SKY, "D"),
-    "pd": _look("#17becf", "d"),
     "open-loop": _look(PURPLE, "<"),
     "soft-start": _look(ORANGE, ">"),
     "pd": _look("#b80058", "d"),

@@ -1,8 +1,7 @@
 """Checks: one number of a verification case beside its expected value."""
 
-from __future__ import annotations
-
 import math
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,7 +12,7 @@ class Check:
 
     Attributes:
         quantity: what it is, with its unit.
-        expected: from theory, an independent calculation or a publication.
+        expected: from theory, an independent calculation or a publication; zero unless given.
         obtained: from the engine.
         tolerance: greatest error that passes; absolute in the quantity's unit, or relative to `expected`.
         source: where `expected` comes from.
@@ -21,10 +20,10 @@ class Check:
     """
 
     quantity: str
-    expected: float
     obtained: float
     tolerance: float
     source: str
+    expected: float = 0.0
     relative: bool = False
 
     @property
@@ -37,6 +36,21 @@ class Check:
     def passed(self) -> bool:
         """Whether the error is within the tolerance; false for nan."""
         return math.isfinite(self.error) and bool(self.error <= self.tolerance)
+
+
+def compare(
+    figures: Iterable[tuple[str, Any, Any]], quantity: str, tolerance: float, source: str, relative: bool = False
+) -> Iterator[Check]:
+    """Checks that have tolerance and source in common.
+
+    Args:
+        figures: name, expected and obtained number of each.
+        quantity: of all of them, with {} for the name.
+        tolerance, source, relative: of `Check`.
+    """
+    common: dict[str, Any] = {"tolerance": tolerance, "source": source, "relative": relative}
+    for name, expected, obtained in figures:
+        yield Check(quantity=quantity.format(name), expected=float(expected), obtained=float(obtained), **common)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,10 +68,9 @@ class Row(Check):
         values: dict[str, Any] = {"case": self.case, "quantity": self.quantity}
         numbers = {"expected": self.expected, "obtained": self.obtained, "error": self.error}
         values |= {name: float(x) if math.isfinite(x) else None for name, x in numbers.items()}
-        measure = "relative" if self.relative else "absolute"
         return values | {
             "tolerance": float(self.tolerance),
-            "measure": measure,
+            "measure": "relative" if self.relative else "absolute",
             "source": self.source,
             "passed": self.passed,
         }

@@ -1,7 +1,5 @@
 """Rows of a verification as a table for a terminal, and as JSON."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Sequence
 

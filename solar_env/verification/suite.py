@@ -1,8 +1,7 @@
 """Table of the cases by name, and running them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
+from functools import partial
 
 from solar_env.verification.arrays import conservation, flexible, impacts, latching
 from solar_env.verification.beams import dynamics, elements, statics, vibration
@@ -55,8 +54,8 @@ CASES: dict[str, Callable[[], Iterator[Check]]] = {
     "flexible-integrators": flexible.two_integrators,
     "flexible-agreement": flexible.two_integrators_tightly,
     "flexible-impacts": flexible.paper_phenomena,
-    "array-impacts": impacts.rigid_array_impacts,
-    "flexible-array-impacts": impacts.flexible_array_impacts,
+    "array-impacts": partial(impacts.deployment_impacts, "rigid-clearance", 30.0, 1000),
+    "flexible-array-impacts": partial(impacts.deployment_impacts, "flexible-clearance", 14.0, 300),
 }
 
 

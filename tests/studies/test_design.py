@@ -1,7 +1,5 @@
 """Maps of designs, and campaigns in which wear is carried over."""
 
-from __future__ import annotations
-
 import itertools
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """The ladder: its table says what is measured again, and the cheapest level that answers is the one that is taken."""
 
-from __future__ import annotations
-
 import copy
 import functools
 import json

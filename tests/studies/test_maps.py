@@ -1,7 +1,5 @@
 """Maps of where methods fail: classes, what is heard of the library, and which failures count as silent."""
 
-from __future__ import annotations
-
 import math
 import warnings
 
@@ -11,18 +9,10 @@ from solar_env.mechanics.running.diagnosis import SimulationWarning
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.studies.common.tables import Table
 from solar_env.studies.stability.maps import (
-    BLOW_UP,
-    ERROR,
-    FINE,
-    GROWING,
-    NO_END,
-    NO_SOLUTION,
-    OVER_DAMPED,
-    REFUSED,
-    SILENT,
-    WARNING,
     Axis,
     Cell,
+    Kind,
+    Said,
     StabilityMap,
     classify_ratios,
     listen,
@@ -34,14 +24,14 @@ from solar_env.studies.stability.maps import (
 @pytest.mark.parametrize(
     ("lowest", "highest", "kind"),
     [
-        (1.0, 1.0, FINE),
-        (0.995, 1.005, FINE),
-        (0.9, 1.0, OVER_DAMPED),
-        (1.0, 1.1, GROWING),
-        (0.1, 1.1, GROWING),
-        (0.0, 2.1, BLOW_UP),
-        (0.0, math.inf, BLOW_UP),
-        (math.nan, math.nan, BLOW_UP),
+        (1.0, 1.0, Kind.FINE),
+        (0.995, 1.005, Kind.FINE),
+        (0.9, 1.0, Kind.OVER_DAMPED),
+        (1.0, 1.1, Kind.GROWING),
+        (0.1, 1.1, Kind.GROWING),
+        (0.0, 2.1, Kind.BLOW_UP),
+        (0.0, math.inf, Kind.BLOW_UP),
+        (math.nan, math.nan, Kind.BLOW_UP),
     ],
 )
 def test_gain_counts_before_loss_and_nonsense_before_both(lowest: float, highest: float, kind: str) -> None:
@@ -60,23 +50,30 @@ def fail(reason: str) -> None:
 
 def test_a_run_that_returns_is_heard_with_all_its_warnings() -> None:
     heard = listen(warn_and_return)
-    assert (heard.result, heard.said, heard.message) == (3, WARNING, "too coarse; too loose")
-    assert heard.classified(FINE, 1.0) == Cell(FINE, 1.0, WARNING, "too coarse; too loose")
-    assert listen(lambda: 3).said == SILENT
+    assert (heard.result, heard.said, heard.message) == (3, Said.WARNING, "too coarse; too loose")
+    assert heard.cell(lambda result: Cell(Kind.FINE, result)) == Cell(Kind.FINE, 3, Said.WARNING, heard.message)
+    said = Cell(Kind.FINE, 3.0, Said.FIGURE, "in its figures")
+    assert heard.cell(lambda result: said) == said
+    assert listen(lambda: 3).said == Said.SILENT
 
 
 @pytest.mark.parametrize(
     ("reason", "kind"),
-    [("newton", NO_SOLUTION), ("step_size", NO_SOLUTION), ("steps", NO_END), ("penetration", BLOW_UP)],
+    [
+        ("newton", Kind.NO_SOLUTION),
+        ("step_size", Kind.NO_SOLUTION),
+        ("steps", Kind.NO_END),
+        ("penetration", Kind.BLOW_UP),
+    ],
 )
 def test_an_error_of_the_simulation_is_a_class_of_its_own(reason: str, kind: str) -> None:
-    cell = listen(lambda: fail(reason)).failed()
-    assert (cell.kind, cell.said, cell.message) == (kind, ERROR, "at t = 1 s")
+    cell = listen(lambda: fail(reason)).cell(lambda result: Cell(Kind.FINE, 1.0))
+    assert (cell.kind, cell.said, cell.message) == (kind, Said.ERROR, "at t = 1 s")
     assert math.isnan(cell.value)
 
 
 def test_input_that_is_refused_is_heard_and_other_errors_are_not_hidden() -> None:
-    assert listen(lambda: int("x")).failed().kind == REFUSED
+    assert listen(lambda: int("x")).failure == Kind.REFUSED
     with pytest.raises(ZeroDivisionError):
         listen(lambda: 1 // 0)
 
@@ -90,7 +87,7 @@ def example() -> StabilityMap:
         panels=("library", "bare"),
         quantity="sum",
         advice="Take less.",
-        measure=lambda panel, x, y: Cell(FINE if x + y < 3.0 else GROWING, x + y),
+        measure=lambda panel, x, y: Cell(Kind.FINE if x + y < 3.0 else Kind.GROWING, x + y),
         limit=lambda panel, y: 3.0 - y,
         limit_label="theory",
         bare=("bare",),
@@ -105,10 +102,10 @@ def test_rows_bear_the_names_of_the_axes_and_the_limit() -> None:
         "panel": "library",
         "step_s": 2.0,
         "count": 1,
-        "class": GROWING,
+        "class": Kind.GROWING,
         "value": 3.0,
         "limit": 2.0,
-        "said": SILENT,
+        "said": Said.SILENT,
         "message": "",
     }
 

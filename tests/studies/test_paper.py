@@ -1,7 +1,5 @@
 """The paper's figures and claims: what it reports of rigid panels, and the algorithms that read it off."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace
@@ -23,7 +21,11 @@ from solar_env.studies.paper.figures import FIGURES
 TIME = np.linspace(0.0, 30.0, 3001)
 MEASURED = {row["key"]: row for row in json.loads((paper.FOLDER / "claims.json").read_text(encoding="utf-8"))}
 # One member of each case, simulated once.
-simulate_once = cache(cases.simulate_case)
+
+
+@cache
+def simulate_once(case: str) -> Trajectory:
+    return cases.simulate_run(cases.Run(case))
 
 
 @pytest.fixture(scope="module")

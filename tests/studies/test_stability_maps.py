@@ -1,7 +1,5 @@
 """Where methods fail, and that the library says so: every quick map is measured, and its claims are checked."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from functools import lru_cache
@@ -23,25 +21,7 @@ from solar_env.studies.stability import (
     multiplier_maps,
     stop_maps,
 )
-from solar_env.studies.stability.maps import (
-    BLOW_UP,
-    CLASSES,
-    CREEPS,
-    CUT_OFF,
-    ERROR,
-    FIGURE,
-    FINE,
-    GROWING,
-    LIMITED,
-    OVER_DAMPED,
-    REFUSED,
-    SILENT,
-    SPIKES,
-    STIFF,
-    WARNING,
-    WRONG,
-    silent_failures,
-)
+from solar_env.studies.stability.maps import Kind, Said, silent_failures
 from solar_env.studies.stability.stability_maps import MAPS, measure_map
 
 
@@ -64,25 +44,25 @@ def rows(name: str, **cells: Any) -> list[dict[str, Any]]:
 def test_no_failure_of_a_map_passes_in_silence(name: str) -> None:
     table = quick(name)
     assert silent_failures(table).rows == ()
-    assert set(table.values("class")) <= set(CLASSES)
+    assert set(table.values("class")) <= set(Kind)
     # A map on which nothing fails would show nothing.
-    assert FINE in table.values("class")
+    assert Kind.FINE in table.values("class")
     assert len(table.values("class")) > 1
     assert table.provenance["advice"].endswith(".")
     for row in table.rows:
-        assert bool(row["message"]) == (row["said"] != SILENT)
+        assert bool(row["message"]) == (row["said"] != Said.SILENT)
 
 
 def test_impacts_are_fine_up_to_the_limit_and_told_beyond_it_for_every_rho_inf() -> None:
     for row in rows("impact-implicit"):
         if row["step_over_duration"] <= row["limit"]:
-            assert row["class"] == FINE
+            assert row["class"] == Kind.FINE
         else:
-            assert row["said"] == WARNING
+            assert row["said"] == Said.WARNING
             assert "needs" in row["message"] or "accounts for" in row["message"]
     kinds = {row["class"] for row in rows("impact-implicit")}
-    assert kinds >= {OVER_DAMPED, GROWING, BLOW_UP}
-    assert {row["class"] for row in rows("impact-implicit", rho_inf=0)} == {FINE, OVER_DAMPED}
+    assert kinds >= {Kind.OVER_DAMPED, Kind.GROWING, Kind.BLOW_UP}
+    assert {row["class"] for row in rows("impact-implicit", rho_inf=0)} == {Kind.FINE, Kind.OVER_DAMPED}
 
 
 def test_steps_to_an_impact_grow_with_algorithmic_damping_and_keep_a_hundredth_of_the_speed() -> None:
@@ -96,9 +76,12 @@ def test_steps_to_an_impact_grow_with_algorithmic_damping_and_keep_a_hundredth_o
 
 def test_too_few_explicit_steps_are_refused_and_would_fail() -> None:
     for row in rows("impact-explicit", panel=impact_maps.LIBRARY):
-        assert row["class"] == (FINE if row["steps_per_impact"] >= row["limit"] else REFUSED)
-    assert {row["class"] for row in rows("impact-explicit", rtol=0.1, steps_per_impact=2)} == {REFUSED, OVER_DAMPED}
-    assert rows("impact-explicit", rtol=1e-6, steps_per_impact=1, panel=impact_maps.UNCHECKED)[0]["class"] == FINE
+        assert row["class"] == (Kind.FINE if row["steps_per_impact"] >= row["limit"] else Kind.REFUSED)
+    assert {row["class"] for row in rows("impact-explicit", rtol=0.1, steps_per_impact=2)} == {
+        Kind.REFUSED,
+        Kind.OVER_DAMPED,
+    }
+    assert rows("impact-explicit", rtol=1e-6, steps_per_impact=1, panel=impact_maps.UNCHECKED)[0]["class"] == Kind.FINE
 
 
 def test_without_a_restart_a_change_of_step_sends_multipliers_to_known_spikes() -> None:
@@ -114,20 +97,22 @@ def test_without_a_restart_a_change_of_step_sends_multipliers_to_known_spikes() 
 def test_the_library_restarts_and_tells_of_what_a_restart_cannot_help() -> None:
     for row in rows("step-change", panel=multiplier_maps.LIBRARY):
         if row["rho_inf"] < 1.0:
-            assert row["class"] == FINE
-        elif row["class"] == GROWING:
+            assert row["class"] == Kind.FINE
+        elif row["class"] == Kind.GROWING:
             assert "constraint forces" in row["message"]
-    assert rows("step-change", rho_inf=0.8, step_ratio=0.1, panel=multiplier_maps.CARRIED_OVER)[0]["class"] == SPIKES
+    assert (
+        rows("step-change", rho_inf=0.8, step_ratio=0.1, panel=multiplier_maps.CARRIED_OVER)[0]["class"] == Kind.SPIKES
+    )
 
 
 def test_adaptive_steps_on_beams_grow_just_beyond_the_limit_which_the_library_keeps() -> None:
     for row in rows("beam-step"):
         beyond = row["step_s"] / row["limit"]
         if row["panel"] == beam_maps.UNBOUNDED:
-            assert row["class"] == (GROWING if beyond > 1.0 else FINE)
+            assert row["class"] == (Kind.GROWING if beyond > 1.0 else Kind.FINE)
         else:
-            assert row["class"] == (LIMITED if beyond > 0.95 else FINE)
-            assert row["said"] == (FIGURE if beyond > 0.95 else SILENT)
+            assert row["class"] == (Kind.LIMITED if beyond > 0.95 else Kind.FINE)
+            assert row["said"] == (Said.FIGURE if beyond > 0.95 else Said.SILENT)
 
 
 def test_bounces_have_the_speed_of_the_law_in_closed_form() -> None:
@@ -136,18 +121,18 @@ def test_bounces_have_the_speed_of_the_law_in_closed_form() -> None:
         slower = replace(law, damping=law.damping * min(1.0, row["speed_m_s"] / 1e-4))
         assert row["value"] == pytest.approx(slower.exit_speed_ratio(), abs=2e-3)
     (half,) = rows("restitution", panel="lankarani-nikravesh", restitution=0.5, speed_m_s=1)
-    assert (half["class"], half["said"]) == (WRONG, WARNING)
+    assert (half["class"], half["said"]) == (Kind.WRONG, Said.WARNING)
     assert half["value"] == pytest.approx(0.7252, abs=1e-3)
     (slow,) = rows("restitution", panel="flores", restitution=0.5, speed_m_s=1e-6)
-    assert (slow["class"], slow["said"]) == (WRONG, FIGURE)
+    assert (slow["class"], slow["said"]) == (Kind.WRONG, Said.FIGURE)
     assert "minimum impact speed" in slow["message"]
 
 
 def test_a_law_attracts_and_is_cut_off_just_where_its_damping_outweighs_the_elastic_force() -> None:
     for row in rows("pull-off"):
         near = abs(row["restitution"] - row["limit"]) < 0.05
-        assert near or row["class"] == (CUT_OFF if row["restitution"] < row["limit"] else FINE)
-        assert row["said"] == (FIGURE if row["class"] == CUT_OFF else SILENT)
+        assert near or row["class"] == (Kind.CUT_OFF if row["restitution"] < row["limit"] else Kind.FINE)
+        assert row["said"] == (Said.FIGURE if row["class"] == Kind.CUT_OFF else Said.SILENT)
 
 
 @pytest.mark.parametrize("law", contact_law_maps.LAWS)
@@ -170,7 +155,7 @@ def test_a_map_says_nothing_that_the_run_has_not_told(share: str, monkeypatch: p
         "creeping_share": (friction_maps, lambda: friction_maps.measure_creep(friction_maps.EXPLICIT, 1e-3, 0.0)),
         "cut_off_share": (contact_law_maps, lambda: contact_law_maps.measure_pull_off("flores", 0.01, 10.0)),
     }[share]
-    assert cell().said == FIGURE
+    assert cell().said == Said.FIGURE
     simulate = module.simulate
 
     def silent(*arguments: Any, **keywords: Any) -> Trajectory:
@@ -178,24 +163,27 @@ def test_a_map_says_nothing_that_the_run_has_not_told(share: str, monkeypatch: p
         return replace(run, metadata={**run.metadata, share: 0.0})
 
     monkeypatch.setattr(module, "simulate", silent)
-    assert cell().said == SILENT
+    assert cell().said == Said.SILENT
 
 
 def test_contacts_creep_as_the_ramp_has_it_and_a_run_tells_how_much_of_it_crept() -> None:
     for row in rows("friction-creep"):
         v0, v1 = row["speed_zero_m_s"], row["speed_full_m_s"]
         if v0 >= v1:
-            assert (row["class"], row["said"]) == (REFUSED, ERROR)
+            assert (row["class"], row["said"]) == (Kind.REFUSED, Said.ERROR)
             assert "speed_zero" in row["message"]
             continue
         assert row["value"] == pytest.approx(0.5 * (v0 + v1), rel=1e-2)
-        assert row["class"] == (CREEPS if row["value"] > friction_maps.SLOW_CREEP else FINE)
-        assert row["class"] == FINE or (row["said"], row["message"].split(" of ")[0]) == (FIGURE, "creeping_share = 1")
+        assert row["class"] == (Kind.CREEPS if row["value"] > friction_maps.SLOW_CREEP else Kind.FINE)
+        assert row["class"] == Kind.FINE or (row["said"], row["message"].split(" of ")[0]) == (
+            Said.FIGURE,
+            "creeping_share = 1",
+        )
 
 
 def test_a_narrow_ramp_bounds_the_explicit_step_as_theory_has_it() -> None:
     (narrow,) = rows("friction-step", speed_zero_m_s=0, speed_full_m_s=1e-6)
-    assert narrow["class"] == STIFF
+    assert narrow["class"] == Kind.STIFF
     assert narrow["value"] == pytest.approx(friction_maps.friction_step(0.0, 1e-6), rel=0.1)
     (wide,) = rows("friction-step", speed_zero_m_s=0, speed_full_m_s=1e-3)
     # The bearing's stiffness and damping, linearly implicit in a contact that lasts, do not.
@@ -205,19 +193,19 @@ def test_a_narrow_ramp_bounds_the_explicit_step_as_theory_has_it() -> None:
 def test_vibrations_of_a_slack_cable_are_damped_beyond_the_limit_and_told() -> None:
     for row in rows("cable", panel=stop_maps.DAMPED):
         if row["step_s"] < 0.5 * row["limit"]:
-            assert row["class"] == FINE
+            assert row["class"] == Kind.FINE
         elif row["step_s"] > 3.0 * row["limit"]:
-            assert row["class"] != FINE
-            assert row["said"] in (WARNING, ERROR)
+            assert row["class"] != Kind.FINE
+            assert row["said"] in (Said.WARNING, Said.ERROR)
 
 
 def test_a_latch_is_resolved_by_eight_steps_whatever_its_stiffness() -> None:
     for name in ("latch", "latch-depth"):
         for row in rows(name):
             if row["panel"] == stop_maps.EXPLICIT or row["step_s"] < 0.5 * row["limit"]:
-                assert row["class"] == FINE
+                assert row["class"] == Kind.FINE
     rigid = rows("latch", stiffness_Nm_rad=1e8, step_s=0.01, panel=stop_maps.DAMPED)[0]
-    assert rigid["class"] == BLOW_UP
+    assert rigid["class"] == Kind.BLOW_UP
     assert "accounts for" in rigid["message"]
 
 

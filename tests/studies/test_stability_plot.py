@@ -1,14 +1,12 @@
 """Figures of maps come from their tables alone."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest
 
 from solar_env.studies.common.drawing import short
 from solar_env.studies.common.tables import write_table
-from solar_env.studies.stability.maps import CLASSES
+from solar_env.studies.stability.maps import Kind
 from solar_env.studies.stability.stability_plot import COLOURS, draw_map
 
 ABOUT = {
@@ -62,7 +60,7 @@ def test_another_table_is_refused_by_name(tmp_path: Path) -> None:
 
 
 def test_every_class_has_a_colour() -> None:
-    assert set(COLOURS) == set(CLASSES)
+    assert set(COLOURS) == set(Kind)
 
 
 @pytest.mark.parametrize(

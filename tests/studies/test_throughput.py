@@ -1,7 +1,5 @@
 """The benchmark measures what it says, and its tables hold all of it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -10,6 +8,7 @@ import pytest
 
 from solar_env.__main__ import main
 from solar_env.studies.throughput import step_rates
+from solar_env.studies.throughput.rate_tables import tables
 from solar_env.studies.throughput.step_rates import (
     MOMENTS,
     Split,
@@ -18,7 +17,6 @@ from solar_env.studies.throughput.step_rates import (
     make_native,
     moments,
     place,
-    tables,
 )
 
 MODEL = "rigid-ideal"

@@ -1,7 +1,5 @@
 """Sampling bands of means, by the bootstrap (B. Efron, Ann. Statist. 7 (1979) 1)."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,20 +1,20 @@
 """Drawing that the studies share: panels, axes, legends, saving. Figures are drawn from tables alone."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 
 from solar_env.pictures.style import FAINT, STYLE, Look
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 _ABOVE = 0.72  # room for titles [inch]
 _TITLE_CHARACTERS = 10  # of the figure's title, for each inch of its width
@@ -26,16 +26,11 @@ def make_figure(
     """A figure with (rows, columns) axes, and room for titles above and a legend below.
 
     Args:
-        rows: of axes.
-        columns: of axes.
+        rows, columns: of axes.
         size: of one axes with its labels [inch].
         entries: of the legend.
         gap: between rows of axes, for their labels [inch].
     """
-    import matplotlib as mpl
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     with mpl.rc_context(STYLE):
         width = size[0] * columns + 0.3
         below = 0.75 + 0.16 * -(-entries // _legend_columns(width))
@@ -66,8 +61,6 @@ def positive_points(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[NDA
 
 def use_decades(axis: Axes, which: str) -> None:
     """A logarithmic axis, "x" or "y", with labels at decades alone and at least one decade wide."""
-    from matplotlib.ticker import NullFormatter
-
     own, limits = (axis.xaxis, axis.get_xlim()) if which == "x" else (axis.yaxis, axis.get_ylim())
     low, high = np.log10(limits)
     if high - low < 1.2:
@@ -84,18 +77,10 @@ def draw_floor(axis: Axes, floor: float) -> None:
 
 
 def save(figure: Figure, path: Path, looks: Mapping[str, Look], title: str, note: str = "") -> None:
-    """Write a figure with its conclusion as title, and a legend and a note below; the same tables give the same file.
+    """Write a figure of `make_figure` with its conclusion as title, and below a legend of names and a note.
 
-    Args:
-        figure: as `make_figure` made it.
-        path: file to write.
-        looks: name -> look, the entries of the legend.
-        title: says in one line what the figure shows.
-        note: what the reader must know.
+    The same tables give the same file.
     """
-    import matplotlib as mpl
-    from matplotlib.lines import Line2D
-
     with mpl.rc_context(STYLE):
         handles = [Line2D([], [], linewidth=1.0, markersize=4, label=name, **look) for name, look in looks.items()]
         columns = _legend_columns(figure.get_figwidth())

@@ -1,7 +1,5 @@
 """Errors of a run against a reference: angles, latch times, and impacts up to the horizon of prediction."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -18,12 +16,7 @@ FIRST = 3
 
 
 def angle_error(motion: Motion, reference: Motion, until: float) -> float:
-    """Greatest difference of a joint angle at the samples up to a time [rad].
-
-    Args:
-        motion: of samples at the same times as the reference's.
-        reference: what is right.
-        until: last time that counts [s].
+    """Greatest difference of a joint angle [rad] at the common samples of a motion and its reference up to a time [s].
 
     Raises:
         ValueError: if the samples lie at other times.
@@ -74,10 +67,7 @@ def compared_impacts(counts: tuple[int, ...]) -> tuple[int, ...]:
 def impact_errors(motion: Motion, reference: Motion, counts: tuple[int, ...]) -> tuple[float, float]:
     """Greatest error of the start [s] and of the peak force (relative) over the first impacts of every joint.
 
-    Args:
-        motion: the run.
-        reference: what is right.
-        counts: by joint, how many first impacts count; inf for both errors if the run has fewer.
+    `counts` tells by joint how many; both errors are inf if the run has fewer.
     """
     start, force = 0.0, 0.0
     for joint, count in enumerate(counts):
@@ -91,13 +81,7 @@ def impact_errors(motion: Motion, reference: Motion, counts: tuple[int, ...]) ->
 
 
 def predicted_impacts(motion: Motion, reference: Motion, counts: tuple[int, ...]) -> int:
-    """How many first impacts, of all joints together, have the right peak force within PREDICTED.
-
-    Args:
-        motion: the run.
-        reference: what is right.
-        counts: by joint, how many at most.
-    """
+    """How many first impacts of all joints, at most `counts` by joint, have the right peak force within PREDICTED."""
     total = 0
     for joint, count in enumerate(counts):
         own, right = impacts_of(motion, joint)[:count], impacts_of(reference, joint)[:count]

@@ -1,11 +1,8 @@
 """Scenes that studies simulate, and motions: the record of a run, whichever program made it."""
 
-from __future__ import annotations
-
 import math
 import warnings
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +15,8 @@ from solar_env.mechanics.running.simulation import simulate
 from solar_env.mechanics.running.trajectory import Trajectory, contact_record
 
 Array = NDArray[np.float64]
+
+PERTURBATION = 1e-8  # m, between the root hinges of two runs of an ensemble
 
 
 @dataclass(frozen=True)
@@ -80,7 +79,9 @@ class Motion:
     totals: dict[str, Array] = field(default_factory=dict)
 
 
-Solver = Callable[[Scene], Motion]
+def perturbed(parameters: ArrayParameters, member: int, distance: float = PERTURBATION) -> ArrayParameters:
+    """The array with its root hinge moved by `member` times `distance` [m]."""
+    return replace(parameters, hinge_y=parameters.hinge_y + member * distance)
 
 
 def no_contacts() -> NDArray[np.void]:

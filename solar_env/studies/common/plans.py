@@ -1,7 +1,5 @@
 """Plans of the charts: how much is measured, in full or in two minutes."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
@@ -29,7 +27,7 @@ class Plan:
         repeats: of every measured time.
         long_run: a run that takes longer than this is not repeated [s].
         dear: whether methods are measured that take minutes.
-        ensemble_size: runs whose hinges differ by `ensembles.PERTURBATION`.
+        ensemble_size: runs whose hinges differ by `motion.PERTURBATION`.
         ensemble_duration: of these, with rigid and flexible panels [s].
         levels: numbers of elements that are compared; the last one is the reference.
         level_members: runs of an ensemble at each level.

@@ -1,9 +1,7 @@
 """Interleaved timing: all runs once, then all again, so that disturbances of the machine meet all alike."""
 
-from __future__ import annotations
-
 import statistics
-from collections.abc import Callable, Hashable, Iterable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
@@ -39,16 +37,9 @@ def time_interleaved(
     long_run: float,
     announce: Callable[[Key], None] = lambda key: None,
 ) -> dict[Key, Measured[Key]]:
-    """Run every job once, then all again, up to the number of repeats.
+    """Run every job once, announced by its key, then all again, up to the number of repeats.
 
-    Args:
-        jobs: key -> run.
-        repeats: of every run.
-        long_run: a run that took longer than this [s] is not repeated.
-        announce: called with the key of a run before its first repeat.
-
-    Returns:
-        key -> result. A run that raises SimulationError is not repeated.
+    A run that raises SimulationError, or takes longer than `long_run` [s], is not repeated.
     """
     first: dict[Key, Motion] = {}
     walls: dict[Key, list[float]] = {}
@@ -61,10 +52,7 @@ def time_interleaved(
         except SimulationError as error:
             failures[key] = str(error)
     for _ in range(repeats - 1):
-        for key in _repeated(walls, long_run):
-            walls[key].append(jobs[key]().wall_time)
+        for key, times in walls.items():
+            if times[0] <= long_run:
+                times.append(jobs[key]().wall_time)
     return {key: Measured(first.get(key), tuple(walls.get(key, ())), failures.get(key, "")) for key in jobs}
-
-
-def _repeated(walls: Mapping[Key, list[float]], long_run: float) -> Iterable[Key]:
-    return [key for key, times in walls.items() if times[0] <= long_run]

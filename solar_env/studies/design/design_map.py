@@ -1,7 +1,5 @@
 """Maps of peak force and of the deepest wear over parameters of the design, an ensemble in every cell."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,8 +10,8 @@ from rich.console import Console
 
 from solar_env.array import ArrayParameters
 from solar_env.array.deployment import simulate
+from solar_env.studies.common.motion import perturbed
 from solar_env.studies.common.tables import Row, provenance, write_table
-from solar_env.studies.precision.ensembles import perturbed
 from solar_env.support.campaigns import Campaign, Cell, Workers
 from solar_env.support.progress import counting_bar
 
@@ -61,10 +59,7 @@ def changes(name: str, x: float, y: float) -> dict[str, Any]:
 
 
 def measure_cell(cell: Cell) -> dict[str, list[list[float]]]:
-    """Wear and forces of the ensemble of a cell.
-
-    Args:
-        cell: preset, map, x, y and number of members.
+    """Wear and forces of the ensemble of a cell, which is preset, map, x, y and number of members.
 
     Returns:
         (members, joints) lists: deepest wear of bearing or journal [m], greatest contact force after the first

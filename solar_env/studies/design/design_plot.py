@@ -1,7 +1,5 @@
 """Pictures of the design maps, from their table alone."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import matplotlib as mpl

@@ -7,8 +7,6 @@ fed back is the mean depth round the circumference of bearing and journal togeth
 round as the contact law wants it.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -18,8 +16,8 @@ from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters
 from solar_env.array.deployment import simulate
+from solar_env.studies.common.motion import perturbed
 from solar_env.studies.common.tables import Row
-from solar_env.studies.precision.ensembles import perturbed
 from solar_env.support.campaigns import ONE, Workers, each_done
 
 Array = NDArray[np.float64]

@@ -1,7 +1,5 @@
 """Picture of a campaign of ground tests, from its table alone."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import matplotlib as mpl

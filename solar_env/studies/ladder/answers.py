@@ -4,8 +4,6 @@ Means of ensembles are compared; the bands are those of B. Efron, Ann. Statist. 
 widened by the square root of n / (n - 1) for ensembles of n members.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,11 +1,8 @@
 """Error and cost of every level of the model, question by question, measured into a table."""
 
-from __future__ import annotations
-
 import statistics
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -75,12 +72,8 @@ def count_runs(plan: LadderPlan) -> int:
 def run_ladder(plan: LadderPlan, announce: Announce) -> list[Row]:
     """Run every level, member by member, so that what disturbs the machine meets all levels alike.
 
-    Args:
-        plan: what and how often.
-        announce: called with a description before each run.
-
-    Returns:
-        A row for every question and level, with the columns of `solar_env.array.ladder.Answer`.
+    Every run is announced before it starts. Returns a row for every question and level, with the columns of
+    `solar_env.array.ladder.Answer`.
     """
     deployed: dict[Level, list[Outcome]] = {level: [] for level in plan.levels}
     controlled: dict[Level, list[Outcome]] = {level: [] for level in plan.levels}
@@ -92,13 +85,13 @@ def run_ladder(plan: LadderPlan, announce: Announce) -> list[Row]:
     for member in range(plan.controlled_members):
         for level in plan.levels:
             if member < plan.controlled_runs_of(level):
-                label = f"{level.name}, run {member + 1}, "
-                controlled[level].append(control(level, member, plan.window, partial(_announce_after, label, announce)))
+                label = f"{level.name}, run {member + 1}"
+
+                def say(name: str, label: str = label) -> None:
+                    announce(f"{label}, {name}")
+
+                controlled[level].append(control(level, member, plan.window, say))
     return rows_of(deployed, controlled)
-
-
-def _announce_after(label: str, announce: Announce, name: str) -> None:
-    announce(label + name)
 
 
 def rows_of(deployed: Mapping[Level, Sequence[Outcome]], controlled: Mapping[Level, Sequence[Outcome]]) -> list[Row]:
@@ -124,13 +117,9 @@ def rows_of(deployed: Mapping[Level, Sequence[Outcome]], controlled: Mapping[Lev
 
 
 def error_of(question: str, own: Sequence[Outcome], reference: Sequence[Outcome] | None) -> tuple[float, float]:
-    """Error of a level and the half-width of its sampling band.
+    """Error of a level's own runs against the reference's, and the half-width of its sampling band.
 
-    Args:
-        question: one of `solar_env.array.ladder.QUESTIONS`.
-        own: runs of the level.
-        reference: runs of the reference; None if the level is the reference, which then has no error and the half-width
-            of its own mean.
+    The reference itself, for which `reference` is None, has no error, and the half-width of its own mean.
     """
     level = np.stack([run.answers[question] for run in own])
     other = level if reference is None else np.stack([run.answers[question] for run in reference])
@@ -144,13 +133,7 @@ def error_of(question: str, own: Sequence[Outcome], reference: Sequence[Outcome]
 
 
 def measure_ladder(quick: bool, folder: Path, console: Console) -> Path:
-    """Measure the ladder and write its table; returns the file.
-
-    Args:
-        quick: whether to take two minutes instead of a quarter of an hour.
-        folder: for the table.
-        console: for what is told on the way.
-    """
+    """Measure the ladder, in a quarter of an hour or `quick` in two minutes, and write its table; returns the file."""
     plan = QUICK if quick else FULL
     with counting_bar(console) as progress:
         task = progress.add_task("loading kernels (the first time compiles them)", total=count_runs(plan))

@@ -1,17 +1,14 @@
 """Figure of the ladder, from its table alone: one panel per question, cost against error, and the level chosen."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
 
 from solar_env.array.ladder import QUESTIONS, Answer, steps
 from solar_env.pictures.style import MODEL_LOOKS, STEEL, STYLE, look_of
 from solar_env.studies.common.drawing import make_figure, save, use_decades
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 _COLUMNS = 4
 _TOLERANCE, _CHEAP = 0.3, 0.5  # of the title
@@ -24,8 +21,6 @@ _NOTE = (
 
 def draw_ladder(answers: Sequence[Answer], folder: Path) -> Path:
     """Draw wall time over the reference's against error for every question measured; returns the file."""
-    import matplotlib as mpl
-
     asked = [question for question in QUESTIONS if any(answer.question == question for answer in answers)]
     looks = {answer.model: look_of(answer.model, MODEL_LOOKS) for answer in answers}
     rows = -(-len(asked) // _COLUMNS)

@@ -1,7 +1,5 @@
 """The runs of the ladder: a deployment on its springs alone, and under fixed controllers, at one level."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,7 +15,7 @@ from solar_env.environment.env import SolarArrayEnv
 from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.running.trajectory import Trajectory
-from solar_env.studies.precision.ensembles import perturbed
+from solar_env.studies.common.motion import perturbed
 
 Array = NDArray[np.float64]
 
@@ -88,12 +86,7 @@ class Outcome:
 
 
 def deploy(level: Level, member: int, duration: float) -> Outcome:
-    """Deploy on the springs alone.
-
-    Args:
-        level: of the model, with its default integrator.
-        member: of the ensemble.
-        duration: [s].
+    """Deploy a member of the ensemble on the springs alone, for a duration [s], with the level's default integrator.
 
     Returns:
         Every question's answer but the ranking of controllers.
@@ -137,11 +130,10 @@ def _tip(trajectory: Trajectory, level: Level) -> Array:
 
 
 def control(level: Level, member: int, window: float, announce: Callable[[str], None]) -> Outcome:
-    """Deploy under every one of CONTROLLERS in the Gymnasium environment.
+    """Deploy a member of the ensemble under every one of CONTROLLERS in the Gymnasium environment.
 
     Args:
-        level: of the model.
-        member: of the ensemble.
+        level, member: what runs.
         window: time simulated after the last latching [s].
         announce: called with the controller's name before each run.
 

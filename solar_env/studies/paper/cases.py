@@ -1,7 +1,5 @@
 """The deployments and the linkage that the paper shows, and their simulation on several cores."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -13,7 +11,7 @@ from solar_env.mechanics.integrators.settings import RungeKutta
 from solar_env.mechanics.mechanism.textbook import four_bar
 from solar_env.mechanics.running.simulation import simulate as simulate_mechanism
 from solar_env.mechanics.running.trajectory import Trajectory
-from solar_env.studies.precision.ensembles import perturbed
+from solar_env.studies.common.motion import perturbed
 
 DURATION = 30.0  # s, of the deployments
 OUTPUT_STEP = 5e-3  # s
@@ -40,25 +38,6 @@ CASES: Mapping[str, Case] = {
 Member = Mapping[str, Trajectory]
 
 
-def simulate_case(name: str, member: int = 0, changes: Mapping[str, Any] | None = None) -> Trajectory:
-    """Simulate one of CASES with default settings.
-
-    Args:
-        name: of the case.
-        member: of an ensemble; its root hinge is moved by `member` times PERTURBATION.
-        changes: further parameters that differ from the `paper` preset.
-
-    Raises:
-        KeyError: if there is no such case.
-        ValueError: if a change is refused.
-        SimulationError: if the run cannot go on.
-    """
-    case = CASES[name]
-    parameters = ArrayParameters.preset("paper").with_changes({**case.changes, **(changes or {})})
-    parameters = perturbed(parameters, member, PERTURBATION)
-    return simulate(parameters, model=case.model, duration=DURATION, output_step=OUTPUT_STEP)
-
-
 @dataclass(frozen=True)
 class Run:
     """A deployment to simulate: a case, the member of an ensemble, and at most one parameter with another value."""
@@ -75,8 +54,17 @@ class Run:
 
 
 def simulate_run(run: Run) -> Trajectory:
-    """Simulate a run; raises what `simulate_case` raises."""
-    return simulate_case(run.case, run.member, run.changes)
+    """Simulate a deployment with default settings, the root hinge moved by `member` times PERTURBATION.
+
+    Raises:
+        KeyError: if there is no such case.
+        ValueError: if the parameter is refused.
+        SimulationError: if the run cannot go on.
+    """
+    case = CASES[run.case]
+    parameters = ArrayParameters.preset("paper").with_changes({**case.changes, **run.changes})
+    parameters = perturbed(parameters, run.member, PERTURBATION)
+    return simulate(parameters, model=case.model, duration=DURATION, output_step=OUTPUT_STEP)
 
 
 # The four-bar linkage: the paper's data are not all published. Links of the default crank-rocker, 1 kg a metre; the

@@ -1,7 +1,5 @@
 """The paper's statements about its deployments, each a measured figure with the interval in which it agrees."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -9,22 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from solar_env.mechanics.running.trajectory import Trajectory
+from solar_env.studies.paper import phases
 from solar_env.studies.paper.cases import Member
 from solar_env.studies.paper.figures import JOINTS
-from solar_env.studies.paper.phases import (
-    contacts_of,
-    find_phases,
-    greatest_force,
-    greatest_torque,
-    journal_angle,
-    lag,
-    phase_of,
-    rank_correlation,
-    slide_at_latching,
-    time_of_turning,
-    vibration,
-    windows_after_latching,
-)
 
 RIGID, FLEXIBLE = "rigid-clearance", "flexible-clearance"
 TOUCH_TOLERANCE = 1e-6  # m; a journal that comes so near the wall touches it
@@ -76,73 +61,61 @@ def _latch_time(joint: int) -> Callable[[Member], float]:
 
 
 def _settled(case: str, joint: int) -> Callable[[Member], float]:
-    return lambda member: find_phases(member[case], joint).settled
-
-
-def _contacts_in(motion: Trajectory, joint: int, phase: int) -> np.ndarray:
-    """Contacts of a joint that start in a phase; the one that settles the joint counts with neither."""
-    phases, contacts = find_phases(motion, joint), contacts_of(motion, joint)
-    start = contacts["start_s"]
-    inside = {
-        1: start < phases.settled,
-        2: (start > phases.settled) & (start < phases.latched),
-        3: start > phases.latched,
-    }[phase]
-    return contacts[inside]
+    return lambda member: phases.find_phases(member[case], joint).settled
 
 
 def _decay(member: Member) -> float:
     ranks = []
     for joint in JOINTS:
-        impacts = _contacts_in(member[RIGID], joint, 1)
-        ranks.append(rank_correlation(impacts["start_s"], impacts["impact_speed"]))
+        impacts = phases.contacts_in(member[RIGID], joint, 1)
+        ranks.append(phases.rank_correlation(impacts["start_s"], impacts["impact_speed"]))
     return max(ranks)
 
 
 def _one_sidedness(motion: Trajectory, joint: int, phase: int) -> float:
     """Length of the mean of the directions in which the journal touches: 1 for one side, 0 for both alike."""
-    touching = (phase_of(motion, joint) == phase) & (motion.penetration[:, joint] > -TOUCH_TOLERANCE)
-    return float(np.abs(np.exp(1j * journal_angle(motion, joint)[touching]).mean()))
+    touching = (phases.phase_of(motion, joint) == phase) & (motion.penetration[:, joint] > -TOUCH_TOLERANCE)
+    return float(np.abs(np.exp(1j * phases.journal_angle(motion, joint)[touching]).mean()))
 
 
 def _flights(case: str) -> Callable[[Member], float]:
-    return lambda member: float(sum(len(_contacts_in(member[case], joint, 2)) for joint in JOINTS))
+    return lambda member: float(sum(len(phases.contacts_in(member[case], joint, 2)) for joint in JOINTS))
 
 
 def _force_in_deployment(member: Member) -> float:
     motion = member[RIGID]
-    quiet = [motion.normal_force[phase_of(motion, joint) == 2, joint].max() for joint in JOINTS]
+    quiet = [motion.normal_force[phases.phase_of(motion, joint) == 2, joint].max() for joint in JOINTS]
     return float((np.array(quiet) / motion.postlock_peak_force).max())
 
 
 def _slide(joint: int) -> Callable[[Member], float]:
     """Slide at latching [deg] as the paper sees it: its panels fold to the other side, so that it is mirrored."""
-    return lambda member: -math.degrees(slide_at_latching(member[RIGID], joint))
+    return lambda member: -math.degrees(phases.slide_at_latching(member[RIGID], joint))
 
 
 def _forces_by_window(motion: Trajectory) -> tuple[np.ndarray, np.ndarray]:
     """(2, windows) greatest contact forces and greatest latch torques after latching."""
-    edges = windows_after_latching(motion)
-    forces = np.stack([greatest_force(motion, joint, edges) for joint in JOINTS])
-    return forces, np.stack([greatest_torque(motion, joint, edges) for joint in JOINTS])
+    edges = phases.windows_after_latching(motion)
+    forces = np.stack([phases.greatest_force(motion, joint, edges) for joint in JOINTS])
+    return forces, np.stack([phases.greatest_torque(motion, joint, edges) for joint in JOINTS])
 
 
 def _bursts(member: Member) -> float:
     forces, torques = _forces_by_window(member[RIGID])
-    return rank_correlation(forces.max(axis=0), torques.sum(axis=0))
+    return phases.rank_correlation(forces.max(axis=0), torques.sum(axis=0))
 
 
 def _synchrony(member: Member) -> float:
     forces, _ = _forces_by_window(member[RIGID])
-    return rank_correlation(*forces)
+    return phases.rank_correlation(*forces)
 
 
 def _impacts_after_latching(motion: Trajectory) -> float:
-    return float(sum(len(_contacts_in(motion, joint, 3)) for joint in JOINTS))
+    return float(sum(len(phases.contacts_in(motion, joint, 3)) for joint in JOINTS))
 
 
 def _median_peak(motion: Trajectory, joint: int) -> float:
-    return float(np.median(_contacts_in(motion, joint, 3)["peak_force"]))
+    return float(np.median(phases.contacts_in(motion, joint, 3)["peak_force"]))
 
 
 def _ratio(figure: Callable[[Trajectory], float], case: str, reference: str) -> Callable[[Member], float]:
@@ -162,13 +135,13 @@ def _cable_amplitude(since: float) -> Callable[[Trajectory], float]:
 
 
 def _lag(ideal: str, loose: str) -> Callable[[Member], float]:
-    return lambda member: min(lag(member[ideal], member[loose], joint) for joint in JOINTS)
+    return lambda member: min(phases.lag(member[ideal], member[loose], joint) for joint in JOINTS)
 
 
 # The joint whose clearance is the larger one of models 1 and 2 of the distribution is joint 2 and joint 1.
 def _density(member: Member) -> float:
-    small = [len(_contacts_in(member[f"distribution-{joint + 1}"], joint, 3)) for joint in JOINTS]
-    large = [len(_contacts_in(member[f"distribution-{2 - joint}"], joint, 3)) for joint in JOINTS]
+    small = [len(phases.contacts_in(member[f"distribution-{joint + 1}"], joint, 3)) for joint in JOINTS]
+    large = [len(phases.contacts_in(member[f"distribution-{2 - joint}"], joint, 3)) for joint in JOINTS]
     return float(min(np.divide(small, large)))
 
 
@@ -222,7 +195,7 @@ def _claims() -> Iterator[Claim]:
     )  # fmt: skip
     yield Claim(
         "turning", "the journal reaches the peak of the wall at about", "10 s", (RIGID,),
-        lambda member: time_of_turning(member[RIGID], 0), *_within(10.0, 0.1), unit="s",
+        lambda member: phases.time_of_turning(member[RIGID], 0), *_within(10.0, 0.1), unit="s",
     )  # fmt: skip
     yield Claim(
         "slide-1", "at latching it slides round the wall: joint 1 clockwise (anticlockwise positive)", "below 0",
@@ -291,7 +264,7 @@ def _claims() -> Iterator[Claim]:
     yield Claim(
         "vibration", "ideal joints let flexible panels vibrate more in deployment than clearance (ratio of rates)",
         "above 1", ("flexible-ideal", FLEXIBLE),
-        _ratio(lambda motion: vibration(motion, *QUIET), "flexible-ideal", FLEXIBLE), 1.0, math.inf,
+        _ratio(lambda motion: phases.vibration(motion, *QUIET), "flexible-ideal", FLEXIBLE), 1.0, math.inf,
     )  # fmt: skip
     for panels in ("rigid", "flexible"):
         pair = (f"{panels}-ideal", f"{panels}-clearance")

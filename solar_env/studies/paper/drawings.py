@@ -1,13 +1,12 @@
 """The paper's figures, drawn from their tables alone, panel for panel."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
@@ -15,22 +14,12 @@ from solar_env.array import MODELS
 from solar_env.pictures.style import COLOURS, FAINT, STEEL, STYLE
 from solar_env.studies.common.tables import Table
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 JOINTS = (1, 2)  # as the columns of the tables count them
 PHASES = ("initial", "deployment", "after latching")
 
 
 def draw_figure(table: Table, kind: str, title: str, path: Path) -> None:
-    """Draw a table to a PNG file; the same table gives the same file.
-
-    Args:
-        table: of a figure.
-        kind: of the figure, a key of DRAWERS.
-        title: above the drawing.
-        path: of the picture, in a folder that exists.
-    """
+    """Draw a figure, of a `kind` in DRAWERS, from its table to a PNG file; the same table gives the same file."""
     with mpl.rc_context(STYLE):
         figure = Figure(layout="constrained")
         FigureCanvasAgg(figure)
@@ -67,15 +56,7 @@ def _draw_path(figure: Figure, table: Table) -> None:
                 axes[name].axvline(time[phase == number][0], color=FAINT, linestyle=":")
 
 
-def _draw_forces(figure: Figure, table: Table) -> None:
-    _draw_by_joint(figure, table, "force_{}_N", "contact force [N]")
-
-
-def _draw_torques(figure: Figure, table: Table) -> None:
-    _draw_by_joint(figure, table, "torque_{}_Nm", "torque [N m]")
-
-
-def _draw_by_joint(figure: Figure, table: Table, column: str, label: str) -> None:
+def _draw_by_joint(column: str, label: str, figure: Figure, table: Table) -> None:
     figure.set_size_inches(6.0, 4.0)
     for joint, axis in zip(JOINTS, figure.subplots(2, sharex=True), strict=True):
         axis.plot(table.column("time_s"), table.column(column.format(joint)), color=COLOURS[joint - 1], linewidth=0.6)
@@ -136,8 +117,8 @@ def _finish_time(axis: Axes, table: Table, label: str) -> None:
 DRAWERS: Mapping[str, Callable[[Figure, Table], None]] = {
     "angles": _draw_angles,
     "path": _draw_path,
-    "forces": _draw_forces,
-    "torques": _draw_torques,
+    "forces": partial(_draw_by_joint, "force_{}_N", "contact force [N]"),
+    "torques": partial(_draw_by_joint, "torque_{}_Nm", "torque [N m]"),
     "models": _draw_models,
     "wear": _draw_wear,
     "four-bar": _draw_four_bar,

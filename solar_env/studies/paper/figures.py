@@ -4,11 +4,10 @@ The paper's figures are drawn from these tables alone (`drawings.py`). Angles ar
 as on its axes.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,70 +56,52 @@ def _rows(columns: Mapping[str, Array]) -> list[Row]:
     return [dict(zip(names, cells, strict=True)) for cells in zip(*digits, strict=True)]
 
 
-def _angles(case: str) -> Callable[[Member], list[Row]]:
-    def rows(member: Member) -> list[Row]:
-        motion = member[case]
-        return _rows({"time_s": motion.time, **_by_joint("angle", "deg", np.degrees(motion.angles))})
-
-    return rows
+def _angles(case: str, member: Member) -> list[Row]:
+    motion = member[case]
+    return _rows({"time_s": motion.time, **_by_joint("angle", "deg", np.degrees(motion.angles))})
 
 
 def _by_joint(name: str, unit: str, values: Array) -> dict[str, Array]:
     return {f"{name}_{joint + 1}_{unit}": values[:, joint] for joint in JOINTS}
 
 
-def _path(case: str, joint: int) -> Callable[[Member], list[Row]]:
-    def rows(member: Member) -> list[Row]:
-        motion = member[case]
-        x, y = 1e6 * motion.eccentricity[:, joint].T
-        clearance = np.full(len(x), 1e6 * motion.clearance[joint])
-        phase = phase_of(motion, joint).astype(float)
-        return _rows({"time_s": motion.time, "phase": phase, "x_um": x, "y_um": y, "clearance_um": clearance})
-
-    return rows
+def _path(case: str, joint: int, member: Member) -> list[Row]:
+    motion = member[case]
+    x, y = 1e6 * motion.eccentricity[:, joint].T
+    clearance = np.full(len(x), 1e6 * motion.clearance[joint])
+    phase = phase_of(motion, joint).astype(float)
+    return _rows({"time_s": motion.time, "phase": phase, "x_um": x, "y_um": y, "clearance_um": clearance})
 
 
-def _contact_forces(case: str) -> Callable[[Member], list[Row]]:
-    def rows(member: Member) -> list[Row]:
-        motion = member[case]
-        edges = np.linspace(0.0, float(motion.time[-1]), round(float(motion.time[-1]) / FORCE_WINDOW) + 1)
-        forces = np.stack([greatest_force(motion, joint, edges) for joint in JOINTS], axis=1)
-        return _rows({"time_s": 0.5 * (edges[1:] + edges[:-1]), **_by_joint("force", "N", forces)})
-
-    return rows
+def _contact_forces(case: str, member: Member) -> list[Row]:
+    motion = member[case]
+    edges = np.linspace(0.0, float(motion.time[-1]), round(float(motion.time[-1]) / FORCE_WINDOW) + 1)
+    forces = np.stack([greatest_force(motion, joint, edges) for joint in JOINTS], axis=1)
+    return _rows({"time_s": 0.5 * (edges[1:] + edges[:-1]), **_by_joint("force", "N", forces)})
 
 
-def _torques(case: str, quantity: str) -> Callable[[Member], list[Row]]:
-    def rows(member: Member) -> list[Row]:
-        motion = member[case]
-        return _rows({"time_s": motion.time, **_by_joint("torque", "Nm", getattr(motion, quantity))})
-
-    return rows
+def _torques(case: str, quantity: str, member: Member) -> list[Row]:
+    motion = member[case]
+    return _rows({"time_s": motion.time, **_by_joint("torque", "Nm", getattr(motion, quantity))})
 
 
-def _four_models(quantity: str, unit: str) -> Callable[[Member], list[Row]]:
-    def rows(member: Member) -> list[Row]:
-        reference = member["rigid-clearance"]
-        columns = {"time_s": reference.time, "phase": phase_of(reference, 0).astype(float)}
-        for model in MODELS:
-            values = np.degrees(getattr(member[model], quantity))
-            columns |= _by_joint(f"{model}_{quantity}", unit, values)
-        return _rows(columns)
-
-    return rows
+def _four_models(quantity: str, unit: str, member: Member) -> list[Row]:
+    reference = member["rigid-clearance"]
+    columns = {"time_s": reference.time, "phase": phase_of(reference, 0).astype(float)}
+    for model in MODELS:
+        values = np.degrees(getattr(member[model], quantity))
+        columns |= _by_joint(f"{model}_{quantity}", unit, values)
+    return _rows(columns)
 
 
-def _wear(case: str) -> Callable[[Member], list[Row]]:
-    def rows(member: Member) -> list[Row]:
-        motion = member[case]
-        bins = motion.wear_bearing.shape[1]
-        columns = {"angle_deg": (np.arange(bins) + 0.5) * 360.0 / bins}
-        for joint in JOINTS:
-            columns[f"bearing_{joint + 1}_m"] = motion.wear_bearing[joint]
-            columns[f"journal_{joint + 1}_m"] = motion.wear_journal[joint]
-        return _rows(columns)
-
-    return rows
+def _wear(case: str, member: Member) -> list[Row]:
+    motion = member[case]
+    bins = motion.wear_bearing.shape[1]
+    columns = {"angle_deg": (np.arange(bins) + 0.5) * 360.0 / bins}
+    for joint in JOINTS:
+        columns[f"bearing_{joint + 1}_m"] = motion.wear_bearing[joint]
+        columns[f"journal_{joint + 1}_m"] = motion.wear_journal[joint]
+    return _rows(columns)
 
 
 def _four_bar(member: Member) -> list[Row]:
@@ -155,32 +136,40 @@ def _of_model(first: int, case: str) -> Iterator[PaperFigure]:
     """The five figures that the paper gives each model with clearance: two paths, forces, latch and cable torques."""
     for joint in JOINTS:
         title = f"path of the journal of joint {joint + 1} in the three phases, {case}"
-        yield PaperFigure(first + joint, title, "path", (case,), _path(case, joint))
-    yield PaperFigure(first + 2, f"contact forces, {case}", "forces", (case,), _contact_forces(case))
+        yield PaperFigure(first + joint, title, "path", (case,), partial(_path, case, joint))
+    yield PaperFigure(first + 2, f"contact forces, {case}", "forces", (case,), partial(_contact_forces, case))
     for number, quantity in ((first + 3, "latch_torque"), (first + 4, "cable_torque")):
         title = f"{quantity.replace('_', ' ')}s, {case}"
-        yield PaperFigure(number, title, "torques", (case,), _torques(case, quantity))
+        yield PaperFigure(number, title, "torques", (case,), partial(_torques, case, quantity))
 
 
 def _all() -> Iterator[PaperFigure]:
     yield PaperFigure(5, "four-bar linkage with a clearance joint: crank moment and wear", "four-bar", (), _four_bar)
     for number, case in ((6, "rigid-ideal"), (7, "flexible-ideal")):
-        yield PaperFigure(number, f"joint angles, {case}", "angles", (case,), _angles(case))
+        yield PaperFigure(number, f"joint angles, {case}", "angles", (case,), partial(_angles, case))
     yield from _of_model(8, "rigid-clearance")
     yield from _of_model(13, "flexible-clearance")
     yield PaperFigure(
-        18, "joint angles of the four models and their differences", "models", MODELS, _four_models("angles", "deg")
+        18,
+        "joint angles of the four models and their differences",
+        "models",
+        MODELS,
+        partial(_four_models, "angles", "deg"),
     )
     yield PaperFigure(
-        19, "joint rates of the four models and their differences", "models", MODELS, _four_models("rates", "deg_s")
+        19,
+        "joint rates of the four models and their differences",
+        "models",
+        MODELS,
+        partial(_four_models, "rates", "deg_s"),
     )
     for model in (1, 2):
         case = f"distribution-{model}"
         sizes = "0.1 and 0.2 mm" if model == 1 else "0.2 and 0.1 mm"
         yield PaperFigure(
-            19 + model, f"contact forces, model {model} ({sizes})", "forces", (case,), _contact_forces(case)
+            19 + model, f"contact forces, model {model} ({sizes})", "forces", (case,), partial(_contact_forces, case)
         )
-        yield PaperFigure(21 + model, f"wear depth, model {model} ({sizes})", "wear", (case,), _wear(case))
+        yield PaperFigure(21 + model, f"wear depth, model {model} ({sizes})", "wear", (case,), partial(_wear, case))
 
 
 FIGURES: Mapping[int, PaperFigure] = {figure.number: figure for figure in sorted(_all(), key=lambda f: f.number)}

@@ -1,7 +1,5 @@
 """Phases of contact, bursts, slides and lags, found by algorithms where the paper reads them off its figures."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,6 +42,14 @@ def find_phases(trajectory: Trajectory, joint: int) -> Phases:
     contacts = contacts_of(trajectory, joint)
     lasting = contacts["start_s"][contacts["end_s"] - contacts["start_s"] >= LASTING]
     return Phases(float(lasting[0]) if len(lasting) else np.nan, float(trajectory.latch_times[joint]))
+
+
+def contacts_in(trajectory: Trajectory, joint: int, phase: int) -> NDArray[np.void]:
+    """Contacts of a joint that start in a phase; the one that settles the joint counts with neither."""
+    phases, contacts = find_phases(trajectory, joint), contacts_of(trajectory, joint)
+    start = contacts["start_s"]
+    between = (start > phases.settled) & (start < phases.latched)
+    return contacts[{1: start < phases.settled, 2: between, 3: start > phases.latched}[phase]]
 
 
 def phase_of(trajectory: Trajectory, joint: int) -> NDArray[np.int64]:

@@ -1,7 +1,5 @@
 """Claims measured: over an ensemble, and over the ranges of parameters that the paper leaves open."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence

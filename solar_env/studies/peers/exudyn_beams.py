@@ -1,7 +1,5 @@
 """The array with flexible panels in Exudyn."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from typing import Any

@@ -11,8 +11,6 @@ Everything on the way of a force is a compiled object of the library, chosen for
 * latches: the torque of the stop as a symbolic expression, which the library evaluates itself.
 """
 
-from __future__ import annotations
-
 import math
 
 import exudyn
@@ -46,11 +44,7 @@ def check_supported(scene: Scene) -> None:
 
 
 def build_peer(scene: Scene, implicit: bool) -> PeerArray:
-    """Assemble the array of a scene.
-
-    Args:
-        scene: what moves.
-        implicit: whether an implicit solver will be used; an explicit one takes no constraints.
+    """Assemble the array of a scene for an implicit solver, or for an explicit one, which takes no constraints.
 
     Raises:
         ValueError: if the scene has what the peer's objects cannot express.

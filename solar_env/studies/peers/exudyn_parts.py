@@ -1,7 +1,5 @@
 """Parts that the rigid and the flexible array in Exudyn share."""
 
-from __future__ import annotations
-
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable

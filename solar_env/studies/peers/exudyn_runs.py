@@ -1,7 +1,5 @@
 """Runs of Exudyn: the solver settings that suit it best, and the motion of a run."""
 
-from __future__ import annotations
-
 import math
 import time as clock
 from typing import Any

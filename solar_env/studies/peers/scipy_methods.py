@@ -5,8 +5,6 @@ constraints: they drift, and the drift is reported. The right-hand side switches
 a contact starts or ends; there the integration stops at the event and starts anew.
 """
 
-from __future__ import annotations
-
 import math
 import time as clock
 from collections.abc import Callable

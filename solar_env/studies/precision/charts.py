@@ -1,7 +1,5 @@
 """Table of the charts of speed against accuracy; measuring them into tables, drawing from tables."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -10,7 +8,7 @@ from pathlib import Path
 from rich.console import Console
 
 from solar_env.studies.common.plans import FULL, QUICK, Plan
-from solar_env.studies.common.tables import Row, Table, provenance, read_table, write_table
+from solar_env.studies.common.tables import Row, provenance, read_table, write_table
 from solar_env.studies.precision.ensembles import count_ensembles, draw_ensembles, run_ensembles
 from solar_env.studies.precision.growth import count_growth, draw_growth, run_growth
 from solar_env.studies.precision.levels import count_levels, draw_levels, run_levels
@@ -29,53 +27,33 @@ class Study:
     """One part of the charts.
 
     Attributes:
-        run: measures; plan and a function that is told of each run, to rows by table.
+        run: measures; plan and a function that is told of each run before it, to rows by table.
         count: how often `run` will tell.
         tables: names of the tables.
-        draw: tables and folder to the files drawn.
+        draw: tables, as many as they are, and folder to the files drawn.
     """
 
     run: Callable[[Plan, Announce], dict[str, list[Row]]]
     count: Callable[[Plan], int]
     tables: tuple[str, ...]
-    draw: Callable[[Sequence[Table], Path], list[Path]]
+    draw: Callable[..., list[Path]]
 
 
 STUDIES = {
     "work-precision": Study(
-        run_work_precision,
-        count_work_precision,
-        ("work_precision", "work_precision_floors"),
-        lambda tables, folder: draw_work_precision(tables[0], tables[1], folder),
+        run_work_precision, count_work_precision, ("work_precision", "work_precision_floors"), draw_work_precision
     ),
-    "ensembles": Study(
-        run_ensembles, count_ensembles, ("ensembles",), lambda tables, folder: draw_ensembles(tables[0], folder)
-    ),
-    "levels": Study(
-        run_levels,
-        count_levels,
-        ("levels", "levels_clearance"),
-        lambda tables, folder: draw_levels(tables[0], tables[1], folder),
-    ),
-    "growth": Study(run_growth, count_growth, ("growth",), lambda tables, folder: draw_growth(tables[0], folder)),
-    "side-by-side": Study(
-        run_side_by_side,
-        count_side_by_side,
-        ("side_by_side",),
-        lambda tables, folder: write_side_by_side(tables[0], folder),
-    ),
+    "ensembles": Study(run_ensembles, count_ensembles, ("ensembles",), draw_ensembles),
+    "levels": Study(run_levels, count_levels, ("levels", "levels_clearance"), draw_levels),
+    "growth": Study(run_growth, count_growth, ("growth",), draw_growth),
+    "side-by-side": Study(run_side_by_side, count_side_by_side, ("side_by_side",), write_side_by_side),
 }
 
 
 def measure_charts(names: Sequence[str], quick: bool, folder: Path, console: Console, workers: Workers = ONE) -> None:
-    """Measure studies and write their tables.
+    """Measure studies, in about an hour or `quick` in two minutes, and write their tables.
 
-    Args:
-        names: of STUDIES.
-        quick: whether to take two minutes instead of about an hour.
-        folder: for the tables.
-        console: for what is told on the way.
-        workers: where the ensembles run; everything else is timed and runs here, one after the other.
+    Ensembles run where the workers are; everything else is timed and runs here, one after the other.
     """
     plan = QUICK if quick else FULL
     if peer_is_missing():
@@ -102,12 +80,7 @@ def warm_up(plan: Plan) -> None:
 
 
 def draw(names: Sequence[str], tables: Path, figures: Path) -> list[Path]:
-    """Draw studies from their tables alone; returns the files.
-
-    Args:
-        names: of STUDIES.
-        tables: folder of the tables.
-        figures: folder for the figures.
+    """Draw studies from the tables in one folder into another; returns the files.
 
     Raises:
         ValueError: if a table does not exist.
@@ -119,5 +92,5 @@ def draw(names: Sequence[str], tables: Path, figures: Path) -> list[Path]:
         for path in paths:
             if not path.is_file():
                 raise ValueError(f"{path} does not exist: measure first, without --draw")
-        drawn += study.draw([read_table(path) for path in paths], figures)
+        drawn += study.draw(*map(read_table, paths), figures)
     return drawn

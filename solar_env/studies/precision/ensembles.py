@@ -3,43 +3,27 @@
 The runs of an ensemble differ by tens of nanometres in the place of the root hinge; they part after some impacts.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from solar_env.array import ArrayParameters
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.pictures.style import FAINT, METHOD_LOOKS, STYLE, Look, look_of
 from solar_env.studies.common.bootstrap import mean_band
 from solar_env.studies.common.drawing import make_figure, save, use_decades
 from solar_env.studies.common.measures import impacts_of
-from solar_env.studies.common.motion import Motion, Scene
+from solar_env.studies.common.motion import Motion, Scene, perturbed
 from solar_env.studies.common.plans import Plan
 from solar_env.studies.common.tables import Row, Table
 from solar_env.studies.precision.methods import find_method
 from solar_env.support.campaigns import ONE, Workers, each_done
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-PERTURBATION = 1e-8  # m, between the hinges of two runs
-STATISTICS = (
-    "peak_force_N",
-    "median_force_N",
-    "high_force_N",
-    "impulse_Ns",
-    "impacts",
-    "sliding_work_J",
-    "wear_depth_m",
-    "energy_lost",
-)
 
 
 @dataclass(frozen=True)
@@ -81,11 +65,6 @@ CONTESTANTS: dict[str, tuple[Contestant, ...]] = {
         Contestant("Exudyn generalized-alpha", 5e-4, dear=True),
     ),
 }
-
-
-def perturbed(parameters: ArrayParameters, member: int, distance: float = PERTURBATION) -> ArrayParameters:
-    """The array with its root hinge moved by `member` times `distance` [m]."""
-    return replace(parameters, hinge_y=parameters.hinge_y + member * distance)
 
 
 def statistics_of(motion: Motion) -> list[dict[str, float]]:
@@ -169,15 +148,9 @@ def count_ensembles(plan: Plan) -> int:
 
 
 def run_ensembles(plan: Plan, announce: Callable[[str], None], workers: Workers = ONE) -> dict[str, list[Row]]:
-    """Run every ensemble.
+    """Run every ensemble; "ensembles" gets a row for every joint of every run that reached its end.
 
-    Args:
-        plan: what and how often.
-        announce: called with a description of each run, before it where runs follow each other.
-        workers: where. Wall times mean something only if the runs follow each other.
-
-    Returns:
-        "ensembles": a row for every joint of every run that reached its end.
+    Runs are announced before they start where they follow each other; only then do wall times mean something.
     """
     rows: dict[Member, list[Row]] = {}
     chosen = list(_chosen(plan))
@@ -220,8 +193,6 @@ _WIDE = 2.5  # a method that is so far off is shown on a logarithmic axis, lest 
 
 def draw_ensembles(rows: Table, folder: Path) -> list[Path]:
     """Draw means over the reference's against wall time: a column for each joint of each model; returns the file."""
-    import matplotlib as mpl
-
     columns = [(model, joint) for model in rows.values("model") for joint in rows.where(model=model).values("joint")]
     looks = {str(name): look_of(str(name), METHOD_LOOKS) for name in rows.values("method")}
     figure, axes = make_figure(len(LABELS), len(columns), (2.6, 1.35), len(looks))

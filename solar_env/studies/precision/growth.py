@@ -1,14 +1,13 @@
 """Growth of the cost with the size of the model: wall time against elements and panels, measured and drawn."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters
@@ -20,9 +19,6 @@ from solar_env.studies.common.motion import Scene, run_own
 from solar_env.studies.common.plans import Plan
 from solar_env.studies.common.tables import Cell, Row, Table
 from solar_env.studies.common.timing import time_interleaved
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 ELEMENTS, PANELS = "elements", "panels"
 _REPEATS = 5  # of runs that are short in every plan
@@ -80,15 +76,7 @@ def count_growth(plan: Plan) -> int:
 
 
 def run_growth(plan: Plan, announce: Callable[[str], None]) -> dict[str, list[Row]]:
-    """Time the start of deployments of growing size.
-
-    Args:
-        plan: what and how often.
-        announce: called with a description before each run.
-
-    Returns:
-        "growth": a row for each size.
-    """
+    """Time the start of deployments of growing size; "growth" gets a row for each."""
     cases = list(_cases(plan))
     jobs = {case: partial(run_own, _scene(plan, case), _integrator(case)) for case in cases}
     measured = time_interleaved(
@@ -132,8 +120,6 @@ def fitted_exponent(counts: NDArray[np.float64], costs: NDArray[np.float64]) -> 
 
 def draw_growth(rows: Table, folder: Path) -> list[Path]:
     """Draw cost against elements and against panels; returns the file."""
-    import matplotlib as mpl
-
     looks = {f"{row['model']}, {row['method']}": _look(row) for row in rows.rows}
     figure, axes = make_figure(len(COSTS), len(COUNTS), (3.4, 2.4), len(looks))
     with mpl.rc_context(STYLE):
@@ -143,9 +129,8 @@ def draw_growth(rows: Table, folder: Path) -> list[Path]:
                 axis.set_xlabel(count_label)
                 axis.set_ylabel(label)
     path = folder / "growth.png"
-    note = (
-        "numbers: fitted exponents over the upper half of the range; with explicit methods the stable step shrinks too"
-    )
+    note = "numbers: fitted exponents over the upper half of the range"
+    note += "; with explicit methods the stable step shrinks too"
     save(figure, path, looks, _title(rows), note)
     return [path]
 

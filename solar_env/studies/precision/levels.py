@@ -1,15 +1,14 @@
 """Levels of the model, rigid panels and 1 to 24 elements: their error and cost, measured and drawn."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
+import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
 
 from solar_env.array.methods import default_integrator
 from solar_env.pictures.style import LEVEL_LOOKS, STYLE, Look, look_of
@@ -45,13 +44,8 @@ def _solve(scene: Scene) -> Motion:
 def run_levels(plan: Plan, announce: Callable[[str], None]) -> dict[str, list[Row]]:
     """Run a deployment with ideal joints, and an ensemble with clearance, at every level with default settings.
 
-    Args:
-        plan: what and how often.
-        announce: called with a description before each run.
-
-    Returns:
-        "levels": cost and errors with ideal joints, against the level of the most elements. "levels_clearance": a row
-        for every joint of every run with clearance, see `ensembles.statistics_of`.
+    "levels" gets cost and errors with ideal joints, against the level of the most elements; "levels_clearance" a row
+    for every joint of every run with clearance, see `ensembles.statistics_of`.
     """
     levels = _levels(plan)
     jobs = {level: partial(_solve, _scene(plan, *level, "ideal")) for level in levels}
@@ -104,8 +98,6 @@ MEANS = {
 
 def draw_levels(rows: Table, members: Table, folder: Path) -> list[Path]:
     """Draw errors with ideal joints, then means with clearance for each joint, against wall time; returns the file."""
-    import matplotlib as mpl
-
     names = [level_name(str(row["panel"]), float(row["elements"])) for row in rows.rows]
     looks = {name: look_of(name, LEVEL_LOOKS) for name in names}
     figure, axes = make_figure(2, 1 + len(MEANS), (2.6, 2.1), len(looks), gap=0.7)
@@ -140,7 +132,7 @@ def _title(members: Table) -> str:
     return f"Peak forces depend on the mesh: up to {max(changes):.0%} change from {coarse} to {fine} elements"
 
 
-def _draw_errors(axis: Any, rows: Table, error: str, looks: dict[str, Look]) -> None:
+def _draw_errors(axis: Axes, rows: Table, error: str, looks: dict[str, Look]) -> None:
     axis.set_xscale("log")
     axis.set_yscale("log")
     for name, x, y in zip(looks, rows.column(error), rows.column("wall_s"), strict=True):
@@ -150,7 +142,7 @@ def _draw_errors(axis: Any, rows: Table, error: str, looks: dict[str, Look]) -> 
     use_decades(axis, "y")
 
 
-def _draw_means(axis: Any, rows: Table, statistic: str, looks: dict[str, Look]) -> None:
+def _draw_means(axis: Axes, rows: Table, statistic: str, looks: dict[str, Look]) -> None:
     axis.set_yscale("log")
     for panel, elements in dict.fromkeys((row["panel"], row["elements"]) for row in rows.rows):
         own = rows.where(panel=panel, elements=elements)

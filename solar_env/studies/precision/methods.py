@@ -3,19 +3,12 @@
 A further integrator is one more row of METHODS.
 """
 
-from __future__ import annotations
-
 import importlib.util
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from solar_env.mechanics.integrators.settings import (
-    DormandPrince,
-    GeneralizedAlpha,
-    Integrator,
-    Rosenbrock,
-    RungeKutta,
-)
+from solar_env.array import MODELS
+from solar_env.mechanics.integrators.settings import DormandPrince, GeneralizedAlpha, Integrator, Rosenbrock, RungeKutta
 from solar_env.studies.common.motion import Motion, Scene, run_own
 from solar_env.studies.peers.scipy_methods import run_scipy
 
@@ -80,13 +73,8 @@ def _by_model(
     flexible_ideal: Settings = (),
     flexible_clearance: Settings = (),
 ) -> dict[str, Settings]:
-    named = {
-        "rigid-ideal": rigid_ideal,
-        "rigid-clearance": rigid_clearance,
-        "flexible-ideal": flexible_ideal,
-        "flexible-clearance": flexible_clearance,
-    }
-    return {model: settings for model, settings in named.items() if settings}
+    named = zip(MODELS, (rigid_ideal, rigid_clearance, flexible_ideal, flexible_clearance), strict=True)
+    return {model: settings for model, settings in named if settings}
 
 
 def _impacts(rigid: Settings, flexible: Settings = ()) -> dict[str, Settings]:

@@ -1,7 +1,5 @@
 """Whole deployments side by side: default settings against the cheapest settings of Exudyn, at equal error."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -57,15 +55,7 @@ def count_side_by_side(plan: Plan) -> int:
 
 
 def run_side_by_side(plan: Plan, announce: Callable[[str], None]) -> dict[str, list[Row]]:
-    """Time whole deployments, all runs of a model in turn.
-
-    Args:
-        plan: what and how often.
-        announce: called with a description before each run.
-
-    Returns:
-        "side_by_side": cost and errors of every run.
-    """
+    """Time whole deployments, all runs of a model in turn; "side_by_side" gets cost and errors of every run."""
     rows: list[Row] = []
     for model in plan.models:
         scene, jobs = _jobs(plan, model)
@@ -110,19 +100,12 @@ def _figures(result: Measured[Entry], reference: Motion, plan: Plan) -> Row:
 
 def ratio_at_equal_error(rows: Table, peer: Row) -> float:
     """The peer's wall time over that of the cheapest own run whose errors are no larger; nan if there is none."""
-    cheapest = min(
-        (
-            float(row["wall_s"])
-            for row in rows.where(model=peer["model"], peer=0).rows
-            if all(float(row[name]) <= float(peer[name]) for name in ("angle_error_rad", "latch_error_s"))
-        ),
-        default=math.nan,
-    )
-    return float(peer["wall_s"]) / cheapest
-
-
-def _ratio_text(ratio: float) -> str:
-    return "none of ours is as accurate" if math.isnan(ratio) else f"{ratio:.3g}"
+    walls = [
+        float(row["wall_s"])
+        for row in rows.where(model=peer["model"], peer=0).rows
+        if all(float(row[name]) <= float(peer[name]) for name in ("angle_error_rad", "latch_error_s"))
+    ]
+    return float(peer["wall_s"]) / min(walls, default=math.nan)
 
 
 def write_side_by_side(rows: Table, folder: Path) -> list[Path]:
@@ -137,7 +120,10 @@ def write_side_by_side(rows: Table, folder: Path) -> list[Path]:
         if row["failure"]:
             lines.append(f"| {row['model']} | {row['method']} | {setting} | failed | | | | |")
             continue
-        ratio = _ratio_text(ratio_at_equal_error(rows, dict(row))) if row["peer"] else ""
+        ratio = ""
+        if row["peer"]:
+            own = ratio_at_equal_error(rows, dict(row))
+            ratio = "none of ours is as accurate" if math.isnan(own) else f"{own:.3g}"
         wall = float(row["wall_s"])
         lines.append(
             f"| {row['model']} | {row['method']} | {setting} | {wall:.3g} | {float(row['duration_s']) / wall:.3g} "

@@ -5,8 +5,6 @@ runs from it is the floor below which an error says nothing. With clearance the 
 leaves: for the ensembles see `ensembles`.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -98,12 +96,7 @@ def count_work_precision(plan: Plan) -> int:
 def run_work_precision(plan: Plan, announce: Callable[[str], None]) -> dict[str, list[Row]]:
     """Measure every scene.
 
-    Args:
-        plan: what and how often.
-        announce: called with a description before each run.
-
-    Returns:
-        "work_precision": rows of every method at every setting; "work_precision_floors": rows of every scene's floors.
+    "work_precision" gets rows of every method at every setting, "work_precision_floors" rows of every scene's floors.
     """
     rows: list[Row] = []
     floors: list[Row] = []
@@ -135,33 +128,18 @@ def _motions(measured: dict[Key, Measured[Key]], pairs: Pairs) -> tuple[Motion, 
 
 def _errors(kind: str, motion: Motion, reference: Reference, plan: Plan) -> Row:
     right, counts = reference.motions[0], reference.impacts
+    errors: Row = dict.fromkeys(_ERRORS, math.nan)
     if kind == DEPLOYMENT:
-        angle, latch = measures.angle_error(motion, right, plan.before_latch), measures.latch_error(motion, right)
-        return {
-            "angle_error_rad": angle,
-            "latch_error_s": latch,
-            "impact_start_error_s": math.nan,
-            "impact_force_error": math.nan,
-            "impacts_predicted": math.nan,
-        }
+        errors["angle_error_rad"] = measures.angle_error(motion, right, plan.before_latch)
+        errors["latch_error_s"] = measures.latch_error(motion, right)
+        return errors
     start, force = measures.impact_errors(motion, right, measures.compared_impacts(counts))
-    return {
-        "angle_error_rad": math.nan,
-        "latch_error_s": math.nan,
-        "impact_start_error_s": start,
-        "impact_force_error": force,
-        "impacts_predicted": measures.predicted_impacts(motion, right, counts),
-    }
+    predicted = measures.predicted_impacts(motion, right, counts)
+    return errors | {"impact_start_error_s": start, "impact_force_error": force, "impacts_predicted": predicted}
 
 
 def _row(
-    kind: str,
-    scene: Scene,
-    method: Method,
-    key: Key,
-    result: Measured[Key],
-    reference: Reference,
-    plan: Plan,
+    kind: str, scene: Scene, method: Method, key: Key, result: Measured[Key], reference: Reference, plan: Plan
 ) -> Row:
     row: Row = {
         "scene": kind,

@@ -1,20 +1,17 @@
 """Figures of work against precision, from their tables alone: a column for each model, a row for each cost."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
 
 from solar_env.pictures.style import METHOD_LOOKS, STEEL, STYLE, Look, look_of
 from solar_env.studies.common.drawing import draw_floor, make_figure, positive_points, save, short, use_decades
 from solar_env.studies.common.tables import Table
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 COSTS = (("wall_s", "wall time [s]"), ("evaluations", "evaluations"), ("factorizations", "factorisations"))
 _SIZE = (2.6, 1.9)  # of one panel with its labels [inch]
@@ -73,8 +70,6 @@ def draw_work_precision(rows: Table, floors: Table, folder: Path) -> list[Path]:
 
 
 def _draw(question: Question, rows: Table, floors: Table, folder: Path) -> Path:
-    import matplotlib as mpl
-
     shown = [str(name) for name in rows.values("method") if _shows(rows.where(method=name), question)]
     looks = {name: look_of(name, METHOD_LOOKS) for name in shown}
     models = rows.values("model")

@@ -4,8 +4,6 @@ A panel of the solar array floats, shaken by tiny random velocities. What is mea
 vibration grows from step to step.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -15,18 +13,7 @@ from solar_env.mechanics.integrators.settings import RungeKutta
 from solar_env.mechanics.mechanism.beams import PANEL, free_beam
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.mechanics.running.simulation import Simulation
-from solar_env.studies.stability.maps import (
-    BLOW_UP,
-    ERROR,
-    FIGURE,
-    FINE,
-    GROWING,
-    LIMITED,
-    Axis,
-    Cell,
-    StabilityMap,
-    log_range,
-)
+from solar_env.studies.stability.maps import Axis, Cell, Kind, Said, StabilityMap, log_range
 
 LIBRARY, UNBOUNDED = "library", "without its bound"
 STEPS = 300
@@ -64,13 +51,13 @@ def measure_vibration(panel: str, step: float, elements: float) -> Cell:
             taken = int(simulation.state.clock["steps"][0])
             growth = float(simulation.stored_energies().sum() / start)
     except SimulationError as error:
-        return Cell(BLOW_UP, math.nan, ERROR, str(error))
+        return Cell(Kind.BLOW_UP, math.nan, Said.ERROR, str(error))
     factor = growth ** (0.5 / taken)
     bounded = int(simulation.state.clock["stability_bound_steps"][0])
     if bounded and growth <= _ROUNDING:
         message = f"{bounded} of {taken} steps were bounded by stability, to {step * STEPS / taken:.3g} s at most"
-        return Cell(LIMITED, factor, FIGURE, message)
-    return Cell(GROWING if growth > _ROUNDING else FINE, factor)
+        return Cell(Kind.LIMITED, factor, Said.FIGURE, message)
+    return Cell(Kind.GROWING if growth > _ROUNDING else Kind.FINE, factor)
 
 
 BEAM_STEP = StabilityMap(
@@ -87,4 +74,3 @@ BEAM_STEP = StabilityMap(
     limit_label="theory: 2.83 over the highest natural frequency",
     bare=(UNBOUNDED,),
 )
-MAPS = (BEAM_STEP,)

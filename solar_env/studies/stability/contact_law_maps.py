@@ -4,8 +4,6 @@ A factor 1 + d rate / impact speed with d > 0 is singular as the impact speed va
 prevents; and it attracts where the surfaces part faster than impact speed / d, which the library cuts off.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -19,18 +17,7 @@ from solar_env.mechanics.mechanism.textbook import bouncing_block
 from solar_env.mechanics.running.diagnosis import LARGEST_RESTITUTION_ERROR
 from solar_env.mechanics.running.simulation import simulate
 from solar_env.mechanics.running.trajectory import Trajectory
-from solar_env.studies.stability.maps import (
-    CUT_OFF,
-    FIGURE,
-    FINE,
-    SILENT,
-    WRONG,
-    Axis,
-    Cell,
-    StabilityMap,
-    listen,
-    log_range,
-)
+from solar_env.studies.stability.maps import Axis, Cell, Kind, Said, StabilityMap, listen, log_range
 
 ARRAY = ArrayParameters(contact_stiffness=None)
 # Those that dissipate.
@@ -55,16 +42,17 @@ def _bounce(law: str, restitution: float, speed: float) -> tuple[float, Trajecto
 def measure_restitution(law: str, restitution: float, speed: float) -> Cell:
     """Exit over entry speed of a bounce; wrong if it differs from the coefficient by more than 0.05."""
     heard = listen(lambda: _bounce(law, restitution, speed))
-    if heard.result is None:
-        return heard.failed()
-    ratio, run = heard.result
-    kind = FINE if abs(ratio - restitution) <= LARGEST_RESTITUTION_ERROR else WRONG
-    slow = run.metadata["slow_contacts"]
-    if slow and heard.said == SILENT:
-        return Cell(
-            kind, ratio, FIGURE, f"slow_contacts = {slow}: began below the minimum impact speed, {SLOWEST:g} m/s"
-        )
-    return heard.classified(kind, ratio)
+
+    def judge(result: tuple[float, Trajectory]) -> Cell:
+        ratio, run = result
+        kind = Kind.FINE if abs(ratio - restitution) <= LARGEST_RESTITUTION_ERROR else Kind.WRONG
+        slow = run.metadata["slow_contacts"]
+        if not slow or heard.said:
+            return Cell(kind, ratio)
+        message = f"slow_contacts = {slow}: began below the minimum impact speed, {SLOWEST:g} m/s"
+        return Cell(kind, ratio, Said.FIGURE, message)
+
+    return heard.cell(judge)
 
 
 def restitution_limit(law: str, speed: float) -> float:
@@ -105,16 +93,17 @@ def _pull_off(law: str, restitution: float, ratio: float) -> tuple[float, Trajec
 
 def measure_pull_off(law: str, restitution: float, ratio: float) -> Cell:
     """Speed of leaving over that without damping; cut off if the damping would have pulled on the way."""
-    heard = listen(lambda: _pull_off(law, restitution, ratio))
-    if heard.result is None:
-        return heard.failed()
-    speed, run = heard.result
-    share = run.metadata["cut_off_share"]
-    # The first sample is taken before the contact begins.
-    cut_off = (run.normal_force[1:][run.penetration[1:] > 0.0] == 0.0).any()
-    if cut_off and share > 0.0:
-        return Cell(CUT_OFF, speed, FIGURE, f"cut_off_share = {share:.3g} of the samples in contact")
-    return heard.classified(CUT_OFF if cut_off else FINE, speed)
+
+    def judge(result: tuple[float, Trajectory]) -> Cell:
+        speed, run = result
+        share = run.metadata["cut_off_share"]
+        # The first sample is taken before the contact begins.
+        cut_off = (run.normal_force[1:][run.penetration[1:] > 0.0] == 0.0).any()
+        if cut_off and share > 0.0:
+            return Cell(Kind.CUT_OFF, speed, Said.FIGURE, f"cut_off_share = {share:.3g} of the samples in contact")
+        return Cell(Kind.CUT_OFF if cut_off else Kind.FINE, speed)
+
+    return listen(lambda: _pull_off(law, restitution, ratio)).cell(judge)
 
 
 def pull_off_limit(law: str, ratio: float) -> float:
@@ -156,4 +145,3 @@ PULL_OFF = StabilityMap(
     limit=pull_off_limit,
     limit_label="to the left the damping outweighs the elastic force before the surfaces have parted",
 )
-MAPS = (RESTITUTION, PULL_OFF)

@@ -5,8 +5,6 @@ would hold it; the ramp between the speeds v0 and v1 lets it creep at v0 + (v1 -
 Mech. Syst. Signal Process. 117 (2019) 188, Eq 42, solved for the speed).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -18,18 +16,7 @@ from solar_env.mechanics.mechanism.description import Bearing, Body, Load
 from solar_env.mechanics.mechanism.textbook import loaded_journal
 from solar_env.mechanics.running.simulation import simulate
 from solar_env.mechanics.running.trajectory import Trajectory
-from solar_env.studies.stability.maps import (
-    CREEPS,
-    FIGURE,
-    FINE,
-    STIFF,
-    WRONG,
-    Axis,
-    Cell,
-    StabilityMap,
-    listen,
-    log_range,
-)
+from solar_env.studies.stability.maps import Axis, Cell, Kind, Said, StabilityMap, listen, log_range
 
 LOAD, RADIUS, CLEARANCE = 10.0, 0.01, 2e-4  # N, m, m
 FRICTION, SHARE, INERTIA = 0.15, 0.5, 0.01  # -, of the friction limit, kg m2
@@ -89,31 +76,31 @@ def _creep(panel: str, speed_zero: float, speed_full: float) -> tuple[float, Tra
 
 def measure_creep(panel: str, speed_full: float, speed_zero: float) -> Cell:
     """Sliding speed under half the friction limit."""
-    heard = listen(lambda: _creep(panel, speed_zero, speed_full))
-    if heard.result is None:
-        return heard.failed()
-    speed, run = heard.result
-    if abs(speed - creep_speed(speed_zero, speed_full)) > 0.01 * creep_speed(speed_zero, speed_full):
-        return heard.classified(WRONG, speed)
-    if speed <= SLOW_CREEP:
-        return heard.classified(FINE, speed)
-    share = run.metadata["creeping_share"]
-    if share > 0.0:
-        return Cell(CREEPS, speed, FIGURE, f"creeping_share = {share:.3g} of the samples in contact")
-    return heard.classified(CREEPS, speed)
+
+    def judge(result: tuple[float, Trajectory]) -> Cell:
+        speed, run = result
+        if abs(speed - creep_speed(speed_zero, speed_full)) > 0.01 * creep_speed(speed_zero, speed_full):
+            return Cell(Kind.WRONG, speed)
+        share = run.metadata["creeping_share"]
+        if speed <= SLOW_CREEP or not share > 0.0:
+            return Cell(Kind.FINE if speed <= SLOW_CREEP else Kind.CREEPS, speed)
+        return Cell(Kind.CREEPS, speed, Said.FIGURE, f"creeping_share = {share:.3g} of the samples in contact")
+
+    return listen(lambda: _creep(panel, speed_zero, speed_full)).cell(judge)
 
 
 def measure_step(panel: str, speed_full: float, speed_zero: float) -> Cell:
     """Mean step under half the friction limit; stiff where it is shorter than SHORT_STEP."""
-    heard = listen(lambda: _creep(panel, speed_zero, speed_full))
-    if heard.result is None:
-        return heard.failed()
-    _, run = heard.result
-    steps = run.metadata["steps"]
-    mean = float(run.time[-1]) / steps
-    if mean < SHORT_STEP:
-        return Cell(STIFF, mean, FIGURE, f"steps = {steps} for {run.time[-1]:.3g} s")
-    return heard.classified(FINE, mean)
+
+    def judge(result: tuple[float, Trajectory]) -> Cell:
+        _, run = result
+        steps = run.metadata["steps"]
+        mean = float(run.time[-1]) / steps
+        if mean < SHORT_STEP:
+            return Cell(Kind.STIFF, mean, Said.FIGURE, f"steps = {steps} for {run.time[-1]:.3g} s")
+        return Cell(Kind.FINE, mean)
+
+    return listen(lambda: _creep(panel, speed_zero, speed_full)).cell(judge)
 
 
 def step_limit(panel: str, speed_zero: float) -> float:
@@ -156,4 +143,3 @@ STEP = StabilityMap(
     limit=step_limit,
     limit_label="theory: to the left the ramp bounds the step to less than 0.1 ms",
 )
-MAPS = (CREEP, STEP)

@@ -5,12 +5,11 @@ what the library said about it (an error, a warning, a figure of the result) is 
 without a word is a fault of the library: see `silent_failures`.
 """
 
-from __future__ import annotations
-
 import math
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from enum import StrEnum
 from typing import Generic, TypeVar
 
 from solar_env.mechanics.running.diagnosis import SimulationWarning
@@ -21,37 +20,32 @@ from solar_env.studies.common.tables import Table
 Value = float | int
 Result = TypeVar("Result")
 
-FINE = "fine"
-OVER_DAMPED = "over-damped"  # loses what no law takes
-GROWING = "growing"  # gains, or alternates ever more
-SPIKES = "spikes"  # is wrong for a while, then recovers
-WRONG = "wrong value"  # finishes with another answer
-STIFF = "stiff"  # is right, with steps far shorter than the motion asks for
-BLOW_UP = "blow-up"  # ends in nonsense
-NO_END = "does not end"  # takes more steps than it was allowed to
-NO_SOLUTION = "Newton failure"  # ends in an error of the iteration
-LIMITED = "held back"  # the library changed what was asked for, and says so
-CREEPS = "creeps"  # as the law has it, but not as dry friction does
-CUT_OFF = "cut off"  # the law would pull, and is cut off at zero
-REFUSED = "refused"  # not accepted as input
-CLASSES = (
-    FINE,
-    LIMITED,
-    STIFF,
-    CREEPS,
-    CUT_OFF,
-    OVER_DAMPED,
-    WRONG,
-    SPIKES,
-    GROWING,
-    NO_END,
-    NO_SOLUTION,
-    BLOW_UP,
-    REFUSED,
-)
 
-# How the library can say something.
-ERROR, WARNING, FIGURE, SILENT = "error", "warning", "figure", ""
+class Kind(StrEnum):
+    """Classes of cells, in the order of their colours in a legend."""
+
+    FINE = "fine"
+    LIMITED = "held back"  # the library changed what was asked for, and says so
+    STIFF = "stiff"  # is right, with steps far shorter than the motion asks for
+    CREEPS = "creeps"  # as the law has it, but not as dry friction does
+    CUT_OFF = "cut off"  # the law would pull, and is cut off at zero
+    OVER_DAMPED = "over-damped"  # loses what no law takes
+    WRONG = "wrong value"  # finishes with another answer
+    SPIKES = "spikes"  # is wrong for a while, then recovers
+    GROWING = "growing"  # gains, or alternates ever more
+    NO_END = "does not end"  # takes more steps than it was allowed to
+    NO_SOLUTION = "Newton failure"  # ends in an error of the iteration
+    BLOW_UP = "blow-up"  # ends in nonsense
+    REFUSED = "refused"  # not accepted as input
+
+
+class Said(StrEnum):
+    """How the library can say something."""
+
+    ERROR = "error"
+    WARNING = "warning"
+    FIGURE = "figure"
+    SILENT = ""
 
 
 @dataclass(frozen=True)
@@ -76,15 +70,15 @@ class Cell:
     """Measurement at one place of a map.
 
     Attributes:
-        kind: one of CLASSES.
+        kind: its class.
         value: the measured quantity; nan if the run raised.
-        said: how the library said that something is wrong: ERROR, WARNING, FIGURE or SILENT.
+        said: how the library said that something is wrong.
         message: what it said.
     """
 
-    kind: str
+    kind: Kind
     value: float
-    said: str = SILENT
+    said: Said = Said.SILENT
     message: str = ""
 
 
@@ -161,21 +155,21 @@ class Heard(Generic[Result]):
         result: what it returned; None if it raised.
         said: ERROR, WARNING or SILENT.
         message: of the error, or of all warnings.
-        failure: class of the error: NO_SOLUTION, NO_END, BLOW_UP or REFUSED; empty if there was none.
+        failure: class of the error; None if there was none.
     """
 
     result: Result | None
-    said: str
+    said: Said
     message: str
-    failure: str
+    failure: Kind | None = None
 
-    def classified(self, kind: str, value: float) -> Cell:
-        """A cell of this class, with what was said."""
-        return Cell(kind, value, self.said, self.message)
-
-    def failed(self) -> Cell:
-        """The cell of a run that raised."""
-        return Cell(self.failure, math.nan, self.said, self.message)
+    def cell(self, judge: Callable[[Result], Cell]) -> Cell:
+        """The cell of the run: that of its error, or as judged by its result, with the warnings if it says nothing."""
+        if self.failure is not None:
+            return Cell(self.failure, math.nan, self.said, self.message)
+        assert self.result is not None
+        judged = judge(self.result)
+        return judged if judged.said else replace(judged, said=self.said, message=self.message)
 
 
 def listen(run: Callable[[], Result]) -> Heard[Result]:
@@ -185,15 +179,15 @@ def listen(run: Callable[[], Result]) -> Heard[Result]:
         try:
             result = run()
         except SimulationError as error:
-            kinds = {"newton": NO_SOLUTION, "step_size": NO_SOLUTION, "steps": NO_END}
-            return Heard(None, ERROR, str(error), kinds.get(error.reason, BLOW_UP))
+            kinds = {"newton": Kind.NO_SOLUTION, "step_size": Kind.NO_SOLUTION, "steps": Kind.NO_END}
+            return Heard(None, Said.ERROR, str(error), kinds.get(error.reason, Kind.BLOW_UP))
         except ValueError as error:
-            return Heard(None, ERROR, str(error), REFUSED)
+            return Heard(None, Said.ERROR, str(error), Kind.REFUSED)
     message = "; ".join(str(one.message) for one in caught)
-    return Heard(result, WARNING if message else SILENT, message, "")
+    return Heard(result, Said.WARNING if message else Said.SILENT, message)
 
 
-def classify_ratios(lowest: float, highest: float, tolerance: float) -> str:
+def classify_ratios(lowest: float, highest: float, tolerance: float) -> Kind:
     """Class of a quantity over its exact value, from the lowest and the highest ratio that was seen.
 
     Args:
@@ -201,16 +195,20 @@ def classify_ratios(lowest: float, highest: float, tolerance: float) -> str:
         tolerance: what is still fine; twice the exact value, or more, is a blow-up.
     """
     if not highest <= 2.0:
-        return BLOW_UP
+        return Kind.BLOW_UP
     if highest > 1.0 + tolerance:
-        return GROWING
-    return OVER_DAMPED if lowest < 1.0 - tolerance else FINE
+        return Kind.GROWING
+    return Kind.OVER_DAMPED if lowest < 1.0 - tolerance else Kind.FINE
 
 
 def silent_failures(table: Table) -> Table:
     """The rows of a map that fail although the library said nothing; there should be none. Bare panels do not count."""
     bare = table.provenance["bare"].split("; ")
-    kept = (row for row in table.rows if row["class"] != FINE and row["said"] == SILENT and row["panel"] not in bare)
+    kept = (
+        row
+        for row in table.rows
+        if row["class"] != Kind.FINE and row["said"] == Said.SILENT and row["panel"] not in bare
+    )
     return Table(tuple(kept), table.provenance)
 
 

@@ -8,8 +8,6 @@ The mode that grows with rho_inf = 1: A. Cardona and M. Geradin, Comput. Struct.
 doi:10.1016/0045-7949(89)90255-6.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,7 +15,7 @@ from solar_env.mechanics.integrators.settings import GeneralizedAlpha, alpha_coe
 from solar_env.mechanics.mechanism.textbook import STANDARD_GRAVITY, pendulum
 from solar_env.mechanics.running.diagnosis import LARGEST_FORCE_SHARE
 from solar_env.mechanics.running.simulation import Simulation
-from solar_env.studies.stability.maps import FINE, GROWING, SPIKES, Axis, Cell, Heard, StabilityMap, listen
+from solar_env.studies.stability.maps import Axis, Cell, Heard, Kind, StabilityMap, listen
 
 LIBRARY, CARRIED_OVER = "library: restarts after a change", "textbook: carries accelerations over"
 TOLERANCE = 2.0 * LARGEST_FORCE_SHARE
@@ -79,20 +77,18 @@ def textbook_errors(ratio: float, rho_inf: float) -> Vector:
     return errors
 
 
-def classify_errors(errors: Vector) -> str:
+def classify_errors(errors: Vector) -> Kind:
     """Fine up to a fifth of the force; else spikes if the last quarter is below that, growing if it is not."""
     if errors.max() <= TOLERANCE:
-        return FINE
-    return SPIKES if errors[-STEPS // 4 :].max() <= TOLERANCE else GROWING
+        return Kind.FINE
+    return Kind.SPIKES if errors[-STEPS // 4 :].max() <= TOLERANCE else Kind.GROWING
 
 
 def measure_multipliers(panel: str, ratio: float, rho_inf: float) -> Cell:
     """Greatest error of the multiplier in the 200 steps after a change."""
     run = library_errors if panel == LIBRARY else textbook_errors
     heard: Heard[Vector] = listen(lambda: run(ratio, rho_inf))
-    if heard.result is None:
-        return heard.failed()
-    return heard.classified(classify_errors(heard.result), float(heard.result.max()))
+    return heard.cell(lambda errors: Cell(classify_errors(errors), float(errors.max())))
 
 
 STEP_CHANGE = StabilityMap(
@@ -117,4 +113,3 @@ STEP_CHANGE = StabilityMap(
     measure=measure_multipliers,
     bare=(CARRIED_OVER,),
 )
-MAPS = (STEP_CHANGE,)

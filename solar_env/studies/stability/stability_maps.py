@@ -1,38 +1,26 @@
 """Table of all maps of where methods fail, and measuring them into tables."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 
 from solar_env.studies.common.tables import provenance, write_table
-from solar_env.studies.stability import (
-    beam_maps,
-    contact_law_maps,
-    friction_maps,
-    impact_maps,
-    multiplier_maps,
-    stop_maps,
-)
+from solar_env.studies.stability.beam_maps import BEAM_STEP
+from solar_env.studies.stability.contact_law_maps import PULL_OFF, RESTITUTION
+from solar_env.studies.stability.friction_maps import CREEP, STEP
+from solar_env.studies.stability.impact_maps import EXPLICIT, IMPLICIT
 from solar_env.studies.stability.maps import StabilityMap
+from solar_env.studies.stability.multiplier_maps import STEP_CHANGE
+from solar_env.studies.stability.stop_maps import CABLE, DEPTH, LATCH
 
 COMMAND = "python -m solar_env stability"
 MAPS: dict[str, StabilityMap] = {
     one.name: one
-    for module in (impact_maps, multiplier_maps, beam_maps, contact_law_maps, friction_maps, stop_maps)
-    for one in module.MAPS
+    for one in (IMPLICIT, EXPLICIT, STEP_CHANGE, BEAM_STEP, RESTITUTION, PULL_OFF, CREEP, STEP, CABLE, LATCH, DEPTH)
 }
 
 
 def measure_map(name: str, quick: bool, path: Path, progress: Callable[[], None]) -> None:
-    """Measure every cell of a map and write its table.
-
-    Args:
-        name: a key of MAPS.
-        quick: few cells, or all.
-        path: of the CSV file.
-        progress: called after every cell.
-    """
+    """Measure all cells of one of MAPS, or a `quick` few, and write its table; `progress` is called after each."""
     chosen, rows = MAPS[name], []
     for panel, x, y in chosen.cells(quick):
         rows.append(chosen.row(panel, x, y))

@@ -1,54 +1,39 @@
-"""Figures of stability maps, drawn from their tables alone. Matplotlib is imported when a figure is made."""
-
-from __future__ import annotations
+"""Figures of stability maps, drawn from their tables alone."""
 
 import math
 import textwrap
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch, Rectangle
 
 from solar_env.pictures.style import STYLE
 from solar_env.studies.common.drawing import short
 from solar_env.studies.common.tables import Table, read_table
-from solar_env.studies.stability.maps import (
-    BLOW_UP,
-    CREEPS,
-    CUT_OFF,
-    FINE,
-    GROWING,
-    LIMITED,
-    NO_END,
-    NO_SOLUTION,
-    OVER_DAMPED,
-    REFUSED,
-    SILENT,
-    SPIKES,
-    STIFF,
-    WRONG,
-)
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+from solar_env.studies.stability.maps import Kind, Said
 
 # After P. Tol, "Colour schemes", SRON technical note 2021 (muted): told apart by colour-blind readers.
 COLOURS = {
-    FINE: "#f2f4f6",
-    LIMITED: "#a6dcef",
-    STIFF: "#ddcc77",
-    CREEPS: "#ddcc77",
-    CUT_OFF: "#88ccee",
-    OVER_DAMPED: "#6699cc",
-    WRONG: "#44aa99",
-    SPIKES: "#e0a0b4",
-    GROWING: "#ee8866",
-    NO_END: "#999933",
-    NO_SOLUTION: "#aa4499",
-    BLOW_UP: "#882255",
-    REFUSED: "#9a9fa5",
+    Kind.FINE: "#f2f4f6",
+    Kind.LIMITED: "#a6dcef",
+    Kind.STIFF: "#ddcc77",
+    Kind.CREEPS: "#ddcc77",
+    Kind.CUT_OFF: "#88ccee",
+    Kind.OVER_DAMPED: "#6699cc",
+    Kind.WRONG: "#44aa99",
+    Kind.SPIKES: "#e0a0b4",
+    Kind.GROWING: "#ee8866",
+    Kind.NO_END: "#999933",
+    Kind.NO_SOLUTION: "#aa4499",
+    Kind.BLOW_UP: "#882255",
+    Kind.REFUSED: "#9a9fa5",
 }
-_DARK = (NO_SOLUTION, BLOW_UP)
+_DARK = (Kind.NO_SOLUTION, Kind.BLOW_UP)
 CELL_WIDTH, CELL_HEIGHT = 0.36, 0.24  # inch
 _LEFT, _BETWEEN, _RIGHT, _TOP, _TICKS, _LINE = 0.95, 0.25, 0.15, 0.55, 0.85, 0.15  # inch
 _NARROWEST = 7.4  # inch
@@ -58,11 +43,7 @@ _IN_A_LINE = 6  # classes of the legend
 
 
 def draw_map(table_path: Path, figure_path: Path) -> None:
-    """Draw the figure of a map: panels of cells with class and value, the limit, the legend and the advice.
-
-    Args:
-        table_path: CSV file of `stability_maps.measure_map`.
-        figure_path: its suffix chooses the format.
+    """Draw the figure of a map from its CSV file: panels of cells with class and value, limit, legend and advice.
 
     Raises:
         ValueError: if the table is not that of a map.
@@ -71,10 +52,6 @@ def draw_map(table_path: Path, figure_path: Path) -> None:
     missing = {"title", "x", "y", "advice"} - table.provenance.keys()
     if missing:
         raise ValueError(f"{table_path} is not the table of a stability map: it lacks {', '.join(sorted(missing))}")
-    import matplotlib as mpl
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     about = table.provenance
     panels = table.values("panel")
     columns, rows = len(table.values(about["x"])), len(table.values(about["y"]))
@@ -115,17 +92,18 @@ def _draw_panel(axes: Axes, table: Table, about: Any, first: bool) -> None:
     x_ticks, y_ticks = (np.array(table.values(about[axis]), dtype=float) for axis in "xy")
     for row, x, y in zip(table.rows, x_values, y_values, strict=True):
         i, k = int(np.flatnonzero(x_ticks == x)[0]), int(np.flatnonzero(y_ticks == y)[0])
-        kind = str(row["class"])
-        axes.add_patch(_rectangle((i - 0.5, k - 0.5), COLOURS[kind]))
+        kind = Kind(str(row["class"]))
+        axes.add_patch(
+            Rectangle((i - 0.5, k - 0.5), 1.0, 1.0, facecolor=COLOURS[kind], edgecolor="white", linewidth=0.4)
+        )
         ink = "white" if kind in _DARK else "black"
         value = float(row["value"])
         if math.isfinite(value):
             axes.text(i, k, short(value), ha="center", va="center", fontsize=5.0, color=ink, zorder=3)
-        if row["said"] != SILENT:
+        if row["said"] != Said.SILENT:
             axes.plot(i + 0.4, k + 0.34, ".", color=ink, markersize=2.0)
-    for k, y in enumerate(y_ticks):
-        limit = float(table.where(**{about["y"]: _own(table, about["y"], y)}).rows[0]["limit"])
-        place = _place(limit, x_ticks)
+    for k, y in enumerate(table.values(about["y"])):
+        place = _place(float(table.where(**{about["y"]: y}).rows[0]["limit"]), x_ticks)
         if math.isfinite(place):
             axes.plot([place, place], [k - 0.5, k + 0.5], color="black", linewidth=1.6, solid_capstyle="butt", zorder=2)
     axes.set_xlim(-0.5, len(x_ticks) - 0.5)
@@ -133,16 +111,6 @@ def _draw_panel(axes: Axes, table: Table, about: Any, first: bool) -> None:
     axes.set_xticks(range(len(x_ticks)), [f"{x:.3g}" for x in x_ticks], rotation=90)
     axes.set_yticks(range(len(y_ticks)), [f"{y:.3g}" for y in y_ticks] if first else [""] * len(y_ticks))
     axes.tick_params(length=2.0, labelsize=6.5)
-
-
-def _own(table: Table, column: str, number: float) -> Any:
-    return next(value for value in table.values(column) if float(value) == number)
-
-
-def _rectangle(corner: tuple[float, float], colour: str) -> Any:
-    from matplotlib.patches import Rectangle
-
-    return Rectangle(corner, 1.0, 1.0, facecolor=colour, edgecolor="white", linewidth=0.4)
 
 
 def _place(limit: float, ticks: Any) -> float:
@@ -154,12 +122,7 @@ def _place(limit: float, ticks: Any) -> float:
 
 
 def _draw_legend(figure: Any, table: Table, place: tuple[float, float]) -> None:
-    from matplotlib.patches import Patch
-
     present = table.values("class")
-    handles = [
-        Patch(facecolor=colour, edgecolor="#7c8896", linewidth=0.4, label=kind)
-        for kind, colour in COLOURS.items()
-        if kind in present
-    ]
+    shown = [(kind, colour) for kind, colour in COLOURS.items() if kind in present]
+    handles = [Patch(facecolor=colour, edgecolor="#7c8896", linewidth=0.4, label=kind) for kind, colour in shown]
     figure.legend(handles=handles, loc="lower center", bbox_to_anchor=place, ncols=_IN_A_LINE, columnspacing=1.2)

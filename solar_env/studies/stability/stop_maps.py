@@ -3,9 +3,8 @@
 Both conserve energy, so that what a method gains or loses is the energy at the end over the energy at the start.
 """
 
-from __future__ import annotations
-
 import math
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -15,17 +14,7 @@ from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrato
 from solar_env.mechanics.mechanism.description import GROUND, CableLoop, Joint, Mechanism, Stop
 from solar_env.mechanics.mechanism.textbook import Link
 from solar_env.mechanics.running.simulation import simulate
-from solar_env.studies.stability.maps import (
-    FINE,
-    WRONG,
-    Axis,
-    Cell,
-    Heard,
-    StabilityMap,
-    classify_ratios,
-    listen,
-    log_range,
-)
+from solar_env.studies.stability.maps import Axis, Cell, Heard, Kind, StabilityMap, classify_ratios, listen, log_range
 
 EXPLICIT, DAMPED, PAPER = "runge-kutta", "generalized-alpha, 0.8", "paper (beta = 1/4)"
 METHODS = (EXPLICIT, DAMPED, PAPER)
@@ -75,10 +64,11 @@ def _cable_energy(panel: str, step: float, stiffness: float) -> float:
 
 def measure_cable(panel: str, step: float, stiffness: float) -> Cell:
     """Energy after five vibrations on a cable whose strands go slack, over that at the start."""
-    heard = listen(lambda: _cable_energy(panel, step, stiffness))
-    if heard.result is None:
-        return heard.failed()
-    return heard.classified(classify_ratios(heard.result, heard.result, TOLERANCE), heard.result)
+    return listen(lambda: _cable_energy(panel, step, stiffness)).cell(_judge_energy)
+
+
+def _judge_energy(kept: float) -> Cell:
+    return Cell(classify_ratios(kept, kept, TOLERANCE), kept)
 
 
 def cable_limit(panel: str, stiffness: float) -> float:
@@ -123,19 +113,16 @@ def _latch(panel: str, step: float, stiffness: float) -> Heard[tuple[float, floa
 
 def measure_latch(panel: str, step: float, stiffness: float) -> Cell:
     """Energy after some bounces between the faces of a latch over that at the start."""
-    heard = _latch(panel, step, stiffness)
-    if heard.result is None:
-        return heard.failed()
-    return heard.classified(classify_ratios(heard.result[0], heard.result[0], TOLERANCE), heard.result[0])
+    return _latch(panel, step, stiffness).cell(lambda result: _judge_energy(result[0]))
 
 
 def measure_depth(panel: str, step: float, stiffness: float) -> Cell:
     """Greatest depth in a latch over the exact one."""
-    heard = _latch(panel, step, stiffness)
-    if heard.result is None:
-        return heard.failed()
-    wrong = abs(heard.result[1] - 1.0) > DEPTH_TOLERANCE
-    return heard.classified(WRONG if wrong else FINE, heard.result[1])
+
+    def judge(result: tuple[float, float]) -> Cell:
+        return Cell(Kind.WRONG if abs(result[1] - 1.0) > DEPTH_TOLERANCE else Kind.FINE, result[1])
+
+    return _latch(panel, step, stiffness).cell(judge)
 
 
 _STEPS = Axis("step_s", "fixed step, or bound on adaptive ones [s]", (1e-4, 1e-3, 1e-2), log_range(1e-5, 3e-2, 11))
@@ -173,16 +160,10 @@ LATCH = StabilityMap(
     limit=lambda panel, stiffness: math.nan if panel == EXPLICIT else impact_time(stiffness) / 8.0,
     limit_label="eight steps in the stop",
 )
-DEPTH = StabilityMap(
+DEPTH = replace(
+    LATCH,
     name="latch-depth",
     title="How far a link sinks into its latch",
-    x=_STEPS,
-    y=_LATCHES,
-    panels=METHODS,
     quantity="greatest depth over the exact one",
-    advice=LATCH.advice,
     measure=measure_depth,
-    limit=LATCH.limit,
-    limit_label=LATCH.limit_label,
 )
-MAPS = (CABLE, LATCH, DEPTH)

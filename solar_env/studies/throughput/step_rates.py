@@ -4,8 +4,6 @@ Episodes cost most after latching, hundreds of times as much as in free flight. 
 spread evenly over one passive deployment, so that a few steps stand for whole episodes.
 """
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
@@ -155,14 +153,11 @@ class _Clock:
 
 
 def compare(contestants: Mapping[str, tuple[Any, Callable[[], Any]]], lanes: int) -> dict[str, float]:
-    """Steps per second of vector environments that are stepped in turn, so that what disturbs one disturbs all.
+    """Steps per second, medians over rounds of contestants stepped in turn, so that what disturbs one disturbs all.
 
     Args:
         contestants: name -> environment, and what puts its lanes to their moments.
         lanes: of each.
-
-    Returns:
-        Median over the rounds.
     """
     actions = np.zeros((lanes, 1), dtype=np.float32)
     walls: dict[str, list[float]] = {name: [] for name in contestants}
@@ -283,52 +278,3 @@ def measurements(models: Sequence[str], cold: bool) -> dict[Key, Callable[[], An
     if cold:
         plan["startup", models[0], "cold"] = partial(measure_startup, models[0], cold=True)
     return plan
-
-
-def tables(results: Mapping[Key, Any]) -> str:
-    """The results as Markdown."""
-    models = list(dict.fromkeys(model for _, model, _ in results))
-    threads = available_processors()
-    head = " | ".join(str(lanes) for lanes in LANES)
-    lines = [
-        f"Environment steps (0.1 s) per second, {threads} threads, by number of lanes:",
-        "",
-        f"| model | {head} | {threads} threads over 1 ({SCALED_LANES} lanes) |",
-        "|---" * (len(LANES) + 2) + "|",
-    ]
-    for model in models:
-        rates = " | ".join(f"{results['lanes', model, lanes].rate:,.0f}" for lanes in LANES)
-        lines.append(f"| {model} | {rates} | {results['threads', model, '']:.2f} |")
-    lines += [
-        "",
-        f"Where a step's time goes, {SCALED_LANES} lanes:",
-        "",
-        "| model | a lane's step [us] | physics | observation and reward | Python |",
-        "|---|---|---|---|---|",
-    ]
-    for model in models:
-        split = results["lanes", model, SCALED_LANES]
-        shares = (split.physics, split.observation, split.python)
-        lines.append(
-            f"| {model} | {split.wall / split.steps * 1e6:,.0f} | "
-            + " | ".join(f"{share / split.wall:.1%}" for share in shares)
-            + " |"
-        )
-    lines += [
-        "",
-        f"Against other vectors of {COMPARED_LANES} environments (ratio of steps per second), memory and start-up:",
-        "",
-        "| model | over SyncVectorEnv | over SubprocVecEnv | memory a lane [kB] | start-up, cached [s] |",
-        "|---|---|---|---|---|",
-    ]
-    for model in models:
-        ratios = results["peers", model, ""]
-        lines.append(
-            f"| {model} | {ratios[PEERS[0]]:.2f} | {ratios[PEERS[1]]:.2f} "
-            f"| {results['memory', model, ''] / 1e3:,.0f} "
-            f"| {results['startup', model, 'cached']:.1f} |"
-        )
-    cold = [value for (what, _, of), value in results.items() if (what, of) == ("startup", "cold")]
-    if cold:
-        lines += ["", f"Start-up with an empty cache, which compiles the kernels: {cold[0]:.0f} s."]
-    return "\n".join(lines)

@@ -4,8 +4,6 @@ Deployments with clearance are chaotic: two runs soon have different impacts. He
 solved a second time from the very state in which it began.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np
@@ -14,7 +12,7 @@ from solar_env.array import ArrayParameters, build
 from solar_env.array.methods import default_integrator
 from solar_env.mechanics.arrays.model import State
 from solar_env.mechanics.integrators.history import IMPACT_DURATIONS
-from solar_env.mechanics.integrators.recording import Recorder, make_recorder
+from solar_env.mechanics.integrators.recording import make_recorder
 from solar_env.mechanics.integrators.settings import RungeKutta
 from solar_env.mechanics.joints.joint import penetration
 from solar_env.mechanics.running.simulation import Simulation
@@ -26,13 +24,10 @@ _LOOKS = 0.1  # of the predicted duration: how often it is looked whether a cont
 _SOURCE = "the same impact from the same state, rtol 1e-10, 40 steps an impact"
 
 
-def _recorder(simulation: Simulation) -> Recorder:
-    return make_recorder(simulation.model, simulation.state, np.zeros(0), 256)
-
-
 def _starts(simulation: Simulation, end_time: float) -> list[tuple[float, int]]:
     """Advance, and return time [s] and joint of the contacts that began on the way."""
-    begin, recorder = simulation.time, _recorder(simulation)
+    begin = simulation.time
+    recorder = make_recorder(simulation.model, simulation.state, np.zeros(0), 256)
     simulation.advance(end_time, recorder)
     ended = recorder.contacts[: recorder.filled[1]]
     starts = [(float(row[1]), int(row[0])) for row in ended]
@@ -98,29 +93,18 @@ def restitutions(model: str, duration: float) -> np.ndarray:
     return np.array(found)
 
 
-def _checks(model: str, duration: float, at_least: int) -> Iterator[Check]:
+def deployment_impacts(model: str, duration: float, at_least: int) -> Iterator[Check]:
+    """Impacts of a deployment up to a duration [s], of which at least so many can be compared."""
     pairs = restitutions(model, duration)
     yield Check(
         quantity=f"{model}, {duration:g} s: impacts compared: {len(pairs)}, at least {at_least}",
-        expected=0.0,
         obtained=max(at_least - len(pairs), 0),
         tolerance=0.0,
         source="impacts that other joints' impacts do not draw out",
     )
     yield Check(
         quantity=f"{model}: largest error of a restitution",
-        expected=0.0,
         obtained=float(np.abs(pairs[:, 0] - pairs[:, 1]).max()),
         tolerance=2e-3,
         source=_SOURCE,
     )
-
-
-def rigid_array_impacts() -> Iterator[Check]:
-    """Impacts of the whole deployment of rigid panels."""
-    yield from _checks("rigid-clearance", 30.0, 1000)
-
-
-def flexible_array_impacts() -> Iterator[Check]:
-    """Impacts of flexible panels up to a moment after latching."""
-    yield from _checks("flexible-clearance", 14.0, 300)

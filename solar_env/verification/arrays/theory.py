@@ -1,7 +1,5 @@
 """The rigid array with ideal hinges in minimal coordinates; its latch times with an inextensible cable."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -37,10 +35,16 @@ def hinge_map(p: ArrayParameters) -> NDArray[np.float64]:
     return matrix[:, 1:] if p.body_fixed else matrix
 
 
+def springs(p: ArrayParameters) -> tuple[Array, Array]:
+    """(panels,) stiffnesses [N m/rad] and preload angles [rad]."""
+    names = ("spring_stiffness", "spring_preload_angle")
+    stiffness, relaxed = (np.array([p.by_joint(name, k) for k in range(p.panel_count)]) for name in names)
+    return stiffness, relaxed
+
+
 def spring_torques(p: ArrayParameters, joint_angles: Array) -> Array:
     """(panels,) K (preload angle - angle) [N m]."""
-    stiffness = np.array([p.by_joint("spring_stiffness", k) for k in range(p.panel_count)])
-    relaxed = np.array([p.by_joint("spring_preload_angle", k) for k in range(p.panel_count)])
+    stiffness, relaxed = springs(p)
     return stiffness * (relaxed - joint_angles)
 
 
@@ -107,8 +111,7 @@ def latch_time_by_quadrature(p: ArrayParameters) -> float:
         coupled = whole.T @ mass @ way
         return float(way @ mass @ way - coupled @ np.linalg.solve(whole.T @ mass @ whole, coupled))
 
-    stiffness = np.array([p.by_joint("spring_stiffness", k) for k in (0, 1)])
-    relaxed = np.array([p.by_joint("spring_preload_angle", k) for k in (0, 1)])
+    stiffness, relaxed = springs(p)
 
     def work(theta: float) -> float:
         stretched = relaxed - np.array([1.0, 2.0]) * theta

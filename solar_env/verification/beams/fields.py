@@ -1,7 +1,5 @@
 """Places, velocities and momenta of bodies from their coordinates; flexible ones by SciPy's cubic Hermite splines."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Cases of beams at rest under loads: large deflections of a cantilever, and a beam that hangs."""
 
-from __future__ import annotations
-
 import cmath
 import math
 from collections.abc import Iterator
@@ -11,14 +9,9 @@ import numpy as np
 from solar_env.mechanics.analysis.statics import static_equilibrium
 from solar_env.mechanics.mechanism.beams import PANEL, Beam, cantilever
 from solar_env.mechanics.mechanism.description import Mechanism
+from solar_env.verification.beams import theory
 from solar_env.verification.beams.fields import flexible_body, nodes
-from solar_env.verification.beams.theory import (
-    deflected_tip,
-    element_deflection_error,
-    tip_load_elastica,
-    tip_moment_circle,
-)
-from solar_env.verification.checks import Check
+from solar_env.verification.checks import Check, compare
 
 LOADS = (0.5, 1.0, 2.0, 5.0)
 NEWTON = 1e-9  # relative to the length: end of the iteration
@@ -39,29 +32,23 @@ def tip_load() -> Iterator[Check]:
     names = ("deflection w / L", "shortening u / L", "tip angle [rad]")
     for load in LOADS:
         place, angle = solve_tip(cantilever(slender, elements, (0.0, load)))
-        bound = abs(element_deflection_error(load, slender.axial_stiffness, elements))
-        obtained = (place.imag, 1.0 - place.real, angle)
-        for name, expected, value in zip(names, tip_load_elastica(load), obtained, strict=True):
-            yield Check(
-                quantity=f"P L^2 / (E I) = {load:g}: {name}, {elements} elements",
-                expected=expected,
-                obtained=value,
-                tolerance=2.0 * bound + 4.0 * load / slender.axial_stiffness,
-                source=ELASTICA,
-            )
+        bound = abs(theory.element_deflection_error(load, slender.axial_stiffness, elements))
+        figures = zip(names, theory.tip_load_elastica(load), (place.imag, 1.0 - place.real, angle), strict=True)
+        quantity = f"P L^2 / (E I) = {load:g}: {{}}, {elements} elements"
+        yield from compare(figures, quantity, 2.0 * bound + 4.0 * load / slender.axial_stiffness, ELASTICA)
     beam, elements = PANEL, 16
     slenderness = beam.axial_stiffness * beam.length**2 / beam.bending_stiffness
     for load in LOADS:
         force = load * beam.bending_stiffness / beam.length**2
-        exact, exact_angle = deflected_tip(beam.length, beam.axial_stiffness, beam.bending_stiffness, 1j * force)
+        exact, exact_angle = theory.deflected_tip(beam.length, beam.axial_stiffness, beam.bending_stiffness, 1j * force)
         place, angle = solve_tip(cantilever(beam, elements, (0.0, force)))
-        bound = abs(element_deflection_error(load, slenderness, elements))
-        figures = (
+        bound = abs(theory.element_deflection_error(load, slenderness, elements))
+        panel_figures = (
             (exact.imag / beam.length, place.imag / beam.length, 1.1),
             (1.0 - exact.real / beam.length, 1.0 - place.real / beam.length, 2.0),
             (exact_angle, angle, 2.0),
         )
-        for name, (expected, value, factor) in zip(names, figures, strict=True):
+        for name, (expected, value, factor) in zip(names, panel_figures, strict=True):
             yield Check(
                 quantity=f"panel, P L^2 / (E I) = {load:g}: {name}, {elements} elements",
                 expected=expected,
@@ -79,21 +66,19 @@ def tip_moment() -> Iterator[Check]:
         turn = 2.0 * math.pi * turns
         mechanism = cantilever(beam, elements, tip_torque=turn * beam.bending_stiffness / beam.length)
         place, angle = solve_tip(mechanism, load_steps=20)
-        x, y = tip_moment_circle(turn)
+        x, y = theory.tip_moment_circle(turn)
         missing = turn * (turn / elements) ** 4 / 240.0
         figures = (
             ("x / L of the tip", x, place.real / beam.length),
             ("y / L of the tip", y, place.imag / beam.length),
             ("turn of the tip [rad]", turn, angle + 2.0 * math.pi * round((turn - angle) / (2.0 * math.pi))),
         )
-        for figure, expected, obtained in figures:
-            yield Check(
-                quantity=f"{name} circle: {figure}, {elements} elements",
-                expected=expected,
-                obtained=float(obtained),
-                tolerance=1.1 * missing + NEWTON,
-                source="exact: circular arc; elements miss E I h^4 kappa^6 / 1440 and turn less by (kappa h)^4 / 240",
-            )
+        yield from compare(
+            figures,
+            f"{name} circle: {{}}, {elements} elements",
+            tolerance=1.1 * missing + NEWTON,
+            source="exact: circular arc; elements miss E I h^4 kappa^6 / 1440 and turn less by (kappa h)^4 / 240",
+        )
 
 
 def own_weight() -> Iterator[Check]:
@@ -109,16 +94,11 @@ def own_weight() -> Iterator[Check]:
         source="exact: rho A g L^2 / (2 E A), a quadratic field, which the element contains",
     )
     elements = 16
-    exact, _ = deflected_tip(
+    exact, _ = theory.deflected_tip(
         beam.length, beam.axial_stiffness, beam.bending_stiffness, line_load=-1j * beam.linear_density * gravity
     )
     drooping, _ = solve_tip(cantilever(beam, elements, gravity=(0.0, -gravity)))
     turn = 0.5 * beam.linear_density * gravity * beam.length**3 / beam.bending_stiffness  # of linear theory, times 3
-    for name, expected, obtained in (("x", exact.real, drooping.real), ("y", exact.imag, drooping.imag)):
-        yield Check(
-            quantity=f"drooping beam: {name} of the tip [m], {elements} elements",
-            expected=expected,
-            obtained=obtained,
-            tolerance=beam.length * turn**3 / (384.0 * elements**4),  # h^4 max |r''''| / 384, cubic interpolation
-            source=EXTENSIBLE,
-        )
+    bound = beam.length * turn**3 / (384.0 * elements**4)  # h^4 max |r''''| / 384, cubic interpolation
+    figures = (("x", exact.real, drooping.real), ("y", exact.imag, drooping.imag))
+    yield from compare(figures, f"drooping beam: {{}} of the tip [m], {elements} elements", bound, EXTENSIBLE)

@@ -10,8 +10,6 @@ This is the strain-based form of the geometrically exact beam (J. C. Simo and L.
 849) without shear: nothing is shared with elements that interpolate positions and slopes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any
 

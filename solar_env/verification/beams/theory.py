@@ -4,8 +4,6 @@ The beam does not shear; its moment is E I times the turn per undeformed length,
 stretch. Quantities are of a cantilever along the x axis, clamped at the origin, unless a function says otherwise.
 """
 
-from __future__ import annotations
-
 import cmath
 import math
 

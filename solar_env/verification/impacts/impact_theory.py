@@ -4,8 +4,6 @@ With u = depth' / v the equation separates into u du / (1 + d u) = -K depth^n d(
 integrates to (u - ln(1 + d u) / d) / d on the left and a power of the depth on the right.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,13 +1,10 @@
-"""An open chain of rigid bodies in minimal coordinates: the angles of the bodies, and the place of a free
-base.
+"""An open chain of rigid bodies in minimal coordinates: the angles of the bodies, and the place of a free base.
 
-With complex numbers for points of the plane, centroid i lies at p + sum over k of s_ik exp(i angle_k): the
-base point p, and constant arms s_ik from pin to pin and from the last pin to the centroid. Lagrange's
-equations follow from these arms without constraints. Integrated with SciPy's DOP853 (E. Hairer, S. P. Norsett
-and G. Wanner, Solving Ordinary Differential Equations I, 1993).
+With complex numbers for points of the plane, centroid i lies at p + sum over k of s_ik exp(i angle_k): the base point
+p, and constant arms s_ik from pin to pin and from the last pin to the centroid. Lagrange's equations follow from these
+arms without constraints. Integrated with SciPy's DOP853 (E. Hairer, S. P. Norsett and G. Wanner, Solving Ordinary
+Differential Equations I, 1993).
 """
-
-from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -46,9 +43,7 @@ class Chain:
     """
 
     def __init__(self, links: Sequence[ChainLink], free: bool = False, gravity: float = 0.0) -> None:
-        self.links = tuple(links)
-        self.free = free
-        self.gravity = gravity
+        self.links, self.free, self.gravity = tuple(links), free, gravity
         self.size = len(self.links) + (2 if free else 0)
         n = len(self.links)
         self.arms = np.zeros((n, n), dtype=complex)
@@ -97,8 +92,7 @@ class Chain:
             angles, rates: (n,) at t = 0 [rad, rad/s].
             torques: of angles and rates, (n,) [N m].
             times: when to sample [s]; the last one ends the run.
-            coupling: rows (n,) (c, g) of a constraint c . angles = const that acts through torques
-                proportional to g.
+            coupling: rows (n,) (c, g) of a constraint c . angles = const that acts through torques proportional to g.
             stop: event that ends the run when it crosses zero.
         """
         n = len(self.links)

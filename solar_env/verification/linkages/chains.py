@@ -1,7 +1,5 @@
 """Cases of open chains: natural coordinates with constraints against minimal coordinates without."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 
@@ -10,7 +8,7 @@ import numpy as np
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
 from solar_env.mechanics.mechanism.textbook import STANDARD_GRAVITY, Link, double_pendulum
 from solar_env.mechanics.running.simulation import Simulation
-from solar_env.verification.checks import Check
+from solar_env.verification.checks import Check, compare
 from solar_env.verification.linkages.chain_theory import MINIMAL, Chain, ChainLink
 
 
@@ -32,16 +30,7 @@ def double_pendulum_motion() -> Iterator[Check]:
     for integrator, tolerance in choices:
         simulation = Simulation(double_pendulum(upper, lower, angles, spins), integrator)
         simulation.advance(duration)
-        figures = (
-            ("elbow", elbow, simulation.state.q[2:4]),
-            ("tip", tip, simulation.state.q[6:8]),
-        )
+        figures = (("elbow", elbow, simulation.state.q[2:4]), ("tip", tip, simulation.state.q[6:8]))
         for name, expected, obtained in figures:
-            for axis, value, own in zip("xy", expected, obtained, strict=True):
-                yield Check(
-                    quantity=f"{axis} of the {name} at t = 2 s [m], {integrator.name}",
-                    expected=float(value),
-                    obtained=float(own),
-                    tolerance=tolerance,
-                    source=MINIMAL,
-                )
+            quantity = f"{{}} of the {name} at t = 2 s [m], {integrator.name}"
+            yield from compare(zip("xy", expected, obtained, strict=True), quantity, tolerance, MINIMAL)

@@ -1,7 +1,5 @@
 """Cases of closed loops with a prescribed crank and ideal pins: slider-crank and four-bar."""
 
-from __future__ import annotations
-
 import cmath
 import math
 from collections.abc import Callable, Iterator
@@ -20,6 +18,9 @@ from solar_env.verification.linkages.linkage_theory import LinkageState, four_ba
 
 CRANK, ROD, SLIDER_MASS = Link(0.05, 0.30, 1e-4), Link(0.12, 0.21, 2.5e-4), 0.14
 RATE = 5000.0 * 2.0 * math.pi / 60.0  # rad/s
+# Crank, coupler, rocker, distance of the ground pins [m], rate [rad/s]; the crank's first angle [rad].
+FOUR_BAR = (Link.slender(0.10, 0.10), Link(0.35, 0.5, 0.004), Link.slender(0.25, 0.25), 0.40, 2.0 * math.pi)
+FOUR_BAR_START = 0.5
 SAMPLES = 720  # per turn; an extreme is missed by at most 5e-6 of its value
 NEWTON_EULER = "closed-form kinematics and Newton-Euler inverse dynamics"
 FLORES = "closed form for the data of P. Flores, Nonlinear Dyn. 61 (2010) 633, to the digits given"
@@ -69,7 +70,6 @@ def _compare(
         expected = np.array([state[name] for state in states])
         yield Check(
             quantity=f"{name}: greatest difference over the amplitude, {integrator.name}",
-            expected=0.0,
             obtained=float(np.abs(obtained - expected).max() / np.abs(expected).max()),
             tolerance=tolerance,
             source=NEWTON_EULER,
@@ -121,15 +121,16 @@ def slider_crank_cycle() -> Iterator[Check]:
         yield from _compare(exact, figures, integrator, tolerance)
 
 
+def rocker_state(turned: float) -> LinkageState:
+    """State of the ideal crank-rocker when its crank has turned by an angle [rad]."""
+    return four_bar_state(*FOUR_BAR, FOUR_BAR_START + turned, STANDARD_GRAVITY)
+
+
 def four_bar_cycle() -> Iterator[Check]:
     """Crank-rocker under gravity with ideal pins over one turn."""
-    rate, start, ground = 2.0 * math.pi, 0.5, 0.40
-    crank, coupler, rocker = Link.slender(0.10, 0.10), Link(0.35, 0.5, 0.004), Link.slender(0.25, 0.25)
-    mechanism = four_bar(crank, coupler, rocker, ground, rate, start)
+    rate = FOUR_BAR[-1]
     for integrator, tolerance in _integrators(rate):
-        turned, figures = _turn(mechanism, integrator, rate, _rocker)
-        states = [
-            four_bar_state(crank, coupler, rocker, ground, rate, start + angle, STANDARD_GRAVITY) for angle in turned
-        ]
+        turned, figures = _turn(four_bar(*FOUR_BAR, FOUR_BAR_START), integrator, rate, _rocker)
+        states = [rocker_state(angle) for angle in turned]
         exact = [_expected(state, ROCKER_NAMES) for state in states]
         yield from _compare(exact, figures, integrator, tolerance)

@@ -1,13 +1,9 @@
-"""Slider-crank and four-bar with a uniformly turning crank: closed-form kinematics and Newton-Euler inverse
-dynamics.
+"""Slider-crank and four-bar with a uniformly turning crank: closed-form kinematics, Newton-Euler inverse dynamics.
 
-Complex numbers stand for vectors of the plane. Differentiating the closed loop once and twice gives the rates
-of the driven links; moments about two pins give the force in the last moving pin, and balances of forces the
-other ones (J. J. Uicker, G. R. Pennock and J. E. Shigley, Theory of Machines and Mechanisms, Oxford
-University Press).
+Complex numbers stand for vectors of the plane. Differentiating the closed loop once and twice gives the rates of the
+driven links; moments about two pins give the force in the last moving pin, and balances of forces the other ones
+(J. J. Uicker, G. R. Pennock and J. E. Shigley, Theory of Machines and Mechanisms, Oxford University Press).
 """
-
-from __future__ import annotations
 
 import cmath
 import math
@@ -60,8 +56,7 @@ def slider_crank_state(crank: Link, rod: Link, slider_mass: float, rate: float, 
     spin_rate = (spin**2 * rod_y - pin_acceleration.imag) / rod_x
     along_acceleration = (1j * spin_rate - spin**2) * along
     slider_acceleration = (pin_acceleration + along_acceleration).real
-    # Force on the slider: axial from its own inertia, transverse from the moments on the rod about the crank
-    # pin.
+    # Force on the slider: axial from its own inertia, transverse from the moments on the rod about the crank pin.
     rod_acceleration = pin_acceleration + along_acceleration / 2.0
     axial = slider_mass * slider_acceleration
     inertial = _inertia_moment(rod, along / 2.0, rod_acceleration, spin_rate)
@@ -85,8 +80,7 @@ def four_bar_state(
 ) -> LinkageState:
     """Open four-bar at a crank angle [rad] and a uniform rate [rad/s]; gravity towards -y."""
     pin = cmath.rect(crank.length, angle)
-    # Freudenstein: the rocker's angle from the triangle over the diagonal between its ground pin and the
-    # crank pin.
+    # Freudenstein: the rocker's angle from the triangle over the diagonal between its ground pin and the crank pin.
     diagonal = pin - ground_length
     cosine = (rocker.length**2 + abs(diagonal) ** 2 - coupler.length**2) / (2.0 * rocker.length * abs(diagonal))
     rocker_arm = cmath.rect(rocker.length, cmath.phase(diagonal) - math.acos(cosine))
@@ -108,8 +102,7 @@ def four_bar_state(
     crank_effective = pin_acceleration / 2.0 + up
     coupler_effective = pin_acceleration + (1j * coupler_spin_rate - coupler_spin**2) * coupler_arm / 2.0 + up
     rocker_effective = (1j * rocker_spin_rate - rocker_spin**2) * rocker_arm / 2.0 + up
-    # Force F on the rocker at its moving pin: moments on the coupler about the crank pin, on the rocker about
-    # its own.
+    # Force F on the rocker at its moving pin: moments on the coupler about the crank pin, on the rocker about its own.
     moments = [
         -_inertia_moment(coupler, coupler_arm / 2.0, coupler_effective, coupler_spin_rate),
         _inertia_moment(rocker, rocker_arm / 2.0, rocker_effective, rocker_spin_rate),

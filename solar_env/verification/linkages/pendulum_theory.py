@@ -4,8 +4,6 @@ E. T. Whittaker, A Treatise on the Analytical Dynamics of Particles and Rigid Bo
 section 44.
 """
 
-from __future__ import annotations
-
 import math
 
 from scipy.special import ellipj, ellipk

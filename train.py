@@ -1,7 +1,7 @@
 """Train a controller that deploys the solar array softly, and compare it with the baselines.
 
-``python train.py`` trains on flexible panels, or on the physics of ``--model``, and leaves a run folder;
-``tensorboard --logdir runs`` shows the training, ``python -m agents.evaluate --controllers passive runs/<run>``
+`python train.py` trains on flexible panels, or on the physics of `--model`, and leaves a run folder;
+`tensorboard --logdir runs` shows the training, `python -m agents.evaluate --controllers passive runs/<run>`
 compares runs.
 """
 

@@ -1,6 +1,4 @@
-"""The command line: ``python -m solar_env COMMAND --help``."""
-
-from __future__ import annotations
+"""The command line: `python -m solar_env COMMAND --help`."""
 
 import argparse
 import importlib

@@ -79,7 +79,7 @@ def chain(
 ) -> Mechanism:
     """A chain of bodies of random shape in a random motion, with given joint angles and eccentricities (joints, 2).
 
-    Joint ``k`` is called "joint k"; signs alternate, so that both senses of a joint angle occur.
+    Joint `k` is called "joint k"; signs alternate, so that both senses of a joint angle occur.
     """
     bodies, joints = [], []
     position, angle = rng.normal(size=2), float(rng.uniform(-3.0, 3.0))
@@ -158,7 +158,7 @@ def block(
 
 
 def rotor(torque_angle: float = 1.0) -> Mechanism:
-    """A wheel of 2 kg m2 about its centroid on an ideal pin, at rest, with a latch at ``torque_angle``."""
+    """A wheel of 2 kg m2 about its centroid on an ideal pin, at rest, with a latch at `torque_angle`."""
     wheel = Body("wheel", 1.0, 2.0, length=1.0, centroid=(0.0, 0.0))
     stop = Stop(gap=0.01, stiffness=100.0, exponent=1.0, ramp_depth=1e-3, damping=10.0)
     pin = Joint("pin", GROUND, "wheel", (0.0, 0.0), (0.0, 0.0), stop=stop, lock_angle=torque_angle)
@@ -190,7 +190,7 @@ class Forces:
         return forces
 
     def force(self, q: Vector, v: Vector) -> Vector:
-        """Generalized force of all joints, gravity left out; loads and powers are left in ``work``."""
+        """Generalized force of all joints, gravity left out; loads and powers are left in `work`."""
         total = np.zeros_like(q)
         joint_forces(
             self.model, self.state.joints, self.work.impact_speeds, q, v, self.work.loads, total, self.work.power
@@ -253,7 +253,7 @@ def central_difference(function: Callable[[Vector], Vector], x: Vector, step: fl
 
 
 def fingerprint(state: m.State, skip: tuple[str, ...] = ()) -> str:
-    """Hash of all bits of a state, but for the arrays in ``skip``."""
+    """Hash of all bits of a state, but for the arrays in `skip`."""
     digest = hashlib.sha256()
     for name, array in zip(state._fields, state, strict=True):
         if name not in skip:
@@ -268,12 +268,12 @@ def orders(errors: list[float]) -> Vector:
 
 
 def single_steps(mechanism: Mechanism, integrator: Any) -> Simulation:
-    """A simulation whose calls stop after one attempted step: ``attempt`` then takes the next one."""
+    """A simulation whose calls stop after one attempted step: `attempt` then takes the next one."""
     return Simulation(mechanism, replace(integrator, max_steps=1))
 
 
 def attempt(simulation: Simulation, end_time: float) -> bool:
-    """Let a simulation of :func:`single_steps` try one step; whether it has reached ``end_time``."""
+    """Let a simulation of `single_steps` try one step; whether it has reached `end_time`."""
     from solar_env.mechanics.running.errors import SimulationError
 
     try:

@@ -93,7 +93,7 @@ class Validation(EvalCallback):
         return goes_on
 
     def restore(self, log: Path) -> None:
-        """Continue the history in `log`, an ``evaluations.npz``, and its best mean return."""
+        """Continue the history in `log`, an `evaluations.npz`, and its best mean return."""
         with np.load(log) as history:
             self.evaluations_timesteps = history["timesteps"].tolist()
             self.evaluations_results = history["results"].tolist()

@@ -1,10 +1,10 @@
 """The deployable solar array: its parameters with their sources and presets, and the mechanism that they describe.
 
-``names`` refuses unknown names; ``parameters`` holds the values and their checks, ``construction`` turns them into a
-mechanism, ``methods`` says which integrator a model gets, ``deployment`` simulates one, ``ladder`` chooses the cheapest
+`names` refuses unknown names; `parameters` holds the values and their checks, `construction` turns them into a
+mechanism, `methods` says which integrator a model gets, `deployment` simulates one, `ladder` chooses the cheapest
 model for a question.
 
-Imports ``mechanics`` alone. A new parameter is a field of ``ArrayParameters`` and its use in ``construction``.
+Imports `mechanics` alone. A new parameter is a field of `ArrayParameters` and its use in `construction`.
 """
 
 from solar_env.array.construction import build as build

@@ -13,7 +13,7 @@ from solar_env.mechanics.mechanism.description import AnyBody, Body, CableLoop, 
 def _panel(
     p: ArrayParameters, name: str, elements: int | None, hinge: Point, angle: float, velocity: Point, spin: float
 ) -> AnyBody:
-    """A panel as a rigid body (``elements`` None) or as a beam; ``velocity`` is that of its hinge."""
+    """A panel as a rigid body (`elements` None) or as a beam; `velocity` is that of its hinge."""
     section = p.panel_width * p.panel_thickness
     if elements is None:
         mass = p.panel_density * section * p.panel_length

@@ -30,7 +30,7 @@ def simulate(
 
     Args:
         parameters: a parameter set, or changes to the default one by name.
-        model: one of ``array.MODELS``.
+        model: one of `array.MODELS`.
         elements: beam elements of each panel; rigid models do not use it.
         duration: [s].
         integrator: defaults to `default_integrator` of the model.
@@ -38,7 +38,7 @@ def simulate(
         progress: called with the simulated time [s] now and then; the result does not depend on it.
 
     Returns:
-        The trajectory. With flexible panels and the explicit integrator, look at its ``stability_bound_share``: where
+        The trajectory. With flexible panels and the explicit integrator, look at its `stability_bound_share`: where
         it is large, the stability of the method on the panels' axial vibration sets the cost of the run, and a looser
         tolerance does not make it cheaper.
 
@@ -47,7 +47,7 @@ def simulate(
         SimulationError: if the run cannot go on.
 
     Warns:
-        SimulationWarning: if the result is less accurate than it looks, see ``Simulation.check``; or if the contact law
+        SimulationWarning: if the result is less accurate than it looks, see `Simulation.check`; or if the contact law
             does not give the restitution that is asked for.
     """
     if not isinstance(parameters, ArrayParameters):

@@ -1,6 +1,6 @@
 """The ladder of model levels: its questions, and the cheapest level that answers one to a tolerance.
 
-Errors and costs of the levels are read from a table that ``python -m solar_env ladder`` measured.
+Errors and costs of the levels are read from a table that `python -m solar_env ladder` measured.
 """
 
 import csv
@@ -33,7 +33,7 @@ class Answer:
 
     Attributes:
         question: one of QUESTIONS.
-        model: one of ``array.MODELS``.
+        model: one of `array.MODELS`.
         elements: of each flexible panel; 0 with rigid panels.
         error: of the mean over an ensemble, relative, against the reference: the finest level of the table. Of the
             worst joint, where there are several.
@@ -69,7 +69,7 @@ def level_name(model: str, elements: int) -> str:
 
 
 def read_answers(path: Path = PACKAGED_TABLE) -> tuple[Answer, ...]:
-    """Read the table of the package, or another one that ``python -m solar_env ladder`` wrote.
+    """Read the table of the package, or another one that `python -m solar_env ladder` wrote.
 
     Raises:
         ValueError: if the file does not exist or is not such a table.
@@ -88,7 +88,7 @@ def read_answers(path: Path = PACKAGED_TABLE) -> tuple[Answer, ...]:
 def steps(answers: Iterable[Answer], question: str) -> tuple[Answer, ...]:
     """The levels that `cheapest` chooses for one tolerance or another, from the finest to the cheapest.
 
-    A level is chosen from its ``bound`` on, up to the bound of the next.
+    A level is chosen from its `bound` on, up to the bound of the next.
     """
     chosen: list[Answer] = []
     for answer in sorted((a for a in answers if a.question == question), key=lambda a: (a.bound, a.cost_ratio)):

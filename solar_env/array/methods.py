@@ -12,7 +12,7 @@ def default_integrator(model: str) -> RungeKutta:
     """The integrator that a model gets when none is named.
 
     Linearly implicit with flexible panels, whose stiff vibrations would bound explicit steps. The tolerances come from
-    measured errors: angles, latch times and statistics of impacts (``python -m solar_env chart``).
+    measured errors: angles, latch times and statistics of impacts (`python -m solar_env chart`).
     """
     if has_flexible_panels(model):
         return Rosenbrock(rtol=1e-4)
@@ -20,7 +20,7 @@ def default_integrator(model: str) -> RungeKutta:
 
 
 def _settings(name: str, model: str) -> Integrator:
-    """The method ``name`` with the settings that suit a model."""
+    """The method `name` with the settings that suit a model."""
     default = default_integrator(model)
     if name == default.name:
         return default
@@ -36,10 +36,10 @@ def make_integrator(name: str, model: str, step: float | None = None, rtol: floa
     """An integrator by name, as the command line takes it.
 
     Args:
-        name: of a method ("runge-kutta", "rosenbrock" and "dop853" adapt their steps, which ``step`` bounds;
-            "generalized-alpha", rho_inf = 0.8, takes a fixed ``step`` or adapts to ``rtol``) or "paper"
+        name: of a method ("runge-kutta", "rosenbrock" and "dop853" adapt their steps, which `step` bounds;
+            "generalized-alpha", rho_inf = 0.8, takes a fixed `step` or adapts to `rtol`) or "paper"
             (generalized-alpha with beta = 1/4, gamma = 1/2 and a fixed step, 1e-4 s by default).
-        model: one of ``array.MODELS``.
+        model: one of `array.MODELS`.
         step: [s].
         rtol: local error tolerance.
 

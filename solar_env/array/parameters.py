@@ -222,7 +222,7 @@ class ArrayParameters:
         return value if isinstance(value, tuple) else (value,)
 
     def by_joint(self, name: str, joint: int) -> float:
-        """Entry of a quantity by joint for ``joint``, counted from 0; the last one holds for all further joints."""
+        """Entry of a quantity by joint for `joint`, counted from 0; the last one holds for all further joints."""
         entries = self._entries(name)
         return float(entries[min(joint, len(entries) - 1)])
 
@@ -317,7 +317,7 @@ PRESETS: dict[str, dict[str, Any]] = {
 
 
 def check_model(model: str) -> str:
-    """Return ``model`` if it is one of MODELS.
+    """Return `model` if it is one of MODELS.
 
     Raises:
         ValueError: otherwise.
@@ -337,7 +337,7 @@ def has_flexible_panels(model: str) -> bool:
 
 
 def check_elements(elements: int) -> int:
-    """Return ``elements`` if a panel can be divided into so many beam elements.
+    """Return `elements` if a panel can be divided into so many beam elements.
 
     Raises:
         ValueError: otherwise.

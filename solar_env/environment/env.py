@@ -143,7 +143,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         return self._episodes.parameters[0]
 
     def futures(self, lanes: int, threads: int | None = None) -> Episodes:
-        """Copies of the present episode to try its futures with, while it stays as it is; see ``Episodes.futures``."""
+        """Copies of the present episode to try its futures with, while it stays as it is; see `Episodes.futures`."""
         return self._episodes.futures(0, lanes, threads)
 
     def reset(
@@ -179,7 +179,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             SimulationError: if the simulation cannot go on.
 
         Warns:
-            SimulationWarning: if the episode was less accurate than it looks, see ``Simulation.check``.
+            SimulationWarning: if the episode was less accurate than it looks, see `Simulation.check`.
         """
         episodes = self._episodes
         if episodes.terminated[0]:

@@ -44,7 +44,7 @@ class Episodes:
         designs: parameters by lane, before anything is drawn.
         parameters: by lane, of the present episode.
         observations: (lanes, entries) float32, the latest, as the sensors show them.
-        terms: (lanes, terms) of the latest reward, in the order of ``settings.prices.names``.
+        terms: (lanes, terms) of the latest reward, in the order of `settings.prices.names`.
         rewards: (lanes,) their sums.
         terminated: (lanes,) whether the present episode has ended.
     """
@@ -57,7 +57,7 @@ class Episodes:
         Args:
             settings: of the environment; with a render mode, force peaks are kept for frames.
             designs: parameters by lane, before anything is drawn.
-            threads: see ``Batch``.
+            threads: see `Batch`.
         """
         self.settings, self.designs, self.parameters = settings, tuple(designs), list(designs)
         lanes, terms = len(designs), len(settings.prices.names)
@@ -149,7 +149,7 @@ class Episodes:
             SimulationError: if a simulation cannot go on.
 
         Warns:
-            SimulationWarning: as ``Simulation.check``.
+            SimulationWarning: as `Simulation.check`.
         """
         begin_periods(self.batch.states, self._numbers, lanes, actions, self._end_times)
         self.batch.advance(lanes, self._end_times)
@@ -216,7 +216,7 @@ class Episodes:
 
         Raises:
             gymnasium.error.ResetNeeded: before the first reset.
-            ValueError: if ``count`` or ``threads`` is not positive.
+            ValueError: if `count` or `threads` is not positive.
         """
         state, parameters = self.batch.simulations[lane].state, self.parameters[lane]
         simulations = [self.settings.simulation(parameters) for _ in range(count)]
@@ -239,7 +239,7 @@ class Episodes:
         """The physical figures of an episode, after a look at its accuracy.
 
         Warns:
-            SimulationWarning: if it was less accurate than it looks, see ``Simulation.check``.
+            SimulationWarning: if it was less accurate than it looks, see `Simulation.check`.
         """
         simulation = self.batch.simulations[lane]
         simulation.check()

@@ -33,9 +33,9 @@ class Observable(NamedTuple):
         low, high: bounds in that unit, to which it is clipped.
         code: of `reading`.
         by_joint: whether there is one entry a joint.
-        noise: name of the standard deviation in ``Hardware``; None where the reading is exact.
-        encoder: whether it is read in steps of ``Hardware.encoder_resolution``.
-        delayed: whether it is shown ``Hardware.sensor_delay`` control periods late.
+        noise: name of the standard deviation in `Hardware`; None where the reading is exact.
+        encoder: whether it is read in steps of `Hardware.encoder_resolution`.
+        delayed: whether it is shown `Hardware.sensor_delay` control periods late.
     """
 
     name: str
@@ -114,7 +114,7 @@ def observation_entries(joints: int, observation: str | Names) -> tuple[Entry, .
 
     Args:
         joints: number of joints.
-        observation: one of ``OBSERVATIONS``, or names of ``OBSERVABLES``; "theta_2_ago" is the theta of two control
+        observation: one of `OBSERVATIONS`, or names of `OBSERVABLES`; "theta_2_ago" is the theta of two control
             periods ago, and the names in a tuple take turns joint by joint.
 
     Raises:
@@ -158,7 +158,7 @@ def channels(measured: Sequence[tuple[Observable, int]]) -> NDArray[np.void]:
 
 @kernel(inner=True)
 def reading(code, j, model, state, task):
-    """The exact value of a quantity, in its unit, at joint ``j``."""
+    """The exact value of a quantity, in its unit, at joint `j`."""
     joint, own = model.joints[j], state.joints[j]
     if code in (THETA, RATE, MAIN_BODY_SPIN):
         angle, rate, _, inboard_spin = joint_motion(joint, model.markers, state.q, state.v)
@@ -188,7 +188,7 @@ def reading(code, j, model, state, task):
 
 @kernel(single_caller=True)
 def observe(model, state, task, channels, out):
-    """Write the exact values of all channels (measured,), within their bounds, to ``out`` (measured,) float32."""
+    """Write the exact values of all channels (measured,), within their bounds, to `out` (measured,) float32."""
     for k in range(channels.size):
         channel = channels[k]
         out[k] = reading(channel.code, channel.joint, model, state, task)

@@ -24,7 +24,7 @@ def end_periods(models, states, task, channels, charges, lanes, charged, terms, 
         channels: (measured,) of `observations.channels`.
         charges: (terms,) of `reward.Reward`.
         lanes: (k,) indices.
-        charged: (lanes, terms, 2) of ``reward.charge``; updated.
+        charged: (lanes, terms, 2) of `reward.charge`; updated.
         terms: (lanes, terms) of the reward; written, as is all that follows.
         rewards: (lanes,) their sums.
         observations: (lanes, measured) float32.

@@ -24,7 +24,7 @@ FIGURE, READING = range(2)
 
 @dataclass(frozen=True)
 class Price:
-    """The price of a figure, which costs ``weight * min(figure / scale, bound)``.
+    """The price of a figure, which costs `weight * min(figure / scale, bound)`.
 
     Attributes:
         scale: amount of the figure that costs 1 at a weight of 1, in the unit of the figure.
@@ -98,7 +98,7 @@ class Reward:
 
     Attributes:
         prices: by name, of all terms.
-        names: of the terms that are charged, whose weight is not zero, in the order of ``REWARD_TERMS``.
+        names: of the terms that are charged, whose weight is not zero, in the order of `REWARD_TERMS`.
         charges: (names,) codes, growths and prices of these terms, for the kernels.
     """
 
@@ -178,7 +178,7 @@ def cost(price, figure):
 
 @kernel(single_caller=True)
 def charge(model, state, task, charges, charged, terms):
-    """Write to ``terms`` (terms,) minus what a period has cost, bring ``charged`` up to date, and return the sum.
+    """Write to `terms` (terms,) minus what a period has cost, bring `charged` up to date, and return the sum.
 
     Args:
         model, state: of the array.

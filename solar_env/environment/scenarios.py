@@ -123,7 +123,7 @@ def checked_ranges(parameters: ArrayParameters, ranges: Ranges) -> Ranges:
 
 
 def _checked_bound(name: str, bound: Any, joints: int | None) -> Bound:
-    """A bound as a number, or with an entry for each of ``joints``: the last one given holds for all further ones."""
+    """A bound as a number, or with an entry for each of `joints`: the last one given holds for all further ones."""
     entries = bound if isinstance(bound, (tuple, list, np.ndarray)) else (bound,)
     for entry in entries:
         if isinstance(entry, bool) or not isinstance(entry, Real) or not math.isfinite(entry):

@@ -26,7 +26,7 @@ Changes = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class EnvironmentSettings:
-    """The keywords of ``gymnasium.make`` and ``gymnasium.make_vec`` that describe an environment.
+    """The keywords of `gymnasium.make` and `gymnasium.make_vec` that describe an environment.
 
     Attributes:
         model: "rigid-clearance", "rigid-ideal", "flexible-clearance" or "flexible-ideal". With ideal joints the joint
@@ -78,7 +78,7 @@ class EnvironmentSettings:
 
     @classmethod
     def of(cls, keywords: Changes) -> Self:
-        """Settings from keywords, with what the scenario and ``model="auto"`` stand for in their place.
+        """Settings from keywords, with what the scenario and `model="auto"` stand for in their place.
 
         Raises:
             TypeError: for an unknown keyword; the message names the closest ones.

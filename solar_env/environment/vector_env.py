@@ -26,19 +26,19 @@ Results = tuple[Observation, NDArray[np.float64], Flags, Flags, dict[str, Any]]
 class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
     """Several of `solar_env.SolarArrayEnv`, which describes actions, observations, rewards and info.
 
-    ``gymnasium.make_vec("solar_env/Deploy-v0", num_envs=64)`` makes it. All lanes advance in one compiled call a
+    `gymnasium.make_vec("solar_env/Deploy-v0", num_envs=64)` makes it. All lanes advance in one compiled call a
     thread, without the interpreter lock; the threads share a queue of lanes, so that lanes full of impacts do not keep
     the others waiting. Lane i gives what a single environment gives with the same seed and actions, to the last bit,
     whatever the number of lanes and threads. Returned arrays are the caller's.
 
-    It keeps to the conventions of ``gymnasium.vector.SyncVectorEnv``: an integer seed s gives lane i the seed s + i,
-    ``info`` holds arrays with masks, and in autoreset mode SAME_STEP ``final_obs`` and ``final_info``. With DISABLED,
-    ``reset(options={"reset_mask": mask})`` begins new episodes in some lanes.
+    It keeps to the conventions of `gymnasium.vector.SyncVectorEnv`: an integer seed s gives lane i the seed s + i,
+    `info` holds arrays with masks, and in autoreset mode SAME_STEP `final_obs` and `final_info`. With DISABLED,
+    `reset(options={"reset_mask": mask})` begins new episodes in some lanes.
 
     Args:
         num_envs: number of lanes.
         max_episode_steps: control periods after which an episode is truncated; None for none.
-        autoreset_mode: a ``gymnasium.vector.AutoresetMode``, or its value.
+        autoreset_mode: a `gymnasium.vector.AutoresetMode`, or its value.
         num_threads: most threads; by default as many as there are processors for this process.
         keywords: those of `solar_env.environment.settings.EnvironmentSettings`; `parameters` may also be a
             sequence with an entry for every lane.
@@ -164,7 +164,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
             SimulationError: if a simulation cannot go on.
 
         Warns:
-            SimulationWarning: if an episode was less accurate than it looks, see ``Simulation.check``.
+            SimulationWarning: if an episode was less accurate than it looks, see `Simulation.check`.
         """
         if np.shape(actions) != self._actions.shape:
             raise ValueError(f"actions have shape {np.shape(actions)}, expected {self._actions.shape}")
@@ -219,7 +219,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
             self._add_info(infos, episodes.info(lane), lane)
 
     def restore(self, lane: int, saved: SavedEpisode) -> None:
-        """Go on with a saved episode in one lane; see ``Lane.restore_episode``."""
+        """Go on with a saved episode in one lane; see `Lane.restore_episode`."""
         self.episodes.restore(lane, saved)
         self._ended[lane] = False
         self._elapsed[lane] = round(self.episodes.times[lane] / self.task.control_period)

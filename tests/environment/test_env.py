@@ -53,7 +53,7 @@ def main_body_spin(state):
 
 @pytest.fixture(scope="module", params=MODELS)
 def passive(request):
-    """The model, and what :func:`deploy` returns of its passive deployment."""
+    """The model, and what `deploy` returns of its passive deployment."""
     return request.param, deploy(make(request.param))
 
 

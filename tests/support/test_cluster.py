@@ -1,4 +1,4 @@
-"""Campaigns on a Ray cluster: run with ``pytest -m cluster`` where ``pip install -e ".[cluster]"`` was run."""
+"""Campaigns on a Ray cluster: run with `pytest -m cluster` where `pip install -e ".[cluster]"` was run."""
 
 from __future__ import annotations
 

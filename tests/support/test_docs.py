@@ -1,4 +1,4 @@
-"""The pages of the interface: ``pip install -e ".[docs]" && pytest -m docs``."""
+"""The pages of the interface: `pip install -e ".[docs]" && pytest -m docs`."""
 
 import re
 import subprocess

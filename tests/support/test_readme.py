@@ -25,7 +25,7 @@ MOST_LINES = 200
 
 
 def fenced(text, language):
-    return re.findall(rf"```{language}\n(.*?)```", text, re.DOTALL)
+    return re.findall(rf"``{language}\n(.*?)``", text, re.DOTALL)
 
 
 WITH_PROGRAMS = [page for page, text in TEXTS.items() if fenced(text, "python") and "contributing" not in page]
@@ -43,7 +43,7 @@ def test_the_pages_that_show_programs_are_those_of_users():
 
 
 def commands():
-    """Every command line of the pages, in blocks and between backticks, as words without ``python``."""
+    """Every command line of the pages, in blocks and between backticks, as words without `python`."""
     lines = set()
     for text in TEXTS.values():
         for block in fenced(text, ""):

@@ -1,7 +1,5 @@
 """Shapes of bodies from their coordinates, for drawing and for figures. Plain NumPy."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,15 +18,15 @@ def centreline(model: Model, q: Array, body: int, points_per_element: int = 8) -
     Args:
         model: of the mechanism.
         q: (..., n) generalized coordinates, at one time or at several.
-        body: row of the body in ``model.bodies``.
+        body: row of the body in `model.bodies`.
         points_per_element: points on every element beyond its first node, 1 or more.
 
     Returns:
         (..., k, 2) points [m]; k = elements * points_per_element + 1, or 2 for a rigid body. They share no memory
-        with ``q``.
+        with `q`.
 
     Raises:
-        ValueError: if ``points_per_element`` is below 1.
+        ValueError: if `points_per_element` is below 1.
     """
     if points_per_element < 1:
         raise ValueError(f"points_per_element = {points_per_element!r} must be at least 1")

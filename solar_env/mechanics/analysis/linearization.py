@@ -1,6 +1,6 @@
 """Small motions about the initial state: mass, damping, stiffness, constraints, and natural frequencies.
 
-The matrices are those of Newton's equations of the implicit integrator (``alpha_step.py``).
+The matrices are those of Newton's equations of the implicit integrator (`alpha_step.py`).
 """
 
 import math
@@ -52,19 +52,19 @@ class NewtonEquations:
         self.moving = np.flatnonzero(model.elimination.position >= 0)  # unknowns that are not held
 
     def residual(self, model: Model) -> Matrix:
-        """(unknowns,) minus the forces' imbalance and the constraints' violation; ``model`` may bear other loads."""
+        """(unknowns,) minus the forces' imbalance and the constraints' violation; `model` may bear other loads."""
         fill_residual(model, self.state, self.iteration, self.work, 0.0, 1.0)
         return np.asarray(self.iteration.rhs)
 
     def matrix(self, model: Model) -> Matrix:
-        """(unknowns, unknowns) stiffness, bordered by the constraints. Call :meth:`residual` before."""
+        """(unknowns, unknowns) stiffness, bordered by the constraints. Call `residual` before."""
         it = self.iteration
         linearize_forces(model, self.state.joints, it.q, it.v, it.newton)
         assemble(model, it.q, it.multipliers, self.work.row_value, it.newton, (0.0, 0.0, 1.0))
         return dense(model.elimination, it.newton.matrix)
 
     def damping(self) -> Matrix:
-        """(n, n) minus the slope of the forces by velocities. Call :meth:`residual` before."""
+        """(n, n) minus the slope of the forces by velocities. Call `residual` before."""
         it, model, n = self.iteration, self.model, self.iteration.q.size
         linearize_forces(model, self.state.joints, it.q, it.v, it.newton)
         return dense(model.elimination, it.newton.damping)[:n, :n]

@@ -1,7 +1,5 @@
 """Equilibrium of a mechanism at rest, by Newton's iteration with the analytic tangent."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,7 +1,5 @@
 """Mechanisms of one structure side by side: every array has a leading axis of lanes, one row for each of them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any, TypeVar
 
@@ -25,7 +23,7 @@ def with_lane_axis(arrays: Arrays) -> Arrays:
 
 
 def allocate_lanes(arrays: Arrays, lanes: int) -> Arrays:
-    """Arrays for ``lanes`` mechanisms like the one whose arrays these are, uninitialised."""
+    """Arrays for `lanes` mechanisms like the one whose arrays these are, uninitialised."""
 
     def allocate(entry: Any) -> NDArray[Any]:
         one: NDArray[Any] = np.asarray(entry)
@@ -75,7 +73,7 @@ def _pairs(lanes: Any, arrays: Any) -> Iterator[tuple[str, NDArray[Any], Any]]:
 
 
 def _mapped(function: Any, arrays: Any) -> Any:
-    """``function`` of every array or number of a named tuple of these and of such tuples."""
+    """`function` of every array or number of a named tuple of these and of such tuples."""
     if isinstance(arrays, tuple):
         return type(arrays)(*(_mapped(function, entry) for entry in arrays))
     return function(arrays)
@@ -132,7 +130,7 @@ def lane_state(states, lane):
 
 
 def take_ticket(counter: NDArray[np.int64]) -> int:
-    """Return ``counter[0]`` and raise it by one. Compiled, this is atomic: no two threads get the same number."""
+    """Return `counter[0]` and raise it by one. Compiled, this is atomic: no two threads get the same number."""
     ticket = int(counter[0])
     counter[0] += 1
     return ticket

@@ -1,9 +1,9 @@
-"""Arrays of a compiled mechanism: the constant :class:`Model`, the mutable :class:`State`, status codes.
+"""Arrays of a compiled mechanism: the constant `Model`, the mutable `State`, status codes.
 
-Elements of one kind are rows of one structured array, so that a kernel reads ``joint.clearance`` by name
+Elements of one kind are rows of one structured array, so that a kernel reads `joint.clearance` by name
 and the number of arrays that cross from Python to a kernel stays small. All quantities are in SI units.
 
-Generalized coordinates ``q`` come body by body; what they are is known to the kind of body alone (`bodies/kinds.py`),
+Generalized coordinates `q` come body by body; what they are is known to the kind of body alone (`bodies/kinds.py`),
 which also makes the rows for bodies and for markers, that is points of bodies with a direction.
 """
 
@@ -217,11 +217,11 @@ class State(NamedTuple):
 
 
 def copy_state(state: State) -> State:
-    """Return an independent copy of ``state``."""
+    """Return an independent copy of `state`."""
     return State._make(array.copy() for array in state)
 
 
-# Status codes of the kernels; ``errors.py`` turns them into exceptions.
+# Status codes of the kernels; `errors.py` turns them into exceptions.
 (
     DONE,
     STEP_TOO_SMALL,

@@ -8,8 +8,6 @@ H. Irschik, J. Sound Vib. 318 (2008) 461, doi:10.1016/j.jsv.2008.04.019: with ot
 couple falsely). Material damping is proportional to their rates, so that rigid rotation is not damped.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from typing import Any, ClassVar
@@ -164,7 +162,7 @@ def element_blocks(bodies: Iterable[tuple[int, AnyBody]]) -> Elements:
 
 @kernel
 def add_mass_product(body, constants, a, out):
-    """Add the body's M a to ``out`` (n,)."""
+    """Add the body's M a to `out` (n,)."""
     rows = body.coordinates // 2
     for i in range(rows):
         x = body.offset + 2 * i
@@ -182,7 +180,7 @@ def add_mass_product(body, constants, a, out):
 
 @kernel
 def solve_mass(body, constants, force, a):
-    """Write the body's M^-1 force into ``a`` (n,)."""
+    """Write the body's M^-1 force into `a` (n,)."""
     rows, first = body.coordinates // 2, body.mass_factor
     fx, fy, gx, gy, hx, hy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(rows):
@@ -224,7 +222,7 @@ def kinetic_energy(body, constants, v):
 
 @kernel
 def add_mass_matrix(body, constants, weight, elimination, matrix):
-    """Add weight * (mass matrix of the body) to ``matrix``."""
+    """Add weight * (mass matrix of the body) to `matrix`."""
     for i in range(body.coordinates // 2):
         for k in range(max(0, MASS_BAND - 1 - i), MASS_BAND):
             j = i - (MASS_BAND - 1) + k

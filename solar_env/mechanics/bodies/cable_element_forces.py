@@ -3,8 +3,6 @@
 Within an element of length L everything follows from three vectors: the chord d = (r_b - r_a) / L and the slopes a, b.
 """
 
-from __future__ import annotations
-
 import math
 
 from solar_env.mechanics.bodies.cable_element_matrices import AXIAL, BENDING
@@ -69,7 +67,7 @@ def add_bending_point(point, x, bending, damping, f):
 def element_forces(lanes, constants, table):
     """Internal forces of a block of elements, several at a time in the processor's vector registers.
 
-    For that the loop has no branch, its quadrature points are written out, and all distances in ``table`` are constant.
+    For that the loop has no branch, its quadrature points are written out, and all distances in `table` are constant.
 
     Args:
         lanes: number of columns to work on.
@@ -113,9 +111,9 @@ def element_forces(lanes, constants, table):
 
 @kernel
 def add_elastic_forces(elements, q, v, force, table):
-    """Add the internal forces of all beams to ``force``; returns the power [W] that damping takes.
+    """Add the internal forces of all beams to `force`; returns the power [W] that damping takes.
 
-    ``table`` (TABLE_ROWS * LANES,) is scratch.
+    `table` (TABLE_ROWS * LANES,) is scratch.
     """
     total = 0.0
     for block in range(elements.offset.shape[0]):
@@ -149,7 +147,7 @@ def add_elastic_forces(elements, q, v, force, table):
 
 @kernel
 def add_elastic_energy(body, q, total):
-    """Strain energy [J] of a beam, added to ``total``."""
+    """Strain energy [J] of a beam, added to `total`."""
     length = body.element_length
     for e in range(body.elements):
         k = body.offset + 4 * e

@@ -1,7 +1,5 @@
 """Mass and stiffness of straight beams of cable elements, and the quadrature of their strains. Plain NumPy."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -197,7 +197,7 @@ def _scatter(elimination, matrix, k, inverse, slopes, i):
 
 @kernel
 def add_elastic_tangents(elements, q, v, slopes, elimination, stiffness, damping):
-    """Add df/dq and df/dv of the internal forces f, which resist, to two matrices (``profile.py``)."""
+    """Add df/dq and df/dv of the internal forces f, which resist, to two matrices (`profile.py`)."""
     motion = slopes.motion
     for block in range(elements.offset.shape[0]):
         offset, inverse_length = elements.offset[block], elements.inverse_length[block]

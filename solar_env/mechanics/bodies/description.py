@@ -3,8 +3,6 @@
 All quantities in SI units; angles in rad; counter-clockwise positive.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
@@ -17,7 +15,7 @@ GROUND = "ground"
 
 @dataclass(frozen=True)
 class AnyBody:
-    """What every kind of body is described by.
+    """Name and initial motion, which the descriptions of all kinds of body have.
 
     Attributes:
         name: unique name.

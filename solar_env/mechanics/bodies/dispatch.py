@@ -1,9 +1,7 @@
-"""What a body is asked for by the equations of motion. Each function chooses by the kind of body, once.
+"""Mass, forces, energies and constraints of a body by its kind: every function here chooses the kind's own.
 
 Fixed bodies, whatever their kind, have neither inertia nor accelerations.
 """
-
-from __future__ import annotations
 
 from solar_env.mechanics.bodies import cable_element, cable_element_forces, natural_coordinates, reference_point
 from solar_env.mechanics.bodies.cable_element_tangent import add_elastic_tangents
@@ -20,7 +18,7 @@ def _hold(body, a):
 
 @kernel(inner=True, inlined=True)
 def solve_body(body, constants, q, v, force, a, with_velocity):
-    """Write to ``a`` the accelerations of a body alone under a generalized ``force``; returns its own multiplier.
+    """Write to `a` the accelerations of a body alone under a generalized `force`; returns its own multiplier.
 
     Args:
         body: row of the body.
@@ -44,7 +42,7 @@ def solve_body(body, constants, q, v, force, a, with_velocity):
 
 @kernel(inner=True, inlined=True)
 def solve_free(body, constants, force, a):
-    """Write to ``a`` the body's M^-1 force: its accelerations if its own constraint did not act."""
+    """Write to `a` the body's M^-1 force: its accelerations if its own constraint did not act."""
     if body.fixed:
         _hold(body, a)
     elif body.kind == CABLE_ELEMENTS:
@@ -57,7 +55,7 @@ def solve_free(body, constants, force, a):
 
 @kernel(inlined=True)
 def add_mass_product(body, constants, a, out):
-    """Add the body's M a to ``out`` (n,)."""
+    """Add the body's M a to `out` (n,)."""
     if body.fixed:
         return
     if body.kind == CABLE_ELEMENTS:
@@ -70,7 +68,7 @@ def add_mass_product(body, constants, a, out):
 
 @kernel(inner=True)
 def add_mass_matrix(body, constants, elimination, matrix):
-    """Add the body's mass matrix to ``matrix``, which lies in a profile."""
+    """Add the body's mass matrix to `matrix`, which lies in a profile."""
     if body.fixed:
         return
     if body.kind == CABLE_ELEMENTS:
@@ -105,7 +103,7 @@ def elastic_energy(bodies, q):
 
 @kernel(inlined=True)
 def add_internal_forces(model, q, v, force, element_table):
-    """Add the internal forces of all bodies to ``force`` (n,); returns the power [W] that their damping takes."""
+    """Add the internal forces of all bodies to `force` (n,); returns the power [W] that their damping takes."""
     return cable_element_forces.add_elastic_forces(model.cable_elements, q, v, force, element_table)
 
 

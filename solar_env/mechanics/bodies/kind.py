@@ -1,7 +1,5 @@
 """Interface of a kind of body to the compiler of mechanisms: how a description becomes arrays."""
 
-from __future__ import annotations
-
 import math
 from abc import ABC, abstractmethod
 from typing import Any, ClassVar, Generic, TypeVar
@@ -42,7 +40,7 @@ class BodyKind(ABC, Generic[Described]):
 
     @abstractmethod
     def fill(self, body: Described, row: np.void, constants: list[float]) -> None:
-        """Fill the kind's members of a body's row; arrays are added to ``constants``, the row says where they begin."""
+        """Fill the kind's members of a body's row; arrays are added to `constants`, the row says where they begin."""
 
     @abstractmethod
     def fill_marker(self, body: Described, row: np.void, first: int, point: Point) -> None:

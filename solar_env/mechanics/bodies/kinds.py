@@ -1,7 +1,5 @@
 """Table of the kinds of body, and the rows of bodies and markers that hold what all of them need."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

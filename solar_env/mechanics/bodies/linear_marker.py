@@ -4,8 +4,6 @@ Place = (a1 + b1 J) p1 + (a2 + b2 J) p2 and direction = c1 p1 + p2, J being the 
 as the body, or as a beam is stretched there. Rates follow from velocities by the same map.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -132,7 +130,7 @@ def fill_slopes(marker, q, v, side, index, gradient, rate_slope):
 
 @kernel
 def subtract_hessian(marker, q, torque, elimination, matrix):
-    """Subtract torque * Hessian of the direction's angle from ``matrix``; that of the place vanishes."""
+    """Subtract torque * Hessian of the direction's angle from `matrix`; that of the place vanishes."""
     dx, dy = direction(marker, q)
     hxx, hxy = angle_hessian(dx, dy)
     for row in range(2):

@@ -1,9 +1,7 @@
-"""What a body offers at its markers: place, direction and their rates; it takes forces and torques there.
+"""Place and direction of a body's markers, their rates, and the generalized forces of loads there, by kind.
 
 Each function chooses by the marker's kind of body; nothing else looks into a marker's row.
 """
-
-from __future__ import annotations
 
 from solar_env.mechanics.bodies import linear_marker, reference_point
 from solar_env.mechanics.bodies.kinds import REFERENCE_POINT
@@ -60,7 +58,7 @@ def vector_angle(marker, q, x, y):
 
 @kernel(inlined=True)
 def add_point_force(marker, q, fx, fy, force):
-    """Add to ``force`` (n,) the generalized force of a force [N] at the marker's place."""
+    """Add to `force` (n,) the generalized force of a force [N] at the marker's place."""
     if marker.kind == REFERENCE_POINT:
         reference_point.add_point_force(marker, q, fx, fy, force)
     else:
@@ -69,7 +67,7 @@ def add_point_force(marker, q, fx, fy, force):
 
 @kernel(inlined=True)
 def add_torque(marker, q, torque, force):
-    """Add to ``force`` (n,) the generalized force of a torque [N m] on the marker's direction."""
+    """Add to `force` (n,) the generalized force of a torque [N m] on the marker's direction."""
     if marker.kind == REFERENCE_POINT:
         reference_point.add_torque(marker, torque, force)
     else:
@@ -96,7 +94,7 @@ def fill_slopes(marker, q, v, side, index, gradient, rate_slope):
 
 @kernel(inner=True)
 def subtract_hessian(marker, q, fx, fy, torque, elimination, matrix):
-    """Subtract from ``matrix`` the slopes by q of a constant force's and torque's generalized force at the marker."""
+    """Subtract from `matrix` the slopes by q of a constant force's and torque's generalized force at the marker."""
     if marker.kind == REFERENCE_POINT:
         reference_point.subtract_hessian(marker, q, fx, fy, elimination, matrix)
     else:

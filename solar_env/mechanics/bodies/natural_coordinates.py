@@ -5,8 +5,6 @@ closed expression (J. Garcia de Jalon and E. Bayo, Kinematic and Dynamic Simulat
 doi:10.1007/978-1-4612-2600-0; paper, Eqs 8-15). With J the quarter turn, every 2 x 2 block has the form a I + b J.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, ClassVar
 
@@ -101,7 +99,7 @@ def inverse_mass_parameters(m11: float, m22: float, m12: float, n12: float) -> t
 
 @kernel(inlined=True)
 def add_mass_product(body, a, out):
-    """Add the body's M a to ``out`` (n,)."""
+    """Add the body's M a to `out` (n,)."""
     k = body.offset
     ax, ay, bx, by = a[k], a[k + 1], a[k + 2], a[k + 3]
     out[k] += body.m11 * ax + body.m12 * bx - body.n12 * by
@@ -128,7 +126,7 @@ def add_body_matrix(body, weight, multiplier, elimination, matrix):
 
 @kernel(inlined=True)
 def solve_mass(body, force, a):
-    """Write the body's M^-1 force into ``a`` (n,): its acceleration if its length were free."""
+    """Write the body's M^-1 force into `a` (n,): its acceleration if its length were free."""
     k = body.offset
     fx, fy, gx, gy = force[k], force[k + 1], force[k + 2], force[k + 3]
     a[k] = body.w11 * fx + body.w12 * gx - body.x12 * gy
@@ -139,9 +137,9 @@ def solve_mass(body, force, a):
 
 @kernel(inlined=True)
 def solve_body(body, q, v, force, a, with_velocity):
-    """Acceleration ``a`` of one body under a generalized ``force`` that keeps its length; returns its multiplier.
+    """Acceleration `a` of one body under a generalized `force` that keeps its length; returns its multiplier.
 
-    With ``with_velocity`` zero the centripetal term is left out, which makes the map linear: the body's compliance.
+    With `with_velocity` zero the centripetal term is left out, which makes the map linear: the body's compliance.
     """
     k = body.offset
     fx, fy, gx, gy = force[k], force[k + 1], force[k + 2], force[k + 3]
@@ -204,7 +202,7 @@ def length_compliance(body, q):
 
 @kernel(inlined=True)
 def add_length_force(body, q, multiplier, out):
-    """Add the force of the length constraint's ``multiplier`` to ``out`` (n,); returns the constraint's violation."""
+    """Add the force of the length constraint's `multiplier` to `out` (n,); returns the constraint's violation."""
     k = body.offset
     dx, dy = q[k + 2] - q[k], q[k + 3] - q[k + 1]
     out[k] += dx * multiplier
@@ -216,7 +214,7 @@ def add_length_force(body, q, multiplier, out):
 
 @kernel(inner=True)
 def add_length_border(body, q, row, elimination, matrix):
-    """Add the gradient of the length constraint to row and column ``row`` of ``matrix``."""
+    """Add the gradient of the length constraint to row and column `row` of `matrix`."""
     k = body.offset
     for axis in range(2):
         d = q[k + 2 + axis] - q[k + axis]

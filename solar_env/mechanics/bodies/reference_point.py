@@ -5,8 +5,6 @@ trigonometric in phi (J. Garcia de Jalon and E. Bayo, Kinematic and Dynamic Simu
 1994, section 2.1.2, doi:10.1007/978-1-4612-2600-0). It is a body in a floating frame that does not deform.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, ClassVar
 
@@ -74,14 +72,14 @@ class ReferencePoint(BodyKind[ReferencePointBody]):
 
 @kernel(inlined=True)
 def solve_mass(body, force, a):
-    """Write the body's M^-1 force into ``a`` (n,)."""
+    """Write the body's M^-1 force into `a` (n,)."""
     k = body.offset
     a[k], a[k + 1], a[k + 2] = force[k] / body.mass, force[k + 1] / body.mass, force[k + 2] / body.inertia
 
 
 @kernel(inlined=True)
 def add_mass_product(body, a, out):
-    """Add the body's M a to ``out`` (n,)."""
+    """Add the body's M a to `out` (n,)."""
     k = body.offset
     out[k] += body.mass * a[k]
     out[k + 1] += body.mass * a[k + 1]
@@ -90,7 +88,7 @@ def add_mass_product(body, a, out):
 
 @kernel(inner=True)
 def add_mass_matrix(body, elimination, matrix):
-    """Add the mass matrix to ``matrix``."""
+    """Add the mass matrix to `matrix`."""
     k = body.offset
     add_entry(elimination, matrix, k, k, body.mass)
     add_entry(elimination, matrix, k + 1, k + 1, body.mass)

@@ -4,8 +4,6 @@ Every free vibration of a beam with stiffness-proportional damping obeys z'' + d
 two eigenvalues times the step must lie where the method's stability function is at most 1 in magnitude.
 """
 
-from __future__ import annotations
-
 import math
 from functools import lru_cache
 

@@ -1,6 +1,4 @@
-"""Compile a described mechanism into the arrays of ``model.py``."""
-
-from __future__ import annotations
+"""Compile a described mechanism into the arrays of `model.py`."""
 
 import itertools
 import math
@@ -25,7 +23,7 @@ _Row = dict[int, float]
 def compile_mechanism(mechanism: Mechanism) -> tuple[m.Model, m.State]:
     """Return the constant model and the initial state of a mechanism.
 
-    The state is taken as described: it must meet the constraints (checked by ``Simulation``).
+    The state is taken as described: it must meet the constraints (checked by `Simulation`).
 
     Raises:
         ValueError: if a part is attached where a body takes none, or to a body of a kind that does not take it.
@@ -125,7 +123,7 @@ class _Compiler:
         return len(self.markers) - 1
 
     def _add_place(self, row: _Row, marker: int, axis: int, weight: float) -> None:
-        """Add to a row ``weight`` times the map from coordinates to the marker's x (axis 0) or y (axis 1)."""
+        """Add to a row `weight` times the map from coordinates to the marker's x (axis 0) or y (axis 1)."""
         for index, value in place_row(self.markers[marker], axis).items():
             row[index] = row.get(index, 0.0) + weight * value
 
@@ -241,7 +239,7 @@ class _Compiler:
         return np.concatenate([kind.weight(body, self.mechanism.gravity) for kind, body in self._kinds_and_bodies()])
 
     def _loads(self, force: NDArray[np.float64]) -> NDArray[np.void]:
-        """Add the constant part of the loads to ``force`` (n,); returns the rows of what depends on the motion."""
+        """Add the constant part of the loads to `force` (n,); returns the rows of what depends on the motion."""
         rows = []
         for load in self.mechanism.loads:
             k = self._marker(load.body, load.point)

@@ -1,6 +1,6 @@
 """The matrix of Newton's equations, [[a M + b C + c K, Phi_q^T], [Phi_q, 0]], put together from its parts.
 
-Mass M, damping C and stiffness K share one profile (``profile.py``), so that their sum with any weights is a pass over
+Mass M, damping C and stiffness K share one profile (`profile.py`), so that their sum with any weights is a pass over
 their entries: a change of the step needs no new tangents.
 """
 
@@ -40,14 +40,14 @@ def make_newton_matrices(model: Model, work: Workspace) -> NewtonMatrices:
 
 @kernel
 def fill_mass(model, matrix):
-    """Add the bodies' mass matrices to ``matrix``."""
+    """Add the bodies' mass matrices to `matrix`."""
     for b in range(model.bodies.size):
         add_mass_matrix(model.bodies[b], model.body_constants, model.elimination, matrix)
 
 
 @kernel
 def linearize_forces(model, joint_states, q, v, newton):
-    """Stiffness and damping at a configuration for which the workspace of ``newton.tangent`` is current."""
+    """Stiffness and damping at a configuration for which the workspace of `newton.tangent` is current."""
     fill_tangents(model, joint_states, q, v, newton.tangent, newton.stiffness, newton.damping)
 
 

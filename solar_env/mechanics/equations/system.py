@@ -104,7 +104,7 @@ def make_workspace(model: Model, state: State) -> Workspace:
 
 @kernel(inlined=True)
 def add_row(model, work, r, weight, x):
-    """Add ``weight`` times constraint row ``r`` to ``x`` (n,)."""
+    """Add `weight` times constraint row `r` to `x` (n,)."""
     coordinate, value = model.constraints.coordinate, work.row_value
     for k in range(model.constraints.size[r]):
         x[coordinate[r, k]] += weight * value[r, k]
@@ -112,7 +112,7 @@ def add_row(model, work, r, weight, x):
 
 @kernel(inner=True, inlined=True)
 def row_product(model, work, r, x):
-    """Constraint row ``r`` times ``x`` (n,)."""
+    """Constraint row `r` times `x` (n,)."""
     coordinate, value = model.constraints.coordinate, work.row_value
     total = 0.0
     for k in range(model.constraints.size[r]):
@@ -122,7 +122,7 @@ def row_product(model, work, r, x):
 
 @kernel(inner=True)
 def fill_column(model, work, r):
-    """Inverse mass matrix times constraint row ``r``, into its column, with the stretch of lengths by it."""
+    """Inverse mass matrix times constraint row `r`, into its column, with the stretch of lengths by it."""
     bodies, row_force, column = model.bodies, work.row_force, work.columns[r]
     for side in range(2):
         b = model.constraints.bodies[r, side]
@@ -223,7 +223,7 @@ def build_schur(model, q, work):
 
 @kernel(inner=True)
 def add_columns(model, work, multipliers, x):
-    """Subtract the columns times ``multipliers`` from ``x`` (n,), for bodies without a constraint of their own."""
+    """Subtract the columns times `multipliers` from `x` (n,), for bodies without a constraint of their own."""
     bodies, columns = model.bodies, work.columns
     for r in range(columns.shape[0]):
         for side in range(2):
@@ -236,7 +236,7 @@ def add_columns(model, work, multipliers, x):
 
 @kernel(inner=True)
 def subtract_response(model, q, work, multipliers, x):
-    """Subtract from ``x`` (n,) the accelerations by ``multipliers`` of the linear constraints, lengths kept."""
+    """Subtract from `x` (n,) the accelerations by `multipliers` of the linear constraints, lengths kept."""
     bodies, row_force, solution = model.bodies, work.row_force, work.solution
     for i in range(row_force.size):
         row_force[i] = 0.0
@@ -287,7 +287,7 @@ def prepare_response(model, q, time, work):
 
 @kernel(inner=True)
 def acceleration_response(model, q, work, force, a):
-    """Write to ``a`` (n,) what a generalized ``force`` (n,) adds to the accelerations."""
+    """Write to `a` (n,) what a generalized `force` (n,) adds to the accelerations."""
     m = work.schur.shape[0]
     for b in range(model.bodies.size):
         solve_body(model.bodies[b], model.body_constants, q, q, force, a, 0.0)
@@ -301,7 +301,7 @@ def acceleration_response(model, q, work, force, a):
 
 @kernel(inlined=True)
 def applied_forces(model, joint_states, q, v, work):
-    """Fill ``work`` with all generalized forces but the constraints', with loads and powers."""
+    """Fill `work` with all generalized forces but the constraints', with loads and powers."""
     force, power, loads = work.force, work.power, model.loads
     copy_into(force, model.constant_force)
     external = 0.0
@@ -317,9 +317,9 @@ def applied_forces(model, joint_states, q, v, work):
 
 @kernel(inner=True, inlined=True)
 def inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers):
-    """Accelerations (n,) at a configuration, with loads and powers in ``work``; False if constraints are redundant.
+    """Accelerations (n,) at a configuration, with loads and powers in `work`; False if constraints are redundant.
 
-    ``multipliers`` receives those of the linear rows, then one per body for its length.
+    `multipliers` receives those of the linear rows, then one per body for its length.
     """
     force = work.force
     m = work.residual.size
@@ -333,7 +333,7 @@ def inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers)
 
 @kernel
 def accelerations(model, joint_states, q, v, time, work, a, multipliers):
-    """:func:`inlined_accelerations` as a call, for places that are not hot."""
+    """`inlined_accelerations` as a call, for places that are not hot."""
     return inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers)
 
 
@@ -360,7 +360,7 @@ def store_constraint_loads(model, multipliers, time, q, work):
 
 @kernel
 def constraint_drift(model, q, time, work):
-    """Greatest violation [m] of the linear constraints; leaves it by row in ``work.residual``."""
+    """Greatest violation [m] of the linear constraints; leaves it by row in `work.residual`."""
     worst = 0.0
     if model.drives.size > 0:
         set_drive_rows(model, time, work.row_value)
@@ -372,7 +372,7 @@ def constraint_drift(model, q, time, work):
 
 @kernel
 def velocity_drift(model, q, v, time, work):
-    """Greatest violation [m/s] of the linear constraints' rates; leaves it by row in ``work.residual``."""
+    """Greatest violation [m/s] of the linear constraints' rates; leaves it by row in `work.residual`."""
     residual = work.residual
     if model.drives.size > 0:
         set_drive_rows(model, time, work.row_value)
@@ -392,7 +392,7 @@ def velocity_drift(model, q, v, time, work):
 def project(model, q, v, time, work):
     """Return positions and velocities to the constraints by the smallest change in the mass metric.
 
-    ``work`` must hold the compliance of the linear constraints hereabouts, from :func:`prepare_response` or from an
+    `work` must hold the compliance of the linear constraints hereabouts, from `prepare_response` or from an
     evaluation of the accelerations.
     """
     project_bodies(model.bodies, q, v)
@@ -402,7 +402,7 @@ def project(model, q, v, time, work):
 
 @kernel(inner=True)
 def project_linear(model, q, v, time, work):
-    """:func:`project` for the linear constraints."""
+    """`project` for the linear constraints."""
     residual = work.residual
     constraint_drift(model, q, time, work)
     # The velocities are corrected with the rows of the same configuration: the position change is tiny.
@@ -418,14 +418,14 @@ def project_linear(model, q, v, time, work):
 
 @kernel
 def add_mass_products(model, a, out):
-    """Add M a to ``out`` (n,); nothing for fixed bodies."""
+    """Add M a to `out` (n,); nothing for fixed bodies."""
     for body in model.bodies:
         add_mass_product(body, model.body_constants, a, out)
 
 
 @kernel
 def stored_energies(model, joint_states, q, v, loads, energies):
-    """Fill the stored energies [J] at a configuration whose ``loads`` are current."""
+    """Fill the stored energies [J] at a configuration whose `loads` are current."""
     energies[:] = 0.0
     for body in model.bodies:
         energies[KINETIC] += kinetic_energy(body, model.body_constants, v)
@@ -453,7 +453,7 @@ def stored_energies(model, joint_states, q, v, loads, energies):
 
 @kernel
 def normal_inverse_mass(model, q, v, j, work):
-    """Inverse effective mass [1/kg] of joint ``j`` along its line of centres: acceleration per unit normal force."""
+    """Inverse effective mass [1/kg] of joint `j` along its line of centres: acceleration per unit normal force."""
     joint = model.joints[j]
     total = 0.0
     # Approximated by the two bodies alone: what else hangs on them moves only after the contact's onset.

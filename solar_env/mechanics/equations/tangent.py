@@ -41,7 +41,7 @@ from solar_env.mechanics.numerics.profile import add_entry, clear
 
 
 class TangentScratch(NamedTuple):
-    """Arrays of :func:`fill_tangents`; loads and impact speeds are the workspace's own."""
+    """Arrays of `fill_tangents`; loads and impact speeds are the workspace's own."""
 
     loads: NDArray[np.float64]
     impact_speeds: NDArray[np.float64]
@@ -141,9 +141,9 @@ def contact_tangent(joint, markers, q, v, outboard_spin, inboard_spin, impact_sp
 
 @kernel
 def fill_tangents(model, joint_states, q, v, tangent, by_q, by_v):
-    """Fill the matrices (``profile.py``) -dQ/dq, the stiffness, and -dQ/dv, the damping.
+    """Fill the matrices (`profile.py`) -dQ/dq, the stiffness, and -dQ/dv, the damping.
 
-    ``tangent.loads`` and ``tangent.impact_speeds`` must be current; the other arrays of ``tangent`` are scratch.
+    `tangent.loads` and `tangent.impact_speeds` must be current; the other arrays of `tangent` are scratch.
     """
     joints, markers, cables = model.joints, model.markers, model.cables
     loads, index = tangent.loads, tangent.coordinates

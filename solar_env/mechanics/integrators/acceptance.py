@@ -1,7 +1,5 @@
 """Acceptance of an adaptive step: samples, force peaks, the move to its end or event, and what is booked there."""
 
-from __future__ import annotations
-
 from solar_env.mechanics.arrays.model import APPROXIMATE, CLEARANCE, EXACT, INTEGRALS_PER_JOINT, SLIDING_WORK
 from solar_env.mechanics.equations.system import prepare_response, project
 from solar_env.mechanics.integrators.events import NO_EVENT, begin_event
@@ -20,7 +18,7 @@ _PEAK_SAMPLES = 8
 
 @kernel(inner=True)
 def refine_peak(model, state, settings, stages, j, h, share):
-    """Raise the force maxima of joint ``j`` to the peak inside the step: sampled, then a parabola through the top."""
+    """Raise the force maxima of joint `j` to the peak inside the step: sampled, then a parabola through the top."""
     joint, own, markers = model.joints[j], state.joints[j], model.markers
     peak, before, here = 0.0, 0.0, 0.0
     for k in range(_PEAK_SAMPLES + 1):
@@ -39,8 +37,8 @@ def refine_peaks(model, state, settings, stages, h, share):
     """Find the force peaks that lie inside the step: where a penetration has turned from growing to falling.
 
     Not those of lasting contacts in steps that are linearly implicit or corrected for stiff contacts: their interpolant
-    has depths that never were, see ``rosenbrock.take_contacts_from_ends`` and
-    ``step.interpolate_without_accelerations``, and forces up to a thousand times the real ones.
+    has depths that never were, see `rosenbrock.take_contacts_from_ends` and
+    `step.interpolate_without_accelerations`, and forces up to a thousand times the real ones.
     """
     coarse = stages.trial[0].implicit or stages.trial[0].stiff_contacts
     joints, markers, joint_states, time = model.joints, model.markers, state.joints, state.clock[0].time
@@ -91,7 +89,7 @@ def measure_depths(model, state, stages):
 
 @kernel(single_caller=True)
 def move_to(state, settings, stages, h, share):
-    """Take over the state at ``share`` of the step, with the integrals up to there."""
+    """Take over the state at `share` of the step, with the integrals up to there."""
     integrals, gain, sliding_work = state.integrals, stages.gain, stages.sliding_work
     for j in range(sliding_work.size):
         sliding_work[j] = -integrals[INTEGRALS_PER_JOINT * j + SLIDING_WORK]
@@ -112,7 +110,7 @@ def move_to(state, settings, stages, h, share):
 
 @kernel(single_caller=True)
 def accept(model, state, settings, arrays, recorder, share, end, event_joint, kind):
-    """Move to ``share`` of the step in hand, at the time ``end`` [s], and book what happened on the way.
+    """Move to `share` of the step in hand, at the time `end` [s], and book what happened on the way.
 
     Returns:
         False if the constraints are singular.

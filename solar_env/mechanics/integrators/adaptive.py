@@ -1,6 +1,6 @@
 """Adaptive steps that land on events: the control of steps that all adaptive methods share.
 
-Events are roots of a step's own interpolant (``events.py``). Constraints are enforced on the acceleration level and by
+Events are roots of a step's own interpolant (`events.py`). Constraints are enforced on the acceleration level and by
 projection of every accepted step.
 
 During a step the contact mode of each joint is frozen, so that a step that runs into a bearing wall sees a smooth
@@ -11,15 +11,7 @@ by a share of its duration, which impact speed and stiffness give beforehand.
 
 import math
 
-from solar_env.mechanics.arrays.model import (
-    APPROXIMATE,
-    DONE,
-    EVENTS_PILE_UP,
-    EXACT,
-    NOT_FINITE,
-    SINGULAR_CONSTRAINTS,
-    STEP_TOO_SMALL,
-)
+from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.equations.system import fill_columns
 from solar_env.mechanics.integrators.acceptance import accept, measure_depths, record_until
 from solar_env.mechanics.integrators.events import first_event
@@ -62,11 +54,11 @@ def begin_adaptive(model, state, settings, recorder, arrays):
     work, scratch, stages = arrays.work, arrays.scratch, arrays.stages
     clock = state.clock[0]
     set_impact_speeds(state.joints, work.impact_speeds)
-    if clock.acceleration_current == EXACT or clock.acceleration_current == APPROXIMATE:
+    if clock.acceleration_current == m.EXACT or clock.acceleration_current == m.APPROXIMATE:
         copy_into(stages.acceleration[0], state.a)
         copy_into(stages.power[0], state.power)
     elif not refresh(model, state, stages, work):
-        return fail(state, SINGULAR_CONSTRAINTS, -1, 0.0)
+        return fail(state, m.SINGULAR_CONSTRAINTS, -1, 0.0)
     copy_into(stages.velocity[0], state.v)
     measure_depths(model, state, stages)
     if recorder.times.size > 0:
@@ -75,7 +67,7 @@ def begin_adaptive(model, state, settings, recorder, arrays):
     if clock.step_size <= 0.0:
         clock.step_size = 1e-6
         clock.last_error = 1.0
-    return DONE
+    return m.DONE
 
 
 @kernel(single_caller=True)
@@ -100,8 +92,8 @@ def reject(model, state, settings, stages):
     clock.step_size = trial.step * max(shrink, 0.1)
     adapt_of(settings)(model, state, stages, False)
     if not clock.step_size > _SMALLEST_STEP * max(1.0, abs(clock.time)):
-        return fail(state, STEP_TOO_SMALL if math.isfinite(error) else NOT_FINITE, -1, error)
-    return DONE
+        return fail(state, m.STEP_TOO_SMALL if math.isfinite(error) else m.NOT_FINITE, -1, error)
+    return m.DONE
 
 
 @kernel(single_caller=True)
@@ -127,24 +119,24 @@ def choose_next(model, state, settings, stages):
 
 @kernel(inner=True, inlined=True)
 def take_adaptive_step(model, state, settings, recorder, end_time, arrays):
-    """Try a step towards ``end_time`` [s], and take it if its error allows, up to its first event; a status code."""
+    """Try a step towards `end_time` [s], and take it if its error allows, up to its first event; a status code."""
     stages, clock, trial = arrays.stages, state.clock[0], arrays.stages.trial[0]
     choose_step(model, state, settings, stages, end_time)
     h = trial.step
     trial.error = attempt_of(settings)(model, state, settings, arrays, h)
     if trial.error < 0.0:
-        return fail(state, SINGULAR_CONSTRAINTS, -1, 0.0)
+        return fail(state, m.SINGULAR_CONSTRAINTS, -1, 0.0)
     if not trial.error <= 1.0:
         return reject(model, state, settings, stages)
     if not complete_of(settings)(model, state, arrays, recorder, h):
-        return fail(state, SINGULAR_CONSTRAINTS, -1, 0.0)
+        return fail(state, m.SINGULAR_CONSTRAINTS, -1, 0.0)
     share, event_joint, kind = first_event(model, state, settings, stages, arrays.work, h)
     end = clock.time + share * h
     trial.at_once = 0 if end > clock.time else trial.at_once + 1
     if trial.at_once > _MOST_EVENTS_AT_ONCE:
-        return fail(state, EVENTS_PILE_UP, event_joint, float(trial.at_once))
+        return fail(state, m.EVENTS_PILE_UP, event_joint, float(trial.at_once))
     if not accept(model, state, settings, arrays, recorder, share, end, event_joint, kind):
-        return fail(state, SINGULAR_CONSTRAINTS, -1, 0.0)
+        return fail(state, m.SINGULAR_CONSTRAINTS, -1, 0.0)
     if trial.last and share == 1.0:
         clock.time = end_time
     choose_next(model, state, settings, stages)

@@ -132,7 +132,7 @@ def fill_residual(model, state, it, work, time, scale):
 
 @kernel(single_caller=True)
 def solve_newton(model, it):
-    """Solve Newton's equations for ``it.rhs`` in place; False if the matrix is singular."""
+    """Solve Newton's equations for `it.rhs` in place; False if the matrix is singular."""
     position, rhs, solution = model.elimination.position, it.rhs, it.solution
     if not profile_factor(model.elimination, it.newton.matrix):
         return False
@@ -146,7 +146,7 @@ def solve_newton(model, it):
 
 @kernel(inner=True)
 def solve_step(model, state, it, work, settings, h):
-    """Solve one step into ``it``; returns the last correction in units of the tolerance (at most 1 if it converged)."""
+    """Solve one step into `it`; returns the last correction in units of the tolerance (at most 1 if it converged)."""
     n = state.q.size
     alpha_m, alpha_f, beta, gamma = settings.alpha_m, settings.alpha_f, settings.beta, settings.gamma
     q0, v0, a0, x0 = state.q, state.v, state.a, state.algorithmic_a
@@ -203,7 +203,7 @@ def solve_step(model, state, it, work, settings, h):
 
 @kernel(inner=True)
 def restart(model, state, it, work, settings, h):
-    """Solve accelerations and multipliers afresh at the accepted state, for steps of size ``h``. False if singular."""
+    """Solve accelerations and multipliers afresh at the accepted state, for steps of size `h`. False if singular."""
     n = state.q.size
     # Velocities are O(h^2) off the constraints, which a shorter step would answer with forces of O(h^2 / new step).
     if not prepare_response(model, state.q, state.clock[0].time, work):

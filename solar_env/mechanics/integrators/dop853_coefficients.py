@@ -5,8 +5,6 @@ doi:10.1007/978-3-540-78862-1 (program DOP853). Rows 0 to 11 are the stages, 12 
 last row is the end of the step, whose weights are the method's own.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

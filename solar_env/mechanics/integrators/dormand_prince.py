@@ -5,8 +5,6 @@ doi:10.1007/978-3-540-78862-1. Worth its twelve evaluations a step where many di
 interpolant takes three more, and only where something happens or is recorded between the ends of a step.
 """
 
-from __future__ import annotations
-
 import math
 
 from solar_env.mechanics.arrays.model import CLEARANCE, EXACT, GLOBAL_INTEGRALS, INTEGRALS_PER_JOINT, Model, State
@@ -44,13 +42,13 @@ def begin_dormand_prince(model, own):
 
 @kernel(inner=True, inlined=True)
 def choose_dormand_prince(model, state, stages, wanted):
-    """Step to try [s]: the one ``wanted``, for the error estimate alone bounds it."""
+    """Step to try [s]: the one `wanted`, for the error estimate alone bounds it."""
     return wanted
 
 
 @kernel(inner=True, inlined=True)
 def add_stages(weights, h, start, derivatives, values):
-    """Write start (n,) + h * sum_i weights[i] * derivatives[i] (rows, n) to ``values`` (n,)."""
+    """Write start (n,) + h * sum_i weights[i] * derivatives[i] (rows, n) to `values` (n,)."""
     copy_into(values, start)
     for s in range(weights.size):
         factor = h * weights[s]
@@ -62,7 +60,7 @@ def add_stages(weights, h, start, derivatives, values):
 
 @kernel(inner=True, inlined=True)
 def enter_stage(state, stages, row, h, q, v):
-    """Coordinates ``q`` and velocities ``v`` (n,) at a stage from the derivatives at those before it."""
+    """Coordinates `q` and velocities `v` (n,) at a stage from the derivatives at those before it."""
     add_stages(COUPLING[row], h, state.q, stages.velocity, q)
     add_stages(COUPLING[row], h, state.v, stages.acceleration, v)
     copy_into(stages.velocity[row], v)
@@ -113,7 +111,7 @@ def error_of_order_eight(model, state, stages, settings, h):
 
 @kernel(inner=True)
 def attempt_dormand_prince(model, state, settings, arrays, h):
-    """Fill a step ``h``, its end going to ``stages``; its error in units of the tolerance, negative if singular."""
+    """Fill a step `h`, its end going to `stages`; its error in units of the tolerance, negative if singular."""
     work, stages, time = arrays.work, arrays.stages, state.clock[0].time
     q, v, acceleration, power, gain = stages.q, stages.v, stages.acceleration, stages.power, stages.gain
     joint_states, multipliers = state.joints, state.multipliers
@@ -140,7 +138,7 @@ def attempt_dormand_prince(model, state, settings, arrays, h):
 
 @kernel(single_caller=True)
 def is_looked_into(model, state, arrays, recorder, end):
-    """Whether something may happen, or is recorded, inside the step in hand, which ends at ``end`` [s]."""
+    """Whether something may happen, or is recorded, inside the step in hand, which ends at `end` [s]."""
     stages, joints, loads = arrays.stages, model.joints, arrays.work.loads
     if sample_due(recorder, end):
         return True
@@ -175,7 +173,7 @@ def complete_dense(model, state, arrays, recorder, h):
 
 @kernel(inner=True, inlined=True)
 def fill_weights(share, weights):
-    """Weights (rows,) of the stages in the interpolant of order seven at ``share`` of the step."""
+    """Weights (rows,) of the stages in the interpolant of order seven at `share` of the step."""
     rest = 1.0 - share
     w1 = share * rest
     w2 = share * w1
@@ -192,7 +190,7 @@ def fill_weights(share, weights):
 
 @kernel(inner=True)
 def dense_state(state, stages, h, share):
-    """State at ``share`` of the step, into ``stages.scratch_q`` and ``stages.scratch_v``."""
+    """State at `share` of the step, into `stages.scratch_q` and `stages.scratch_v`."""
     fill_weights(share, stages.weights)
     add_stages(stages.weights, h, state.q, stages.velocity, stages.scratch_q)
     add_stages(stages.weights, h, state.v, stages.acceleration, stages.scratch_v)
@@ -200,14 +198,14 @@ def dense_state(state, stages, h, share):
 
 @kernel(inner=True)
 def dense_integrals(state, stages, h, share):
-    """Integrals at ``share`` of the step, into ``stages.integrals``."""
+    """Integrals at `share` of the step, into `stages.integrals`."""
     fill_weights(share, stages.weights)
     add_stages(stages.weights, h, state.integrals, stages.power, stages.integrals)
 
 
 @kernel(inner=True, inlined=True)
 def dense_depth(joint, markers, state, stages, h, share):
-    """Penetration [m] of a joint at ``share`` of the step."""
+    """Penetration [m] of a joint at `share` of the step."""
     dense_state(state, stages, h, share)
     ex, ey = relative(joint, markers, stages.scratch_q)
     return math.sqrt(ex * ex + ey * ey) - joint.clearance

@@ -1,7 +1,5 @@
 """The driver of a run: one loop for all methods, and lanes that advance one after the other."""
 
-from __future__ import annotations
-
 from solar_env.mechanics.arrays.lanes import lane_model, lane_state, take_ticket
 from solar_env.mechanics.arrays.model import DONE, PAUSED, TOO_MANY_STEPS
 from solar_env.mechanics.integrators.adaptive import begin_adaptive, take_adaptive_step
@@ -16,7 +14,7 @@ _take_step = kernel_of(lambda kernels: getattr(kernels, "take_step", take_adapti
 
 @kernel(single_caller=True)
 def advance(model, state, settings, recorder, end_time, arrays):
-    """Advance ``state`` in place to ``end_time`` [s]; returns a status code."""
+    """Advance `state` in place to `end_time` [s]; returns a status code."""
     clock = state.clock[0]
     status = _begin_call(settings)(model, state, settings, recorder, arrays)
     taken = 0
@@ -35,7 +33,7 @@ def advance_lanes(models, states, settings, recorder, queue, counter, end_times,
     """Advance lanes one after the other, next to other threads that do the same.
 
     Args:
-        models, states: of all lanes (``lanes.py``).
+        models, states: of all lanes (`lanes.py`).
         settings: of the method as the kernels take them; their type chooses the method.
         recorder: takes samples and contacts of every lane.
         queue: (k,) indices of the lanes to advance, in this order.

@@ -3,8 +3,6 @@
 Each is a root of the step's interpolant, found without further evaluations of the equations of motion.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from solar_env.mechanics.arrays.model import CLEARANCE
@@ -28,7 +26,7 @@ NO_EVENT, CONTACT_START, LATCHING, STOP_ENGAGEMENT = (np.int64(kind) for kind in
 
 @kernel(inner=True, inlined=True)
 def event_function(model, state, settings, stages, j, kind, h, share):
-    """What rises through zero at an event of joint ``j``: a depth, or the angle past the lock."""
+    """Depth [m], or angle past the lock or into the stop [rad], that rises through zero at an event of joint `j`."""
     joint, markers = model.joints[j], model.markers
     if kind != CONTACT_START:
         interpolate_of(settings)(state, stages, h, share)
@@ -74,7 +72,7 @@ def locate_at_end(model, state, settings, stages, j, kind, h, f_high):
 
 @kernel(inner=True)
 def first_touch(model, state, settings, stages, j, h, depth):
-    """Share of the step at which the free journal of joint ``j`` meets its bearing; 2 if it does not.
+    """Share of the step at which the free journal of joint `j` meets its bearing; 2 if it does not.
 
     A curved path can graze the wall inside the step: the interpolant is looked at between the ends too.
     """
@@ -124,7 +122,7 @@ def first_event(model, state, settings, stages, work, h):
 
 @kernel(inner=True)
 def begin_event(model, state, j, kind, scratch):
-    """Latch joint ``j``, engage its stop, or start its contact, at the accepted state."""
+    """Latch joint `j`, engage its stop, or start its contact, at the accepted state."""
     time = state.clock[0].time
     if kind == LATCHING:
         latch(state, j, time)

@@ -1,6 +1,6 @@
 """Generalized-alpha for the index-3 equations M a + Phi_q^T lambda = Q(q, v, t), Phi(q, t) = 0: the run.
 
-One step is in ``alpha_step.py``.
+One step is in `alpha_step.py`.
 
 Fixed steps divide a call evenly. Adaptive steps follow the change of the accelerations, and are shortened to end near a
 bearing wall when a contact begins that they would not resolve.
@@ -9,19 +9,8 @@ bearing wall when a contact begins that they would not resolve.
 import math
 from typing import NamedTuple
 
-from solar_env.mechanics.arrays.model import (
-    ALGORITHMIC,
-    CLEARANCE,
-    DONE,
-    INTEGRALS_PER_JOINT,
-    NEWTON_FAILED,
-    NOT_FINITE,
-    SINGULAR_CONSTRAINTS,
-    SLIDING_WORK,
-    STEP_TOO_SMALL,
-    Model,
-    State,
-)
+from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.arrays.model import Model, State
 from solar_env.mechanics.equations.newton import fill_mass
 from solar_env.mechanics.equations.system import (
     Workspace,
@@ -91,7 +80,7 @@ def prepare(model, state, it, work):
         work.impact_speeds[j] = 0.0
         # Newton's iteration meets stops wherever they are; nothing is frozen as in the explicit method.
         joint_states[j].stop_engaged = 1
-        if joint.kind == CLEARANCE:
+        if joint.kind == m.CLEARANCE:
             it.depth[j], it.depth_rate[j] = penetration(joint, markers, state.q, state.v)
             if joint_states[j].in_contact:
                 work.impact_speeds[j] = joint_states[j].impact_speed
@@ -124,12 +113,12 @@ def error_norm(model, state, it, settings, h):
 
 @kernel(single_caller=True)
 def landing_step(model, state, it, scratch, settings, h):
-    """A step that ends near the wall if a contact begins inside this one and ``h`` does not resolve it, else ``h``."""
+    """A step that ends near the wall if a contact begins inside this one and `h` does not resolve it, else `h`."""
     joints, joint_states, markers = model.joints, state.joints, model.markers
     shorter = h
     for j in range(joints.size):
         joint = joints[j]
-        if joint.kind != CLEARANCE or joint_states[j].in_contact:
+        if joint.kind != m.CLEARANCE or joint_states[j].in_contact:
             continue
         depth, _ = penetration(joint, markers, it.q, it.v)
         if depth <= 0.0:
@@ -201,7 +190,7 @@ def accept(model, state, it, work, scratch, recorder, h):
     clock.steps += 1
     for j in range(joints.size):
         joint = joints[j]
-        if joint.kind == CLEARANCE and not joint_states[j].in_contact:
+        if joint.kind == m.CLEARANCE and not joint_states[j].in_contact:
             depth, _ = penetration(joint, model.markers, state.q, state.v)
             if depth > 0.0:
                 share = it.depth[j] / (it.depth[j] - depth) if it.depth[j] < 0.0 else 0.0
@@ -212,7 +201,7 @@ def accept(model, state, it, work, scratch, recorder, h):
         if joint.has_latch and not joint_states[j].latched and angle >= joint.lock_angle:
             rise = angle - it.angle[j]
             latch(state, j, start + h * ((joint.lock_angle - it.angle[j]) / rise if rise > 0.0 else 1.0))
-        k = INTEGRALS_PER_JOINT * j + SLIDING_WORK
+        k = m.INTEGRALS_PER_JOINT * j + m.SLIDING_WORK
         it.sliding_work[j] = 0.5 * h * (it.power[k] + work.power[k])
     settle_joints(model, state, work.loads, it.sliding_work, start, it.depth, recorder)
 
@@ -266,24 +255,24 @@ def begin_alpha(model, state, settings, recorder, arrays):
         copy_into(it.q, state.q)
         copy_into(it.v, state.v)
         record_until(model, state, it, scratch, recorder, work, 0.0)
-    return DONE
+    return m.DONE
 
 
 @kernel(single_caller=True)
 def solve_until_accepted(model, state, settings, it, work, scratch, h):
-    """Solve a step ``h`` [s], or shorter ones after those that are refused; the step solved and a status code."""
+    """Solve a step `h` [s], or shorter ones after those that are refused; the step solved and a status code."""
     clock = state.clock[0]
     retry = 1.0
     while retry > 0.0:
-        if clock.acceleration_current != ALGORITHMIC or abs(h - clock.last_step) > 1e-9 * h:
+        if clock.acceleration_current != m.ALGORITHMIC or abs(h - clock.last_step) > 1e-9 * h:
             if not restart(model, state, it, work, settings, h):
-                return h, fail(state, SINGULAR_CONSTRAINTS, -1, 0.0)
-            clock.acceleration_current = ALGORITHMIC
+                return h, fail(state, m.SINGULAR_CONSTRAINTS, -1, 0.0)
+            clock.acceleration_current = m.ALGORITHMIC
             clock.last_step = h
         convergence = solve_step(model, state, it, work, settings, h)
         if settings.rtol == 0.0:
             if not convergence <= 1.0:
-                return h, fail(state, NEWTON_FAILED if math.isfinite(convergence) else NOT_FINITE, -1, convergence)
+                return h, fail(state, m.NEWTON_FAILED if math.isfinite(convergence) else m.NOT_FINITE, -1, convergence)
             break
         retry = judge(model, state, it, scratch, settings, h, convergence)
         if retry > 0.0:
@@ -291,20 +280,20 @@ def solve_until_accepted(model, state, settings, it, work, scratch, h):
             h = retry
             clock.step_size = h
             if h < _SMALLEST_STEP:
-                return h, fail(state, STEP_TOO_SMALL, -1, clock.failure_value)
-    return h, DONE
+                return h, fail(state, m.STEP_TOO_SMALL, -1, clock.failure_value)
+    return h, m.DONE
 
 
 @kernel(inner=True, inlined=True)
 def take_alpha_step(model, state, settings, recorder, end_time, arrays):
-    """Take a step towards ``end_time`` [s], tried again with shorter ones if need be; a status code."""
+    """Take a step towards `end_time` [s], tried again with shorter ones if need be; a status code."""
     work, scratch, it = arrays
     clock = state.clock[0]
     wanted = next_step(state, settings, end_time - clock.time)
     last = wanted >= end_time - clock.time
     prepare(model, state, it, work)
     h, status = solve_until_accepted(model, state, settings, it, work, scratch, wanted)
-    if status != DONE:
+    if status != m.DONE:
         return status
     accept(model, state, it, work, scratch, recorder, h)
     if last and h == wanted:

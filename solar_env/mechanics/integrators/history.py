@@ -1,18 +1,8 @@
-"""What a mechanism remembers: contacts, latches, wear and peak forces. Called on accepted steps only."""
-
-from __future__ import annotations
+"""Contacts, latches, wear and peak forces of a mechanism, booked on accepted steps only."""
 
 import math
 
-from solar_env.mechanics.arrays.model import (
-    CLEARANCE,
-    CONTACT_TOO_DEEP,
-    DONE,
-    IMPULSE,
-    INTEGRALS_PER_JOINT,
-    JOINT_ANGLE_RANGE,
-    SLIDING_WORK,
-)
+from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.bodies.markers import vector_angle
 from solar_env.mechanics.equations.system import normal_inverse_mass
 from solar_env.mechanics.integrators.recording import record_contact
@@ -35,15 +25,15 @@ IMPACT_DURATIONS = 2.0
 
 @kernel(inner=True)
 def start_contact(model, state, j, q, v, time, approach_speed, work):
-    """Open a contact of joint ``j`` with its approach speed [m/s], bounded below."""
+    """Open a contact of joint `j` with its approach speed [m/s], bounded below."""
     joint = model.joints[j]
     own = state.joints[j]
     own.in_contact = 1
     own.impact_speed = max(approach_speed, joint.minimum_impact_speed)
     own.contact_start = time
     own.contact_peak = 0.0
-    own.contact_impulse = state.integrals[INTEGRALS_PER_JOINT * j + IMPULSE]
-    own.contact_sliding_work = state.integrals[INTEGRALS_PER_JOINT * j + SLIDING_WORK]
+    own.contact_impulse = state.integrals[m.INTEGRALS_PER_JOINT * j + m.IMPULSE]
+    own.contact_sliding_work = state.integrals[m.INTEGRALS_PER_JOINT * j + m.SLIDING_WORK]
     own.contact_starts += 1
     inverse_mass = normal_inverse_mass(model, q, v, j, work)
     _, own.contact_duration = impact_scales(joint, inverse_mass, own.impact_speed)
@@ -51,7 +41,7 @@ def start_contact(model, state, j, q, v, time, approach_speed, work):
 
 @kernel(inner=True)
 def end_contact(state, j, time, recorder):
-    """Close the contact of joint ``j`` and record it."""
+    """Close the contact of joint `j` and record it."""
     own = state.joints[j]
     record_contact(recorder, j, own, state.integrals, time)
     own.in_contact = 0
@@ -70,13 +60,13 @@ def note_force(own, force, postlock):
 
 @kernel
 def latch(state, j, time):
-    """Latch joint ``j`` for good. The first latching starts the post-lock record of every joint."""
+    """Latch joint `j` for good. The first latching starts the post-lock record of every joint."""
     state.joints[j].latched = 1
     state.joints[j].latch_time = time
     if state.clock[0].latched_joints == 0:
         for k in range(state.joints.size):
-            state.joints[k].lock_impulse = state.integrals[INTEGRALS_PER_JOINT * k + IMPULSE]
-            state.joints[k].lock_sliding_work = state.integrals[INTEGRALS_PER_JOINT * k + SLIDING_WORK]
+            state.joints[k].lock_impulse = state.integrals[m.INTEGRALS_PER_JOINT * k + m.IMPULSE]
+            state.joints[k].lock_sliding_work = state.integrals[m.INTEGRALS_PER_JOINT * k + m.SLIDING_WORK]
     state.clock[0].latched_joints += 1
 
 
@@ -113,7 +103,7 @@ def settle_joints(model, state, loads, sliding_work, start_time, start_depth, re
             stop, sign = stop_depth(joint, own.latched, loads[j, ANGLE])
             # On the very face it stays engaged unless it opens, or the same engagement would be found for ever.
             own.stop_engaged = stop > 0.0 or (stop > -1e-9 and sign * loads[j, RATE] <= 0.0)
-        if joint.kind != CLEARANCE:
+        if joint.kind != m.CLEARANCE:
             note_force(own, loads[j, NORMAL], postlock)
         elif own.in_contact:
             note_force(own, loads[j, NORMAL], postlock)
@@ -131,7 +121,7 @@ def settle_joints(model, state, loads, sliding_work, start_time, start_depth, re
 
 @kernel(single_caller=True)
 def impact_step_limit(state, time, resolution):
-    """Greatest step [s] that resolves the impacts under way with ``resolution`` steps each."""
+    """Greatest step [s] that resolves the impacts under way with `resolution` steps each."""
     joint_states = state.joints
     limit = math.inf
     for j in range(joint_states.size):
@@ -155,11 +145,11 @@ def check_state(model, state, loads):
     joints, markers = model.joints, model.markers
     for j in range(joints.size):
         joint = joints[j]
-        if joint.kind == CLEARANCE and state.joints[j].in_contact:
+        if joint.kind == m.CLEARANCE and state.joints[j].in_contact:
             depth, _ = penetration(joint, markers, state.q, state.v)
             if depth > joint.journal_radius:
-                return fail(state, CONTACT_TOO_DEEP, j, depth)
+                return fail(state, m.CONTACT_TOO_DEEP, j, depth)
         if joint.angle_limited and abs(loads[j, ANGLE] - joint.middle) > 0.95 * math.pi:
             # The angle nears the branch cut of its measurement.
-            return fail(state, JOINT_ANGLE_RANGE, j, loads[j, ANGLE])
-    return DONE
+            return fail(state, m.JOINT_ANGLE_RANGE, j, loads[j, ANGLE])
+    return m.DONE

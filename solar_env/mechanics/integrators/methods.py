@@ -1,11 +1,9 @@
 """The table of methods: a row each, from which runs, batches, warm-up and tests follow.
 
 A method is one module with its settings, its scratch arrays and its kernels. The settings' type tells the compiler at
-compile time which kernels a run calls (``attempt_of(settings)(...)``): kernels take no functions, and a choice at run
+compile time which kernels a run calls (`attempt_of(settings)(...)`): kernels take no functions, and a choice at run
 time would have every method compiled for every run.
 """
-
-from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,16 +15,16 @@ from solar_env.mechanics.arrays.model import Model, State
 from solar_env.mechanics.integrators import dormand_prince, generalized_alpha, rosenbrock, runge_kutta, settings
 from solar_env.mechanics.integrators.step import HERMITE, AdaptiveSettings, Interpolant, adapt_nothing
 
-Chosen = Any  # one of the settings' classes of ``settings.py``
+Chosen = Any  # one of the settings' classes of `settings.py`
 
 
 @dataclass(frozen=True)
 class AdaptiveKernels:
-    """What the driver of adaptive steps (``adaptive.py``) asks of a method.
+    """Kernels of a method that the driver of adaptive steps (`adaptive.py`) calls.
 
     Attributes:
         begin: (model, own arrays): prepares the method's own arrays for a call.
-        choose: (model, state, stages, wanted): step to try [s] if ``wanted`` is what accuracy and impacts allow.
+        choose: (model, state, stages, wanted): step to try [s] if `wanted` is what accuracy and impacts allow.
         attempt: (model, state, settings, arrays, h): fills a step; its error in units of the tolerance, negative if
             constraints are singular.
         interpolant: looks between the ends of the step.
@@ -134,7 +132,7 @@ def method_of(chosen: Chosen) -> Method:
 
 
 def kernel_of(pick: Callable[[Any], Any]) -> Callable[[Any], Any]:
-    """A function of kernel settings that gives the kernel ``pick`` takes from their method's; resolved in compiling."""
+    """A function of kernel settings that gives the kernel `pick` takes from their method's; resolved in compiling."""
 
     def find(settings: Any) -> Any:
         return pick(_BY_TYPE[type(settings)].kernels)

@@ -1,4 +1,4 @@
-"""What a run keeps: samples at requested times and one line for every contact. Both are optional."""
+"""Record of a run: samples at requested times and one line for every contact. Both are optional."""
 
 import math
 from typing import NamedTuple
@@ -93,7 +93,7 @@ def record_sample(recorder, model, joint_states, q, v, time, integrals, work, a,
 
 @kernel(inner=True)
 def record_contact(recorder, j, own, integrals, end):
-    """Store the line of a contact of joint ``j`` that has just ended."""
+    """Store the line of a contact of joint `j` that has just ended."""
     if recorder.contacts.shape[0] == 0:
         return
     row = recorder.contacts[recorder.filled[1]]

@@ -1,6 +1,6 @@
-"""Rosenbrock's method: linearly implicit steps (``rosenbrock_step.py``) where they are worth their price.
+"""Rosenbrock's method: linearly implicit steps (`rosenbrock_step.py`) where they are worth their price.
 
-With flexible bodies the explicit method (``runge_kutta.py``) is unstable beyond a known step. Where accuracy would
+With flexible bodies the explicit method (`runge_kutta.py`) is unstable beyond a known step. Where accuracy would
 allow several times as long a one, a linearly implicit step is tried; the others are explicit.
 """
 
@@ -44,7 +44,7 @@ class RosenbrockSettings(AdaptiveSettings):
 
 
 class RosenbrockArrays(NamedTuple):
-    """What the method needs besides the stages."""
+    """Scratch arrays of the method besides the stages."""
 
     stiff: StiffForces
     step: LinearStep
@@ -77,7 +77,7 @@ def begin_rosenbrock(model, own):
 
 @kernel(inner=True, inlined=True)
 def choose_rosenbrock(model, state, stages, wanted):
-    """Step to try [s] if ``wanted`` is what accuracy, impacts and the settings allow, and whether linearly implicit."""
+    """Step to try [s] if `wanted` is what accuracy, impacts and the settings allow, and whether linearly implicit."""
     trial = stages.trial[0]
     implicit = state.clock[0].explicit_wait <= 0 and wanted > _WORTH * (STABILITY_MARGIN * model.stable_step)
     trial.implicit = implicit
@@ -86,7 +86,7 @@ def choose_rosenbrock(model, state, stages, wanted):
 
 @kernel(inner=True, inlined=True)
 def attempt_rosenbrock(model, state, settings, arrays, h):
-    """Fill a step ``h``, its end going to ``stages``; its error in units of the tolerance, negative if singular."""
+    """Fill a step `h`, its end going to `stages`; its error in units of the tolerance, negative if singular."""
     work, stages, own = arrays.work, arrays.stages, arrays.own
     if stages.trial[0].implicit:
         error = _STRICTER * attempt_implicit(model, state, stages, own.step, work, settings, h)

@@ -11,11 +11,9 @@ index 1. Eliminating all but the velocities leaves, for every stage, one system 
 [[M + gamma h C + (gamma h)^2 K, Phi_q^T], [Phi_q, 0]],
 
 K and C being the tangents of the forces by coordinates and velocities; the rows of the lengths have further terms,
-their own slopes. It is factored once a step, in time that grows linearly with the length of the chain (``profile.py``).
+their own slopes. It is factored once a step, in time that grows linearly with the length of the chain (`profile.py`).
 The stiff vibrations of beams then do not bound the step.
 """
-
-from __future__ import annotations
 
 from typing import NamedTuple
 
@@ -137,7 +135,7 @@ def add_length_slopes(model, state, a, newton, diagonal):
 
 @kernel(single_caller=True)
 def set_stage(state, stages, step, s, h):
-    """Values of the coordinates, velocities, accelerations and multipliers at stage ``s``, and its past terms."""
+    """Values of the coordinates, velocities, accelerations and multipliers at stage `s`, and its past terms."""
     q, v, a, past, rate, multipliers = step.q, step.v, step.a, step.past_velocity, step.rate, step.multipliers
     copy_into(q, state.q)
     copy_into(v, state.v)
@@ -164,7 +162,7 @@ def set_stage(state, stages, step, s, h):
 
 @kernel(single_caller=True)
 def solve_stage(model, state, stages, step, s, force, diagonal):
-    """Increments of stage ``s`` for the applied ``force`` (n,) at its values."""
+    """Increments of stage `s` for the applied `force` (n,) at its values."""
     elimination, position = model.elimination, model.elimination.position
     n, m = state.q.size, model.constraints.size.size
     x, factor, product = step.unknowns, step.factor, step.product
@@ -223,7 +221,7 @@ def border_length(state, start_a, step, k, row, position, diagonal):
 
 @kernel(inner=True)
 def evaluate_forces(model, joint_states, q, v, work):
-    """``system.applied_forces`` as a call: inlined at every place it would take long to compile."""
+    """`system.applied_forces` as a call: inlined at every place it would take long to compile."""
     applied_forces(model, joint_states, q, v, work)
 
 
@@ -261,7 +259,7 @@ def estimate_error(model, state, stages, step, settings):
 
 @kernel(inner=True)
 def attempt_implicit(model, state, stages, step, work, settings, h):
-    """Fill a linearly implicit step ``h``, its end going to ``stages`` as in ``runge_kutta.take_stages``.
+    """Fill a linearly implicit step `h`, its end going to `stages` as in `runge_kutta.take_stages`.
 
     Returns:
         The error in units of the tolerance; negative if the constraints are singular.

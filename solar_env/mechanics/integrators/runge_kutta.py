@@ -5,7 +5,7 @@ S. P. Norsett and G. Wanner, Solving Ordinary Differential Equations I, 1993, se
 doi:10.1007/978-3-540-78862-1). In lasting contact the stiffness of the bearing bounds the step; of the common methods
 those with four stages and order four cover the most time per evaluation: their stability interval on the imaginary
 axis, 2 sqrt(2), is nearly as long as four stages allow. Lasting contacts, and with beams the dampers of stops, are
-treated linearly implicitly (``stiff_forces.py``).
+treated linearly implicitly (`stiff_forces.py`).
 """
 
 from typing import NamedTuple
@@ -13,18 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.mechanics.arrays.model import (
-    CABLE_WORK,
-    EXACT,
-    FRICTION_DISSIPATION,
-    GLOBAL_INTEGRALS,
-    INTEGRALS_PER_JOINT,
-    MOTOR_WORK,
-    NORMAL_DISSIPATION,
-    STOP_DISSIPATION,
-    Model,
-    State,
-)
+from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.arrays.model import Model, State
 from solar_env.mechanics.equations.system import inlined_accelerations, make_workspace
 from solar_env.mechanics.integrators.step import AdaptiveArrays, AdaptiveSettings, make_adaptive_arrays, refresh
 from solar_env.mechanics.integrators.stiff_forces import begin_step, correct_stage, may_be_stiff, product
@@ -54,7 +44,7 @@ STABILITY_MARGIN = 0.95
 _DEPTH_ERROR = 0.01
 
 # Integrals that enter the energy book, and with it the error norm.
-BOOKED_ENERGIES = (NORMAL_DISSIPATION, FRICTION_DISSIPATION, MOTOR_WORK, STOP_DISSIPATION, CABLE_WORK)
+BOOKED_ENERGIES = (m.NORMAL_DISSIPATION, m.FRICTION_DISSIPATION, m.MOTOR_WORK, m.STOP_DISSIPATION, m.CABLE_WORK)
 
 
 class RungeKuttaSettings(AdaptiveSettings):
@@ -62,7 +52,7 @@ class RungeKuttaSettings(AdaptiveSettings):
 
 
 class StiffForces(NamedTuple):
-    """The stiff forces of the step in hand (``stiff_forces.py``); the first entries of each array are in use."""
+    """The stiff forces of the step in hand (`stiff_forces.py`); the first entries of each array are in use."""
 
     joint: NDArray[np.int64]  # (joints,) indices
     stiffness: NDArray[np.float64]  # (joints,) along the gradient; 0 for a stop, whose damping alone is stiff
@@ -114,7 +104,7 @@ def make_stiff_forces(state: State) -> StiffForces:
 
 
 class RungeKuttaArrays(NamedTuple):
-    """What the method needs besides the stages."""
+    """Scratch arrays of the method besides the stages."""
 
     stiff: StiffForces
 
@@ -133,7 +123,7 @@ def begin_runge_kutta(model, own):
 
 @kernel(inlined=True)
 def stable_step(model, stages, wanted):
-    """Bound the step ``wanted`` [s] by the method's stability on the flexible bodies, and note whether that did."""
+    """Bound the step `wanted` [s] by the method's stability on the flexible bodies, and note whether that did."""
     stable = STABILITY_MARGIN * model.stable_step
     stages.trial[0].bound = stable < wanted
     return min(stable, wanted)
@@ -141,7 +131,7 @@ def stable_step(model, stages, wanted):
 
 @kernel(inner=True, inlined=True)
 def choose_runge_kutta(model, state, stages, wanted):
-    """Step to try [s] if ``wanted`` is what accuracy, impacts and the settings allow."""
+    """Step to try [s] if `wanted` is what accuracy, impacts and the settings allow."""
     return stable_step(model, stages, wanted)
 
 
@@ -159,7 +149,7 @@ def restore_ends(v0, stages, stiff):
 
 @kernel(single_caller=True)
 def take_stages(model, state, stages, stiff, work, h):
-    """Fill the stages of a step ``h``, its end going to ``stages.q``, ``.v`` and ``.gain``. False if singular."""
+    """Fill the stages of a step `h`, its end going to `stages.q`, `.v` and `.gain`. False if singular."""
     q0, v0, joint_states, multipliers = state.q, state.v, state.joints, state.multipliers
     q, v, velocity, acceleration = stages.q, stages.v, stages.velocity, stages.acceleration
     power, stage_power, gain = work.power, stages.power, stages.gain
@@ -244,8 +234,8 @@ def error_norm(model, state, stages, stiff, rtol, velocity_scale, h):
         if not ratios[i] <= worst:  # also true for NaN
             worst = ratios[i]
     energy_tolerance = rtol * state.clock[0].energy_scale
-    joint_integrals = power.shape[1] - GLOBAL_INTEGRALS
-    for j in range(0, joint_integrals, INTEGRALS_PER_JOINT):
+    joint_integrals = power.shape[1] - m.GLOBAL_INTEGRALS
+    for j in range(0, joint_integrals, m.INTEGRALS_PER_JOINT):
         for k in BOOKED_ENERGIES:
             i = j + k
             de = e0 * power[0, i] + e1 * power[1, i] + e2 * power[2, i] + e3 * power[3, i] + e4 * power[4, i]
@@ -261,16 +251,16 @@ def error_norm(model, state, stages, stiff, rtol, velocity_scale, h):
 
 @kernel(single_caller=True)
 def attempt_explicit(model, state, arrays, h):
-    """Fill a step ``h`` from accelerations that solve the equations of motion. False if constraints are singular."""
+    """Fill a step `h` from accelerations that solve the equations of motion. False if constraints are singular."""
     work, stages = arrays.work, arrays.stages
-    if state.clock[0].acceleration_current != EXACT and not refresh(model, state, stages, work):
+    if state.clock[0].acceleration_current != m.EXACT and not refresh(model, state, stages, work):
         return False
     return take_stages(model, state, stages, arrays.own.stiff, work, h)
 
 
 @kernel(inner=True, inlined=True)
 def attempt_runge_kutta(model, state, settings, arrays, h):
-    """Fill a step ``h``, its end going to ``stages``; its error in units of the tolerance, negative if singular."""
+    """Fill a step `h`, its end going to `stages`; its error in units of the tolerance, negative if singular."""
     if not attempt_explicit(model, state, arrays, h):
         return -1.0
     stages, stiff = arrays.stages, arrays.own.stiff

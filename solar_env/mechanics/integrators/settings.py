@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-# The exit speed of an impact is then good to 1 %: measured (``studies/impact_maps.py``).
+# The exit speed of an impact is then good to 1 %: measured (`studies/impact_maps.py`).
 FEWEST_EXPLICIT_STEPS = 4  # of an impact, explicit Runge-Kutta
 _FEWEST_IMPLICIT_STEPS = 8  # of an impact, generalized-alpha, where its algorithmic damping does not need more
 # Frequency of a Hertzian contact at its deepest times the duration of the impact: sqrt(15 / 8) * 2.94328.
@@ -17,7 +17,7 @@ _HERTZ_PHASE = math.sqrt(15.0 / 8.0) * 2.0 * math.sqrt(math.pi) * math.gamma(1.4
 
 @dataclass(frozen=True)
 class RungeKutta:
-    """Adaptive explicit Runge-Kutta (``adaptive.py``).
+    """Adaptive explicit Runge-Kutta (`adaptive.py`).
 
     Attributes:
         rtol: local error of a step, of velocities relative to velocity_scale + |velocity|, of positions to the
@@ -27,9 +27,9 @@ class RungeKutta:
         impact_resolution: least number of steps per predicted duration of an impact, 4 or more.
         max_steps: bound on the steps of one call.
 
-    A run asks the same of every method: ``name``; whether it ``takes_drives``; whether its multipliers only settle to
-    the constraint forces after a change of step (``settles_forces``); ``steps_needed_per_impact``, None if its steps
-    adapt to impacts; and ``remedy``, what makes its energy book close better.
+    A run asks the same of every method: `name`; whether it `takes_drives`; whether its multipliers only settle to
+    the constraint forces after a change of step (`settles_forces`); `steps_needed_per_impact`, None if its steps
+    adapt to impacts; and `remedy`, what makes its energy book close better.
     """
 
     rtol: float = 1e-6
@@ -57,7 +57,7 @@ class RungeKutta:
 
 @dataclass(frozen=True)
 class Rosenbrock(RungeKutta):
-    """:class:`RungeKutta` with linearly implicit steps where they are worth their price (``rosenbrock.py``).
+    """`RungeKutta` with linearly implicit steps where they are worth their price (`rosenbrock.py`).
 
     The stiff vibrations of flexible bodies then do not bound the steps. In impacts, and wherever accuracy asks for
     short steps anyway, these remain explicit; with flexible bodies their velocity scale shrinks while the whole
@@ -72,7 +72,7 @@ class Rosenbrock(RungeKutta):
 
 @dataclass(frozen=True)
 class DormandPrince(RungeKutta):
-    """Explicit Runge-Kutta of order eight (``dormand_prince.py``), for many digits of a motion without clearance.
+    """Explicit Runge-Kutta of order eight (`dormand_prince.py`), for many digits of a motion without clearance.
 
     In lasting contact, and with flexible bodies, stability bounds its steps: the other methods are then faster.
     """
@@ -84,14 +84,14 @@ class DormandPrince(RungeKutta):
 
 @dataclass(frozen=True)
 class GeneralizedAlpha:
-    """Generalized-alpha on the index-3 equations (``generalized_alpha.py``).
+    """Generalized-alpha on the index-3 equations (`generalized_alpha.py`).
 
     Attributes:
         step: fixed step [s], or the first one if rtol is given.
         rho_inf: spectral radius at infinite frequency, in [0, 1]; 1 gives beta = 1/4, gamma = 1/2, the paper's scheme.
-        rtol: local error tolerance as in :class:`RungeKutta`; None keeps the step fixed.
+        rtol: local error tolerance as in `RungeKutta`; None keeps the step fixed.
         impact_resolution: least number of adaptive steps per predicted duration of an impact, at least
-            :func:`steps_per_impact`.
+            `steps_per_impact`.
         newton_tolerance: of a Newton correction, relative to the length scale.
         max_steps: bound on the steps of one call.
     """
@@ -116,7 +116,7 @@ class GeneralizedAlpha:
 
     @property
     def remedy(self) -> str:
-        """What makes the energy book close better."""
+        """Advice that makes the energy book close better."""
         return "reduce the step, or give rtol" if self.rtol is None else f"tighten rtol = {self.rtol:g}"
 
     def with_options(self, step: float | None, rtol: float | None) -> GeneralizedAlpha:
@@ -136,7 +136,7 @@ class GeneralizedAlpha:
 
 
 Integrator = RungeKutta | GeneralizedAlpha
-# Settings of every method by its name; their kernels are in ``methods.py``.
+# Settings of every method by its name; their kernels are in `methods.py`.
 INTEGRATORS: dict[str, type[Integrator]] = {
     kind.name: kind for kind in (RungeKutta, Rosenbrock, DormandPrince, GeneralizedAlpha)
 }
@@ -154,7 +154,7 @@ def alpha_coefficients(rho_inf: float) -> tuple[float, float, float, float]:
 def steps_per_impact(rho_inf: float) -> int:
     """Steps that generalized-alpha needs in a Hertzian impact for an exit speed good to 1 %.
 
-    At least 8, which its start and end inside a step ask for; with small ``rho_inf`` more, because the algorithmic
+    At least 8, which its start and end inside a step ask for; with small `rho_inf` more, because the algorithmic
     damping takes the spectral radius of the amplification matrix to the number of steps off the speed. That is taken
     at the frequency of the contact at its deepest.
     """
@@ -165,7 +165,7 @@ def steps_per_impact(rho_inf: float) -> int:
 
 
 def amplification_radius(rho_inf: float, phase: float) -> float:
-    """Spectral radius of generalized-alpha for u'' = -omega^2 u at ``phase`` = omega * step (Chung and Hulbert 1993).
+    """Spectral radius of generalized-alpha for u'' = -omega^2 u at `phase` = omega * step (Chung and Hulbert 1993).
 
     J. Chung and G. M. Hulbert, J. Appl. Mech. 60 (1993) 371, doi:10.1115/1.2900803.
     """

@@ -6,8 +6,6 @@ Between the ends positions follow the quintic and velocities the cubic Hermite p
 doi:10.1007/978-3-540-78862-1).
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 
@@ -88,7 +86,7 @@ class AdaptiveArrays(NamedTuple):
 
 
 def make_stages(state: State, rows: int) -> Stages:
-    """Allocate the arrays of a step of ``rows`` stages, the derivatives at its end included."""
+    """Allocate the arrays of a step of `rows` stages, the derivatives at its end included."""
     n, k, joints = state.q.size, state.integrals.size, state.joints.size
     return Stages(
         velocity=np.zeros((rows, n)),
@@ -113,7 +111,7 @@ def make_stages(state: State, rows: int) -> Stages:
 
 
 def make_adaptive_arrays(model: Model, state: State, rows: int, work: Workspace, own: Any) -> AdaptiveArrays:
-    """Allocate the arrays of a method of ``rows`` stages that works in ``work`` and has arrays of its ``own``."""
+    """Allocate the arrays of a method of `rows` stages that works in `work` and has arrays of its `own`."""
     return AdaptiveArrays(work, make_workspace(model, state), make_stages(state, rows), own)
 
 
@@ -149,7 +147,7 @@ def refresh(model, state, stages, work):
 
 @kernel(inlined=True)
 def quintic_weights(s):
-    """Weights of position, velocity * h and acceleration * h^2 at the start, then at the end, at the share ``s``."""
+    """Weights of position, velocity * h and acceleration * h^2 at the start, then at the end, at the share `s`."""
     s3 = s * s * s
     end = s3 * (10.0 - s * (15.0 - 6.0 * s))
     return (
@@ -164,14 +162,14 @@ def quintic_weights(s):
 
 @kernel(inlined=True)
 def cubic_weights(s):
-    """Weights of value and slope * h at the start, then at the end, at the share ``s``."""
+    """Weights of value and slope * h at the start, then at the end, at the share `s`."""
     end = s * s * (3.0 - 2.0 * s)
     return 1.0 - end, s * (1.0 - s) * (1.0 - s), end, s * s * (s - 1.0)
 
 
 @kernel
 def hermite_state(state, stages, h, share):
-    """State at ``share`` of the step, into ``stages.scratch_q`` and ``stages.scratch_v``."""
+    """State at `share` of the step, into `stages.scratch_q` and `stages.scratch_v`."""
     q0, v0, q1, v1 = state.q, state.v, stages.q, stages.v
     acceleration, q, v = stages.acceleration, stages.scratch_q, stages.scratch_v
     p0, p1, p2, r0, r1, r2 = quintic_weights(share)
@@ -204,7 +202,7 @@ def hermite_depth(joint, markers, state, stages, h, share):
 
 @kernel(inner=True)
 def interpolate_without_accelerations(state, stages, h, share):
-    """Coordinates at ``share`` of the step from those and the velocities at its ends alone, into ``stages.scratch_q``.
+    """Coordinates at `share` of the step from those and the velocities at its ends alone, into `stages.scratch_q`.
 
     For steps that were corrected for stiff contacts: accelerations at the ends are not those in between, and a share of
     them would press a lasting contact, some nanometres deep, open or shut.
@@ -217,7 +215,7 @@ def interpolate_without_accelerations(state, stages, h, share):
 
 @kernel(inner=True)
 def hermite_integrals(state, stages, h, share):
-    """Integrals at ``share`` of the step, into ``stages.integrals``."""
+    """Integrals at `share` of the step, into `stages.integrals`."""
     integrals, gain, power, base = stages.integrals, stages.gain, stages.power, state.integrals
     _, start, whole, end = cubic_weights(share)
     for k in range(integrals.size):
@@ -236,13 +234,13 @@ def adapt_nothing(model, state, stages, accepted):
 
 
 class Interpolant(NamedTuple):
-    """Kernels that look between the ends of a step ``h``, at a ``share`` of it from 0 to 1.
+    """Kernels that look between the ends of a step `h`, at a `share` of it from 0 to 1.
 
     Attributes:
         complete: (model, state, arrays, recorder, h): evaluates what the others need beyond what the step left, if
             anything will be looked at; False if constraints are singular.
-        state: (state, stages, h, share): coordinates and velocities to ``stages.scratch_q`` and ``.scratch_v``.
-        integrals: (state, stages, h, share): time integrals to ``stages.integrals``.
+        state: (state, stages, h, share): coordinates and velocities to `stages.scratch_q` and `.scratch_v`.
+        integrals: (state, stages, h, share): time integrals to `stages.integrals`.
         depth: (joint, markers, state, stages, h, share): penetration of a joint with clearance [m].
     """
 

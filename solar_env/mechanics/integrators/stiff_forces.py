@@ -16,17 +16,9 @@ IV.7, doi:10.1007/978-3-642-05221-7), which contacts need, r is the rate of chan
 that a contact must balance moves with everything else.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
-from solar_env.mechanics.arrays.model import (
-    FRICTION_DISSIPATION,
-    IMPULSE,
-    INTEGRALS_PER_JOINT,
-    SLIDING_WORK,
-    STOP_DISSIPATION,
-)
+from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.bodies.markers import add_point_force, add_torque, spin
 from solar_env.mechanics.equations.system import acceleration_response, accelerations, prepare_response
 from solar_env.mechanics.integrators.history import IMPACT_DURATIONS
@@ -66,7 +58,7 @@ def product(a, b):
 
 @kernel(inlined=True)
 def past_sum(values, stage, i):
-    """Sum over the stages before ``stage`` of gamma_ij times entry ``i`` of ``values`` (stages, entries)."""
+    """Sum over the stages before `stage` of gamma_ij times entry `i` of `values` (stages, entries)."""
     total = 0.0
     for s in range(min(stage, 4)):
         total += COUPLING[stage][s] * values[s, i]
@@ -111,7 +103,7 @@ def may_be_stiff(model, state):
 
 @kernel(single_caller=True)
 def collect(model, state, work, stiff, h):
-    """Enter the forces that are stiff over a step ``h``; returns their number, and whether contacts are among them.
+    """Enter the forces that are stiff over a step `h`; returns their number, and whether contacts are among them.
 
     Beams have inertias so small that a stop's damping is stiff, and axial vibrations that bound the step more than
     a contact does; between rigid bodies it is the other way round.
@@ -179,7 +171,7 @@ def separate_motions(stiff, count):
 
 @kernel(single_caller=True)
 def measure_rest(model, state, work, stiff, count, start, h):
-    """Rate of change of the accelerations ``start`` (n,) that A leaves out, by a difference along the motion."""
+    """Rate of change of the accelerations `start` (n,) that A leaves out, by a difference along the motion."""
     q, v, time = state.q, state.v, state.clock[0].time
     delta = _PROBE * h
     q1, v1, rest = stiff.probe_q, stiff.probe_v, stiff.rest
@@ -201,12 +193,12 @@ def measure_rest(model, state, work, stiff, count, start, h):
 
 @kernel(inner=True)
 def begin_step(model, state, work, stiff, start, h):
-    """Prepare the treatment of the forces that are stiff over a step ``h``; returns their number.
+    """Prepare the treatment of the forces that are stiff over a step `h`; returns their number.
 
     Args:
         model, state: of the mechanism, at the start of the step.
         work: workspace, changed.
-        stiff: a ``runge_kutta.StiffForces``, filled.
+        stiff: a `runge_kutta.StiffForces`, filled.
         start: (n,) accelerations at the start of the step.
         h: step [s].
     """
@@ -252,12 +244,12 @@ def correct_stage(stiff, stage, h, velocity, acceleration, power):
         force = h * (DIAGONAL * right[i] + stiff.past[i])
         for x in range(a.size):
             a[x] -= force * stiff.response[i, x]
-        first = INTEGRALS_PER_JOINT * stiff.joint[i]
+        first = m.INTEGRALS_PER_JOINT * stiff.joint[i]
         if stiff.stiffness[i] > 0.0:
             add_force_to_powers(power[stage], first, force)
         else:
             # What the stop takes with the torque that the step goes by, not the one that the stage's speed would give.
-            power[stage, first + STOP_DISSIPATION] += force * product(stiff.gradient[i], velocity[stage])
+            power[stage, first + m.STOP_DISSIPATION] += force * product(stiff.gradient[i], velocity[stage])
     for i in range(count):
         if stiff.stiffness[i] > 0.0:
             stiff.closing[stage, i] = product(stiff.gradient[i], a)
@@ -269,9 +261,9 @@ def correct_stage(stiff, stage, h, velocity, acceleration, power):
 @kernel(inlined=True)
 def add_force_to_powers(power, first, force):
     """Raise a contact's normal force [N], which stays compressive, with the powers that are in proportion to it."""
-    normal = power[first + IMPULSE]
+    normal = power[first + m.IMPULSE]
     if normal > 0.0:
         scale = max(1.0 + force / normal, 0.0)
-        power[first + FRICTION_DISSIPATION] *= scale
-        power[first + SLIDING_WORK] *= scale
-        power[first + IMPULSE] *= scale
+        power[first + m.FRICTION_DISSIPATION] *= scale
+        power[first + m.SLIDING_WORK] *= scale
+        power[first + m.IMPULSE] *= scale

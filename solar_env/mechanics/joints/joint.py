@@ -1,25 +1,13 @@
-"""What acts in a joint: spring, latch and stow stop, motor and cable loop about its angle; contact in its bearing.
+"""Forces in a joint: spring, latch and stow stop, motor and cable loop about its angle; contact in its bearing.
 
 Every joint joins an outboard marker (the journal) to an inboard one (the bearing). A torque acts as the gradient of
 the direction angle, so that it does no work on a body's stretch; a contact force acts at one material point on both
 bodies, so that linear and angular momentum are conserved exactly.
 """
 
-from __future__ import annotations
-
 import math
 
-from solar_env.mechanics.arrays.model import (
-    CABLE_WORK,
-    CLEARANCE,
-    FRICTION_DISSIPATION,
-    IMPULSE,
-    INTEGRALS_PER_JOINT,
-    MOTOR_WORK,
-    NORMAL_DISSIPATION,
-    SLIDING_WORK,
-    STOP_DISSIPATION,
-)
+from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.bodies.markers import (
     add_point_force,
     add_torque,
@@ -185,10 +173,10 @@ def joint_torques(model, joint_states, q, v, loads, power):
         loads[j, STOP_TORQUE] = stop
         loads[j, MOTOR_TORQUE] = motor
         loads[j, CABLE_TORQUE] = 0.0
-        first = INTEGRALS_PER_JOINT * j
-        power[first + MOTOR_WORK] = motor * rate
-        power[first + STOP_DISSIPATION] = (elastic - stop) * rate
-        power[first + CABLE_WORK] = 0.0
+        first = m.INTEGRALS_PER_JOINT * j
+        power[first + m.MOTOR_WORK] = motor * rate
+        power[first + m.STOP_DISSIPATION] = (elastic - stop) * rate
+        power[first + m.CABLE_WORK] = 0.0
     for c in range(cables.size):
         cable = cables[c]
         a, b = cable.joint_a, cable.joint_b
@@ -196,14 +184,14 @@ def joint_torques(model, joint_states, q, v, loads, power):
         loads[a, CABLE_TORQUE] -= cable.torque_ratio * torque
         loads[b, CABLE_TORQUE] += torque
         # Nothing unless the torque ratio differs from the wheel ratio.
-        power[INTEGRALS_PER_JOINT * a + CABLE_WORK] += (
+        power[m.INTEGRALS_PER_JOINT * a + m.CABLE_WORK] += (
             torque * (cable.wheel_ratio - cable.torque_ratio) * loads[a, RATE]
         )
 
 
 @kernel(inlined=True)
 def joint_forces(model, joint_states, impact_speeds, q, v, loads, force, power):
-    """Evaluate every joint: fill ``loads`` and ``power``, add the generalized forces to ``force``.
+    """Evaluate every joint: fill `loads` and `power`, add the generalized forces to `force`.
 
     Args:
         impact_speeds: (joints,) speed with which the present contact began; 0 means that the journal flies freely
@@ -222,12 +210,12 @@ def joint_forces(model, joint_states, impact_speeds, q, v, loads, force, power):
         outboard_torque, inboard_torque = torque, -torque
         normal, tangential, fx, fy = 0.0, 0.0, 0.0, 0.0
         ex, ey = 0.0, 0.0
-        first = INTEGRALS_PER_JOINT * j
-        power[first + NORMAL_DISSIPATION] = 0.0
-        power[first + FRICTION_DISSIPATION] = 0.0
-        power[first + SLIDING_WORK] = 0.0
-        power[first + IMPULSE] = 0.0
-        if joint.kind == CLEARANCE:
+        first = m.INTEGRALS_PER_JOINT * j
+        power[first + m.NORMAL_DISSIPATION] = 0.0
+        power[first + m.FRICTION_DISSIPATION] = 0.0
+        power[first + m.SLIDING_WORK] = 0.0
+        power[first + m.IMPULSE] = 0.0
+        if joint.kind == m.CLEARANCE:
             ex, ey = relative(joint, markers, q)
             if impact_speeds[j] > 0.0:
                 ux, uy = relative_velocity(joint, markers, q, v)
@@ -242,10 +230,10 @@ def joint_forces(model, joint_states, impact_speeds, q, v, loads, force, power):
                     inboard_torque -= motion.lever * tangential
                     add_point_force(outboard, q, fx, fy, force)
                     add_point_force(inboard, q, -fx, -fy, force)
-                    power[first + NORMAL_DISSIPATION] = (normal - elastic) * motion.rate
-                    power[first + FRICTION_DISSIPATION] = -tangential * motion.slip
-                    power[first + SLIDING_WORK] = normal * abs(motion.sliding_speed)
-                    power[first + IMPULSE] = normal
+                    power[first + m.NORMAL_DISSIPATION] = (normal - elastic) * motion.rate
+                    power[first + m.FRICTION_DISSIPATION] = -tangential * motion.slip
+                    power[first + m.SLIDING_WORK] = normal * abs(motion.sliding_speed)
+                    power[first + m.IMPULSE] = normal
         loads[j, ECCENTRICITY_X] = ex
         loads[j, ECCENTRICITY_Y] = ey
         loads[j, NORMAL] = normal

@@ -1,7 +1,5 @@
 """How a journal that touches its bearing approaches it and slides in it."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -5,8 +5,6 @@ over the arc that the journal presses into the bearing, so that the worn volume 
 k * integral of (normal force * sliding speed) dt exactly.
 """
 
-from __future__ import annotations
-
 import math
 
 from solar_env.mechanics.numerics.jit import kernel

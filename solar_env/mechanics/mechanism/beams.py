@@ -139,6 +139,6 @@ def free_beam(
         velocity: of the first end at t = 0 [m/s].
         spin: angular velocity at t = 0 [rad/s].
         angle: of the beam from the x axis at t = 0 [rad].
-        loads: on the body ``BEAM``.
+        loads: on the body `BEAM`.
     """
     return Mechanism((beam.body(elements, angle, velocity, spin),), loads=loads)

@@ -1,9 +1,7 @@
-"""Mechanisms as data: bodies, joints, force elements. ``build.compile_mechanism`` turns them into arrays.
+"""Mechanisms as data: bodies, joints, force elements. `build.compile_mechanism` turns them into arrays.
 
 All quantities in SI units; angles in rad; counter-clockwise positive. Bad parameters are refused on construction.
 """
-
-from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
@@ -231,7 +229,7 @@ class Load:
 class Mechanism:
     """A planar mechanism.
 
-    Neighbours in ``bodies`` should be neighbours in the mechanism: implicit integration eliminates in this order.
+    Neighbours in `bodies` should be neighbours in the mechanism: implicit integration eliminates in this order.
     """
 
     bodies: tuple[AnyBody, ...]

@@ -1,13 +1,11 @@
 """Refusal of bad parameters: one sentence with the owner, the quantity, its value and the rule."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import fields
 
 
 def require(condition: bool, owner: object, name: str, value: object, rule: str) -> None:
-    """Check a rule about the quantity ``name`` of a description.
+    """Check a rule about the quantity `name` of a description.
 
     Raises:
         ValueError: if the condition does not hold.
@@ -17,7 +15,7 @@ def require(condition: bool, owner: object, name: str, value: object, rule: str)
 
 
 def require_finite(owner: object, *skip: str) -> None:
-    """Check that the numbers of a description are finite, but for the fields named in ``skip``.
+    """Check that the numbers of a description are finite, but for the fields named in `skip`.
 
     Raises:
         ValueError: if one is not.

@@ -5,8 +5,6 @@ calls; cached callers would go on running the old code. Here the cache folder of
 file and of every file of the package that this imports, so that any edit compiles afresh what depends on it.
 """
 
-from __future__ import annotations
-
 import hashlib
 import os
 import re
@@ -23,7 +21,7 @@ _PACKAGE = Path(__file__).resolve().parents[2]
 
 @cache
 def imported_files(path: Path) -> tuple[Path, ...]:
-    """Files of the package that a file of it imports, by its lines ``from solar_env... import ...``."""
+    """Files of the package that a file of it imports, by its lines `from solar_env... import ...`."""
     lines = rf"^ *from {_PACKAGE.name}\.([\w.]+) import (\([^)]*\)|.*)$"
     files = []
     for module, names in re.findall(lines, path.read_text(encoding="utf-8"), re.MULTILINE):

@@ -1,7 +1,5 @@
 """Small dense linear algebra without allocation, for matrices of a few dozen rows."""
 
-from __future__ import annotations
-
 import math
 
 from solar_env.mechanics.numerics.jit import kernel
@@ -38,7 +36,7 @@ def cholesky_factor(a, n):
 
 @kernel
 def cholesky_solve(a, n, b):
-    """Solve in place for ``b`` (n,) with the factor of :func:`cholesky_factor`."""
+    """Solve in place for `b` (n,) with the factor of `cholesky_factor`."""
     for i in range(n):
         s = b[i]
         for k in range(i):
@@ -66,7 +64,7 @@ def lu_factor(a, n):
 
 @kernel
 def lu_solve(a, n, b):
-    """Solve in place for ``b`` (n,) with the factors of :func:`lu_factor`."""
+    """Solve in place for `b` (n,) with the factors of `lu_factor`."""
     for i in range(n):
         for k in range(i):
             b[i] -= a[i, k] * b[k]

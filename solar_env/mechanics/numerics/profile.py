@@ -58,7 +58,7 @@ def make_elimination(position: NDArray[np.int64], couplings: list[tuple[int, int
 
 
 def make_profile_matrix(elimination: Elimination) -> ProfileMatrix:
-    """Allocate a matrix of zeros, see :func:`clear`."""
+    """Allocate a matrix of zeros, see `clear`."""
     blocks = elimination.first.size
     size = int((np.arange(blocks) - elimination.first).sum())
     matrix = ProfileMatrix(np.zeros((size, _ENTRIES)), np.zeros((size, _ENTRIES)), np.zeros((blocks, _ENTRIES)))
@@ -79,7 +79,7 @@ def clear(elimination, matrix):
 
 @kernel(inlined=True)
 def add_entry(elimination, matrix, i, j, value):
-    """Add to the entry of the unknowns ``i`` (row) and ``j`` (column); nothing if one of them is held."""
+    """Add to the entry of the unknowns `i` (row) and `j` (column); nothing if one of them is held."""
     place, other = elimination.position[i], elimination.position[j]
     if place < 0 or other < 0:
         return
@@ -135,7 +135,7 @@ def taken(x, place):
 
 @kernel(inner=True, inlined=True)
 def _subtract_product(out, left, right):
-    """Subtract left^T right from ``out``, all row by row."""
+    """Subtract left^T right from `out`, all row by row."""
     for i in range(BLOCK):
         a, b, c, d = left[i], left[4 + i], left[8 + i], left[12 + i]
         y0 = out[4 * i] - a * right[0] - b * right[4] - c * right[8] - d * right[12]
@@ -147,7 +147,7 @@ def _subtract_product(out, left, right):
 
 @kernel(inner=True, inlined=True)
 def _scale(block, inverse):
-    """Replace the block B, column by column, by B times ``inverse``."""
+    """Replace the block B, column by column, by B times `inverse`."""
     for i in range(BLOCK):
         b0, b1, b2, b3 = block[i], block[4 + i], block[8 + i], block[12 + i]
         y0 = b0 * inverse[0] + b1 * inverse[4] + b2 * inverse[8] + b3 * inverse[12]
@@ -161,7 +161,7 @@ def _scale(block, inverse):
 def _invert(block, s0, s1, s2, s3):
     """Invert the block without exchange of pivots.
 
-    False if a pivot is not finite, or has lost all its digits: it is tiny beside the entry ``s0`` .. that it was.
+    False if a pivot is not finite, or has lost all its digits: it is tiny beside the entry `s0` .. that it was.
     """
     sizes = (s0, s1, s2, s3)
     for p in range(BLOCK):
@@ -233,7 +233,7 @@ def _transposed_times(block, x):
 
 @kernel
 def profile_solve(elimination, matrix, b):
-    """Solve in place for ``b`` (blocks, BLOCK), in the order of elimination, with :func:`profile_factor`'s factors."""
+    """Solve in place for `b` (blocks, BLOCK), in the order of elimination, with `profile_factor`'s factors."""
     first, base = elimination.first, elimination.base
     lower, upper, diagonal = matrix.lower, matrix.upper, matrix.diagonal
     for r in range(first.size):
@@ -258,7 +258,7 @@ def profile_solve(elimination, matrix, b):
 
 @kernel
 def profile_product(elimination, matrix, x, out):
-    """Write the matrix times ``x`` to ``out``, both (blocks, BLOCK) in the order of elimination."""
+    """Write the matrix times `x` to `out`, both (blocks, BLOCK) in the order of elimination."""
     first, base = elimination.first, elimination.base
     lower, upper, diagonal = matrix.lower, matrix.upper, matrix.diagonal
     for r in range(first.size):

@@ -1,6 +1,4 @@
-"""Looks after the accuracy of a run, and warns (``diagnosis.py``) where it is less than it seems."""
-
-from __future__ import annotations
+"""Looks after the accuracy of a run, and warns (`diagnosis.py`) where it is less than it seems."""
 
 from typing import Any, Protocol
 
@@ -19,7 +17,7 @@ _SETTLING_CALLS = 30
 
 
 class Run(Protocol):
-    """What is looked at of a simulation."""
+    """Part of a simulation that the watch looks at."""
 
     integrator: Integrator
     model: m.Model
@@ -60,7 +58,7 @@ class AccuracyWatch:
             self.check()
 
     def check(self) -> None:
-        """Look at everything; see ``Simulation.check``."""
+        """Look at everything; see `Simulation.check`."""
         simulation = self._simulation
         self._steps = int(simulation.state.clock["steps"][0])
         chosen = simulation.integrator

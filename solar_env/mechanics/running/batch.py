@@ -1,7 +1,5 @@
 """Many mechanisms of one structure that advance together, on all cores, in one compiled call a thread."""
 
-from __future__ import annotations
-
 import math
 import os
 import time
@@ -30,11 +28,11 @@ class Batch:
 
     The threads take lane after lane from one queue, those that needed most steps the last time first, so that a few
     lanes full of impacts do not keep the others waiting. A lane's result does not depend on the others, nor on the
-    number of threads: it is that of its :class:`Simulation` alone, bit for bit.
+    number of threads: it is that of its `Simulation` alone, bit for bit.
 
     Attributes:
         simulations: by lane; they can be read, saved, restored and advanced singly too.
-        models, states: arrays of all lanes (``lanes.py``).
+        models, states: arrays of all lanes (`lanes.py`).
         threads: most threads that advance lanes at the same time.
     """
 
@@ -47,7 +45,7 @@ class Batch:
 
         Raises:
             ValueError: if there are none, if the integrators differ, if the mechanisms differ in structure, or if
-                ``threads`` is not positive.
+                `threads` is not positive.
         """
         if not simulations:
             raise ValueError("a batch needs at least one simulation")
@@ -103,7 +101,7 @@ class Batch:
         self._last_steps[lane] = 0
 
     def advance(self, lanes: NDArray[np.int64], end_times: NDArray[np.float64]) -> None:
-        """Advance some lanes, and look at their accuracy now and then as :meth:`Simulation.advance` does.
+        """Advance some lanes, and look at their accuracy now and then as `Simulation.advance` does.
 
         Args:
             lanes: (k,) indices.
@@ -114,7 +112,7 @@ class Batch:
                 others have advanced.
 
         Warns:
-            SimulationWarning: as :meth:`Simulation.check`.
+            SimulationWarning: as `Simulation.check`.
         """
         queue = lanes[np.argsort(-self._last_steps[lanes], kind="stable")]
         self._counter[0] = 0

@@ -1,7 +1,5 @@
 """The kernels in parts that two processes can compile side by side; the on-disk cache is where they meet."""
 
-from __future__ import annotations
-
 import numba
 import numpy as np
 

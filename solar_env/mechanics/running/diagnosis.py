@@ -1,10 +1,8 @@
-"""What a finished run must not keep to itself: warnings that name a quantity, its value, and what to do.
+"""Warnings about finished runs: each names a quantity, its value, and what to do.
 
-A run that cannot go on raises (``errors.py``). One that went on, but whose result is worse than its numbers look, warns
-with a :class:`SimulationWarning`. Plain Python: describing a mechanism needs no compiler.
+A run that cannot go on raises (`errors.py`). One that went on, but whose result is worse than its numbers look, warns
+with a `SimulationWarning`. Plain Python: describing a mechanism needs no compiler.
 """
-
-from __future__ import annotations
 
 import warnings
 

@@ -1,17 +1,6 @@
 """Exceptions of a run: each names the quantity, its value, the time, and what to do."""
 
-from __future__ import annotations
-
-from solar_env.mechanics.arrays.model import (
-    CONTACT_TOO_DEEP,
-    EVENTS_PILE_UP,
-    JOINT_ANGLE_RANGE,
-    NEWTON_FAILED,
-    NOT_FINITE,
-    SINGULAR_CONSTRAINTS,
-    STEP_TOO_SMALL,
-    TOO_MANY_STEPS,
-)
+from solar_env.mechanics.arrays import model as m
 
 
 class SimulationError(RuntimeError):
@@ -19,7 +8,7 @@ class SimulationError(RuntimeError):
 
     Attributes:
         time: last accepted time [s].
-        reason: short name of the cause, such as ``"newton"``.
+        reason: short name of the cause, such as `"newton"`.
     """
 
     def __init__(self, message: str, time: float, reason: str) -> None:
@@ -29,39 +18,39 @@ class SimulationError(RuntimeError):
 
 
 _CAUSES = {
-    STEP_TOO_SMALL: (
+    m.STEP_TOO_SMALL: (
         "step_size",
         "the step shrank below rounding with an error (local, or of Newton's iteration) of {value:.3g} tolerances; "
         "loosen rtol, or soften the stiffest element",
     ),
-    NOT_FINITE: (
+    m.NOT_FINITE: (
         "not_finite",
         "the state is no longer finite; reduce the step or the tolerance, or check stiffnesses and torques",
     ),
-    SINGULAR_CONSTRAINTS: (
+    m.SINGULAR_CONSTRAINTS: (
         "constraints",
         "the constraints are redundant or contradict each other in this configuration; remove one",
     ),
-    NEWTON_FAILED: (
+    m.NEWTON_FAILED: (
         "newton",
         "Newton's iteration did not converge (last residual {value:.3g} tolerances); reduce the step",
     ),
-    JOINT_ANGLE_RANGE: (
+    m.JOINT_ANGLE_RANGE: (
         "joint_angle",
         "the angle of joint {joint} reached {value:.4g} rad, outside the range in which its torques are defined; "
         "reduce the motor torque, or stiffen the stops",
     ),
-    CONTACT_TOO_DEEP: (
+    m.CONTACT_TOO_DEEP: (
         "penetration",
         "the journal of joint {joint} sank {value:.3g} m into its bearing, more than its radius; reduce the step, or "
         "check the contact stiffness",
     ),
-    EVENTS_PILE_UP: (
+    m.EVENTS_PILE_UP: (
         "events",
         "joint {joint} strikes, latches or meets its stop for ever without time going on ({value:.0f} times); tighten "
         "rtol, or check its angles and clearance",
     ),
-    TOO_MANY_STEPS: (
+    m.TOO_MANY_STEPS: (
         "steps",
         "{value:.0f} steps were taken in one call without reaching its end; loosen rtol, or raise max_steps",
     ),
@@ -69,10 +58,10 @@ _CAUSES = {
 
 
 def raise_for_status(status: int, time: float, joint: int, value: float) -> None:
-    """Raise the :class:`SimulationError` that belongs to a kernel's status code.
+    """Raise the `SimulationError` that belongs to a kernel's status code.
 
     Args:
-        status: a code of ``model.py`` other than DONE and PAUSED.
+        status: a code of `model.py` other than DONE and PAUSED.
         time: last accepted time [s].
         joint: index of the joint concerned, counted from 0, or -1.
         value: the offending quantity.

@@ -1,6 +1,4 @@
-"""Running a mechanism from Python: :class:`Simulation` for step-by-step use, :func:`simulate` for a whole run."""
-
-from __future__ import annotations
+"""Running a mechanism from Python: `Simulation` for step-by-step use, `simulate` for a whole run."""
 
 import math
 import time
@@ -41,12 +39,12 @@ _SMALLEST_ENERGY_SCALE = 1e-9  # J, for a mechanism that starts without energy
 class Simulation:
     """A mechanism in motion.
 
-    ``state`` is a named tuple of arrays; :meth:`snapshot` and :meth:`restore` copy it, in the middle of a contact
+    `state` is a named tuple of arrays; `snapshot` and `restore` copy it, in the middle of a contact
     too, and a restored simulation continues to the same bits.
     """
 
     def __init__(self, mechanism: Mechanism, integrator: Integrator | None = None) -> None:
-        """Compile ``mechanism`` and check that its initial state meets the constraints.
+        """Compile `mechanism` and check that its initial state meets the constraints.
 
         Raises:
             ValueError: if positions or velocities violate a constraint, if the integrator is none, or if it takes no
@@ -128,17 +126,17 @@ class Simulation:
             self.state.clock["acceleration_current"] = 0
 
     def advance(self, end_time: float, recorder: Recorder | None = None) -> None:
-        """Advance to ``end_time`` [s], landing on it.
+        """Advance to `end_time` [s], landing on it.
 
-        Every 10,000 steps the accuracy is looked at, as :meth:`check` does at any time; with generalized-alpha also the
+        Every 10,000 steps the accuracy is looked at, as `check` does at any time; with generalized-alpha also the
         latest impacts in every call, and constraint forces in the first calls.
 
         Raises:
-            ValueError: if ``end_time`` is not finite or lies before the present time.
+            ValueError: if `end_time` is not finite or lies before the present time.
             SimulationError: if the run cannot go on; the state stays at the last accepted step.
 
         Warns:
-            SimulationWarning: as :meth:`check`.
+            SimulationWarning: as `check`.
         """
         if not self.time <= end_time < math.inf:
             raise ValueError(
@@ -148,7 +146,7 @@ class Simulation:
         self._watch.after_call()
 
     def raise_unless_done(self, status: int) -> None:
-        """Raise the :class:`SimulationError` of a status code with which a kernel has left this state, if any."""
+        """Raise the `SimulationError` of a status code with which a kernel has left this state, if any."""
         if status != m.DONE:
             clock = self.state.clock[0]
             raise_for_status(status, self.time, int(clock["failure_joint"]), float(clock["failure_value"]))
@@ -189,11 +187,11 @@ class Simulation:
         return work, multipliers
 
     def joint_loads(self) -> NDArray[np.float64]:
-        """(joints, columns) table of angles, rates, forces and torques now; columns are named in ``joint.py``."""
+        """(joints, columns) table of angles, rates, forces and torques now; columns are named in `joint.py`."""
         return self._evaluate()[0].loads[:, :RECORDED_LOADS]
 
     def stored_energies(self) -> NDArray[np.float64]:
-        """(ENERGIES,) stored energies now [J], in the order of ``model.ENERGY_NAMES``."""
+        """(ENERGIES,) stored energies now [J], in the order of `model.ENERGY_NAMES`."""
         energies = np.zeros(m.ENERGIES)
         work, _ = self._evaluate()
         stored_energies(self.model, self.state.joints, self.state.q, self.state.v, work.loads, energies)
@@ -251,12 +249,12 @@ def simulate(
     progress: Callable[[float], None] | None = None,
     metadata: dict[str, Any] | None = None,
 ) -> Trajectory:
-    """Simulate a mechanism from rest of its clock for ``duration`` and keep samples every ``output_step``.
+    """Simulate a mechanism from rest of its clock for `duration` and keep samples every `output_step`.
 
     Args:
         mechanism: what moves.
         duration: [s].
-        integrator: defaults to :class:`RungeKutta`.
+        integrator: defaults to `RungeKutta`.
         output_step: distance of the samples [s]; independent of the integration step.
         progress: called with the simulated time [s] now and then; the result does not depend on it.
         metadata: further entries of the trajectory's metadata.
@@ -266,7 +264,7 @@ def simulate(
         SimulationError: if the run cannot go on.
 
     Warns:
-        SimulationWarning: if the result is less accurate than it looks, see :meth:`Simulation.check`.
+        SimulationWarning: if the result is less accurate than it looks, see `Simulation.check`.
     """
     for name, value in (("duration", duration), ("output_step", output_step)):
         if not 0.0 < value < math.inf:

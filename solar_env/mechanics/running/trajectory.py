@@ -58,9 +58,9 @@ class Trajectory:
         contact_starts: (nj,).
         clearance, journal_radius: (nj,) zero for ideal joints.
         metadata: model, integrator, counts of steps and evaluations, wall time, parameters; and where the laws of
-            contact and friction were at their limits: ``slow_contacts``, the number of contacts that began below the
-            minimum impact speed and bounce too much; ``creeping_share``, the share of the samples in contact at which
-            the surfaces crept on the friction ramp, where Coulomb's law might stick; ``cut_off_share``, the share at
+            contact and friction were at their limits: `slow_contacts`, the number of contacts that began below the
+            minimum impact speed and bounce too much; `creeping_share`, the share of the samples in contact at which
+            the surfaces crept on the friction ramp, where Coulomb's law might stick; `cut_off_share`, the share at
             which the contact's damping would have pulled and the force is cut off at zero.
     """
 
@@ -175,7 +175,7 @@ class Trajectory:
 
     @classmethod
     def load(cls, path: str | Path) -> Trajectory:
-        """Read a file that :meth:`save` wrote.
+        """Read a file that `save` wrote.
 
         Raises:
             ValueError: if the file is not such a file.

@@ -1,6 +1,6 @@
 """Maps of impacts: the step that each method needs in a contact, and what happens below it.
 
-A block bounces between the two walls of its gap (``mechanisms.bouncing_block``). In free flight nothing acts, so that
+A block bounces between the two walls of its gap (`mechanisms.bouncing_block`). In free flight nothing acts, so that
 the impact speeds of successive contacts are the exit speeds of the ones before: their ratio is the restitution of every
 bounce, to be compared with the exact one of the law.
 """
@@ -64,7 +64,7 @@ def _cell(contact: PowerLaw, make: Callable[[], Integrator]) -> Cell:
 
 
 def measure_implicit(panel: str, share: float, rho_inf: float) -> Cell:
-    """Bounces under generalized-alpha with a fixed step of ``share`` of the first impact's duration."""
+    """Bounces under generalized-alpha with a fixed step of `share` of the first impact's duration."""
     return _cell(_LAWS[panel], lambda: GeneralizedAlpha(step=share * contact_duration(), rho_inf=rho_inf))
 
 
@@ -76,7 +76,7 @@ def _unchecked(rtol: float, impact_resolution: float) -> RungeKutta:
 
 
 def measure_explicit(panel: str, steps: float, rtol: float) -> Cell:
-    """Hertzian bounces under explicit Runge-Kutta with at least ``steps`` steps per predicted duration."""
+    """Hertzian bounces under explicit Runge-Kutta with at least `steps` steps per predicted duration."""
     chosen = RungeKutta if panel == LIBRARY else _unchecked
     return _cell(_UNDAMPED, lambda: chosen(rtol=rtol, impact_resolution=steps))
 

@@ -150,7 +150,7 @@ def archard_wear() -> Iterator[Check]:
 
 
 def _places_of_wear(name: str, motion: Trajectory, angle: float, half_arc: float) -> Iterator[Check]:
-    """Where wear falls in the frames of a bearing at ``angle`` [rad] and of a journal that turns in it."""
+    """Where wear falls in the frames of a bearing at `angle` [rad] and of a journal that turns in it."""
     worn, bin_arc = motion.wear_bearing[0], 2.0 * math.pi / BINS
     middles = (np.arange(BINS) + 0.5) * bin_arc
     place = 1.5 * math.pi - math.atan(FRICTION) - angle

@@ -67,7 +67,7 @@ def deformed(seed: int, beam: FlexibleBody = BEAM) -> Scene:
 
 
 def elastic_forces(model: Model, q: Vector, v: Vector, force: Vector) -> float:
-    """Add all internal forces to ``force``; returns the power of damping. The scratch holds what came before."""
+    """Add all internal forces to `force`; returns the power of damping. The scratch holds what came before."""
     return float(add_elastic_forces(model.cable_elements, q, v, force, np.full(TABLE_ROWS * LANES, 7.0)))
 
 

@@ -140,7 +140,7 @@ def vibrate(beam: FlexibleBody, step: float, steps: int) -> float:
 @pytest.mark.parametrize("half", [0.0, 0.2, 3.0], ids=["undamped", "damped", "overdamped"])
 def test_the_stable_step_separates_decay_from_growth(beam: FlexibleBody, elements: int, half: float) -> None:
     beam = replace(beam, elements=elements)
-    # ``half`` is the damping ratio of the highest frequency.
+    # `half` is the damping ratio of the highest frequency.
     beam = replace(beam, damping=2.0 * half / frequencies(beam).max())
     limit = compile_mechanism(Mechanism((beam,)))[0].stable_step
     assert limit == stable_step(frequencies(beam), beam.damping)

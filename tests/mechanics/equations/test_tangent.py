@@ -37,7 +37,7 @@ LOOP = CableLoop("joint 0", "joint 1", 1.7, 2.0, 1.0)
 
 
 def tangents(forces: Forces) -> tuple[Vector, Vector]:
-    """dQ/dq and dQ/dv at the state of ``forces``."""
+    """dQ/dq and dQ/dv at the state of `forces`."""
     model, state = forces.model, forces.state
     forces.force(state.q, state.v)
     parts = [make_profile_matrix(model.elimination) for _ in range(2)]

@@ -3,8 +3,6 @@
 Multibody Syst. Dyn. 25 (2011) 357, doi:10.1007/s11044-010-9237-4.
 """
 
-from __future__ import annotations
-
 from solar_env.mechanics.joints.contact.hertz import sphere
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.joints.contact.surfaces import Surfaces

@@ -1,7 +1,5 @@
 """Elastic point contact of spheres without damping: H. Hertz, J. reine angew. Math. 92 (1881) 156."""
 
-from __future__ import annotations
-
 import math
 
 from solar_env.mechanics.joints.contact.power_law import PowerLaw

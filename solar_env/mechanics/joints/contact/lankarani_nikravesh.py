@@ -1,7 +1,5 @@
 """Contact law of H. M. Lankarani and P. E. Nikravesh, J. Mech. Des. 112 (1990) 369, doi:10.1115/1.2912617."""
 
-from __future__ import annotations
-
 from solar_env.mechanics.joints.contact.hertz import sphere
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.joints.contact.surfaces import Surfaces

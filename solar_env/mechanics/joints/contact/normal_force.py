@@ -1,7 +1,5 @@
 """Contact laws compiled, and their dispatch: the normal force of a joint's contact by the code of its law."""
 
-from __future__ import annotations
-
 import math
 
 from solar_env.mechanics.joints.contact.power_law import PowerLaw

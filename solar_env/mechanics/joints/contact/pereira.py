@@ -5,8 +5,6 @@ Dyn. 35 (2015) 277, doi:10.1007/s11044-015-9449-x: a power law fitted to the imp
 K. L. Johnson (Contact Mechanics, 1985), with a damping that is right for a restitution near 1.
 """
 
-from __future__ import annotations
-
 import math
 
 from solar_env.mechanics.joints.contact import lankarani_nikravesh

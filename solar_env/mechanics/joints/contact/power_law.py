@@ -5,8 +5,6 @@ F = K depth^n (1 + d rate / v), never attractive, with the speed v at which the 
 methods are compiled in `normal_force.py`; they hold for positive depths.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields

@@ -1,7 +1,5 @@
 """Contact law whose exit speed is the restitution that it is asked for, whatever that is."""
 
-from __future__ import annotations
-
 from solar_env.mechanics.joints.contact import lankarani_nikravesh
 from solar_env.mechanics.joints.contact.hertz import sphere
 from solar_env.mechanics.joints.contact.power_law import PowerLaw, bisect, impact_defect

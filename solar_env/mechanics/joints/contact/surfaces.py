@@ -1,7 +1,5 @@
 """The two surfaces that touch in a bearing: what a contact law may depend on."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 

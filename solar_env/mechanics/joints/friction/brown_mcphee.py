@@ -3,8 +3,6 @@
 Without its viscous part.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass

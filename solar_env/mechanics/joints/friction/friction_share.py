@@ -1,7 +1,5 @@
 """Friction laws compiled, and their dispatch by the code of a joint's law."""
 
-from __future__ import annotations
-
 import math
 
 from solar_env.mechanics.joints.friction.brown_mcphee import BrownMcPhee

@@ -1,7 +1,5 @@
 """Table of the friction laws by name. Plain Python: describing a mechanism needs no compiler."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from solar_env.mechanics.joints.friction import brown_mcphee, ramp

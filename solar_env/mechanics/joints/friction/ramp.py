@@ -3,8 +3,6 @@
 Y. Li, C. Wang and W. Huang, Mech. Syst. Signal Process. 117 (2019) 188, Eqs 41-42.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass

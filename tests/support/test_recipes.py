@@ -111,7 +111,7 @@ assert main(["presets"]) == 0
 ROWS = {
     "mechanics/joints/test_contact_laws.py": ("hu-guo and not block and not deep", 13),
     "mechanics/joints/test_friction_laws.py": ("TanhCoulomb", 3),
-    "mechanics/integrators/test_methods.py": ("heun and order", 1),
+    "mechanics/integrators/test_method_table.py": ("heun and order", 1),
     "mechanics/bodies/test_kinds.py": ("Lever and (energy or matrix or starts or rates)", 5),
     "environment/test_observations.py": ("postlatch_force and not checker", 5),
     "environment/test_reward_terms.py": ("impact_count", 6),

@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-# The exit speed of an impact is then good to 1 %: measured (`studies/impact_maps.py`).
+# The exit speed of an impact is then good to 1 %: measured (`studies/stability/impact_maps.py`).
 FEWEST_EXPLICIT_STEPS = 4  # of an impact, explicit Runge-Kutta
 _FEWEST_IMPLICIT_STEPS = 8  # of an impact, generalized-alpha, where its algorithmic damping does not need more
 # Frequency of a Hertzian contact at its deepest times the duration of the impact: sqrt(15 / 8) * 2.94328.

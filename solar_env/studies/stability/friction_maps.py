@@ -1,6 +1,6 @@
 """Maps of the friction law's two speeds: how fast a contact creeps that should stick, and the step that it needs.
 
-A loaded journal is turned by a torque of half the friction limit (`mechanisms.loaded_journal`). Coulomb's friction
+A loaded journal is turned by a torque of half the friction limit (`textbook.loaded_journal`). Coulomb's friction
 would hold it; the ramp between the speeds v0 and v1 lets it creep at v0 + (v1 - v0) / 2 (Y. Li, C. Wang and W. Huang,
 Mech. Syst. Signal Process. 117 (2019) 188, Eq 42, solved for the speed).
 """

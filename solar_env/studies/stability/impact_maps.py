@@ -1,6 +1,6 @@
 """Maps of impacts: the step that each method needs in a contact, and what happens below it.
 
-A block bounces between the two walls of its gap (`mechanisms.bouncing_block`). In free flight nothing acts, so that
+A block bounces between the two walls of its gap (`textbook.bouncing_block`). In free flight nothing acts, so that
 the impact speeds of successive contacts are the exit speeds of the ones before: their ratio is the restitution of every
 bounce, to be compared with the exact one of the law.
 """

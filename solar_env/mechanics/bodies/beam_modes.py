@@ -1,8 +1,8 @@
 """Modes of a free uniform beam as its ends see them, with the exact flexibility of all modes that are left out.
 
 A slender beam without supports bends in modes of the wave numbers x_k / L, with cos x_k cosh x_k = 1, and stretches in
-modes of the wave numbers k pi / L (S. Timoshenko, D. H. Young and W. Weaver, Vibration Problems in Engineering, 4th ed.,
-Wiley 1974, chapter 5). Where loads act at the ends alone, a mode is its frequency and its row of end values.
+modes of the wave numbers k pi / L (S. Timoshenko, D. H. Young and W. Weaver, Vibration Problems in Engineering,
+4th ed., Wiley 1974, chapter 5). Where loads act at the ends alone, a mode is its frequency and its row of end values.
 
 Modes above those that are kept answer slow loads as springs, and faster ones with terms in powers of the squared
 frequency. A few pseudo-modes stand for both: the Krylov vectors omega^-2p v of the discarded modes, with v their end

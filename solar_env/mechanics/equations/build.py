@@ -12,7 +12,7 @@ from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.bodies.cable_element import MASS_BAND, element_blocks, factor_band, mass_band
 from solar_env.mechanics.bodies.rigid import inverse_mass_parameters, mass_parameters
 from solar_env.mechanics.bodies.stable_step import beam_stable_step
-from solar_env.mechanics.mechanism.description import GROUND, Body, FlexibleBody, Joint, Mechanism, Point
+from solar_env.mechanics.mechanism.description import GROUND, Body, FlexibleBody, Joint, Mechanism, ModalPanel, Point
 from solar_env.mechanics.numerics.profile import BLOCK, Elimination, make_elimination
 
 _Row = dict[int, float]
@@ -36,7 +36,9 @@ def _coordinates(body: Body | FlexibleBody) -> int:
 class _Compiler:
     def __init__(self, mechanism: Mechanism) -> None:
         self.mechanism = mechanism
-        bodies = list(mechanism.bodies)
+        bodies = [body for body in mechanism.bodies if not isinstance(body, ModalPanel)]
+        if len(bodies) < len(mechanism.bodies):
+            raise ValueError("modal panels need the integrator of their own, ModalRadau")
         if self._needs_ground():
             bodies.append(Body("fixed frame", mass=1.0, inertia=1.0, length=1.0, centroid=(0.0, 0.0), fixed=True))
         self.described = bodies

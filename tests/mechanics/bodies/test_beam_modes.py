@@ -75,7 +75,7 @@ def test_ends_of_a_free_bar_have_the_exact_static_flexibility(kept: int) -> None
     assert flexibility(axial_modes(LENGTH, MASS, AXIAL, kept)) == pytest.approx(exact, rel=1e-12)
 
 
-@pytest.mark.parametrize("blocks", (1, 2))
+@pytest.mark.parametrize("blocks", [1, 2])
 @pytest.mark.parametrize("kept", KEPT)
 def test_ends_of_a_free_beam_have_the_exact_static_flexibility(kept: int, blocks: int) -> None:
     # By integration of E I w'''' = p, with the loads balanced by the inertia of the rigid beam.

@@ -44,6 +44,7 @@ from solar_env.mechanics.numerics.linear import copy_into
 
 _FIRST_STEP = 1e-4  # s
 _MOST_EVENTS_AT_ONCE = 1000
+_SMALLEST_PART = 1e-13  # s, before an event; in less time nothing moves
 _FASTEST_GROWTH = 4.0
 
 
@@ -187,27 +188,27 @@ def advance_modal(model, state, settings, recorder, end_time, work):
             return fail(state, TOO_MANY_STEPS, -1, float(taken))
         wanted = min(clock.step_size, settings.max_step)
         wanted = min(wanted, impact_step_limit(state, clock.time, settings.impact_resolution))
-        last = clock.time + wanted >= end_time
         tables, level = model.tables, level_below(wanted)
         if level == LEVELS:
             return fail(state, STEP_TOO_SMALL, -1, clock.last_error)
+        h = level_size(level)
+        # No sliver of a step is left before the end.
+        last = end_time - clock.time <= max(wanted, 1.05 * h)
         if last:
             h = end_time - clock.time
             tables, level = work.tables, 0
             fill_level(model.panels, tables, level, h, work.coefficients)
-        else:
-            h = level_size(level)
         size = h
         taken += 1
         solved = solve_step(model, state, work, settings, tables, level, h)
-        error = step_error(model, state, work, settings) if solved else math.inf
+        error = step_error(model, state, work, settings, tables, level, h) if solved else math.inf
         clock.evaluations += work.counts[0]
         work.counts[0] = 0
         if not error <= 1.0:
             reject_step(clock, h, solved, error)
             continue
         share, joint, kind = first_event(model, state, work, h)
-        at_once = 0 if clock.time + share * h > clock.time else at_once + 1
+        at_once = 0 if share * h > _SMALLEST_PART else at_once + 1
         if at_once > _MOST_EVENTS_AT_ONCE:
             return fail(state, EVENTS_PILE_UP, joint, float(at_once))
         if kind != NONE and at_once > 0:

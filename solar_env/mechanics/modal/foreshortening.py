@@ -32,9 +32,7 @@ def slopes(length: float, mass: float, modes: int, x: NDArray[np.float64]) -> ND
         factor = slope_factor(number)
         sigma, rest = float(factor), float(1 - factor)
         z = float(number) * x / length
-        shape = (
-            0.5 * rest * np.exp(z) - 0.5 * (1.0 + sigma) * np.exp(-z) - np.sin(z) - sigma * np.cos(z)
-        )
+        shape = 0.5 * rest * np.exp(z) - 0.5 * (1.0 + sigma) * np.exp(-z) - np.sin(z) - sigma * np.cos(z)
         found[k] = float(number) / length / math.sqrt(mass) * shape
     return found
 

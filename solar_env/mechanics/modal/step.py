@@ -3,7 +3,7 @@
 Third order, stiffly accurate, L-stable (E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, 2nd ed.,
 Springer 1996, section IV.5, doi:10.1007/978-3-642-05221-7). Directions, lever arms and foreshortening are those of the
 stages, renewed in every iteration; the matrix takes them from the first one. With ideal joints the relative velocity
-vanishes at the stages, less a share that returns the position over one step.
+vanishes at the stages, less a share that returns the position.
 """
 
 from __future__ import annotations
@@ -47,6 +47,8 @@ _DEVIATION = 1.0 / 12.0
 # Least depth that counts, over the predicted greatest depth of the impact.
 _LEAST_DEPTH = 0.05
 _HERTZ = 2.943275
+# Least time [s] over which a gap of an ideal joint is closed: at once, it would be felt as a blow.
+_RETURN_TIME = 1e-3
 
 
 class ModalSettings(NamedTuple):
@@ -205,7 +207,7 @@ def fill_reaction_row(work, s, n, r, h):
             row[k * n + c] = scale * work.mobility[r, c, 4 * k + 2 * s + 1]
     rate = work.motion[s, j, VELOCITY_X if kind == REACTION_X else VELOCITY_Y]
     gap = work.motion[START, j, ECCENTRICITY_X if kind == REACTION_X else ECCENTRICITY_Y]
-    work.correction[s * n + r] = -scale * (rate + gap / h)
+    work.correction[s * n + r] = -scale * (rate + gap / max(h, _RETURN_TIME))
 
 
 @kernel(inner=True)
@@ -260,11 +262,31 @@ def solve_step(model, state, work, settings, tables, level, h):
 
 
 @kernel(inner=True)
-def step_error(model, state, work, settings):
+def vibration_defect(free, held, loads, i):
+    """Defect of the rate of end value ``i`` [m/s]: of the free motion, less what the loads at the start hold."""
+    defect = free[4 * held.shape[0] + i]
+    for j in range(held.shape[0]):
+        defect += held[i, j] * (1.5 * loads[0, j] - 0.5 * loads[1, j])
+    return defect
+
+
+@kernel(inner=True)
+def shortening_defect(free, frequencies, coupling, h, i):
+    """Part of the defect of the axial rate of end ``i`` [m/s] that is foreshortening, not vibration."""
+    defect = 0.0
+    for m in range(coupling.shape[1]):
+        first, second = coupling[0, m], coupling[1, m]
+        shortened = free[m, 0, 8 + i] * (1.5 * first - 0.5 * second) + free[m, 1, 8 + i] * 1.5 * (second - first) / h
+        defect += shortened / frequencies[m] ** 2
+    return defect
+
+
+@kernel(inner=True)
+def step_error(model, state, work, settings, tables, level, h):
     """Error of a step over the tolerances.
 
-    Of loads: their value at the start against that of the polynomial through the stages. Of free vibrations that the
-    step does not resolve: the rate of the ends against the exact one.
+    Of loads: their value at the start against that of the polynomial through the stages. Of vibrations that the step
+    does not resolve: the rate of the ends against the exact one.
     """
     error = 0.0
     settled = state.clock[0].acceleration_current != 0
@@ -277,10 +299,13 @@ def step_error(model, state, work, settings):
     limit = settings.rtol * settings.velocity_scale
     for number in range(model.attachments.size):
         attachment = model.attachments[number]
-        panel = model.bodies[attachment.body].panel
-        if panel != RIGID_BODY:
-            across = work.bending_free[panel, 16 + 2 * attachment.end]
-            along = work.axial_free[panel, 8 + attachment.end]
+        body, end = model.bodies[attachment.body], attachment.end
+        p, d = body.panel, body.design
+        if p != RIGID_BODY:
+            held, free = tables.bending_held[d, level], tables.axial_free[d, level]
+            across = vibration_defect(work.bending_free[p], held, work.bending_load[p], 2 * end)
+            along = vibration_defect(work.axial_free[p], tables.axial_held[d, level], work.axial_load[p], end)
+            along -= shortening_defect(free, model.panels.axial_frequency[d], work.axial_coupling[p], h, end)
             error = max(error, max(abs(across), abs(along)) / limit)
     return error
 

@@ -47,6 +47,9 @@ class Tables(NamedTuple):
     # Of end value i by load j: [4 load stage + 2 stage + (value or rate)].
     bending_response: Array  # (D, levels, 4, 4, 8)
     axial_response: Array  # (D, levels, 2, 2, 8)
+    # Defect of the rate of end value i by load j at the start: what the load holds in place does not vibrate.
+    bending_held: Array  # (D, levels, 4, 4)
+    axial_held: Array  # (D, levels, 2, 2)
 
 
 def make_tables(panels: Panels, levels: int) -> Tables:
@@ -60,15 +63,18 @@ def make_tables(panels: Panels, levels: int) -> Tables:
         np.zeros((designs, levels, axial, 2, 10)),
         np.zeros((designs, levels, 4, 4, 8)),
         np.zeros((designs, levels, 2, 2, 8)),
+        np.zeros((designs, levels, 4, 4)),
+        np.zeros((designs, levels, 2, 2)),
     )
 
 
 @kernel(inner=True)
-def fill_family(frequencies, damping, rows, h, answers, free, response, coefficients):
+def fill_family(frequencies, damping, rows, h, answers, free, response, held, coefficients):
     """Fill the tables of one family of modes, bending or axial, for one step size ``h`` [s]."""
     ends, modes = rows.shape
     for i in range(ends):
         for j in range(ends):
+            held[i, j] = 0.0
             for c in range(8):
                 response[i, j, c] = 0.0
     for k in range(modes):
@@ -87,6 +93,7 @@ def fill_family(frequencies, damping, rows, h, answers, free, response, coeffici
             free[k, 1, 4 * ends + i] = row * by_rate
             for j in range(ends):
                 product = row * rows[j, k]
+                held[i, j] -= product * by_value / (frequency * frequency)
                 for c in range(8):
                     response[i, j, c] += product * coefficients[FROM_LOAD + c]
 
@@ -103,6 +110,7 @@ def fill_level(panels, tables, level, h, coefficients):
             tables.bending[d, level],
             tables.bending_free[d, level],
             tables.bending_response[d, level],
+            tables.bending_held[d, level],
             coefficients,
         )
         fill_family(
@@ -113,6 +121,7 @@ def fill_level(panels, tables, level, h, coefficients):
             tables.axial[d, level],
             tables.axial_free[d, level],
             tables.axial_response[d, level],
+            tables.axial_held[d, level],
             coefficients,
         )
 

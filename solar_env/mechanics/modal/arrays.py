@@ -129,7 +129,9 @@ class Workspace(NamedTuple):
     # Newton's iteration.
     kind: NDArray[np.int64]  # (R,)
     joint: NDArray[np.int64]  # (R,)
-    torque_row: NDArray[np.int64]  # (J,)
+    torque_row: NDArray[np.int64]  # (J,) or -1
+    torque_tolerance: Array  # (J,)
+    rigid: Array  # (8,) motion of a unit mass by a unit load, as the columns of the mobility
     row_load: Array  # (R, 2, 4) on outboard and inboard body, in their frames: force, torque, moment about the centre
     mobility: Array  # (R, R, 8) [4 load stage + 2 stage + (value or rate)]
     torque: Array  # (J, 2) of the laws, and its slope by the rate
@@ -191,6 +193,8 @@ def make_workspace(model: ModalModel, state: ModalState) -> Workspace:
         kind=zeros(rows, np.int64),
         joint=zeros(rows, np.int64),
         torque_row=zeros(joints, np.int64),
+        torque_tolerance=zeros(joints),
+        rigid=zeros(8),
         row_load=zeros((rows, 2, 4)),
         mobility=zeros((rows, rows, 8)),
         torque=zeros((joints, 2)),

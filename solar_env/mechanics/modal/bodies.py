@@ -10,7 +10,7 @@ from solar_env.mechanics.modal.oscillators import FROM_LOAD, FROM_RATE, NODES, A
 from solar_env.mechanics.numerics.jit import kernel
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def add_load(model, work, stage, number, fx, fy, torque):
     """Add a force [N] and a torque [N m] at an attachment to its body's loads at a stage."""
     attachment = model.attachments[number]
@@ -44,7 +44,7 @@ def outboard_load(joint, own, load, motion):
     )
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def distribute_loads(model, state, work, stage):
     """Fill the loads of bodies and ends from those of the joints, in the directions that the stage has now."""
     work.body_load[stage, :, :] = 0.0
@@ -57,7 +57,7 @@ def distribute_loads(model, state, work, stage):
         add_load(model, work, stage, joint.inboard, -fx, -fy, inboard)
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def stage_frames(model, state, work, h):
     """Centres of mass and angles of the bodies at both stages, with their rates."""
     for b in range(model.bodies.size):
@@ -76,7 +76,7 @@ def stage_frames(model, state, work, h):
             work.turn[s, b, 0], work.turn[s, b, 1] = math.cos(work.place[s, b, 2]), math.sin(work.place[s, b, 2])
 
 
-@kernel(inlined=True)
+@kernel(inner=True)
 def sum_free(free, q, v, ends):
     """Add up the free motion of the ends over the modes."""
     for c in range(ends.size):
@@ -95,7 +95,7 @@ def low_free(answers, q, v, low):
             low[c, r] = answers[c, r] * q[r] + answers[FROM_RATE + c, r] * v[r]
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def free_motion(model, state, work, tables, level):
     """Free motion of the ends and of the coupled modes of every panel over a step."""
     modes, axial = model.panels.bending_frequency.shape[1], model.panels.axial_frequency.shape[1]
@@ -170,7 +170,7 @@ def add_answer(rows, answers, forces, ends):
                 ends[i, c] += rows[i, r] * gain
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def bend_coupled(model, work, body, answers):
     """Foreshortening of a panel at both stages: its part of the motion of the ends, and its forces on axial modes."""
     panels, p, d = model.panels, body.panel, body.design
@@ -199,7 +199,7 @@ def bend_coupled(model, work, body, answers):
             work.axial_coupling[p, s, m] = square * (projection[0, m] + damping * projection[1, m])
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def tension_bending(model, work, body, answers):
     """Modal forces of the tension on the coupled bending modes of a panel, at both stages."""
     panels, p, d = model.panels, body.panel, body.design
@@ -221,7 +221,7 @@ def tension_bending(model, work, body, answers):
                 work.bending_coupling[p, s, r] += tension * work.project_gradient[s, m, r]
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def stage_ends(model, work, tables, level):
     """Motion of the ends of every panel at both stages under the loads there."""
     for b in range(model.bodies.size):

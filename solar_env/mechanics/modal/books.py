@@ -30,7 +30,7 @@ from solar_env.mechanics.modal.oscillators import WEIGHT_A, WEIGHT_B
 from solar_env.mechanics.numerics.jit import kernel
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def add_integrals(model, state, work, h):
     """Add a step's part of the joints' integrals, from loads and motion at its stages."""
     integrals = state.integrals
@@ -63,7 +63,7 @@ def add_integrals(model, state, work, h):
             integrals[INTEGRALS_PER_JOINT * a + CABLE_WORK] += weight * power
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def note_peaks(model, state, work):
     """Raise the force maxima to those of the step: of its stages, and of the parabola through them and its start."""
     postlock = state.clock[0].latched_joints > 0
@@ -81,7 +81,7 @@ def note_peaks(model, state, work):
             note_force(own, peak, postlock)
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def panel_energies(model, body, q, v, work, energies):
     """Add the energies of a panel's amplitudes: kinetic, and of its strain."""
     panels, d = model.panels, body.design

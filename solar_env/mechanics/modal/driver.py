@@ -57,7 +57,7 @@ def start_loads(model, state, work):
         state.loads[j, 2] = work.torque[j, 0]
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def wear_joint(model, state, work, j):
     """Wear both surfaces of a joint by the sliding work of the step."""
     joint, motion = model.joints[j], work.motion[START, j]
@@ -92,7 +92,7 @@ def settle_joints(model, state, work, start, recorder):
                     state.load_rates[j, c] = 0.0
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def check_state(model, state, work):
     """Status of an accepted state: finite, contact depths and joint angles within what the model describes."""
     for i in range(state.q.size):
@@ -115,7 +115,7 @@ def record_until(model, state, work, recorder, start, h):
         record_modal_sample(model, state, work, recorder, h, share)
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def accept_step(model, state, work, recorder, tables, level, h):
     """Move to the end of the solved step and book what has happened on the way."""
     clock = state.clock[0]
@@ -140,7 +140,7 @@ def accept_step(model, state, work, recorder, tables, level, h):
     settle_joints(model, state, work, start, recorder)
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def reject_step(clock, h, solved, error):
     """Shrink the step after a rejected one of size ``h`` [s]."""
     clock.rejected_steps += 1
@@ -150,7 +150,7 @@ def reject_step(clock, h, solved, error):
     clock.step_size = h * shrink
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def next_step_size(clock, h, error, cut):
     """Set the size that the next step is to have, from the error of one of size ``h`` [s].
 

@@ -40,7 +40,7 @@ def cubic(share, x0, r0, x1, r1):
     )
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def event_function(model, state, work, j, kind, h, share):
     """What rises through zero at an event of joint ``j``: a depth [m] or an angle past the lock or in a stop [rad]."""
     joint, start, end = model.joints[j], work.motion[START, j], work.motion[SECOND, j]
@@ -85,7 +85,7 @@ def first_rise(model, state, work, j, kind, h):
     return 2.0
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def first_event(model, state, work, h):
     """Earliest contact start, latching or stop engagement inside the step: (share, joint, kind)."""
     share, which, what = 1.0, np.int64(-1), NONE
@@ -111,7 +111,7 @@ def first_event(model, state, work, h):
     return share, which, what
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def instantaneous_inverse_mass(model, work, j):
     """Inverse mass [1/kg] that joint ``j`` feels along its line of centres before the bodies deform."""
     motion, joint = work.motion[START, j], model.joints[j]

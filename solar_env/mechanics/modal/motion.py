@@ -28,7 +28,7 @@ from solar_env.mechanics.modal.laws import law_slip
 from solar_env.mechanics.numerics.jit import kernel
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def move_attachments(model, work, slot):
     """Place the attachments at a slot, from the bodies' frames and the motion of the panels' ends there.
 
@@ -61,7 +61,7 @@ def move_attachments(model, work, slot):
         work.direction[slot, number, 0], work.direction[slot, number, 1] = turn, spin
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def move_joints(model, work, slot):
     """Fill the motion of every joint at a slot from that of its attachments."""
     point, rate, direction = work.point[slot], work.point_rate[slot], work.direction[slot]

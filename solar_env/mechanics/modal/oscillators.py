@@ -24,8 +24,8 @@ FROM_VALUE, FROM_RATE, FROM_LOAD = 0, 4, 8
 # Each has four: value and rate at the first stage, then at the second, see `column`.
 COEFFICIENTS = 16
 # A step resolves a mode whose omega h is below this.
-RESOLVED = 1.0
-_TERMS = 20
+RESOLVED = 2.0
+_TERMS = 26
 
 
 @kernel(inlined=True)

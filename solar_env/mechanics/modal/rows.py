@@ -22,15 +22,52 @@ from solar_env.mechanics.modal.arrays import (
 from solar_env.mechanics.modal.oscillators import A, B
 from solar_env.mechanics.numerics.jit import kernel
 
+# Change of a torque by the motion that it causes, over itself, that converges at once without Newton's matrix.
+_SOFT = 0.05
 
-@kernel(inner=True)
-def list_rows(model, state, work):
-    """List the unknowns; returns their number."""
+
+@kernel(inlined=True)
+def angle_by_torque(model, tables, level, h, j):
+    """Greatest change [rad] of a joint's angle by a unit of its torque over a step."""
+    joint, total = model.joints[j], 0.0
+    for side in range(2):
+        attachment = model.attachments[joint.outboard if side == 0 else joint.inboard]
+        body, i = model.bodies[attachment.body], 2 * attachment.end + 1
+        total += 0.5 * h * h * body.inverse_inertia
+        if body.panel != RIGID_BODY:
+            response = tables.bending_response[body.design, level, i, i]
+            total += abs(response[2]) + abs(response[6])
+    return total
+
+
+@kernel(inlined=True)
+def torque_stiffness(model, j):
+    """Stiffness [N m/rad] of spring and cable loops about a joint's angle, those of its neighbours included."""
+    stiffness = model.joints[j].spring_stiffness
+    for c in range(model.cables.size):
+        cable = model.cables[c]
+        if cable.joint_a == j or cable.joint_b == j:
+            ratio = max(cable.wheel_ratio, 1.0)
+            stiffness += cable.stiffness * ratio * max(cable.torque_ratio, 1.0)
+    return stiffness
+
+
+@kernel(inlined=True)
+def list_rows(model, state, work, tables, level, h):
+    """List the unknowns; returns their number.
+
+    A torque that a step hardly changes is none: it follows the motion from iteration to iteration.
+    """
     n = 0
     for j in range(model.joints.size):
-        work.torque_row[j] = n
-        work.kind[n], work.joint[n] = TORQUE, j
-        n += 1
+        work.torque_row[j] = -1
+        if (
+            state.joints[j].stop_engaged
+            or torque_stiffness(model, j) * angle_by_torque(model, tables, level, h, j) > _SOFT
+        ):
+            work.torque_row[j] = n
+            work.kind[n], work.joint[n] = TORQUE, j
+            n += 1
         if model.joints[j].kind == IDEAL:
             work.kind[n], work.joint[n], work.kind[n + 1], work.joint[n + 1] = REACTION_X, j, REACTION_Y, j
             n += 2
@@ -48,7 +85,7 @@ def load_column(kind):
     return 0 if kind in (NORMAL, REACTION_X) else 1
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def unit_load(model, work, kind, j):
     """Load of a unit of an unknown on its outboard body, force and torque, and the torque on the inboard one."""
     joint, motion = model.joints[j], work.motion[SECOND, j]
@@ -64,7 +101,7 @@ def unit_load(model, work, kind, j):
     return -ny, nx, joint.journal_radius, -(joint.journal_radius + motion[RADIUS])
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def fill_row_loads(model, work, n):
     """Unit loads of the unknowns in the frames of their bodies, as the second stage has them."""
     for r in range(n):
@@ -82,15 +119,13 @@ def fill_row_loads(model, work, n):
             row[3] = torque + work.local[SECOND, number, 0] * across - work.local[SECOND, number, 1] * along
 
 
-@kernel(inner=True)
-def add_shared(body, first_end, second_end, first, second, h, bending, axial, out):
+@kernel(inlined=True)
+def add_shared(body, first_end, second_end, first, second, rigid, bending, axial, out):
     """Add what unit loads ``second`` at one attachment of a body do to the motion read off by ``first`` at another."""
     share = (first[0] * second[0] + first[1] * second[1]) * body.inverse_mass
     share += first[3] * second[3] * body.inverse_inertia
-    for k in range(2):
-        for s in range(2):
-            out[4 * k + 2 * s] += share * h * h * B[s][k]
-            out[4 * k + 2 * s + 1] += share * h * A[s][k]
+    for c in range(8):
+        out[c] += share * rigid[c]
     if body.panel != RIGID_BODY:
         i, j = 2 * first_end, 2 * second_end
         ww, wt, tw, tt = bending[i, j], bending[i, j + 1], bending[i + 1, j], bending[i + 1, j + 1]
@@ -103,10 +138,13 @@ def add_shared(body, first_end, second_end, first, second, h, bending, axial, ou
             )
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def fill_mobility(model, work, tables, level, h, n):
     """Motion that each unknown works on by a unit of each other, at both stages."""
     fill_row_loads(model, work, n)
+    for s in range(2):
+        for k in range(2):
+            work.rigid[4 * k + 2 * s], work.rigid[4 * k + 2 * s + 1] = h * h * B[s][k], h * A[s][k]
     for p in range(n):
         for q in range(p + 1):
             out = work.mobility[p, q]
@@ -126,7 +164,7 @@ def fill_mobility(model, work, tables, level, h, n):
                             second.end,
                             work.row_load[p, side],
                             work.row_load[q, opposite],
-                            h,
+                            work.rigid,
                             tables.bending_response[d, level],
                             tables.axial_response[d, level],
                             out,

@@ -70,7 +70,7 @@ def copy_rows(target, source):
             target[i, j] = source[i, j]
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def start_stages(model, state, work, h):
     """First guess of the stages: directions of the start, loads along the last step's polynomial."""
     for s in range(2):
@@ -88,7 +88,7 @@ def start_stages(model, state, work, h):
                 work.load[s, j, 0] = max(work.load[s, j, 0], 0.0)
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def move_stages(model, state, work, tables, level, h):
     """Motion of bodies, attachments and joints at both stages under the present loads."""
     distribute_loads(model, state, work, 0)
@@ -100,7 +100,7 @@ def move_stages(model, state, work, tables, level, h):
         move_joints(model, work, s)
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def velocity_by_torque(model, work, tables, level, h, j):
     """Velocity [m/s] of the two points that joint ``j`` joins by a unit of its torque over a step, without signs."""
     joint, total = model.joints[j], 0.0
@@ -116,17 +116,16 @@ def velocity_by_torque(model, work, tables, level, h, j):
     return total
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def set_tolerances(model, state, work, settings, tables, level, h, n):
-    """Deviation of each unknown from its polynomial that errors of the size of the tolerances take."""
+    """Deviation of each load from its polynomial that errors of the size of the tolerances take."""
     limit = settings.rtol * settings.velocity_scale
+    for j in range(model.joints.size):
+        work.torque_tolerance[j] = limit / (_DEVIATION * velocity_by_torque(model, work, tables, level, h, j))
     for r in range(n):
         j, kind = work.joint[r], work.kind[r]
-        if kind == TORQUE:
-            gain = _DEVIATION * velocity_by_torque(model, work, tables, level, h, j)
-        else:
-            gain = _DEVIATION * (work.mobility[r, r, 3] + work.mobility[r, r, 7])
-        work.tolerance[r] = limit / gain
+        gain = _DEVIATION * (work.mobility[r, r, 3] + work.mobility[r, r, 7])
+        work.tolerance[r] = work.torque_tolerance[j] if kind == TORQUE else limit / gain
         if kind == NORMAL:
             own = state.joints[j]
             least = _LEAST_DEPTH / _HERTZ * own.impact_speed * own.contact_duration
@@ -134,7 +133,7 @@ def set_tolerances(model, state, work, settings, tables, level, h, n):
             work.tolerance[r] = min(work.tolerance[r], settings.depth_tolerance * depth / (h * gain))
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def fill_torques(model, state, work, s):
     """Torques of the laws at a stage, in place of the corrections' torque rows, with their slopes by angle and rate."""
     joints = model.joints.size
@@ -157,7 +156,7 @@ def fill_torques(model, state, work, s):
         work.torque_slope[b, b] -= slope
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def fill_torque_row(model, work, s, n, r):
     """Row of a joint's torque in Newton's matrix."""
     j, row = work.joint[r], work.matrix[s * n + r]
@@ -166,14 +165,14 @@ def fill_torque_row(model, work, s, n, r):
             row[k * n + c] = -work.torque[j, 1] * work.mobility[r, c, 4 * k + 2 * s + 1]
         for i in range(model.joints.size):
             slope = work.torque_slope[j, i]
-            if slope != 0.0:
+            if slope != 0.0 and work.torque_row[i] >= 0:
                 for c in range(n):
                     row[k * n + c] -= slope * work.mobility[work.torque_row[i], c, 4 * k + 2 * s]
     row[s * n + r] += 1.0
     work.correction[s * n + r] = work.torque[j, 0] - work.load[s, j, 2]
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def fill_contact_rows(model, state, work, s, n, r):
     """Rows of a contact's normal and tangential force in Newton's matrix."""
     j = work.joint[r]
@@ -196,7 +195,7 @@ def fill_contact_rows(model, state, work, s, n, r):
     work.correction[s * n + r + 1] = share * pressing - load[1]
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def fill_reaction_row(work, s, n, r, h):
     """Row of a component of an ideal joint's reaction in Newton's matrix: of its relative velocity."""
     j, kind = work.joint[r], work.kind[r]
@@ -210,13 +209,14 @@ def fill_reaction_row(work, s, n, r, h):
     work.correction[s * n + r] = -scale * (rate + gap / max(h, _RETURN_TIME))
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def correct_loads(model, state, work, n, h):
     """One correction of the loads by Newton's method.
 
     Returns:
         0 if the matrix is singular, 1 if the correction counts, 2 if it does not.
     """
+    small = True
     for s in range(2):
         fill_torques(model, state, work, s)
         for r in range(n):
@@ -227,10 +227,15 @@ def correct_loads(model, state, work, n, h):
                 fill_contact_rows(model, state, work, s, n, r)
             elif kind != TANGENTIAL:
                 fill_reaction_row(work, s, n, r, h)
-    if not lu_factor(work.matrix, 2 * n):
-        return 0
-    lu_solve(work.matrix, 2 * n, work.correction)
-    small = True
+        for j in range(model.joints.size):
+            if work.torque_row[j] < 0:
+                change = work.torque[j, 0] - work.load[s, j, 2]
+                work.load[s, j, 2] += change
+                small = small and abs(change) <= _CONVERGED * work.torque_tolerance[j]
+    if n > 0:
+        if not lu_factor(work.matrix, 2 * n):
+            return 0
+        lu_solve(work.matrix, 2 * n, work.correction)
     for s in range(2):
         for r in range(n):
             change = work.correction[s * n + r]
@@ -245,12 +250,12 @@ def solve_step(model, state, work, settings, tables, level, h):
     """Solve for the loads of a step ``h`` [s]; False if Newton's iteration does not converge."""
     free_motion(model, state, work, tables, level)
     start_stages(model, state, work, h)
-    n = list_rows(model, state, work)
+    n = list_rows(model, state, work, tables, level, h)
     work.rows[0] = n
     for iteration in range(_MOST_ITERATIONS):
         work.counts[0] += 1
         move_stages(model, state, work, tables, level, h)
-        if iteration < 2:
+        if iteration == 0:
             fill_mobility(model, work, tables, level, h, n)
             set_tolerances(model, state, work, settings, tables, level, h, n)
         done = correct_loads(model, state, work, n, h)
@@ -261,7 +266,7 @@ def solve_step(model, state, work, settings, tables, level, h):
     return False
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def vibration_defect(free, held, loads, i):
     """Defect of the rate of end value ``i`` [m/s]: of the free motion, less what the loads at the start hold."""
     defect = free[4 * held.shape[0] + i]
@@ -270,7 +275,7 @@ def vibration_defect(free, held, loads, i):
     return defect
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def shortening_defect(free, frequencies, coupling, h, i):
     """Part of the defect of the axial rate of end ``i`` [m/s] that is foreshortening, not vibration."""
     defect = 0.0
@@ -281,7 +286,7 @@ def shortening_defect(free, frequencies, coupling, h, i):
     return defect
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def step_error(model, state, work, settings, tables, level, h):
     """Error of a step over the tolerances.
 
@@ -290,6 +295,10 @@ def step_error(model, state, work, settings, tables, level, h):
     """
     error = 0.0
     settled = state.clock[0].acceleration_current != 0
+    for j in range(model.joints.size):
+        if work.torque_row[j] < 0:
+            deviation = state.loads[j, 2] - 1.5 * work.load[0, j, 2] + 0.5 * work.load[1, j, 2]
+            error = max(error, abs(deviation) / work.torque_tolerance[j])
     for r in range(work.rows[0]):
         kind, j = work.kind[r], work.joint[r]
         if settled or kind < REACTION_X:
@@ -355,7 +364,7 @@ def dissipated(frequencies, rates, coupled, damping):
     return power
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def commit_step(model, state, work, tables, level, h):
     """Move the state to the end of the step that :func:`solve_step` has solved."""
     distribute_loads(model, state, work, 0)
@@ -383,7 +392,7 @@ def commit_step(model, state, work, tables, level, h):
     state.integrals[state.integrals.size + MATERIAL_DISSIPATION] += h * power
 
 
-@kernel(inner=True)
+@kernel(inlined=True)
 def keep_loads(state, work, h):
     """Keep the loads at the end of the step and the course they have taken."""
     for j in range(state.joints.size):

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays.model import ENERGIES, _record
 from solar_env.mechanics.joints.joint import LOAD_COLUMNS
-from solar_env.mechanics.modal.tables import Panels, Tables, make_tables
+from solar_env.mechanics.modal.tables import FORMS, Panels, Tables, make_tables
 
 Array = NDArray[np.float64]
 
@@ -123,9 +123,9 @@ class Workspace(NamedTuple):
     axial_low: Array  # (P, 4, coupled)
     low: Array  # (2, coupled) amplitudes and rates of one panel's coupled bending modes
     # Foreshortening of one panel, by stage.
-    project_gradient: Array  # (2, coupled axial, coupled bending)
-    ends_gradient: Array  # (2, 2, coupled bending)
-    projection: Array  # (2, 2, coupled axial) s and its rate
+    gradient: Array  # (2, coupled, FORMS)
+    shortening: Array  # (2, 2, FORMS) values of the forms and their rates
+    low_force: Array  # (2, coupled) modal forces
     # Newton's iteration.
     kind: NDArray[np.int64]  # (R,)
     joint: NDArray[np.int64]  # (R,)
@@ -187,9 +187,9 @@ def make_workspace(model: ModalModel, state: ModalState) -> Workspace:
         bending_low=zeros((panels, 4, coupled)),
         axial_low=zeros((panels, 4, coupled_axial)),
         low=zeros((2, coupled)),
-        project_gradient=zeros((2, coupled_axial, coupled)),
-        ends_gradient=zeros((2, 2, coupled)),
-        projection=zeros((2, 2, coupled_axial)),
+        gradient=zeros((2, coupled, FORMS)),
+        shortening=zeros((2, 2, FORMS)),
+        low_force=zeros((2, coupled)),
         kind=zeros(rows, np.int64),
         joint=zeros(rows, np.int64),
         torque_row=zeros(joints, np.int64),

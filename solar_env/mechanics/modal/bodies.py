@@ -7,6 +7,7 @@ import math
 from solar_env.mechanics.arrays.model import IDEAL
 from solar_env.mechanics.modal.arrays import NORMAL_X, NORMAL_Y, RADIUS, RIGID_BODY
 from solar_env.mechanics.modal.oscillators import FROM_LOAD, FROM_RATE, NODES, A, B
+from solar_env.mechanics.modal.tables import FORMS
 from solar_env.mechanics.numerics.jit import kernel
 
 
@@ -129,35 +130,23 @@ def forced_ends(free, response, loads, ends):
 
 
 @kernel(inner=True)
-def foreshorten(project, ends, b, rate, project_gradient, ends_gradient, projection):
-    """Fill the gradients of the foreshortening by the coupled bending amplitudes, and its projections with their rates.
-
-    Returns:
-        Displacements of both ends [m], and their rates [m/s].
-    """
+def foreshorten(forms, b, rate, gradient, shortening):
+    """Fill the quadratic forms of foreshortening, with their gradients by the coupled amplitudes and their rates."""
     n = b.size
-    for k in range(project.shape[0]):
-        s, s_rate = 0.0, 0.0
-        for r in range(n):
-            g = 0.0
-            for c in range(n):
-                g += project[k, r, c] * b[c]
-            project_gradient[k, r] = g
-            s += g * b[r]
-            s_rate += g * rate[r]
-        projection[0, k], projection[1, k] = 0.5 * s, s_rate
-    u0, u1, v0, v1 = 0.0, 0.0, 0.0, 0.0
+    for f in range(FORMS):
+        shortening[0, f] = shortening[1, f] = 0.0
     for r in range(n):
-        g0, g1 = 0.0, 0.0
+        row = gradient[r]
+        for f in range(FORMS):
+            row[f] = 0.0
         for c in range(n):
-            g0 += ends[0, r, c] * b[c]
-            g1 += ends[1, r, c] * b[c]
-        ends_gradient[0, r], ends_gradient[1, r] = g0, g1
-        u0 += g0 * b[r]
-        u1 += g1 * b[r]
-        v0 += g0 * rate[r]
-        v1 += g1 * rate[r]
-    return 0.5 * u0, 0.5 * u1, v0, v1
+            form, amplitude = forms[r, c], b[c]
+            for f in range(FORMS):
+                row[f] += form[f] * amplitude
+        half, speed = 0.5 * b[r], rate[r]
+        for f in range(FORMS):
+            shortening[0, f] += row[f] * half
+            shortening[1, f] += row[f] * speed
 
 
 @kernel(inner=True)
@@ -175,28 +164,29 @@ def bend_coupled(model, work, body, answers):
     """Foreshortening of a panel at both stages: its part of the motion of the ends, and its forces on axial modes."""
     panels, p, d = model.panels, body.panel, body.design
     rows, loads, forces = panels.bending_rows[d], work.bending_load[p], work.bending_coupling[p]
-    ends, damping = work.axial_ends[p], panels.damping[d]
+    ends, damping, force = work.axial_ends[p], panels.damping[d], work.low_force
+    coupled = forces.shape[1]
+    for k in range(2):
+        for r in range(coupled):
+            force[k, r] = forces[k, r]
+        for i in range(4):
+            load = loads[k, i]
+            for r in range(coupled):
+                force[k, r] += rows[i, r] * load
     for s in range(2):
-        for r in range(forces.shape[1]):
-            for c in range(2):
-                x = work.bending_low[p, 2 * s + c, r]
-                for k in range(2):
-                    force = forces[k, r]
-                    for i in range(4):
-                        force += rows[i, r] * loads[k, i]
-                    x += answers[FROM_LOAD + 4 * k + 2 * s + c, r] * force
-                work.low[c, r] = x
-        gradient, projection = work.project_gradient[s], work.projection[s]
-        u0, u1, v0, v1 = foreshorten(
-            panels.project[d], panels.ends[d], work.low[0], work.low[1], gradient, work.ends_gradient[s], projection
-        )
-        ends[0, 2 * s] += u0
-        ends[1, 2 * s] += u1
-        ends[0, 2 * s + 1] += v0
-        ends[1, 2 * s + 1] += v1
-        for m in range(projection.shape[1]):
+        for c in range(2):
+            at = 2 * s + c
+            first, second = answers[FROM_LOAD + at], answers[FROM_LOAD + 4 + at]
+            for r in range(coupled):
+                work.low[c, r] = work.bending_low[p, at, r] + first[r] * force[0, r] + second[r] * force[1, r]
+        shortening = work.shortening[s]
+        foreshorten(panels.forms[d], work.low[0], work.low[1], work.gradient[s], shortening)
+        for c in range(2):
+            ends[0, 2 * s + c] += shortening[c, FORMS - 2]
+            ends[1, 2 * s + c] += shortening[c, FORMS - 1]
+        for m in range(work.axial_coupling.shape[2]):
             square = panels.axial_frequency[d, m] ** 2
-            work.axial_coupling[p, s, m] = square * (projection[0, m] + damping * projection[1, m])
+            work.axial_coupling[p, s, m] = square * (shortening[0, m] + damping * shortening[1, m])
 
 
 @kernel(inlined=True)
@@ -207,7 +197,7 @@ def tension_bending(model, work, body, answers):
     for s in range(2):
         for r in range(work.bending_coupling.shape[2]):
             work.bending_coupling[p, s, r] = (
-                loads[s, 0] * work.ends_gradient[s, 0, r] + loads[s, 1] * work.ends_gradient[s, 1, r]
+                loads[s, 0] * work.gradient[s, r, FORMS - 2] + loads[s, 1] * work.gradient[s, r, FORMS - 1]
             )
         for m in range(forces.shape[1]):
             a, rate = work.axial_low[p, 2 * s, m], work.axial_low[p, 2 * s + 1, m]
@@ -215,10 +205,10 @@ def tension_bending(model, work, body, answers):
                 force = forces[k, m] + rows[0, m] * loads[k, 0] + rows[1, m] * loads[k, 1]
                 a += answers[FROM_LOAD + 4 * k + 2 * s, m] * force
                 rate += answers[FROM_LOAD + 4 * k + 2 * s + 1, m] * force
-            work.strain_rate[p, s, m] = rate - work.projection[s, 1, m]
+            work.strain_rate[p, s, m] = rate - work.shortening[s, 1, m]
             tension = panels.axial_frequency[d, m] ** 2 * (a + panels.damping[d] * rate) - forces[s, m]
             for r in range(work.bending_coupling.shape[2]):
-                work.bending_coupling[p, s, r] += tension * work.project_gradient[s, m, r]
+                work.bending_coupling[p, s, r] += tension * work.gradient[s, r, m]
 
 
 @kernel(inlined=True)

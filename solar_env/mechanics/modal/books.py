@@ -90,7 +90,7 @@ def panel_energies(model, body, q, v, work, energies):
     coupled = work.low.shape[1]
     for k in range(axial):
         stretch = q[first + k]
-        if k < work.projection.shape[2]:
+        if k < work.axial_coupling.shape[2]:
             for r in range(coupled):
                 for c in range(coupled):
                     stretch -= 0.5 * panels.project[d, k, r, c] * q[middle + r] * q[middle + c]

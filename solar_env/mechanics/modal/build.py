@@ -15,7 +15,7 @@ from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.mechanism.description import GROUND, AnyBody, Body, FlexibleBody, Mechanism, ModalPanel, Point
 from solar_env.mechanics.modal.arrays import RIGID_BODY, ModalModel, ModalState, attachment_type, body_type
 from solar_env.mechanics.modal.foreshortening import AXIAL_MODES, BENDING_MODES, quadratic_forms
-from solar_env.mechanics.modal.tables import Panels, Tables, filled_tables
+from solar_env.mechanics.modal.tables import FORMS, Panels, Tables, filled_tables
 
 _Design = tuple[float, float, float, float, float, int]
 
@@ -47,6 +47,10 @@ def _design_modes(chosen: _Design) -> tuple[EndModes, EndModes, NDArray[np.float
 def compile_panels(designs: tuple[_Design, ...]) -> tuple[Panels, Tables]:
     """Constants and tables of panels of some designs; they are read only and shared by all simulations."""
     parts = [_design_modes(chosen) for chosen in designs]
+    forms = np.zeros((len(designs), *parts[0][3].shape[1:], FORMS))
+    for d, (_, _, project, ends) in enumerate(parts):
+        forms[d, :, :, : len(project)] = project.transpose(1, 2, 0)
+        forms[d, :, :, -2:] = ends.transpose(1, 2, 0)
     panels = Panels(
         bending_frequency=np.stack([bending.frequencies for bending, _, _, _ in parts]),
         axial_frequency=np.stack([axial.frequencies for _, axial, _, _ in parts]),
@@ -55,6 +59,7 @@ def compile_panels(designs: tuple[_Design, ...]) -> tuple[Panels, Tables]:
         axial_rows=np.stack([np.ascontiguousarray(axial.rows) for _, axial, _, _ in parts]),
         project=np.stack([project for _, _, project, _ in parts]),
         ends=np.stack([ends for _, _, _, ends in parts]),
+        forms=forms,
     )
     return panels, filled_tables(panels)
 

@@ -25,6 +25,7 @@ from solar_env.mechanics.modal.arrays import (
 )
 from solar_env.mechanics.modal.bodies import foreshorten
 from solar_env.mechanics.modal.laws import law_slip
+from solar_env.mechanics.modal.tables import FORMS
 from solar_env.mechanics.numerics.jit import kernel
 
 
@@ -116,19 +117,11 @@ def look_at(model, q, v, work, slot):
         sum_ends(panels.axial_rows[d], q[first + 3 : middle], v[first + 3 : middle], work.axial_ends[body.panel])
         bending, rates = q[middle : middle + modes], v[middle : middle + modes]
         sum_ends(panels.bending_rows[d], bending, rates, work.bending_ends[body.panel])
-        u0, u1, v0, v1 = foreshorten(
-            panels.project[d],
-            panels.ends[d],
-            bending[:coupled],
-            rates[:coupled],
-            work.project_gradient[0],
-            work.ends_gradient[0],
-            work.projection[0],
-        )
+        shortening = work.shortening[0]
+        foreshorten(panels.forms[d], bending[:coupled], rates[:coupled], work.gradient[0], shortening)
         ends = work.axial_ends[body.panel]
-        ends[0, 0] += u0
-        ends[0, 1] += v0
-        ends[1, 0] += u1
-        ends[1, 1] += v1
+        for c in range(2):
+            ends[0, c] += shortening[c, FORMS - 2]
+            ends[1, c] += shortening[c, FORMS - 1]
     move_attachments(model, work, slot)
     move_joints(model, work, slot)

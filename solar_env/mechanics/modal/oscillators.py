@@ -64,7 +64,7 @@ def exact_coefficients(frequency, damping_rate, h, coefficients):
         coefficients[4 * case + 3] = r2 / h
 
 
-@kernel(inner=True)
+@kernel
 def rational_coefficients(frequency, damping_rate, h, coefficients):
     """Fill (COEFFICIENTS,) as the Radau IIA method answers."""
     square, damping = frequency * frequency, 2.0 * damping_rate
@@ -88,7 +88,7 @@ def rational_coefficients(frequency, damping_rate, h, coefficients):
         coefficients[4 * case + 3] = v0 + h * (A[1][0] * a1 + A[1][1] * a2)
 
 
-@kernel(inner=True)
+@kernel
 def free_rate_defects(frequency, damping_rate, h, coefficients):
     """Rate at the step's end of the exact free motion less that of the method, by start value and by start rate."""
     underdamped = frequency * frequency - damping_rate * damping_rate
@@ -102,7 +102,7 @@ def free_rate_defects(frequency, damping_rate, h, coefficients):
     return by_value - coefficients[FROM_VALUE + 3], by_rate - coefficients[FROM_RATE + 3]
 
 
-@kernel(inner=True)
+@kernel
 def mode_coefficients(frequency, damping_rate, h, coefficients):
     """Fill (COEFFICIENTS,) of a mode for a step ``h`` [s]."""
     if resolved(frequency, damping_rate, h):

@@ -74,7 +74,11 @@ def copy_rows(target, source):
 def start_stages(model, state, work, h):
     """First guess of the stages: directions of the start, loads along the last step's polynomial."""
     for s in range(2):
-        copy_rows(work.turn[s], work.turn[START])
+        for b in range(model.bodies.size):
+            # The directions at the stage, but for the loads of the step.
+            c, s0 = work.turn[START, b, 0], work.turn[START, b, 1]
+            angle = NODES[s] * h * work.speed[START, b, 2]
+            work.turn[s, b, 0], work.turn[s, b, 1] = c - s0 * angle, s0 + c * angle
         copy_rows(work.arm[s], work.arm[START])
         copy_rows(work.motion[s], work.motion[START])
         copy_rows(work.bending_coupling[:, s], state.coupling)
@@ -261,7 +265,8 @@ def solve_step(model, state, work, settings, tables, level, h):
         done = correct_loads(model, state, work, n, h)
         if done == 0:
             return False
-        if done == 2 and iteration > 0:
+        # Without contacts and reactions, whose directions are not known before, a first guess may do.
+        if done == 2 and (iteration > 0 or n == 0):
             return True
     return False
 

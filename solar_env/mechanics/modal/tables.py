@@ -23,6 +23,10 @@ GREATEST_STEP = 0.032
 LEVELS = 50
 
 
+# Quadratic forms of foreshortening, side by side: axial projections from the first on, the two ends from the last two.
+FORMS = 8
+
+
 class Panels(NamedTuple):
     """Constants of D designs of panels, each with the same number of modes."""
 
@@ -33,6 +37,7 @@ class Panels(NamedTuple):
     axial_rows: Array  # (D, 2, axial modes)
     project: Array  # (D, coupled axial, coupled, coupled) K, see ``foreshortening``
     ends: Array  # (D, 2, coupled, coupled) S
+    forms: Array  # (D, coupled, coupled, FORMS) both side by side
 
 
 class Tables(NamedTuple):

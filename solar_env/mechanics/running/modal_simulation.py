@@ -19,11 +19,13 @@ from solar_env.mechanics.modal.motion import look_at
 from solar_env.mechanics.modal.sampling import fill_load_table
 from solar_env.mechanics.modal.settings import ModalRadau
 from solar_env.mechanics.modal.step import ModalSettings
+from solar_env.mechanics.running.accuracy import STEPS_BETWEEN_LOOKS
+from solar_env.mechanics.running.diagnosis import check_energy, check_modal_range
 from solar_env.mechanics.running.errors import raise_for_status
 
 _SMALLEST_ENERGY_SCALE = 1e-9  # J, for a mechanism that starts without energy
 # Depth errors of a step over rtol, relative to the depth.
-_DEPTH_TOLERANCE = 1.0
+_DEPTH_TOLERANCE = 0.1
 
 
 class ModalSimulation:
@@ -45,6 +47,8 @@ class ModalSimulation:
         energies = self.stored_energies()
         self.state.clock["initial_energy"] = energies.sum()
         self.state.clock["energy_scale"] = max(np.abs(energies).sum(), _SMALLEST_ENERGY_SCALE)
+        self._told: set[str] = set()
+        self._looked_at = 0
         self._unrecorded = self.make_recorder(np.zeros(0), 0)
 
     def _motion(self) -> NDArray[np.float64]:
@@ -111,6 +115,9 @@ class ModalSimulation:
         Raises:
             ValueError: if ``end_time`` is not finite or lies before the present time.
             SimulationError: if the run cannot go on; the state stays at the last accepted step.
+
+        Warns:
+            SimulationWarning: as :meth:`check`, which looks every 10,000 steps.
         """
         if not self.time <= end_time < math.inf:
             raise ValueError(
@@ -130,6 +137,34 @@ class ModalSimulation:
         if status not in (m.DONE, m.PAUSED):
             clock = self.state.clock[0]
             raise_for_status(status, self.time, int(clock["failure_joint"]), float(clock["failure_value"]))
+        if abs(self.state.clock["steps"][0] - self._looked_at) >= STEPS_BETWEEN_LOOKS:
+            self.check()
+
+    def modal_range(self) -> tuple[float, float]:
+        """Greatest slope of a panel's end against its frame [rad], and greatest spin over the lowest frequency."""
+        slope, spin_ratio, panels = 0.0, 0.0, self.model.panels
+        axial, modes = panels.axial_frequency.shape[1], panels.bending_frequency.shape[1]
+        for body in self.model.bodies[self.model.bodies["panel"] >= 0]:
+            first, d = body["offset"] + 3 + axial, body["design"]
+            slopes = panels.bending_rows[d, 1::2] @ self.state.q[first : first + modes]
+            slope = max(slope, float(np.abs(slopes).max()))
+            lowest = panels.bending_frequency[d].min()
+            spin_ratio = max(spin_ratio, float(abs(self.state.v[body["offset"] + 2]) / lowest))
+        return slope, spin_ratio
+
+    def check(self) -> None:
+        """Look at the accuracy of the run so far; every shortcoming is told once.
+
+        Warns:
+            SimulationWarning: if the energy book is open by more than 1 % of the energy turned over, or if panels bend
+                or turn by more than the second order of the modal panels holds for.
+        """
+        self._looked_at = int(self.state.clock["steps"][0])
+        remedy = f"tighten rtol = {self.integrator.rtol:g}"
+        if "energy" not in self._told and check_energy(self.time, *self.energy_book(), remedy):
+            self._told.add("energy")
+        if "range" not in self._told and check_modal_range(self.time, *self.modal_range()):
+            self._told.add("range")
 
     def joint_loads(self) -> NDArray[np.float64]:
         """(joints, columns) table of angles, rates, forces and torques now; columns are named in ``joint.py``."""

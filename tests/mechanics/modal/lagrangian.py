@@ -30,58 +30,53 @@ class Lagrangian:
             self.inverse_mass[first : first + 2] = body["inverse_mass"]
             self.inverse_mass[first + 2] = body["inverse_inertia"]
 
-    def attachment(self, q: Complex, number: int) -> tuple[Complex, complex]:
-        """Place of an attachment and the angle of its body there."""
+    def attachment(self, q: Complex, number: int) -> tuple[Complex, Complex, Complex]:
+        """Place (x, y) of an attachment and the angle of its body there."""
         model, attachment = self.model, self.model.attachments[number]
         body = model.bodies[attachment["body"]]
         first, d, end = body["offset"], body["design"], attachment["end"]
-        local, turn = np.array([attachment["x"], attachment["y"]], complex), 0.0 + 0.0j
+        x, y, turn = attachment["x"] + 0.0 * q[0], attachment["y"] + 0.0 * q[0], 0.0 * q[0]
         if body["panel"] >= 0:
             a = q[first + 3 : first + 3 + self.axial]
             b = q[first + 3 + self.axial : first + 3 + self.axial + self.bending]
             low = b[: model.panels.ends.shape[2]]
-            local[0] += model.panels.axial_rows[d, end] @ a + 0.5 * low @ model.panels.ends[d, end] @ low
-            local[1] += model.panels.bending_rows[d, 2 * end] @ b
+            x = x + model.panels.axial_rows[d, end] @ a
+            x = x + 0.5 * np.einsum("i...,ij,j...->...", low, model.panels.ends[d, end], low)
+            y = y + model.panels.bending_rows[d, 2 * end] @ b
             turn = model.panels.bending_rows[d, 2 * end + 1] @ b
         c, s = np.cos(q[first + 2]), np.sin(q[first + 2])
-        place = q[first : first + 2] + np.array([c * local[0] - s * local[1], s * local[0] + c * local[1]])
-        return place, q[first + 2] + turn
+        return q[first] + c * x - s * y, q[first + 1] + s * x + c * y, q[first + 2] + turn
 
-    def potential(self, q: Complex) -> complex:
-        """Strain, weight, springs and Hertzian contacts [J]."""
-        model, panels, total = self.model, self.model.panels, 0.0 + 0.0j
+    def potential(self, q: Complex) -> Complex:
+        """Strain, weight, springs and Hertzian contacts [J]; further axes of ``q`` are other configurations."""
+        model, panels, total = self.model, self.model.panels, 0.0 * q[0]
         for body in model.bodies:
             first, d = body["offset"], body["design"]
             if body["inverse_mass"] > 0.0:
-                total -= body["mass"] * (model.gravity @ q[first : first + 2])
+                total = total - body["mass"] * (model.gravity @ q[first : first + 2])
             if body["panel"] >= 0:
                 a = q[first + 3 : first + 3 + self.axial].copy()
                 b = q[first + 3 + self.axial : first + 3 + self.axial + self.bending]
                 low = b[: panels.project.shape[2]]
-                for k in range(panels.project.shape[1]):
-                    a[k] -= 0.5 * low @ panels.project[d, k] @ low
-                total += 0.5 * np.sum((panels.axial_frequency[d] * a) ** 2)
-                total += 0.5 * np.sum((panels.bending_frequency[d] * b) ** 2)
+                coupled = panels.project.shape[1]
+                a[:coupled] -= 0.5 * np.einsum("i...,kij,j...->k...", low, panels.project[d], low)
+                total = total + 0.5 * panels.axial_frequency[d] ** 2 @ a**2
+                total = total + 0.5 * panels.bending_frequency[d] ** 2 @ b**2
         for j, joint in enumerate(model.joints):
-            outer, outer_angle = self.attachment(q, joint["outboard"])
-            inner, inner_angle = self.attachment(q, joint["inboard"])
+            x, y, outer_angle = self.attachment(q, joint["outboard"])
+            inner_x, inner_y, inner_angle = self.attachment(q, joint["inboard"])
             angle = joint["sign"] * (outer_angle - inner_angle - model.folded_angle[j])
-            total += 0.5 * joint["spring_stiffness"] * (joint["spring_preload_angle"] - angle) ** 2
+            total = total + 0.5 * joint["spring_stiffness"] * (joint["spring_preload_angle"] - angle) ** 2
             assert joint["kind"] == CLEARANCE
-            gap = outer - inner
-            depth = np.sqrt(gap[0] ** 2 + gap[1] ** 2) - joint["clearance"]
-            if depth.real > 0.0:
-                total += 0.4 * joint["contact_stiffness"] * depth**2.5
+            depth = np.sqrt((x - inner_x) ** 2 + (y - inner_y) ** 2) - joint["clearance"]
+            pressed = np.where(depth.real > 0.0, depth, 0.0)
+            total = total + 0.4 * joint["contact_stiffness"] * pressed * pressed * np.sqrt(pressed)
         return total
 
     def acceleration(self, q: NDArray[np.float64]) -> NDArray[np.float64]:
         """Accelerations of all coordinates."""
-        force = np.zeros(q.size)
-        for i in range(q.size):
-            moved = q.astype(complex)
-            moved[i] += 1e-30j
-            force[i] = -self.potential(moved).imag / 1e-30
-        return self.inverse_mass * force
+        moved = q[:, None] + 1e-30j * np.eye(q.size)
+        return -self.inverse_mass * self.potential(moved).imag / 1e-30
 
     def run(
         self, q: NDArray[np.float64], v: NDArray[np.float64], duration: float, rtol: float = 1e-10

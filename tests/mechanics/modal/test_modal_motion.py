@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -27,6 +28,7 @@ from solar_env.mechanics.mechanism.description import (
 )
 from solar_env.mechanics.modal.settings import ModalRadau
 from solar_env.mechanics.modal.tables import level_size
+from solar_env.mechanics.running.diagnosis import SimulationWarning
 from solar_env.mechanics.running.modal_simulation import ModalSimulation
 
 SOFT_BEARING = Bearing(clearance=0.01, journal_radius=0.1, stiffness=4e3, damping_factor=0.0)
@@ -75,7 +77,7 @@ def test_model_conserves_energy_and_momentum_as_a_lagrangian_system() -> None:
     other = replace(other, position=(2.0 + 0.012, 0.0))
     simulation = ModalSimulation(Mechanism((free, other), (joint,)))
     system, state = Lagrangian(simulation.model), simulation.state
-    q, v = system.run(state.q, state.v, 0.2, rtol=1e-9)
+    q, v = system.run(state.q, state.v, 0.05, rtol=1e-9)
     assert system.energy(q, v) == pytest.approx(system.energy(state.q, state.v), rel=1e-8)
     before = simulation.momenta()
     state.q[:], state.v[:] = q, v
@@ -88,7 +90,7 @@ def test_motion_converges_with_third_order_to_that_of_the_lagrangian_system() ->
     simulation = ModalSimulation(mechanism)
     # The bearing is in contact before the first step, with a speed that its law (Hertz) does not ask for.
     start = simulation.state
-    duration = 0.256
+    duration = 0.064
     reference, _ = Lagrangian(simulation.model).run(start.q, start.v, duration)
     errors = []
     for level in (10, 12, 14):
@@ -184,3 +186,15 @@ def test_what_the_method_does_not_take_is_refused_with_a_remedy() -> None:
     off = Joint("hinge", GROUND, "panel", (0.1, 0.0), (0.0, 0.0))
     with pytest.raises(ValueError, match=r"initial position violates a constraint by 0\.1 m"):
         ModalSimulation(Mechanism((PANEL,), (off,)))
+
+
+@pytest.mark.parametrize(("spin", "warns"), [(1.0, False), (20.0, True)])
+def test_panel_that_leaves_the_range_of_the_model_is_told(spin: float, warns: bool) -> None:
+    simulation = ModalSimulation(Mechanism((replace(PANEL, spin=spin),)))
+    _, ratio = simulation.modal_range()
+    assert ratio == pytest.approx(spin / (4.730041**2 * math.sqrt(300.0 / 1.5) / 4.0), rel=1e-6)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        simulation.check()
+        simulation.check()
+    assert [entry.category for entry in caught] == [SimulationWarning] * warns

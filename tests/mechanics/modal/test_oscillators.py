@@ -44,17 +44,17 @@ def test_method_is_of_third_order_at_the_end_of_a_step() -> None:
     for h in (0.02, 0.01, 0.005):
         found = np.zeros(COEFFICIENTS)
         rational_coefficients(7.0, 0.4, h, found)
-        at_end = np.arange(COEFFICIENTS).reshape(4, 4)[:2, 2:].ravel()
-        errors.append(np.abs(found - exact(7.0, 0.4, h))[at_end].max())
+        # Value by start value and rate by start rate, at the end of the step.
+        errors.append(np.abs(found - exact(7.0, 0.4, h))[[2, 7]])
     # Local errors of a method of third order.
-    assert errors[0] / errors[1] == pytest.approx(16.0, rel=0.2)
-    assert errors[1] / errors[2] == pytest.approx(16.0, rel=0.1)
+    assert errors[0] / errors[1] == pytest.approx([16.0, 16.0], rel=0.06)
+    assert errors[1] / errors[2] == pytest.approx([16.0, 16.0], rel=0.03)
 
 
 def test_mode_that_the_step_does_not_resolve_comes_to_rest_where_its_load_holds_it() -> None:
     found = np.zeros(COEFFICIENTS)
     mode_coefficients(1e6, 0.0, 1e-3, found)
-    assert abs(found[2]) < 1e-5
+    assert abs(found[2]) < 1e-4
     assert found[10] + found[14] == pytest.approx(1e-12, rel=1e-4)
 
 

@@ -47,6 +47,10 @@ _DEVIATION = 1.0 / 12.0
 # Least depth that counts, over the predicted greatest depth of the impact.
 _LEAST_DEPTH = 0.05
 _HERTZ = 2.943275
+# Share of a normal force over rtol by which it may be off whatever the depth says, and the least such load over that
+# which the velocity allows.
+_LOAD_SHARE = 5.0
+_LEAST_LOAD = 0.002
 # Least time [s] over which a gap of an ideal joint is closed: at once, it would be felt as a blow.
 _RETURN_TIME = 1e-3
 
@@ -128,13 +132,18 @@ def set_tolerances(model, state, work, settings, tables, level, h, n):
         work.torque_tolerance[j] = limit / (_DEVIATION * velocity_by_torque(model, work, tables, level, h, j))
     for r in range(n):
         j, kind = work.joint[r], work.kind[r]
-        gain = _DEVIATION * (work.mobility[r, r, 3] + work.mobility[r, r, 7])
+        # Without signs: a vibration may have turned back by the end of the step.
+        gain = _DEVIATION * (abs(work.mobility[r, r, 3]) + abs(work.mobility[r, r, 7]))
         work.tolerance[r] = work.torque_tolerance[j] if kind == TORQUE else limit / gain
         if kind == NORMAL:
             own = state.joints[j]
             least = _LEAST_DEPTH / _HERTZ * own.impact_speed * own.contact_duration
             depth = max(work.motion[SECOND, j, DEPTH], work.motion[START, j, DEPTH], least)
-            work.tolerance[r] = min(work.tolerance[r], settings.depth_tolerance * depth / (h * gain))
+            # A load that is off moves a stiff contact's depth by no more than its own share.
+            share = _LOAD_SHARE * settings.rtol * max(work.load[1, j, 0], state.loads[j, 0])
+            least_load = max(share, _LEAST_LOAD * work.tolerance[r])
+            from_depth = max(settings.depth_tolerance * depth / (h * gain), least_load)
+            work.tolerance[r] = min(work.tolerance[r], from_depth)
 
 
 @kernel(inlined=True)
@@ -204,7 +213,7 @@ def fill_reaction_row(work, s, n, r, h):
     """Row of a component of an ideal joint's reaction in Newton's matrix: of its relative velocity."""
     j, kind = work.joint[r], work.kind[r]
     row = work.matrix[s * n + r]
-    scale = 1.0 / (work.mobility[r, r, 3] + work.mobility[r, r, 7])
+    scale = 1.0 / (abs(work.mobility[r, r, 3]) + abs(work.mobility[r, r, 7]))
     for k in range(2):
         for c in range(n):
             row[k * n + c] = scale * work.mobility[r, c, 4 * k + 2 * s + 1]

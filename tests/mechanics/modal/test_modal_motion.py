@@ -31,15 +31,15 @@ from solar_env.mechanics.modal.tables import level_size
 from solar_env.mechanics.running.diagnosis import SimulationWarning
 from solar_env.mechanics.running.modal_simulation import ModalSimulation
 
-SOFT_BEARING = Bearing(clearance=0.01, journal_radius=0.1, stiffness=4e3, damping_factor=0.0)
+SOFT_BEARING = Bearing(clearance=0.01, journal_radius=0.1, stiffness=1e6, damping_factor=0.0)
 PANEL = ModalPanel("panel", 2.0, 3.0, axial_stiffness=2e4, bending_stiffness=300.0, modes=2)
 
 
 def hanging_panel(**changes: object) -> Mechanism:
-    """A panel on a spring, whose journal leans in a soft bearing under its weight from the start."""
+    """A panel on a spring, whose journal bounces on the wall of a soft bearing under its weight, and stays on it."""
     panel = replace(PANEL, angle=-1.2, **changes)  # type: ignore[arg-type]
-    down = np.array([0.0, -0.01 - (PANEL.mass * 9.81 / SOFT_BEARING.stiffness) ** (2 / 3)])
-    panel = replace(panel, position=tuple(down))
+    depth = 1.2 * (PANEL.mass * 9.81 / SOFT_BEARING.stiffness) ** (2 / 3)
+    panel = replace(panel, position=(0.0, -0.01 - depth))
     joint = Joint("hinge", GROUND, "panel", (0.0, 0.0), (0.0, 0.0), bearing=SOFT_BEARING, spring=Spring(20.0, -1.0))
     return Mechanism((panel,), (joint,), gravity=(0.0, -9.81))
 
@@ -61,7 +61,7 @@ def modal_array(model: str, modes: int = 6, **parameters: object) -> Mechanism:
 
 def fixed_steps(level: int) -> ModalRadau:
     """Steps of a tabled size throughout."""
-    return ModalRadau(rtol=0.1, velocity_scale=1e6, max_step=level_size(level))
+    return ModalRadau(rtol=0.1, velocity_scale=10.0, max_step=level_size(level))
 
 
 def coordinates_after(mechanism: Mechanism, duration: float, integrator: ModalRadau) -> NDArray[np.float64]:
@@ -88,17 +88,18 @@ def test_model_conserves_energy_and_momentum_as_a_lagrangian_system() -> None:
 def test_motion_converges_with_third_order_to_that_of_the_lagrangian_system() -> None:
     mechanism = hanging_panel(spin=0.5)
     simulation = ModalSimulation(mechanism)
-    # The bearing is in contact before the first step, with a speed that its law (Hertz) does not ask for.
-    start = simulation.state
-    duration = 0.064
+    start, panels, duration = simulation.state, simulation.model.panels, 0.032
     reference, _ = Lagrangian(simulation.model).run(start.q, start.v, duration)
-    errors = []
-    for level in (10, 12, 14):
-        found = coordinates_after(mechanism, duration, fixed_steps(level))
-        errors.append(np.abs(found - reference)[:3].max())
-    assert errors[0] < 1e-3
-    assert errors[0] / errors[1] == pytest.approx(8.0, rel=0.4)
-    assert errors[1] / errors[2] == pytest.approx(8.0, rel=0.3)
+    errors = np.array(
+        [np.abs(coordinates_after(mechanism, duration, fixed_steps(level)) - reference) for level in (10, 12, 14)]
+    )
+    # The height, which bounces with the contact: a third order gains a factor of eight with half the step.
+    assert (errors[:-1, 1] > 6.0 * errors[1:, 1]).all()
+    # The stiffest pseudo-modes ring in the exact solution and are at rest in the method's.
+    frequencies = np.concatenate([np.zeros(3), panels.axial_frequency[0], panels.bending_frequency[0]])
+    followed = frequencies * level_size(14) < 0.7
+    assert followed.sum() > 12
+    assert errors[-1, : frequencies.size][followed].max() < 3e-8
 
 
 def test_ideal_pendulum_of_a_stiff_panel_is_the_rigid_one() -> None:

@@ -144,6 +144,8 @@ def accept_step(model, state, work, recorder, tables, level, h):
 def reject_step(clock, h, solved, error):
     """Shrink the step after a rejected one of size ``h`` [s]."""
     clock.rejected_steps += 1
+    # The step that is taken then does not grow at once.
+    clock.last_error = 1.0
     shrink = 0.25
     if solved:
         shrink = max(0.9 * error**-0.25, 0.1) if error < math.inf else 0.1

@@ -15,6 +15,7 @@ from solar_env.mechanics.modal.arrays import (
     DEPTH_RATE,
     ECCENTRICITY_X,
     ECCENTRICITY_Y,
+    LAW_SLIP,
     NORMAL_X,
     NORMAL_Y,
     RATE,
@@ -24,7 +25,7 @@ from solar_env.mechanics.modal.arrays import (
     VELOCITY_X,
     VELOCITY_Y,
 )
-from solar_env.mechanics.modal.laws import impact_duration
+from solar_env.mechanics.modal.laws import contact_force, friction_share, impact_duration
 from solar_env.mechanics.numerics.jit import kernel
 
 NONE, CONTACT, LATCH, STOP = (np.int64(kind) for kind in range(4))
@@ -154,6 +155,9 @@ def begin_event(model, state, work, j, kind):
     own.contact_starts += 1
     inverse_mass = instantaneous_inverse_mass(model, work, j)
     _, own.contact_duration = impact_duration(model.joints[j], inverse_mass, own.impact_speed)
-    for c in range(2):
-        state.loads[j, c] = 0.0
-        state.load_rates[j, c] = 0.0
+    # Of note where a run starts with a journal that is pressed into its bearing.
+    motion = work.motion[START, j]
+    state.loads[j, 0], _ = contact_force(model.joints[j], own, motion[DEPTH], motion[DEPTH_RATE])
+    share, _ = friction_share(model.joints[j], motion[LAW_SLIP])
+    state.loads[j, 1] = share * state.loads[j, 0]
+    state.load_rates[j, 0] = state.load_rates[j, 1] = 0.0

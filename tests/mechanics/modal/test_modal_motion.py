@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.joints import joint as columns
 from solar_env.mechanics.joints.laws import exit_speed_ratio
 from solar_env.mechanics.mechanism.description import (
@@ -179,6 +180,8 @@ def test_what_the_method_does_not_take_is_refused_with_a_remedy() -> None:
     beam = FlexibleBody("beam", 1.0, 2, 1.0, 1.0, 1.0)
     with pytest.raises(ValueError, match="made of beam elements"):
         ModalSimulation(Mechanism((PANEL, beam)))
+    with pytest.raises(ValueError, match="modal panels need the integrator of their own, ModalRadau"):
+        compile_mechanism(Mechanism((PANEL,)))
     with pytest.raises(ValueError, match=r"mechanism\.loads: modal panels take none"):
         ModalSimulation(Mechanism((PANEL,), loads=(Load("panel", torque=1.0),)))
     inside = Joint("hinge", GROUND, "panel", (1.0, 0.0), (1.0, 0.0))

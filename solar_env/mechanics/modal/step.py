@@ -12,7 +12,6 @@ import math
 from typing import NamedTuple
 
 from solar_env.mechanics.arrays.model import IDEAL, MATERIAL_DISSIPATION
-from solar_env.mechanics.integrators.history import IMPACT_DURATIONS
 from solar_env.mechanics.modal.arrays import (
     ANGLE,
     DEPTH,
@@ -52,8 +51,6 @@ _HERTZ = 2.943275
 # which the velocity allows.
 _LOAD_SHARE = 5.0
 _LEAST_LOAD = 0.002
-# Velocity error of a step in an impact over the impact speed, however loose rtol is.
-_IMPACT_SHARE = 0.01
 # Least time [s] over which a gap of an ideal joint is closed: at once, it would be felt as a blow.
 _RETURN_TIME = 1e-3
 
@@ -147,8 +144,6 @@ def set_tolerances(model, state, work, settings, tables, level, h, n):
             least_load = max(share, _LEAST_LOAD * work.tolerance[r])
             from_depth = max(settings.depth_tolerance * depth / (h * gain), least_load)
             work.tolerance[r] = min(work.tolerance[r], from_depth)
-            if state.clock[0].time - own.contact_start < IMPACT_DURATIONS * own.contact_duration:
-                work.tolerance[r] = min(work.tolerance[r], _IMPACT_SHARE * own.impact_speed / gain)
 
 
 @kernel(inlined=True)

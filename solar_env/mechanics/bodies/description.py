@@ -137,3 +137,66 @@ class FlexibleBody(AnyBody):
         )
         require(met and 0 <= index <= self.elements, self, "point", point, rule)
         return index
+
+
+@dataclass(frozen=True)
+class ModalPanel(AnyBody):
+    """A slender elastic panel, described by its modes in a floating frame; straight and unstrained at t = 0.
+
+    The body frame has its origin at the first end and its x axis along the undeformed centreline. Joints attach to the
+    two ends, (0, 0) and (length, 0). Deflections may come to some percent of the length (room `modal`).
+
+    Attributes:
+        length: [m].
+        mass: [kg].
+        axial_stiffness: E A [N].
+        bending_stiffness: E I [N m2].
+        damping: retardation time of the material [s]: stress = modulus * (strain + damping * strain rate).
+        modes: number of bending modes that are kept; of axial ones half as many are. What the others contribute to the
+            flexibility of the ends is kept whatever the number.
+        position: of the first end at t = 0 [m].
+        angle: of the centreline at t = 0 [rad].
+        velocity: of the first end at t = 0 [m/s].
+        spin: angular velocity at t = 0 [rad/s].
+    """
+
+    length: float
+    mass: float
+    axial_stiffness: float
+    bending_stiffness: float
+    damping: float = 0.0
+    modes: int = 24
+    position: Point = (0.0, 0.0)
+    angle: float = 0.0
+    velocity: Point = (0.0, 0.0)
+    spin: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        require(type(self.modes) is int, self, "modes", self.modes, "must be a whole number")
+        require(0 <= self.modes <= 200, self, "modes", self.modes, "must lie between 0 and 200")
+        for name in ("length", "mass", "axial_stiffness", "bending_stiffness"):
+            require(getattr(self, name) > 0.0, self, name, getattr(self, name), "must be positive")
+        require(self.damping >= 0.0, self, "damping", self.damping, "must not be negative")
+
+    @property
+    def inertia(self) -> float:
+        """About the centre of mass [kg m2]; the panel has no thickness."""
+        return self.mass * self.length**2 / 12.0
+
+    @property
+    def centroid(self) -> Point:
+        """Centre of mass in the body frame [m]."""
+        return (self.length / 2, 0.0)
+
+    def end(self, point: Point) -> int:
+        """0 or 1 for the end of the panel at a point of the body frame [m].
+
+        Raises:
+            ValueError: if the point is neither.
+        """
+        for index, x in enumerate((0.0, self.length)):
+            if math.hypot(point[0] - x, point[1]) < 1e-9 * self.length:
+                return index
+        rule = f"is not an end of panel {self.name!r}, which are (0, 0) and ({self.length:.6g}, 0)"
+        raise ValueError(f"ModalPanel.point = {point!r}: {rule}; use a FlexibleBody for joints in between")

@@ -14,7 +14,7 @@ from solar_env.mechanics.bodies.kind import BodyKind
 from solar_env.mechanics.bodies.kinds import KINDS, body_type, code_of, marker_type
 from solar_env.mechanics.bodies.linear_marker import pair_coordinates, place_row
 from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS
-from solar_env.mechanics.mechanism.description import GROUND, AnyBody, Body, Joint, Mechanism, Point
+from solar_env.mechanics.mechanism.description import GROUND, AnyBody, Body, Joint, Mechanism, ModalPanel, Point
 from solar_env.mechanics.numerics.profile import BLOCK, Elimination, make_elimination
 
 _Row = dict[int, float]
@@ -34,6 +34,12 @@ def compile_mechanism(mechanism: Mechanism) -> tuple[m.Model, m.State]:
 class _Compiler:
     def __init__(self, mechanism: Mechanism) -> None:
         self.mechanism = mechanism
+        for body in mechanism.bodies:
+            if isinstance(body, ModalPanel):
+                raise ValueError(
+                    f"body {body.name!r} is a ModalPanel, which needs an integrator of its own: run the mechanism with "
+                    "ModalSimulation, or describe the body as a FlexibleBody"
+                )
         bodies: list[AnyBody] = list(mechanism.bodies)
         if self._needs_ground():
             bodies.append(Body("fixed frame", mass=1.0, inertia=1.0, length=1.0, centroid=(0.0, 0.0), fixed=True))

@@ -10,6 +10,7 @@ from solar_env.mechanics.bodies.description import GROUND as GROUND
 from solar_env.mechanics.bodies.description import AnyBody as AnyBody
 from solar_env.mechanics.bodies.description import Body as Body
 from solar_env.mechanics.bodies.description import FlexibleBody as FlexibleBody
+from solar_env.mechanics.bodies.description import ModalPanel as ModalPanel
 from solar_env.mechanics.bodies.description import Point as Point
 from solar_env.mechanics.joints.contact.laws import ContactLaw
 from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS, FrictionLaw

@@ -10,6 +10,8 @@ import warnings
 LARGEST_ENERGY_SHARE = 0.01
 # Of the largest force: what the multipliers may differ from the forces that hold the constraints.
 LARGEST_FORCE_SHARE = 0.1
+# What a modal panel's second order may leave out, over what it keeps.
+LARGEST_MODAL_SHARE = 0.01
 # What a contact law's exit over entry speed may differ from the coefficient of restitution that was asked for.
 LARGEST_RESTITUTION_ERROR = 0.05
 
@@ -38,6 +40,28 @@ def check_energy(time: float, residual: float, turnover: float, remedy: str) -> 
     _warn(
         f"by t = {time:.6g} s the integration has {verb} {abs(residual):.3g} J that no force accounts for, "
         f"{100.0 * abs(residual) / turnover:.2g} % of the {turnover:.3g} J turned over; {remedy}"
+    )
+    return True
+
+
+def check_modal_range(time: float, slope: float, spin_ratio: float) -> bool:
+    """Warn if modal panels bend or turn by more than their second order holds for; whether it did warn.
+
+    Args:
+        time: [s].
+        slope: greatest slope of a panel's end against its frame [rad].
+        spin_ratio: greatest spin of a panel over the angular frequency of its lowest bending mode.
+    """
+    # The next term of the shortening of an arc, and the centrifugal softening of the lowest mode.
+    bent, turned = 0.25 * slope * slope, spin_ratio * spin_ratio
+    if max(bent, turned) <= LARGEST_MODAL_SHARE:  # false for NaN
+        return False
+    what = (
+        f"bend by {slope:.3g} rad" if bent > turned else f"turn at {spin_ratio:.3g} of their lowest bending frequency"
+    )
+    _warn(
+        f"at t = {time:.6g} s the modal panels {what}: what their second order leaves out is "
+        f"{100.0 * max(bent, turned):.2g} % of what it keeps; use beam elements (FlexibleBody)"
     )
     return True
 

@@ -24,6 +24,7 @@ from solar_env.mechanics.mechanism.description import (
     Joint,
     Load,
     Mechanism,
+    ModalPanel,
     Spring,
     Stop,
 )
@@ -40,18 +41,21 @@ GUIDE = Guide("arm", (0.0, 0.0), (0.0, 1.0))
 DRIVE = Drive("arm", 0.0, 1.0)
 LOAD = Load("arm", (0.1, 0.0), (1.0, 2.0), 0.3)
 BEAM = FlexibleBody("beam", 1.5, 4, linear_density=0.8, axial_stiffness=5.0, bending_stiffness=0.6)
+PANEL = ModalPanel("panel", 1.5, 1.2, axial_stiffness=5.0, bending_stiffness=0.6)
 MECHANISM = Mechanism((BODY, BEAM), (JOINT, OTHER), (CABLE,), (GUIDE,), (DRIVE,), (LOAD,))
-PARTS: list[Any] = [BODY, BEAM, SPRING, STOP, BEARING, JOINT, CABLE, GUIDE, DRIVE, LOAD, MECHANISM]
+PARTS: list[Any] = [BODY, BEAM, PANEL, SPRING, STOP, BEARING, JOINT, CABLE, GUIDE, DRIVE, LOAD, MECHANISM]
 
 NOT_POSITIVE = {
     BODY: ("mass", "inertia", "length"),
     BEAM: ("length", "linear_density", "axial_stiffness", "bending_stiffness"),
+    PANEL: ("length", "mass", "axial_stiffness", "bending_stiffness"),
     STOP: ("stiffness", "ramp_depth"),
     BEARING: ("clearance", "journal_radius", "minimum_impact_speed", "width"),
     CABLE: ("wheel_ratio",),
 }
 NEGATIVE = {
     BEAM: ("damping",),
+    PANEL: ("damping",),
     DRIVE: ("ramp_time",),
     SPRING: ("stiffness",),
     STOP: ("gap", "damping"),

@@ -1,0 +1,161 @@
+"""Modes of a free uniform beam as its ends see them, with the exact flexibility of all modes that are left out.
+
+A slender beam without supports bends in modes of the wave numbers x_k / L, with cos x_k cosh x_k = 1, and stretches in
+modes of the wave numbers k pi / L (S. Timoshenko, D. H. Young and W. Weaver, Vibration Problems in Engineering,
+4th ed., Wiley 1974, chapter 5). Where loads act at the ends alone, a mode is its frequency and its row of end values.
+
+Modes above those that are kept answer slow loads as springs, and faster ones with terms in powers of the squared
+frequency. A few pseudo-modes stand for both: the Krylov vectors omega^-2p v of the discarded modes, with v their end
+values, made orthogonal (R. H. MacNeal, Comput. Struct. 1 (1971) 581, doi:10.1016/0045-7949(71)90031-9, for p = 1).
+They depend on the sums of v v^T omega^-2p over all discarded modes alone. These sums are Hurwitz zeta functions, since
+x_k equals (k + 1/2) pi in all digits from some k on: no mode is cut off.
+"""
+
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import mpmath
+import numpy as np
+from numpy.typing import NDArray
+
+# Blocks of Krylov vectors. One gives the static flexibility, two its first change with the squared frequency as well.
+RESIDUAL_BLOCKS = 2
+# The Gram matrices of the Krylov vectors are nearly singular: double precision would not do.
+_CONTEXT = mpmath.MPContext()
+_CONTEXT.dps = 50
+# From here on cos x_k = 1 / cosh x_k is zero in all digits.
+_ASYMPTOTIC = 40
+
+Real = Any  # a number of mpmath
+
+
+class EndModes(NamedTuple):
+    """Mass-normalised modes of one kind, as the ends see them.
+
+    Attributes:
+        frequencies: (modes,) angular [rad/s]; those of pseudo-modes come last.
+        rows: (end values, modes) by unit amplitude, [1/sqrt(kg)] and for slopes [1/(m sqrt(kg))]: deflection and
+            slope at the first end, then at the other; or the axial displacements of both.
+    """
+
+    frequencies: NDArray[np.float64]
+    rows: NDArray[np.float64]
+
+
+@lru_cache(maxsize=256)
+def wave_number(k: int) -> Real:
+    """Solution x of cos x cosh x = 1 number `k`, counted from 1."""
+    start = (k + _CONTEXT.mpf(1) / 2) * _CONTEXT.pi
+    if k > _ASYMPTOTIC:
+        return start
+    return _CONTEXT.findroot(lambda x: _CONTEXT.cos(x) - 1 / _CONTEXT.cosh(x), start)
+
+
+def slope_factor(x: Real) -> Real:
+    """Factor sigma of the mode shape cosh + cos - sigma (sinh + sin) with the wave number `x`."""
+    return (_CONTEXT.cosh(x) - _CONTEXT.cos(x)) / (_CONTEXT.sinh(x) - _CONTEXT.sin(x))
+
+
+def bending_modes(length: float, mass: float, stiffness: float, kept: int, blocks: int = RESIDUAL_BLOCKS) -> EndModes:
+    """Bending modes of a free beam, with pseudo-modes for those above the ones that are kept.
+
+    Args:
+        length: [m].
+        mass: [kg].
+        stiffness: E I [N m2].
+        kept: number of modes kept.
+        blocks: of Krylov vectors; 0 for none.
+    """
+    exact = [_end_values(wave_number(k)) for k in range(1, kept + 1)]
+    squares = [wave_number(k) ** 2 for k in range(1, kept + 1)]
+    signs = [1 if k % 2 else -1 for k in range(1, kept + 1)]
+    for first, sign in ((_next_of_parity(kept, 1), 1), (_next_of_parity(kept, 0), -1)) if blocks else ():
+        moments = [_bending_moment(first, power) for power in range(1, 2 * blocks + 1)]
+        found, rows = _pseudo_modes(moments, blocks)
+        squares += found
+        exact += rows
+        signs += [sign] * len(found)
+    # In units of the length: slopes change their sign from one end to the other where deflections do not.
+    rows = [(w, s / length, sign * w, -sign * s / length) for (w, s), sign in zip(exact, signs, strict=True)]
+    return _end_modes(squares, rows, (stiffness / mass / length**3) ** 0.5, mass)
+
+
+def axial_modes(length: float, mass: float, stiffness: float, kept: int, blocks: int = RESIDUAL_BLOCKS) -> EndModes:
+    """Axial modes of a free bar, with pseudo-modes for those above the ones that are kept.
+
+    Args:
+        length: [m].
+        mass: [kg].
+        stiffness: E A [N].
+        kept: number of modes kept.
+        blocks: of Krylov vectors; 0 for none.
+    """
+    numbers = [k * _CONTEXT.pi for k in range(1, kept + 1)]
+    rows = [(_CONTEXT.sqrt(2), (-1) ** k * _CONTEXT.sqrt(2)) for k in range(1, kept + 1)]
+    for first, sign in ((_next_of_parity(kept, 1), -1), (_next_of_parity(kept, 0), 1)) if blocks else ():
+        moments = [_CONTEXT.matrix([[2 * _sum_over_others(2 * power, first)]]) for power in range(1, 2 * blocks + 1)]
+        found, ends = _pseudo_modes(moments, blocks)
+        numbers += found
+        rows += [(u, sign * u) for (u,) in ends]
+    return _end_modes(numbers, rows, (stiffness / mass / length) ** 0.5, mass)
+
+
+def _end_modes(numbers: Sequence[Real], rows: Sequence[Sequence[Real]], unit: float, mass: float) -> EndModes:
+    frequencies = unit * np.array([float(number) for number in numbers])
+    return EndModes(frequencies, np.array([[float(value) for value in row] for row in rows]).T / mass**0.5)
+
+
+def _end_values(x: Real) -> tuple[Real, Real]:
+    """Deflection and slope times length of a mode at the first end."""
+    return _CONTEXT.mpf(2), -2 * slope_factor(x) * x
+
+
+def _next_of_parity(kept: int, parity: int) -> int:
+    """Number of the first mode above `kept` that is even (`parity` 0) or odd (1)."""
+    return kept + 1 + (kept + 1 + parity) % 2
+
+
+def _sum_over_others(power: int, first: Real) -> Real:
+    """Sum of (k pi)^-power over k = first, first + 2, ..."""
+    return _CONTEXT.zeta(power, first / _CONTEXT.mpf(2)) * (2 * _CONTEXT.pi) ** -power
+
+
+def _bending_moment(first: int, power: int) -> Any:
+    """(2, 2) sum of v v^T x^(-4 power) over the modes first, first + 2, ...; v as of `_end_values`."""
+    moment = _CONTEXT.matrix(2, 2)
+    k = first
+    while k <= _ASYMPTOTIC:
+        x = wave_number(k)
+        v = _end_values(x)
+        for i in range(2):
+            for j in range(2):
+                moment[i, j] += v[i] * v[j] * x ** (-4 * power)
+        k += 2
+    for i in range(2):
+        for j in range(2):
+            moment[i, j] += 4 * (-1) ** (i + j) * _sum_over_others(4 * power - i - j, k + _CONTEXT.mpf(1) / 2)
+    return moment
+
+
+def _pseudo_modes(moments: Sequence[Any], blocks: int) -> tuple[list[Real], list[tuple[Real, ...]]]:
+    """Frequencies and end values of the pseudo-modes of one family, in the units of the moments.
+
+    Args:
+        moments: sums of v v^T omega^-2p over the discarded modes, p = 1, 2, ...
+        blocks: of Krylov vectors.
+    """
+    values = moments[0].rows
+    size = values * blocks
+    stiffness, gram = _CONTEXT.matrix(size, size), _CONTEXT.matrix(size, size)
+    for row in range(size):
+        for column in range(size):
+            power, i, j = row // values + column // values, row % values, column % values
+            stiffness[row, column], gram[row, column] = moments[power][i, j], moments[power + 1][i, j]
+    inverse = _CONTEXT.cholesky(gram) ** -1
+    squares, vectors = _CONTEXT.eigsy(inverse * stiffness * inverse.T)
+    # The first block of the stiffness is the product of the end values with the Krylov vectors.
+    rows = stiffness[:values, :] * inverse.T * vectors
+    return [_CONTEXT.sqrt(square) for square in squares], [
+        tuple(rows[i, k] for i in range(values)) for k in range(size)
+    ]

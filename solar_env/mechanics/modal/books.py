@@ -1,0 +1,128 @@
+"""Running integrals and force maxima, to which an accepted step adds, and the energies that are stored."""
+
+import math
+
+from solar_env.mechanics.arrays.model import (
+    CABLE,
+    CABLE_WORK,
+    CLEARANCE,
+    CONTACT,
+    ELASTIC,
+    FRICTION_DISSIPATION,
+    GRAVITY,
+    IDEAL,
+    IMPULSE,
+    INTEGRALS_PER_JOINT,
+    KINETIC,
+    LATCH,
+    MOTOR_WORK,
+    NORMAL_DISSIPATION,
+    SLIDING_WORK,
+    SPRING,
+    STOP_DISSIPATION,
+)
+from solar_env.mechanics.integrators.history import note_force
+from solar_env.mechanics.joints.contact.normal_force import contact_energy, normal_force
+from solar_env.mechanics.joints.joint import cable_torque, stop_energy, stop_torque
+from solar_env.mechanics.modal.arrays import ANGLE, DEPTH, DEPTH_RATE, RATE, RIGID_BODY, SLIDING_SPEED, SLIP
+from solar_env.mechanics.modal.oscillators import WEIGHT_A, WEIGHT_B
+from solar_env.mechanics.numerics.jit import kernel
+
+
+@kernel(inlined=True)
+def add_integrals(model, state, work, h):
+    """Add a step's part of the joints' integrals, from loads and motion at its stages."""
+    integrals = state.integrals
+    for j in range(model.joints.size):
+        joint, own, first = model.joints[j], state.joints[j], INTEGRALS_PER_JOINT * j
+        work.sliding_work[j] = 0.0
+        for s in range(2):
+            weight = h * (WEIGHT_A if s == 0 else WEIGHT_B)
+            motion, load = work.motion[s, j], work.load[s, j]
+            integrals[first + MOTOR_WORK] += weight * own.motor_torque * motion[RATE]
+            stop, elastic, _, _ = stop_torque(joint, own, motion[ANGLE], motion[RATE])
+            integrals[first + STOP_DISSIPATION] += weight * (elastic - stop) * motion[RATE]
+            if joint.kind == IDEAL:
+                integrals[first + IMPULSE] += weight * math.sqrt(load[0] * load[0] + load[1] * load[1])
+            elif own.in_contact:
+                normal = max(load[0], 0.0)
+                _, elastic, _, _ = normal_force(joint, motion[DEPTH], motion[DEPTH_RATE], own.impact_speed)
+                integrals[first + NORMAL_DISSIPATION] += weight * (normal - elastic) * motion[DEPTH_RATE]
+                integrals[first + FRICTION_DISSIPATION] -= weight * load[1] * motion[SLIP]
+                integrals[first + IMPULSE] += weight * normal
+                work.sliding_work[j] += weight * normal * abs(motion[SLIDING_SPEED])
+        integrals[first + SLIDING_WORK] += work.sliding_work[j]
+    for c in range(model.cables.size):
+        cable = model.cables[c]
+        a, b = cable.joint_a, cable.joint_b
+        for s in range(2):
+            weight = h * (WEIGHT_A if s == 0 else WEIGHT_B)
+            torque, _, _ = cable_torque(cable, cable.wheel_ratio * work.motion[s, a, ANGLE] - work.motion[s, b, ANGLE])
+            power = torque * (cable.wheel_ratio - cable.torque_ratio) * work.motion[s, a, RATE]
+            integrals[INTEGRALS_PER_JOINT * a + CABLE_WORK] += weight * power
+
+
+@kernel(inlined=True)
+def note_peaks(model, state, work):
+    """Raise the force maxima to those of the step: of its stages, and of the parabola through them and its start."""
+    postlock = state.clock[0].latched_joints > 0
+    for j in range(model.joints.size):
+        own, load = state.joints[j], work.load
+        if model.joints[j].kind == IDEAL:
+            note_force(own, math.sqrt(load[1, j, 0] ** 2 + load[1, j, 1] ** 2), postlock)
+        elif own.in_contact:
+            start, first, second = state.loads[j, 0], load[0, j, 0], load[1, j, 0]
+            peak = max(first, second)
+            if first > start and first > second:
+                curvature = 1.5 * (second - start - 3.0 * (first - start))
+                slope = second - start - curvature
+                peak = max(peak, start - 0.25 * slope * slope / curvature)
+            note_force(own, peak, postlock)
+
+
+@kernel(inlined=True)
+def panel_energies(model, body, q, v, work, energies):
+    """Add the energies of a panel's amplitudes: kinetic, and of its strain."""
+    panels, d = model.panels, body.design
+    modes, axial = panels.bending_frequency.shape[1], panels.axial_frequency.shape[1]
+    first, middle = body.offset + 3, body.offset + 3 + axial
+    coupled = work.low.shape[1]
+    for k in range(axial):
+        stretch = q[first + k]
+        if k < work.axial_coupling.shape[2]:
+            for r in range(coupled):
+                for c in range(coupled):
+                    stretch -= 0.5 * panels.project[d, k, r, c] * q[middle + r] * q[middle + c]
+        energies[ELASTIC] += 0.5 * (panels.axial_frequency[d, k] * stretch) ** 2
+        energies[KINETIC] += 0.5 * v[first + k] ** 2
+    for k in range(modes):
+        energies[ELASTIC] += 0.5 * (panels.bending_frequency[d, k] * q[middle + k]) ** 2
+        energies[KINETIC] += 0.5 * v[middle + k] ** 2
+
+
+@kernel
+def stored_energies(model, state, q, v, work, slot, energies):
+    """Fill the stored energies [J] of a configuration that a slot has been filled for."""
+    energies[:] = 0.0
+    for b in range(model.bodies.size):
+        body = model.bodies[b]
+        k = body.offset
+        if body.inverse_mass > 0.0:
+            energies[KINETIC] += 0.5 * body.mass * (v[k] * v[k] + v[k + 1] * v[k + 1])
+            energies[KINETIC] += 0.5 * body.inertia * v[k + 2] * v[k + 2]
+            energies[GRAVITY] -= body.mass * (model.gravity[0] * q[k] + model.gravity[1] * q[k + 1])
+        if body.panel != RIGID_BODY:
+            panel_energies(model, body, q, v, work, energies)
+    for j in range(model.joints.size):
+        joint, own, motion = model.joints[j], state.joints[j], work.motion[slot, j]
+        stretch = joint.spring_preload_angle - motion[ANGLE]
+        energies[SPRING] += 0.5 * joint.spring_stiffness * stretch * stretch
+        energies[LATCH] += stop_energy(joint, own, motion[ANGLE])
+        if joint.kind == CLEARANCE:
+            energies[CONTACT] += contact_energy(joint, motion[DEPTH])
+    for c in range(model.cables.size):
+        cable = model.cables[c]
+        a, b = cable.joint_a, cable.joint_b
+        stretch = cable.wheel_ratio * work.motion[slot, a, ANGLE] - work.motion[slot, b, ANGLE]
+        _, _, energy = cable_torque(cable, stretch)
+        energies[CABLE] += energy

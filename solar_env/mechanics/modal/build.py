@@ -1,0 +1,195 @@
+"""Compile a described mechanism of rigid bodies and modal panels into its arrays."""
+
+import itertools
+import math
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solar_env.mechanics.bodies.beam_modes import EndModes, axial_modes, bending_modes
+from solar_env.mechanics.bodies.description import GROUND, AnyBody, Body, ModalPanel, Point, ReferencePointBody
+from solar_env.mechanics.equations.build import compile_mechanism
+from solar_env.mechanics.mechanism.description import Mechanism
+from solar_env.mechanics.modal.arrays import RIGID_BODY, ModalModel, ModalState, attachment_type, body_type
+from solar_env.mechanics.modal.foreshortening import AXIAL_MODES, BENDING_MODES, quadratic_forms
+from solar_env.mechanics.modal.tables import FORMS, Panels, Tables, filled_tables
+
+_Design = tuple[float, float, float, float, float, int]
+
+
+def design(panel: ModalPanel) -> _Design:
+    """Parameters that two panels of one design have in common."""
+    return (panel.length, panel.mass, panel.axial_stiffness, panel.bending_stiffness, panel.damping, panel.modes)
+
+
+def axial_count(modes: int) -> int:
+    """Number of axial modes that are kept beside so many bending modes."""
+    return (modes + 1) // 2
+
+
+@lru_cache(maxsize=16)
+def _design_modes(chosen: _Design) -> tuple[EndModes, EndModes, NDArray[np.float64], NDArray[np.float64]]:
+    length, mass, axial_stiffness, bending_stiffness, _, modes = chosen
+    axial = axial_count(modes)
+    project, ends = quadratic_forms(length, mass, min(BENDING_MODES, modes), min(AXIAL_MODES, axial))
+    return (
+        bending_modes(length, mass, bending_stiffness, modes),
+        axial_modes(length, mass, axial_stiffness, axial),
+        project,
+        ends,
+    )
+
+
+@lru_cache(maxsize=16)
+def compile_panels(designs: tuple[_Design, ...]) -> tuple[Panels, Tables]:
+    """Constants and tables of panels of some designs; they are read only and shared by all simulations."""
+    parts = [_design_modes(chosen) for chosen in designs]
+    forms = np.zeros((len(designs), *parts[0][3].shape[1:], FORMS))
+    for d, (_, _, project, ends) in enumerate(parts):
+        forms[d, :, :, : len(project)] = project.transpose(1, 2, 0)
+        forms[d, :, :, -2:] = ends.transpose(1, 2, 0)
+    panels = Panels(
+        bending_frequency=np.stack([bending.frequencies for bending, _, _, _ in parts]),
+        axial_frequency=np.stack([axial.frequencies for _, axial, _, _ in parts]),
+        damping=np.array([chosen[4] for chosen in designs]),
+        bending_rows=np.stack([np.ascontiguousarray(bending.rows) for bending, _, _, _ in parts]),
+        axial_rows=np.stack([np.ascontiguousarray(axial.rows) for _, axial, _, _ in parts]),
+        project=np.stack([project for _, _, project, _ in parts]),
+        ends=np.stack([ends for _, _, _, ends in parts]),
+        forms=forms,
+    )
+    return panels, filled_tables(panels)
+
+
+def rigid_stand_in(body: AnyBody) -> Body:
+    """A rigid body of the same mass, place and motion.
+
+    Raises:
+        ValueError: if the body is neither rigid nor a modal panel.
+    """
+    if isinstance(body, Body):
+        return body
+    if isinstance(body, ReferencePointBody | ModalPanel):
+        motion = (body.position, body.angle, body.velocity, body.spin)
+        return Body(body.name, body.mass, body.inertia, body.length, body.centroid, *motion)
+    raise ValueError(
+        f"body {body.name!r} is a {type(body).__name__}, which does not go with modal panels; describe it as a "
+        "ModalPanel, Body or ReferencePointBody"
+    )
+
+
+def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
+    """Return the constant model and the initial state of a mechanism of rigid bodies and modal panels.
+
+    Raises:
+        ValueError: if a part is there that the modal method does not take, if a joint attaches to a panel elsewhere
+            than at an end, or if panels differ in their number of modes.
+    """
+    for name in ("guides", "drives", "loads"):
+        if getattr(mechanism, name):
+            raise ValueError(f"mechanism.{name}: modal panels take none; use FlexibleBody and another integrator")
+    stand_in = replace(mechanism, bodies=tuple(rigid_stand_in(body) for body in mechanism.bodies))
+    model, state = compile_mechanism(stand_in)
+    bodies, coordinates, velocities = _bodies(mechanism)
+    attachments = _attachments(mechanism, model.joints)
+    designs = tuple(dict.fromkeys(design(body) for body in mechanism.bodies if isinstance(body, ModalPanel)))
+    # Arrays need a design even where no body has one.
+    panels, tables = compile_panels(designs or ((1.0, 1.0, 1.0, 1.0, 0.0, 0),))
+    folded = np.array([_folded_angle(mechanism, k) for k in range(len(mechanism.joints))])
+    compiled = ModalModel(
+        bodies,
+        attachments,
+        model.joints,
+        model.cables,
+        folded,
+        np.array(mechanism.gravity, dtype=np.float64),
+        panels,
+        tables,
+        model.length_scale,
+    )
+    joints, coupled = len(mechanism.joints), panels.project.shape[2]
+    initial = ModalState(
+        q=coordinates,
+        v=velocities,
+        loads=np.zeros((joints, 3)),
+        load_rates=np.zeros((joints, 3)),
+        coupling=np.zeros((int((bodies["panel"] >= 0).sum()), coupled)),
+        integrals=state.integrals,
+        joints=state.joints,
+        wear_journal=state.wear_journal,
+        wear_bearing=state.wear_bearing,
+        clock=state.clock,
+    )
+    return compiled, initial
+
+
+def _bodies(mechanism: Mechanism) -> tuple[NDArray[np.void], NDArray[np.float64], NDArray[np.float64]]:
+    described = list(mechanism.bodies)
+    if any(GROUND in (joint.inboard, joint.outboard) for joint in mechanism.joints):
+        described.append(Body("fixed frame", mass=1.0, inertia=1.0, length=1.0, centroid=(0.0, 0.0), fixed=True))
+    panels = [body for body in described if isinstance(body, ModalPanel)]
+    if len({panel.modes for panel in panels}) > 1:
+        raise ValueError(f"modes = {[panel.modes for panel in panels]}: panels of one mechanism need the same number")
+    amplitudes = 0
+    if panels:
+        bending, axial, _, _ = _design_modes(design(panels[0]))
+        amplitudes = bending.frequencies.size + axial.frequencies.size
+    designs = list(dict.fromkeys(design(panel) for panel in panels))
+    sizes = [3 + amplitudes * isinstance(body, ModalPanel) for body in described]
+    offsets = [0, *itertools.accumulate(sizes)]
+    bodies = np.zeros(len(described), dtype=body_type)
+    q, v = np.zeros(offsets[-1]), np.zeros(offsets[-1])
+    for k, body in enumerate(described):
+        record, rigid = bodies[k], rigid_stand_in(body)
+        record["offset"], record["length"] = offsets[k], rigid.length
+        record["panel"] = panels.index(body) if isinstance(body, ModalPanel) else RIGID_BODY
+        record["design"] = designs.index(design(body)) if isinstance(body, ModalPanel) else 0
+        record["mass"], record["inertia"] = rigid.mass, rigid.inertia
+        c, s = math.cos(rigid.angle), math.sin(rigid.angle)
+        x, y = rigid.centroid
+        arm = (c * x - s * y, s * x + c * y)
+        q[offsets[k] : offsets[k] + 3] = rigid.position[0] + arm[0], rigid.position[1] + arm[1], rigid.angle
+        if not rigid.fixed:
+            record["inverse_mass"], record["inverse_inertia"] = 1.0 / rigid.mass, 1.0 / rigid.inertia
+            v[offsets[k] : offsets[k] + 3] = (
+                rigid.velocity[0] - rigid.spin * arm[1],
+                rigid.velocity[1] + rigid.spin * arm[0],
+                rigid.spin,
+            )
+    return bodies, q, v
+
+
+def _attachments(mechanism: Mechanism, joints: NDArray[np.void]) -> NDArray[np.void]:
+    """Attachments of the joints, in whose rows they are entered."""
+    index = {body.name: k for k, body in enumerate(mechanism.bodies)}
+    index[GROUND] = len(mechanism.bodies)
+    attachments = np.zeros(2 * len(mechanism.joints), dtype=attachment_type)
+    for k, joint in enumerate(mechanism.joints):
+        sides = ((joint.inboard, joint.inboard_point), (joint.outboard, joint.outboard_point))
+        for side, (name, point) in enumerate(sides):
+            body = None if name == GROUND else mechanism.bodies[index[name]]
+            attachments[2 * k + side] = (index[name], *_place(body, point))
+        joints[k]["inboard"], joints[k]["outboard"] = 2 * k, 2 * k + 1
+    return attachments
+
+
+def _place(body: AnyBody | None, point: Point) -> tuple[int, float, float]:
+    """End, and place from the centre of mass, of a point of a body's frame; the ground is None."""
+    if body is None:
+        return 0, point[0], point[1]
+    if isinstance(body, ModalPanel):
+        end = body.end(point)
+        return end, (end - 0.5) * body.length, 0.0
+    rigid = rigid_stand_in(body)
+    return 0, point[0] - rigid.centroid[0], point[1] - rigid.centroid[1]
+
+
+def _folded_angle(mechanism: Mechanism, k: int) -> float:
+    """Difference of the bodies' angles at joint angle 0, of which the initial one lies within pi of its middle."""
+    joint = mechanism.joints[k]
+    angles = {GROUND: 0.0, **{body.name: rigid_stand_in(body).angle for body in mechanism.bodies}}
+    angle = joint.sign * (angles[joint.outboard] - angles[joint.inboard] - joint.folded_angle)
+    turns = round((angle - joint.middle) / (2.0 * math.pi))
+    return joint.folded_angle + joint.sign * 2.0 * math.pi * turns

@@ -1,0 +1,236 @@
+"""Advancing a mechanism of rigid bodies and modal panels: step sizes by the error, events, acceptance, samples.
+
+A step is a pure function of the accepted state and its size. Where the run finds an event inside a step, it solves the
+step again, cut there.
+"""
+
+import math
+
+from solar_env.mechanics.arrays.model import (
+    CLEARANCE,
+    CONTACT_TOO_DEEP,
+    DONE,
+    EVENTS_PILE_UP,
+    EXACT,
+    JOINT_ANGLE_RANGE,
+    NOT_FINITE,
+    PAUSED,
+    STEP_TOO_SMALL,
+    TOO_MANY_STEPS,
+)
+from solar_env.mechanics.integrators.history import end_contact, fail, impact_step_limit
+from solar_env.mechanics.integrators.recording import pause_due, sample_due
+from solar_env.mechanics.joints.joint import stop_depth
+from solar_env.mechanics.joints.wear import add_wear, pressed_half_angle
+from solar_env.mechanics.modal.acceptance import commit_step, keep_loads, step_error
+from solar_env.mechanics.modal.arrays import (
+    ANGLE,
+    DEPTH,
+    DEPTH_RATE,
+    ECCENTRICITY_X,
+    ECCENTRICITY_Y,
+    RATE,
+    START,
+)
+from solar_env.mechanics.modal.books import add_integrals, note_peaks
+from solar_env.mechanics.modal.equations import fill_torques
+from solar_env.mechanics.modal.events import NONE, begin_event, first_event
+from solar_env.mechanics.modal.motion import look_at
+from solar_env.mechanics.modal.sampling import record_modal_sample
+from solar_env.mechanics.modal.step import solve_step
+from solar_env.mechanics.modal.tables import LEVELS, fill_level, level_below, level_size
+from solar_env.mechanics.numerics.jit import kernel
+from solar_env.mechanics.numerics.linear import copy_into
+
+_FIRST_STEP = 1e-4  # s
+_MOST_EVENTS_AT_ONCE = 1000
+_SMALLEST_PART = 1e-13  # s, before an event; in less time nothing moves
+_FASTEST_GROWTH = 4.0
+
+
+@kernel
+def start_loads(model, state, work):
+    """Torques of the laws at the start of a run."""
+    look_at(model, state.q, state.v, work, START)
+    fill_torques(model, state, work, START)
+    for j in range(model.joints.size):
+        state.loads[j, 2] = work.torque[j, 0]
+
+
+@kernel(inlined=True)
+def wear_joint(model, state, work, j):
+    """Wear both surfaces of a joint by the sliding work of the step."""
+    joint, motion = model.joints[j], work.motion[START, j]
+    half = pressed_half_angle(max(motion[DEPTH], 0.0), joint.clearance)
+    worn_section = joint.wear_coefficient * work.sliding_work[j] / joint.bearing_width
+    angle = math.atan2(motion[ECCENTRICITY_Y], motion[ECCENTRICITY_X])
+    journal, bearing = work.direction[START, joint.outboard, 0], work.direction[START, joint.inboard, 0]
+    add_wear(state.wear_journal[j], angle - journal, half, worn_section, joint.journal_radius)
+    add_wear(state.wear_bearing[j], angle - bearing, half, worn_section, joint.journal_radius + joint.clearance)
+
+
+@kernel(inner=True)
+def settle_joints(model, state, work, start, recorder):
+    """Book an accepted step that began at `start` [s]: wear, and the ends of contacts and stops that have opened."""
+    time = state.clock[0].time
+    for j in range(model.joints.size):
+        joint, own, motion = model.joints[j], state.joints[j], work.motion[START, j]
+        if own.stop_engaged:
+            depth, sign = stop_depth(joint, own.latched, motion[ANGLE])
+            # On the very face it stays engaged unless it opens, or the same engagement would be found for ever.
+            own.stop_engaged = depth > 0.0 or (depth > -1e-9 and sign * motion[RATE] <= 0.0)
+        if own.in_contact:
+            if joint.wear_coefficient > 0.0 and work.sliding_work[j] > 0.0:
+                wear_joint(model, state, work, j)
+            depth, before = motion[DEPTH], work.depth[j]
+            if depth <= 0.0 and motion[DEPTH_RATE] < 0.0 and own.contact_start < time:
+                # Linear estimate of when the surfaces parted inside the step.
+                share = before / (before - depth) if before > 0.0 else 1.0
+                end_contact(state, j, start + share * (time - start), recorder)
+                for c in range(2):
+                    state.loads[j, c] = 0.0
+                    state.load_rates[j, c] = 0.0
+
+
+@kernel(inlined=True)
+def check_state(model, state, work):
+    """Status of an accepted state: finite, contact depths and joint angles within what the model describes."""
+    for i in range(state.q.size):
+        if not math.isfinite(state.q[i] + state.v[i]):
+            return fail(state, NOT_FINITE, -1, state.q[i])
+    for j in range(model.joints.size):
+        joint, motion = model.joints[j], work.motion[START, j]
+        if joint.kind == CLEARANCE and state.joints[j].in_contact and motion[DEPTH] > joint.journal_radius:
+            return fail(state, CONTACT_TOO_DEEP, j, motion[DEPTH])
+        if joint.angle_limited and abs(motion[ANGLE] - joint.middle) > 0.95 * math.pi:
+            return fail(state, JOINT_ANGLE_RANGE, j, motion[ANGLE])
+    return DONE
+
+
+@kernel(inner=True)
+def record_until(model, state, work, recorder, start, h):
+    """Take the samples that fall inside the step that has just been committed."""
+    while sample_due(recorder, start + h):
+        share = min(max((recorder.times[recorder.filled[0]] - start) / h, 0.0), 1.0) if h > 0.0 else 0.0
+        record_modal_sample(model, state, work, recorder, h, share)
+
+
+@kernel(inlined=True)
+def accept_step(model, state, work, recorder, tables, level, h):
+    """Move to the end of the solved step and book what has happened on the way."""
+    clock = state.clock[0]
+    start = clock.time
+    if recorder.times.size > 0:
+        copy_into(work.q, state.q)
+        copy_into(work.v, state.v)
+        copy_into(work.start_integrals, state.integrals)
+    for j in range(model.joints.size):
+        work.depth[j] = work.motion[START, j, DEPTH]
+    commit_step(model, state, work, tables, level, h)
+    add_integrals(model, state, work, h)
+    note_peaks(model, state, work)
+    clock.time = start + h
+    clock.steps += 1
+    clock.last_step = h
+    clock.acceleration_current = EXACT
+    if recorder.times.size > 0:
+        record_until(model, state, work, recorder, start, h)
+    keep_loads(state, work, h)
+    look_at(model, state.q, state.v, work, START)
+    settle_joints(model, state, work, start, recorder)
+
+
+@kernel(inlined=True)
+def reject_step(clock, h, solved, error):
+    """Shrink the step after a rejected one of size `h` [s]."""
+    clock.rejected_steps += 1
+    # The step that is taken then does not grow at once.
+    clock.last_error = 1.0
+    shrink = 0.25
+    if solved:
+        shrink = max(0.9 * error**-0.25, 0.1) if error < math.inf else 0.1
+    clock.step_size = h * shrink
+
+
+@kernel(inlined=True)
+def next_step_size(clock, h, error, cut):
+    """Set the size that the next step is to have, from the error of one of size `h` [s].
+
+    A vibration may pass through zero in the error of a step: that of the one before counts for a quarter.
+    """
+    error = max(error, 0.25 * clock.last_error)
+    clock.last_error = max(error, 1e-6)
+    size = h * min(0.9 * clock.last_error**-0.25, _FASTEST_GROWTH)
+    clock.step_size = max(clock.step_size, size) if cut else size
+
+
+@kernel
+def advance_modal(model, state, settings, recorder, end_time, work):
+    """Advance `state` in place to `end_time` [s]; returns a status code."""
+    clock = state.clock[0]
+    look_at(model, state.q, state.v, work, START)
+    if recorder.times.size > 0:
+        copy_into(work.q, state.q)
+        copy_into(work.v, state.v)
+        copy_into(work.start_integrals, state.integrals)
+        for j in range(model.joints.size):
+            for c in range(3):
+                work.load[0, j, c] = work.load[1, j, c] = state.loads[j, c]
+        record_until(model, state, work, recorder, clock.time, 0.0)
+        look_at(model, state.q, state.v, work, START)
+    if clock.step_size <= 0.0:
+        clock.step_size = _FIRST_STEP
+        clock.last_error = 1.0
+    status = DONE
+    taken, at_once = 0, 0
+    while clock.time < end_time:
+        if pause_due(recorder, clock.time, model.joints.size):
+            return PAUSED
+        if taken >= settings.max_steps:
+            return fail(state, TOO_MANY_STEPS, -1, float(taken))
+        wanted = min(clock.step_size, settings.max_step)
+        wanted = min(wanted, impact_step_limit(state, clock.time, settings.impact_resolution))
+        tables, level = model.tables, level_below(wanted)
+        if level == LEVELS:
+            return fail(state, STEP_TOO_SMALL, -1, clock.last_error)
+        h = level_size(level)
+        # No sliver of a step is left before the end.
+        last = end_time - clock.time <= max(wanted, 1.05 * h)
+        if last:
+            h = end_time - clock.time
+            tables, level = work.tables, 0
+            fill_level(model.panels, tables, level, h, work.coefficients)
+        size = h
+        taken += 1
+        solved = solve_step(model, state, work, settings, tables, level, h)
+        error = step_error(model, state, work, settings, tables, level, h) if solved else math.inf
+        clock.evaluations += work.counts[0]
+        work.counts[0] = 0
+        if not error <= 1.0:
+            reject_step(clock, h, solved, error)
+            continue
+        share, joint, kind = first_event(model, state, work, h)
+        at_once = 0 if share * h > _SMALLEST_PART else at_once + 1
+        if at_once > _MOST_EVENTS_AT_ONCE:
+            return fail(state, EVENTS_PILE_UP, joint, float(at_once))
+        if kind != NONE and at_once > 0:
+            begin_event(model, state, work, joint, kind)
+            continue
+        if kind != NONE and share < 1.0:
+            last = False
+            h *= share
+            tables, level = work.tables, 0
+            fill_level(model.panels, tables, level, h, work.coefficients)
+            if not solve_step(model, state, work, settings, tables, level, h):
+                reject_step(clock, h, False, math.inf)
+                continue
+        accept_step(model, state, work, recorder, tables, level, h)
+        if last:
+            clock.time = end_time
+        next_step_size(clock, size, error, last)
+        if kind != NONE:
+            begin_event(model, state, work, joint, kind)
+        status = check_state(model, state, work)
+        if status != DONE:
+            return status
+    return status

@@ -1,0 +1,162 @@
+"""Events inside a step: contact starts, latchings and stop engagements, on the cubic through the joint's motion."""
+
+import math
+
+import numpy as np
+
+from solar_env.mechanics.arrays.model import CLEARANCE, IMPULSE, INTEGRALS_PER_JOINT, SLIDING_WORK
+from solar_env.mechanics.integrators.history import latch
+from solar_env.mechanics.joints.contact.normal_force import impact_scales, normal_force
+from solar_env.mechanics.joints.friction.friction_share import friction_share
+from solar_env.mechanics.joints.joint import stop_depth
+from solar_env.mechanics.modal.arrays import (
+    ANGLE,
+    DEPTH,
+    DEPTH_RATE,
+    ECCENTRICITY_X,
+    ECCENTRICITY_Y,
+    NORMAL_X,
+    NORMAL_Y,
+    RATE,
+    RIGID_BODY,
+    SECOND,
+    SLIDING_SPEED,
+    START,
+    VELOCITY_X,
+    VELOCITY_Y,
+)
+from solar_env.mechanics.numerics.jit import kernel
+
+NONE, CONTACT, LATCH, STOP = (np.int64(kind) for kind in range(4))
+_SAMPLES = 4
+
+
+@kernel(inlined=True)
+def cubic(share, x0, r0, x1, r1):
+    """Value at a share of the step of the cubic through values and rates (times the step) at both ends."""
+    rest = 1.0 - share
+    return rest * rest * ((1.0 + 2.0 * share) * x0 + share * r0) + share * share * (
+        (3.0 - 2.0 * share) * x1 - rest * r1
+    )
+
+
+@kernel(inlined=True)
+def event_function(model, state, work, j, kind, h, share):
+    """Depth [m] of joint `j`, or its angle past the lock or in a stop [rad], which rises through zero at an event."""
+    joint, start, end = model.joints[j], work.motion[START, j], work.motion[SECOND, j]
+    if kind == CONTACT:
+        ex = cubic(share, start[ECCENTRICITY_X], h * start[VELOCITY_X], end[ECCENTRICITY_X], h * end[VELOCITY_X])
+        ey = cubic(share, start[ECCENTRICITY_Y], h * start[VELOCITY_Y], end[ECCENTRICITY_Y], h * end[VELOCITY_Y])
+        return math.sqrt(ex * ex + ey * ey) - joint.clearance
+    angle = cubic(share, start[ANGLE], h * start[RATE], end[ANGLE], h * end[RATE])
+    if kind == LATCH:
+        return angle - joint.lock_angle
+    depth, _ = stop_depth(joint, state.joints[j].latched, angle)
+    return depth
+
+
+@kernel(inner=True)
+def first_rise(model, state, work, j, kind, h):
+    """Share of the step at which the event function first rises through zero; 2 if it does not. Illinois iteration."""
+    low, f_low = 0.0, event_function(model, state, work, j, kind, h, 0.0)
+    if f_low >= 0.0:
+        return 0.0
+    for k in range(1, _SAMPLES + 1):
+        high = k / _SAMPLES
+        f_high = event_function(model, state, work, j, kind, h, high)
+        if f_high > 0.0:
+            for _ in range(60):
+                if high - low < 1e-12:
+                    break
+                middle = high - f_high * (high - low) / (f_high - f_low)
+                if not low < middle < high:
+                    middle = 0.5 * (low + high)
+                f = event_function(model, state, work, j, kind, h, middle)
+                if f >= 0.0:
+                    high, f_high = middle, f
+                    f_low *= 0.5
+                else:
+                    low, f_low = middle, f
+                    f_high *= 0.5
+                if abs(f) < 1e-15:
+                    return middle
+            return high
+        low, f_low = high, f_high
+    return 2.0
+
+
+@kernel(inlined=True)
+def first_event(model, state, work, h):
+    """Earliest contact start, latching or stop engagement inside the step: (share, joint, kind)."""
+    share, which, what = 1.0, np.int64(-1), NONE
+    for j in range(model.joints.size):
+        joint, own, number, end = model.joints[j], state.joints[j], np.int64(j), work.motion[SECOND, j]
+        if joint.kind == CLEARANCE and not own.in_contact:
+            start = work.motion[START, j]
+            # On the very wall and on the way in, or inside the step.
+            if start[DEPTH] < 0.0 or start[DEPTH_RATE] > 0.0 or end[DEPTH] > start[DEPTH]:
+                root = first_rise(model, state, work, j, CONTACT, h)
+                if root < share or (root == share and what == NONE):
+                    share, which, what = root, number, CONTACT
+        if joint.has_latch and not own.latched and end[ANGLE] >= joint.lock_angle:
+            root = first_rise(model, state, work, j, LATCH, h)
+            if root < share or (root <= share and what == NONE):
+                share, which, what = root, number, LATCH
+        if not own.stop_engaged:
+            depth, _ = stop_depth(joint, own.latched, end[ANGLE])
+            if depth > 0.0:
+                root = first_rise(model, state, work, j, STOP, h)
+                if root < share or (root <= share and what == NONE):
+                    share, which, what = root, number, STOP
+    return share, which, what
+
+
+@kernel(inlined=True)
+def instantaneous_inverse_mass(model, work, j):
+    """Inverse mass [1/kg] that joint `j` feels along its line of centres before the bodies deform."""
+    motion, joint = work.motion[START, j], model.joints[j]
+    nx, ny, total = motion[NORMAL_X], motion[NORMAL_Y], 0.0
+    for side in range(2):
+        number = joint.outboard if side == 0 else joint.inboard
+        attachment = model.attachments[number]
+        b = attachment.body
+        body = model.bodies[b]
+        lever = work.arm[START, number, 0] * ny - work.arm[START, number, 1] * nx
+        total += body.inverse_mass + lever * lever * body.inverse_inertia
+        if body.panel != RIGID_BODY:
+            c, s = work.turn[START, b, 0], work.turn[START, b, 1]
+            along, across = c * nx + s * ny, c * ny - s * nx
+            rows = model.panels.axial_rows[body.design, attachment.end]
+            for k in range(rows.size):
+                total += (rows[k] * along) ** 2
+            rows = model.panels.bending_rows[body.design, 2 * attachment.end]
+            for k in range(rows.size):
+                total += (rows[k] * across) ** 2
+    return total
+
+
+@kernel(inner=True)
+def begin_event(model, state, work, j, kind):
+    """Latch joint `j`, engage its stop, or start its contact, at the accepted state."""
+    joint, own, time = model.joints[j], state.joints[j], state.clock[0].time
+    if kind == LATCH:
+        latch(state, j, time)
+        return
+    if kind == STOP:
+        own.stop_engaged = 1
+        return
+    own.in_contact = 1
+    own.impact_speed = max(work.motion[START, j, DEPTH_RATE], joint.minimum_impact_speed)
+    own.contact_start = time
+    own.contact_peak = 0.0
+    own.contact_impulse = state.integrals[INTEGRALS_PER_JOINT * j + IMPULSE]
+    own.contact_sliding_work = state.integrals[INTEGRALS_PER_JOINT * j + SLIDING_WORK]
+    own.contact_starts += 1
+    inverse_mass = instantaneous_inverse_mass(model, work, j)
+    _, own.contact_duration = impact_scales(joint, inverse_mass, own.impact_speed)
+    # Of note where a run starts with a journal that is pressed into its bearing.
+    motion = work.motion[START, j]
+    normal, _, _, _ = normal_force(joint, motion[DEPTH], motion[DEPTH_RATE], own.impact_speed)
+    share, _ = friction_share(joint, motion[SLIDING_SPEED])
+    state.loads[j, 0], state.loads[j, 1] = normal, -joint.friction_coefficient * share * normal
+    state.load_rates[j, 0] = state.load_rates[j, 1] = 0.0

@@ -1,0 +1,81 @@
+"""Samples inside a step: the cubic through the coordinates, and the loads along their collocation polynomial."""
+
+import math
+
+from solar_env.mechanics.arrays.model import IDEAL
+from solar_env.mechanics.integrators.recording import RECORDED_LOADS
+from solar_env.mechanics.joints import joint as columns
+from solar_env.mechanics.joints.joint import cable_torque, stop_torque
+from solar_env.mechanics.modal.arrays import (
+    ANGLE,
+    ECCENTRICITY_X,
+    ECCENTRICITY_Y,
+    INBOARD_SPIN,
+    OTHER,
+    OUTBOARD_SPIN,
+    RATE,
+)
+from solar_env.mechanics.modal.bodies import outboard_load
+from solar_env.mechanics.modal.books import stored_energies
+from solar_env.mechanics.modal.events import cubic
+from solar_env.mechanics.modal.motion import look_at
+from solar_env.mechanics.numerics.jit import kernel
+
+
+@kernel
+def fill_load_table(model, state, work, slot, loads, table):
+    """Fill the (joints, LOAD_COLUMNS) table of loads from motion at a slot and `loads` (joints, 3)."""
+    for j in range(model.joints.size):
+        joint, own, motion, row = model.joints[j], state.joints[j], work.motion[slot, j], table[j]
+        clearance = joint.kind != IDEAL
+        row[columns.ECCENTRICITY_X] = motion[ECCENTRICITY_X] if clearance else 0.0
+        row[columns.ECCENTRICITY_Y] = motion[ECCENTRICITY_Y] if clearance else 0.0
+        row[columns.ANGLE], row[columns.RATE] = motion[ANGLE], motion[RATE]
+        row[columns.OUTBOARD_SPIN], row[columns.INBOARD_SPIN] = motion[OUTBOARD_SPIN], motion[INBOARD_SPIN]
+        fx, fy, _, _ = outboard_load(joint, own, loads[j], motion)
+        row[columns.NORMAL] = loads[j, 0] if clearance else math.sqrt(fx * fx + fy * fy)
+        row[columns.TANGENTIAL] = loads[j, 1] if clearance else 0.0
+        row[columns.FORCE_X], row[columns.FORCE_Y] = fx, fy
+        row[columns.SPRING_TORQUE] = joint.spring_stiffness * (joint.spring_preload_angle - motion[ANGLE])
+        row[columns.STOP_TORQUE], _, _, _ = stop_torque(joint, own, motion[ANGLE], motion[RATE])
+        row[columns.MOTOR_TORQUE] = own.motor_torque
+        row[columns.CABLE_TORQUE] = 0.0
+    for c in range(model.cables.size):
+        cable = model.cables[c]
+        a, b = cable.joint_a, cable.joint_b
+        stretch = cable.wheel_ratio * work.motion[slot, a, ANGLE] - work.motion[slot, b, ANGLE]
+        torque, _, _ = cable_torque(cable, stretch)
+        table[a, columns.CABLE_TORQUE] -= cable.torque_ratio * torque
+        table[b, columns.CABLE_TORQUE] += torque
+
+
+@kernel(inner=True)
+def record_modal_sample(model, state, work, recorder, h, share):
+    """Store one row at a share of the step from `work.q` to the present state. Integrals go along a line."""
+    n = state.q.size
+    row = recorder.samples[recorder.filled[0]]
+    for i in range(n):
+        x0, v0, x1, v1 = work.q[i], work.v[i], state.q[i], state.v[i]
+        row[i] = cubic(share, x0, h * v0, x1, h * v1)
+        row[n + i] = v0 + share * (v1 - v0)
+    look_at(model, row[:n], row[n : 2 * n], work, OTHER)
+    for j in range(model.joints.size):
+        for c in range(3):
+            first, second = work.load[0, j, c], work.load[1, j, c]
+            work.sample_load[j, c] = second + 1.5 * (share - 1.0) * (second - first)
+        if model.joints[j].kind != IDEAL:
+            work.sample_load[j, 0] = max(work.sample_load[j, 0], 0.0)
+    fill_load_table(model, state, work, OTHER, work.sample_load, work.sample)
+    stored_energies(model, state, row[:n], row[n : 2 * n], work, OTHER, work.energies)
+    k = 2 * n
+    for j in range(model.joints.size):
+        for c in range(RECORDED_LOADS):
+            row[k] = work.sample[j, c]
+            k += 1
+    for e in range(work.energies.size):
+        row[k] = work.energies[e]
+        k += 1
+    for i in range(state.integrals.size):
+        row[k] = work.start_integrals[i] + share * (state.integrals[i] - work.start_integrals[i])
+        k += 1
+    recorder.filled[0] += 1

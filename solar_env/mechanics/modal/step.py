@@ -1,0 +1,184 @@
+"""One step of the two-stage Radau IIA method on the loads of the joints: Newton's iteration.
+
+Third order, stiffly accurate, L-stable (E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, 2nd ed.,
+Springer 1996, section IV.5, doi:10.1007/978-3-642-05221-7). Directions, lever arms and foreshortening are those of the
+stages, renewed in every iteration; the matrix takes them from the first one. With ideal joints the relative velocity
+vanishes at the stages, less a share that returns the position.
+"""
+
+import math
+from typing import NamedTuple
+
+from solar_env.mechanics.arrays.model import IDEAL
+from solar_env.mechanics.modal.arrays import (
+    DEPTH,
+    NORMAL,
+    RIGID_BODY,
+    SECOND,
+    START,
+    TANGENTIAL,
+    TORQUE,
+)
+from solar_env.mechanics.modal.bodies import distribute_loads, free_motion, stage_ends, stage_frames
+from solar_env.mechanics.modal.equations import fill_contact_rows, fill_reaction_row, fill_torque_row, fill_torques
+from solar_env.mechanics.modal.motion import move_attachments, move_joints
+from solar_env.mechanics.modal.oscillators import NODES
+from solar_env.mechanics.modal.rows import fill_mobility, list_rows, load_column
+from solar_env.mechanics.numerics.jit import kernel
+from solar_env.mechanics.numerics.linear import copy_rows, lu_factor, lu_solve
+
+_MOST_ITERATIONS = 12
+# A correction that changes the motion by less than this share of the tolerance is the last one.
+_CONVERGED = 0.05
+# A load that is off by the deviation of its course from the collocation polynomial moves its body by a twelfth of what
+# the same load would if it were constant: the second integral of (1 - 3 t)(1 - t), over one half.
+_DEVIATION = 1.0 / 12.0
+# Least depth that counts, over the predicted greatest depth of the impact.
+_LEAST_DEPTH = 0.05
+_HERTZ = 2.943275
+# Share of a normal force over rtol by which it may be off whatever the depth says, and the least such load over that
+# which the velocity allows.
+_LOAD_SHARE = 5.0
+_LEAST_LOAD = 0.002
+
+
+class ModalSettings(NamedTuple):
+    """Settings as the kernels take them, see `ModalRadau`."""
+
+    rtol: float
+    velocity_scale: float
+    depth_tolerance: float
+    max_step: float
+    impact_resolution: float
+    max_steps: int
+
+
+@kernel(inlined=True)
+def start_stages(model, state, work, h):
+    """First guess of the stages: directions of the start, loads along the last step's polynomial."""
+    for s in range(2):
+        for b in range(model.bodies.size):
+            # The directions at the stage, but for the loads of the step.
+            c, s0 = work.turn[START, b, 0], work.turn[START, b, 1]
+            angle = NODES[s] * h * work.speed[START, b, 2]
+            work.turn[s, b, 0], work.turn[s, b, 1] = c - s0 * angle, s0 + c * angle
+        copy_rows(work.arm[s], work.arm[START])
+        copy_rows(work.motion[s], work.motion[START])
+        copy_rows(work.bending_coupling[:, s], state.coupling)
+        for j in range(model.joints.size):
+            own = state.joints[j]
+            for c in range(3):
+                active = c == 2 or model.joints[j].kind == IDEAL or own.in_contact
+                guess = state.loads[j, c] + NODES[s] * h * state.load_rates[j, c]
+                work.load[s, j, c] = guess if active else 0.0
+            if own.in_contact:
+                work.load[s, j, 0] = max(work.load[s, j, 0], 0.0)
+
+
+@kernel(inlined=True)
+def move_stages(model, state, work, tables, level, h):
+    """Motion of bodies, attachments and joints at both stages under the present loads."""
+    distribute_loads(model, state, work, 0)
+    distribute_loads(model, state, work, 1)
+    stage_frames(model, state, work, h)
+    stage_ends(model, work, tables, level)
+    for s in range(2):
+        move_attachments(model, work, s)
+        move_joints(model, work, s)
+
+
+@kernel(inlined=True)
+def velocity_by_torque(model, work, tables, level, h, j):
+    """Velocity [m/s] of the two points that joint `j` joins by a unit of its torque over a step, without signs."""
+    joint, total = model.joints[j], 0.0
+    for side in range(2):
+        number = joint.outboard if side == 0 else joint.inboard
+        attachment = model.attachments[number]
+        body, i = model.bodies[attachment.body], 2 * attachment.end
+        lever = math.hypot(work.local[SECOND, number, 0], work.local[SECOND, number, 1])
+        total += lever * body.inverse_inertia * h
+        if body.panel != RIGID_BODY:
+            response = tables.bending_response[body.design, level, i, i + 1]
+            total += abs(response[3] + response[7])
+    return total
+
+
+@kernel(inlined=True)
+def set_tolerances(model, state, work, settings, tables, level, h, n):
+    """Deviation of each load from its polynomial that errors of the size of the tolerances take."""
+    limit = settings.rtol * settings.velocity_scale
+    for j in range(model.joints.size):
+        work.torque_tolerance[j] = limit / (_DEVIATION * velocity_by_torque(model, work, tables, level, h, j))
+    for r in range(n):
+        j, kind = work.joint[r], work.kind[r]
+        # Without signs: a vibration may have turned back by the end of the step.
+        gain = _DEVIATION * (abs(work.mobility[r, r, 3]) + abs(work.mobility[r, r, 7]))
+        work.tolerance[r] = work.torque_tolerance[j] if kind == TORQUE else limit / gain
+        if kind == NORMAL:
+            own = state.joints[j]
+            least = _LEAST_DEPTH / _HERTZ * own.impact_speed * own.contact_duration
+            depth = max(work.motion[SECOND, j, DEPTH], work.motion[START, j, DEPTH], least)
+            # A load that is off moves a stiff contact's depth by no more than its own share.
+            share = _LOAD_SHARE * settings.rtol * max(work.load[1, j, 0], state.loads[j, 0])
+            least_load = max(share, _LEAST_LOAD * work.tolerance[r])
+            from_depth = max(settings.depth_tolerance * depth / (h * gain), least_load)
+            work.tolerance[r] = min(work.tolerance[r], from_depth)
+
+
+@kernel(inlined=True)
+def correct_loads(model, state, work, n, h):
+    """One correction of the loads by Newton's method.
+
+    Returns:
+        0 if the matrix is singular, 1 if the correction counts, 2 if it does not.
+    """
+    small = True
+    for s in range(2):
+        fill_torques(model, state, work, s)
+        for r in range(n):
+            kind = work.kind[r]
+            if kind == TORQUE:
+                fill_torque_row(model, work, s, n, r)
+            elif kind == NORMAL:
+                fill_contact_rows(model, state, work, s, n, r)
+            elif kind != TANGENTIAL:
+                fill_reaction_row(work, s, n, r, h)
+        for j in range(model.joints.size):
+            if work.torque_row[j] < 0:
+                change = work.torque[j, 0] - work.load[s, j, 2]
+                work.load[s, j, 2] += change
+                small = small and abs(change) <= _CONVERGED * work.torque_tolerance[j]
+    if n > 0:
+        if not lu_factor(work.matrix, 2 * n):
+            return 0
+        lu_solve(work.matrix, 2 * n, work.correction)
+    for s in range(2):
+        for r in range(n):
+            change = work.correction[s * n + r]
+            work.load[s, work.joint[r], load_column(work.kind[r])] += change
+            # Not a number counts.
+            small = small and abs(change) <= _CONVERGED * work.tolerance[r]
+    return 2 if small else 1
+
+
+@kernel
+def solve_step(model, state, work, settings, tables, level, h):
+    """Solve for the loads of a step `h` [s]; False if Newton's iteration does not converge."""
+    free_motion(model, state, work, tables, level)
+    start_stages(model, state, work, h)
+    n = list_rows(model, state, work, tables, level, h)
+    work.rows[0] = n
+    for iteration in range(_MOST_ITERATIONS):
+        work.counts[0] += 1
+        move_stages(model, state, work, tables, level, h)
+        if iteration == 0:
+            fill_mobility(model, work, tables, level, h, n)
+        # Anew each time: the depth that a journal would reach freely is no measure of that which it does reach.
+        set_tolerances(model, state, work, settings, tables, level, h, n)
+        done = correct_loads(model, state, work, n, h)
+        if done == 0:
+            return False
+        # Without contacts and reactions, whose directions are not known before, a first guess may do.
+        if done == 2 and (iteration > 0 or n == 0):
+            return True
+    return False

@@ -1,0 +1,100 @@
+"""The model of modal panels as a Lagrangian system, in plain NumPy: for tests alone.
+
+Kinetic energy is a constant quadratic form, and all forces are the gradient of one potential. It is taken with complex
+steps, so that no force is written down here.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+from solar_env.mechanics.arrays.model import CLEARANCE
+from solar_env.mechanics.modal.arrays import ModalModel
+
+Complex = NDArray[np.complex128]
+
+
+class Lagrangian:
+    """A mechanism of rigid bodies and modal panels, without friction, damping and ideal joints."""
+
+    def __init__(self, model: ModalModel) -> None:
+        self.model = model
+        panels = model.panels
+        self.axial, self.bending = panels.axial_frequency.shape[1], panels.bending_frequency.shape[1]
+        size = sum(3 + (self.axial + self.bending) * (body["panel"] >= 0) for body in model.bodies)
+        self.inverse_mass = np.ones(size)
+        for body in model.bodies:
+            first = body["offset"]
+            self.inverse_mass[first : first + 2] = body["inverse_mass"]
+            self.inverse_mass[first + 2] = body["inverse_inertia"]
+
+    def attachment(self, q: Complex, number: int) -> tuple[Complex, Complex, Complex]:
+        """Place (x, y) of an attachment and the angle of its body there."""
+        model, attachment = self.model, self.model.attachments[number]
+        body = model.bodies[attachment["body"]]
+        first, d, end = body["offset"], body["design"], attachment["end"]
+        x, y, turn = attachment["x"] + 0.0 * q[0], attachment["y"] + 0.0 * q[0], 0.0 * q[0]
+        if body["panel"] >= 0:
+            a = q[first + 3 : first + 3 + self.axial]
+            b = q[first + 3 + self.axial : first + 3 + self.axial + self.bending]
+            low = b[: model.panels.ends.shape[2]]
+            x = x + model.panels.axial_rows[d, end] @ a
+            x = x + 0.5 * np.einsum("i...,ij,j...->...", low, model.panels.ends[d, end], low)
+            y = y + model.panels.bending_rows[d, 2 * end] @ b
+            turn = model.panels.bending_rows[d, 2 * end + 1] @ b
+        c, s = np.cos(q[first + 2]), np.sin(q[first + 2])
+        return q[first] + c * x - s * y, q[first + 1] + s * x + c * y, q[first + 2] + turn
+
+    def potential(self, q: Complex) -> Complex:
+        """Strain, weight, springs and Hertzian contacts [J]; further axes of `q` are other configurations."""
+        model, panels, total = self.model, self.model.panels, 0.0 * q[0]
+        for body in model.bodies:
+            first, d = body["offset"], body["design"]
+            if body["inverse_mass"] > 0.0:
+                total = total - body["mass"] * (model.gravity @ q[first : first + 2])
+            if body["panel"] >= 0:
+                a = q[first + 3 : first + 3 + self.axial].copy()
+                b = q[first + 3 + self.axial : first + 3 + self.axial + self.bending]
+                low = b[: panels.project.shape[2]]
+                coupled = panels.project.shape[1]
+                a[:coupled] -= 0.5 * np.einsum("i...,kij,j...->k...", low, panels.project[d], low)
+                total = total + 0.5 * panels.axial_frequency[d] ** 2 @ a**2
+                total = total + 0.5 * panels.bending_frequency[d] ** 2 @ b**2
+        for j, joint in enumerate(model.joints):
+            x, y, outer_angle = self.attachment(q, joint["outboard"])
+            inner_x, inner_y, inner_angle = self.attachment(q, joint["inboard"])
+            angle = joint["sign"] * (outer_angle - inner_angle - model.folded_angle[j])
+            total = total + 0.5 * joint["spring_stiffness"] * (joint["spring_preload_angle"] - angle) ** 2
+            assert joint["kind"] == CLEARANCE
+            depth = np.sqrt((x - inner_x) ** 2 + (y - inner_y) ** 2) - joint["clearance"]
+            pressed = np.where(depth.real > 0.0, depth, 0.0)
+            total = total + 0.4 * joint["contact"][0] * pressed * pressed * np.sqrt(pressed)
+        return total
+
+    def acceleration(self, q: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Accelerations of all coordinates."""
+        moved = q[:, None] + 1e-30j * np.eye(q.size)
+        return -self.inverse_mass * self.potential(moved).imag / 1e-30
+
+    def run(
+        self, q: NDArray[np.float64], v: NDArray[np.float64], duration: float, rtol: float = 1e-10
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Coordinates and velocities after a time [s]."""
+        n = q.size
+        found = solve_ivp(
+            lambda _, y: np.concatenate([y[n:], self.acceleration(y[:n])]),
+            (0.0, duration),
+            np.concatenate([q, v]),
+            method="DOP853",
+            rtol=rtol,
+            atol=1e-12,
+        )
+        return found.y[:n, -1], found.y[n:, -1]
+
+    def energy(self, q: NDArray[np.float64], v: NDArray[np.float64]) -> float:
+        """Kinetic energy and potential [J]."""
+        moving = self.inverse_mass > 0.0
+        kinetic = 0.5 * np.sum(v[moving] ** 2 / self.inverse_mass[moving])
+        return float(kinetic + self.potential(q.astype(complex)).real)

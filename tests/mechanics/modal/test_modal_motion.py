@@ -1,0 +1,206 @@
+"""Mechanisms of rigid bodies and modal panels in motion: against independent solutions, and their books."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from lagrangian import Lagrangian
+from numpy.typing import NDArray
+
+from solar_env.array import ArrayParameters, build
+from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.equations.build import compile_mechanism
+from solar_env.mechanics.joints import joint as columns
+from solar_env.mechanics.joints.contact.power_law import PowerLaw
+from solar_env.mechanics.mechanism.description import (
+    GROUND,
+    Bearing,
+    Body,
+    FlexibleBody,
+    Joint,
+    Load,
+    Mechanism,
+    ModalPanel,
+    Spring,
+)
+from solar_env.mechanics.modal.settings import ModalRadau
+from solar_env.mechanics.modal.tables import level_size
+from solar_env.mechanics.running.diagnosis import SimulationWarning
+from solar_env.mechanics.running.modal_simulation import ModalSimulation
+
+STIFFNESS = 1e6  # N/m^1.5
+SOFT_BEARING = Bearing(clearance=0.01, journal_radius=0.1, contact=PowerLaw(STIFFNESS))
+PANEL = ModalPanel("panel", 2.0, 3.0, axial_stiffness=2e4, bending_stiffness=300.0, modes=2)
+
+
+def hanging_panel(**changes: object) -> Mechanism:
+    """A panel on a spring, whose journal bounces on the wall of a soft bearing under its weight, and stays on it."""
+    panel = replace(PANEL, angle=-1.2, **changes)  # type: ignore[arg-type]
+    depth = 1.2 * (PANEL.mass * 9.81 / STIFFNESS) ** (2 / 3)
+    panel = replace(panel, position=(0.0, -0.01 - depth))
+    joint = Joint("hinge", GROUND, "panel", (0.0, 0.0), (0.0, 0.0), bearing=SOFT_BEARING, spring=Spring(20.0, -1.0))
+    return Mechanism((panel,), (joint,), gravity=(0.0, -9.81))
+
+
+def modal_array(model: str, modes: int = 6, **parameters: object) -> Mechanism:
+    """The array with modal panels."""
+    mechanism = build(ArrayParameters().with_changes(parameters), model, 1)
+    bodies = []
+    for body in mechanism.bodies:
+        if isinstance(body, FlexibleBody):
+            stiffness = (body.axial_stiffness, body.bending_stiffness, body.damping)
+            place = (body.position, body.angle, body.velocity, body.spin)
+            mass = body.linear_density * body.length
+            bodies.append(ModalPanel(body.name, body.length, mass, *stiffness, modes, *place))
+        else:
+            bodies.append(body)
+    return replace(mechanism, bodies=tuple(bodies))
+
+
+def fixed_steps(level: int) -> ModalRadau:
+    """Steps of a tabled size throughout."""
+    return ModalRadau(rtol=0.1, velocity_scale=10.0, max_step=level_size(level))
+
+
+def coordinates_after(mechanism: Mechanism, duration: float, integrator: ModalRadau) -> NDArray[np.float64]:
+    simulation = ModalSimulation(mechanism, integrator)
+    simulation.advance(duration)
+    return simulation.state.q.copy()
+
+
+def test_model_conserves_energy_and_momentum_as_a_lagrangian_system() -> None:
+    free = replace(PANEL, spin=0.7, velocity=(0.3, 0.0))
+    other = replace(free, name="other", angle=math.pi, spin=-0.4)
+    joint = Joint("hinge", "panel", "other", (2.0, 0.0), (0.0, 0.0), bearing=SOFT_BEARING, spring=Spring(3.0, 0.4))
+    other = replace(other, position=(2.0 + 0.012, 0.0))
+    simulation = ModalSimulation(Mechanism((free, other), (joint,)))
+    system, state = Lagrangian(simulation.model), simulation.state
+    q, v = system.run(state.q, state.v, 0.05, rtol=1e-9)
+    assert system.energy(q, v) == pytest.approx(system.energy(state.q, state.v), rel=1e-8)
+    before = simulation.momenta()
+    state.q[:], state.v[:] = q, v
+    assert simulation.momenta() == pytest.approx(before, abs=1e-8 * np.abs(before).max())
+    assert simulation.stored_energies().sum() == pytest.approx(system.energy(q, v), rel=1e-12)
+
+
+def test_motion_converges_with_third_order_to_that_of_the_lagrangian_system() -> None:
+    mechanism = hanging_panel(spin=0.5)
+    simulation = ModalSimulation(mechanism)
+    start, panels, duration = simulation.state, simulation.model.panels, 0.032
+    reference, _ = Lagrangian(simulation.model).run(start.q, start.v, duration)
+    errors = np.array(
+        [np.abs(coordinates_after(mechanism, duration, fixed_steps(level)) - reference) for level in (10, 12, 14)]
+    )
+    # The height, which bounces with the contact: a third order gains a factor of eight with half the step.
+    assert (errors[:-1, 1] > 6.0 * errors[1:, 1]).all()
+    # The stiffest pseudo-modes ring in the exact solution and are at rest in the method's.
+    frequencies = np.concatenate([np.zeros(3), panels.axial_frequency[0], panels.bending_frequency[0]])
+    followed = frequencies * level_size(14) < 0.7
+    assert followed.sum() > 12
+    assert errors[-1, : frequencies.size][followed].max() < 3e-8
+
+
+def test_ideal_pendulum_of_a_stiff_panel_is_the_rigid_one() -> None:
+    panel = ModalPanel("panel", 1.0, 2.0, axial_stiffness=1e9, bending_stiffness=1e8, modes=2, angle=-1.2)
+    joint = Joint("hinge", GROUND, "panel", (0.0, 0.0), (0.0, 0.0))
+    simulation = ModalSimulation(Mechanism((panel,), (joint,), gravity=(0.0, -9.81)), ModalRadau(rtol=1e-6))
+    simulation.advance(1.0)
+    energy = 2.0 * 9.81 * 0.5 * (-math.sin(1.2))
+    angle = simulation.joint_loads()[0, columns.ANGLE]
+    rate = simulation.joint_loads()[0, columns.RATE]
+    # Energy of the compound pendulum with the moment of inertia m L^2 / 3.
+    assert 0.5 * (2.0 / 3.0) * rate**2 + 2.0 * 9.81 * 0.5 * math.sin(angle) == pytest.approx(energy, abs=1e-5)
+    assert np.abs(simulation._motion()[0, :2]).max() < 1e-7
+
+
+@pytest.mark.parametrize("speed", [1e-3, 0.1])
+def test_impact_gives_back_the_exit_speed_of_its_law_within_one_percent(speed: float) -> None:
+    law = PowerLaw(7.39e10, damping=0.3)
+    bearing = Bearing(clearance=2e-4, journal_radius=0.01, contact=law)
+    body = Body("body", 5.0, 1.0, 1.0, (0.0, 0.0), velocity=(speed, 0.0))
+    joint = Joint("hinge", GROUND, "body", (0.0, 0.0), (0.0, 0.0), bearing=bearing)
+    simulation = ModalSimulation(Mechanism((body,), (joint,)), ModalRadau(rtol=1e-2))
+    simulation.advance(3e-4 / speed)
+    assert simulation.state.joints[0]["contact_starts"] == 1
+    assert not simulation.state.joints[0]["in_contact"]
+    assert -simulation.state.v[0] / speed == pytest.approx(law.exit_speed_ratio(), rel=0.01)
+    # The integral of the normal force is the change of momentum.
+    impulse = m.joint_integrals(simulation.state.integrals)[0, m.IMPULSE]
+    assert impulse == pytest.approx(5.0 * (speed - simulation.state.v[0]), rel=1e-3)
+
+
+@pytest.mark.parametrize("model", ["flexible-ideal", "flexible-clearance"])
+def test_array_keeps_its_books(model: str) -> None:
+    mechanism = modal_array(model, spring_stiffness=(2.0, 1.5), initial_rate=0.2)
+    left = []
+    for rtol in (1e-3, 1e-5):
+        simulation = ModalSimulation(mechanism, ModalRadau(rtol=rtol))
+        before = simulation.momenta()
+        simulation.advance(0.2)
+        residual, turnover = simulation.energy_book()
+        left.append(abs(residual) / turnover)
+        body = simulation.model.bodies[1]
+        scale = body["mass"] * abs(simulation.state.v[body["offset"] : body["offset"] + 2]).max()
+        assert np.abs(simulation.momenta() - before).max() < 1e-8 * max(scale, 1.0)
+    assert left[0] < 1e-3
+    assert left[1] < 2e-6
+
+
+def test_snapshot_in_the_middle_of_a_contact_goes_on_to_the_same_bits() -> None:
+    simulation = ModalSimulation(hanging_panel(), ModalRadau(rtol=1e-3))
+    simulation.advance(0.05)
+    assert simulation.state.joints[0]["in_contact"]
+    kept = simulation.snapshot()
+    simulation.set_motor_torque(0, 0.3)
+    simulation.advance(0.2)
+    end = simulation.snapshot()
+    fresh = ModalSimulation(hanging_panel(), ModalRadau(rtol=1e-3))
+    fresh.restore(kept)
+    fresh.set_motor_torque(0, 0.3)
+    fresh.advance(0.2)
+    for mine, theirs in zip(end, fresh.state, strict=True):
+        assert mine.tobytes() == theirs.tobytes()
+
+
+def test_samples_do_not_change_the_run_and_lie_on_it() -> None:
+    plain, sampled = (ModalSimulation(hanging_panel(), ModalRadau(rtol=1e-4)) for _ in range(2))
+    recorder = sampled.make_recorder(np.array([0.0, 0.1, 0.15]), 10)
+    plain.advance(0.15)
+    sampled.advance(0.15, recorder)
+    assert plain.state.q.tobytes() == sampled.state.q.tobytes()
+    assert recorder.filled[0] == 3
+    between = ModalSimulation(hanging_panel(), ModalRadau(rtol=1e-6))
+    between.advance(0.1)
+    assert recorder.samples[1, :3] == pytest.approx(between.state.q[:3], abs=1e-6)
+
+
+def test_what_the_method_does_not_take_is_refused_with_a_remedy() -> None:
+    beam = FlexibleBody("beam", 1.0, 2, 1.0, 1.0, 1.0)
+    with pytest.raises(ValueError, match="is a FlexibleBody, which does not go with modal panels; describe it as"):
+        ModalSimulation(Mechanism((PANEL, beam)))
+    with pytest.raises(ValueError, match="body 'panel' is a ModalPanel, which needs an integrator of its own: run"):
+        compile_mechanism(Mechanism((PANEL,)))
+    with pytest.raises(ValueError, match=r"mechanism\.loads: modal panels take none"):
+        ModalSimulation(Mechanism((PANEL,), loads=(Load("panel", torque=1.0),)))
+    inside = Joint("hinge", GROUND, "panel", (1.0, 0.0), (1.0, 0.0))
+    with pytest.raises(ValueError, match="is not an end of panel 'panel'"):
+        ModalSimulation(Mechanism((PANEL,), (inside,)))
+    off = Joint("hinge", GROUND, "panel", (0.1, 0.0), (0.0, 0.0))
+    with pytest.raises(ValueError, match=r"initial position violates a constraint by 0\.1 m"):
+        ModalSimulation(Mechanism((PANEL,), (off,)))
+
+
+@pytest.mark.parametrize(("spin", "warns"), [(1.0, False), (20.0, True)])
+def test_panel_that_leaves_the_range_of_the_model_is_told(spin: float, warns: bool) -> None:
+    simulation = ModalSimulation(Mechanism((replace(PANEL, spin=spin),)))
+    _, ratio = simulation.modal_range()
+    assert ratio == pytest.approx(spin / (4.730041**2 * math.sqrt(300.0 / 1.5) / 4.0), rel=1e-6)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        simulation.check()
+        simulation.check()
+    assert [entry.category for entry in caught] == [SimulationWarning] * warns

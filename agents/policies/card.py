@@ -48,8 +48,8 @@ def _training(config: dict[str, Any], policy: ShippedPolicy, env: Any) -> str:
     }
     rows = "\n".join(f"| {fact} | {value} |" for fact, value in facts.items())
     return (
-        f"## Training\n\n| | |\n|---|---|\n{rows}\n\nCommand:\n\n``\n{config['command']}\n``\n\n"
-        f"Hyperparameters:\n\n``json\n{json.dumps(config['hyperparameters'], indent=2)}\n``\n\n"
+        f"## Training\n\n| | |\n|---|---|\n{rows}\n\nCommand:\n\n```\n{config['command']}\n```\n\n"
+        f"Hyperparameters:\n\n```json\n{json.dumps(config['hyperparameters'], indent=2)}\n```\n\n"
         "Kept is the policy that did best in the validations along the way."
     )
 

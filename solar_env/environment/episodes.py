@@ -151,9 +151,13 @@ class Episodes:
         Warns:
             SimulationWarning: as `Simulation.check`.
         """
-        begin_periods(self.batch.states, self._numbers, lanes, actions, self._end_times)
+        self.begin(lanes, actions)
         self.batch.advance(lanes, self._end_times)
         self.end(lanes)
+
+    def begin(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> None:
+        """Set the motor torques of a control period, and when it ends."""
+        begin_periods(self.batch.states, self._numbers, lanes, actions, self._end_times)
 
     def end(self, lanes: NDArray[np.int64]) -> None:
         """Charge and observe a control period."""

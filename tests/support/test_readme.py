@@ -25,7 +25,7 @@ MOST_LINES = 200
 
 
 def fenced(text, language):
-    return re.findall(rf"``{language}\n(.*?)``", text, re.DOTALL)
+    return re.findall(rf"```{language}\n(.*?)```", text, re.DOTALL)
 
 
 WITH_PROGRAMS = [page for page, text in TEXTS.items() if fenced(text, "python") and "contributing" not in page]

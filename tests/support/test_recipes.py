@@ -121,7 +121,7 @@ ROWS = {
 
 def fences(text):
     """(language, lines) of every block of a text."""
-    return [(language, body.splitlines()) for language, body in re.findall(r"``(\w+)\n(.*?)``", text, re.DOTALL)]
+    return [(language, body.splitlines()) for language, body in re.findall(r"```(\w+)\n(.*?)```", text, re.DOTALL)]
 
 
 def sections():

@@ -122,7 +122,7 @@ def test_the_card_tells_how_the_policy_came_about_and_its_snippets_run(finished,
     assert "`ppo` is this policy" in card
     assert "| passive | " in card
     assert "The file holds the network alone" in card
-    snippets = re.findall(r"``python\n(.*?)``", card, re.DOTALL)
+    snippets = re.findall(r"```python\n(.*?)```", card, re.DOTALL)
     assert len(snippets) == 2
     for snippet in snippets:
         exec(snippet, {})

@@ -18,7 +18,7 @@ from solar_env.environment import settings
 POLICIES = shipped.available()
 
 
-EPISODES = 3
+EPISODES = 8
 
 
 class Deployment(NamedTuple):

@@ -199,11 +199,7 @@ def test_internal_forces_change_neither_momentum_nor_spin(kind: Any) -> None:
 def coupled(kind: Any) -> Forces:
     """The example's tip pressed against the bearing of another body, with a spring and loads."""
     body = example(kind)
-    bearing = replace(
-        ROUND_BEARING,
-        contact=PowerLaw(ROUND_BEARING.contact.stiffness, damping=0.05),
-        friction=RampedCoulomb(0.0, 50.0),
-    )
+    bearing = replace(ROUND_BEARING, contact=PowerLaw(50.0, damping=0.05), friction=RampedCoulomb(0.0, 50.0))
     tip = np.array(POSITION) + turned((body.length, 0.0), ANGLE)
     inboard = tuple((tip - np.array([0.09, 0.08])).tolist())
     joint = Joint("pin", "first", "example", inboard, (body.length, 0.0), bearing=bearing, spring=Spring(1.3, 0.7))

@@ -12,6 +12,7 @@ from helpers import floating_pair, orders, turned
 from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.bodies.description import ReferencePointBody
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
+from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.mechanism.description import GROUND, Bearing, Joint, Load, Mechanism
 from solar_env.mechanics.running.simulation import Simulation, simulate
 from solar_env.mechanics.running.trajectory import Trajectory
@@ -79,7 +80,7 @@ def test_the_array_deploys_as_it_does_in_natural_coordinates() -> None:
 
 def test_a_journal_meets_the_wall_where_its_body_stands_when_it_lands() -> None:
     """The wall is met along a circular path, which no interpolant of the eccentricity alone describes exactly."""
-    bearing = Bearing(clearance=0.01, journal_radius=0.1, stiffness=1e6, damping_factor=0.1)
+    bearing = Bearing(clearance=0.01, journal_radius=0.1, contact=PowerLaw(1e6, damping=0.1))
     spinning = ReferencePointBody("arm", 1.0, 0.1, 1.0, (0.0, 0.0), position=(-0.5, 0.0), spin=0.5)
     pin = Joint("pin", GROUND, "arm", (0.0, 0.0), (0.5, 0.0), bearing=bearing)
     simulation = Simulation(Mechanism((spinning,), (pin,)), RungeKutta(rtol=1e-9))

@@ -21,7 +21,7 @@ from solar_env.mechanics.running.simulation import Simulation
 
 def stiff_flight(bearing: Bearing | None = None) -> Mechanism:
     """Two rigid bodies and a beam between them, whose vibrations would bound explicit steps to 37 us."""
-    mechanism = flight(bearing and replace(bearing, stiffness=3000.0), damping=2e-3)
+    mechanism = flight(bearing and replace(bearing, contact=replace(bearing.contact, stiffness=3000.0)), damping=2e-3)
     bodies = [
         replace(body, axial_stiffness=1e5, bending_stiffness=5.0) if isinstance(body, FlexibleBody) else body
         for body in mechanism.bodies

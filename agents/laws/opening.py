@@ -12,6 +12,11 @@ OPENING = ("theta_1", "theta_2", "rate_1", "rate_2")
 """Entries that the opening is made of."""
 
 
+def lock_angle(joint: int) -> float:
+    """Return the lock angle [rad] of a joint, counted from 0."""
+    return LOCK_ANGLES[min(joint, 1)]
+
+
 def weighted_opening(entries: Entries, joint_2_weight: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the weighted opening of both joints in units of their lock angles, its rate and the difference of rates.
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from agents.laws.opening import LOCK_ANGLES
+from agents.laws.opening import lock_angle
 from agents.torque_laws import Entries, LawParameters, TunableLaw, bounded
 
 
@@ -34,7 +34,7 @@ class ProportionalDerivative(TunableLaw[ProportionalDerivativeParameters]):
 
     def _torque(self, entries: Entries, all_latched: np.ndarray) -> np.ndarray:
         p = self.parameters
-        short = LOCK_ANGLES[min(self._signals.driven_joint, 1)] * (1.0 - entries["theta_driven"])
+        short = lock_angle(self._signals.driven_joint) * (1.0 - entries["theta_driven"])
         return np.clip(
             p.proportional_gain * short - p.derivative_gain * entries["rate_driven"], -p.saturation, p.saturation
         )

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from agents.laws.opening import LOCK_ANGLES, OPENING, weighted_opening
+from agents.laws.opening import OPENING, lock_angle, weighted_opening
 from agents.torque_laws import Entries, LawParameters, TunableLaw, bounded
 
 RESERVE = 0.5  # time before the deadline by which the profile ends [s]
@@ -73,7 +73,7 @@ class VelocityProfileServo(TunableLaw[ServoParameters]):
         opening, rate, difference = weighted_opening(entries, p.joint_2_weight)
         time_left = self._signals.deadline * entries["time_to_deadline"]
         deploying = p.gain * (self.reference_rate(opening, time_left) - rate) - p.difference_damping * difference
-        off_lock = LOCK_ANGLES[min(self._signals.driven_joint, 1)] * (entries["theta_driven"] - 1.0)
+        off_lock = lock_angle(self._signals.driven_joint) * (entries["theta_driven"] - 1.0)
         holding = -p.postlock_damping * entries["rate_driven"] - p.postlock_stiffness * off_lock
         now = self._signals.torque_limit * entries["motor_torque"]
         return p.smoothing * now + (1.0 - p.smoothing) * np.where(all_latched, holding, deploying)

@@ -1,13 +1,10 @@
 """Running a mechanism of rigid bodies and modal panels from Python: `ModalSimulation`."""
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.recording import RECORDED_LOADS, Recorder, make_recorder
-from solar_env.mechanics.joints import joint as columns
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.modal.arrays import OTHER, ModalState, make_workspace
 from solar_env.mechanics.modal.books import stored_energies
@@ -20,13 +17,14 @@ from solar_env.mechanics.modal.step import ModalSettings
 from solar_env.mechanics.running.accuracy import STEPS_BETWEEN_LOOKS
 from solar_env.mechanics.running.diagnosis import check_energy, check_modal_range
 from solar_env.mechanics.running.errors import raise_for_status
+from solar_env.mechanics.running.in_motion import InMotion
 
 _SMALLEST_ENERGY_SCALE = 1e-9  # J, for a mechanism that starts without energy
 # Depth errors of a step over rtol, relative to the depth.
 _DEPTH_TOLERANCE = 0.1
 
 
-class ModalSimulation:
+class ModalSimulation(InMotion[ModalState]):
     """A mechanism of rigid bodies and modal panels in motion; it is used as a `Simulation` is."""
 
     def __init__(self, mechanism: Mechanism, integrator: ModalRadau | None = None) -> None:
@@ -64,48 +62,13 @@ class ModalSimulation:
                     "joints are met"
                 )
 
-    def _engage_stops(self) -> None:
-        """Engage the stow stops that the initial angles lie in, lest their energy be missing from the book."""
-        joints, angles = self.model.joints, self.joint_loads()[:, columns.ANGLE]
-        inside = joints["stow_angle"] - joints["stop_gap"] - angles > 0.0
-        self.state.joints["stop_engaged"] = inside & (joints["has_stow_stop"] != 0)
-
     def make_recorder(self, times: NDArray[np.float64], contact_capacity: int) -> Recorder:
         """Allocate a recorder for sample times [s] and a number of contacts between two drains."""
         return make_recorder(self.model, self.state, times, contact_capacity)  # type: ignore[arg-type]
 
-    @property
-    def time(self) -> float:
-        """Time [s]."""
-        return float(self.state.clock["time"][0])
-
     def snapshot(self) -> ModalState:
         """An independent copy of the state, which can be pickled."""
         return ModalState._make(array.copy() for array in self.state)
-
-    def restore(self, snapshot: ModalState) -> None:
-        """Continue from a snapshot of this simulation or of one of the same mechanism.
-
-        Raises:
-            ValueError: if the snapshot's arrays do not fit the mechanism.
-        """
-        for name, mine, theirs in zip(self.state._fields, self.state, snapshot, strict=True):
-            if mine.shape != theirs.shape:
-                raise ValueError(f"snapshot.{name} has shape {theirs.shape}, this mechanism needs {mine.shape}")
-        for mine, theirs in zip(self.state, snapshot, strict=True):
-            mine[...] = theirs
-
-    def set_motor_torque(self, joint: int, torque: float) -> None:
-        """Set the motor torque on a joint's angle [N m], held until it is set again.
-
-        Raises:
-            ValueError: if the torque is not finite.
-        """
-        if not math.isfinite(torque):
-            raise ValueError(f"motor torque = {torque!r} N m must be finite")
-        if self.state.joints[joint]["motor_torque"] != torque:
-            self.state.joints[joint]["motor_torque"] = torque
-            self.state.clock["acceleration_current"] = 0
 
     def advance(self, end_time: float, recorder: Recorder | None = None) -> None:
         """Advance to `end_time` [s], landing on it.
@@ -117,10 +80,7 @@ class ModalSimulation:
         Warns:
             SimulationWarning: as `check`, which looks every 10,000 steps.
         """
-        if not self.time <= end_time < math.inf:
-            raise ValueError(
-                f"end_time = {end_time!r} s must be finite and not before the present time {self.time!r} s"
-            )
+        self._check_end_time(end_time)
         chosen = self.integrator
         settings = ModalSettings(
             float(chosen.rtol),

@@ -29,6 +29,7 @@ from solar_env.mechanics.joints import joint as columns
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.running.accuracy import AccuracyWatch, limits_of_the_laws
 from solar_env.mechanics.running.errors import raise_for_status
+from solar_env.mechanics.running.in_motion import InMotion
 from solar_env.mechanics.running.trajectory import Trajectory, contact_record
 
 _CONTACTS_PER_DRAIN = 4096
@@ -36,7 +37,7 @@ _PROGRESS_CALLS = 20
 _SMALLEST_ENERGY_SCALE = 1e-9  # J, for a mechanism that starts without energy
 
 
-class Simulation:
+class Simulation(InMotion[m.State]):
     """A mechanism in motion.
 
     `state` is a named tuple of arrays; `snapshot` and `restore` copy it, in the middle of a contact
@@ -77,53 +78,18 @@ class Simulation:
                     "joints, guides and drives are met"
                 )
 
-    def _engage_stops(self) -> None:
-        """Engage the stow stops that the initial angles lie in, lest their energy be missing from the book."""
-        joints, angles = self.model.joints, self.joint_loads()[:, columns.ANGLE]
-        inside = joints["stow_angle"] - joints["stop_gap"] - angles > 0.0
-        self.state.joints["stop_engaged"] = inside & (joints["has_stow_stop"] != 0)
-
     def __getstate__(self) -> dict[str, Any]:
         """For copies and pickles: without arrays that share their memory with the state; those of a copy would not."""
         return {name: value for name, value in vars(self).items() if name != "_lane"}
-
-    @property
-    def time(self) -> float:
-        """Time [s]."""
-        return float(self.state.clock["time"][0])
 
     def snapshot(self) -> m.State:
         """An independent copy of the state, which can be pickled."""
         return m.copy_state(self.state)
 
-    def restore(self, snapshot: m.State) -> None:
-        """Continue from a snapshot of this simulation or of one of the same mechanism.
-
-        Raises:
-            ValueError: if the snapshot's arrays do not fit the mechanism.
-        """
-        for name, mine, theirs in zip(m.State._fields, self.state, snapshot, strict=True):
-            if mine.shape != theirs.shape:
-                raise ValueError(f"snapshot.{name} has shape {theirs.shape}, this mechanism needs {mine.shape}")
-        for mine, theirs in zip(self.state, snapshot, strict=True):
-            mine[...] = theirs
-
     def move_to(self, model: m.Model, state: m.State) -> None:
         """Go on with other arrays, which hold the same values."""
         self.model, self.state = model, state
         self.__dict__.pop("_lane", None)
-
-    def set_motor_torque(self, joint: int, torque: float) -> None:
-        """Set the motor torque on a joint's angle [N m], held until it is set again.
-
-        Raises:
-            ValueError: if the torque is not finite.
-        """
-        if not math.isfinite(torque):
-            raise ValueError(f"motor torque = {torque!r} N m must be finite")
-        if self.state.joints[joint]["motor_torque"] != torque:
-            self.state.joints[joint]["motor_torque"] = torque
-            self.state.clock["acceleration_current"] = 0
 
     def advance(self, end_time: float, recorder: Recorder | None = None) -> None:
         """Advance to `end_time` [s], landing on it.
@@ -138,10 +104,7 @@ class Simulation:
         Warns:
             SimulationWarning: as `check`.
         """
-        if not self.time <= end_time < math.inf:
-            raise ValueError(
-                f"end_time = {end_time!r} s must be finite and not before the present time {self.time!r} s"
-            )
+        self._check_end_time(end_time)
         self.raise_unless_done(self._advance(end_time, recorder or self._unrecorded))
         self._watch.after_call()
 

@@ -5,7 +5,7 @@ engine. They are closed forms, quadratures, or other formulations of the same me
 longer ones stand in modules named `*_theory`. Tolerances follow from the digits of a source, or from an integrator's
 tolerance and order.
 
-Cases lie in the folder of their subject: `impacts`, `linkages` and `beams` know nothing of each other, `arrays` may
-use their theory. They import `array`, `mechanics` and `environment`. A new case is a generator of `Check` and a row
-of `CASES` in `suite`.
+Cases lie in the folder of their subject: `impacts`, `linkages` and `beams` know nothing of each other, `arrays` and
+`panels` may use their theory. They import `array`, `mechanics` and `environment`. A new case is a generator of `Check`
+and a row of `CASES` in `suite`.
 """

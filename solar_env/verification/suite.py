@@ -8,6 +8,9 @@ from solar_env.verification.beams import dynamics, elements, statics, vibration
 from solar_env.verification.checks import Check, Row
 from solar_env.verification.impacts import impact, sliding, stops
 from solar_env.verification.linkages import chains, clearance_linkages, closed_loops, pendulum
+from solar_env.verification.panels import dynamics as turning
+from solar_env.verification.panels import method, modes, responses, struck
+from solar_env.verification.panels import statics as bent
 
 CASES: dict[str, Callable[[], Iterator[Check]]] = {
     "restitution": impact.restitution_curve,
@@ -46,6 +49,17 @@ CASES: dict[str, Callable[[], Iterator[Check]]] = {
     "flexible-pendulum": dynamics.falling_pendulum,
     "free-beam": dynamics.free_flight,
     "flexible-integration-order": dynamics.implicit_order,
+    "modal-frequencies": modes.frequencies,
+    "modal-flexibility": modes.static_flexibility,
+    "modal-responses": responses.step_responses,
+    "modal-struck-bar": struck.struck_along,
+    "modal-struck-beam": struck.struck_across,
+    "modal-elastica": bent.large_deflections,
+    "modal-spin-up": turning.spin_up,
+    "modal-pendulum": turning.falling_pendulum,
+    "modal-turning-frame": turning.turning_frame,
+    "modal-order": method.order,
+    "modal-conservation": method.free_chain,
     "rigid-limit": flexible.rigid_limit,
     "mesh-convergence": flexible.mesh_convergence,
     "clearance-limit": flexible.clearance_limit,

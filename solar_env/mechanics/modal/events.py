@@ -93,8 +93,8 @@ def first_event(model, state, work, h):
         joint, own, number, end = model.joints[j], state.joints[j], np.int64(j), work.motion[SECOND, j]
         if joint.kind == CLEARANCE and not own.in_contact:
             start = work.motion[START, j]
-            # On the very wall and on the way in, or inside the step.
-            if start[DEPTH] < 0.0 or start[DEPTH_RATE] > 0.0 or end[DEPTH] > start[DEPTH]:
+            # Pressed from the start of the run, on the very wall and on the way in, or inside the step.
+            if start[DEPTH] != 0.0 or start[DEPTH_RATE] > 0.0 or end[DEPTH] > start[DEPTH]:
                 root = first_rise(model, state, work, j, CONTACT, h)
                 if root < share or (root == share and what == NONE):
                     share, which, what = root, number, CONTACT

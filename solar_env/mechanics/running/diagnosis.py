@@ -12,6 +12,8 @@ LARGEST_ENERGY_SHARE = 0.01
 LARGEST_FORCE_SHARE = 0.1
 # What a modal panel's second order may leave out, over what it keeps.
 LARGEST_MODAL_SHARE = 0.01
+# Of the squared frequency of a free beam's lowest mode: how much a spin raises it, over the squared spin.
+SPIN_STIFFENING = 2.05
 # What a contact law's exit over entry speed may differ from the coefficient of restitution that was asked for.
 LARGEST_RESTITUTION_ERROR = 0.05
 
@@ -52,8 +54,9 @@ def check_modal_range(time: float, slope: float, spin_ratio: float) -> bool:
         slope: greatest slope of a panel's end against its frame [rad].
         spin_ratio: greatest spin of a panel over the angular frequency of its lowest bending mode.
     """
-    # The next term of the shortening of an arc, and the centrifugal softening of the lowest mode.
-    bent, turned = 0.25 * slope * slope, spin_ratio * spin_ratio
+    # The next term of the shortening of an arc, and the stiffness that the lowest mode gains from the inertia of the
+    # turning frame.
+    bent, turned = 0.25 * slope * slope, SPIN_STIFFENING * spin_ratio * spin_ratio
     if max(bent, turned) <= LARGEST_MODAL_SHARE:  # false for NaN
         return False
     what = (

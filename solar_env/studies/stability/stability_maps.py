@@ -9,14 +9,13 @@ from solar_env.studies.stability.contact_law_maps import PULL_OFF, RESTITUTION
 from solar_env.studies.stability.friction_maps import CREEP, STEP
 from solar_env.studies.stability.impact_maps import EXPLICIT, IMPLICIT
 from solar_env.studies.stability.maps import StabilityMap
+from solar_env.studies.stability.modal_maps import RANGE
 from solar_env.studies.stability.multiplier_maps import STEP_CHANGE
 from solar_env.studies.stability.stop_maps import CABLE, DEPTH, LATCH
 
 COMMAND = "python -m solar_env stability"
-MAPS: dict[str, StabilityMap] = {
-    one.name: one
-    for one in (IMPLICIT, EXPLICIT, STEP_CHANGE, BEAM_STEP, RESTITUTION, PULL_OFF, CREEP, STEP, CABLE, LATCH, DEPTH)
-}
+ALL = (IMPLICIT, EXPLICIT, STEP_CHANGE, BEAM_STEP, RESTITUTION, PULL_OFF, CREEP, STEP, CABLE, LATCH, DEPTH, RANGE)
+MAPS: dict[str, StabilityMap] = {one.name: one for one in ALL}
 
 
 def measure_map(name: str, quick: bool, path: Path, progress: Callable[[], None]) -> None:

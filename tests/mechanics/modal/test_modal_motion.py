@@ -133,6 +133,15 @@ def test_impact_gives_back_the_exit_speed_of_its_law_within_one_percent(speed: f
     assert impulse == pytest.approx(5.0 * (speed - simulation.state.v[0]), rel=1e-3)
 
 
+def test_journal_that_starts_pressed_and_at_rest_is_pushed_back() -> None:
+    body = Body("body", 5.0, 1.0, 1.0, (0.0, 0.0), position=(0.012, 0.0))
+    joint = Joint("hinge", GROUND, "body", (0.0, 0.0), (0.0, 0.0), bearing=SOFT_BEARING)
+    simulation = ModalSimulation(Mechanism((body,), (joint,)), ModalRadau(rtol=1e-6))
+    simulation.advance(0.05)
+    # The contact's energy, 0.4 K depth^2.5, as motion.
+    assert -simulation.state.v[0] == pytest.approx(math.sqrt(0.8 * STIFFNESS * 0.002**2.5 / 5.0), rel=1e-4)
+
+
 @pytest.mark.parametrize("model", ["flexible-ideal", "flexible-clearance"])
 def test_array_keeps_its_books(model: str) -> None:
     mechanism = modal_array(model, spring_stiffness=(2.0, 1.5), initial_rate=0.2)

@@ -1,0 +1,49 @@
+"""Mechanisms of one modal panel under loads of all sorts, and running them.
+
+Mechanisms of modal panels take no dead loads. A force comes from a contact so deep and soft that it does not feel the
+panel's motion; a moment is the motor torque of a joint so loose that its surfaces never meet.
+"""
+
+from solar_env.mechanics.joints import joint as columns
+from solar_env.mechanics.joints.contact.power_law import PowerLaw
+from solar_env.mechanics.mechanism.beams import BEAM, Beam
+from solar_env.mechanics.mechanism.description import GROUND, Bearing, Joint, Mechanism, ModalPanel, Point, Spring
+from solar_env.mechanics.modal.settings import ModalRadau
+from solar_env.mechanics.running.modal_simulation import ModalSimulation
+
+_FAR = 1e6  # m
+
+
+def start(mechanism: Mechanism, rtol: float = 1e-6, max_steps: int = 100_000_000) -> ModalSimulation:
+    """The mechanism in its initial state, to be run by the method for modal panels."""
+    return ModalSimulation(mechanism, ModalRadau(rtol=rtol, max_steps=max_steps))
+
+
+def modal(beam: Beam, modes: int = 24, **placed: float | Point) -> ModalPanel:
+    """A beam as a modal panel; further arguments are those of `ModalPanel`."""
+    stiffness = (beam.axial_stiffness, beam.bending_stiffness, beam.damping)
+    return ModalPanel(BEAM, beam.length, beam.mass, *stiffness, modes, **placed)  # type: ignore[arg-type]
+
+
+def dead_force(end: Point, force: complex) -> Joint:
+    """A force [N], x + i y, on the end (0, 0) or (length, 0) of a beam that lies along the x axis."""
+    size = abs(force)
+    place = complex(*end) + force / size * _FAR
+    bearing = Bearing(0.5 * _FAR, _FAR, PowerLaw(2.0 * size / _FAR, exponent=1.0))
+    return Joint(f"force at {end[0]:g}", GROUND, BEAM, (place.real, place.imag), end, bearing=bearing)
+
+
+def loose(end: Point) -> Joint:
+    """A joint whose motor torque is a moment on an end of a beam that lies along the x axis."""
+    return Joint(f"moment at {end[0]:g}", GROUND, BEAM, end, end, bearing=Bearing(_FAR, _FAR, PowerLaw(1.0)))
+
+
+def clamp(stiffness: float) -> Joint:
+    """The first end, at the origin, held in place and by a spring [N m/rad] in its direction."""
+    return Joint("clamp", GROUND, BEAM, (0.0, 0.0), (0.0, 0.0), spring=Spring(stiffness, 0.0))
+
+
+def moved(simulation: ModalSimulation, joint: int) -> tuple[complex, float]:
+    """Displacement x + i y [m] of an end and turn of its tangent [rad], as a `loose` joint at it has them."""
+    row = simulation.joint_loads()[joint]
+    return complex(row[columns.ECCENTRICITY_X], row[columns.ECCENTRICITY_Y]), float(row[columns.ANGLE])

@@ -18,6 +18,7 @@ from solar_env.studies.stability import (
     contact_law_maps,
     friction_maps,
     impact_maps,
+    modal_maps,
     multiplier_maps,
     stop_maps,
 )
@@ -113,6 +114,16 @@ def test_adaptive_steps_on_beams_grow_just_beyond_the_limit_which_the_library_ke
         else:
             assert row["class"] == (Kind.LIMITED if beyond > 0.95 else Kind.FINE)
             assert row["said"] == (Said.FIGURE if beyond > 0.95 else Said.SILENT)
+
+
+def test_modal_panels_warn_from_where_theory_says_and_before_they_are_off_by_a_hundredth() -> None:
+    for row in rows("modal-range"):
+        assert (row["said"] != Said.SILENT) == (row["softening"] > row["limit"])
+        assert row["said"] != Said.SILENT or abs(row["value"]) < 0.006
+    for row in rows("modal-range", panel=modal_maps.SPIN):
+        # The squared frequency that elements have grows by 2.05 spin^2.
+        ratio = row["demand"] * math.sqrt(row["softening"]) / modal_maps._FREQUENCY
+        assert row["value"] == pytest.approx((1.0 + 2.05 * ratio**2) ** -0.5 - 1.0, abs=0.005)
 
 
 def test_bounces_have_the_speed_of_the_law_in_closed_form() -> None:

@@ -8,9 +8,9 @@ depend on the number of modes. `driver` controls the steps, `events` and `books`
 
 Two things are left out. The inertia of the turning frame (centrifugal and Coriolis forces on the amplitudes) would
 raise the squared frequency of a free panel's lowest mode by 2.05 spin^2: at spins of 3 and 10 % of that frequency (2.0
-and 6.8 rad/s for a panel of the array) it is 0.1 and 1.0 % too low. Of bending, terms beyond the second order: a static
-tip deflection is too small by some 0.04 of the squared slope of the end against the frame, 0.2 % at 0.2 rad. A run
-warns where either leaves out 1 % of stiffness or shortening (`verification.panels` measures both).
+and 6.8 rad/s for a panel of the array) the frequency is 0.1 and 1.0 % too low. Of bending, terms beyond the second
+order: a static tip deflection is too small by some 0.04 of the squared slope of the end against the frame, 0.15 % at
+0.2 rad. A run warns where either leaves out 1 % of stiffness or shortening (`verification.panels` measures both).
 
 May import numerics, arrays, bodies, joints, mechanism, equations, and from the integrators recording and history.
 """

@@ -28,7 +28,8 @@ from solar_env.verification.panels.theory import first_frequency, spin_stiffenin
 # Retardation time of the array's panels [s].
 HINGED = replace(PANEL, damping=1e-5)
 ELEMENTS = 24
-ANCF = f"{ELEMENTS} ANCF cable elements by the explicit method at rtol 1e-6"
+# Stability bounds its steps: rtol 1e-6 moves the tip by 1e-12 m.
+ANCF = f"{ELEMENTS} ANCF cable elements by the explicit method at rtol 1e-4"
 
 Motion = NDArray[np.complex128]
 Torque = Callable[[float], float]
@@ -59,7 +60,7 @@ def _modal_tip(beam: Beam, times: NDArray[np.float64], gravity: float, torque: T
 def _element_tip(beam: Beam, times: NDArray[np.float64], gravity: float, torque: Torque) -> Motion:
     """Tip of the same panel of beam elements."""
     mechanism = flexible_pendulum(beam, ELEMENTS, gravity=gravity)
-    simulation, found = Simulation(mechanism, RungeKutta(rtol=1e-6)), np.zeros(times.size, complex)
+    simulation, found = Simulation(mechanism, RungeKutta(rtol=1e-4)), np.zeros(times.size, complex)
     for k, time in enumerate(times):
         simulation.set_motor_torque(0, torque(simulation.time))
         simulation.advance(float(time))

@@ -10,8 +10,9 @@ from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.mechanism.beams import BEAM, PANEL
 from solar_env.mechanics.mechanism.description import Bearing, Body, Joint, Mechanism
 from solar_env.verification.checks import Check
+from solar_env.verification.panels.impact_theory import Impact, Struck, struck_bar, struck_beam
 from solar_env.verification.panels.mechanisms import modal, start
-from solar_env.verification.panels.theory import FineBeam, Impact, Struck, struck_bar, struck_beam
+from solar_env.verification.panels.theory import FineBeam
 
 CLEARANCE = 0.01  # m
 # Hertz's stiffness of the array's joints, whose contacts rise to an axial wave's force in 0.07 ms.

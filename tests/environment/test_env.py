@@ -15,9 +15,9 @@ from stable_baselines3.common.env_checker import check_env as check_by_stable_ba
 
 import solar_env
 from solar_env.array import MODELS
-from solar_env.environment.observations import OBSERVABLES
 from solar_env.environment.registration import ENVIRONMENTS
-from solar_env.environment.reward import REWARD_TERMS
+from solar_env.environment.task.observations import OBSERVABLES
+from solar_env.environment.task.reward import REWARD_TERMS
 from solar_env.mechanics.arrays.model import SLIDING_WORK, joint_integrals
 from solar_env.mechanics.joints.joint import MOTOR_TORQUE, NORMAL
 

@@ -17,8 +17,8 @@ from agents.laws.damper import DamperParameters, ViscousDamper
 from agents.laws.table import TUNABLE
 from agents.torque_laws import Signals
 from solar_env.array.methods import default_integrator
-from solar_env.environment.reward import Price, Reward
-from solar_env.environment.task import Task
+from solar_env.environment.task.reward import Price, Reward
+from solar_env.environment.task.task import Task
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.joints.joint import ANGLE
 

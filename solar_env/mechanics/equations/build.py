@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.bodies.cable_element import element_blocks
+from solar_env.mechanics.bodies.cable_element.element import element_blocks
 from solar_env.mechanics.bodies.kind import BodyKind
 from solar_env.mechanics.bodies.kinds import KINDS, body_type, code_of, marker_type
 from solar_env.mechanics.bodies.linear_marker import pair_coordinates, place_row

@@ -29,7 +29,7 @@ from solar_env.mechanics.arrays.model import (
     Model,
     State,
 )
-from solar_env.mechanics.bodies.cable_element_forces import LANES, TABLE_ROWS
+from solar_env.mechanics.bodies.cable_element.forces import LANES, TABLE_ROWS
 from solar_env.mechanics.bodies.dispatch import (
     add_internal_forces,
     add_mass_product,

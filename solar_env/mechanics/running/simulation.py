@@ -22,7 +22,7 @@ from solar_env.mechanics.equations.system import (
     velocity_drift,
 )
 from solar_env.mechanics.integrators.driver import advance_lanes
-from solar_env.mechanics.integrators.methods import method_of
+from solar_env.mechanics.integrators.methods.table import method_of
 from solar_env.mechanics.integrators.recording import RECORDED_LOADS, Recorder, make_recorder, sample_columns
 from solar_env.mechanics.integrators.settings import Integrator, RungeKutta
 from solar_env.mechanics.joints import joint as columns

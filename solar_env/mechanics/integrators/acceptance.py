@@ -1,7 +1,7 @@
 """Acceptance of an adaptive step: samples, force peaks, the move to its end or event, and what is booked there."""
 
 from solar_env.mechanics.arrays.model import APPROXIMATE, CLEARANCE, EXACT, INTEGRALS_PER_JOINT, SLIDING_WORK
-from solar_env.mechanics.equations.system import prepare_response, project
+from solar_env.mechanics.equations.constraints import prepare_response, project
 from solar_env.mechanics.integrators.events import NO_EVENT, begin_event
 from solar_env.mechanics.integrators.history import note_force, settle_joints
 from solar_env.mechanics.integrators.methods.stiff_forces import lasts

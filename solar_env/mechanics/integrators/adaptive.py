@@ -12,7 +12,7 @@ by a share of its duration, which impact speed and stiffness give beforehand.
 import math
 
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.equations.system import fill_columns
+from solar_env.mechanics.equations.constraints import fill_columns
 from solar_env.mechanics.integrators.acceptance import accept, measure_depths, record_until
 from solar_env.mechanics.integrators.events import first_event
 from solar_env.mechanics.integrators.history import check_state, fail, impact_step_limit

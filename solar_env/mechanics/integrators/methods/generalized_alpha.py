@@ -11,11 +11,11 @@ from typing import NamedTuple
 
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.model import Model, State
+from solar_env.mechanics.equations.constraints import fill_columns
 from solar_env.mechanics.equations.newton import fill_mass
 from solar_env.mechanics.equations.system import (
     Workspace,
     applied_forces,
-    fill_columns,
     make_workspace,
     normal_inverse_mass,
     store_constraint_loads,

@@ -110,9 +110,6 @@ class _Compiler:
             body_name: of the body.
             point: in its frame [m].
             needs_linear: the part that needs place and direction to be linear in the coordinates, if it does.
-
-        Raises:
-            ValueError: if they are not.
         """
         k = self.index[body_name]
         kind, body = self.kinds[k], self.described[k]

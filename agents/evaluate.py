@@ -87,11 +87,7 @@ def suite_section(suite: str) -> Section:
 
 
 def _section(args: Args) -> Section:
-    """The section that the arguments are to write.
-
-    Raises:
-        ValueError: There is no suite, or it is not the whole one.
-    """
+    """The section that the arguments are to write."""
     whole = Args(suite=args.suite, readme=True, out=args.out, jobs=args.jobs, cluster=args.cluster, quiet=args.quiet)
     if args.suite is None or args != whole:
         raise ValueError(

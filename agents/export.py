@@ -98,12 +98,7 @@ def export(run: str | Path, folder: Path, comparison: str | Path | None = None) 
 
 
 def _scores(run: Path, name: str, comparison: Path | None) -> str:
-    """Read the scores of a run, as `export` says, as a table with the baselines beside it.
-
-    Raises:
-        FileNotFoundError: There is no comparison in the folder given.
-        ValueError: Neither the run nor a policy of this name is part of it.
-    """
+    """Read the scores of a run, as `export` says, as a table with the baselines beside it."""
     if comparison is not None:
         folders = [comparison]
     else:  # training ends with a comparison of the run, or of all the seeds together, beside it

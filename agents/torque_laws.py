@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Generic, Protocol, Self, TypeVar
 import gymnasium
 import numpy as np
 
-from solar_env.environment.task import Task
+from solar_env.environment.task.task import Task
 
 Entries = Mapping[str, np.ndarray]
 """Observed values (n,) by the name of the entry."""

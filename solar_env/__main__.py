@@ -37,7 +37,8 @@ def main(arguments: list[str] | None = None) -> int:
     args = parse(sys.argv[1:] if arguments is None else arguments)
     from solar_env.mechanics.running.errors import SimulationError
 
-    usual, warnings.formatwarning = warnings.formatwarning, _one_line
+    usual = warnings.formatwarning
+    warnings.formatwarning = lambda message, *_, **__: f"warning: {message}\n"  # without the line of code
     try:
         return int(importlib.import_module(COMMANDS[args.command][0]).run_command(args))
     except (ValueError, SimulationError, OSError) as error:
@@ -45,13 +46,6 @@ def main(arguments: list[str] | None = None) -> int:
         return 2
     finally:
         warnings.formatwarning = usual
-
-
-def _one_line(
-    message: Warning | str, category: type[Warning], filename: str, lineno: int, line: str | None = None
-) -> str:
-    """A warning as a command shows it, without the line of code."""
-    return f"warning: {message}\n"
 
 
 if __name__ == "__main__":

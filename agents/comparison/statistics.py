@@ -19,19 +19,18 @@ class Estimate:
     count: int
 
 
-def interquartile_mean(values: np.ndarray, axis: int = -1) -> np.ndarray:
-    """Return the mean of the middle half of `values` along `axis`."""
-    return stats.trim_mean(values, 0.25, axis=axis)
+def interquartile_mean(values: np.ndarray) -> np.ndarray:
+    """Return the mean of the middle half of `values` along the last axis."""
+    return stats.trim_mean(values, 0.25, axis=-1)
 
 
 def estimate(
     runs: Sequence[np.ndarray],
     seed: int = 0,
     resamples: int = 2000,
-    confidence: float = 0.95,
     mean: Callable[[np.ndarray], np.ndarray] = interquartile_mean,
 ) -> Estimate:
-    """Estimate a mean over all episodes of all runs, by default the interquartile one, with a bootstrap interval.
+    """Estimate a mean of all episodes of all runs, by default the interquartile one, with its 95 % bootstrap interval.
 
     Every run has the same episodes. A resample draws runs and, apart from that, episodes, both with replacement, and
     takes all drawn episodes of all drawn runs (A. B. Owen, The pigeonhole bootstrap, Ann. Appl. Stat. 1 (2007) 386-411,
@@ -45,7 +44,6 @@ def estimate(
             (references, episodes), with a row for each run of the reference, which are drawn like the runs.
         seed: Seed of the resampling.
         resamples: Number of bootstrap resamples.
-        confidence: Coverage of the interval.
         mean: Reduces the last axis.
 
     Raises:
@@ -69,7 +67,7 @@ def estimate(
         means = mean(sample)
     else:
         means = np.array([mean(row[np.isfinite(row)]) for row in sample if np.isfinite(row).any()])
-    lower, upper = np.quantile(means, [0.5 - confidence / 2, 0.5 + confidence / 2])
+    lower, upper = np.quantile(means, [0.025, 0.975])
     return Estimate(
         mean=float(mean(known)),
         lower=float(lower),

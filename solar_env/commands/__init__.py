@@ -1,6 +1,7 @@
 """Commands of `python -m solar_env`: each module has `add_arguments(parser)` and `run_command(args) -> int`.
 
-Commands are thin: they read options, call a study or a simulation, and print. They may import everything in the
-package, but what needs the compiler only when the command runs, so that `--help` is quick. A new command is a module
-here and a row of `COMMANDS` in `solar_env/__main__.py`.
+Commands are thin: they read options, call a study or a simulation, and print. A ValueError, SimulationError or OSError
+of `run_command` ends the process with its message and status 2. They may import everything in the package, but what
+needs the compiler only when the command runs, so that `--help` is quick. A new command is a module here and a row of
+`COMMANDS` in `solar_env/__main__.py`.
 """

@@ -24,12 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run_command(args: argparse.Namespace) -> int:
-    """Measure and print.
-
-    Raises:
-        ValueError: if the page has no place for the tables.
-        OSError: if the tables cannot be written.
-    """
+    """Measure and print."""
     from solar_env.studies.throughput.rate_tables import tables
     from solar_env.studies.throughput.step_rates import measurements
 

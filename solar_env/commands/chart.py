@@ -32,11 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run_command(args: argparse.Namespace) -> int:
-    """Measure, write the tables, draw the figures.
-
-    Raises:
-        ValueError: if figures are to be drawn of tables that do not exist.
-    """
+    """Measure, write the tables, draw the figures."""
     from solar_env.studies.precision.charts import draw, measure_charts
 
     tables, figures = (FOLDER / "data", FOLDER / "figures") if args.readme else (args.out, args.out)

@@ -25,12 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run_command(args: argparse.Namespace) -> int:
-    """Measure what is missing, write the table and draw the maps.
-
-    Raises:
-        ValueError: if there are no runs or processes, or the folder holds cells of other settings.
-        OSError: if a file cannot be read or written.
-    """
+    """Measure what is missing, write the table and draw the maps."""
     from solar_env.studies.common.tables import read_table
     from solar_env.studies.design.design_map import FILE, measure_design
     from solar_env.studies.design.design_plot import draw_design

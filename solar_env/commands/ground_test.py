@@ -38,13 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run_command(args: argparse.Namespace) -> int:
-    """Simulate the campaign, extrapolated and for a while directly, write the table and draw it.
-
-    Raises:
-        ValueError: if a number makes no sense.
-        SimulationError: if a run cannot go on.
-        OSError: if a file cannot be written.
-    """
+    """Simulate the campaign, extrapolated and for a while directly, write the table and draw it."""
     from solar_env.studies.common.tables import provenance, read_table, write_table
     from solar_env.studies.design.ground_test import FILE, Deployment, as_rows, clearances_after, wear_campaign
     from solar_env.studies.design.ground_test_plot import draw_ground_test

@@ -25,12 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run_command(args: argparse.Namespace) -> int:
-    """Measure, write the table, draw the figure, and print the cheapest level by question and tolerance.
-
-    Raises:
-        ValueError: if a figure is to be drawn of a table that does not exist.
-        OSError: if a file cannot be written.
-    """
+    """Measure, write the table, draw the figure, and print the cheapest level by question and tolerance."""
     from solar_env.studies.ladder.campaign import FILE, measure_ladder
     from solar_env.studies.ladder.plot import draw_ladder
 

@@ -30,12 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run_command(args: argparse.Namespace) -> int:
-    """Simulate, write the tables, draw the figures, and judge the claims.
-
-    Raises:
-        ValueError: if a figure's number is unknown, or there are no processes to run on.
-        OSError: if a file cannot be written.
-    """
+    """Simulate, write the tables, draw the figures, and judge the claims."""
     from solar_env.studies.common.tables import provenance, read_table, write_table
     from solar_env.studies.paper.cases import Run, simulate_run
     from solar_env.studies.paper.claims import CLAIMS

@@ -116,11 +116,7 @@ def run_command(args: argparse.Namespace) -> int:
 
 
 def _chosen_answer(args: argparse.Namespace) -> Answer | None:
-    """Row of the ladder for the cheapest level that answers the question; None if no question is asked.
-
-    Raises:
-        ValueError: if options contradict each other, or no level is within the tolerance.
-    """
+    """Row of the ladder for the cheapest level that answers the question; None if no question is asked."""
     if args.question is None:
         if args.tolerance is not None:
             raise ValueError("--tolerance says how well a --question is answered; give one, or --rtol for the steps")
@@ -132,11 +128,7 @@ def _chosen_answer(args: argparse.Namespace) -> Answer | None:
 
 
 def _level(args: argparse.Namespace, answer: Answer | None) -> tuple[str, int]:
-    """Model and elements, chosen by the ladder or given.
-
-    Raises:
-        ValueError: if one given is refused.
-    """
+    """Model and elements, chosen by the ladder or given."""
     if answer is not None:
         return answer.model, answer.elements or DEFAULT_ELEMENTS
     model = check_model(DEFAULT_MODEL if args.model is None else args.model)

@@ -20,12 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run_command(args: argparse.Namespace) -> int:
-    """Measure the maps, draw them, and print what to do; 1 if the library kept silent about a failure, else 0.
-
-    Raises:
-        ValueError: if the map is unknown.
-        OSError: if a table cannot be read or written.
-    """
+    """Measure the maps, draw them, and print what to do; 1 if the library kept silent about a failure, else 0."""
     from solar_env.studies.stability.stability_maps import MAPS, measure_map
 
     if args.only is not None and args.only not in MAPS:

@@ -19,11 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run_command(args: argparse.Namespace) -> int:
-    """Run, print the table, write what was asked for; 1 if a row fails, else 0.
-
-    Raises:
-        ValueError: if the case is unknown or the folder of the JSON file does not exist.
-    """
+    """Run, print the table, write what was asked for; 1 if a row fails, else 0."""
     from solar_env.verification.suite import run, select
 
     names = select(args.only)

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters
 from solar_env.environment.episodes import Episodes
-from solar_env.environment.observations import observation_table
-from solar_env.environment.reward import reward_table
 from solar_env.environment.settings import RENDER_MODES, EnvironmentSettings
+from solar_env.environment.task.observations import observation_table
+from solar_env.environment.task.reward import reward_table
 from solar_env.mechanics.running.simulation import Simulation
 
 Observation = NDArray[np.float32]

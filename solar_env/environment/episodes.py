@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters
 from solar_env.environment.film import Film
-from solar_env.environment.periods import begin_periods, end_periods, observe_lanes
-from solar_env.environment.sensors import Memory
 from solar_env.environment.settings import Changes, EnvironmentSettings
+from solar_env.environment.task.periods import begin_periods, end_periods, observe_lanes
+from solar_env.environment.task.sensors import Memory
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.running.batch import Batch
 

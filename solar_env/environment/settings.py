@@ -13,11 +13,11 @@ from solar_env.array.ladder import DEFAULT_QUESTION, DEFAULT_TOLERANCE, cheapest
 from solar_env.array.methods import default_integrator
 from solar_env.array.names import unknown_name
 from solar_env.environment.hardware import Hardware
-from solar_env.environment.observations import Entry, Names, observation_entries
-from solar_env.environment.reward import Reward
 from solar_env.environment.scenarios import Ranges, checked_ranges, scenario_named
-from solar_env.environment.sensors import Sensors
-from solar_env.environment.task import Task
+from solar_env.environment.task.observations import Entry, Names, observation_entries
+from solar_env.environment.task.reward import Reward
+from solar_env.environment.task.sensors import Sensors
+from solar_env.environment.task.task import Task
 from solar_env.mechanics.running.simulation import Simulation
 
 RENDER_MODES = ("rgb_array",)
@@ -38,7 +38,7 @@ class EnvironmentSettings:
         elements: number of beam elements of each flexible panel, from 1 to 1000; rigid panels do not use it.
         question, tolerance: of `model="auto"`: one of `solar_env.array.ladder.QUESTIONS` and the error allowed. By
             default at most a fifth of the pairs of controllers may be ranked wrongly ("controller-ranking", 0.2).
-        torque_limit, control_period, deadline, postlock_window, driven_joint: see `solar_env.environment.task.Task`.
+        torque_limit, control_period, deadline, postlock_window, driven_joint: see `task.task.Task`.
         observation: "drive", "history" or "privileged", or a list of names of observables, such as
             `["theta", "rate", "rate_1_ago", "time_to_deadline"]`; "rate_1_ago" is the rate of one period ago.
         reward: mapping of terms to their weights, or to mappings of "scale", "weight" and "bound".

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from solar_env.mechanics.running.trajectory import Trajectory
 
 SUFFIXES = (".pdf", ".png", ".svg")
+COMPARED_TIME = (-0.2, 3.0)  # since the first latching [s]
 HISTORY_WIDTH, BEARING_WIDTH, COMPARED_WIDTH = 7.4, 2.9, 4.4  # of a column of axes with its labels [inch]
 STORED = ("kinetic", "spring", "cable", "latch", "contact", "elastic", "gravity")
 PUT_IN = ("motor_work", "cable_work", "external_work")
@@ -63,10 +64,7 @@ def plot_deployment(trajectory: Trajectory, path: str | Path, deflections: NDArr
 
 
 def plot_comparison(
-    trajectories: Sequence[Trajectory],
-    deflections: Sequence[NDArray[np.float64]],
-    path: str | Path,
-    window: tuple[float, float] = (-0.2, 3.0),
+    trajectories: Sequence[Trajectory], deflections: Sequence[NDArray[np.float64]], path: str | Path
 ) -> None:
     """Write one figure of several deployments side by side: a column each, titled by its model and the peak force.
 
@@ -78,7 +76,6 @@ def plot_comparison(
         trajectories: of the same number of joints, with the model's name in their metadata.
         deflections: of each trajectory, (nt, panels) of the panels' middles from their chords [m].
         path: file to write; its suffix, .pdf, .png or .svg, chooses the format.
-        window: what is shown of the time since the first latching [s].
 
     Raises:
         ValueError: the suffix is none of these, or no joint of a trajectory has latched.
@@ -96,7 +93,7 @@ def plot_comparison(
         grid = _cells(figure, joints + 2, len(trajectories), edges, hspace=0.36, wspace=0.1)
         axes = grid.subplots(sharex="row", sharey="row", squeeze=False)
         for column, trajectory, bend in zip(axes.T, trajectories, deflections, strict=True):
-            _draw_compared(column, trajectory, bend, window)
+            _draw_compared(column, trajectory, bend)
         for axis in axes[:, 0]:
             axis.yaxis.set_label_coords(-0.45 / (COMPARED_WIDTH - 0.5), 0.5)
         for axis in axes[:, 1:].flat:
@@ -105,9 +102,7 @@ def plot_comparison(
         _save(figure, path, suffix)
 
 
-def _draw_compared(
-    axes: NDArray[Any], trajectory: Trajectory, deflections: NDArray[np.float64], window: tuple[float, float]
-) -> None:
+def _draw_compared(axes: NDArray[Any], trajectory: Trajectory, deflections: NDArray[np.float64]) -> None:
     """A column of `plot_comparison`; axes (joints + 2,) from the top."""
     angles, *forces, bends = axes
     angles.set_title(_conclusion(trajectory))
@@ -127,7 +122,7 @@ def _draw_compared(
     _draw_per_joint(bends, since, 1e3 * deflections, "deflection of\npanel [mm]")
     bends.set_xlabel("time since the first latching [s]")
     for axis in (*forces, bends):
-        axis.set_xlim(window)
+        axis.set_xlim(COMPARED_TIME)
 
 
 def _conclusion(trajectory: Trajectory) -> str:

@@ -14,7 +14,7 @@ from agents.laws.receding_horizon import RecedingHorizon, SearchSettings
 from agents.laws.servo import ServoParameters, VelocityProfileServo
 from agents.laws.shaped import InputShapedProfile
 from agents.torque_laws import Signals
-from solar_env.environment.observations import observation_entries
+from solar_env.environment.task.observations import observation_entries
 
 ID = "solar_env/Deploy-v0"
 SHORT = {"model": "rigid-ideal", "control_period": 1e-3}

@@ -12,9 +12,9 @@ from stable_baselines3.common.env_checker import check_env as check_by_stable_ba
 
 import solar_env
 from solar_env import Hardware
-from solar_env.environment.observations import LOCK_ANGLE, OBSERVABLES, OBSERVATIONS, observation_entries
 from solar_env.environment.registration import ENVIRONMENTS
-from solar_env.environment.sensors import Sensors
+from solar_env.environment.task.observations import LOCK_ANGLE, OBSERVABLES, OBSERVATIONS, observation_entries
+from solar_env.environment.task.sensors import Sensors
 
 ID = "solar_env/Deploy-v0"
 LOCK_ANGLES = (math.pi / 2, math.pi)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import solar_env
-from solar_env.environment.reward import REWARD_TERMS, Price, Reward
+from solar_env.environment.task.reward import REWARD_TERMS, Price, Reward
 from solar_env.mechanics.arrays import model as m
 
 ID = "solar_env/Deploy-v0"

@@ -16,8 +16,8 @@ import pytest
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 import solar_env
-from solar_env.environment.observations import OBSERVABLES
-from solar_env.environment.reward import REWARD_TERMS
+from solar_env.environment.task.observations import OBSERVABLES
+from solar_env.environment.task.reward import REWARD_TERMS
 from solar_env.mechanics.running.errors import SimulationError
 
 ID = "solar_env/Deploy-v0"

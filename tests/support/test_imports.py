@@ -37,7 +37,7 @@ def test_describing_a_mechanism_needs_no_compiler(run_python: Callable[..., str]
 
 
 @pytest.mark.parametrize(
-    "module", ["running.simulation", "integrators.generalized_alpha", "running.trajectory", "equations.build"]
+    "module", ["running.simulation", "integrators.methods.generalized_alpha", "running.trajectory", "equations.build"]
 )
 def test_the_simulator_knows_nothing_of_learning_or_drawing(run_python: Callable[..., str], module: str) -> None:
     # Importing the package itself registers its environments with Gymnasium: here the package is bypassed.

@@ -161,7 +161,7 @@ ROW_ENTRIES = 8
 
 
 class Elements(NamedTuple):
-    """The cable elements of all beams, in blocks (`bodies/cable_element.py`)."""
+    """The cable elements of all beams, in blocks (`bodies/cable_element/`)."""
 
     offset: NDArray[np.int64]  # (blocks, LANES) first coordinate
     inverse_length: NDArray[np.float64]  # (blocks, LANES)

@@ -1,4 +1,4 @@
-"""Kinds of body: coordinates, mass, internal forces and markers, one file a kind.
+"""Kinds of body: coordinates, mass, internal forces and markers, one file or folder a kind.
 
 A marker is a point of a body with a direction. A body offers at each of its markers place and direction, their rates as
 functions of q and v, and takes a force and a torque there; nothing outside this room knows a body's coordinates. The

@@ -3,8 +3,9 @@
 Fixed bodies, whatever their kind, have neither inertia nor accelerations.
 """
 
-from solar_env.mechanics.bodies import cable_element, cable_element_forces, natural_coordinates, reference_point
-from solar_env.mechanics.bodies.cable_element_tangent import add_elastic_tangents
+from solar_env.mechanics.bodies import natural_coordinates, reference_point
+from solar_env.mechanics.bodies.cable_element import element, forces
+from solar_env.mechanics.bodies.cable_element.tangent import add_elastic_tangents
 from solar_env.mechanics.bodies.kinds import CABLE_ELEMENTS, NATURAL, REFERENCE_POINT
 from solar_env.mechanics.numerics.jit import kernel
 
@@ -32,7 +33,7 @@ def solve_body(body, constants, q, v, force, a, with_velocity):
         _hold(body, a)
         return 0.0
     if body.kind == CABLE_ELEMENTS:
-        cable_element.solve_mass(body, constants, force, a)
+        element.solve_mass(body, constants, force, a)
         return 0.0
     if body.kind == REFERENCE_POINT:
         reference_point.solve_mass(body, force, a)
@@ -46,7 +47,7 @@ def solve_free(body, constants, force, a):
     if body.fixed:
         _hold(body, a)
     elif body.kind == CABLE_ELEMENTS:
-        cable_element.solve_mass(body, constants, force, a)
+        element.solve_mass(body, constants, force, a)
     elif body.kind == REFERENCE_POINT:
         reference_point.solve_mass(body, force, a)
     else:
@@ -59,7 +60,7 @@ def add_mass_product(body, constants, a, out):
     if body.fixed:
         return
     if body.kind == CABLE_ELEMENTS:
-        cable_element.add_mass_product(body, constants, a, out)
+        element.add_mass_product(body, constants, a, out)
     elif body.kind == REFERENCE_POINT:
         reference_point.add_mass_product(body, a, out)
     else:
@@ -72,7 +73,7 @@ def add_mass_matrix(body, constants, elimination, matrix):
     if body.fixed:
         return
     if body.kind == CABLE_ELEMENTS:
-        cable_element.add_mass_matrix(body, constants, 1.0, elimination, matrix)
+        element.add_mass_matrix(body, constants, 1.0, elimination, matrix)
     elif body.kind == REFERENCE_POINT:
         reference_point.add_mass_matrix(body, elimination, matrix)
     else:
@@ -85,7 +86,7 @@ def kinetic_energy(body, constants, v):
     if body.fixed:
         return 0.0
     if body.kind == CABLE_ELEMENTS:
-        return cable_element.kinetic_energy(body, constants, v)
+        return element.kinetic_energy(body, constants, v)
     if body.kind == REFERENCE_POINT:
         return reference_point.kinetic_energy(body, v)
     return natural_coordinates.kinetic_energy(body, v)
@@ -97,14 +98,14 @@ def elastic_energy(bodies, q):
     total = 0.0
     for body in bodies:
         if body.kind == CABLE_ELEMENTS:
-            total = cable_element_forces.add_elastic_energy(body, q, total)
+            total = forces.add_elastic_energy(body, q, total)
     return total
 
 
 @kernel(inlined=True)
 def add_internal_forces(model, q, v, force, element_table):
     """Add the internal forces of all bodies to `force` (n,); returns the power [W] that their damping takes."""
-    return cable_element_forces.add_elastic_forces(model.cable_elements, q, v, force, element_table)
+    return forces.add_elastic_forces(model.cable_elements, q, v, force, element_table)
 
 
 @kernel(inlined=True)

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from solar_env.mechanics.arrays.model import record
-from solar_env.mechanics.bodies.cable_element import CableElements
+from solar_env.mechanics.bodies.cable_element.element import CableElements
 from solar_env.mechanics.bodies.description import AnyBody
 from solar_env.mechanics.bodies.kind import BodyKind, Fields
 from solar_env.mechanics.bodies.natural_coordinates import NaturalCoordinates

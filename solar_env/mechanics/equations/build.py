@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.bodies.cable_element import element_blocks
+from solar_env.mechanics.bodies.cable_element.element import element_blocks
 from solar_env.mechanics.bodies.kind import BodyKind
 from solar_env.mechanics.bodies.kinds import KINDS, body_type, code_of, marker_type
 from solar_env.mechanics.bodies.linear_marker import pair_coordinates, place_row
@@ -110,9 +110,6 @@ class _Compiler:
             body_name: of the body.
             point: in its frame [m].
             needs_linear: the part that needs place and direction to be linear in the coordinates, if it does.
-
-        Raises:
-            ValueError: if they are not.
         """
         k = self.index[body_name]
         kind, body = self.kinds[k], self.described[k]

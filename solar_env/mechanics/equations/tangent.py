@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays.model import CLEARANCE
-from solar_env.mechanics.bodies.cable_element_tangent import ElementSlopes, make_element_slopes
+from solar_env.mechanics.bodies.cable_element.tangent import ElementSlopes, make_element_slopes
 from solar_env.mechanics.bodies.dispatch import add_internal_slopes
 from solar_env.mechanics.bodies.markers import fill_slopes, subtract_hessian
 from solar_env.mechanics.equations.system import Workspace

@@ -4,7 +4,7 @@ from solar_env.mechanics.arrays.lanes import lane_model, lane_state, take_ticket
 from solar_env.mechanics.arrays.model import DONE, PAUSED, TOO_MANY_STEPS
 from solar_env.mechanics.integrators.adaptive import begin_adaptive, take_adaptive_step
 from solar_env.mechanics.integrators.history import fail
-from solar_env.mechanics.integrators.methods import kernel_of
+from solar_env.mechanics.integrators.methods.table import kernel_of
 from solar_env.mechanics.integrators.recording import pause_due
 from solar_env.mechanics.numerics.jit import kernel
 

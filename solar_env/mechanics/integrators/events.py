@@ -7,7 +7,7 @@ import numpy as np
 
 from solar_env.mechanics.arrays.model import CLEARANCE
 from solar_env.mechanics.integrators.history import latch, start_contact
-from solar_env.mechanics.integrators.methods import depth_of, interpolate_of
+from solar_env.mechanics.integrators.methods.table import depth_of, interpolate_of
 from solar_env.mechanics.joints.joint import (
     ANGLE,
     ECCENTRICITY_X,

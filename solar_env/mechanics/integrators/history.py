@@ -119,7 +119,7 @@ def settle_joints(model, state, loads, sliding_work, start_time, start_depth, re
                 end_contact(state, j, start_time + share * (time - start_time), recorder)
 
 
-@kernel(single_caller=True)
+@kernel(inner=True, inlined=True)
 def impact_step_limit(state, time, resolution):
     """Greatest step [s] that resolves the impacts under way with `resolution` steps each."""
     joint_states = state.joints

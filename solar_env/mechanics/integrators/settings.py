@@ -57,7 +57,7 @@ class RungeKutta:
 
 @dataclass(frozen=True)
 class Rosenbrock(RungeKutta):
-    """`RungeKutta` with linearly implicit steps where they are worth their price (`rosenbrock.py`).
+    """`RungeKutta` with linearly implicit steps where they are worth their price (`methods/rosenbrock.py`).
 
     The stiff vibrations of flexible bodies then do not bound the steps. In impacts, and wherever accuracy asks for
     short steps anyway, these remain explicit; with flexible bodies their velocity scale shrinks while the whole
@@ -72,7 +72,7 @@ class Rosenbrock(RungeKutta):
 
 @dataclass(frozen=True)
 class DormandPrince(RungeKutta):
-    """Explicit Runge-Kutta of order eight (`dormand_prince.py`), for many digits of a motion without clearance.
+    """Explicit Runge-Kutta of order eight (`methods/dormand_prince.py`), for many digits of a motion without clearance.
 
     In lasting contact, and with flexible bodies, stability bounds its steps: the other methods are then faster.
     """
@@ -84,7 +84,7 @@ class DormandPrince(RungeKutta):
 
 @dataclass(frozen=True)
 class GeneralizedAlpha:
-    """Generalized-alpha on the index-3 equations (`generalized_alpha.py`).
+    """Generalized-alpha on the index-3 equations (`methods/generalized_alpha.py`).
 
     Attributes:
         step: fixed step [s], or the first one if rtol is given.
@@ -136,7 +136,7 @@ class GeneralizedAlpha:
 
 
 Integrator = RungeKutta | GeneralizedAlpha
-# Settings of every method by its name; their kernels are in `methods.py`.
+# Settings of every method by its name; their kernels are in `methods/table.py`.
 INTEGRATORS: dict[str, type[Integrator]] = {
     kind.name: kind for kind in (RungeKutta, Rosenbrock, DormandPrince, GeneralizedAlpha)
 }

@@ -13,16 +13,10 @@ from numpy.typing import NDArray
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.lanes import with_lane_axis
 from solar_env.mechanics.equations.build import compile_mechanism
-from solar_env.mechanics.equations.system import (
-    accelerations,
-    applied_forces,
-    constraint_drift,
-    make_workspace,
-    stored_energies,
-    velocity_drift,
-)
+from solar_env.mechanics.equations.constraints import constraint_drift, velocity_drift
+from solar_env.mechanics.equations.system import accelerations, applied_forces, make_workspace, stored_energies
 from solar_env.mechanics.integrators.driver import advance_lanes
-from solar_env.mechanics.integrators.methods import method_of
+from solar_env.mechanics.integrators.methods.table import method_of
 from solar_env.mechanics.integrators.recording import RECORDED_LOADS, Recorder, make_recorder, sample_columns
 from solar_env.mechanics.integrators.settings import Integrator, RungeKutta
 from solar_env.mechanics.joints import joint as columns

@@ -13,6 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+# Entries of the metadata that a summary shows.
+_COSTS_AND_LIMITS = (
+    "steps", "rejected_steps", "evaluations", "factorizations", "stability_bound_steps", "slow_contacts",
+    "creeping_share", "cut_off_share", "wall_time_s",
+)  # fmt: skip
 
 contact_record = np.dtype(
     [
@@ -148,15 +153,7 @@ class Trajectory:
             "theta_end_rad": plain(self.angles[-1]),
             "energy_residual_J": self.energy_residual,
             "energy_put_in_J": self.energy_put_in,
-            "steps": self.metadata.get("steps"),
-            "rejected_steps": self.metadata.get("rejected_steps"),
-            "evaluations": self.metadata.get("evaluations"),
-            "factorizations": self.metadata.get("factorizations"),
-            "stability_bound_steps": self.metadata.get("stability_bound_steps"),
-            "slow_contacts": self.metadata.get("slow_contacts"),
-            "creeping_share": self.metadata.get("creeping_share"),
-            "cut_off_share": self.metadata.get("cut_off_share"),
-            "wall_time_s": self.metadata.get("wall_time_s"),
+            **{name: self.metadata.get(name) for name in _COSTS_AND_LIMITS},
         }
 
     def save(self, path: str | Path) -> None:

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from solar_env.mechanics.bodies.stable_step import beam_stable_step
+from solar_env.mechanics.bodies.cable_element.stable_step import beam_stable_step
 from solar_env.mechanics.integrators.settings import RungeKutta
 from solar_env.mechanics.mechanism.beams import PANEL, free_beam
 from solar_env.mechanics.running.errors import SimulationError

@@ -6,7 +6,7 @@ import torch
 
 from agents.environments import make_env
 from agents.learning.features import LEAST_DEVIATION, LIMIT, DriveFeatures, landing, whole_motion
-from solar_env.environment.observations import OBSERVATIONS
+from solar_env.environment.task.observations import OBSERVATIONS
 
 
 def entries(observation):

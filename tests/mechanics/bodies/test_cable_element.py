@@ -12,10 +12,15 @@ from helpers import Vector, central_difference, orders, turned
 from scipy.linalg import eigh
 
 from solar_env.mechanics.arrays.model import Model
-from solar_env.mechanics.bodies.cable_element import add_mass_matrix, add_mass_product, kinetic_energy, solve_mass
-from solar_env.mechanics.bodies.cable_element_forces import LANES, TABLE_ROWS, add_elastic_forces
-from solar_env.mechanics.bodies.cable_element_matrices import stiffness_matrix
-from solar_env.mechanics.bodies.cable_element_tangent import add_elastic_tangents, make_element_slopes
+from solar_env.mechanics.bodies.cable_element.element import (
+    add_mass_matrix,
+    add_mass_product,
+    kinetic_energy,
+    solve_mass,
+)
+from solar_env.mechanics.bodies.cable_element.forces import LANES, TABLE_ROWS, add_elastic_forces
+from solar_env.mechanics.bodies.cable_element.matrices import stiffness_matrix
+from solar_env.mechanics.bodies.cable_element.tangent import add_elastic_tangents, make_element_slopes
 from solar_env.mechanics.bodies.dispatch import elastic_energy
 from solar_env.mechanics.bodies.markers import direction, place
 from solar_env.mechanics.equations.build import compile_mechanism

@@ -10,10 +10,10 @@ import pytest
 from helpers import Vector
 from scipy.linalg import eigh
 
-from solar_env.mechanics.bodies.cable_element import add_mass_product
-from solar_env.mechanics.bodies.cable_element_matrices import mass_band
-from solar_env.mechanics.bodies.cable_element_tangent import add_elastic_tangents, make_element_slopes
-from solar_env.mechanics.bodies.stable_step import largest_frequencies, stable_step
+from solar_env.mechanics.bodies.cable_element.element import add_mass_product
+from solar_env.mechanics.bodies.cable_element.matrices import mass_band
+from solar_env.mechanics.bodies.cable_element.stable_step import largest_frequencies, stable_step
+from solar_env.mechanics.bodies.cable_element.tangent import add_elastic_tangents, make_element_slopes
 from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.integrators.settings import RungeKutta
 from solar_env.mechanics.mechanism.description import Body, FlexibleBody, Mechanism

@@ -10,15 +10,14 @@ import pytest
 from helpers import ROUND_BEARING, Forces, Vector, block, central_difference, chain, floating_pair, pendulum, turned
 
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.equations.system import (
-    accelerations,
+from solar_env.mechanics.equations.constraints import (
     constraint_drift,
     drive_angle,
-    normal_inverse_mass,
     prepare_response,
     project,
     velocity_drift,
 )
+from solar_env.mechanics.equations.system import accelerations, normal_inverse_mass
 from solar_env.mechanics.joints import joint as columns
 from solar_env.mechanics.mechanism.description import GROUND, Body, Drive, Guide, Joint, Mechanism
 from solar_env.mechanics.numerics.linear import cholesky_factor, cholesky_solve

@@ -11,7 +11,7 @@ from helpers import ROUND_BEARING, ROUND_SPRING, ROUND_STOP, Forces, Vector, cen
 
 from solar_env.mechanics.equations.newton import assemble, linearize_forces
 from solar_env.mechanics.equations.tangent import fill_tangents, make_tangent_scratch
-from solar_env.mechanics.integrators.alpha_step import fill_residual, make_iteration
+from solar_env.mechanics.integrators.methods.alpha_step import fill_residual, make_iteration
 from solar_env.mechanics.joints import joint as columns
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.joints.friction.brown_mcphee import BrownMcPhee

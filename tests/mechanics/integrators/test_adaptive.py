@@ -21,7 +21,7 @@ from helpers import (
 )
 
 from solar_env.array import ArrayParameters, build
-from solar_env.mechanics.integrators.runge_kutta import make_runge_kutta_arrays, take_stages
+from solar_env.mechanics.integrators.methods.runge_kutta import make_runge_kutta_arrays, take_stages
 from solar_env.mechanics.integrators.settings import Rosenbrock, RungeKutta
 from solar_env.mechanics.integrators.step import cubic_weights, quintic_weights, refresh
 from solar_env.mechanics.joints.contact.power_law import PowerLaw

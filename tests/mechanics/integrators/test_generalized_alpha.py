@@ -12,7 +12,8 @@ from helpers import attempt, block, fingerprint, floating_pair, orders, pendulum
 
 from solar_env.array import MODELS, ArrayParameters, build
 from solar_env.mechanics.arrays.model import MOTOR_WORK
-from solar_env.mechanics.equations.system import constraint_drift, make_workspace
+from solar_env.mechanics.equations.constraints import constraint_drift
+from solar_env.mechanics.equations.system import make_workspace
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, RungeKutta, alpha_coefficients
 from solar_env.mechanics.joints.joint import ANGLE, FORCE_X, FORCE_Y
 from solar_env.mechanics.running.errors import SimulationError

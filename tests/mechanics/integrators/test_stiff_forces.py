@@ -9,9 +9,9 @@ from helpers import block
 from solar_env.array import ArrayParameters, build
 from solar_env.array.methods import default_integrator
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.integrators.runge_kutta import _COUPLING, _ERROR
+from solar_env.mechanics.integrators.methods.runge_kutta import _COUPLING, _ERROR
+from solar_env.mechanics.integrators.methods.stiff_forces import COUPLING, DIAGONAL
 from solar_env.mechanics.integrators.settings import Rosenbrock, RungeKutta
-from solar_env.mechanics.integrators.stiff_forces import COUPLING, DIAGONAL
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.mechanism.description import Bearing
 from solar_env.mechanics.numerics.linear import lu_factor, lu_solve

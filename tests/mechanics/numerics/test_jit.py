@@ -41,7 +41,7 @@ def cache_of(package: Path, tmp_path: Path, run_python: Callable[..., str]) -> C
 
 
 def test_every_kernel_that_a_run_calls_stands_behind_the_drivers_cache() -> None:
-    drivers = ("mechanics/integrators/driver.py", "mechanics/modal/driver.py", "environment/periods.py")
+    drivers = ("mechanics/integrators/driver.py", "mechanics/modal/driver.py", "environment/task/periods.py")
     behind = {path for driver in drivers for path in kernel_sources(ROOT / driver)}
     assert len(COMPILING) > 15
     assert behind >= set(COMPILING)
@@ -77,12 +77,12 @@ def test_an_edit_of_what_a_kernel_calls_changes_its_cache_folder(
 
 def test_an_edit_of_what_a_kernel_does_not_call_keeps_its_cache(package: Path, cache_of: Callable[[str], Path]) -> None:
     driver = "mechanics/integrators/adaptive.py"
-    before, before_task = cache_of(driver), cache_of("environment/task.py")
-    for name in ("array/construction.py", "environment/task.py"):
+    before, before_task = cache_of(driver), cache_of("environment/task/task.py")
+    for name in ("array/construction.py", "environment/task/task.py"):
         path = package / "solar_env" / name
         path.write_text(path.read_text() + "\n# edited\n")
     assert cache_of(driver) == before
-    assert cache_of("environment/task.py") != before_task
+    assert cache_of("environment/task/task.py") != before_task
 
 
 STALE = """
@@ -107,7 +107,7 @@ def test_a_folder_that_cannot_be_written_is_replaced_by_a_temporary_one(
     # A file stands where the folder should be.
     (tmp_path / "cache").write_text("")
     environment = {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "TMPDIR": str(tmp_path)}
-    folder = Path(run_python(PROGRAM, str(package), "environment/task.py", **environment).strip())
+    folder = Path(run_python(PROGRAM, str(package), "environment/task/task.py", **environment).strip())
     assert folder.is_dir()
     assert tmp_path in folder.parents
 

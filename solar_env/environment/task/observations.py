@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array.names import unknown_name
-from solar_env.environment.task import last_latch
+from solar_env.environment.task.task import last_latch
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.bodies.markers import direction
 from solar_env.mechanics.joints.joint import joint_motion, relative

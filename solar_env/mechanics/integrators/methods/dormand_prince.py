@@ -9,9 +9,9 @@ import math
 
 from solar_env.mechanics.arrays.model import CLEARANCE, EXACT, GLOBAL_INTEGRALS, INTEGRALS_PER_JOINT, Model, State
 from solar_env.mechanics.equations.system import accelerations, inlined_accelerations, make_workspace
-from solar_env.mechanics.integrators.dop853_coefficients import COUPLING, DENSE, ERROR, NODES, ROWS, STAGES
+from solar_env.mechanics.integrators.methods.dop853_coefficients import COUPLING, DENSE, ERROR, NODES, ROWS, STAGES
+from solar_env.mechanics.integrators.methods.runge_kutta import BOOKED_ENERGIES
 from solar_env.mechanics.integrators.recording import sample_due
-from solar_env.mechanics.integrators.runge_kutta import BOOKED_ENERGIES
 from solar_env.mechanics.integrators.step import (
     AdaptiveArrays,
     AdaptiveSettings,

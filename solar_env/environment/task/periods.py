@@ -1,8 +1,8 @@
 """Beginning and end of a control period, lane by lane; a single environment is a batch of one lane."""
 
-from solar_env.environment.observations import observe
-from solar_env.environment.reward import charge
-from solar_env.environment.task import begin_period, has_ended
+from solar_env.environment.task.observations import observe
+from solar_env.environment.task.reward import charge
+from solar_env.environment.task.task import begin_period, has_ended
 from solar_env.mechanics.arrays.lanes import lane_model, lane_state
 from solar_env.mechanics.numerics.jit import kernel
 

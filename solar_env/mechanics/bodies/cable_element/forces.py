@@ -1,11 +1,11 @@
-"""Internal forces and strain energy of beams of cable elements (`cable_element.py`).
+"""Internal forces and strain energy of beams of cable elements (`element.py`).
 
 Within an element of length L everything follows from three vectors: the chord d = (r_b - r_a) / L and the slopes a, b.
 """
 
 import math
 
-from solar_env.mechanics.bodies.cable_element_matrices import AXIAL, BENDING
+from solar_env.mechanics.bodies.cable_element.matrices import AXIAL, BENDING
 from solar_env.mechanics.numerics.jit import kernel
 
 # Elements whose forces are worked out together, in blocks of constant length; and how many at least.

@@ -1,4 +1,4 @@
-"""Slopes of the internal forces of beams of cable elements (`cable_element.py`), for implicit integration.
+"""Slopes of the internal forces of beams of cable elements (`element.py`), for implicit integration.
 
 With x = (chord, slopes) of an element, its strains are e(x), their rates e' = G x' with G = de/dx, and its internal
 force is the integral of G^T (stiffness) (e + damping * e'). At every quadrature point the strain depends on r', or on
@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.mechanics.bodies.cable_element_forces import LANES, REGISTER
-from solar_env.mechanics.bodies.cable_element_matrices import AXIAL, BENDING
+from solar_env.mechanics.bodies.cable_element.forces import LANES, REGISTER
+from solar_env.mechanics.bodies.cable_element.matrices import AXIAL, BENDING
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.profile import BLOCK
 

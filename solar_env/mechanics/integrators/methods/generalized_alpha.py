@@ -11,16 +11,15 @@ from typing import NamedTuple
 
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.model import Model, State
+from solar_env.mechanics.equations.constraints import fill_columns
 from solar_env.mechanics.equations.newton import fill_mass
 from solar_env.mechanics.equations.system import (
     Workspace,
     applied_forces,
-    fill_columns,
     make_workspace,
     normal_inverse_mass,
     store_constraint_loads,
 )
-from solar_env.mechanics.integrators.alpha_step import AlphaSettings, Iteration, make_iteration, restart, solve_step
 from solar_env.mechanics.integrators.history import (
     check_state,
     fail,
@@ -28,6 +27,13 @@ from solar_env.mechanics.integrators.history import (
     latch,
     settle_joints,
     start_contact,
+)
+from solar_env.mechanics.integrators.methods.alpha_step import (
+    AlphaSettings,
+    Iteration,
+    make_iteration,
+    restart,
+    solve_step,
 )
 from solar_env.mechanics.integrators.recording import record_sample, sample_due
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, alpha_coefficients

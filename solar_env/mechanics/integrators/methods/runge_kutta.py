@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.model import Model, State
 from solar_env.mechanics.equations.system import inlined_accelerations, make_workspace
+from solar_env.mechanics.integrators.methods.stiff_forces import begin_step, correct_stage, may_be_stiff, product
 from solar_env.mechanics.integrators.step import AdaptiveArrays, AdaptiveSettings, make_adaptive_arrays, refresh
-from solar_env.mechanics.integrators.stiff_forces import begin_step, correct_stage, may_be_stiff, product
 from solar_env.mechanics.joints.joint import penetration
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into

@@ -9,8 +9,13 @@ from typing import NamedTuple
 from solar_env.mechanics.arrays.model import Model, State
 from solar_env.mechanics.equations.newton import fill_mass
 from solar_env.mechanics.equations.system import make_workspace
-from solar_env.mechanics.integrators.rosenbrock_step import NEVER, LinearStep, attempt_implicit, make_linear_step
-from solar_env.mechanics.integrators.runge_kutta import (
+from solar_env.mechanics.integrators.methods.rosenbrock_step import (
+    NEVER,
+    LinearStep,
+    attempt_implicit,
+    make_linear_step,
+)
+from solar_env.mechanics.integrators.methods.runge_kutta import (
     STABILITY_MARGIN,
     STAGES,
     StiffForces,

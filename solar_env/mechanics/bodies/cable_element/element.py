@@ -15,12 +15,12 @@ from typing import Any, ClassVar
 import numpy as np
 
 from solar_env.mechanics.arrays.model import Elements
-from solar_env.mechanics.bodies.cable_element_forces import LANES
-from solar_env.mechanics.bodies.cable_element_matrices import MASS_BAND, factor_band, mass_band
+from solar_env.mechanics.bodies.cable_element.forces import LANES
+from solar_env.mechanics.bodies.cable_element.matrices import MASS_BAND, factor_band, mass_band
+from solar_env.mechanics.bodies.cable_element.stable_step import beam_stable_step
 from solar_env.mechanics.bodies.description import AnyBody, FlexibleBody, Point
 from solar_env.mechanics.bodies.kind import Array, BodyKind, Fields
 from solar_env.mechanics.bodies.linear_marker import MARKER_FIELDS, pair_coordinates
-from solar_env.mechanics.bodies.stable_step import beam_stable_step
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.profile import add_entry
 

@@ -20,7 +20,8 @@ import numpy as np
 
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.bodies.markers import add_point_force, add_torque, spin
-from solar_env.mechanics.equations.system import acceleration_response, accelerations, prepare_response
+from solar_env.mechanics.equations.constraints import prepare_response
+from solar_env.mechanics.equations.system import acceleration_response, accelerations
 from solar_env.mechanics.integrators.history import IMPACT_DURATIONS
 from solar_env.mechanics.joints.contact.normal_force import normal_force
 from solar_env.mechanics.joints.friction.friction_share import friction_share

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from solar_env.mechanics.bodies.cable_element_matrices import mass_band, stiffness_matrix
+from solar_env.mechanics.bodies.cable_element.matrices import mass_band, stiffness_matrix
 
 # Beyond this number the highest frequency depends on the length of an element alone.
 _REPRESENTATIVE_ELEMENTS = 12

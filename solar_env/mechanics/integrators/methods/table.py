@@ -12,7 +12,8 @@ from typing import Any
 from numba.extending import overload
 
 from solar_env.mechanics.arrays.model import Model, State
-from solar_env.mechanics.integrators import dormand_prince, generalized_alpha, rosenbrock, runge_kutta, settings
+from solar_env.mechanics.integrators import settings
+from solar_env.mechanics.integrators.methods import dormand_prince, generalized_alpha, rosenbrock, runge_kutta
 from solar_env.mechanics.integrators.step import HERMITE, AdaptiveSettings, Interpolant, adapt_nothing
 
 Chosen = Any  # one of the settings' classes of `settings.py`

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.environment.hardware import Hardware
-from solar_env.environment.observations import LOCK_ANGLE, Entry, channels
+from solar_env.environment.task.observations import LOCK_ANGLE, Entry, channels
 
 
 class Memory(NamedTuple):

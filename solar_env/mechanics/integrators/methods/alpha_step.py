@@ -17,17 +17,9 @@ from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays.model import ENERGIES, Model, State
 from solar_env.mechanics.bodies.natural_coordinates import add_length_force
+from solar_env.mechanics.equations.constraints import add_row, constraint_drift, prepare_response, project
 from solar_env.mechanics.equations.newton import NewtonMatrices, assemble, linearize_forces, make_newton_matrices
-from solar_env.mechanics.equations.system import (
-    Workspace,
-    accelerations,
-    add_mass_products,
-    add_row,
-    applied_forces,
-    constraint_drift,
-    prepare_response,
-    project,
-)
+from solar_env.mechanics.equations.system import Workspace, accelerations, add_mass_products, applied_forces
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 from solar_env.mechanics.numerics.profile import BLOCK, enter, profile_factor, profile_solve, taken

@@ -1,0 +1,229 @@
+"""Linear constraints of a mechanism: rows, drives, compliance, drift, and the way back to them.
+
+A row of A(t) q = b is an ideal joint's, a guide's or a drive's. Rows are solved through the bodies' compliances: the
+dual Schur complement A P A^T has one row and column a constraint. Its part at free lengths is constant.
+"""
+
+import math
+
+from solar_env.mechanics.bodies.dispatch import project_bodies, solve_body, solve_free
+from solar_env.mechanics.bodies.linear_marker import set_direction_row
+from solar_env.mechanics.bodies.markers import direction, direction_rate
+from solar_env.mechanics.bodies.natural_coordinates import length_compliance, stretch_along
+from solar_env.mechanics.numerics.jit import kernel
+from solar_env.mechanics.numerics.linear import cholesky_factor, cholesky_solve
+
+
+@kernel(inlined=True)
+def add_row(model, work, r, weight, x):
+    """Add `weight` times constraint row `r` to `x` (n,)."""
+    coordinate, value = model.constraints.coordinate, work.row_value
+    for k in range(model.constraints.size[r]):
+        x[coordinate[r, k]] += weight * value[r, k]
+
+
+@kernel(inner=True, inlined=True)
+def row_product(model, work, r, x):
+    """Constraint row `r` times `x` (n,)."""
+    coordinate, value = model.constraints.coordinate, work.row_value
+    total = 0.0
+    for k in range(model.constraints.size[r]):
+        total += value[r, k] * x[coordinate[r, k]]
+    return total
+
+
+@kernel(inner=True)
+def fill_column(model, work, r):
+    """Inverse mass matrix times constraint row `r`, into its column, with the stretch of lengths by it."""
+    bodies, row_force, column = model.bodies, work.row_force, work.columns[r]
+    for side in range(2):
+        b = model.constraints.bodies[r, side]
+        if b >= 0:
+            for i in range(bodies[b].offset, bodies[b].offset + bodies[b].coordinates):
+                row_force[i] = 0.0
+    for k in range(model.constraints.size[r]):
+        row_force[model.constraints.coordinate[r, k]] = 0.0
+    add_row(model, work, r, 1.0, row_force)
+    for side in range(2):
+        b = model.constraints.bodies[r, side]
+        if b >= 0:
+            body = bodies[b]
+            solve_free(body, model.body_constants, row_force, column)
+            if body.constraints:
+                for axis in range(2):
+                    i = body.offset + axis
+                    work.stretch[r, side, axis] = column[i + 2] - column[i]
+
+
+@kernel
+def fill_columns(model, work, driven):
+    """Fill the columns of the driven rows, which change, or of all others, with their products."""
+    m = work.columns.shape[0]
+    for r in range(m):
+        if model.constraints.driven[r] == driven:
+            fill_column(model, work, r)
+    for r in range(m):
+        if model.constraints.driven[r] == driven:
+            for s in range(m):
+                work.free_schur[r, s] = work.free_schur[s, r] = row_product(model, work, s, work.columns[r])
+
+
+@kernel
+def drive_angle(drive, time):
+    """Prescribed angle [rad], rate and angular acceleration of a drive."""
+    span = drive.ramp_time
+    if span <= 0.0 or time >= span:
+        return drive.angle + drive.rate * (time - 0.5 * span), drive.rate, 0.0
+    phase = 2.0 * math.pi * time / span
+    angle = 0.5 * time * time + (span / (2.0 * math.pi)) ** 2 * (math.cos(phase) - 1.0)
+    rate = time - span / (2.0 * math.pi) * math.sin(phase)
+    scale = drive.rate / span
+    return drive.angle + scale * angle, scale * rate, scale * (1.0 - math.cos(phase))
+
+
+@kernel
+def set_drive_rows(model, time, row_value):
+    """Write the rows of prescribed rotations: the body's direction stays parallel to (cos psi, sin psi)."""
+    for k in range(model.drives.size):
+        drive = model.drives[k]
+        marker = model.markers[drive.marker]
+        psi, _, _ = drive_angle(drive, time)
+        c, s = math.cos(psi), math.sin(psi)
+        set_direction_row(marker, c, s, row_value[drive.row])
+
+
+@kernel(inner=True)
+def drive_motion(model, drive, time, q, v):
+    """Explicit time derivatives of a drive's constraint: its rate at fixed q, and the acceleration's bias."""
+    marker = model.markers[drive.marker]
+    psi, turn, turn_up = drive_angle(drive, time)
+    c, s = math.cos(psi), math.sin(psi)
+    dx, dy = direction(marker, q)
+    ux, uy = direction_rate(marker, q, v)
+    rate = -turn * (s * dy + c * dx)
+    bias = -2.0 * turn * (s * uy + c * ux) + turn * turn * (s * dx - c * dy) - turn_up * (c * dx + s * dy)
+    return rate, bias
+
+
+@kernel(inner=True)
+def build_schur(model, q, work):
+    """Compliance of the linear constraints, factored; False if they are redundant.
+
+    A row's compliance at free lengths is constant; a body's own length takes a rank-one part from it.
+    """
+    schur, free_schur, pull, row_bodies = work.schur, work.free_schur, work.pull, model.constraints.bodies
+    m = schur.shape[0]
+    driven = model.drives.size > 0
+    if driven:
+        fill_columns(model, work, driven)
+    for r in range(m):
+        for s in range(r + 1):
+            schur[r, s] = free_schur[r, s]
+        for side in range(2):
+            b = row_bodies[r, side]
+            if b < 0 or model.bodies[b].constraints == 0:
+                continue
+            body = model.bodies[b]
+            pull[r, side] = stretch_along(body, q, work.stretch[r, side, 0], work.stretch[r, side, 1])
+            weight = pull[r, side] / length_compliance(body, q)
+            for s in range(r + 1):
+                for other in range(2):
+                    if row_bodies[s, other] == b and (s < r or other <= side):
+                        schur[r, s] -= weight * pull[s, other]
+    return cholesky_factor(schur, m)
+
+
+@kernel(inner=True)
+def add_columns(model, work, multipliers, x):
+    """Subtract the columns times `multipliers` from `x` (n,), for bodies without a constraint of their own."""
+    bodies, columns = model.bodies, work.columns
+    for r in range(columns.shape[0]):
+        for side in range(2):
+            b = model.constraints.bodies[r, side]
+            if b >= 0 and bodies[b].constraints == 0:
+                body = bodies[b]
+                for i in range(body.offset, body.offset + body.coordinates):
+                    x[i] -= multipliers[r] * columns[r, i]
+
+
+@kernel(inner=True)
+def subtract_response(model, q, work, multipliers, x):
+    """Subtract from `x` (n,) the accelerations by `multipliers` of the linear constraints, lengths kept."""
+    bodies, row_force, solution = model.bodies, work.row_force, work.solution
+    for i in range(row_force.size):
+        row_force[i] = 0.0
+    for r in range(work.residual.size):
+        add_row(model, work, r, multipliers[r], row_force)
+    for b in range(bodies.size):
+        body = bodies[b]
+        if body.constraints:
+            solve_body(body, model.body_constants, q, q, row_force, solution, 0.0)
+            for i in range(body.offset, body.offset + body.coordinates):
+                x[i] -= solution[i]
+    add_columns(model, work, multipliers, x)
+
+
+@kernel
+def prepare_response(model, q, time, work):
+    """Fill the compliance of the linear constraints at a configuration; False if they are redundant."""
+    if model.drives.size > 0:
+        set_drive_rows(model, time, work.row_value)
+    return work.schur.shape[0] == 0 or build_schur(model, q, work)
+
+
+@kernel
+def constraint_drift(model, q, time, work):
+    """Greatest violation [m] of the linear constraints; leaves it by row in `work.residual`."""
+    worst = 0.0
+    if model.drives.size > 0:
+        set_drive_rows(model, time, work.row_value)
+    for r in range(work.residual.size):
+        work.residual[r] = row_product(model, work, r, q) - model.constraints.target[r]
+        worst = max(worst, abs(work.residual[r]))
+    return worst
+
+
+@kernel
+def velocity_drift(model, q, v, time, work):
+    """Greatest violation [m/s] of the linear constraints' rates; leaves it by row in `work.residual`."""
+    residual = work.residual
+    if model.drives.size > 0:
+        set_drive_rows(model, time, work.row_value)
+    worst = 0.0
+    for r in range(residual.size):
+        residual[r] = row_product(model, work, r, v)
+    for k in range(model.drives.size):
+        drive = model.drives[k]
+        rate, _ = drive_motion(model, drive, time, q, v)
+        residual[drive.row] += rate
+    for r in range(residual.size):
+        worst = max(worst, abs(residual[r]))
+    return worst
+
+
+@kernel(inlined=True)
+def project(model, q, v, time, work):
+    """Return positions and velocities to the constraints by the smallest change in the mass metric.
+
+    `work` must hold the compliance of the linear constraints hereabouts, from `prepare_response` or from an
+    evaluation of the accelerations.
+    """
+    project_bodies(model.bodies, q, v)
+    if work.residual.size > 0:
+        project_linear(model, q, v, time, work)
+
+
+@kernel(inner=True)
+def project_linear(model, q, v, time, work):
+    """`project` for the linear constraints."""
+    residual = work.residual
+    constraint_drift(model, q, time, work)
+    # The velocities are corrected with the rows of the same configuration: the position change is tiny.
+    for kind in range(2):
+        if kind == 1:
+            velocity_drift(model, q, v, time, work)
+        cholesky_solve(work.schur, residual.size, residual)
+        target = q if kind == 0 else v
+        subtract_response(model, q, work, residual, target)
+    # The position change leaves the lengths only to second order.
+    project_bodies(model.bodies, q, v)

@@ -1,10 +1,11 @@
-"""Advancing a mechanism of rigid bodies and modal panels: step sizes by the error, events, acceptance, samples.
+"""Kernels of the method `ModalRadau`: a call's start, and a step with its size, events, acceptance and samples.
 
 A step is a pure function of the accepted state and its size. Where the run finds an event inside a step, it solves the
 step again, cut there.
 """
 
 import math
+from typing import Any
 
 from solar_env.mechanics.arrays.model import (
     CLEARANCE,
@@ -14,12 +15,8 @@ from solar_env.mechanics.arrays.model import (
     EXACT,
     JOINT_ANGLE_RANGE,
     NOT_FINITE,
-    PAUSED,
     STEP_TOO_SMALL,
-    TOO_MANY_STEPS,
 )
-from solar_env.mechanics.integrators.history import end_contact, fail, impact_step_limit
-from solar_env.mechanics.integrators.recording import pause_due, sample_due
 from solar_env.mechanics.joints.joint import stop_depth
 from solar_env.mechanics.joints.wear import add_wear, pressed_half_angle
 from solar_env.mechanics.modal.acceptance import commit_step, keep_loads, step_error
@@ -37,15 +34,31 @@ from solar_env.mechanics.modal.equations import fill_torques
 from solar_env.mechanics.modal.events import NONE, begin_event, first_event
 from solar_env.mechanics.modal.motion import look_at
 from solar_env.mechanics.modal.sampling import record_modal_sample
-from solar_env.mechanics.modal.step import solve_step
+from solar_env.mechanics.modal.step import ModalSettings, solve_step
 from solar_env.mechanics.modal.tables import LEVELS, fill_level, level_below, level_size
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
+from solar_env.mechanics.records.history import end_contact, fail, impact_step_limit
+from solar_env.mechanics.records.recording import sample_due
 
 _FIRST_STEP = 1e-4  # s
 _MOST_EVENTS_AT_ONCE = 1000
 _SMALLEST_PART = 1e-13  # s, before an event; in less time nothing moves
 _FASTEST_GROWTH = 4.0
+# Depth errors of a step over rtol, relative to the depth.
+_DEPTH_TOLERANCE = 0.1
+
+
+def convert_settings(chosen: Any) -> ModalSettings:
+    """The settings `ModalRadau` as the kernels take them."""
+    return ModalSettings(
+        float(chosen.rtol),
+        float(chosen.velocity_scale),
+        float(chosen.rtol * _DEPTH_TOLERANCE),
+        float(chosen.max_step),
+        float(chosen.impact_resolution),
+        int(chosen.max_steps),
+    )
 
 
 @kernel
@@ -164,11 +177,10 @@ def next_step_size(clock, h, error, cut):
     clock.step_size = max(clock.step_size, size) if cut else size
 
 
-@kernel
-def advance_modal(model, state, settings, recorder, end_time, work):
-    """Advance `state` in place to `end_time` [s]; returns a status code."""
+@kernel(inner=True)
+def begin_modal(model, state, settings, recorder, work):
+    """Look at the present state and record the start of a call; a status code."""
     clock = state.clock[0]
-    look_at(model, state.q, state.v, work, START)
     if recorder.times.size > 0:
         copy_into(work.q, state.q)
         copy_into(work.v, state.v)
@@ -177,60 +189,62 @@ def advance_modal(model, state, settings, recorder, end_time, work):
             for c in range(3):
                 work.load[0, j, c] = work.load[1, j, c] = state.loads[j, c]
         record_until(model, state, work, recorder, clock.time, 0.0)
-        look_at(model, state.q, state.v, work, START)
+    look_at(model, state.q, state.v, work, START)
     if clock.step_size <= 0.0:
         clock.step_size = _FIRST_STEP
         clock.last_error = 1.0
-    status = DONE
-    taken, at_once = 0, 0
-    while clock.time < end_time:
-        if pause_due(recorder, clock.time, model.joints.size):
-            return PAUSED
-        if taken >= settings.max_steps:
-            return fail(state, TOO_MANY_STEPS, -1, float(taken))
-        wanted = min(clock.step_size, settings.max_step)
-        wanted = min(wanted, impact_step_limit(state, clock.time, settings.impact_resolution))
-        tables, level = model.tables, level_below(wanted)
-        if level == LEVELS:
-            return fail(state, STEP_TOO_SMALL, -1, clock.last_error)
-        h = level_size(level)
-        # No sliver of a step is left before the end.
-        last = end_time - clock.time <= max(wanted, 1.05 * h)
-        if last:
-            h = end_time - clock.time
-            tables, level = work.tables, 0
-            fill_level(model.panels, tables, level, h, work.coefficients)
-        size = h
-        taken += 1
-        solved = solve_step(model, state, work, settings, tables, level, h)
-        error = step_error(model, state, work, settings, tables, level, h) if solved else math.inf
-        clock.evaluations += work.counts[0]
-        work.counts[0] = 0
-        if not error <= 1.0:
-            reject_step(clock, h, solved, error)
-            continue
-        share, joint, kind = first_event(model, state, work, h)
-        at_once = 0 if share * h > _SMALLEST_PART else at_once + 1
-        if at_once > _MOST_EVENTS_AT_ONCE:
-            return fail(state, EVENTS_PILE_UP, joint, float(at_once))
-        if kind != NONE and at_once > 0:
-            begin_event(model, state, work, joint, kind)
-            continue
-        if kind != NONE and share < 1.0:
-            last = False
-            h *= share
-            tables, level = work.tables, 0
-            fill_level(model.panels, tables, level, h, work.coefficients)
-            if not solve_step(model, state, work, settings, tables, level, h):
-                reject_step(clock, h, False, math.inf)
-                continue
-        accept_step(model, state, work, recorder, tables, level, h)
-        if last:
-            clock.time = end_time
-        next_step_size(clock, size, error, last)
-        if kind != NONE:
-            begin_event(model, state, work, joint, kind)
-        status = check_state(model, state, work)
-        if status != DONE:
-            return status
-    return status
+    work.counts[:] = 0
+    return DONE
+
+
+@kernel(inlined=True)
+def cut_tables(model, work, h):
+    """Tables for a step size `h` [s] that is not tabled."""
+    fill_level(model.panels, work.tables, 0, h, work.coefficients)
+    return work.tables
+
+
+@kernel(inner=True)
+def take_modal_step(model, state, settings, recorder, end_time, work):
+    """Try a step towards `end_time` [s], and take it if its error allows, up to its first event; a status code."""
+    clock = state.clock[0]
+    wanted = min(clock.step_size, settings.max_step)
+    wanted = min(wanted, impact_step_limit(state, clock.time, settings.impact_resolution))
+    tables, level = model.tables, level_below(wanted)
+    if level == LEVELS:
+        return fail(state, STEP_TOO_SMALL, -1, clock.last_error)
+    h = level_size(level)
+    # No sliver of a step is left before the end.
+    last = end_time - clock.time <= max(wanted, 1.05 * h)
+    if last:
+        h = end_time - clock.time
+        tables, level = cut_tables(model, work, h), 0
+    size = h
+    solved = solve_step(model, state, work, settings, tables, level, h)
+    error = step_error(model, state, work, settings, tables, level, h) if solved else math.inf
+    clock.evaluations += work.counts[0]
+    work.counts[0] = 0
+    if not error <= 1.0:
+        reject_step(clock, h, solved, error)
+        return DONE
+    share, joint, kind = first_event(model, state, work, h)
+    work.counts[1] = 0 if share * h > _SMALLEST_PART else work.counts[1] + 1
+    if work.counts[1] > _MOST_EVENTS_AT_ONCE:
+        return fail(state, EVENTS_PILE_UP, joint, float(work.counts[1]))
+    if kind != NONE and work.counts[1] > 0:
+        begin_event(model, state, work, joint, kind)
+        return DONE
+    if kind != NONE and share < 1.0:
+        last = False
+        h *= share
+        tables, level = cut_tables(model, work, h), 0
+        if not solve_step(model, state, work, settings, tables, level, h):
+            reject_step(clock, h, False, math.inf)
+            return DONE
+    accept_step(model, state, work, recorder, tables, level, h)
+    if last:
+        clock.time = end_time
+    next_step_size(clock, size, error, last)
+    if kind != NONE:
+        begin_event(model, state, work, joint, kind)
+    return check_state(model, state, work)

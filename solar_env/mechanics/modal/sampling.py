@@ -3,7 +3,6 @@
 import math
 
 from solar_env.mechanics.arrays.model import IDEAL
-from solar_env.mechanics.integrators.recording import RECORDED_LOADS
 from solar_env.mechanics.joints import joint as columns
 from solar_env.mechanics.joints.joint import cable_torque, stop_torque
 from solar_env.mechanics.modal.arrays import (
@@ -20,6 +19,7 @@ from solar_env.mechanics.modal.books import stored_energies
 from solar_env.mechanics.modal.events import cubic
 from solar_env.mechanics.modal.motion import look_at
 from solar_env.mechanics.numerics.jit import kernel
+from solar_env.mechanics.records.recording import RECORDED_LOADS
 
 
 @kernel

@@ -6,12 +6,12 @@ import numpy as np
 from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.integrators.events import NO_EVENT, begin_event
 from solar_env.mechanics.integrators.methods import METHODS, method_of
-from solar_env.mechanics.integrators.recording import make_recorder, record_sample
 from solar_env.mechanics.integrators.rosenbrock_step import attempt_implicit
 from solar_env.mechanics.integrators.settings import Rosenbrock
 from solar_env.mechanics.integrators.step import refresh
 from solar_env.mechanics.integrators.stiff_forces import begin_step
 from solar_env.mechanics.mechanism.description import Mechanism
+from solar_env.mechanics.records.recording import make_recorder, record_sample
 
 
 def compile_evaluation(mechanism: Mechanism) -> None:

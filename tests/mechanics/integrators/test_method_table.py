@@ -12,9 +12,9 @@ from helpers import Vector, attempt, fingerprint, floating_pair, orders, pendulu
 from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.integrators.driver import advance_lanes
 from solar_env.mechanics.integrators.methods import METHODS, method_of
-from solar_env.mechanics.integrators.recording import make_recorder
 from solar_env.mechanics.integrators.settings import INTEGRATORS, DormandPrince, Integrator
 from solar_env.mechanics.mechanism.description import Mechanism
+from solar_env.mechanics.records.recording import make_recorder
 from solar_env.mechanics.running.batch import Batch
 from solar_env.mechanics.running.simulation import Simulation, simulate
 

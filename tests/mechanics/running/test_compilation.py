@@ -11,9 +11,9 @@ from solar_env.array import ArrayParameters, build
 from solar_env.array.methods import make_integrator
 from solar_env.commands.warmup import PARTS, compile_part
 from solar_env.mechanics.integrators.events import begin_event
-from solar_env.mechanics.integrators.recording import record_sample
 from solar_env.mechanics.integrators.rosenbrock_step import attempt_implicit
 from solar_env.mechanics.integrators.stiff_forces import begin_step
+from solar_env.mechanics.records.recording import record_sample
 from solar_env.mechanics.running.simulation import Simulation
 
 

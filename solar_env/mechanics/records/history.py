@@ -5,7 +5,6 @@ import math
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.bodies.markers import vector_angle
 from solar_env.mechanics.equations.system import normal_inverse_mass
-from solar_env.mechanics.integrators.recording import record_contact
 from solar_env.mechanics.joints.contact.normal_force import impact_scales
 from solar_env.mechanics.joints.joint import (
     ANGLE,
@@ -18,6 +17,7 @@ from solar_env.mechanics.joints.joint import (
 )
 from solar_env.mechanics.joints.wear import add_wear, pressed_half_angle
 from solar_env.mechanics.numerics.jit import kernel
+from solar_env.mechanics.records.recording import record_contact
 
 # A contact counts as an impact, to be resolved by steps of its own, for this many predicted durations.
 IMPACT_DURATIONS = 2.0

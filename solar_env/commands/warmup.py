@@ -14,7 +14,7 @@ from solar_env.array.methods import make_integrator
 from solar_env.mechanics.integrators.settings import INTEGRATORS
 
 # Functions of `compilation.py`: what everything calls, and the longest of the rest.
-PARTS = ("compile_evaluation", "compile_linear_step")
+PARTS = ("compile_evaluation", "compile_linear_step", "compile_modal_step")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -6,6 +6,7 @@ import json
 import math
 import re
 from dataclasses import fields, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,8 +17,8 @@ from solar_env.array import (
     MODELS,
     PRESETS,
     ArrayParameters,
+    PanelModel,
     build,
-    check_elements,
     check_model,
     main_body_corners,
 )
@@ -29,11 +30,12 @@ from solar_env.mechanics.bodies.kinds import CABLE_ELEMENTS
 from solar_env.mechanics.bodies.markers import place
 from solar_env.mechanics.bodies.markers import velocity as marker_velocity
 from solar_env.mechanics.equations.build import compile_mechanism
-from solar_env.mechanics.integrators.settings import DormandPrince, GeneralizedAlpha, Rosenbrock, RungeKutta
+from solar_env.mechanics.integrators.settings import DormandPrince, GeneralizedAlpha, ModalRadau, Rosenbrock, RungeKutta
 from solar_env.mechanics.joints.friction.ramp import RampedCoulomb
 from solar_env.mechanics.joints.joint import ANGLE, RATE
 from solar_env.mechanics.mechanism.description import FlexibleBody
 from solar_env.mechanics.running.simulation import Simulation
+from solar_env.mechanics.running.trajectory import Trajectory
 
 NUMBERS = [f.name for f in fields(ArrayParameters) if not isinstance(f.default, (str, bool))]
 PER_JOINT = ("spring_stiffness", "spring_preload_angle", "clearance", "initial_rate")
@@ -337,17 +339,82 @@ def test_flexible_panels_have_the_mass_of_rigid_ones_and_the_stiffness_of_their_
 
 
 @pytest.mark.parametrize("model", MODELS)
-@pytest.mark.parametrize("elements", [0, -1, 1001, 2.0, "6", True, None])
+@pytest.mark.parametrize("elements", [0, -1, 1001, 2.0, "6", True])
 def test_a_refused_number_of_elements_is_named_whatever_the_model(model: str, elements: Any) -> None:
-    calls = (check_elements, lambda n: build(ArrayParameters(), model, n), lambda n: simulate(model=model, elements=n))
+    calls = (
+        lambda n: PanelModel("ancf", n),
+        lambda n: build(ArrayParameters(), model, n),
+        lambda n: simulate(model=model, elements=n),
+    )
     for call in calls:
         with pytest.raises(ValueError, match=rf"elements = {re.escape(repr(elements))}: must"):
             call(elements)
 
 
+@pytest.mark.parametrize(
+    ("asked", "found"),
+    [
+        ({}, PanelModel("ancf", 6)),
+        ({"panels": "modal"}, PanelModel("modal", 24)),
+        ({"panels": "ancf"}, PanelModel("ancf", 6)),
+        ({"elements": 3}, PanelModel("ancf", 3)),
+        ({"modes": 8}, PanelModel("modal", 8)),
+        ({"panels": PanelModel("modal", 5), "integrator": "modal-radau"}, PanelModel("modal", 5)),
+        ({"integrator": "modal-radau"}, PanelModel("modal", 24)),
+        ({"integrator": "rosenbrock"}, PanelModel("ancf", 6)),
+        ({"panels": "modal", "modes": 8, "integrator": "modal-radau"}, PanelModel("modal", 8)),
+    ],
+)
+def test_the_model_of_the_panels_follows_from_what_is_named(asked: dict[str, Any], found: PanelModel) -> None:
+    assert PanelModel.of("flexible-ideal", **asked) == found
+    assert PanelModel.of("flexible-ideal", **found.keywords) == found
+    for body in build(ArrayParameters(), "flexible-ideal", panels=found).bodies[1:]:
+        assert getattr(body, found.option) == found.count
+    # Rigid panels take every method.
+    PanelModel.of("rigid-ideal", **{**asked, "integrator": "dop853"})
+
+
+@pytest.mark.parametrize(
+    ("asked", "message"),
+    [
+        ({"panels": "modals"}, "panels 'modals' is unknown; did you mean 'modal'?"),
+        (
+            {"panels": "modal", "elements": 3},
+            "elements=3 belongs to panels of beam elements and panels='modal' to",
+        ),
+        (
+            {"panels": "ancf", "modes": 3},
+            "panels='ancf' belongs to panels of beam elements and modes=3 to modal",
+        ),
+        (
+            {"elements": 3, "modes": 3},
+            "elements=3 belongs to panels of beam elements and modes=3 to modal panels: leave",
+        ),
+        ({"modes": 3, "integrator": "dop853"}, "integrator='dop853' belongs to panels of beam elements and modes=3"),
+        ({"panels": "ancf", "integrator": "modal-radau"}, "integrator='modal-radau' to modal panels: leave out one"),
+        ({"modes": 201}, "modes = 201: must lie between 0 and 200"),
+    ],
+)
+def test_what_contradicts_itself_about_the_panels_is_refused(asked: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(message)):
+        PanelModel.of("flexible-ideal", **asked)
+
+
+@pytest.mark.parametrize("model", ["flexible-ideal", "flexible-clearance"])
+def test_a_deployment_with_modal_panels_is_saved_and_measured_as_others(model: str, tmp_path: Path) -> None:
+    run = simulate(model=model, modes=3, duration=0.5)
+    run.save(tmp_path / "run.npz")
+    loaded = Trajectory.load(tmp_path / "run.npz")
+    kept = [loaded.metadata[name] for name in ("panels", "modes", "integrator")]
+    assert kept == ["modal", 3, "modal-radau"]
+    assert loaded.summary()["modes"] == 3
+    assert np.array_equal(panel_deflections(loaded), panel_deflections(run))
+    assert 1e-6 < np.abs(panel_deflections(run)).max() < 1e-2
+    assert run.energy_residual < 1e-4 * run.energy_put_in
+
+
 @pytest.mark.parametrize("elements", [1, 7])
 def test_elements_divide_flexible_panels_only(elements: int) -> None:
-    assert check_elements(elements) == elements
     for model in MODELS:
         bodies = compile_mechanism(build(ArrayParameters(), model, elements))[0].bodies
         assert bodies["elements"].tolist() == [0] + 2 * [elements if model.startswith("flexible") else 0]
@@ -394,6 +461,8 @@ def test_the_corners_of_the_main_body_surround_its_centroid(hinge: tuple[float, 
 @pytest.mark.parametrize("name", INTEGRATOR_NAMES)
 def test_integrators_by_name(name: str, model: str) -> None:
     default = default_integrator(model)
+    modal = ModalRadau(rtol=3e-4 if model.endswith("ideal") else 1e-2)
+    assert default_integrator(model, PanelModel("modal", 2)) == (modal if model.startswith("flexible") else default)
     if model.startswith("flexible"):
         explicit, implicit = RungeKutta(rtol=1e-5), default
     else:
@@ -402,6 +471,7 @@ def test_integrators_by_name(name: str, model: str) -> None:
         "runge-kutta": (explicit, replace(explicit, max_step=1e-3)),
         "rosenbrock": (implicit, replace(implicit, max_step=1e-3)),
         "dop853": (DormandPrince(), DormandPrince(max_step=1e-3)),
+        "modal-radau": (modal, replace(modal, max_step=1e-3)),
         "generalized-alpha": (GeneralizedAlpha(), GeneralizedAlpha(step=1e-3)),
         "paper": (GeneralizedAlpha(rho_inf=1.0, step=1e-4), GeneralizedAlpha(rho_inf=1.0, step=1e-3)),
     }[name]

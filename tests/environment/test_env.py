@@ -14,7 +14,7 @@ from gymnasium.utils.env_checker import check_env as check_by_gymnasium
 from stable_baselines3.common.env_checker import check_env as check_by_stable_baselines3
 
 import solar_env
-from solar_env.array import MODELS
+from solar_env.array import MODELS, PanelModel
 from solar_env.environment.observations import OBSERVABLES
 from solar_env.environment.registration import ENVIRONMENTS
 from solar_env.environment.reward import REWARD_TERMS
@@ -23,7 +23,9 @@ from solar_env.mechanics.joints.joint import MOTOR_TORQUE, NORMAL
 
 ID = "solar_env/Deploy-v0"
 RANGES = {"clearance": (1e-4, 3e-4), "friction_coefficient": (0.05, 0.3)}
-ELEMENTS = 2  # few, which is quick
+# Few elements and modes, which is quick.
+LEVELS = {model: {"model": model, "elements": 2} for model in MODELS}
+LEVELS |= {f"{model}-modal": {"model": model, "modes": 4} for model in MODELS if model.startswith("flexible")}
 # Springs that deploy the array within three seconds.
 STRONG = {"spring_stiffness": 2.0}
 # The root latches nine seconds after the outer joint.
@@ -31,7 +33,7 @@ LATE_ROOT = {"cable_stiffness": 0.02}
 
 
 def make(model="rigid-clearance", **keywords):
-    return gymnasium.make(ID, model=model, elements=ELEMENTS, **keywords).unwrapped
+    return gymnasium.make(ID, **LEVELS[model], **keywords).unwrapped
 
 
 def deploy(env, policy=lambda observation: [0.0], seed=0, options=None):
@@ -46,12 +48,14 @@ def deploy(env, policy=lambda observation: [0.0], seed=0, options=None):
 
 
 def main_body_spin(state):
-    """Angular velocity of the line through the main body's base points [rad/s]."""
+    """Angular velocity of the line through the main body's base points, or of its frame [rad/s]."""
+    if hasattr(state, "loads"):
+        return state.v[2]
     (x, y), (u, v) = state.q[2:4] - state.q[:2], state.v[2:4] - state.v[:2]
     return (x * v - y * u) / (x * x + y * y)
 
 
-@pytest.fixture(scope="module", params=MODELS)
+@pytest.fixture(scope="module", params=LEVELS)
 def passive(request):
     """The model, and what `deploy` returns of its passive deployment."""
     return request.param, deploy(make(request.param))
@@ -68,16 +72,16 @@ def passive(request):
     ],
     ids=["default", "privileged", "randomized", "three panels"],
 )
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", LEVELS)
 def test_both_checkers_accept_every_id_without_a_warning(name, model, keywords):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        env = gymnasium.make(name, model=model, elements=ELEMENTS, render_mode="rgb_array", **keywords).unwrapped
+        env = gymnasium.make(name, **LEVELS[model], render_mode="rgb_array", **keywords).unwrapped
         check_by_gymnasium(env)
         check_by_stable_baselines3(env)
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", LEVELS)
 def test_reward_terms_sum_to_the_reward_and_each_adds_up_to_its_figure_over_a_deployment(model):
     env = make(model, reward={"attitude_disturbance": 1.0, "prelatch_wear": 2.0, "missed_deadline": 100.0})
     env.reset(seed=0)
@@ -140,7 +144,7 @@ def test_a_missed_deadline_terminates_and_costs_more_than_the_worst_deployment()
     assert total < -env.reward.largest_cost < hard < 0.0
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", LEVELS)
 def test_a_deadline_ends_the_episode_of_every_model(model):
     env = make(model, deadline=0.55)
     total, steps, info = deploy(env, lambda observation: [-1.0])
@@ -173,10 +177,11 @@ def test_braking_before_the_latch_is_rewarded(passive):
 
     total, _, info = deploy(make(model), brake)
     assert info["deployment"]["latched"]
-    assert total > 0.5 * alone
+    # Of the forces that panels without a mesh have, as those with twelve elements, it takes off a third at best.
+    assert total > (0.8 if model == "flexible-ideal-modal" else 0.5) * alone
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", LEVELS)
 def test_drive_observation_is_the_array_in_the_stated_units(model):
     env = make(model)
     env.reset(seed=0)
@@ -192,7 +197,7 @@ def test_drive_observation_is_the_array_in_the_stated_units(model):
     assert (entries["latched_1"], entries["latched_2"], entries["time_since_latch"]) == (0.0, 0.0, 0.0)
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", LEVELS)
 def test_the_privileged_observation_adds_journals_contacts_and_the_spin_of_the_main_body(model):
     env = make(model, observation="privileged")
     env.reset(seed=0)
@@ -200,7 +205,7 @@ def test_the_privileged_observation_adds_journals_contacts_and_the_spin_of_the_m
         observation, *_ = env.step([0.5])
     entries = dict(zip(env.observation_names, observation, strict=True))
     loads, state = env.simulation.joint_loads(), env.simulation.state
-    clearance = 2e-4 if model.endswith("clearance") else math.inf
+    clearance = 2e-4 if "clearance" in model else math.inf
     for joint in (0, 1):
         eccentricity = entries[f"eccentricity_x_{joint + 1}"], entries[f"eccentricity_y_{joint + 1}"]
         assert eccentricity == pytest.approx(loads[joint, :2] / clearance, rel=1e-6)
@@ -263,7 +268,7 @@ def test_the_time_since_latching_counts_from_the_last_one_in_units_of_the_window
     assert observation[index] == 1.0
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", LEVELS)
 def test_returned_arrays_and_dictionaries_belong_to_the_caller(model):
     env = make(model)
     first, info = env.reset(seed=0)
@@ -275,9 +280,9 @@ def test_returned_arrays_and_dictionaries_belong_to_the_caller(model):
     assert info["reward_terms"] is not other["reward_terms"]
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", LEVELS)
 def test_the_same_seed_gives_the_same_bits_in_two_processes(model):
-    keywords = {"model": model, "elements": ELEMENTS, "parameters": STRONG, "randomize": RANGES}
+    keywords = {**LEVELS[model], "parameters": STRONG, "randomize": RANGES}
     program = (
         "import gymnasium, solar_env, hashlib\n"
         f"env = gymnasium.make({ID!r}, **{keywords!r}).unwrapped\n"
@@ -342,7 +347,7 @@ def test_reset_options_change_one_episode_only():
     assert env.episode_parameters.clearance == 2e-4
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", LEVELS)
 def test_a_restored_state_replays_the_same_step(model):
     env = make(model, parameters=STRONG)
     env.reset(seed=0)
@@ -451,15 +456,15 @@ def test_elements_is_a_keyword_only_and_divides_the_panels():
     env = gymnasium.make(ID, model="flexible-ideal", elements=3).unwrapped
     env.reset(seed=0)
     assert env.simulation.model.bodies["elements"].tolist() == [0, 3, 3]
-    assert solar_env.SolarArrayEnv().elements == 6
+    assert solar_env.SolarArrayEnv().panels == PanelModel("ancf", 6)
 
 
-@pytest.mark.parametrize("model", [model for model in MODELS if model.startswith("flexible")])
+@pytest.mark.parametrize("model", ["flexible-ideal", "flexible-clearance"])
 def test_a_frame_shows_bent_panels_as_smooth_curves(model, monkeypatch):
     env = make(model, render_mode="rgb_array")
     env.reset(seed=0)
     straight = env.render()
-    nodes = env.simulation.state.q[4:].reshape(2, ELEMENTS + 1, 2, 2)
+    nodes = env.simulation.state.q[4:].reshape(2, 3, 2, 2)
     nodes[:, 1, 0, 0] += 0.1  # the middles of the folded panels go aside, their ends stay
     assert np.any(straight != env.render())
     scenes = []
@@ -520,7 +525,7 @@ def test_without_a_render_mode_there_is_no_frame_but_a_hint():
     assert frame is None
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", LEVELS)
 def test_a_frame_shows_the_present_state(model):
     env = make(model, render_mode="rgb_array")
     env.reset(seed=0)
@@ -535,7 +540,7 @@ def test_a_frame_shows_the_present_state(model):
 def test_an_ideal_model_charges_joint_reactions_and_never_wears(passive):
     model, (total, _, info) = passive
     figures = info["deployment"]
-    if model.endswith("clearance"):
+    if "clearance" in model:
         assert min(figures["wear_depth_max_m"]) > 0.0 < min(figures["contact_starts"])
         return
     assert min(figures["peak_postlock_force_N"]) > 0.0

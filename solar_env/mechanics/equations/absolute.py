@@ -37,7 +37,7 @@ def view_joint(model, state, j):
 class AbsoluteCoordinates(Formulation):
     """Rigid bodies and beams of cable elements in coordinates of inertial axes, see `bodies.kinds`."""
 
-    view_joint = view_joint
+    view_joint = staticmethod(view_joint)
 
     def compile(self, mechanism: Mechanism) -> tuple[Model, State]:
         """See `Formulation.compile`."""

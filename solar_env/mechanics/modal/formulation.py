@@ -17,7 +17,7 @@ from solar_env.mechanics.modal.views import modal_centreline, view_joint
 class FloatingFrames(Formulation):
     """Centre of mass, angle and modal amplitudes of every body; loads of the joints as the unknowns of a step."""
 
-    view_joint = view_joint
+    view_joint = staticmethod(view_joint)
 
     def compile(self, mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
         """See `Formulation.compile`."""

@@ -47,21 +47,6 @@ def hanging_panel(**changes: object) -> Mechanism:
     return Mechanism((panel,), (joint,), gravity=(0.0, -9.81))
 
 
-def modal_array(model: str, modes: int = 6, **parameters: object) -> Mechanism:
-    """The array with modal panels."""
-    mechanism = build(ArrayParameters().with_changes(parameters), model, 1)
-    bodies = []
-    for body in mechanism.bodies:
-        if isinstance(body, FlexibleBody):
-            stiffness = (body.axial_stiffness, body.bending_stiffness, body.damping)
-            place = (body.position, body.angle, body.velocity, body.spin)
-            mass = body.linear_density * body.length
-            bodies.append(ModalPanel(body.name, body.length, mass, *stiffness, modes, *place))
-        else:
-            bodies.append(body)
-    return replace(mechanism, bodies=tuple(bodies))
-
-
 def fixed_steps(level: int) -> ModalRadau:
     """Steps of a tabled size throughout."""
     return ModalRadau(rtol=0.1, velocity_scale=10.0, max_step=level_size(level))
@@ -136,7 +121,7 @@ def test_impact_gives_back_the_exit_speed_of_its_law_within_one_percent(speed: f
 
 @pytest.mark.parametrize("model", ["flexible-ideal", "flexible-clearance"])
 def test_array_keeps_its_books(model: str) -> None:
-    mechanism = modal_array(model, spring_stiffness=(2.0, 1.5), initial_rate=0.2)
+    mechanism = build(ArrayParameters(spring_stiffness=(2.0, 1.5), initial_rate=0.2), model, modes=6)
     left = []
     for rtol in (1e-3, 1e-5):
         simulation = Simulation(mechanism, ModalRadau(rtol=rtol))

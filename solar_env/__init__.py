@@ -6,8 +6,8 @@ one deployment; `gymnasium.make("solar_env/Deploy-v0")` makes an environment, `g
 Names at the top level: `ArrayParameters` (`solar_env.array.parameters`) describes an array, `build` makes its
 mechanism, `MODELS` are the models' names. `simulate` gives a `Trajectory`; `Simulation` advances step by step, by the
 integrators `RungeKutta`, `Rosenbrock`, `DormandPrince`, `ModalRadau` or `GeneralizedAlpha`. `SolarArrayEnv` and
-`SolarArrayVectorEnv` are the environments, `Hardware` is their drive. Runs that cannot go on raise `SimulationError`, doubtful ones warn of
-`SimulationWarning`.
+`SolarArrayVectorEnv` are the environments, `Hardware` is their drive. Runs that cannot go on raise `SimulationError`,
+doubtful ones warn of `SimulationWarning`.
 
 .. include:: contributing.md
 """

@@ -12,8 +12,8 @@ from solar_env.mechanics.equations.formulation import Formulation
 from solar_env.mechanics.integrators import dormand_prince, generalized_alpha, rosenbrock, runge_kutta, settings
 from solar_env.mechanics.integrators.formulations import ABSOLUTE, FLOATING
 from solar_env.mechanics.integrators.step import HERMITE, AdaptiveSettings, Interpolant, adapt_nothing
-from solar_env.mechanics.modal import arrays as modal_arrays
-from solar_env.mechanics.modal import driver as modal_driver
+from solar_env.mechanics.modal.arrays import make_workspace
+from solar_env.mechanics.modal.driver import begin_modal, convert_settings, take_modal_step
 from solar_env.mechanics.modal.step import ModalSettings
 from solar_env.mechanics.numerics.by_type import chosen_by_type
 
@@ -115,9 +115,9 @@ METHODS: dict[str, Method] = {
     settings.ModalRadau.name: Method(
         3,
         ModalSettings,
-        modal_driver.convert_settings,
-        modal_arrays.make_workspace,
-        SteppingKernels(modal_driver.begin_modal, modal_driver.take_modal_step),
+        convert_settings,
+        make_workspace,
+        SteppingKernels(begin_modal, take_modal_step),
         FLOATING,
     ),
     settings.GeneralizedAlpha.name: Method(

@@ -7,6 +7,8 @@ step again, cut there.
 import math
 from typing import Any
 
+import numpy as np
+
 from solar_env.mechanics.arrays.model import (
     CLEARANCE,
     CONTACT_TOO_DEEP,
@@ -45,6 +47,8 @@ _FIRST_STEP = 1e-4  # s
 _MOST_EVENTS_AT_ONCE = 1000
 _SMALLEST_PART = 1e-13  # s, before an event; in less time nothing moves
 _FASTEST_GROWTH = 4.0
+# Level of tables for one step size, of the type of other levels: of another one kernels would be compiled anew.
+_CUT = np.int64(0)
 # Depth errors of a step over rtol, relative to the depth.
 _DEPTH_TOLERANCE = 0.1
 
@@ -200,7 +204,7 @@ def begin_modal(model, state, settings, recorder, work):
 @kernel(inlined=True)
 def cut_tables(model, work, h):
     """Tables for a step size `h` [s] that is not tabled."""
-    fill_level(model.panels, work.tables, 0, h, work.coefficients)
+    fill_level(model.panels, work.tables, _CUT, h, work.coefficients)
     return work.tables
 
 
@@ -218,7 +222,7 @@ def take_modal_step(model, state, settings, recorder, end_time, work):
     last = end_time - clock.time <= max(wanted, 1.05 * h)
     if last:
         h = end_time - clock.time
-        tables, level = cut_tables(model, work, h), 0
+        tables, level = cut_tables(model, work, h), _CUT
     size = h
     solved = solve_step(model, state, work, settings, tables, level, h)
     error = step_error(model, state, work, settings, tables, level, h) if solved else math.inf
@@ -237,7 +241,7 @@ def take_modal_step(model, state, settings, recorder, end_time, work):
     if kind != NONE and share < 1.0:
         last = False
         h *= share
-        tables, level = cut_tables(model, work, h), 0
+        tables, level = cut_tables(model, work, h), _CUT
         if not solve_step(model, state, work, settings, tables, level, h):
             reject_step(clock, h, False, math.inf)
             return DONE

@@ -4,15 +4,18 @@ import math
 
 from solar_env.mechanics.arrays.model import IDEAL
 from solar_env.mechanics.joints import joint as columns
+from solar_env.mechanics.joints.friction.friction_share import friction_share
 from solar_env.mechanics.joints.joint import cable_torque, stop_torque
 from solar_env.mechanics.modal.arrays import (
     ANGLE,
+    DEPTH,
     ECCENTRICITY_X,
     ECCENTRICITY_Y,
     INBOARD_SPIN,
     OTHER,
     OUTBOARD_SPIN,
     RATE,
+    SLIDING_SPEED,
 )
 from solar_env.mechanics.modal.bodies import outboard_load
 from solar_env.mechanics.modal.books import stored_energies
@@ -63,8 +66,12 @@ def record_modal_sample(model, state, work, recorder, h, share):
         for c in range(3):
             first, second = work.load[0, j, c], work.load[1, j, c]
             work.sample_load[j, c] = second + 1.5 * (share - 1.0) * (second - first)
-        if model.joints[j].kind != IDEAL:
-            work.sample_load[j, 0] = max(work.sample_load[j, 0], 0.0)
+        joint, motion = model.joints[j], work.motion[OTHER, j]
+        if joint.kind != IDEAL:
+            # A polynomial knows neither the moment at which the surfaces part nor the one at which sliding turns round.
+            normal = max(work.sample_load[j, 0], 0.0) if motion[DEPTH] > 0.0 else 0.0
+            slip, _ = friction_share(joint, motion[SLIDING_SPEED])
+            work.sample_load[j, 0], work.sample_load[j, 1] = normal, -joint.friction_coefficient * slip * normal
     fill_load_table(model, state, work, OTHER, work.sample_load, work.sample)
     stored_energies(model, state, row[:n], row[n : 2 * n], work, OTHER, work.energies)
     k = 2 * n

@@ -26,9 +26,12 @@ class Run(Protocol):
     """Part of a simulation that the watch looks at."""
 
     integrator: Integrator
-    formulation: Formulation
     model: Any
     state: Any
+
+    @property
+    def formulation(self) -> Formulation:
+        """Of the equations of motion."""
 
     @property
     def time(self) -> float:

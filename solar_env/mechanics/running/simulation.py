@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.lanes import copied, with_lane_axis
+from solar_env.mechanics.equations.formulation import Formulation
 from solar_env.mechanics.integrators.driver import advance_lanes
+from solar_env.mechanics.integrators.formulations import FORMULATIONS
 from solar_env.mechanics.integrators.methods import method_of
 from solar_env.mechanics.integrators.settings import Integrator, RungeKutta
 from solar_env.mechanics.joints import joint as columns
@@ -35,7 +37,6 @@ class Simulation:
 
     Attributes:
         integrator: settings of the method; others of the same formulation may take their place.
-        formulation: of the equations of motion, which the method chooses.
         model, state: named tuples of arrays, of the formulation's classes.
     """
 
@@ -47,14 +48,14 @@ class Simulation:
                 take a part of the mechanism.
         """
         self.integrator: Integrator = RungeKutta() if integrator is None else integrator
-        self.formulation = method_of(self.integrator).formulation
+        method = method_of(self.integrator)
         if mechanism.drives and not self.integrator.takes_drives:
             raise ValueError(
                 f"the integrator {self.integrator.name!r} takes no drives; use RungeKutta or GeneralizedAlpha"
             )
         self.model: Any
         self.state: Any
-        self.model, self.state = self.formulation.compile(mechanism)
+        self.model, self.state = method.formulation.compile(mechanism)
         self._check_initial_state()
         self._engage_stops()
         self.formulation.begin(self.model, self.state)
@@ -82,6 +83,11 @@ class Simulation:
     def __getstate__(self) -> dict[str, Any]:
         """For copies and pickles: without arrays that share their memory with the state; those of a copy would not."""
         return {name: value for name, value in vars(self).items() if name != "_lane"}
+
+    @property
+    def formulation(self) -> Formulation:
+        """Of the equations of motion, which the method has chosen."""
+        return FORMULATIONS[type(self.model)]
 
     @property
     def time(self) -> float:

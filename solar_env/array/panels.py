@@ -1,5 +1,7 @@
 """How flexible panels are modelled: as beams of cable elements (ANCF), or by their modes in a floating frame."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -61,7 +63,7 @@ class PanelModel:
     def of(
         cls,
         model: str,
-        panels: str | Self | None = None,
+        panels: str | PanelModel | None = None,
         elements: int | None = None,
         modes: int | None = None,
         integrator: str | None = None,
@@ -70,15 +72,17 @@ class PanelModel:
 
         Args:
             model: one of `array.MODELS`; rigid ones do not use the panels.
-            panels: one of PANELS, or a choice that has been made already.
+            panels: one of PANELS, or a choice made already, whose count the next two may replace.
             elements, modes: of each panel; they belong to "ancf" and to "modal".
             integrator: name of a method, of which "modal-radau" goes with "modal" alone, as that with it.
 
         Raises:
             ValueError: if a name or a count is refused, or if they contradict each other.
         """
+        defaults = {kind: count for kind, (_, count) in PANELS.items()}
         if isinstance(panels, PanelModel):
-            return panels
+            defaults[panels.kind] = panels.count
+            panels = panels.kind
         if panels is not None and panels not in PANELS:
             raise ValueError(unknown_name("panels", panels, PANELS))
         counts = {ANCF: elements, MODAL: modes}
@@ -96,4 +100,4 @@ class PanelModel:
             )
         kind = next(iter(reasons), DEFAULT_PANELS)
         count = counts[kind]
-        return cls(kind, PANELS[kind][1] if count is None else count)
+        return cls(kind, defaults[kind] if count is None else count)

@@ -58,7 +58,7 @@ class EnvironmentSettings:
 
     model: str = "rigid-clearance"
     parameters: ArrayParameters | Changes | None = None
-    panels: str | None = None
+    panels: str | PanelModel | None = None
     elements: int | None = None
     modes: int | None = None
     question: str | None = None

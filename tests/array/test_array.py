@@ -360,6 +360,7 @@ def test_a_refused_number_of_elements_is_named_whatever_the_model(model: str, el
         ({"elements": 3}, PanelModel("ancf", 3)),
         ({"modes": 8}, PanelModel("modal", 8)),
         ({"panels": PanelModel("modal", 5), "integrator": "modal-radau"}, PanelModel("modal", 5)),
+        ({"panels": PanelModel("modal", 5), "modes": 3}, PanelModel("modal", 3)),
         ({"integrator": "modal-radau"}, PanelModel("modal", 24)),
         ({"integrator": "rosenbrock"}, PanelModel("ancf", 6)),
         ({"panels": "modal", "modes": 8, "integrator": "modal-radau"}, PanelModel("modal", 8)),
@@ -392,6 +393,10 @@ def test_the_model_of_the_panels_follows_from_what_is_named(asked: dict[str, Any
         ),
         ({"modes": 3, "integrator": "dop853"}, "integrator='dop853' belongs to panels of beam elements and modes=3"),
         ({"panels": "ancf", "integrator": "modal-radau"}, "integrator='modal-radau' to modal panels: leave out one"),
+        (
+            {"panels": PanelModel("modal", 5), "elements": 3},
+            "elements=3 belongs to panels of beam elements and panels=",
+        ),
         ({"modes": 201}, "modes = 201: must lie between 0 and 200"),
     ],
 )

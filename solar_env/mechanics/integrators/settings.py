@@ -44,14 +44,15 @@ class RungeKutta:
     steps_needed_per_impact = None
     remedy = property(lambda self: f"tighten rtol = {self.rtol:g}")
     fewest_steps = FEWEST_EXPLICIT_STEPS
+    least_rtol = 1e-13
 
     def with_options(self, step: float | None, rtol: float | None) -> RungeKutta:
         """These settings, with a bound on the step [s] or a tolerance of its own if they are given."""
         return replace(self, max_step=self.max_step if step is None else step, rtol=self.rtol if rtol is None else rtol)
 
     def __post_init__(self) -> None:
-        if not 1e-13 <= self.rtol <= 1e-1:
-            raise ValueError(f"rtol = {self.rtol!r} must lie between 1e-13 and 0.1")
+        if not self.least_rtol <= self.rtol <= 1e-1:
+            raise ValueError(f"rtol = {self.rtol!r} must lie between {self.least_rtol:g} and 0.1")
         _check_scales(self, ("velocity_scale", "impact_resolution"))
         _check_resolution(self.impact_resolution, self.fewest_steps)
 
@@ -97,6 +98,7 @@ class ModalRadau(RungeKutta):
     name = "modal-radau"
     takes_drives = False
     fewest_steps = 3
+    least_rtol = 1e-10
 
 
 @dataclass(frozen=True)

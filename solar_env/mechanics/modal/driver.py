@@ -10,17 +10,12 @@ from typing import Any
 import numpy as np
 
 from solar_env.mechanics.arrays.model import (
-    CLEARANCE,
-    CONTACT_TOO_DEEP,
     DONE,
     EVENTS_PILE_UP,
     EXACT,
-    JOINT_ANGLE_RANGE,
     NOT_FINITE,
     STEP_TOO_SMALL,
 )
-from solar_env.mechanics.joints.joint import stop_depth
-from solar_env.mechanics.joints.wear import add_wear, pressed_half_angle
 from solar_env.mechanics.modal.acceptance import commit_step, keep_loads, step_error
 from solar_env.mechanics.modal.arrays import (
     ANGLE,
@@ -40,7 +35,16 @@ from solar_env.mechanics.modal.step import ModalSettings, solve_step
 from solar_env.mechanics.modal.tables import LEVELS, fill_level, level_below, level_size
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
-from solar_env.mechanics.records.history import end_contact, fail, impact_step_limit
+from solar_env.mechanics.records.history import (
+    check_joint,
+    end_contact,
+    fail,
+    has_parted,
+    impact_step_limit,
+    parting_time,
+    release_stop,
+    wear_contact,
+)
 from solar_env.mechanics.records.recording import sample_due
 
 _FIRST_STEP = 1e-4  # s
@@ -74,18 +78,6 @@ def start_loads(model, state, work):
         state.loads[j, 2] = work.torque[j, 0]
 
 
-@kernel(inlined=True)
-def wear_joint(model, state, work, j):
-    """Wear both surfaces of a joint by the sliding work of the step."""
-    joint, motion = model.joints[j], work.motion[START, j]
-    half = pressed_half_angle(max(motion[DEPTH], 0.0), joint.clearance)
-    worn_section = joint.wear_coefficient * work.sliding_work[j] / joint.bearing_width
-    angle = math.atan2(motion[ECCENTRICITY_Y], motion[ECCENTRICITY_X])
-    journal, bearing = work.direction[START, joint.outboard, 0], work.direction[START, joint.inboard, 0]
-    add_wear(state.wear_journal[j], angle - journal, half, worn_section, joint.journal_radius)
-    add_wear(state.wear_bearing[j], angle - bearing, half, worn_section, joint.journal_radius + joint.clearance)
-
-
 @kernel(inner=True)
 def settle_joints(model, state, work, start, recorder):
     """Book an accepted step that began at `start` [s]: wear, and the ends of contacts and stops that have opened."""
@@ -93,17 +85,15 @@ def settle_joints(model, state, work, start, recorder):
     for j in range(model.joints.size):
         joint, own, motion = model.joints[j], state.joints[j], work.motion[START, j]
         if own.stop_engaged:
-            depth, sign = stop_depth(joint, own.latched, motion[ANGLE])
-            # On the very face it stays engaged unless it opens, or the same engagement would be found for ever.
-            own.stop_engaged = depth > 0.0 or (depth > -1e-9 and sign * motion[RATE] <= 0.0)
+            release_stop(joint, own, motion[ANGLE], motion[RATE])
         if own.in_contact:
             if joint.wear_coefficient > 0.0 and work.sliding_work[j] > 0.0:
-                wear_joint(model, state, work, j)
-            depth, before = motion[DEPTH], work.depth[j]
-            if depth <= 0.0 and motion[DEPTH_RATE] < 0.0 and own.contact_start < time:
-                # Linear estimate of when the surfaces parted inside the step.
-                share = before / (before - depth) if before > 0.0 else 1.0
-                end_contact(state, j, start + share * (time - start), recorder)
+                angle = math.atan2(motion[ECCENTRICITY_Y], motion[ECCENTRICITY_X])
+                journal = angle - work.direction[START, joint.outboard, 0]
+                bearing = angle - work.direction[START, joint.inboard, 0]
+                wear_contact(joint, state, j, journal, bearing, motion[DEPTH], work.sliding_work[j])
+            if has_parted(own, time, motion[DEPTH], motion[DEPTH_RATE]):
+                end_contact(state, j, parting_time(start, time, work.depth[j], motion[DEPTH]), recorder)
                 for c in range(2):
                     state.loads[j, c] = 0.0
                     state.load_rates[j, c] = 0.0
@@ -116,11 +106,10 @@ def check_state(model, state, work):
         if not math.isfinite(state.q[i] + state.v[i]):
             return fail(state, NOT_FINITE, -1, state.q[i])
     for j in range(model.joints.size):
-        joint, motion = model.joints[j], work.motion[START, j]
-        if joint.kind == CLEARANCE and state.joints[j].in_contact and motion[DEPTH] > joint.journal_radius:
-            return fail(state, CONTACT_TOO_DEEP, j, motion[DEPTH])
-        if joint.angle_limited and abs(motion[ANGLE] - joint.middle) > 0.95 * math.pi:
-            return fail(state, JOINT_ANGLE_RANGE, j, motion[ANGLE])
+        motion = work.motion[START, j]
+        status = check_joint(model.joints[j], state, j, motion[DEPTH], motion[ANGLE])
+        if status != DONE:
+            return status
     return DONE
 
 

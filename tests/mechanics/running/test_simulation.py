@@ -301,7 +301,7 @@ def test_the_energy_book_closes_for_every_contact_law_and_sliding_speed(law: str
 
 @pytest.mark.parametrize("law", FRICTION_LAWS)
 @pytest.mark.parametrize(
-    "integrator", [RungeKutta(), GeneralizedAlpha(rtol=1e-5)], ids=lambda integrator: integrator.name
+    "integrator", [RungeKutta(), GeneralizedAlpha(rtol=1e-5), ModalRadau(rtol=1e-4)], ids=lambda i: i.name
 )
 def test_the_energy_book_closes_for_every_friction_law(law: str, integrator: Integrator) -> None:
     run = simulate(build(ArrayParameters(friction_law=law, friction_speed_full=1e-2)), 3.0, integrator=integrator)
@@ -323,9 +323,10 @@ def test_a_cable_couple_that_does_not_conserve_energy_has_its_work_booked(model:
     assert abs(simulation.energy_residual()) < 1e-5 * run.energy_put_in
 
 
+@pytest.mark.parametrize("integrator", [RungeKutta(rtol=1e-7), ModalRadau(rtol=1e-6)], ids=lambda i: i.name)
 @pytest.mark.parametrize("model", ["rigid-ideal", "rigid-clearance"])
-def test_the_work_of_a_motor_is_torque_times_angle_and_balances(model: str) -> None:
-    simulation = Simulation(build(ArrayParameters(), model), RungeKutta(rtol=1e-7))
+def test_the_work_of_a_motor_is_torque_times_angle_and_balances(model: str, integrator: Integrator) -> None:
+    simulation = Simulation(array(integrator, model), integrator)
     torque, work, angle = 0.3, 0.0, 0.0
     for k in range(1, 9):
         held = torque if k % 2 else -torque
@@ -341,8 +342,9 @@ def test_the_work_of_a_motor_is_torque_times_angle_and_balances(model: str) -> N
     assert abs(simulation.energy_residual()) < 1e-5 * 0.5
 
 
-def test_gravity_is_in_the_book() -> None:
-    run = simulate(pendulum(), 2.0, integrator=RungeKutta(rtol=1e-9))
+@pytest.mark.parametrize("integrator", [RungeKutta(rtol=1e-9), ModalRadau(rtol=1e-9)], ids=lambda i: i.name)
+def test_gravity_is_in_the_book(integrator: Integrator) -> None:
+    run = simulate(pendulum(), 2.0, integrator=integrator)
     assert np.ptp(run.energies["gravity"]) > 1.0
     assert run.energy_residual < 1e-7
 
@@ -382,10 +384,11 @@ def test_arrays_of_any_number_of_panels_deploy_and_latch(
     assert simulation.joint_loads()[:, ANGLE] == pytest.approx(locks, abs=0.2)
 
 
-def test_both_integrators_agree_on_when_the_joints_with_clearance_latch() -> None:
+def test_integrators_agree_on_when_the_joints_with_clearance_latch() -> None:
     runs = [simulate(build(ArrayParameters(panel_count=1)), 11.0, integrator=i) for i in INTEGRATORS]
     # The impacts of the first seconds are chaotic; what they leave in the latch times was seen to be some 1e-5 s.
-    assert runs[0].latch_times == pytest.approx(runs[1].latch_times, abs=1e-3)
+    for other in runs[1:]:
+        assert other.latch_times == pytest.approx(runs[0].latch_times, abs=1e-3)
 
 
 def test_postlock_figures_start_with_the_first_latching() -> None:

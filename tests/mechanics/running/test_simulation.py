@@ -323,9 +323,13 @@ def test_a_cable_couple_that_does_not_conserve_energy_has_its_work_booked(model:
     assert abs(simulation.energy_residual()) < 1e-5 * run.energy_put_in
 
 
-@pytest.mark.parametrize("integrator", [RungeKutta(rtol=1e-7), ModalRadau(rtol=1e-6)], ids=lambda i: i.name)
+@pytest.mark.parametrize(
+    ("integrator", "tolerance"), [(RungeKutta(rtol=1e-7), 1e-6), (ModalRadau(rtol=1e-6), 2e-4)], ids=["rigid", "modal"]
+)
 @pytest.mark.parametrize("model", ["rigid-ideal", "rigid-clearance"])
-def test_the_work_of_a_motor_is_torque_times_angle_and_balances(model: str, integrator: Integrator) -> None:
+def test_the_work_of_a_motor_is_torque_times_angle_and_balances(
+    model: str, integrator: Integrator, tolerance: float
+) -> None:
     simulation = Simulation(array(integrator, model), integrator)
     torque, work, angle = 0.3, 0.0, 0.0
     for k in range(1, 9):
@@ -338,7 +342,7 @@ def test_the_work_of_a_motor_is_torque_times_angle_and_balances(model: str, inte
     booked = simulation.state.integrals[m.MOTOR_WORK]
     assert abs(booked) > 1e-3
     # The book is kept to the tolerance of energy of every step.
-    assert booked == pytest.approx(work, rel=1e-6)
+    assert booked == pytest.approx(work, rel=tolerance)
     assert abs(simulation.energy_residual()) < 1e-5 * 0.5
 
 

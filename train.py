@@ -18,13 +18,19 @@ from agents.comparison.evaluation import efforts, evaluate
 from agents.comparison.figures import run_figure
 from agents.comparison.report import Summary, Tables, write_comparison
 from agents.comparison.suites import WHOLE_TORQUE_MODEL
-from agents.environments import DEFAULT_ENV_ID, check_distinct_seeds, check_episode_seeds, episode_seeds, make_env
+from agents.environments import (
+    DEFAULT_ENV_ID,
+    check_distinct_seeds,
+    check_episode_seeds,
+    environment_settings,
+    episode_seeds,
+    make_env,
+)
 from agents.laws.baselines import make_baseline
 from agents.laws.table import TUNABLE
 from agents.learning import configurations, learn
 from agents.rollout import Step, run_episode
 from agents.torque_laws import Signals
-from solar_env.array import DEFAULT_ELEMENTS
 
 BASELINES = ("passive", "servo-untuned", "servo")
 # The cheapest model from which agents that beat the servo transfer to six elements, see `agents.transfer`, and as many
@@ -150,16 +156,18 @@ def check_resumable(args: Args, config: configurations.Configuration) -> None:
     Raises:
         ValueError: An argument was given that the resumed run has fixed.
     """
+    model, panels = environment_settings(config.env_id, config.env_kwargs).level
     fixed_values = {
         **vars(config),
         "hyperparams": config.hyperparameters,
-        "model": config.env_kwargs.get("model", "rigid-clearance"),
-        "elements": config.env_kwargs.get("elements", DEFAULT_ELEMENTS),
+        "model": model,
+        **dict.fromkeys(("panels", "elements", "modes")),
+        **panels.keywords,
         "residual": config.residual["scale"] if config.residual else 0.0,
         "law": config.residual["law"] if config.residual else None,
     }
     learning = ("algo", "seed", "hyperparams", "n_envs", "residual", "law", "landings")
-    for name in ("env_id", "model", "elements", "env_kwargs", *learning):
+    for name in ("env_id", "model", "panels", "elements", "modes", "env_kwargs", *learning):
         given, fixed = getattr(args, name), fixed_values[name]
         if isinstance(given, dict):
             agrees = all(fixed.get(key) == value for key, value in runs.jsonable(given).items())

@@ -85,14 +85,20 @@ class ModelOptions:
 
     model: str | None = None
     """rigid-ideal, rigid-clearance, flexible-ideal, flexible-clearance or auto; None: see above"""
+    panels: str | None = None
+    """ancf or modal: model of flexible panels; None: what elements or modes ask for, else ancf"""
     elements: int | None = None
     """beam elements of each panel of a flexible model; None: see above, or 6 for a model that is named"""
+    modes: int | None = None
+    """bending modes of each modal panel; None: 24"""
     env_kwargs: Assignments = dataclasses.field(default_factory=dict)
     """environment keywords, for example torque_limit=0.3 observation=privileged"""
 
     def keywords(self, env_id: str = DEFAULT_ENV_ID, default: Mapping[str, Any] | None = None) -> dict[str, Any]:
         """Return the environment keywords that the options ask for, see `with_model`."""
-        return with_model(self.env_kwargs, self.model, self.elements, env_id, default)
+        return with_model(
+            self.env_kwargs, self.model, self.elements, env_id, default, panels=self.panels, modes=self.modes
+        )
 
 
 @dataclasses.dataclass

@@ -7,6 +7,7 @@ from typing import Any, Literal
 import gymnasium
 
 import solar_env  # noqa: F401  (registers the environment ids)
+from solar_env.array.panels import MODAL
 from solar_env.environment.settings import EnvironmentSettings
 
 DEFAULT_ENV_ID = "solar_env/Deploy-v0"
@@ -62,29 +63,37 @@ def with_model(
     elements: int | None = None,
     env_id: str = DEFAULT_ENV_ID,
     default: Mapping[str, Any] | None = None,
+    *,
+    panels: str | None = None,
+    modes: int | None = None,
 ) -> dict[str, Any]:
-    """Return `env_kwargs` with the options `--model` and `--elements` of a command line, where they are not None.
+    """Return `env_kwargs` with the options `--model`, `--panels`, `--elements` and `--modes` that are not None.
 
-    The keywords in `default` complete them where no model is named. `model="auto"` is replaced by the level that it
-    stands for, so that a record says what was simulated even after the ladder has been measured anew.
+    The keywords in `default` complete them where no model is named, but for its elements where panels are modal.
+    `model="auto"` is replaced by the level that it stands for, so that a record says what was simulated even after the
+    ladder has been measured anew.
 
     Raises:
-        ValueError: `env_kwargs` hold another value of one of the two, elements were asked for of rigid panels, or the
+        ValueError: `env_kwargs` hold another value of an option, rigid panels were asked for more than a model, or the
             environment refuses the keywords.
     """
-    given = {name: value for name, value in (("model", model), ("elements", elements)) if value is not None}
+    options = {"model": model, "panels": panels, "elements": elements, "modes": modes}
+    given = {name: value for name, value in options.items() if value is not None}
     for name, value in given.items():
         if env_kwargs.get(name, value) != value:
             raise ValueError(f"--{name} {value} contradicts --env-kwargs {name}={env_kwargs[name]}; give one of them")
     chosen = {**env_kwargs, **given}
     if "model" not in chosen:
-        chosen = {**(default or {}), **chosen}
-    if elements is not None and str(chosen.get("model")).startswith("rigid"):
-        raise ValueError(f"--elements {elements}: the panels of {chosen['model']} have none; name a flexible model")
+        modal = "modes" in chosen or chosen.get("panels") == MODAL
+        kept = {name: value for name, value in (default or {}).items() if name != "elements" or not modal}
+        chosen = {**kept, **chosen}
+    if str(chosen.get("model")).startswith("rigid"):
+        for name in given.keys() - {"model"}:
+            raise ValueError(f"--{name} {given[name]}: panels of {chosen['model']} have none; name a flexible model")
     if chosen.get("model") == "auto":
         level = environment_settings(env_id, chosen)
         kept = {name: value for name, value in chosen.items() if name not in ("question", "tolerance")}
-        chosen = {**kept, "model": level.model, "elements": level.elements}
+        chosen = {**kept, "model": level.model, **level.level[1].keywords}
     return chosen
 
 

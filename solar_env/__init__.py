@@ -5,9 +5,9 @@ one deployment; `gymnasium.make("solar_env/Deploy-v0")` makes an environment, `g
 
 Names at the top level: `ArrayParameters` (`solar_env.array.parameters`) describes an array, `build` makes its
 mechanism, `MODELS` are the models' names. `simulate` gives a `Trajectory`; `Simulation` advances step by step, by the
-integrators `RungeKutta`, `Rosenbrock`, `DormandPrince` or `GeneralizedAlpha`. `SolarArrayEnv` and `SolarArrayVectorEnv`
-are the environments, `Hardware` is their drive. Runs that cannot go on raise `SimulationError`, doubtful ones warn of
-`SimulationWarning`.
+integrators `RungeKutta`, `Rosenbrock`, `DormandPrince`, `ModalRadau` or `GeneralizedAlpha`. `SolarArrayEnv` and
+`SolarArrayVectorEnv` are the environments, `Hardware` is their drive. Runs that cannot go on raise `SimulationError`,
+doubtful ones warn of `SimulationWarning`.
 
 .. include:: contributing.md
 """
@@ -24,6 +24,7 @@ from solar_env.environment.hardware import Hardware as Hardware
 from solar_env.environment.registration import register_environments
 from solar_env.mechanics.integrators.settings import DormandPrince as DormandPrince
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha as GeneralizedAlpha
+from solar_env.mechanics.integrators.settings import ModalRadau as ModalRadau
 from solar_env.mechanics.integrators.settings import Rosenbrock as Rosenbrock
 from solar_env.mechanics.integrators.settings import RungeKutta as RungeKutta
 from solar_env.mechanics.running.diagnosis import SimulationWarning as SimulationWarning

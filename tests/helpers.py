@@ -14,10 +14,9 @@ from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.bodies.kinds import CABLE_ELEMENTS
+from solar_env.mechanics.bodies.kinds import KINDS
 from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.equations.system import add_mass_products, make_workspace, stored_energies
-from solar_env.mechanics.integrators.recording import make_recorder
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, RungeKutta
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.joints.friction.ramp import RampedCoulomb
@@ -35,6 +34,7 @@ from solar_env.mechanics.mechanism.description import (
     Spring,
     Stop,
 )
+from solar_env.mechanics.records.recording import make_recorder
 from solar_env.mechanics.running.diagnosis import SimulationWarning
 from solar_env.mechanics.running.simulation import Simulation
 from solar_env.mechanics.running.trajectory import contact_record
@@ -225,13 +225,8 @@ class Forces:
 
 def rigid_motions(model: m.Model, q: Vector) -> Vector:
     """(3, n) velocities when everything moves as one body: along x, along y, and about the origin."""
-    along = np.zeros_like(q)
-    ends = [*model.bodies["offset"][1:], q.size]
-    for body, end in zip(model.bodies, ends, strict=True):
-        # The slopes of a beam's nodes do not change in a translation.
-        along[body["offset"] : end : 4 if body["kind"] == CABLE_ELEMENTS else 2] = 1.0
-    turn = np.stack([-q[1::2], q[0::2]], axis=1).ravel()
-    return np.stack([along, np.roll(along, 1), turn])
+    parts = np.split(q, model.bodies["offset"][1:])
+    return np.hstack([KINDS[body["kind"]].rigid_motions(own) for body, own in zip(model.bodies, parts, strict=True)])
 
 
 def central_difference(function: Callable[[Vector], Vector], x: Vector, step: float = 2e-4) -> Vector:

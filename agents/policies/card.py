@@ -33,7 +33,7 @@ def _training(config: dict[str, Any], policy: ShippedPolicy, env: Any) -> str:
     facts = {
         "algorithm": config["algo"],
         "environment": f"`{config['env_id']}` with `{json.dumps(config['env_kwargs'])}`",
-        "model": env.model + (f", {env.elements} elements a panel" if env.model.startswith("flexible") else ""),
+        "model": env.model + (f", {env.panels}" if env.model.startswith("flexible") else ""),
         "scenario": f"{env.scenario}; drawn for every episode: {_ranges(env.randomize)}",
         "sensors and motor": _imperfections(env.hardware),
         "environment steps": steps,

@@ -1,37 +1,22 @@
 """The mechanism that array parameters describe, folded, and the outline of its main body."""
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.array.parameters import DEFAULT_ELEMENTS, ArrayParameters, check_elements, has_flexible_panels
+from solar_env.array.panels import PanelModel
+from solar_env.array.parameters import ArrayParameters, has_flexible_panels
 from solar_env.mechanics.bodies.description import Point
-from solar_env.mechanics.mechanism.description import AnyBody, Body, CableLoop, FlexibleBody, Joint, Mechanism, Spring
+from solar_env.mechanics.mechanism.description import AnyBody, Body, CableLoop, Joint, Mechanism, Spring
 
 
-def _panel(
-    p: ArrayParameters, name: str, elements: int | None, hinge: Point, angle: float, velocity: Point, spin: float
-) -> AnyBody:
-    """A panel as a rigid body (`elements` None) or as a beam; `velocity` is that of its hinge."""
-    section = p.panel_width * p.panel_thickness
-    if elements is None:
-        mass = p.panel_density * section * p.panel_length
-        inertia = mass * (p.panel_length**2 + p.panel_thickness**2) / 12.0
-        return Body(name, mass, inertia, p.panel_length, (p.panel_length / 2, 0.0), hinge, angle, velocity, spin)
-    return FlexibleBody(
-        name,
-        p.panel_length,
-        elements,
-        linear_density=p.panel_density * section,
-        axial_stiffness=p.panel_young * section,
-        bending_stiffness=p.panel_young * section * p.panel_thickness**2 / 12.0,
-        damping=p.panel_damping,
-        position=hinge,
-        angle=angle,
-        velocity=velocity,
-        spin=spin,
-    )
+def _rigid_panel(p: ArrayParameters, name: str, motion: dict[str, Any]) -> AnyBody:
+    """A panel as a rigid body with its motion at t = 0."""
+    mass = p.panel_density * p.panel_width * p.panel_thickness * p.panel_length
+    inertia = mass * (p.panel_length**2 + p.panel_thickness**2) / 12.0
+    return Body(name, mass, inertia, p.panel_length, (p.panel_length / 2, 0.0), **motion)
 
 
 def _turning(spin: float, arm: Point) -> Point:
@@ -39,19 +24,26 @@ def _turning(spin: float, arm: Point) -> Point:
     return (-spin * arm[1], spin * arm[0])
 
 
-def build(parameters: ArrayParameters, model: str = "rigid-clearance", elements: int = DEFAULT_ELEMENTS) -> Mechanism:
+def build(
+    parameters: ArrayParameters,
+    model: str = "rigid-clearance",
+    elements: int | None = None,
+    *,
+    panels: str | PanelModel | None = None,
+    modes: int | None = None,
+) -> Mechanism:
     """Describe the array as a mechanism, folded, with its initial rates.
 
     Args:
         parameters: of the array.
         model: one of MODELS.
-        elements: of each panel; rigid models do not use it.
+        elements, panels, modes: see `PanelModel.of`; rigid models do not use them.
 
     Raises:
-        ValueError: if the model is unknown or the number of elements refused.
+        ValueError: if a name or a number is refused, or if they contradict each other.
     """
-    check_elements(elements)
-    panel_elements = elements if has_flexible_panels(model) else None
+    chosen = PanelModel.of(model, panels, elements, modes)
+    panel = chosen.body if has_flexible_panels(model) else _rigid_panel
     p = parameters
     # Base points of the main body: below the hinge's height at the centroid, and the hinge itself.
     bodies: list[AnyBody] = [
@@ -75,7 +67,8 @@ def build(parameters: ArrayParameters, model: str = "rigid-clearance", elements:
         sign = 1 if k % 2 == 0 else -1
         angle = -sign * math.pi / 2
         spin += sign * p.by_joint("initial_rate", k)
-        bodies.append(_panel(p, f"panel {k + 1}", panel_elements, hinge, angle, velocity, spin))
+        motion = {"position": hinge, "angle": angle, "velocity": velocity, "spin": spin}
+        bodies.append(panel(p, f"panel {k + 1}", motion))
         lock = p.lock_angle(k)
         joints.append(
             Joint(
@@ -107,9 +100,9 @@ def build(parameters: ArrayParameters, model: str = "rigid-clearance", elements:
                 )
             )
         # Folded, a panel lies along the y axis.
-        panel = (0.0, p.panel_length * math.sin(angle))
-        turning = _turning(spin, panel)
-        hinge = (hinge[0], hinge[1] + panel[1])
+        folded = (0.0, p.panel_length * math.sin(angle))
+        turning = _turning(spin, folded)
+        hinge = (hinge[0], hinge[1] + folded[1])
         velocity = (velocity[0] + turning[0], velocity[1])
     return Mechanism(tuple(bodies), tuple(joints), tuple(cables), wear_bins=p.wear_bins)
 

@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 
 from solar_env.array.construction import build
 from solar_env.array.methods import default_integrator
-from solar_env.array.parameters import DEFAULT_ELEMENTS, ArrayParameters
+from solar_env.array.panels import PanelModel
+from solar_env.array.parameters import ArrayParameters
 from solar_env.mechanics.analysis.geometry import centreline
-from solar_env.mechanics.equations.build import compile_mechanism
+from solar_env.mechanics.integrators.methods.table import METHODS
 from solar_env.mechanics.integrators.settings import Integrator
 from solar_env.mechanics.running.simulation import simulate as simulate_mechanism
 from solar_env.mechanics.running.trajectory import Trajectory
@@ -20,7 +21,9 @@ def simulate(
     parameters: ArrayParameters | Mapping[str, Any] | None = None,
     *,
     model: str = "rigid-clearance",
-    elements: int = DEFAULT_ELEMENTS,
+    panels: str | PanelModel | None = None,
+    elements: int | None = None,
+    modes: int | None = None,
     duration: float = 30.0,
     integrator: Integrator | None = None,
     output_step: float = 0.01,
@@ -31,7 +34,10 @@ def simulate(
     Args:
         parameters: a parameter set, or changes to the default one by name.
         model: one of `array.MODELS`.
-        elements: beam elements of each panel; rigid models do not use it.
+        panels: model of flexible panels: "ancf", beams of cable elements, or "modal", their modes in a floating frame;
+            by default what the three that follow ask for, else "ancf".
+        elements: beam elements of each panel, by default 6.
+        modes: bending modes of each modal panel, by default 24.
         duration: [s].
         integrator: defaults to `default_integrator` of the model.
         output_step: distance of the samples [s]; independent of the integration step.
@@ -43,7 +49,7 @@ def simulate(
         tolerance does not make it cheaper.
 
     Raises:
-        ValueError: for an unknown model, parameter or value, or a refused number of elements.
+        ValueError: for an unknown name or a refused value, or if they contradict each other.
         SimulationError: if the run cannot go on.
 
     Warns:
@@ -52,13 +58,14 @@ def simulate(
     """
     if not isinstance(parameters, ArrayParameters):
         parameters = ArrayParameters().with_changes(parameters or {})
+    chosen = PanelModel.of(model, panels, elements, modes, integrator.name if integrator else None)
     return simulate_mechanism(
-        build(parameters, model, elements),
+        build(parameters, model, panels=chosen),
         duration,
-        integrator=integrator or default_integrator(model),
+        integrator=integrator or default_integrator(model, chosen),
         output_step=output_step,
         progress=progress,
-        metadata={"model": model, "elements": elements, "parameters": parameters.to_dict()},
+        metadata={"model": model, **chosen.keywords, "parameters": parameters.to_dict()},
     )
 
 
@@ -73,7 +80,8 @@ def panel_deflections(trajectory: Trajectory) -> NDArray[np.float64]:
     """
     details = trajectory.metadata
     parameters = ArrayParameters().with_changes(details["parameters"])
-    model, _ = compile_mechanism(build(parameters, details["model"], details["elements"]))
+    panels = {name: details.get(name) for name in ("panels", "elements", "modes")}
+    model, _ = METHODS[details["integrator"]].formulation.compile(build(parameters, details["model"], **panels))
     bodies = range(1, parameters.panel_count + 1)
     return np.stack([_middle_deflection(centreline(model, trajectory.coordinates, body, 2)) for body in bodies], axis=1)
 

@@ -1,32 +1,47 @@
 """The integrator of a deployment: by name, or the model's default."""
 
+from solar_env.array.panels import MODAL, PanelModel
 from solar_env.array.parameters import has_flexible_panels
-from solar_env.mechanics.integrators.settings import INTEGRATORS, GeneralizedAlpha, Integrator, Rosenbrock, RungeKutta
+from solar_env.mechanics.integrators.settings import (
+    INTEGRATORS,
+    GeneralizedAlpha,
+    Integrator,
+    ModalRadau,
+    Rosenbrock,
+    RungeKutta,
+)
 
 PAPER = "paper"
 # Names on the command line: every method, and the paper's choice of one.
 INTEGRATOR_NAMES = (*INTEGRATORS, PAPER)
 
 
-def default_integrator(model: str) -> RungeKutta:
+def default_integrator(model: str, panels: PanelModel | None = None) -> RungeKutta:
     """The integrator that a model gets when none is named.
 
-    Linearly implicit with flexible panels, whose stiff vibrations would bound explicit steps. The tolerances come from
-    measured errors: angles, latch times and statistics of impacts (`python -m solar_env chart`).
+    Linearly implicit with panels of beam elements, whose stiff vibrations would bound explicit steps; that of modal
+    panels is their own. The tolerances come from measured errors: angles, latch times and statistics of impacts
+    (`python -m solar_env chart`).
     """
     if has_flexible_panels(model):
-        return Rosenbrock(rtol=1e-4)
+        modal = PanelModel.of(model, panels).kind == MODAL
+        return _modal_radau(model) if modal else Rosenbrock(rtol=1e-4)
     return RungeKutta(rtol=5e-7) if model.endswith("ideal") else RungeKutta(rtol=2e-6, impact_resolution=12.0)
+
+
+def _modal_radau(model: str) -> ModalRadau:
+    return ModalRadau(rtol=3e-4 if model.endswith("ideal") else 1e-2)
 
 
 def _settings(name: str, model: str) -> Integrator:
     """The method `name` with the settings that suit a model."""
-    default = default_integrator(model)
+    default = default_integrator(model, PanelModel.of(model, integrator=name))
     if name == default.name:
         return default
     suited: dict[str, Integrator] = {
         RungeKutta.name: RungeKutta(rtol=1e-5),
         Rosenbrock.name: Rosenbrock(rtol=default.rtol),
+        ModalRadau.name: _modal_radau(model),
         PAPER: GeneralizedAlpha(rho_inf=1.0),
     }
     return suited[name] if name in suited else INTEGRATORS[name]()
@@ -36,8 +51,8 @@ def make_integrator(name: str, model: str, step: float | None = None, rtol: floa
     """An integrator by name, as the command line takes it.
 
     Args:
-        name: of a method ("runge-kutta", "rosenbrock" and "dop853" adapt their steps, which `step` bounds;
-            "generalized-alpha", rho_inf = 0.8, takes a fixed `step` or adapts to `rtol`) or "paper"
+        name: of a method ("runge-kutta", "rosenbrock", "dop853" and "modal-radau" adapt their steps, which `step`
+            bounds; "generalized-alpha", rho_inf = 0.8, takes a fixed `step` or adapts to `rtol`) or "paper"
             (generalized-alpha with beta = 1/4, gamma = 1/2 and a fixed step, 1e-4 s by default).
         model: one of `array.MODELS`.
         step: [s].

@@ -20,11 +20,10 @@ from solar_env.array.names import changed, unknown_name
 from solar_env.mechanics.joints.contact.laws import ContactLaw, contact_law
 from solar_env.mechanics.joints.contact.surfaces import Surfaces
 from solar_env.mechanics.joints.friction.laws import FRICTION_LAWS, SLIDING_READINGS, FrictionLaw
-from solar_env.mechanics.mechanism.description import Bearing, FlexibleBody, Stop
+from solar_env.mechanics.mechanism.description import Bearing, Stop
 from solar_env.mechanics.running.diagnosis import check_restitution
 
 MODELS = ("rigid-ideal", "rigid-clearance", "flexible-ideal", "flexible-clearance")
-DEFAULT_ELEMENTS = 6
 
 _POSITIVE = (
     "body_mass", "body_inertia", "body_size", "panel_length", "panel_width", "panel_thickness", "panel_density",
@@ -328,19 +327,9 @@ def check_model(model: str) -> str:
 
 
 def has_flexible_panels(model: str) -> bool:
-    """Whether the panels of a model are beams of cable elements instead of rigid bodies.
+    """Whether the panels of a model bend.
 
     Raises:
         ValueError: if the model is none of MODELS.
     """
     return check_model(model).startswith("flexible")
-
-
-def check_elements(elements: int) -> int:
-    """Return `elements` if a panel can be divided into so many beam elements.
-
-    Raises:
-        ValueError: otherwise.
-    """
-    FlexibleBody("panel", 1.0, elements, linear_density=1.0, axial_stiffness=1.0, bending_stiffness=1.0)
-    return elements

@@ -11,9 +11,19 @@ from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
-from solar_env.array import DEFAULT_ELEMENTS, MODELS, PRESETS, ArrayParameters, check_elements, check_model
+from solar_env.array import (
+    DEFAULT_ELEMENTS,
+    DEFAULT_MODES,
+    MODELS,
+    PANELS,
+    PRESETS,
+    ArrayParameters,
+    PanelModel,
+    check_model,
+)
 from solar_env.array.ladder import DEFAULT_TOLERANCE, QUESTIONS, Answer, cheapest, read_answers
 from solar_env.array.methods import INTEGRATOR_NAMES, default_integrator, make_integrator
+from solar_env.array.panels import DEFAULT_PANELS
 from solar_env.array.parameters import has_flexible_panels
 from solar_env.mechanics.integrators.settings import Rosenbrock, RungeKutta
 
@@ -24,10 +34,9 @@ _NOTEWORTHY_SHARE = 0.1  # of steps at the limit of stability, above which the c
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("--model", help=f"one of {', '.join(MODELS)}; default: {DEFAULT_MODEL}")
-    parser.add_argument(
-        "--elements", type=int, metavar="N",
-        help=f"beam elements of each panel of a flexible model ({DEFAULT_ELEMENTS})",
-    )  # fmt: skip
+    parser.add_argument("--panels", help=f"of a flexible model, one of {', '.join(PANELS)}; default: {DEFAULT_PANELS}")
+    parser.add_argument("--elements", type=int, metavar="N", help=f"beam elements of each panel ({DEFAULT_ELEMENTS})")
+    parser.add_argument("--modes", type=int, metavar="N", help=f"bending modes of each modal panel ({DEFAULT_MODES})")
     parser.add_argument(
         "--question", metavar="NAME",
         help="take the cheapest model and elements that answer a question, as measured by the command ladder: "
@@ -71,12 +80,12 @@ def run_command(args: argparse.Namespace) -> int:
     """Simulate, report, write what was asked for."""
     # Wrong input is refused before the compiler is loaded.
     answer = _chosen_answer(args)
-    model, elements = _level(args, answer)
+    model, panels = _level(args, answer)
     parameters = ArrayParameters.preset(args.preset).with_changes(parse_changes(args.set))
     for path in (args.plot, args.out, args.json):
         if path is not None and str(path) != "-" and not path.parent.is_dir():
             raise ValueError(f"the folder of {path} does not exist")
-    name = args.integrator or default_integrator(model).name
+    name = args.integrator or default_integrator(model, panels).name
     integrator = make_integrator(name, model, args.step, args.rtol)
     from solar_env.array.deployment import panel_deflections, simulate
     from solar_env.commands.warmup import warm_up
@@ -90,7 +99,7 @@ def run_command(args: argparse.Namespace) -> int:
         trajectory = simulate(
             parameters,
             model=model,
-            elements=elements,
+            panels=panels,
             duration=args.duration,
             integrator=integrator,
             output_step=args.output_step,
@@ -121,18 +130,22 @@ def _chosen_answer(args: argparse.Namespace) -> Answer | None:
         if args.tolerance is not None:
             raise ValueError("--tolerance says how well a --question is answered; give one, or --rtol for the steps")
         return None
-    for option in ("model", "elements"):
+    for option in ("model", "panels", "elements", "modes"):
         if getattr(args, option) is not None:
             raise ValueError(f"--question chooses model and elements: leave out --{option}, or the question")
     return cheapest(read_answers(), args.question, DEFAULT_TOLERANCE if args.tolerance is None else args.tolerance)
 
 
-def _level(args: argparse.Namespace, answer: Answer | None) -> tuple[str, int]:
-    """Model and elements, chosen by the ladder or given."""
+def _level(args: argparse.Namespace, answer: Answer | None) -> tuple[str, PanelModel]:
+    """Model, and that of its panels, chosen by the ladder or given.
+
+    Raises:
+        ValueError: if one given is refused.
+    """
     if answer is not None:
-        return answer.model, answer.elements or DEFAULT_ELEMENTS
+        return answer.model, PanelModel.of(answer.model, elements=answer.elements or None, integrator=args.integrator)
     model = check_model(DEFAULT_MODEL if args.model is None else args.model)
-    return model, check_elements(DEFAULT_ELEMENTS if args.elements is None else args.elements)
+    return model, PanelModel.of(model, args.panels, args.elements, args.modes, args.integrator)
 
 
 def _answer_note(answer: Answer, parameters: ArrayParameters) -> str:

@@ -9,12 +9,12 @@ from pathlib import Path
 
 from rich.console import Console
 
-from solar_env.array import MODELS, ArrayParameters, build
+from solar_env.array import MODELS, ArrayParameters, PanelModel, build
 from solar_env.array.methods import make_integrator
 from solar_env.mechanics.integrators.settings import INTEGRATORS
 
 # Functions of `compilation.py`: what everything calls, and the longest of the rest.
-PARTS = ("compile_evaluation", "compile_linear_step")
+PARTS = ("compile_evaluation", "compile_linear_step", "compile_modal_step")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -26,7 +26,8 @@ def load_kernels(model: str, integrator: str) -> float:
     from solar_env.mechanics.running.simulation import Simulation
 
     start = time.perf_counter()
-    Simulation(build(ArrayParameters(), model), make_integrator(integrator, model)).advance(1e-3)
+    panels = PanelModel.of(model, integrator=integrator)
+    Simulation(build(ArrayParameters(), model, panels=panels), make_integrator(integrator, model)).advance(1e-3)
     _mark(integrator).touch()
     return time.perf_counter() - start
 

@@ -96,9 +96,9 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     gymnasium.make("solar_env/Deploy-v0", model="rigid-clearance", randomize={"clearance": (5e-5, 5e-4)})
     ```
 
-    `solar_env.environment.settings.EnvironmentSettings` describes the keywords: `model`, `parameters`, `elements`,
-    `question`, `tolerance`, `torque_limit`, `control_period`, `deadline`, `postlock_window`, `driven_joint`,
-    `observation`, `reward`, `scenario`, `randomize`, `hardware` and `render_mode`.
+    `solar_env.environment.settings.EnvironmentSettings` describes the keywords: `model`, `parameters`, `panels`,
+    `elements`, `modes`, `question`, `tolerance`, `torque_limit`, `control_period`, `deadline`, `postlock_window`,
+    `driven_joint`, `observation`, `reward`, `scenario`, `randomize`, `hardware` and `render_mode`.
 
     `reset(options={"parameters": {...}})` changes parameters for one episode, after `randomize`, but for `panel_count`,
     `body_fixed` and `wear_bins`, on which the mechanism's structure depends.
@@ -120,7 +120,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         settings = EnvironmentSettings.of(keywords)
         self.render_mode, self.scenario = settings.render_mode, settings.scenario
         self.metadata = {**self.metadata, "render_fps": 1.0 / settings.control_period}
-        self.model, self.elements = settings.level
+        self.model, self.panels = settings.level
         self.parameters, self.randomize, self.hardware = settings.array, settings.ranges, settings.drive
         self.task, self.reward, self.observation_names = settings.task, settings.prices, settings.observation_names
         self.observation_space, self.action_space = settings.observation_space(), settings.action_space()

@@ -29,7 +29,7 @@ class SavedEpisode(NamedTuple):
     """
 
     parameters: ArrayParameters
-    state: m.State
+    state: Any
     charged: NDArray[np.float64]
     terms: NDArray[np.float64]
     names: tuple[str, ...]

@@ -1,12 +1,13 @@
 """Frames of an episode: the array as it is, and the force peaks so far."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters, main_body_corners
 from solar_env.environment.settings import EnvironmentSettings
 from solar_env.mechanics.analysis.geometry import centreline
-from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.joints.joint import ECCENTRICITY_X, ECCENTRICITY_Y, NORMAL
 from solar_env.mechanics.running.simulation import Simulation
 from solar_env.pictures.render import Renderer
@@ -22,7 +23,7 @@ class Film:
         self._times = [0.0]
         self._renderer: Renderer | None = None
 
-    def add(self, state: m.State) -> None:
+    def add(self, state: Any) -> None:
         """Take the peaks of the period that has ended."""
         self._peaks.append(state.joints["recent_peak_force"].copy())
         self._times.append(float(state.clock["time"][0]))

@@ -8,7 +8,7 @@ from typing import Any, Self
 import gymnasium
 import numpy as np
 
-from solar_env.array import DEFAULT_ELEMENTS, ArrayParameters, build, check_elements, check_model
+from solar_env.array import ArrayParameters, PanelModel, build, check_model
 from solar_env.array.ladder import DEFAULT_QUESTION, DEFAULT_TOLERANCE, cheapest, read_answers
 from solar_env.array.methods import default_integrator
 from solar_env.array.names import unknown_name
@@ -30,12 +30,16 @@ class EnvironmentSettings:
 
     Attributes:
         model: "rigid-clearance", "rigid-ideal", "flexible-clearance" or "flexible-ideal". With ideal joints the joint
-            reactions take the place of contact forces and nothing wears. Flexible panels are beams in the absolute
-            nodal coordinate formulation. "auto" takes the cheapest model and elements that answer a question, as
-            measured by `python -m solar_env ladder` with the default parameters; the attributes `model` and `elements`
-            of the environment then say which. With other parameters, and with `randomize`, take it as a hint.
+            reactions take the place of contact forces and nothing wears. "auto" takes the cheapest model and elements
+            that answer a question, as measured by `python -m solar_env ladder` with the default parameters; the
+            attributes `model` and `panels` of the environment then say which. With other parameters, and with
+            `randomize`, take it as a hint.
         parameters: an `ArrayParameters`, or a mapping of changes to those of the scenario.
-        elements: number of beam elements of each flexible panel, from 1 to 1000; rigid panels do not use it.
+        panels: "ancf" for flexible panels that are beams in the absolute nodal coordinate formulation, "modal" for
+            their modes in a floating frame; by default what the next two ask for, else "ancf". Rigid panels use none of
+            the three.
+        elements: number of beam elements of each panel, from 1 to 1000; by default 6.
+        modes: number of bending modes of each modal panel, up to 200; by default 24.
         question, tolerance: of `model="auto"`: one of `solar_env.array.ladder.QUESTIONS` and the error allowed. By
             default at most a fifth of the pairs of controllers may be ranked wrongly ("controller-ranking", 0.2).
         torque_limit, control_period, deadline, postlock_window, driven_joint: see `task.task.Task`.
@@ -54,7 +58,9 @@ class EnvironmentSettings:
 
     model: str = "rigid-clearance"
     parameters: ArrayParameters | Changes | None = None
-    elements: int = DEFAULT_ELEMENTS
+    panels: str | PanelModel | None = None
+    elements: int | None = None
+    modes: int | None = None
     question: str | None = None
     tolerance: float | None = None
     torque_limit: float = Task.torque_limit
@@ -89,25 +95,27 @@ class EnvironmentSettings:
             if name not in known:
                 raise TypeError(unknown_name("the environment's keyword", name, known))
         given = cls(**keywords)
-        (model, elements), hardware = given.level, given.drive
-        chosen = replace(given, model=model, elements=elements, question=None, tolerance=None)
+        (model, panels), hardware = given.level, given.drive
+        chosen = replace(given, model=model, **panels.keywords, question=None, tolerance=None)
         return replace(chosen, parameters=given.array, randomize=given.ranges, hardware=hardware)
 
     @cached_property
-    def level(self) -> tuple[str, int]:
-        """Model and number of elements, as given or chosen by the ladder."""
+    def level(self) -> tuple[str, PanelModel]:
+        """Model, and that of its panels, as given or chosen by the ladder."""
         if self.model != "auto":
             if self.question is not None or self.tolerance is not None:
                 raise ValueError(f"question and tolerance choose the model: they need model='auto', not {self.model!r}")
-            return check_model(self.model), check_elements(self.elements)
-        if self.elements != DEFAULT_ELEMENTS:
-            raise ValueError(
-                f"model='auto' chooses the elements too: leave out elements = {self.elements!r}, or name the model"
-            )
+            model = check_model(self.model)
+            return model, PanelModel.of(model, self.panels, self.elements, self.modes)
+        for name in ("panels", "elements", "modes"):
+            if getattr(self, name) is not None:
+                raise ValueError(
+                    f"model='auto' chooses panels too: leave out {name} = {getattr(self, name)!r}, or name the model"
+                )
         question = DEFAULT_QUESTION if self.question is None else self.question
         tolerance = DEFAULT_TOLERANCE if self.tolerance is None else self.tolerance
         chosen = cheapest(read_answers(), question, tolerance)
-        return chosen.model, chosen.elements or DEFAULT_ELEMENTS
+        return chosen.model, PanelModel.of(chosen.model, elements=chosen.elements or None)
 
     @cached_property
     def array(self) -> ArrayParameters:
@@ -204,5 +212,5 @@ class EnvironmentSettings:
 
     def simulation(self, parameters: ArrayParameters) -> Simulation:
         """A folded array at rest."""
-        model, elements = self.level
-        return Simulation(build(parameters, model, elements), default_integrator(model))
+        model, panels = self.level
+        return Simulation(build(parameters, model, panels=panels), default_integrator(model, panels))

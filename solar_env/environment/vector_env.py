@@ -69,7 +69,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         settings = EnvironmentSettings.of({**keywords, "parameters": by_lane[0]})
         self.render_mode, self.scenario = settings.render_mode, settings.scenario
         self.parameters = [scenario_named(self.scenario).design(entry) for entry in by_lane]
-        self.model, self.elements = settings.level
+        self.model, self.panels = settings.level
         self.randomize, self.hardware = settings.ranges, settings.drive
         self.task, self.reward, self.observation_names = settings.task, settings.prices, settings.observation_names
         self.autoreset_mode = AutoresetMode(autoreset_mode)

@@ -64,6 +64,9 @@ def test_simulate_writes_summary_trajectory_and_figure(tmp_path, model):
         (["--model", "rigid"], ["rigid", "rigid-ideal", "flexible-clearance"]),
         (["--elements", "0"], ["elements", "0"]),
         (["--model", "flexible-ideal", "--elements", "1001"], ["elements", "1001"]),
+        (["--panels", "modes"], ["modes", "modal"]),
+        (["--panels", "modal", "--elements", "2"], ["elements=2", "panels='modal'", "leave out"]),
+        (["--model", "flexible-ideal", "--modes", "2", "--integrator", "dop853"], ["modes=2", "dop853", "leave out"]),
         (["--set", "panel_young=0"], ["panel_young", "0"]),
         (["--set", "clearence=1e-4"], ["clearence", "clearance"]),
         (["--set", "clearance"], ["clearance", "key=value"]),
@@ -123,8 +126,14 @@ def test_simulate_says_on_one_line_when_stability_bounds_the_steps(capsys):
 
 
 def test_simulate_takes_the_default_integrator_of_the_model(capsys):
-    for model, integrator in (("rigid-ideal", "runge-kutta"), ("flexible-ideal", "rosenbrock")):
-        assert main(["simulate", "--model", model, "--elements", "1", "--duration", "0.1", "--json", "-"]) == 0
+    for model, integrator, *panels in (
+        ("rigid-ideal", "runge-kutta", "--elements", "1"),
+        ("flexible-ideal", "rosenbrock", "--elements", "1"),
+        ("flexible-ideal", "modal-radau", "--panels", "modal"),
+        ("flexible-clearance", "modal-radau", "--modes", "2"),
+        ("flexible-clearance", "modal-radau", "--integrator", "modal-radau"),
+    ):
+        assert main(["simulate", "--model", model, *panels, "--duration", "0.1", "--json", "-"]) == 0
         assert json.loads(capsys.readouterr().out)["integrator"] == integrator
 
 

@@ -89,9 +89,11 @@ def test_it_gives_what_sync_vector_env_gives_bit_for_bit(mode, longest):
     assert ended >= LANES
 
 
+@pytest.mark.parametrize("panels", [{"elements": 2}, {"modes": 4}])
 @pytest.mark.parametrize("model", ["rigid-ideal", "rigid-clearance", "flexible-ideal", "flexible-clearance"])
-def test_a_lane_equals_the_single_environment_with_its_seed(model):
-    keywords = {"model": model, "elements": 2, "randomize": RANGES, "parameters": STRONG, "observation": "privileged"}
+def test_a_lane_equals_the_single_environment_with_its_seed(model, panels):
+    ranges = {**RANGES, "panel_young": (2.5e8, 3.1e8)}
+    keywords = {"model": model, "randomize": ranges, "parameters": STRONG, "observation": "privileged", **panels}
     native = make_vector(**keywords)
     first, _ = native.reset(seed=11)
     steps = [native.step(actions) for actions in random_actions(12)]
@@ -167,9 +169,13 @@ def test_parameters_by_lane_go_to_their_lanes_under_a_mask_too():
 
 
 @pytest.mark.parametrize("copied", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])
-@pytest.mark.parametrize("model", ["rigid-clearance", "flexible-clearance"])
-def test_a_copy_goes_on_as_the_original_and_tells_the_same(model, copied):
-    env = make_vector(3, model=model, elements=1, parameters=STRONG, postlock_window=0.5, randomize=RANGES).unwrapped
+@pytest.mark.parametrize(
+    "level",
+    [{}, {"model": "flexible-clearance", "elements": 1}, {"model": "flexible-clearance", "modes": 4}],
+    ids=["rigid", "elements", "modes"],
+)
+def test_a_copy_goes_on_as_the_original_and_tells_the_same(level, copied):
+    env = make_vector(3, **level, parameters=STRONG, postlock_window=0.5, randomize=RANGES).unwrapped
     env.reset(seed=1)
     actions = random_actions(45, 3)
     for action in actions[:10]:
@@ -321,10 +327,11 @@ def test_a_lane_can_be_saved_and_restored():
     assert_same(env.step(np.zeros((2, 1)))[0], first)
 
 
+@pytest.mark.parametrize("level", [{}, {"model": "flexible-clearance", "modes": 4}], ids=["rigid", "modes"])
 @pytest.mark.parametrize("observation", ["drive", "history", "privileged"])
-def test_a_saved_episode_goes_on_to_the_same_bits_in_any_lane_as_often_as_one_likes(observation):
+def test_a_saved_episode_goes_on_to_the_same_bits_in_any_lane_as_often_as_one_likes(observation, level):
     """Mid-contact, with a noisy and late drive, after other episodes have come and gone in its lane."""
-    env = make_vector(scenario="randomised", observation=observation, max_episode_steps=60).unwrapped
+    env = make_vector(scenario="randomised", observation=observation, max_episode_steps=60, **level).unwrapped
     env.reset(seed=4)
     actions = random_actions(60)
     for action in actions[:30]:

@@ -13,7 +13,7 @@ from gymnasium.utils.env_checker import check_env
 
 from solar_env import SolarArrayEnv
 from solar_env.__main__ import main
-from solar_env.array import DEFAULT_ELEMENTS, MODELS
+from solar_env.array import DEFAULT_ELEMENTS, MODELS, PanelModel
 from solar_env.array.ladder import (
     DEFAULT_QUESTION,
     DEFAULT_TOLERANCE,
@@ -297,7 +297,7 @@ def test_simulate_refuses_options_that_contradict_each_other(arguments, words, c
 def test_the_environment_takes_the_level_of_the_default_question():
     env = gymnasium.make("solar_env/Deploy-v0", model="auto").unwrapped
     chosen = cheapest(read_answers(), DEFAULT_QUESTION, DEFAULT_TOLERANCE)
-    assert (env.model, env.elements) == (chosen.model, chosen.elements or DEFAULT_ELEMENTS)
+    assert (env.model, env.panels) == (chosen.model, PanelModel("ancf", chosen.elements or DEFAULT_ELEMENTS))
 
 
 @pytest.mark.parametrize(("question", "tolerance"), [("latch-time", 0.05), ("tip-motion", 0.02)])
@@ -305,7 +305,7 @@ def test_an_environment_that_chose_is_the_one_that_is_named(question, tolerance)
     env = gymnasium.make("solar_env/Deploy-v0", model="auto", question=question, tolerance=tolerance).unwrapped
     check_env(env, skip_render_check=True)
     assert env.model in MODELS
-    named = gymnasium.make("solar_env/Deploy-v0", model=env.model, elements=env.elements).unwrapped
+    named = gymnasium.make("solar_env/Deploy-v0", model=env.model, panels=env.panels).unwrapped
     first, second = env.reset(seed=1)[0], named.reset(seed=1)[0]
     for _ in range(5):
         assert np.array_equal(first, second)

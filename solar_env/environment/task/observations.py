@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from solar_env.array.names import unknown_name
 from solar_env.environment.task.task import last_latch
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.bodies.markers import direction
-from solar_env.mechanics.joints.joint import joint_motion, relative
+from solar_env.mechanics.integrators.formulations import view_joint_of
 from solar_env.mechanics.numerics.jit import kernel
 
 # Codes of `reading`.
@@ -159,14 +158,18 @@ def channels(measured: Sequence[tuple[Observable, int]]) -> NDArray[np.void]:
 @kernel(inner=True)
 def reading(code, j, model, state, task):
     """The exact value of a quantity, in its unit, at joint `j`."""
-    joint, own = model.joints[j], state.joints[j]
-    if code in (THETA, RATE, MAIN_BODY_SPIN):
-        angle, rate, _, inboard_spin = joint_motion(joint, model.markers, state.q, state.v)
-        return angle / joint.lock_angle if code == THETA else rate if code == RATE else inboard_spin
+    joint, own, view = model.joints[j], state.joints[j], view_joint_of(model)(model, state, j)
+    if code == THETA:
+        return view.angle / joint.lock_angle
+    if code == RATE:
+        return view.rate
+    if code == MAIN_BODY_SPIN:
+        return view.inboard_spin
+    if code == MAIN_BODY_ANGLE:
+        return view.inboard_angle
     if code in (ECCENTRICITY_X, ECCENTRICITY_Y):
-        ex, ey = relative(joint, model.markers, state.q)
         scale = 1.0 / joint.clearance if joint.kind == m.CLEARANCE else 0.0
-        return ex * scale if code == ECCENTRICITY_X else ey * scale
+        return scale * (view.eccentricity_x if code == ECCENTRICITY_X else view.eccentricity_y)
     if code == LATCHED:
         return float(own.latched)
     if code == IN_CONTACT:
@@ -178,9 +181,6 @@ def reading(code, j, model, state, task):
     if code == TIME_SINCE_LATCH:
         latched_at = last_latch(state.joints)
         return (state.clock[0].time - latched_at) / task.postlock_window if latched_at == latched_at else 0.0
-    if code == MAIN_BODY_ANGLE:
-        x, y = direction(model.markers[joint.inboard], state.q)
-        return math.atan2(y, x)
     if code == PEAK_FORCE:
         return 1e-3 * own.recent_peak_force
     return math.nan

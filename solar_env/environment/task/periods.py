@@ -3,7 +3,7 @@
 from solar_env.environment.task.observations import observe
 from solar_env.environment.task.reward import charge
 from solar_env.environment.task.task import begin_period, has_ended
-from solar_env.mechanics.arrays.lanes import lane_model, lane_state
+from solar_env.mechanics.arrays.lanes import lane_view
 from solar_env.mechanics.numerics.jit import kernel
 
 
@@ -11,7 +11,7 @@ from solar_env.mechanics.numerics.jit import kernel
 def begin_periods(states, task, lanes, actions, end_times):
     """Set the motor torques of the lanes (k,) named; actions and ends of the periods are by lane."""
     for lane in lanes:
-        end_times[lane] = begin_period(lane_state(states, lane), task, actions[lane])
+        end_times[lane] = begin_period(lane_view(states, lane), task, actions[lane])
 
 
 @kernel
@@ -31,7 +31,7 @@ def end_periods(models, states, task, channels, charges, lanes, charged, terms, 
         terminated: (lanes,) whether the episode has ended.
     """
     for lane in lanes:
-        model, state = lane_model(models, lane), lane_state(states, lane)
+        model, state = lane_view(models, lane), lane_view(states, lane)
         rewards[lane] = charge(model, state, task, charges, charged[lane], terms[lane])
         observe(model, state, task, channels, observations[lane])
         terminated[lane] = has_ended(state, task)
@@ -41,4 +41,4 @@ def end_periods(models, states, task, channels, charges, lanes, charged, terms, 
 def observe_lanes(models, states, task, channels, lanes, observations):
     """Observe the present state of the lanes (k,) named; observations are by lane."""
     for lane in lanes:
-        observe(lane_model(models, lane), lane_state(states, lane), task, channels, observations[lane])
+        observe(lane_view(models, lane), lane_view(states, lane), task, channels, observations[lane])

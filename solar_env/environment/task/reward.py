@@ -10,7 +10,7 @@ import numpy as np
 from solar_env.array.names import changed, unknown_name
 from solar_env.environment.task.task import missed_deadline
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.bodies.markers import spin
+from solar_env.mechanics.integrators.formulations import view_joint_of
 from solar_env.mechanics.numerics.jit import kernel
 
 # Codes of `reading`.
@@ -155,7 +155,7 @@ def reading(code, model, state, task):
     if code == MISSED_DEADLINE:
         return 1.0 if missed_deadline(state, task) else 0.0
     if code == ATTITUDE_DISTURBANCE:
-        return spin(model.markers[model.joints[0].inboard], state.q, state.v)
+        return view_joint_of(model)(model, state, 0).inboard_spin
     if code == MOTOR_WORK:
         return state.integrals[m.INTEGRALS_PER_JOINT * task.driven_joint + m.MOTOR_WORK]
     total = 0.0

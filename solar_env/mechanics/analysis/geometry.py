@@ -1,19 +1,21 @@
 """Shapes of bodies from their coordinates, for drawing and for figures. Plain NumPy."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.mechanics.arrays.model import Model
-from solar_env.mechanics.bodies.kinds import KINDS
+from solar_env.mechanics.integrators.formulations import FORMULATIONS
 
 Array = NDArray[np.float64]
 
 
-def centreline(model: Model, q: Array, body: int, points_per_element: int = 8) -> Array:
+def centreline(model: Any, q: Array, body: int, points_per_element: int = 8) -> Array:
     """Points along the axis of a body, from its first end to its last, as a polyline.
 
     The axis of a beam is a cubic polynomial between nodes, of which every element gives equally spaced points; a node
-    that two elements share counts once. A rigid body gives the two ends of its x axis.
+    that two elements share counts once. A modal panel counts as eight elements. A rigid body gives the two ends of its
+    x axis.
 
     Args:
         model: of the mechanism.
@@ -30,7 +32,4 @@ def centreline(model: Model, q: Array, body: int, points_per_element: int = 8) -
     """
     if points_per_element < 1:
         raise ValueError(f"points_per_element = {points_per_element!r} must be at least 1")
-    row = model.bodies[body]
-    first = int(row["offset"])
-    own = np.asarray(q, dtype=np.float64)[..., first : first + int(row["coordinates"])]
-    return KINDS[row["kind"]].centreline(row, own, points_per_element)
+    return FORMULATIONS[type(model)].centreline(model, np.asarray(q, dtype=np.float64), body, points_per_element)

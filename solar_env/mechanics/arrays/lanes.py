@@ -10,11 +10,8 @@ from numba.core.typing.templates import Signature
 from numba.extending import intrinsic, overload
 from numpy.typing import NDArray
 
-from solar_env.mechanics.arrays.model import Constraints, Elements, Model, State
-from solar_env.mechanics.numerics.jit import kernel
-from solar_env.mechanics.numerics.profile import Elimination
-
-Arrays = TypeVar("Arrays", Model, State)
+# A named tuple of arrays, of numbers and of such tuples.
+Arrays = TypeVar("Arrays", bound=tuple[Any, ...])
 
 
 def with_lane_axis(arrays: Arrays) -> Arrays:
@@ -33,7 +30,7 @@ def allocate_lanes(arrays: Arrays, lanes: int) -> Arrays:
 
 
 def lane_view(lanes: Arrays, lane: int) -> Arrays:
-    """The arrays of one lane; they share their memory with those of all."""
+    """The arrays of one lane, in Python and in kernels; they share their memory with those of all."""
     return _mapped(lambda entry: entry[lane], lanes)
 
 
@@ -79,54 +76,24 @@ def _mapped(function: Any, arrays: Any) -> Any:
     return function(arrays)
 
 
-@kernel(inlined=True)
-def lane_model(models, lane):
-    """The model of a lane."""
-    constraints, elements, elimination = models.constraints, models.cable_elements, models.elimination
-    return Model(
-        models.bodies[lane],
-        models.markers[lane],
-        models.joints[lane],
-        models.cables[lane],
-        models.drives[lane],
-        models.loads[lane],
-        models.constant_force[lane],
-        Constraints(
-            constraints.size[lane],
-            constraints.coordinate[lane],
-            constraints.value[lane],
-            constraints.target[lane],
-            constraints.bodies[lane],
-            constraints.driven[lane],
-        ),
-        Elements(elements.offset[lane], elements.inverse_length[lane], elements.constants[lane], elements.filled[lane]),
-        models.body_constants[lane],
-        Elimination(
-            elimination.position[lane], elimination.empty[lane], elimination.first[lane], elimination.base[lane]
-        ),
-        models.error_weight[lane],
-        models.length_scale[lane],
-        models.stable_step[lane],
-        models.flexible[lane],
-    )
+@overload(lane_view, inline="always")
+def _compiled_lane_view(lanes, lane):
+    """The same in compiled code: a call of the named tuple's class, which Numba cannot derive from a loop."""
+    classes: dict[str, Any] = {}
 
+    def construction(kind: types.BaseNamedTuple, path: str) -> str:
+        name = f"class_{len(classes)}"
+        classes[name] = kind.instance_class
+        parts = (
+            construction(entry, f"{path}.{field}")
+            if isinstance(entry, types.BaseNamedTuple)
+            else f"{path}.{field}[lane]"
+            for field, entry in zip(kind.fields, kind.types, strict=True)
+        )
+        return f"{name}({', '.join(parts)})"
 
-@kernel(inlined=True)
-def lane_state(states, lane):
-    """The state of a lane."""
-    return State(
-        states.q[lane],
-        states.v[lane],
-        states.a[lane],
-        states.algorithmic_a[lane],
-        states.multipliers[lane],
-        states.integrals[lane],
-        states.power[lane],
-        states.joints[lane],
-        states.wear_journal[lane],
-        states.wear_bearing[lane],
-        states.clock[lane],
-    )
+    exec(f"def view(lanes, lane):\n    return {construction(lanes, 'lanes')}", classes)
+    return classes["view"]
 
 
 def take_ticket(counter: NDArray[np.int64]) -> int:

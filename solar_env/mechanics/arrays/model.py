@@ -216,11 +216,6 @@ class State(NamedTuple):
     clock: NDArray[np.void]  # (1,)
 
 
-def copy_state(state: State) -> State:
-    """Return an independent copy of `state`."""
-    return State._make(array.copy() for array in state)
-
-
 # Status codes of the kernels; `errors.py` turns them into exceptions.
 (
     DONE,

@@ -11,6 +11,7 @@ They depend on the sums of v v^T omega^-2p over all discarded modes alone. These
 x_k equals (k + 1/2) pi in all digits from some k on: no mode is cut off.
 """
 
+import math
 from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -67,6 +68,16 @@ def bending_modes(length: float, mass: float, stiffness: float, kept: int, block
         kept: number of modes kept.
         blocks: of Krylov vectors; 0 for none.
     """
+    numbers, rows = _unit_bending_modes(kept, blocks)
+    return EndModes(
+        numbers * math.sqrt(stiffness / mass / length**3),
+        rows / np.array([[1.0], [length], [1.0], [length]]) / math.sqrt(mass),
+    )
+
+
+@lru_cache(maxsize=64)
+def _unit_bending_modes(kept: int, blocks: int) -> EndModes:
+    """Bending modes of a beam of unit length, mass and stiffness."""
     exact = [_end_values(wave_number(k)) for k in range(1, kept + 1)]
     squares = [wave_number(k) ** 2 for k in range(1, kept + 1)]
     signs = [1 if k % 2 else -1 for k in range(1, kept + 1)]
@@ -76,9 +87,9 @@ def bending_modes(length: float, mass: float, stiffness: float, kept: int, block
         squares += found
         exact += rows
         signs += [sign] * len(found)
-    # In units of the length: slopes change their sign from one end to the other where deflections do not.
-    rows = [(w, s / length, sign * w, -sign * s / length) for (w, s), sign in zip(exact, signs, strict=True)]
-    return _end_modes(squares, rows, (stiffness / mass / length**3) ** 0.5, mass)
+    # Slopes change their sign from one end to the other where deflections do not.
+    rows = [(w, s, sign * w, -sign * s) for (w, s), sign in zip(exact, signs, strict=True)]
+    return _end_modes(squares, rows)
 
 
 def axial_modes(length: float, mass: float, stiffness: float, kept: int, blocks: int = RESIDUAL_BLOCKS) -> EndModes:
@@ -91,6 +102,13 @@ def axial_modes(length: float, mass: float, stiffness: float, kept: int, blocks:
         kept: number of modes kept.
         blocks: of Krylov vectors; 0 for none.
     """
+    numbers, rows = _unit_axial_modes(kept, blocks)
+    return EndModes(numbers * math.sqrt(stiffness / mass / length), rows / math.sqrt(mass))
+
+
+@lru_cache(maxsize=64)
+def _unit_axial_modes(kept: int, blocks: int) -> EndModes:
+    """Axial modes of a bar of unit length, mass and stiffness."""
     numbers = [k * _CONTEXT.pi for k in range(1, kept + 1)]
     rows = [(_CONTEXT.sqrt(2), (-1) ** k * _CONTEXT.sqrt(2)) for k in range(1, kept + 1)]
     for first, sign in ((_next_of_parity(kept, 1), -1), (_next_of_parity(kept, 0), 1)) if blocks else ():
@@ -98,12 +116,12 @@ def axial_modes(length: float, mass: float, stiffness: float, kept: int, blocks:
         found, ends = _pseudo_modes(moments, blocks)
         numbers += found
         rows += [(u, sign * u) for (u,) in ends]
-    return _end_modes(numbers, rows, (stiffness / mass / length) ** 0.5, mass)
+    return _end_modes(numbers, rows)
 
 
-def _end_modes(numbers: Sequence[Real], rows: Sequence[Sequence[Real]], unit: float, mass: float) -> EndModes:
-    frequencies = unit * np.array([float(number) for number in numbers])
-    return EndModes(frequencies, np.array([[float(value) for value in row] for row in rows]).T / mass**0.5)
+def _end_modes(numbers: Sequence[Real], rows: Sequence[Sequence[Real]]) -> EndModes:
+    frequencies = np.array([float(number) for number in numbers])
+    return EndModes(frequencies, np.array([[float(value) for value in row] for row in rows]).T)
 
 
 def _end_values(x: Real) -> tuple[Real, Real]:

@@ -76,6 +76,14 @@ class BodyKind(ABC, Generic[Described]):
         """Largest step [s] with which the explicit method is stable on the free body."""
         return math.inf
 
+    def rigid_motions(self, q: Array) -> Array:
+        """(3, n) rates of the coordinates as the body moves rigidly: along x, along y, about the origin, at unit speed.
+
+        By default, those of points, of which each has two coordinates.
+        """
+        along = np.resize([1.0, 0.0], q.size)
+        return np.stack([along, 1.0 - along, np.stack([-q[1::2], q[0::2]], axis=1).ravel()])
+
     @abstractmethod
     def centreline(self, row: Any, q: Array, points_per_element: int) -> Array:
         """Points (..., k, 2) [m] along the body's axis from its coordinates (..., n), for pictures."""

@@ -62,6 +62,10 @@ class ReferencePoint(BodyKind[ReferencePointBody]):
         """Of the angle: the radius of gyration."""
         return np.array([1.0, 1.0, math.sqrt(body.inertia / body.mass)])
 
+    def rigid_motions(self, q: Array) -> Array:
+        """Of the centroid and the angle."""
+        return np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-q[1], q[0], 1.0]])
+
     def centreline(self, row: Any, q: Array, points_per_element: int) -> Array:
         """Both ends of the body frame's x axis."""
         turn = np.exp(1j * q[..., 2])

@@ -37,8 +37,8 @@ class _Compiler:
         for body in mechanism.bodies:
             if isinstance(body, ModalPanel):
                 raise ValueError(
-                    f"body {body.name!r} is a ModalPanel, which needs an integrator of its own: run the mechanism with "
-                    "ModalSimulation, or describe the body as a FlexibleBody"
+                    f"body {body.name!r} is a ModalPanel, which needs an integrator of its own: choose ModalRadau, or "
+                    "describe the body as a FlexibleBody"
                 )
         bodies: list[AnyBody] = list(mechanism.bodies)
         if self._needs_ground():

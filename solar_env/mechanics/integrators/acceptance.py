@@ -3,15 +3,15 @@
 from solar_env.mechanics.arrays.model import APPROXIMATE, CLEARANCE, EXACT, INTEGRALS_PER_JOINT, SLIDING_WORK
 from solar_env.mechanics.equations.constraints import prepare_response, project
 from solar_env.mechanics.integrators.events import NO_EVENT, begin_event
-from solar_env.mechanics.integrators.history import note_force, settle_joints
 from solar_env.mechanics.integrators.methods.stiff_forces import lasts
 from solar_env.mechanics.integrators.methods.table import integrals_of, interpolate_of
-from solar_env.mechanics.integrators.recording import record_sample, sample_due
 from solar_env.mechanics.integrators.step import interpolate_without_accelerations, refresh, set_impact_speeds
 from solar_env.mechanics.joints.contact.normal_force import normal_force
 from solar_env.mechanics.joints.joint import penetration
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
+from solar_env.mechanics.records.history import note_force, settle_joints
+from solar_env.mechanics.records.recording import record_sample, sample_due
 
 _PEAK_SAMPLES = 8
 

@@ -15,11 +15,11 @@ from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.equations.constraints import fill_columns
 from solar_env.mechanics.integrators.acceptance import accept, measure_depths, record_until
 from solar_env.mechanics.integrators.events import first_event
-from solar_env.mechanics.integrators.history import check_state, fail, impact_step_limit
 from solar_env.mechanics.integrators.methods.table import adapt_of, attempt_of, begin_of, choose_of, complete_of
 from solar_env.mechanics.integrators.step import refresh, set_impact_speeds
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
+from solar_env.mechanics.records.history import check_state, fail, impact_step_limit
 
 _SMALLEST_STEP = 1e-13  # s, relative to max(time, 1 s)
 # Events may follow each other without time between them, but not for ever.

@@ -1,12 +1,12 @@
 """The driver of a run: one loop for all methods, and lanes that advance one after the other."""
 
-from solar_env.mechanics.arrays.lanes import lane_model, lane_state, take_ticket
+from solar_env.mechanics.arrays.lanes import lane_view, take_ticket
 from solar_env.mechanics.arrays.model import DONE, PAUSED, TOO_MANY_STEPS
 from solar_env.mechanics.integrators.adaptive import begin_adaptive, take_adaptive_step
-from solar_env.mechanics.integrators.history import fail
 from solar_env.mechanics.integrators.methods.table import kernel_of
-from solar_env.mechanics.integrators.recording import pause_due
 from solar_env.mechanics.numerics.jit import kernel
+from solar_env.mechanics.records.history import fail
+from solar_env.mechanics.records.recording import pause_due
 
 _begin_call = kernel_of(lambda kernels: getattr(kernels, "begin_call", begin_adaptive))
 _take_step = kernel_of(lambda kernels: getattr(kernels, "take_step", take_adaptive_step))
@@ -47,5 +47,5 @@ def advance_lanes(models, states, settings, recorder, queue, counter, end_times,
         if ticket >= queue.size:
             break
         lane = queue[ticket]
-        model, state = lane_model(models, lane), lane_state(states, lane)
+        model, state = lane_view(models, lane), lane_view(states, lane)
         statuses[lane] = advance(model, state, settings, recorder, end_times[lane], arrays)

@@ -6,7 +6,6 @@ Each is a root of the step's interpolant, found without further evaluations of t
 import numpy as np
 
 from solar_env.mechanics.arrays.model import CLEARANCE
-from solar_env.mechanics.integrators.history import latch, start_contact
 from solar_env.mechanics.integrators.methods.table import depth_of, interpolate_of
 from solar_env.mechanics.joints.joint import (
     ANGLE,
@@ -18,6 +17,7 @@ from solar_env.mechanics.joints.joint import (
     stop_depth,
 )
 from solar_env.mechanics.numerics.jit import kernel
+from solar_env.mechanics.records.history import latch, start_contact
 
 # Kinds of event inside a step.
 # Typed: Numba would compile the functions that take a literal for each one anew.

@@ -24,7 +24,7 @@ class RungeKutta:
             longest body.
         velocity_scale: [m/s].
         max_step: [s].
-        impact_resolution: least number of steps per predicted duration of an impact, 4 or more.
+        impact_resolution: least number of steps per predicted duration of an impact, `fewest_steps` or more.
         max_steps: bound on the steps of one call.
 
     A run asks the same of every method: `name`; whether it `takes_drives`; whether its multipliers only settle to
@@ -43,16 +43,18 @@ class RungeKutta:
     settles_forces = False
     steps_needed_per_impact = None
     remedy = property(lambda self: f"tighten rtol = {self.rtol:g}")
+    fewest_steps = FEWEST_EXPLICIT_STEPS
+    least_rtol = 1e-13
 
     def with_options(self, step: float | None, rtol: float | None) -> RungeKutta:
         """These settings, with a bound on the step [s] or a tolerance of its own if they are given."""
         return replace(self, max_step=self.max_step if step is None else step, rtol=self.rtol if rtol is None else rtol)
 
     def __post_init__(self) -> None:
-        if not 1e-13 <= self.rtol <= 1e-1:
-            raise ValueError(f"rtol = {self.rtol!r} must lie between 1e-13 and 0.1")
+        if not self.least_rtol <= self.rtol <= 1e-1:
+            raise ValueError(f"rtol = {self.rtol!r} must lie between {self.least_rtol:g} and 0.1")
         _check_scales(self, ("velocity_scale", "impact_resolution"))
-        _check_resolution(self.impact_resolution, FEWEST_EXPLICIT_STEPS)
+        _check_resolution(self.impact_resolution, self.fewest_steps)
 
 
 @dataclass(frozen=True)
@@ -80,6 +82,23 @@ class DormandPrince(RungeKutta):
     rtol: float = 1e-8
 
     name = "dop853"
+
+
+@dataclass(frozen=True)
+class ModalRadau(RungeKutta):
+    """Two-stage Radau IIA on the loads of the joints (`modal`), for rigid bodies and modal panels.
+
+    Of the local error, contact depths are relative to themselves. Mechanisms with drives, guides or load torques are
+    refused.
+    """
+
+    rtol: float = 1e-3
+    impact_resolution: float = 6.0
+
+    name = "modal-radau"
+    takes_drives = False
+    fewest_steps = 3
+    least_rtol = 1e-10
 
 
 @dataclass(frozen=True)
@@ -138,7 +157,7 @@ class GeneralizedAlpha:
 Integrator = RungeKutta | GeneralizedAlpha
 # Settings of every method by its name; their kernels are in `methods/table.py`.
 INTEGRATORS: dict[str, type[Integrator]] = {
-    kind.name: kind for kind in (RungeKutta, Rosenbrock, DormandPrince, GeneralizedAlpha)
+    kind.name: kind for kind in (RungeKutta, Rosenbrock, DormandPrince, ModalRadau, GeneralizedAlpha)
 }
 
 

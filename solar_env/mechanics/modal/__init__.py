@@ -4,7 +4,8 @@ A panel is a rigid body with elastic modes about it (`foreshortening`, `tables`)
 such panels has arrays of its own (`arrays`, `build`). A step of the two-stage Radau IIA method solves for the loads
 of the joints at its two stages (`bodies`, `motion`, `rows`, `equations`, `step`) and is then judged and taken
 (`acceptance`): given the loads, every body's motion follows in closed form, so that the cost of the iteration does not
-depend on the number of modes. `driver` controls the steps, `events` and `books` keep what a run remembers.
+depend on the number of modes. `driver` controls the steps, `events` and `books` keep what a run remembers;
+`formulation` and `views` tell the rest of the package what the arrays say.
 
 Two things are left out. The inertia of the turning frame (centrifugal and Coriolis forces on the amplitudes) would
 raise the squared frequency of a free panel's lowest mode by 2.05 spin^2: at spins of 3 and 10 % of that frequency (2.0
@@ -12,5 +13,5 @@ and 6.8 rad/s for a panel of the array) the frequency is 0.1 and 1.0 % too low. 
 order: a static tip deflection is too small by some 0.04 of the squared slope of the end against the frame, 0.15 % at
 0.2 rad. A run warns where either leaves out 1 % of stiffness or shortening (`verification.panels` measures both).
 
-May import numerics, arrays, bodies, joints, mechanism, equations, and from the integrators recording and history.
+Imports `records` and the rooms below.
 """

@@ -29,6 +29,8 @@ body_type = record(
         ("inverse_mass", np.float64),  # zero if the body is held in place
         ("inverse_inertia", np.float64),
         ("length", np.float64),
+        ("centroid_x", np.float64),  # in the body frame
+        ("centroid_y", np.float64),
     ]
 )
 
@@ -138,7 +140,7 @@ class Workspace(NamedTuple):
     correction: Array  # (2 R,)
     tolerance: Array  # (R,) of a load
     rows: NDArray[np.int64]  # (1,) number of unknowns
-    counts: NDArray[np.int64]  # (1,) iterations
+    counts: NDArray[np.int64]  # (2,) iterations, and events that have followed each other without time between them
     # Of an off-table step size.
     tables: Tables
     coefficients: Array  # (16,)
@@ -201,7 +203,7 @@ def make_workspace(model: ModalModel, state: ModalState) -> Workspace:
         correction=zeros(2 * rows),
         tolerance=zeros(rows),
         rows=zeros(1, np.int64),
-        counts=zeros(1, np.int64),
+        counts=zeros(2, np.int64),
         tables=make_tables(model.panels, 1),
         coefficients=zeros(16),
         q=np.zeros_like(state.q),

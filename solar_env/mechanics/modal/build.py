@@ -29,7 +29,6 @@ def axial_count(modes: int) -> int:
     return (modes + 1) // 2
 
 
-@lru_cache(maxsize=16)
 def _design_modes(chosen: _Design) -> tuple[EndModes, EndModes, NDArray[np.float64], NDArray[np.float64]]:
     length, mass, axial_stiffness, bending_stiffness, _, modes = chosen
     axial = axial_count(modes)
@@ -75,8 +74,8 @@ def rigid_stand_in(body: AnyBody) -> Body:
         motion = (body.position, body.angle, body.velocity, body.spin)
         return Body(body.name, body.mass, body.inertia, body.length, body.centroid, *motion)
     raise ValueError(
-        f"body {body.name!r} is a {type(body).__name__}, which does not go with modal panels; describe it as a "
-        "ModalPanel, Body or ReferencePointBody"
+        f"body {body.name!r} is a {type(body).__name__}, which does not go with ModalRadau; describe it as a "
+        "ModalPanel, Body or ReferencePointBody, or choose another integrator"
     )
 
 
@@ -89,7 +88,7 @@ def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
     """
     for name in ("guides", "drives", "loads"):
         if getattr(mechanism, name):
-            raise ValueError(f"mechanism.{name}: modal panels take none; use FlexibleBody and another integrator")
+            raise ValueError(f"mechanism.{name}: ModalRadau takes none; choose another integrator, and no ModalPanel")
     stand_in = replace(mechanism, bodies=tuple(rigid_stand_in(body) for body in mechanism.bodies))
     model, state = compile_mechanism(stand_in)
     bodies, coordinates, velocities = _bodies(mechanism)
@@ -147,6 +146,7 @@ def _bodies(mechanism: Mechanism) -> tuple[NDArray[np.void], NDArray[np.float64]
         record["panel"] = panels.index(body) if isinstance(body, ModalPanel) else RIGID_BODY
         record["design"] = designs.index(design(body)) if isinstance(body, ModalPanel) else 0
         record["mass"], record["inertia"] = rigid.mass, rigid.inertia
+        record["centroid_x"], record["centroid_y"] = rigid.centroid
         c, s = math.cos(rigid.angle), math.sin(rigid.angle)
         x, y = rigid.centroid
         arm = (c * x - s * y, s * x + c * y)

@@ -1,27 +1,21 @@
-"""Advancing a mechanism of rigid bodies and modal panels: step sizes by the error, events, acceptance, samples.
+"""Kernels of the method `ModalRadau`: a call's start, and a step with its size, events, acceptance and samples.
 
 A step is a pure function of the accepted state and its size. Where the run finds an event inside a step, it solves the
 step again, cut there.
 """
 
 import math
+from typing import Any
+
+import numpy as np
 
 from solar_env.mechanics.arrays.model import (
-    CLEARANCE,
-    CONTACT_TOO_DEEP,
     DONE,
     EVENTS_PILE_UP,
     EXACT,
-    JOINT_ANGLE_RANGE,
     NOT_FINITE,
-    PAUSED,
     STEP_TOO_SMALL,
-    TOO_MANY_STEPS,
 )
-from solar_env.mechanics.integrators.history import end_contact, fail, impact_step_limit
-from solar_env.mechanics.integrators.recording import pause_due, sample_due
-from solar_env.mechanics.joints.joint import stop_depth
-from solar_env.mechanics.joints.wear import add_wear, pressed_half_angle
 from solar_env.mechanics.modal.acceptance import commit_step, keep_loads, step_error
 from solar_env.mechanics.modal.arrays import (
     ANGLE,
@@ -37,15 +31,42 @@ from solar_env.mechanics.modal.equations import fill_torques
 from solar_env.mechanics.modal.events import NONE, begin_event, first_event
 from solar_env.mechanics.modal.motion import look_at
 from solar_env.mechanics.modal.sampling import record_modal_sample
-from solar_env.mechanics.modal.step import solve_step
+from solar_env.mechanics.modal.step import ModalSettings, solve_step
 from solar_env.mechanics.modal.tables import LEVELS, fill_level, level_below, level_size
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
+from solar_env.mechanics.records.history import (
+    check_joint,
+    end_contact,
+    fail,
+    has_parted,
+    impact_step_limit,
+    parting_time,
+    release_stop,
+    wear_contact,
+)
+from solar_env.mechanics.records.recording import sample_due
 
 _FIRST_STEP = 1e-4  # s
 _MOST_EVENTS_AT_ONCE = 1000
 _SMALLEST_PART = 1e-13  # s, before an event; in less time nothing moves
 _FASTEST_GROWTH = 4.0
+# Level of tables for one step size, of the type of other levels: of another one kernels would be compiled anew.
+_CUT = np.int64(0)
+# Depth errors of a step over rtol, relative to the depth.
+_DEPTH_TOLERANCE = 0.1
+
+
+def convert_settings(chosen: Any) -> ModalSettings:
+    """The settings `ModalRadau` as the kernels take them."""
+    return ModalSettings(
+        float(chosen.rtol),
+        float(chosen.velocity_scale),
+        float(chosen.rtol * _DEPTH_TOLERANCE),
+        float(chosen.max_step),
+        float(chosen.impact_resolution),
+        int(chosen.max_steps),
+    )
 
 
 @kernel
@@ -57,18 +78,6 @@ def start_loads(model, state, work):
         state.loads[j, 2] = work.torque[j, 0]
 
 
-@kernel(inlined=True)
-def wear_joint(model, state, work, j):
-    """Wear both surfaces of a joint by the sliding work of the step."""
-    joint, motion = model.joints[j], work.motion[START, j]
-    half = pressed_half_angle(max(motion[DEPTH], 0.0), joint.clearance)
-    worn_section = joint.wear_coefficient * work.sliding_work[j] / joint.bearing_width
-    angle = math.atan2(motion[ECCENTRICITY_Y], motion[ECCENTRICITY_X])
-    journal, bearing = work.direction[START, joint.outboard, 0], work.direction[START, joint.inboard, 0]
-    add_wear(state.wear_journal[j], angle - journal, half, worn_section, joint.journal_radius)
-    add_wear(state.wear_bearing[j], angle - bearing, half, worn_section, joint.journal_radius + joint.clearance)
-
-
 @kernel(inner=True)
 def settle_joints(model, state, work, start, recorder):
     """Book an accepted step that began at `start` [s]: wear, and the ends of contacts and stops that have opened."""
@@ -76,17 +85,15 @@ def settle_joints(model, state, work, start, recorder):
     for j in range(model.joints.size):
         joint, own, motion = model.joints[j], state.joints[j], work.motion[START, j]
         if own.stop_engaged:
-            depth, sign = stop_depth(joint, own.latched, motion[ANGLE])
-            # On the very face it stays engaged unless it opens, or the same engagement would be found for ever.
-            own.stop_engaged = depth > 0.0 or (depth > -1e-9 and sign * motion[RATE] <= 0.0)
+            release_stop(joint, own, motion[ANGLE], motion[RATE])
         if own.in_contact:
             if joint.wear_coefficient > 0.0 and work.sliding_work[j] > 0.0:
-                wear_joint(model, state, work, j)
-            depth, before = motion[DEPTH], work.depth[j]
-            if depth <= 0.0 and motion[DEPTH_RATE] < 0.0 and own.contact_start < time:
-                # Linear estimate of when the surfaces parted inside the step.
-                share = before / (before - depth) if before > 0.0 else 1.0
-                end_contact(state, j, start + share * (time - start), recorder)
+                angle = math.atan2(motion[ECCENTRICITY_Y], motion[ECCENTRICITY_X])
+                journal = angle - work.direction[START, joint.outboard, 0]
+                bearing = angle - work.direction[START, joint.inboard, 0]
+                wear_contact(joint, state, j, journal, bearing, motion[DEPTH], work.sliding_work[j])
+            if has_parted(own, time, motion[DEPTH], motion[DEPTH_RATE]):
+                end_contact(state, j, parting_time(start, time, work.depth[j], motion[DEPTH]), recorder)
                 for c in range(2):
                     state.loads[j, c] = 0.0
                     state.load_rates[j, c] = 0.0
@@ -99,11 +106,10 @@ def check_state(model, state, work):
         if not math.isfinite(state.q[i] + state.v[i]):
             return fail(state, NOT_FINITE, -1, state.q[i])
     for j in range(model.joints.size):
-        joint, motion = model.joints[j], work.motion[START, j]
-        if joint.kind == CLEARANCE and state.joints[j].in_contact and motion[DEPTH] > joint.journal_radius:
-            return fail(state, CONTACT_TOO_DEEP, j, motion[DEPTH])
-        if joint.angle_limited and abs(motion[ANGLE] - joint.middle) > 0.95 * math.pi:
-            return fail(state, JOINT_ANGLE_RANGE, j, motion[ANGLE])
+        motion = work.motion[START, j]
+        status = check_joint(model.joints[j], state, j, motion[DEPTH], motion[ANGLE])
+        if status != DONE:
+            return status
     return DONE
 
 
@@ -164,11 +170,10 @@ def next_step_size(clock, h, error, cut):
     clock.step_size = max(clock.step_size, size) if cut else size
 
 
-@kernel
-def advance_modal(model, state, settings, recorder, end_time, work):
-    """Advance `state` in place to `end_time` [s]; returns a status code."""
+@kernel(inner=True, inlined=True)
+def begin_modal(model, state, settings, recorder, work):
+    """Look at the present state and record the start of a call; a status code."""
     clock = state.clock[0]
-    look_at(model, state.q, state.v, work, START)
     if recorder.times.size > 0:
         copy_into(work.q, state.q)
         copy_into(work.v, state.v)
@@ -177,60 +182,62 @@ def advance_modal(model, state, settings, recorder, end_time, work):
             for c in range(3):
                 work.load[0, j, c] = work.load[1, j, c] = state.loads[j, c]
         record_until(model, state, work, recorder, clock.time, 0.0)
-        look_at(model, state.q, state.v, work, START)
+    look_at(model, state.q, state.v, work, START)
     if clock.step_size <= 0.0:
         clock.step_size = _FIRST_STEP
         clock.last_error = 1.0
-    status = DONE
-    taken, at_once = 0, 0
-    while clock.time < end_time:
-        if pause_due(recorder, clock.time, model.joints.size):
-            return PAUSED
-        if taken >= settings.max_steps:
-            return fail(state, TOO_MANY_STEPS, -1, float(taken))
-        wanted = min(clock.step_size, settings.max_step)
-        wanted = min(wanted, impact_step_limit(state, clock.time, settings.impact_resolution))
-        tables, level = model.tables, level_below(wanted)
-        if level == LEVELS:
-            return fail(state, STEP_TOO_SMALL, -1, clock.last_error)
-        h = level_size(level)
-        # No sliver of a step is left before the end.
-        last = end_time - clock.time <= max(wanted, 1.05 * h)
-        if last:
-            h = end_time - clock.time
-            tables, level = work.tables, 0
-            fill_level(model.panels, tables, level, h, work.coefficients)
-        size = h
-        taken += 1
-        solved = solve_step(model, state, work, settings, tables, level, h)
-        error = step_error(model, state, work, settings, tables, level, h) if solved else math.inf
-        clock.evaluations += work.counts[0]
-        work.counts[0] = 0
-        if not error <= 1.0:
-            reject_step(clock, h, solved, error)
-            continue
-        share, joint, kind = first_event(model, state, work, h)
-        at_once = 0 if share * h > _SMALLEST_PART else at_once + 1
-        if at_once > _MOST_EVENTS_AT_ONCE:
-            return fail(state, EVENTS_PILE_UP, joint, float(at_once))
-        if kind != NONE and at_once > 0:
-            begin_event(model, state, work, joint, kind)
-            continue
-        if kind != NONE and share < 1.0:
-            last = False
-            h *= share
-            tables, level = work.tables, 0
-            fill_level(model.panels, tables, level, h, work.coefficients)
-            if not solve_step(model, state, work, settings, tables, level, h):
-                reject_step(clock, h, False, math.inf)
-                continue
-        accept_step(model, state, work, recorder, tables, level, h)
-        if last:
-            clock.time = end_time
-        next_step_size(clock, size, error, last)
-        if kind != NONE:
-            begin_event(model, state, work, joint, kind)
-        status = check_state(model, state, work)
-        if status != DONE:
-            return status
-    return status
+    work.counts[:] = 0
+    return DONE
+
+
+@kernel(inlined=True)
+def cut_tables(model, work, h):
+    """Tables for a step size `h` [s] that is not tabled."""
+    fill_level(model.panels, work.tables, _CUT, h, work.coefficients)
+    return work.tables
+
+
+@kernel(inner=True, inlined=True)
+def take_modal_step(model, state, settings, recorder, end_time, work):
+    """Try a step towards `end_time` [s], and take it if its error allows, up to its first event; a status code."""
+    clock = state.clock[0]
+    wanted = min(clock.step_size, settings.max_step)
+    wanted = min(wanted, impact_step_limit(state, clock.time, settings.impact_resolution))
+    tables, level = model.tables, level_below(wanted)
+    if level == LEVELS:
+        return fail(state, STEP_TOO_SMALL, -1, clock.last_error)
+    h = level_size(level)
+    # No sliver of a step is left before the end.
+    last = end_time - clock.time <= max(wanted, 1.05 * h)
+    if last:
+        h = end_time - clock.time
+        tables, level = cut_tables(model, work, h), _CUT
+    size = h
+    solved = solve_step(model, state, work, settings, tables, level, h)
+    error = step_error(model, state, work, settings, tables, level, h) if solved else math.inf
+    clock.evaluations += work.counts[0]
+    work.counts[0] = 0
+    if not error <= 1.0:
+        reject_step(clock, h, solved, error)
+        return DONE
+    share, joint, kind = first_event(model, state, work, h)
+    work.counts[1] = 0 if share * h > _SMALLEST_PART else work.counts[1] + 1
+    if work.counts[1] > _MOST_EVENTS_AT_ONCE:
+        return fail(state, EVENTS_PILE_UP, joint, float(work.counts[1]))
+    if kind != NONE and work.counts[1] > 0:
+        begin_event(model, state, work, joint, kind)
+        return DONE
+    if kind != NONE and share < 1.0:
+        last = False
+        h *= share
+        tables, level = cut_tables(model, work, h), _CUT
+        if not solve_step(model, state, work, settings, tables, level, h):
+            reject_step(clock, h, False, math.inf)
+            return DONE
+    accept_step(model, state, work, recorder, tables, level, h)
+    if last:
+        clock.time = end_time
+    next_step_size(clock, size, error, last)
+    if kind != NONE:
+        begin_event(model, state, work, joint, kind)
+    return check_state(model, state, work)

@@ -5,7 +5,6 @@ import math
 import numpy as np
 
 from solar_env.mechanics.arrays.model import CLEARANCE, IMPULSE, INTEGRALS_PER_JOINT, SLIDING_WORK
-from solar_env.mechanics.integrators.history import latch
 from solar_env.mechanics.joints.contact.normal_force import impact_scales, normal_force
 from solar_env.mechanics.joints.friction.friction_share import friction_share
 from solar_env.mechanics.joints.joint import stop_depth
@@ -26,6 +25,7 @@ from solar_env.mechanics.modal.arrays import (
     VELOCITY_Y,
 )
 from solar_env.mechanics.numerics.jit import kernel
+from solar_env.mechanics.records.history import latch
 
 NONE, CONTACT, LATCH, STOP = (np.int64(kind) for kind in range(4))
 _SAMPLES = 4

@@ -7,6 +7,7 @@ b^T S_e b / 2. Its transpose is the tension's action on bending (J. C. Simo and 
 """
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,15 +47,21 @@ def quadratic_forms(
         bending: number of bending modes that enter.
         axial: number of axial modes that enter.
     """
+    project, ends = _unit_forms(bending, axial)
+    return project / (math.sqrt(mass) * length), ends / (mass * length)
+
+
+@lru_cache(maxsize=64)
+def _unit_forms(bending: int, axial: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Both for a panel of unit length and mass."""
     nodes, weights = np.polynomial.legendre.leggauss(_NODES)
-    x, w = 0.5 * length * (nodes + 1.0), 0.5 * length * weights
-    slope = slopes(length, mass, bending, x)
-    amplitude = math.sqrt(2.0 / mass)
+    x, w = 0.5 * (nodes + 1.0), 0.5 * weights
+    slope = slopes(1.0, 1.0, bending, x)
     numbers = np.arange(1, axial + 1)[:, None]
     # Integrals of rho times the axial modes from the first end, which is the weight of u' in their projections.
-    integrated = mass / length * amplitude * length / (numbers * math.pi) * np.sin(numbers * math.pi * x / length)
+    integrated = math.sqrt(2.0) / (numbers * math.pi) * np.sin(numbers * math.pi * x)
     project = np.einsum("kx,ix,jx,x->kij", integrated, slope, slope, w)
-    whole = np.stack([1.0 - x / length, -x / length])
+    whole = np.stack([1.0 - x, -x])
     ends = np.einsum("ex,ix,jx,x->eij", whole, slope, slope, w)
-    shapes = amplitude * np.stack([np.ones(axial), (-1.0) ** numbers[:, 0]])
+    shapes = math.sqrt(2.0) * np.stack([np.ones(axial), (-1.0) ** numbers[:, 0]])
     return project, ends - np.einsum("ek,kij->eij", shapes, project)

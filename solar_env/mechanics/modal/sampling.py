@@ -1,25 +1,31 @@
-"""Samples inside a step: the cubic through the coordinates, and the loads along their collocation polynomial."""
+"""Samples inside a step: the cubics through the coordinates, and the loads along their collocation polynomial."""
 
 import math
 
 from solar_env.mechanics.arrays.model import IDEAL
-from solar_env.mechanics.integrators.recording import RECORDED_LOADS
 from solar_env.mechanics.joints import joint as columns
+from solar_env.mechanics.joints.friction.friction_share import friction_share
 from solar_env.mechanics.joints.joint import cable_torque, stop_torque
 from solar_env.mechanics.modal.arrays import (
     ANGLE,
+    DEPTH,
     ECCENTRICITY_X,
     ECCENTRICITY_Y,
     INBOARD_SPIN,
     OTHER,
     OUTBOARD_SPIN,
     RATE,
+    SLIDING_SPEED,
 )
 from solar_env.mechanics.modal.bodies import outboard_load
 from solar_env.mechanics.modal.books import stored_energies
 from solar_env.mechanics.modal.events import cubic
 from solar_env.mechanics.modal.motion import look_at
 from solar_env.mechanics.numerics.jit import kernel
+from solar_env.mechanics.records.recording import RECORDED_LOADS
+
+# Step [s] in which velocities hardly change, while rounding shows in quotients of differences.
+_SHORT = 1e-6
 
 
 @kernel
@@ -51,20 +57,33 @@ def fill_load_table(model, state, work, slot, loads, table):
 
 @kernel(inner=True)
 def record_modal_sample(model, state, work, recorder, h, share):
-    """Store one row at a share of the step from `work.q` to the present state. Integrals go along a line."""
-    n = state.q.size
+    """Store one row at a share of the step from `work.q` to the present state.
+
+    Velocities of frames are the rates of their cubics. Those of modes, which the step may not resolve, and integrals go
+    along a line.
+    """
+    n, rest = state.q.size, 1.0 - share
     row = recorder.samples[recorder.filled[0]]
     for i in range(n):
         x0, v0, x1, v1 = work.q[i], work.v[i], state.q[i], state.v[i]
         row[i] = cubic(share, x0, h * v0, x1, h * v1)
         row[n + i] = v0 + share * (v1 - v0)
+    if h > _SHORT:
+        for b in range(model.bodies.size):
+            for i in range(model.bodies[b].offset, model.bodies[b].offset + 3):
+                rise, v0, v1 = (state.q[i] - work.q[i]) / h, work.v[i], state.v[i]
+                row[n + i] = rest * (6.0 * share * rise + (1.0 - 3.0 * share) * v0) + share * (3.0 * share - 2.0) * v1
     look_at(model, row[:n], row[n : 2 * n], work, OTHER)
     for j in range(model.joints.size):
         for c in range(3):
             first, second = work.load[0, j, c], work.load[1, j, c]
             work.sample_load[j, c] = second + 1.5 * (share - 1.0) * (second - first)
-        if model.joints[j].kind != IDEAL:
-            work.sample_load[j, 0] = max(work.sample_load[j, 0], 0.0)
+        joint, motion = model.joints[j], work.motion[OTHER, j]
+        if joint.kind != IDEAL:
+            # A polynomial knows neither the moment at which the surfaces part nor the one at which sliding turns round.
+            normal = max(work.sample_load[j, 0], 0.0) if motion[DEPTH] > 0.0 else 0.0
+            slip, _ = friction_share(joint, motion[SLIDING_SPEED])
+            work.sample_load[j, 0], work.sample_load[j, 1] = normal, -joint.friction_coefficient * slip * normal
     fill_load_table(model, state, work, OTHER, work.sample_load, work.sample)
     stored_energies(model, state, row[:n], row[n : 2 * n], work, OTHER, work.energies)
     k = 2 * n

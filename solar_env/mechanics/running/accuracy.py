@@ -6,9 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.equations.formulation import Formulation
 from solar_env.mechanics.integrators.settings import Integrator
 from solar_env.mechanics.joints.contact.normal_force import impact_scales
-from solar_env.mechanics.running.diagnosis import check_constraint_forces, check_energy, check_impact_steps
+from solar_env.mechanics.running.diagnosis import (
+    check_constraint_forces,
+    check_energy,
+    check_impact_steps,
+    check_modal_range,
+)
 
 # Between looks at a run that goes on call by call: a look takes as long as some hundred steps.
 STEPS_BETWEEN_LOOKS = 10_000
@@ -20,8 +26,12 @@ class Run(Protocol):
     """Part of a simulation that the watch looks at."""
 
     integrator: Integrator
-    model: m.Model
-    state: m.State
+    model: Any
+    state: Any
+
+    @property
+    def formulation(self) -> Formulation:
+        """Of the equations of motion."""
 
     @property
     def time(self) -> float:
@@ -68,6 +78,9 @@ class AccuracyWatch:
         if "energy" not in self._told:
             residual, turnover = simulation.energy_book()
             self._tell("energy", check_energy(simulation.time, residual, turnover, chosen.remedy))
+        if "range" not in self._told:
+            reached = simulation.formulation.modal_range(simulation.model, simulation.state)
+            self._tell("range", check_modal_range(simulation.time, *reached))
 
     def check_impacts(self, contacts: NDArray[np.void] | None = None) -> None:
         """Look at whether a fixed step resolves the impacts: the latest of every joint, or those of a contact table."""

@@ -8,10 +8,11 @@ from solar_env.mechanics.integrators.events import NO_EVENT, begin_event
 from solar_env.mechanics.integrators.methods.rosenbrock_step import attempt_implicit
 from solar_env.mechanics.integrators.methods.stiff_forces import begin_step
 from solar_env.mechanics.integrators.methods.table import METHODS, method_of
-from solar_env.mechanics.integrators.recording import make_recorder, record_sample
-from solar_env.mechanics.integrators.settings import Rosenbrock
+from solar_env.mechanics.integrators.settings import ModalRadau, Rosenbrock
 from solar_env.mechanics.integrators.step import refresh
 from solar_env.mechanics.mechanism.description import Mechanism
+from solar_env.mechanics.modal.step import solve_step
+from solar_env.mechanics.records.recording import make_recorder, record_sample
 
 
 def compile_evaluation(mechanism: Mechanism) -> None:
@@ -31,6 +32,13 @@ def compile_linear_step(mechanism: Mechanism) -> None:
     settings = method_of(Rosenbrock()).convert(Rosenbrock())
     work, _, stages, own = METHODS[Rosenbrock.name].arrays(model, state)
     _compile(attempt_implicit, model, state, stages, own.step, work, settings, 1e-3)
+
+
+def compile_modal_step(mechanism: Mechanism) -> None:
+    """Compile, or load, the solution of a step on the loads of the joints."""
+    model, state = METHODS[ModalRadau.name].formulation.compile(mechanism)
+    settings, work = method_of(ModalRadau()).convert(ModalRadau()), METHODS[ModalRadau.name].arrays(model, state)
+    _compile(solve_step, model, state, work, settings, model.tables, np.int64(0), 1e-3)
 
 
 def _compile(kernel: numba.core.dispatcher.Dispatcher, *arguments: object) -> None:

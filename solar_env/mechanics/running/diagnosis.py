@@ -64,7 +64,7 @@ def check_modal_range(time: float, slope: float, spin_ratio: float) -> bool:
     )
     _warn(
         f"at t = {time:.6g} s the modal panels {what}: what their second order leaves out is "
-        f"{100.0 * max(bent, turned):.2g} % of what it keeps; use beam elements (FlexibleBody)"
+        f"{100.0 * max(bent, turned):.2g} % of what it keeps; use beam elements (FlexibleBody, panels='ancf')"
     )
     return True
 

@@ -11,19 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.arrays.lanes import with_lane_axis
-from solar_env.mechanics.equations.build import compile_mechanism
-from solar_env.mechanics.equations.constraints import constraint_drift, velocity_drift
-from solar_env.mechanics.equations.system import accelerations, applied_forces, make_workspace, stored_energies
+from solar_env.mechanics.arrays.lanes import copied, with_lane_axis
+from solar_env.mechanics.equations.formulation import Formulation
 from solar_env.mechanics.integrators.driver import advance_lanes
+from solar_env.mechanics.integrators.formulations import FORMULATIONS
 from solar_env.mechanics.integrators.methods.table import method_of
-from solar_env.mechanics.integrators.recording import RECORDED_LOADS, Recorder, make_recorder, sample_columns
 from solar_env.mechanics.integrators.settings import Integrator, RungeKutta
 from solar_env.mechanics.joints import joint as columns
 from solar_env.mechanics.mechanism.description import Mechanism
+from solar_env.mechanics.records.recording import RECORDED_LOADS, Recorder, make_recorder, sample_columns
 from solar_env.mechanics.running.accuracy import AccuracyWatch, limits_of_the_laws
 from solar_env.mechanics.running.errors import raise_for_status
-from solar_env.mechanics.running.in_motion import InMotion
 from solar_env.mechanics.running.trajectory import Trajectory, contact_record
 
 _CONTACTS_PER_DRAIN = 4096
@@ -31,29 +29,36 @@ _PROGRESS_CALLS = 20
 _SMALLEST_ENERGY_SCALE = 1e-9  # J, for a mechanism that starts without energy
 
 
-class Simulation(InMotion[m.State]):
+class Simulation:
     """A mechanism in motion.
 
     `state` is a named tuple of arrays; `snapshot` and `restore` copy it, in the middle of a contact
     too, and a restored simulation continues to the same bits.
+
+    Attributes:
+        integrator: settings of the method; others of the same formulation may take their place.
+        model, state: named tuples of arrays, of the formulation's classes.
     """
 
     def __init__(self, mechanism: Mechanism, integrator: Integrator | None = None) -> None:
         """Compile `mechanism` and check that its initial state meets the constraints.
 
         Raises:
-            ValueError: if positions or velocities violate a constraint, if the integrator is none, or if it takes no
-                drives and the mechanism has some.
+            ValueError: if positions or velocities violate a constraint, if the integrator is none, or if it does not
+                take a part of the mechanism.
         """
         self.integrator: Integrator = RungeKutta() if integrator is None else integrator
-        method_of(self.integrator)
+        method = method_of(self.integrator)
         if mechanism.drives and not self.integrator.takes_drives:
             raise ValueError(
                 f"the integrator {self.integrator.name!r} takes no drives; use RungeKutta or GeneralizedAlpha"
             )
-        self.model, self.state = compile_mechanism(mechanism)
+        self.model: Any
+        self.state: Any
+        self.model, self.state = method.formulation.compile(mechanism)
         self._check_initial_state()
         self._engage_stops()
+        self.formulation.begin(self.model, self.state)
         energies = self.stored_energies()
         self.state.clock["initial_energy"] = energies.sum()
         self.state.clock["energy_scale"] = max(np.abs(energies).sum(), _SMALLEST_ENERGY_SCALE)
@@ -61,26 +66,68 @@ class Simulation(InMotion[m.State]):
         self._watch = AccuracyWatch(self)
 
     def _check_initial_state(self) -> None:
-        work = make_workspace(self.model, self.state)
-        for quantity, unit, value in (
-            ("position", "m", constraint_drift(self.model, self.state.q, self.time, work)),
-            ("velocity", "m/s", velocity_drift(self.model, self.state.q, self.state.v, self.time, work)),
-        ):
+        values = self.formulation.drift(self.model, self.state)
+        for quantity, unit, value in zip(("position", "velocity"), ("m", "m/s"), values, strict=True):
             if not value < 1e-9 * max(self.model.length_scale, 1.0):
                 raise ValueError(
                     f"the initial {quantity} violates a constraint by {value:.3g} {unit}; place the bodies so that "
                     "joints, guides and drives are met"
                 )
 
+    def _engage_stops(self) -> None:
+        """Engage the stow stops that the initial angles lie in, lest their energy be missing from the book."""
+        joints, angles = self.model.joints, self.joint_loads()[:, columns.ANGLE]
+        inside = joints["stow_angle"] - joints["stop_gap"] - angles > 0.0
+        self.state.joints["stop_engaged"] = inside & (joints["has_stow_stop"] != 0)
+
     def __getstate__(self) -> dict[str, Any]:
         """For copies and pickles: without arrays that share their memory with the state; those of a copy would not."""
         return {name: value for name, value in vars(self).items() if name != "_lane"}
 
-    def snapshot(self) -> m.State:
-        """An independent copy of the state, which can be pickled."""
-        return m.copy_state(self.state)
+    @property
+    def formulation(self) -> Formulation:
+        """Of the equations of motion, which the method has chosen."""
+        return FORMULATIONS[type(self.model)]
 
-    def move_to(self, model: m.Model, state: m.State) -> None:
+    @property
+    def time(self) -> float:
+        """Time [s]."""
+        return float(self.state.clock["time"][0])
+
+    def snapshot(self) -> Any:
+        """An independent copy of the state, which can be pickled."""
+        return copied(self.state)
+
+    def restore(self, snapshot: Any) -> None:
+        """Continue from a snapshot of this simulation or of one of the same mechanism.
+
+        Raises:
+            ValueError: if the snapshot's arrays do not fit the mechanism.
+        """
+        if type(snapshot) is not type(self.state):
+            raise ValueError(
+                f"the snapshot is a {type(snapshot).__name__}, the integrator {self.integrator.name!r} needs a "
+                f"{type(self.state).__name__}"
+            )
+        for name, mine, theirs in zip(self.state._fields, self.state, snapshot, strict=True):
+            if mine.shape != theirs.shape:
+                raise ValueError(f"snapshot.{name} has shape {theirs.shape}, this mechanism needs {mine.shape}")
+        for mine, theirs in zip(self.state, snapshot, strict=True):
+            mine[...] = theirs
+
+    def set_motor_torque(self, joint: int, torque: float) -> None:
+        """Set the motor torque on a joint's angle [N m], held until it is set again.
+
+        Raises:
+            ValueError: if the torque is not finite.
+        """
+        if not math.isfinite(torque):
+            raise ValueError(f"motor torque = {torque!r} N m must be finite")
+        if self.state.joints[joint]["motor_torque"] != torque:
+            self.state.joints[joint]["motor_torque"] = torque
+            self.state.clock["acceleration_current"] = 0
+
+    def move_to(self, model: Any, state: Any) -> None:
         """Go on with other arrays, which hold the same values."""
         self.model, self.state = model, state
         self.__dict__.pop("_lane", None)
@@ -98,7 +145,10 @@ class Simulation(InMotion[m.State]):
         Warns:
             SimulationWarning: as `check`.
         """
-        self._check_end_time(end_time)
+        if not self.time <= end_time < math.inf:
+            raise ValueError(
+                f"end_time = {end_time!r} s must be finite and not before the present time {self.time!r} s"
+            )
         self.raise_unless_done(self._advance(end_time, recorder or self._unrecorded))
         self._watch.after_call()
 
@@ -112,19 +162,25 @@ class Simulation(InMotion[m.State]):
         """Look at the accuracy of the run so far; every shortcoming is told once.
 
         Warns:
-            SimulationWarning: if the energy book is open by more than 1 % of the energy turned over; if multipliers of
-                generalized-alpha are off the constraint forces by more than 10 % of the largest force; if its fixed
-                step does not resolve the latest impact of a joint.
+            SimulationWarning: if the energy book is open by more than 1 % of the energy turned over; if modal panels
+                bend or turn by more than their second order holds for; if multipliers of generalized-alpha are off the
+                constraint forces by more than 10 % of the largest force; if its fixed step does not resolve the latest
+                impact of a joint.
         """
         self._watch.check()
 
     @cached_property
-    def _lane(self) -> tuple[m.Model, m.State, dict[str, Any]]:
+    def _lane(self) -> tuple[Any, Any, dict[str, Any]]:
         """Model and state as those of a single lane, and scratch arrays by the name of a method."""
         return with_lane_axis(self.model), with_lane_axis(self.state), {}
 
     def _advance(self, end_time: float, recorder: Recorder) -> int:
         method = method_of(self.integrator)
+        if method.formulation is not self.formulation:
+            raise ValueError(
+                f"the integrator {self.integrator.name!r} needs other arrays than those of this simulation; make a new "
+                "Simulation with it"
+            )
         models, states, scratch = self._lane
         if self.integrator.name not in scratch:
             scratch[self.integrator.name] = method.arrays(self.model, self.state)
@@ -134,25 +190,17 @@ class Simulation(InMotion[m.State]):
         advance_lanes(models, states, settings, recorder, queue, counter, end_times, status, arrays)
         return int(status[0])
 
-    def _evaluate(self) -> tuple[Any, NDArray[np.float64]]:
-        """Workspace with loads and powers at the present state, and the multipliers that hold its constraints."""
-        state = self.state
-        work = make_workspace(self.model, state)
-        work.impact_speeds[:] = np.where(state.joints["in_contact"], state.joints["impact_speed"], 0.0)
-        scratch, multipliers = np.zeros_like(state.a), np.zeros_like(state.multipliers)
-        accelerations(self.model, state.joints, state.q, state.v, self.time, work, scratch, multipliers)
-        return work, multipliers
-
     def joint_loads(self) -> NDArray[np.float64]:
         """(joints, columns) table of angles, rates, forces and torques now; columns are named in `joint.py`."""
-        return self._evaluate()[0].loads[:, :RECORDED_LOADS]
+        return self.formulation.joint_loads(self.model, self.state)[:, :RECORDED_LOADS]
 
     def stored_energies(self) -> NDArray[np.float64]:
         """(ENERGIES,) stored energies now [J], in the order of `model.ENERGY_NAMES`."""
-        energies = np.zeros(m.ENERGIES)
-        work, _ = self._evaluate()
-        stored_energies(self.model, self.state.joints, self.state.q, self.state.v, work.loads, energies)
-        return energies
+        return self.formulation.stored_energies(self.model, self.state)
+
+    def momenta(self) -> NDArray[np.float64]:
+        """(3,) linear momentum [N s] and angular momentum about the origin [N m s] of the bodies that move."""
+        return self.formulation.momenta(self.model, self.state)
 
     def energy_residual(self) -> float:
         """Energy now that the books do not account for [J]."""
@@ -170,7 +218,7 @@ class Simulation(InMotion[m.State]):
         lost = by_joint[[m.NORMAL_DISSIPATION, m.FRICTION_DISSIPATION, m.STOP_DISSIPATION]].sum()
         lost += integrals[m.MATERIAL_DISSIPATION]
         stored = self.stored_energies()
-        weight = np.abs(self.model.constant_force).max(initial=0.0) * self.model.length_scale
+        weight = self.formulation.greatest_weight(self.model) * self.model.length_scale
         clock = self.state.clock[0]
         turned_over = float(np.abs(stored[: m.GRAVITY]).sum() + abs(lost))
         return (
@@ -181,20 +229,11 @@ class Simulation(InMotion[m.State]):
     def constraint_force_defect(self) -> tuple[float, float]:
         """Greatest difference of a multiplier from the one that holds its constraint, and the greatest force [N].
 
-        Multipliers of a rigid body's length count times the length. The greatest force is at least the one that turns
-        over the run's energy within the longest body, lest rounding be measured by rounding.
+        The greatest force is at least the one that turns over the run's energy within the longest body, lest rounding
+        be measured by rounding.
         """
-        state = self.state
-        work, multipliers = self._evaluate()
-        scale = np.ones_like(multipliers)
-        scale[self.model.constraints.target.size :] = self.model.bodies["length"]
-        applied_forces(self.model, state.joints, state.q, state.v, work)
-        largest = max(
-            np.abs(scale * multipliers).max(initial=0.0),
-            np.abs(work.force).max(initial=0.0),
-            self.energy_book()[1] / self.model.length_scale,
-        )
-        return float(np.abs(scale * (state.multipliers - multipliers)).max(initial=0.0)), float(largest)
+        defect, largest = self.formulation.constraint_force_defect(self.model, self.state)
+        return defect, max(largest, float(self.energy_book()[1] / self.model.length_scale))
 
 
 def simulate(
@@ -326,7 +365,7 @@ def _json_ready(values: dict[str, Any]) -> dict[str, Any]:
     return {key: None if value == math.inf else value for key, value in values.items()}
 
 
-def _contact_table(state: m.State, closed: NDArray[np.float64]) -> NDArray[np.void]:
+def _contact_table(state: Any, closed: NDArray[np.float64]) -> NDArray[np.void]:
     rows = [tuple(row) for row in closed]
     for j, own in enumerate(state.joints):
         if own["in_contact"]:

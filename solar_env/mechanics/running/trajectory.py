@@ -45,7 +45,8 @@ class Trajectory:
         normal_force, tangential_force: (nt, nj) contact force on the journal, or the magnitude of an ideal joint's
             reaction and zero. Samples inside linearly implicit steps are those of their interpolant, in which a journal
             that leans on its bearing with 0.2 N may seem to with up to 10: after changes of the motor torque, in 0.02 %
-            of the time of quiet deployments. Peak forces and integrals are free of that.
+            of the time of quiet deployments; those inside steps of modal-radau follow the step's polynomial. Peak
+            forces and integrals are free of that.
         joint_force: (nt, nj, 2) force on the outboard body.
         spring_torque, cable_torque, latch_torque, motor_torque: (nt, nj) on the joint angle. The latch torque includes
             the stow stop's.
@@ -138,7 +139,9 @@ class Trajectory:
 
         return {
             "model": self.metadata.get("model"),
+            "panels": self.metadata.get("panels"),
             "elements": self.metadata.get("elements"),
+            "modes": self.metadata.get("modes"),
             "integrator": self.metadata.get("integrator"),
             "status": "completed",
             "duration_s": float(self.time[-1] - self.time[0]),

@@ -11,10 +11,10 @@ import numpy as np
 from solar_env.array import ArrayParameters, build
 from solar_env.array.methods import default_integrator
 from solar_env.mechanics.arrays.model import State
-from solar_env.mechanics.integrators.history import IMPACT_DURATIONS
-from solar_env.mechanics.integrators.recording import make_recorder
 from solar_env.mechanics.integrators.settings import RungeKutta
 from solar_env.mechanics.joints.joint import penetration
+from solar_env.mechanics.records.history import IMPACT_DURATIONS
+from solar_env.mechanics.records.recording import make_recorder
 from solar_env.mechanics.running.simulation import Simulation
 from solar_env.verification.checks import Check
 

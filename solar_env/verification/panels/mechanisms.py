@@ -4,19 +4,19 @@ Mechanisms of modal panels take no dead loads. A force comes from a contact so d
 panel's motion; a moment is the motor torque of a joint so loose that its surfaces never meet.
 """
 
+from solar_env.mechanics.integrators.settings import ModalRadau
 from solar_env.mechanics.joints import joint as columns
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.mechanism.beams import BEAM, Beam
 from solar_env.mechanics.mechanism.description import GROUND, Bearing, Joint, Mechanism, ModalPanel, Point, Spring
-from solar_env.mechanics.modal.settings import ModalRadau
-from solar_env.mechanics.running.modal_simulation import ModalSimulation
+from solar_env.mechanics.running.simulation import Simulation
 
 _FAR = 1e6  # m
 
 
-def start(mechanism: Mechanism, rtol: float = 1e-6, max_steps: int = 100_000_000) -> ModalSimulation:
+def start(mechanism: Mechanism, rtol: float = 1e-6, max_steps: int = 100_000_000) -> Simulation:
     """The mechanism in its initial state, to be run by the method for modal panels."""
-    return ModalSimulation(mechanism, ModalRadau(rtol=rtol, max_steps=max_steps))
+    return Simulation(mechanism, ModalRadau(rtol=rtol, max_steps=max_steps))
 
 
 def modal(beam: Beam, modes: int = 24, **placed: float | Point) -> ModalPanel:
@@ -43,7 +43,7 @@ def clamp(stiffness: float) -> Joint:
     return Joint("clamp", GROUND, BEAM, (0.0, 0.0), (0.0, 0.0), spring=Spring(stiffness, 0.0))
 
 
-def moved(simulation: ModalSimulation, joint: int) -> tuple[complex, float]:
+def moved(simulation: Simulation, joint: int) -> tuple[complex, float]:
     """Displacement x + i y [m] of an end and turn of its tangent [rad], as a `loose` joint at it has them."""
     row = simulation.joint_loads()[joint]
     return complex(row[columns.ECCENTRICITY_X], row[columns.ECCENTRICITY_Y]), float(row[columns.ANGLE])

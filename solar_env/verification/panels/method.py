@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from solar_env.mechanics.integrators.settings import ModalRadau
 from solar_env.mechanics.joints import joint as columns
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.mechanism.beams import BEAM, PANEL
 from solar_env.mechanics.mechanism.description import GROUND, Bearing, Joint, Mechanism, Spring
-from solar_env.mechanics.modal.settings import ModalRadau
-from solar_env.mechanics.running.modal_simulation import ModalSimulation
+from solar_env.mechanics.running.simulation import Simulation
 from solar_env.verification.checks import Check
 from solar_env.verification.panels.mechanisms import modal, start
 
@@ -42,7 +42,7 @@ def _errors(mechanism: Mechanism, halvings: int) -> NDArray[np.float64]:
 
     def run(step: float) -> tuple[NDArray[np.float64], ...]:
         constant = ModalRadau(rtol=0.1, velocity_scale=1e9, max_step=step * (1.0 + 1e-9))
-        simulation = ModalSimulation(mechanism, constant)
+        simulation = Simulation(mechanism, constant)
         simulation.restore(settled.snapshot())
         simulation.state.clock["step_size"] = step
         simulation.advance(settling + duration)

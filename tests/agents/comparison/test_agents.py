@@ -12,6 +12,7 @@ from agents.comparison.statistics import difference, estimate, improvement, inte
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_sampling
 from agents.rollout import episode_figures
 from solar_env import SimulationError
+from solar_env.array import PanelModel
 
 
 def test_episode_figures_of_the_array_follow_from_those_of_the_joints():
@@ -60,7 +61,7 @@ def test_model_and_elements_join_the_environments_keywords():
     assert with_model({}, "flexible-ideal", 2) == {"model": "flexible-ideal", "elements": 2}
     assert with_model({"elements": 2}, "flexible-ideal", 2) == {"model": "flexible-ideal", "elements": 2}
     with make_env(env_kwargs=with_model({}, "flexible-ideal", 2)) as made:
-        assert (made.unwrapped.model, made.unwrapped.elements) == ("flexible-ideal", 2)
+        assert (made.unwrapped.model, made.unwrapped.panels) == ("flexible-ideal", PanelModel("ancf", 2))
 
 
 def test_a_default_model_with_its_elements_gives_way_to_a_model_that_is_named():
@@ -69,18 +70,22 @@ def test_a_default_model_with_its_elements_gives_way_to_a_model_that_is_named():
     assert with_model({}, elements=2, default=default) == {"model": "flexible-clearance", "elements": 2}
     assert with_model({}, "rigid-clearance", default=default) == {"model": "rigid-clearance"}
     assert with_model({"model": "rigid-ideal"}, default=default) == {"model": "rigid-ideal"}
+    assert with_model({}, modes=8, default=default) == {"model": "flexible-clearance", "modes": 8}
+    modal = {"panels": "modal", "model": "flexible-clearance"}
+    assert with_model({"panels": "modal"}, default=default) == modal
 
 
 def test_an_automatic_model_is_kept_as_the_level_that_it_stands_for():
     keywords = {"question": "wear", "tolerance": 0.2, "torque_limit": 0.3}
     with make_env(env_kwargs={"model": "auto", **keywords}) as automatic:
-        level = {"model": automatic.unwrapped.model, "elements": automatic.unwrapped.elements}
+        level = {"model": automatic.unwrapped.model, **automatic.unwrapped.panels.keywords}
     assert with_model(keywords, "auto") == {"torque_limit": 0.3, **level}
 
 
 @pytest.mark.parametrize(
     ("keywords", "option", "message"),
     [
+        ({"model": "rigid-ideal"}, {"modes": 2}, "--modes 2: panels of rigid-ideal have none; name a flexible model"),
         (
             {"model": "rigid-ideal"},
             {"model": "flexible-ideal"},

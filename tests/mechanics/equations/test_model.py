@@ -11,6 +11,7 @@ import pytest
 from helpers import ROUND_BEARING, chain, fingerprint, pendulum
 
 from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.arrays.lanes import copied
 from solar_env.mechanics.bodies.kinds import body_type, marker_type
 from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS
@@ -24,7 +25,7 @@ def example() -> Mechanism:
 
 def test_a_copied_state_shares_nothing_with_the_original() -> None:
     _, state = compile_mechanism(example())
-    copy = m.copy_state(state)
+    copy = copied(state)
     assert fingerprint(copy) == fingerprint(state)
     for name, mine, theirs in zip(state._fields, state, copy, strict=True):
         assert not np.shares_memory(mine, theirs), name

@@ -41,7 +41,7 @@ def cache_of(package: Path, tmp_path: Path, run_python: Callable[..., str]) -> C
 
 
 def test_every_kernel_that_a_run_calls_stands_behind_the_drivers_cache() -> None:
-    drivers = ("mechanics/integrators/driver.py", "mechanics/modal/driver.py", "environment/task/periods.py")
+    drivers = ("mechanics/integrators/driver.py", "environment/task/periods.py")
     behind = {path for driver in drivers for path in kernel_sources(ROOT / driver)}
     assert len(COMPILING) > 15
     assert behind >= set(COMPILING)

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from helpers import block, pendulum, rotor
 
+from solar_env.array import PanelModel
 from solar_env.array.deployment import simulate as simulate_deployment
 from solar_env.array.methods import default_integrator
 from solar_env.mechanics.arrays.model import ENERGY_NAMES
@@ -43,21 +44,27 @@ COUNTED = (
 )
 
 
-@pytest.fixture(scope="module")
-def run() -> Trajectory:
-    return simulate_deployment(duration=2.0)
+RIGID: dict[str, Any] = {"model": "rigid-clearance"}
+MODAL: dict[str, Any] = {"model": "flexible-clearance", "modes": 4}
 
 
-@pytest.fixture(scope="module")
-def latched() -> Trajectory:
+@pytest.fixture(scope="module", params=[RIGID, MODAL], ids=["rigid", "modal"])
+def run(request: pytest.FixtureRequest) -> Trajectory:
+    return simulate_deployment(**request.param, duration=2.0)
+
+
+@pytest.fixture(scope="module", params=[RIGID, MODAL], ids=["rigid", "modal"])
+def latched(request: pytest.FixtureRequest) -> Trajectory:
     """Springs that deploy the array within three seconds."""
-    return simulate_deployment({"spring_stiffness": 2.0}, duration=5.0)
+    return simulate_deployment({"spring_stiffness": 2.0}, **request.param, duration=5.0)
 
 
 def test_arrays_have_the_documented_shapes(run: Trajectory) -> None:
     by_joint = (SAMPLES, JOINTS)
     assert run.time.shape == (SAMPLES,)
-    assert run.coordinates.shape == run.velocities.shape == (SAMPLES, 12)
+    # Three bodies of two points, or of three coordinates, with the amplitudes of modes and pseudo-modes of two panels.
+    coordinates = 12 if "modes" not in run.metadata else 9 + 2 * (4 + 8 + 2 + 4)
+    assert run.coordinates.shape == run.velocities.shape == (SAMPLES, coordinates)
     for name in (
         "angles",
         "rates",
@@ -156,7 +163,7 @@ def test_the_summary_has_the_fields_that_scripts_rely_on(run: Trajectory) -> Non
     for name in lists:
         assert isinstance(summary[name], list), name
         assert len(summary[name]) == JOINTS, name
-    assert (summary["model"], summary["status"]) == ("rigid-clearance", "completed")
+    assert (summary["model"], summary["status"]) == (run.metadata["model"], "completed")
     assert summary["steps"] > 0 < summary["wall_time_s"]
 
 
@@ -183,9 +190,7 @@ def test_each_figure_of_the_summary_is_the_one_that_its_name_says(run: Trajector
     for name, count in counts.items():
         assert summary.pop(name) == count, name
     assert summary == {
-        "model": "rigid-clearance",
-        "elements": run.metadata["elements"],
-        "integrator": "runge-kutta",
+        **{name: run.metadata.get(name) for name in ("model", "panels", "elements", "modes", "integrator")},
         "status": "completed",
         "duration_s": run.time[-1],
         "sliding_work_J": run.sliding_work[-1].tolist(),
@@ -244,10 +249,11 @@ def test_a_name_without_suffix_is_kept(run: Trajectory, tmp_path: Path) -> None:
 
 
 def test_metadata_say_what_was_run_and_how(run: Trajectory) -> None:
-    assert run.metadata["model"] == "rigid-clearance"
-    assert run.metadata["integrator"] == "runge-kutta"
+    level = {name: run.metadata.get(name) for name in ("model", "panels", "elements", "modes")}
+    default = default_integrator(level["model"], PanelModel.of(**level))
+    assert run.metadata["integrator"] == default.name
     assert run.metadata["parameters"]["clearance"] == 2e-4
-    assert run.metadata["integrator_settings"]["rtol"] == default_integrator("rigid-clearance").rtol
+    assert run.metadata["integrator_settings"]["rtol"] == default.rtol
     json.dumps(run.metadata, allow_nan=False)
 
 

@@ -102,6 +102,12 @@ class CableElements(BodyKind[FlexibleBody]):
             body.damping,
         )
 
+    def rigid_motions(self, q: Array) -> Array:
+        """Of nodes whose slopes do not change in a translation."""
+        motions = super().rigid_motions(q)
+        motions[:2, 2::4] = motions[:2, 3::4] = 0.0
+        return motions
+
     def centreline(self, row: Any, q: Array, points_per_element: int) -> Array:
         """Equally spaced points on the cubic polynomial of every element; a shared node counts once."""
         nodes = q.reshape(*q.shape[:-1], int(row["elements"]) + 1, 2, 2)

@@ -11,7 +11,6 @@ from solar_env.mechanics.arrays.model import CLEARANCE, EXACT, GLOBAL_INTEGRALS,
 from solar_env.mechanics.equations.system import accelerations, inlined_accelerations, make_workspace
 from solar_env.mechanics.integrators.methods.dop853_coefficients import COUPLING, DENSE, ERROR, NODES, ROWS, STAGES
 from solar_env.mechanics.integrators.methods.runge_kutta import BOOKED_ENERGIES
-from solar_env.mechanics.integrators.recording import sample_due
 from solar_env.mechanics.integrators.step import (
     AdaptiveArrays,
     AdaptiveSettings,
@@ -22,6 +21,7 @@ from solar_env.mechanics.integrators.step import (
 from solar_env.mechanics.joints.joint import ANGLE, relative, stop_depth
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
+from solar_env.mechanics.records.recording import sample_due
 
 _END = ROWS - 1
 

@@ -20,14 +20,6 @@ from solar_env.mechanics.equations.system import (
     normal_inverse_mass,
     store_constraint_loads,
 )
-from solar_env.mechanics.integrators.history import (
-    check_state,
-    fail,
-    impact_step_limit,
-    latch,
-    settle_joints,
-    start_contact,
-)
 from solar_env.mechanics.integrators.methods.alpha_step import (
     AlphaSettings,
     Iteration,
@@ -35,13 +27,21 @@ from solar_env.mechanics.integrators.methods.alpha_step import (
     restart,
     solve_step,
 )
-from solar_env.mechanics.integrators.recording import record_sample, sample_due
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, alpha_coefficients
 from solar_env.mechanics.joints.contact.normal_force import impact_scales
 from solar_env.mechanics.joints.joint import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, penetration, relative
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 from solar_env.mechanics.numerics.profile import clear
+from solar_env.mechanics.records.history import (
+    check_state,
+    fail,
+    impact_step_limit,
+    latch,
+    settle_joints,
+    start_contact,
+)
+from solar_env.mechanics.records.recording import record_sample, sample_due
 
 _SMALLEST_STEP = 1e-12  # s
 

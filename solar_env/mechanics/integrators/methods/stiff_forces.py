@@ -22,13 +22,13 @@ from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.bodies.markers import add_point_force, add_torque, spin
 from solar_env.mechanics.equations.constraints import prepare_response
 from solar_env.mechanics.equations.system import acceleration_response, accelerations
-from solar_env.mechanics.integrators.history import IMPACT_DURATIONS
 from solar_env.mechanics.joints.contact.normal_force import normal_force
 from solar_env.mechanics.joints.friction.friction_share import friction_share
 from solar_env.mechanics.joints.joint import joint_motion, penetration, relative, relative_velocity, stop_torque
 from solar_env.mechanics.joints.sliding import contact_motion
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into, lu_factor, lu_solve
+from solar_env.mechanics.records.history import IMPACT_DURATIONS
 
 # gamma_ij on and below the diagonal, for the stages of Kutta's 3/8 rule and for the one that only the error estimate
 # uses. They solve: order 3 for any A, for the embedded estimate as well; order 4 for linear equations whose Jacobian is

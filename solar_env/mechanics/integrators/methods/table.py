@@ -1,20 +1,22 @@
 """The table of methods: a row each, from which runs, batches, warm-up and tests follow.
 
 A method is one module with its settings, its scratch arrays and its kernels. The settings' type tells the compiler at
-compile time which kernels a run calls (`attempt_of(settings)(...)`): kernels take no functions, and a choice at run
-time would have every method compiled for every run.
+compile time which kernels a run calls: `attempt_of(settings)(...)`. The formulation tells the arrays of a run.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from numba.extending import overload
-
-from solar_env.mechanics.arrays.model import Model, State
+from solar_env.mechanics.equations.formulation import Formulation
 from solar_env.mechanics.integrators import settings
+from solar_env.mechanics.integrators.formulations import ABSOLUTE, FLOATING
 from solar_env.mechanics.integrators.methods import dormand_prince, generalized_alpha, rosenbrock, runge_kutta
 from solar_env.mechanics.integrators.step import HERMITE, AdaptiveSettings, Interpolant, adapt_nothing
+from solar_env.mechanics.modal.arrays import make_workspace
+from solar_env.mechanics.modal.driver import begin_modal, convert_settings, take_modal_step
+from solar_env.mechanics.modal.step import ModalSettings
+from solar_env.mechanics.numerics.by_type import chosen_by_type
 
 Chosen = Any  # one of the settings' classes of `settings.py`
 
@@ -60,18 +62,20 @@ class Method:
         order: of convergence, for smooth motion.
         kernel_settings: type of the settings as the kernels take them; tells the compiler which kernels are meant.
         convert: the settings that a user has chosen, as the kernels take them.
-        arrays: allocates the scratch arrays of a thread for a mechanism.
+        arrays: allocates the scratch arrays of a thread for a mechanism's model and state.
         kernels: that make a step.
+        formulation: of the equations of motion.
     """
 
     order: int
     kernel_settings: type
     convert: Callable[[Any], Any]
-    arrays: Callable[[Model, State], Any]
+    arrays: Callable[[Any, Any], Any]
     kernels: AdaptiveKernels | SteppingKernels
+    formulation: Formulation = ABSOLUTE
 
 
-def _adaptive(order: int, kernel_settings: type, arrays: Callable[[Model, State], Any], *kernels: Any) -> Method:
+def _adaptive(order: int, kernel_settings: type, arrays: Callable[[Any, Any], Any], *kernels: Any) -> Method:
     def convert(chosen: settings.RungeKutta) -> AdaptiveSettings:
         values = (chosen.rtol, chosen.velocity_scale, chosen.max_step, chosen.impact_resolution)
         # Of other types they would be compiled anew.
@@ -109,6 +113,14 @@ METHODS: dict[str, Method] = {
         dormand_prince.attempt_dormand_prince,
         dormand_prince.INTERPOLANT,
     ),
+    settings.ModalRadau.name: Method(
+        3,
+        ModalSettings,
+        convert_settings,
+        make_workspace,
+        SteppingKernels(begin_modal, take_modal_step),
+        FLOATING,
+    ),
     settings.GeneralizedAlpha.name: Method(
         2,
         generalized_alpha.AlphaSettings,
@@ -134,16 +146,7 @@ def method_of(chosen: Chosen) -> Method:
 
 def kernel_of(pick: Callable[[Any], Any]) -> Callable[[Any], Any]:
     """A function of kernel settings that gives the kernel `pick` takes from their method's; resolved in compiling."""
-
-    def find(settings: Any) -> Any:
-        return pick(_BY_TYPE[type(settings)].kernels)
-
-    @overload(find, inline="always")
-    def find_compiled(settings):
-        found = pick(_BY_TYPE[settings.instance_class].kernels)
-        return lambda settings: found
-
-    return find
+    return chosen_by_type(_BY_TYPE, lambda method: pick(method.kernels))
 
 
 begin_of = kernel_of(lambda kernels: kernels.begin)

@@ -5,7 +5,6 @@ import math
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.bodies.markers import vector_angle
 from solar_env.mechanics.equations.system import normal_inverse_mass
-from solar_env.mechanics.integrators.recording import record_contact
 from solar_env.mechanics.joints.contact.normal_force import impact_scales
 from solar_env.mechanics.joints.joint import (
     ANGLE,
@@ -18,6 +17,7 @@ from solar_env.mechanics.joints.joint import (
 )
 from solar_env.mechanics.joints.wear import add_wear, pressed_half_angle
 from solar_env.mechanics.numerics.jit import kernel
+from solar_env.mechanics.records.recording import record_contact
 
 # A contact counts as an impact, to be resolved by steps of its own, for this many predicted durations.
 IMPACT_DURATIONS = 2.0
@@ -70,16 +70,44 @@ def latch(state, j, time):
     state.clock[0].latched_joints += 1
 
 
-@kernel(single_caller=True)
-def wear_contact(joint, markers, q, ex, ey, depth, sliding_work, wear_journal, wear_bearing):
-    """Wear both surfaces of a joint by the sliding work [J] of one accepted step."""
+@kernel(inlined=True)
+def wear_contact(joint, state, j, journal_angle, bearing_angle, depth, sliding_work):
+    """Wear both surfaces of joint `j` by the sliding work [J] of one accepted step.
+
+    Args:
+        joint: its row.
+        state: of the mechanism.
+        j: its index.
+        journal_angle, bearing_angle: of the line of centres, in the frames of the two bodies [rad].
+        depth: of the contact [m].
+        sliding_work: of the step [J].
+    """
     half = pressed_half_angle(max(depth, 0.0), joint.clearance)
     worn_section = joint.wear_coefficient * sliding_work / joint.bearing_width
-    # Of the line of centres, in the frames of the two bodies.
-    journal_angle = vector_angle(markers[joint.outboard], q, ex, ey)
-    bearing_angle = vector_angle(markers[joint.inboard], q, ex, ey)
-    add_wear(wear_journal, journal_angle, half, worn_section, joint.journal_radius)
-    add_wear(wear_bearing, bearing_angle, half, worn_section, joint.journal_radius + joint.clearance)
+    add_wear(state.wear_journal[j], journal_angle, half, worn_section, joint.journal_radius)
+    add_wear(state.wear_bearing[j], bearing_angle, half, worn_section, joint.journal_radius + joint.clearance)
+
+
+@kernel(inlined=True)
+def release_stop(joint, own, angle, rate):
+    """Book that a stop which is engaged has opened, if it has."""
+    depth, sign = stop_depth(joint, own.latched, angle)
+    # On the very face it stays engaged unless it opens, or the same engagement would be found for ever.
+    own.stop_engaged = depth > 0.0 or (depth > -1e-9 and sign * rate <= 0.0)
+
+
+@kernel(inlined=True)
+def has_parted(own, time, depth, rate):
+    """Whether the surfaces of a joint in contact have parted by `time` [s], with their depth [m] and its rate there."""
+    # One that has begun just now, on the very wall, may not end at once: time would stand still.
+    return depth <= 0.0 and rate < 0.0 and own.contact_start < time
+
+
+@kernel(inlined=True)
+def parting_time(start, end, start_depth, depth):
+    """Linear estimate of when surfaces parted inside the step from `start` to `end` [s]."""
+    share = start_depth / (start_depth - depth) if start_depth > 0.0 else 1.0
+    return start + share * (end - start)
 
 
 @kernel(inner=True)
@@ -95,14 +123,11 @@ def settle_joints(model, state, loads, sliding_work, start_time, start_depth, re
         recorder: takes the contacts that have ended.
     """
     joints, markers, joint_states, q, v = model.joints, model.markers, state.joints, state.q, state.v
-    wear_journal, wear_bearing = state.wear_journal, state.wear_bearing
     postlock = state.clock[0].latched_joints > 0
     for j in range(joints.size):
         joint, own = joints[j], joint_states[j]
         if own.stop_engaged:
-            stop, sign = stop_depth(joint, own.latched, loads[j, ANGLE])
-            # On the very face it stays engaged unless it opens, or the same engagement would be found for ever.
-            own.stop_engaged = stop > 0.0 or (stop > -1e-9 and sign * loads[j, RATE] <= 0.0)
+            release_stop(joint, own, loads[j, ANGLE], loads[j, RATE])
         if joint.kind != m.CLEARANCE:
             note_force(own, loads[j, NORMAL], postlock)
         elif own.in_contact:
@@ -110,13 +135,12 @@ def settle_joints(model, state, loads, sliding_work, start_time, start_depth, re
             depth, rate = penetration(joint, markers, q, v)
             if joint.wear_coefficient > 0.0 and sliding_work[j] > 0.0:
                 ex, ey = loads[j, ECCENTRICITY_X], loads[j, ECCENTRICITY_Y]
-                wear_contact(joint, markers, q, ex, ey, depth, sliding_work[j], wear_journal[j], wear_bearing[j])
+                journal_angle = vector_angle(markers[joint.outboard], q, ex, ey)
+                bearing_angle = vector_angle(markers[joint.inboard], q, ex, ey)
+                wear_contact(joint, state, j, journal_angle, bearing_angle, depth, sliding_work[j])
             time = state.clock[0].time
-            # One that has begun just now, on the very wall, may not end at once: time would stand still.
-            if depth <= 0.0 and rate < 0.0 and own.contact_start < time:
-                # Linear estimate of when the surfaces parted inside the step.
-                share = start_depth[j] / (start_depth[j] - depth) if start_depth[j] > 0.0 else 1.0
-                end_contact(state, j, start_time + share * (time - start_time), recorder)
+            if has_parted(own, time, depth, rate):
+                end_contact(state, j, parting_time(start_time, time, start_depth[j], depth), recorder)
 
 
 @kernel(inner=True, inlined=True)
@@ -139,17 +163,26 @@ def fail(state, status, joint, value):
     return status
 
 
+@kernel(inlined=True)
+def check_joint(joint, state, j, depth, angle):
+    """Status of joint `j` with the depth of its contact [m] and its angle [rad]."""
+    if joint.kind == m.CLEARANCE and state.joints[j].in_contact and depth > joint.journal_radius:
+        return fail(state, m.CONTACT_TOO_DEEP, j, depth)
+    if joint.angle_limited and abs(angle - joint.middle) > 0.95 * math.pi:
+        # The angle nears the branch cut of its measurement.
+        return fail(state, m.JOINT_ANGLE_RANGE, j, angle)
+    return m.DONE
+
+
 @kernel(single_caller=True)
 def check_state(model, state, loads):
     """Status of an accepted state: contact depths and joint angles within what the model describes."""
     joints, markers = model.joints, model.markers
     for j in range(joints.size):
-        joint = joints[j]
-        if joint.kind == m.CLEARANCE and state.joints[j].in_contact:
-            depth, _ = penetration(joint, markers, state.q, state.v)
-            if depth > joint.journal_radius:
-                return fail(state, m.CONTACT_TOO_DEEP, j, depth)
-        if joint.angle_limited and abs(loads[j, ANGLE] - joint.middle) > 0.95 * math.pi:
-            # The angle nears the branch cut of its measurement.
-            return fail(state, m.JOINT_ANGLE_RANGE, j, loads[j, ANGLE])
+        depth = 0.0
+        if joints[j].kind == m.CLEARANCE and state.joints[j].in_contact:
+            depth, _ = penetration(joints[j], markers, state.q, state.v)
+        status = check_joint(joints[j], state, j, depth, loads[j, ANGLE])
+        if status != m.DONE:
+            return status
     return m.DONE

@@ -1,0 +1,103 @@
+"""How flexible panels are modelled: as beams of cable elements (ANCF), or by their modes in a floating frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Self
+
+from solar_env.array.names import unknown_name
+from solar_env.array.parameters import ArrayParameters, has_flexible_panels
+from solar_env.mechanics.bodies.description import AnyBody, FlexibleBody, ModalPanel
+from solar_env.mechanics.integrators.settings import ModalRadau
+
+ANCF, MODAL = "ancf", "modal"
+DEFAULT_PANELS = ANCF
+DEFAULT_ELEMENTS, DEFAULT_MODES = 6, 24
+# Kind of panels -> name of their count, and its default.
+PANELS = {ANCF: ("elements", DEFAULT_ELEMENTS), MODAL: ("modes", DEFAULT_MODES)}
+
+
+@dataclass(frozen=True)
+class PanelModel:
+    """A model of the flexible panels.
+
+    Attributes:
+        kind: one of PANELS.
+        count: of what a panel consists of: beam elements of "ancf", bending modes of "modal".
+
+    Raises:
+        ValueError: on construction, if the kind is unknown or its panels refuse the count.
+    """
+
+    kind: str
+    count: int
+
+    def __post_init__(self) -> None:
+        if self.kind not in PANELS:
+            raise ValueError(unknown_name("panels", self.kind, PANELS))
+        self.body(ArrayParameters(), "panel", {})
+
+    @property
+    def option(self) -> str:
+        """Name of the count: "elements" or "modes"."""
+        return PANELS[self.kind][0]
+
+    @property
+    def keywords(self) -> dict[str, Any]:
+        """The choice as keywords of `simulate`, `build` and the environments, and as a record of a run."""
+        return {"panels": self.kind, self.option: self.count}
+
+    def __str__(self) -> str:
+        return f"{self.count} {self.option[:-1] if self.count == 1 else self.option} a panel"
+
+    def body(self, p: ArrayParameters, name: str, motion: dict[str, Any]) -> AnyBody:
+        """A panel with its motion at t = 0, keywords of the body's description."""
+        section = p.panel_width * p.panel_thickness
+        axial, bending = p.panel_young * section, p.panel_young * section * p.panel_thickness**2 / 12.0
+        density, length = p.panel_density * section, p.panel_length
+        if self.kind == ANCF:
+            return FlexibleBody(name, length, self.count, density, axial, bending, p.panel_damping, **motion)
+        return ModalPanel(name, length, density * length, axial, bending, p.panel_damping, self.count, **motion)
+
+    @classmethod
+    def of(
+        cls,
+        model: str,
+        panels: str | PanelModel | None = None,
+        elements: int | None = None,
+        modes: int | None = None,
+        integrator: str | None = None,
+    ) -> Self:
+        """The model of the panels that keywords ask for; what is not named follows from what is.
+
+        Args:
+            model: one of `array.MODELS`; rigid ones do not use the panels.
+            panels: one of PANELS, or a choice made already, whose count the next two may replace.
+            elements, modes: of each panel; they belong to "ancf" and to "modal".
+            integrator: name of a method, of which "modal-radau" goes with "modal" alone, as that with it.
+
+        Raises:
+            ValueError: if a name or a count is refused, or if they contradict each other.
+        """
+        defaults = {kind: count for kind, (_, count) in PANELS.items()}
+        if isinstance(panels, PanelModel):
+            defaults[panels.kind] = panels.count
+            panels = panels.kind
+        if panels is not None and panels not in PANELS:
+            raise ValueError(unknown_name("panels", panels, PANELS))
+        counts = {ANCF: elements, MODAL: modes}
+        reasons = {} if panels is None else {panels: f"panels={panels!r}"}
+        for kind, count in counts.items():
+            if count is not None:
+                reasons.setdefault(kind, f"{PANELS[kind][0]}={count!r}")
+        if integrator is not None and has_flexible_panels(model):
+            kind = MODAL if integrator == ModalRadau.name else ANCF
+            reasons.setdefault(kind, f"integrator={integrator!r}")
+        if len(reasons) > 1:
+            raise ValueError(
+                f"{reasons[ANCF]} belongs to panels of beam elements and {reasons[MODAL]} to modal panels: leave out "
+                "one of them"
+            )
+        kind = next(iter(reasons), DEFAULT_PANELS)
+        count = counts[kind]
+        return cls(kind, defaults[kind] if count is None else count)

@@ -1,0 +1,86 @@
+"""Formulation of rigid bodies and modal panels in floating frames, which the loads of the joints move."""
+
+import numpy as np
+
+from solar_env.mechanics.arrays.model import ENERGIES, IDEAL
+from solar_env.mechanics.equations.formulation import Array, Formulation
+from solar_env.mechanics.mechanism.description import Mechanism
+from solar_env.mechanics.modal.arrays import OTHER, ModalModel, ModalState, Workspace, make_workspace
+from solar_env.mechanics.modal.books import stored_energies
+from solar_env.mechanics.modal.build import compile_modal
+from solar_env.mechanics.modal.driver import start_loads
+from solar_env.mechanics.modal.motion import look_at
+from solar_env.mechanics.modal.sampling import fill_load_table
+from solar_env.mechanics.modal.views import modal_centreline, view_joint
+
+
+class FloatingFrames(Formulation):
+    """Centre of mass, angle and modal amplitudes of every body; loads of the joints as the unknowns of a step."""
+
+    view_joint = staticmethod(view_joint)
+
+    def compile(self, mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
+        """See `Formulation.compile`."""
+        return compile_modal(mechanism)
+
+    def begin(self, model: ModalModel, state: ModalState) -> None:
+        """Torques of the laws."""
+        start_loads(model, state, make_workspace(model, state))
+
+    def drift(self, model: ModalModel, state: ModalState) -> tuple[float, float]:
+        """Of the ideal joints."""
+        motion = np.abs(_motion(model, state).motion[OTHER, model.joints["kind"] == IDEAL])
+        return float(motion[:, :2].max(initial=0.0)), float(motion[:, 2:4].max(initial=0.0))
+
+    def joint_loads(self, model: ModalModel, state: ModalState) -> Array:
+        """With the loads at the end of the last step."""
+        work = _motion(model, state)
+        fill_load_table(model, state, work, OTHER, state.loads, work.sample)
+        return work.sample
+
+    def stored_energies(self, model: ModalModel, state: ModalState) -> Array:
+        """See `Formulation.stored_energies`."""
+        energies = np.zeros(ENERGIES)
+        stored_energies(model, state, state.q, state.v, _motion(model, state), OTHER, energies)
+        return energies
+
+    def greatest_weight(self, model: ModalModel) -> float:
+        """Of the bodies that move."""
+        moving = model.bodies["inverse_mass"] > 0.0
+        return float(np.hypot(*model.gravity) * model.bodies["mass"][moving].max(initial=0.0))
+
+    def momenta(self, model: ModalModel, state: ModalState) -> Array:
+        """Those of the frames: the modes have none."""
+        bodies = model.bodies[model.bodies["inverse_mass"] > 0.0]
+        first, mass = bodies["offset"], bodies["mass"]
+        x, y = state.q[first], state.q[first + 1]
+        u, v, spin = state.v[first], state.v[first + 1], state.v[first + 2]
+        angular = mass * (x * v - y * u) + bodies["inertia"] * spin
+        return np.array([(mass * u).sum(), (mass * v).sum(), angular.sum()])
+
+    def centreline(self, model: ModalModel, q: Array, body: int, points_per_element: int) -> Array:
+        """See `modal_centreline`."""
+        return modal_centreline(model, q, body, points_per_element)
+
+    def modal_range(self, model: ModalModel, state: ModalState) -> tuple[float, float]:
+        """See `Formulation.modal_range`."""
+        slope, spin_ratio, panels = 0.0, 0.0, model.panels
+        axial, modes = panels.axial_frequency.shape[1], panels.bending_frequency.shape[1]
+        for body in model.bodies[model.bodies["panel"] >= 0]:
+            first, d = body["offset"] + 3 + axial, body["design"]
+            slopes = panels.bending_rows[d, 1::2] @ state.q[first : first + modes]
+            slope = max(slope, float(np.abs(slopes).max()))
+            lowest = panels.bending_frequency[d].min()
+            spin_ratio = max(spin_ratio, float(abs(state.v[body["offset"] + 2]) / lowest))
+        return slope, spin_ratio
+
+    def constraint_force_defect(self, model: ModalModel, state: ModalState) -> tuple[float, float]:
+        """None: every step solves for the reactions."""
+        return 0.0, float(np.abs(state.loads[:, :2]).max(initial=0.0))
+
+
+def _motion(model: ModalModel, state: ModalState) -> Workspace:
+    """Workspace whose slot OTHER holds the present motion."""
+    work = make_workspace(model, state)
+    look_at(model, state.q, state.v, work, OTHER)
+    return work

@@ -1,0 +1,25 @@
+"""Choice of a kernel by the type of a named tuple, resolved in compiling.
+
+Kernels take no functions as arguments, and a choice at run time would have every branch compiled for every run.
+"""
+
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar
+
+from numba.extending import overload
+
+Row = TypeVar("Row")
+
+
+def chosen_by_type(table: Mapping[type, Row], pick: Callable[[Row], Any]) -> Callable[[Any], Any]:
+    """A function of a named tuple, for kernels and Python alike, that gives what `pick` takes from its class's row."""
+
+    def find(value: Any) -> Any:
+        return pick(table[type(value)])
+
+    @overload(find, inline="always")
+    def find_compiled(value):
+        found = pick(table[value.instance_class])
+        return lambda value: found
+
+    return find

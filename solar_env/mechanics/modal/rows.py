@@ -7,6 +7,7 @@ the unknown works on: a joint angle, minus a depth, a sliding speed, a component
 from solar_env.mechanics.arrays.model import IDEAL
 from solar_env.mechanics.modal.arrays import (
     LEVER,
+    LOAD_HALVES,
     NORMAL,
     NORMAL_X,
     NORMAL_Y,
@@ -18,6 +19,7 @@ from solar_env.mechanics.modal.arrays import (
     TORQUE,
 )
 from solar_env.mechanics.modal.oscillators import A, B
+from solar_env.mechanics.modal.tables import side
 from solar_env.mechanics.numerics.jit import kernel
 
 # Change of a torque by the motion that it causes, over itself, that converges at once without Newton's matrix.
@@ -28,13 +30,13 @@ _SOFT = 0.05
 def angle_by_torque(model, tables, level, h, j):
     """Greatest change [rad] of a joint's angle by a unit of its torque over a step."""
     joint, total = model.joints[j], 0.0
-    for side in range(2):
-        attachment = model.attachments[joint.outboard if side == 0 else joint.inboard]
-        body, i = model.bodies[attachment.body], 2 * attachment.end + 1
+    for face in range(2):
+        attachment = model.attachments[joint.outboard if face == 0 else joint.inboard]
+        body = model.bodies[attachment.body]
         total += 0.5 * h * h * body.inverse_inertia
         if body.panel != RIGID_BODY:
-            response = tables.bending_response[body.design, level, i, i]
-            total += abs(response[2]) + abs(response[6])
+            even, odd = tables.response[body.design, level, 0, 1, 1], tables.response[body.design, level, 1, 1, 1]
+            total += abs(even[2] + odd[2]) + abs(even[6] + odd[6])
     return total
 
 
@@ -105,35 +107,55 @@ def fill_row_loads(model, work, n):
     for r in range(n):
         j = work.joint[r]
         fx, fy, outboard, inboard = unit_load(model, work, work.kind[r], j)
-        for side in range(2):
-            number = model.joints[j].outboard if side == 0 else model.joints[j].inboard
-            b = model.attachments[number].body
-            c, s = work.turn[SECOND, b, 0], work.turn[SECOND, b, 1]
-            sign = 1.0 if side == 0 else -1.0
+        for face in range(2):
+            number = model.joints[j].outboard if face == 0 else model.joints[j].inboard
+            attachment = model.attachments[number]
+            c, s = work.turn[SECOND, attachment.body, 0], work.turn[SECOND, attachment.body, 1]
+            sign, odd = 1.0 if face == 0 else -1.0, side(attachment.end)
             along, across = sign * (c * fx + s * fy), sign * (c * fy - s * fx)
-            torque = outboard if side == 0 else inboard
-            row = work.row_load[r, side]
-            row[0], row[1], row[2] = along, across, torque
-            row[3] = torque + work.local[SECOND, number, 0] * across - work.local[SECOND, number, 1] * along
+            torque = outboard if face == 0 else inboard
+            row = work.row_load[r, face]
+            row[0], row[1] = along, across
+            row[2] = torque + work.local[SECOND, number, 0] * across - work.local[SECOND, number, 1] * along
+            row[3], row[4], row[5], row[6], row[7], row[8] = (
+                across,
+                odd * torque,
+                odd * across,
+                torque,
+                along,
+                odd * along,
+            )
 
 
 @kernel(inlined=True)
-def add_shared(body, first_end, second_end, first, second, rigid, bending, axial, out):
-    """Add what unit loads `second` at one attachment of a body do to the motion read off by `first` at another."""
-    share = (first[0] * second[0] + first[1] * second[1]) * body.inverse_mass
-    share += first[3] * second[3] * body.inverse_inertia
+def move_by_row(model, work, tables, level, r, face):
+    """Motion of a body by the unit load of unknown `r` on it."""
+    j = work.joint[r]
+    body = model.bodies[model.attachments[model.joints[j].outboard if face == 0 else model.joints[j].inboard].body]
+    load, motion = work.row_load[r, face], work.row_motion[r, face]
     for c in range(8):
-        out[c] += share * rigid[c]
+        motion[0, c] = load[0] * body.inverse_mass * work.rigid[c]
+        motion[1, c] = load[1] * body.inverse_mass * work.rigid[c]
+        motion[2, c] = load[2] * body.inverse_inertia * work.rigid[c]
     if body.panel != RIGID_BODY:
-        i, j = 2 * first_end, 2 * second_end
-        ww, wt, tw, tt = bending[i, j], bending[i, j + 1], bending[i + 1, j], bending[i + 1, j + 1]
-        uu = axial[first_end, second_end]
+        for group in range(2):
+            by_load = tables.response[body.design, level, group]
+            first, second = load[3 + 2 * group], load[4 + 2 * group]
+            for c in range(8):
+                motion[3 + 2 * group, c] = by_load[0, 0, c] * first + by_load[0, 1, c] * second
+                motion[4 + 2 * group, c] = by_load[1, 0, c] * first + by_load[1, 1, c] * second
         for c in range(8):
-            out[c] += (
-                first[1] * (ww[c] * second[1] + wt[c] * second[2])
-                + first[2] * (tw[c] * second[1] + tt[c] * second[2])
-                + first[0] * uu[c] * second[0]
-            )
+            motion[7, c] = tables.response[body.design, level, 2, 0, 0, c] * load[7]
+            motion[8, c] = tables.response[body.design, level, 3, 0, 0, c] * load[8]
+
+
+@kernel(inlined=True)
+def add_shared(work, p, face, q, opposite, halves):
+    """Add to the mobility what the unit load of unknown `q` does to the motion that unknown `p` works on."""
+    load, motion = work.row_load[p, face], work.row_motion[q, opposite]
+    for i in range(halves):
+        for c in range(8):
+            work.shared[c] += load[i] * motion[i, c]
 
 
 @kernel(inlined=True)
@@ -143,30 +165,19 @@ def fill_mobility(model, work, tables, level, h, n):
     for s in range(2):
         for k in range(2):
             work.rigid[4 * k + 2 * s], work.rigid[4 * k + 2 * s + 1] = h * h * B[s][k], h * A[s][k]
+    for r in range(n):
+        move_by_row(model, work, tables, level, r, 0)
+        move_by_row(model, work, tables, level, r, 1)
     for p in range(n):
         for q in range(p + 1):
-            out = work.mobility[p, q]
             for c in range(8):
-                out[c] = 0.0
+                work.shared[c] = 0.0
             one, other = model.joints[work.joint[p]], model.joints[work.joint[q]]
-            for side in range(2):
-                first = model.attachments[one.outboard if side == 0 else one.inboard]
+            for face in range(2):
+                b = model.attachments[one.outboard if face == 0 else one.inboard].body
+                halves = 3 if model.bodies[b].panel == RIGID_BODY else LOAD_HALVES
                 for opposite in range(2):
-                    second = model.attachments[other.outboard if opposite == 0 else other.inboard]
-                    if first.body == second.body:
-                        body = model.bodies[first.body]
-                        d = max(body.design, 0)
-                        add_shared(
-                            body,
-                            first.end,
-                            second.end,
-                            work.row_load[p, side],
-                            work.row_load[q, opposite],
-                            work.rigid,
-                            tables.bending_response[d, level],
-                            tables.axial_response[d, level],
-                            out,
-                        )
-            if p != q:
-                for c in range(8):
-                    work.mobility[q, p, c] = out[c]
+                    if model.attachments[other.outboard if opposite == 0 else other.inboard].body == b:
+                        add_shared(work, p, face, q, opposite, halves)
+            for c in range(8):
+                work.mobility[c, p, q] = work.mobility[c, q, p] = work.shared[c]

@@ -101,12 +101,14 @@ class ModalSimulation(InMotion[ModalState]):
     def modal_range(self) -> tuple[float, float]:
         """Greatest slope of a panel's end against its frame [rad], and greatest spin over the lowest frequency."""
         slope, spin_ratio, panels = 0.0, 0.0, self.model.panels
-        axial, modes = panels.axial_frequency.shape[1], panels.bending_frequency.shape[1]
+        even, odd, end = panels.first[:3]
         for body in self.model.bodies[self.model.bodies["panel"] >= 0]:
-            first, d = body["offset"] + 3 + axial, body["design"]
-            slopes = panels.bending_rows[d, 1::2] @ self.state.q[first : first + modes]
-            slope = max(slope, float(np.abs(slopes).max()))
-            lowest = panels.bending_frequency[d].min()
+            first, d = body["offset"] + 3, body["design"]
+            slopes = [
+                panels.rows[d, i:k, 1] @ self.state.q[first + i : first + k] for i, k in ((even, odd), (odd, end))
+            ]
+            slope = max(slope, float(np.abs(slopes).sum()))
+            lowest = panels.frequency[d, even:end].min()
             spin_ratio = max(spin_ratio, float(abs(self.state.v[body["offset"] + 2]) / lowest))
         return slope, spin_ratio
 

@@ -58,8 +58,6 @@ MOTION_COLUMNS = 15
 # Loads of a joint: normal and tangential force of a contact, or the two components of an ideal joint's reaction on its
 # outboard body; then the torque on the joint angle, without the motor's.
 LOADS = 3
-# Force along and across and moment about the centre on a body; then the loads of a panel's groups.
-LOAD_HALVES = 9
 # Kinds of unknown.
 TORQUE, NORMAL, TANGENTIAL, REACTION_X, REACTION_Y = range(5)
 
@@ -118,7 +116,7 @@ class Workspace(NamedTuple):
     ends: Array  # (P, GROUPS, VALUES, 4)
     low_free: Array  # (P, GROUPS, LOW, 4) free motion of the modes that foreshortening couples
     low: Array  # (GROUPS, LOW, 4) motion of these modes of one panel
-    gradient: Array  # (2, LOW, FORMS) of the forms by the bending amplitudes of one panel
+    gradient: Array  # (2, 2, LOW, FORMS) of the forms by the bending amplitudes of one panel, by stage
     shortening: Array  # (P, 2, 2, FORMS) values of the forms and their rates
     tension: Array  # (FORMS,) that works on the forms
     # Newton's iteration.
@@ -127,8 +125,8 @@ class Workspace(NamedTuple):
     torque_row: NDArray[np.int64]  # (J,) or -1
     torque_tolerance: Array  # (J,)
     rigid: Array  # (8,) motion of a unit mass by a unit load, as the columns of the mobility
-    row_load: Array  # (R, 2, LOAD_HALVES) unit load on outboard and inboard body, see `rows`
-    row_motion: Array  # (R, 2, LOAD_HALVES, 8) what it moves on that body
+    row_load: Array  # (R, 2, 4) on outboard and inboard body, in their frames: force, torque, moment about the centre
+    row_motion: Array  # (R, 2, 2, 3, 8) of both ends of a panel by it: along, across, turning; without the frame's
     shared: Array  # (8,) of one pair of unknowns
     mobility: Array  # (8, R, R) first index: 4 load stage + 2 stage + (value or rate)
     torque: Array  # (J, 2) of the laws, and its slope by the rate
@@ -179,7 +177,7 @@ def make_workspace(model: ModalModel, state: ModalState) -> Workspace:
         ends=zeros((panels, GROUPS, VALUES, 4)),
         low_free=zeros((panels, GROUPS, LOW, 4)),
         low=zeros((GROUPS, LOW, 4)),
-        gradient=zeros((2, LOW, FORMS)),
+        gradient=zeros((2, 2, LOW, FORMS)),
         shortening=zeros((panels, 2, 2, FORMS)),
         tension=zeros(FORMS),
         kind=zeros(rows, np.int64),
@@ -187,8 +185,8 @@ def make_workspace(model: ModalModel, state: ModalState) -> Workspace:
         torque_row=zeros(joints, np.int64),
         torque_tolerance=zeros(joints),
         rigid=zeros(8),
-        row_load=zeros((rows, 2, LOAD_HALVES)),
-        row_motion=zeros((rows, 2, LOAD_HALVES, 8)),
+        row_load=zeros((rows, 2, 4)),
+        row_motion=zeros((rows, 2, 2, 3, 8)),
         shared=zeros(8),
         mobility=zeros((8, rows, rows)),
         torque=zeros((joints, 2)),

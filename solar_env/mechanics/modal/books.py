@@ -91,7 +91,7 @@ def panel_energies(model, body, q, v, work, energies):
             k = first + panels.first[group] + r
             work.low[group, r, 0], work.low[group, r, 1] = q[k], v[k]
     shortening = work.shortening[body.panel, 0]
-    foreshorten(panels.forms[d], work.low, 0, work.gradient, shortening)
+    foreshorten(panels.forms[d], work.low, 0, work.gradient[0], shortening)
     for group in range(GROUPS):
         for k in range(panels.first[group], panels.first[group + 1]):
             stretch, r = q[first + k], k - panels.first[group]

@@ -7,12 +7,15 @@ from solar_env.mechanics.modal.oscillators import FROM_LOAD
 from solar_env.mechanics.modal.tables import (
     AXIAL_EVEN,
     AXIAL_ODD,
+    BENDING_EVEN,
+    BENDING_ODD,
     EVEN_ENDS,
     EVEN_FIRST,
     FORMS,
     LOW,
     ODD_ENDS,
     ODD_FIRST,
+    values_of,
 )
 from solar_env.mechanics.numerics.jit import kernel
 
@@ -60,21 +63,20 @@ def foreshorten(forms, low, column, gradient, shortening):
 
 
 @kernel(inlined=True)
-def move_low(panels, work, tables, level, p, d):
-    """Motion of the coupled modes of panel `p` at both stages under the loads and the modal forces of before."""
-    for group in range(4):
-        for r in range(panels.coupled[group]):
-            k = panels.first[group] + r
-            first, second = work.coupling[p, 0, k], work.coupling[p, 1, k]
-            for i in range(2):
-                first += panels.rows[d, k, i] * work.group_load[p, 0, group, i]
-                second += panels.rows[d, k, i] * work.group_load[p, 1, group, i]
-            for c in range(4):
-                work.low[group, r, c] = (
-                    work.low_free[p, group, r, c]
-                    + tables.answers[d, level, k, FROM_LOAD + c] * first
-                    + tables.answers[d, level, k, FROM_LOAD + 4 + c] * second
-                )
+def move_low(panels, work, tables, level, p, d, group):
+    """Motion of the coupled modes of a group at both stages under the loads and the present modal forces."""
+    for r in range(panels.coupled[group]):
+        k = panels.first[group] + r
+        first, second = work.coupling[p, 0, k], work.coupling[p, 1, k]
+        for i in range(values_of(group)):
+            first += panels.rows[d, k, i] * work.group_load[p, 0, group, i]
+            second += panels.rows[d, k, i] * work.group_load[p, 1, group, i]
+        for c in range(4):
+            work.low[group, r, c] = (
+                work.low_free[p, group, r, c]
+                + tables.answers[d, level, k, FROM_LOAD + c] * first
+                + tables.answers[d, level, k, FROM_LOAD + 4 + c] * second
+            )
 
 
 @kernel(inlined=True)
@@ -84,8 +86,18 @@ def axial_form(group, r):
 
 
 @kernel(inlined=True)
-def couple_axial(panels, work, p, d, s):
-    """Modal forces of foreshortening on the axial modes of panel `p` at stage `s`, and the tensions of the forms."""
+def push_axial(panels, work, p, d, s):
+    """Modal forces of foreshortening on the axial modes of panel `p` at stage `s`."""
+    for group in range(AXIAL_EVEN, AXIAL_ODD + 1):
+        for r in range(panels.coupled[group]):
+            k, f = panels.first[group] + r, axial_form(group, r)
+            strain = work.shortening[p, s, 0, f] + panels.damping[d] * work.shortening[p, s, 1, f]
+            work.coupling[p, s, k] = panels.frequency[d, k] ** 2 * strain
+
+
+@kernel(inlined=True)
+def push_bending(panels, work, p, d, s):
+    """Modal forces of the tension on the bending modes of panel `p` at stage `s`."""
     for f in range(FORMS):
         work.tension[f] = 0.0
     work.tension[EVEN_ENDS] = work.group_load[p, s, AXIAL_EVEN, 0]
@@ -93,29 +105,29 @@ def couple_axial(panels, work, p, d, s):
     for group in range(AXIAL_EVEN, AXIAL_ODD + 1):
         for r in range(panels.coupled[group]):
             k, f = panels.first[group] + r, axial_form(group, r)
-            square = panels.frequency[d, k] ** 2
-            value, rate = work.shortening[p, s, 0, f], work.shortening[p, s, 1, f]
-            force = square * (value + panels.damping[d] * rate)
-            # The amplitude belongs to the force of the iteration before.
-            work.strain_rate[p, s, k] = work.low[group, r, 2 * s + 1] - rate
-            work.tension[f] = square * (work.low[group, r, 2 * s] + panels.damping[d] * work.low[group, r, 2 * s + 1])
-            work.tension[f] -= force
-            work.coupling[p, s, k] = force
+            value, rate = work.low[group, r, 2 * s], work.low[group, r, 2 * s + 1]
+            work.strain_rate[p, s, k] = rate - work.shortening[p, s, 1, f]
+            work.tension[f] = panels.frequency[d, k] ** 2 * (value + panels.damping[d] * rate) - work.coupling[p, s, k]
+    for group in range(2):
+        for r in range(panels.coupled[group]):
+            force = 0.0
+            for f in range(FORMS):
+                force += work.tension[f] * work.gradient[s, group, r, f]
+            work.coupling[p, s, panels.first[group] + r] = force
 
 
 @kernel(inlined=True)
 def couple(panels, work, tables, level, p, d):
-    """Modal forces of foreshortening in panel `p` at both stages."""
-    move_low(panels, work, tables, level, p, d)
+    """Modal forces of foreshortening in panel `p` at both stages, the axial ones first: tension is what they leave."""
+    move_low(panels, work, tables, level, p, d, BENDING_EVEN)
+    move_low(panels, work, tables, level, p, d, BENDING_ODD)
     for s in range(2):
-        foreshorten(panels.forms[d], work.low, 2 * s, work.gradient, work.shortening[p, s])
-        couple_axial(panels, work, p, d, s)
-        for group in range(2):
-            for r in range(panels.coupled[group]):
-                force = 0.0
-                for f in range(FORMS):
-                    force += work.tension[f] * work.gradient[group, r, f]
-                work.coupling[p, s, panels.first[group] + r] = force
+        foreshorten(panels.forms[d], work.low, 2 * s, work.gradient[s], work.shortening[p, s])
+        push_axial(panels, work, p, d, s)
+    move_low(panels, work, tables, level, p, d, AXIAL_EVEN)
+    move_low(panels, work, tables, level, p, d, AXIAL_ODD)
+    push_bending(panels, work, p, d, 0)
+    push_bending(panels, work, p, d, 1)
 
 
 @kernel(inlined=True)

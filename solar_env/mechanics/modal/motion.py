@@ -106,7 +106,7 @@ def pose_panel(panels, q, v, work, p, d, offset):
         )
         for r in range(panels.coupled[group]):
             work.low[group, r, 0], work.low[group, r, 1] = q[offset + begin + r], v[offset + begin + r]
-    foreshorten(panels.forms[d], work.low, 0, work.gradient, work.shortening[p, 0])
+    foreshorten(panels.forms[d], work.low, 0, work.gradient[0], work.shortening[p, 0])
     shorten_ends(work, p)
 
 

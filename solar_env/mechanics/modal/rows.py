@@ -7,7 +7,6 @@ the unknown works on: a joint angle, minus a depth, a sliding speed, a component
 from solar_env.mechanics.arrays.model import IDEAL
 from solar_env.mechanics.modal.arrays import (
     LEVER,
-    LOAD_HALVES,
     NORMAL,
     NORMAL_X,
     NORMAL_Y,
@@ -19,7 +18,7 @@ from solar_env.mechanics.modal.arrays import (
     TORQUE,
 )
 from solar_env.mechanics.modal.oscillators import A, B
-from solar_env.mechanics.modal.tables import side
+from solar_env.mechanics.modal.tables import AXIAL_EVEN, AXIAL_ODD, BENDING_EVEN, BENDING_ODD, side
 from solar_env.mechanics.numerics.jit import kernel
 
 # Change of a torque by the motion that it causes, over itself, that converges at once without Newton's matrix.
@@ -111,51 +110,53 @@ def fill_row_loads(model, work, n):
             number = model.joints[j].outboard if face == 0 else model.joints[j].inboard
             attachment = model.attachments[number]
             c, s = work.turn[SECOND, attachment.body, 0], work.turn[SECOND, attachment.body, 1]
-            sign, odd = 1.0 if face == 0 else -1.0, side(attachment.end)
+            sign = 1.0 if face == 0 else -1.0
             along, across = sign * (c * fx + s * fy), sign * (c * fy - s * fx)
             torque = outboard if face == 0 else inboard
             row = work.row_load[r, face]
-            row[0], row[1] = along, across
-            row[2] = torque + work.local[SECOND, number, 0] * across - work.local[SECOND, number, 1] * along
-            row[3], row[4], row[5], row[6], row[7], row[8] = (
-                across,
-                odd * torque,
-                odd * across,
-                torque,
-                along,
-                odd * along,
-            )
+            row[0], row[1], row[2] = along, across, torque
+            row[3] = torque + work.local[SECOND, number, 0] * across - work.local[SECOND, number, 1] * along
 
 
 @kernel(inlined=True)
-def move_by_row(model, work, tables, level, r, face):
-    """Motion of a body by the unit load of unknown `r` on it."""
-    j = work.joint[r]
-    body = model.bodies[model.attachments[model.joints[j].outboard if face == 0 else model.joints[j].inboard].body]
-    load, motion = work.row_load[r, face], work.row_motion[r, face]
+def move_ends(response, load, odd, motion):
+    """Motion of both ends of a panel, along, across and turning, by a load at the end where `odd` is `side`.
+
+    Args:
+        response: (GROUPS, VALUES, VALUES, 8) of the groups.
+        load: (4,) force along and across, torque.
+        motion: (2, 3, 8) is filled.
+    """
+    along, across, torque = load[0], load[1], load[2]
     for c in range(8):
-        motion[0, c] = load[0] * body.inverse_mass * work.rigid[c]
-        motion[1, c] = load[1] * body.inverse_mass * work.rigid[c]
-        motion[2, c] = load[2] * body.inverse_inertia * work.rigid[c]
-    if body.panel != RIGID_BODY:
-        for group in range(2):
-            by_load = tables.response[body.design, level, group]
-            first, second = load[3 + 2 * group], load[4 + 2 * group]
-            for c in range(8):
-                motion[3 + 2 * group, c] = by_load[0, 0, c] * first + by_load[0, 1, c] * second
-                motion[4 + 2 * group, c] = by_load[1, 0, c] * first + by_load[1, 1, c] * second
-        for c in range(8):
-            motion[7, c] = tables.response[body.design, level, 2, 0, 0, c] * load[7]
-            motion[8, c] = tables.response[body.design, level, 3, 0, 0, c] * load[8]
+        even = response[BENDING_EVEN, 0, 0, c] * across + response[BENDING_EVEN, 0, 1, c] * odd * torque
+        other = response[BENDING_ODD, 0, 0, c] * odd * across + response[BENDING_ODD, 0, 1, c] * torque
+        motion[0, 1, c], motion[1, 1, c] = even + other, even - other
+        even = response[BENDING_EVEN, 1, 0, c] * across + response[BENDING_EVEN, 1, 1, c] * odd * torque
+        other = response[BENDING_ODD, 1, 0, c] * odd * across + response[BENDING_ODD, 1, 1, c] * torque
+        motion[0, 2, c], motion[1, 2, c] = other + even, other - even
+        even, other = response[AXIAL_EVEN, 0, 0, c] * along, response[AXIAL_ODD, 0, 0, c] * odd * along
+        motion[0, 0, c], motion[1, 0, c] = even + other, even - other
 
 
 @kernel(inlined=True)
-def add_shared(work, p, face, q, opposite, halves):
-    """Add to the mobility what the unit load of unknown `q` does to the motion that unknown `p` works on."""
-    load, motion = work.row_load[p, face], work.row_motion[q, opposite]
-    for i in range(halves):
+def add_shared(body, first, end, second, motion, rigid, shared):
+    """Add what unit load `second` on a body does to the motion that unit load `first` at `end` works on."""
+    share = (first[0] * second[0] + first[1] * second[1]) * body.inverse_mass
+    share += first[3] * second[3] * body.inverse_inertia
+    for c in range(8):
+        shared[c] += share * rigid[c]
+    if body.panel != RIGID_BODY:
+        along, across, torque = first[0], first[1], first[2]
         for c in range(8):
-            work.shared[c] += load[i] * motion[i, c]
+            shared[c] += along * motion[end, 0, c] + across * motion[end, 1, c] + torque * motion[end, 2, c]
+
+
+@kernel(inlined=True)
+def attachment_of(model, work, r, face):
+    """Attachment of unknown `r` on the outboard side of its joint (`face` 0) or on the inboard one."""
+    joint = model.joints[work.joint[r]]
+    return model.attachments[joint.outboard if face == 0 else joint.inboard]
 
 
 @kernel(inlined=True)
@@ -165,19 +166,29 @@ def fill_mobility(model, work, tables, level, h, n):
     for s in range(2):
         for k in range(2):
             work.rigid[4 * k + 2 * s], work.rigid[4 * k + 2 * s + 1] = h * h * B[s][k], h * A[s][k]
-    for r in range(n):
-        move_by_row(model, work, tables, level, r, 0)
-        move_by_row(model, work, tables, level, r, 1)
+    for q in range(n):
+        for opposite in range(2):
+            second = attachment_of(model, work, q, opposite)
+            body = model.bodies[second.body]
+            if body.panel != RIGID_BODY:
+                response = tables.response[body.design, level]
+                move_ends(response, work.row_load[q, opposite], side(second.end), work.row_motion[q, opposite])
     for p in range(n):
         for q in range(p + 1):
             for c in range(8):
                 work.shared[c] = 0.0
-            one, other = model.joints[work.joint[p]], model.joints[work.joint[q]]
             for face in range(2):
-                b = model.attachments[one.outboard if face == 0 else one.inboard].body
-                halves = 3 if model.bodies[b].panel == RIGID_BODY else LOAD_HALVES
+                first = attachment_of(model, work, p, face)
                 for opposite in range(2):
-                    if model.attachments[other.outboard if opposite == 0 else other.inboard].body == b:
-                        add_shared(work, p, face, q, opposite, halves)
+                    if attachment_of(model, work, q, opposite).body == first.body:
+                        add_shared(
+                            model.bodies[first.body],
+                            work.row_load[p, face],
+                            first.end,
+                            work.row_load[q, opposite],
+                            work.row_motion[q, opposite],
+                            work.rigid,
+                            work.shared,
+                        )
             for c in range(8):
                 work.mobility[c, p, q] = work.mobility[c, q, p] = work.shared[c]

@@ -11,10 +11,15 @@ from typing import NamedTuple
 
 from solar_env.mechanics.arrays.model import IDEAL
 from solar_env.mechanics.modal.arrays import (
+    ANGLE,
     DEPTH,
+    DEPTH_RATE,
     NORMAL,
+    RATE,
     RIGID_BODY,
     SECOND,
+    SLIDING_SPEED,
+    SLIP,
     START,
     TANGENTIAL,
     TORQUE,
@@ -22,7 +27,7 @@ from solar_env.mechanics.modal.arrays import (
 from solar_env.mechanics.modal.bodies import distribute_loads, stage_frames
 from solar_env.mechanics.modal.coupling import couple, shorten_ends
 from solar_env.mechanics.modal.ends import add_modal_forces, forced_ends, free_ends
-from solar_env.mechanics.modal.equations import fill_contact_rows, fill_reaction_row, fill_torque_row, fill_torques
+from solar_env.mechanics.modal.equations import contact_rows, fill_torques, reaction_row, torque_row
 from solar_env.mechanics.modal.motion import move_attachments, move_joints
 from solar_env.mechanics.modal.oscillators import NODES
 from solar_env.mechanics.modal.rows import fill_mobility, list_rows, load_column
@@ -32,6 +37,10 @@ from solar_env.mechanics.numerics.linear import copy_rows, lu_factor, lu_solve
 _MOST_ITERATIONS = 12
 # Foreshortening is of second order: its forces are renewed in so many iterations.
 _COUPLED_ITERATIONS = 2
+# Correction over the tolerance after which motion and matrix are not renewed.
+_SMALL = 3.0
+# Displacement by a correction, over the clearance, above which motion is renewed.
+_SHIFT = 1e-3
 # The iteration ends where the corrections to come are less than this share of the tolerance.
 _CONVERGED = 0.05
 # A load that is off by the deviation of its course from the collocation polynomial moves its body by a twelfth of what
@@ -140,40 +149,76 @@ def set_tolerances(model, state, work, settings, tables, level, h, n):
 
 
 @kernel(inlined=True)
-def correct_loads(model, state, work, n, h):
-    """One correction of the loads by Newton's method.
+def correct_loads(model, state, work, n, h, renewed):
+    """One correction of the loads by Newton's method, whose matrix is kept unless `renewed`.
 
     Returns:
-        Greatest change of a load over its tolerance; infinite if the matrix is singular or a change is not finite.
+        Greatest change of an unknown, and of a torque that is none, over their tolerances; infinite if the matrix is
+        singular or a change is not finite.
     """
-    size, total = 0.0, 0.0
+    size, apart, total = 0.0, 0.0, 0.0
     for s in range(2):
         fill_torques(model, state, work, s)
         for r in range(n):
             kind = work.kind[r]
             if kind == TORQUE:
-                fill_torque_row(model, work, s, n, r)
+                torque_row(model, work, s, n, r, renewed)
             elif kind == NORMAL:
-                fill_contact_rows(model, state, work, s, n, r)
+                contact_rows(model, state, work, s, n, r, renewed)
             elif kind != TANGENTIAL:
-                fill_reaction_row(work, s, n, r, h)
+                reaction_row(work, s, n, r, h, renewed)
         for j in range(model.joints.size):
             if work.torque_row[j] < 0:
                 change = work.torque[j, 0] - work.load[s, j, 2]
                 work.load[s, j, 2] += change
                 total += change
-                size = max(size, abs(change) / work.torque_tolerance[j])
+                apart = max(apart, abs(change) / work.torque_tolerance[j])
     if n > 0:
-        if not lu_factor(work.matrix, 2 * n):
-            return math.inf
+        if renewed and not lu_factor(work.matrix, 2 * n):
+            return math.inf, math.inf
         lu_solve(work.matrix, 2 * n, work.correction)
     for s in range(2):
         for r in range(n):
             change = work.correction[s * n + r]
             work.load[s, work.joint[r], load_column(work.kind[r])] += change
-            size = max(size, abs(change) / work.tolerance[r])
             total += change
-    return size if math.isfinite(total) else math.inf
+            size = max(size, abs(change) / work.tolerance[r])
+    return (size, apart) if math.isfinite(total) else (math.inf, math.inf)
+
+
+@kernel(inlined=True)
+def shift_stages(model, work, n):
+    """Change the joints' motion at the stages by what the latest correction of the loads does, to first order.
+
+    Returns:
+        Greatest displacement over the clearance, to say how much the first order leaves out.
+    """
+    greatest = 0.0
+    for r in range(n):
+        j, kind = work.joint[r], work.kind[r]
+        joint = model.joints[j]
+        for s in range(2):
+            value, rate = 0.0, 0.0
+            for k in range(2):
+                for c in range(n):
+                    value += work.mobility[4 * k + 2 * s, r, c] * work.correction[k * n + c]
+                    rate += work.mobility[4 * k + 2 * s + 1, r, c] * work.correction[k * n + c]
+            motion = work.motion[s, j]
+            if kind == TORQUE:
+                motion[ANGLE] += value
+                greatest = max(greatest, abs(value) * model.length_scale / joint.clearance)
+                motion[RATE] += rate
+            elif kind == NORMAL:
+                motion[DEPTH] -= value
+                greatest = max(greatest, abs(value) / joint.clearance)
+                motion[DEPTH_RATE] -= rate
+            elif kind == TANGENTIAL:
+                motion[SLIP] += rate
+                motion[SLIDING_SPEED] += rate
+                greatest = max(greatest, abs(value) / joint.clearance)
+            else:
+                return math.inf
+    return greatest
 
 
 @kernel
@@ -186,19 +231,25 @@ def solve_step(model, state, work, settings, tables, level, h):
     start_stages(model, state, work, h)
     n = list_rows(model, state, work, tables, level, h)
     work.rows[0] = n
-    before = math.inf
+    before, renewed = math.inf, True
     for iteration in range(_MOST_ITERATIONS):
         work.counts[0] += 1
-        move_stages(model, state, work, tables, level, h, iteration < _COUPLED_ITERATIONS)
+        if not renewed:
+            renewed = shift_stages(model, work, n) > _SHIFT
+        if renewed:
+            move_stages(model, state, work, tables, level, h, iteration < _COUPLED_ITERATIONS)
         if iteration == 0:
             fill_mobility(model, work, tables, level, h, n)
         # Anew each time: the depth that a journal would reach freely is no measure of that which it does reach.
         set_tolerances(model, state, work, settings, tables, level, h, n)
-        size = correct_loads(model, state, work, n, h)
+        size, apart = correct_loads(model, state, work, n, h, renewed)
         if size == math.inf:
             return False
+        # A small correction leaves the matrix and all directions as they are; a second one in a row does not.
+        renewed = not (renewed and size < _SMALL and apart <= _CONVERGED)
         # Of the corrections to come, by the rate at which they shrink. A first one may do without contacts and
         # reactions, whose directions are not known before.
+        size = max(size, apart)
         left = size * size / (before - size) if size < before < math.inf else size
         if min(left, size) <= _CONVERGED and (iteration > 0 or n == 0):
             return True

@@ -114,8 +114,8 @@ def move_panel(panels, state, work, tables, level, p, d, offset):
 @kernel
 def commit_step(model, state, work, tables, level, h):
     """Move the state to the end of the step that has been solved."""
-    distribute_loads(model, state, work, 0)
-    distribute_loads(model, state, work, 1)
+    for s in range(2):
+        distribute_loads(model, state, work, s)
     stage_frames(model, state, work, h)
     power = 0.0
     for b in range(model.bodies.size):

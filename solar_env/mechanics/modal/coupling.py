@@ -7,11 +7,10 @@ from solar_env.mechanics.modal.oscillators import FROM_LOAD
 from solar_env.mechanics.modal.tables import (
     AXIAL_EVEN,
     AXIAL_ODD,
-    BENDING_EVEN,
-    BENDING_ODD,
     EVEN_ENDS,
     EVEN_FIRST,
     FORMS,
+    GROUPS,
     LOW,
     ODD_ENDS,
     ODD_FIRST,
@@ -88,7 +87,7 @@ def axial_form(group, r):
 @kernel(inlined=True)
 def push_axial(panels, work, p, d, s):
     """Modal forces of foreshortening on the axial modes of panel `p` at stage `s`."""
-    for group in range(AXIAL_EVEN, AXIAL_ODD + 1):
+    for group in range(AXIAL_EVEN, GROUPS):
         for r in range(panels.coupled[group]):
             k, f = panels.first[group] + r, axial_form(group, r)
             strain = work.shortening[p, s, 0, f] + panels.damping[d] * work.shortening[p, s, 1, f]
@@ -102,7 +101,7 @@ def push_bending(panels, work, p, d, s):
         work.tension[f] = 0.0
     work.tension[EVEN_ENDS] = work.group_load[p, s, AXIAL_EVEN, 0]
     work.tension[ODD_ENDS] = work.group_load[p, s, AXIAL_ODD, 0]
-    for group in range(AXIAL_EVEN, AXIAL_ODD + 1):
+    for group in range(AXIAL_EVEN, GROUPS):
         for r in range(panels.coupled[group]):
             k, f = panels.first[group] + r, axial_form(group, r)
             value, rate = work.low[group, r, 2 * s], work.low[group, r, 2 * s + 1]
@@ -119,15 +118,15 @@ def push_bending(panels, work, p, d, s):
 @kernel(inlined=True)
 def couple(panels, work, tables, level, p, d):
     """Modal forces of foreshortening in panel `p` at both stages, the axial ones first: tension is what they leave."""
-    move_low(panels, work, tables, level, p, d, BENDING_EVEN)
-    move_low(panels, work, tables, level, p, d, BENDING_ODD)
+    for group in range(AXIAL_EVEN):
+        move_low(panels, work, tables, level, p, d, group)
     for s in range(2):
         foreshorten(panels.forms[d], work.low, 2 * s, work.gradient[s], work.shortening[p, s])
         push_axial(panels, work, p, d, s)
-    move_low(panels, work, tables, level, p, d, AXIAL_EVEN)
-    move_low(panels, work, tables, level, p, d, AXIAL_ODD)
-    push_bending(panels, work, p, d, 0)
-    push_bending(panels, work, p, d, 1)
+    for group in range(AXIAL_EVEN, GROUPS):
+        move_low(panels, work, tables, level, p, d, group)
+    for s in range(2):
+        push_bending(panels, work, p, d, s)
 
 
 @kernel(inlined=True)

@@ -16,6 +16,7 @@ from solar_env.mechanics.modal.arrays import (
     DEPTH_RATE,
     NORMAL,
     RATE,
+    REACTION_X,
     RIGID_BODY,
     SECOND,
     SLIDING_SPEED,
@@ -94,8 +95,8 @@ def move_stages(model, state, work, tables, level, h, coupled):
 
     The forces of foreshortening are renewed where `coupled`; they belong to amplitudes under those of before.
     """
-    distribute_loads(model, state, work, 0)
-    distribute_loads(model, state, work, 1)
+    for s in range(2):
+        distribute_loads(model, state, work, s)
     stage_frames(model, state, work, h)
     for b in range(model.bodies.size):
         p, d = model.bodies[b].panel, model.bodies[b].design
@@ -231,7 +232,9 @@ def solve_step(model, state, work, settings, tables, level, h):
     start_stages(model, state, work, h)
     n = list_rows(model, state, work, tables, level, h)
     work.rows[0] = n
-    before, renewed = math.inf, True
+    before, renewed, constrained = math.inf, True, False
+    for r in range(n):
+        constrained = constrained or work.kind[r] >= REACTION_X
     for iteration in range(_MOST_ITERATIONS):
         work.counts[0] += 1
         if not renewed:
@@ -247,10 +250,11 @@ def solve_step(model, state, work, settings, tables, level, h):
             return False
         # A small correction leaves the matrix and all directions as they are; a second one in a row does not.
         renewed = not (renewed and size < _SMALL and apart <= _CONVERGED)
-        # Of the corrections to come, by the rate at which they shrink. A first one may do without contacts and
-        # reactions, whose directions are not known before.
+        # Of the corrections to come, by the rate at which they shrink; but a relative velocity that is left in an ideal
+        # joint would be a blow in the next step. A first correction may do without contacts and reactions, whose
+        # directions are not known before.
         size = max(size, apart)
-        left = size * size / (before - size) if size < before < math.inf else size
+        left = size * size / (before - size) if size < before < math.inf and not constrained else size
         if min(left, size) <= _CONVERGED and (iteration > 0 or n == 0):
             return True
         before = size

@@ -3,30 +3,28 @@
 from solar_env.mechanics.arrays.model import MATERIAL_DISSIPATION
 from solar_env.mechanics.modal.arrays import REACTION_X, RIGID_BODY, SECOND
 from solar_env.mechanics.modal.bodies import distribute_loads, stage_frames
-from solar_env.mechanics.modal.oscillators import FROM_LOAD, FROM_RATE, WEIGHT_A, WEIGHT_B
+from solar_env.mechanics.modal.oscillators import WEIGHT_A, WEIGHT_B
 from solar_env.mechanics.modal.rows import load_column
+from solar_env.mechanics.modal.tables import AXIAL_EVEN, AXIAL_ODD, BENDING_EVEN, BENDING_ODD, GROUPS, values_of
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_rows
 
 
 @kernel(inlined=True)
-def vibration_defect(free, held, loads, i):
-    """Defect of the rate of end value `i` [m/s]: of the free motion, less what the loads at the start hold."""
-    defect = free[4 * held.shape[0] + i]
-    for j in range(held.shape[0]):
-        defect += held[i, j] * (1.5 * loads[0, j] - 0.5 * loads[1, j])
-    return defect
-
-
-@kernel(inlined=True)
-def shortening_defect(free, frequencies, coupling, h, i):
-    """Part of the defect of the axial rate of end `i` [m/s] that is foreshortening, not vibration."""
-    defect = 0.0
-    for m in range(coupling.shape[1]):
-        first, second = coupling[0, m], coupling[1, m]
-        shortened = free[m, 0, 8 + i] * (1.5 * first - 0.5 * second) + free[m, 1, 8 + i] * 1.5 * (second - first) / h
-        defect += shortened / frequencies[m] ** 2
-    return defect
+def rate_defect(panels, work, tables, level, h, p, d, group):
+    """Defect of the rate of a group's ends [m/s]: of its vibration, without what loads and foreshortening hold."""
+    defect = work.defect[p, group]
+    for j in range(values_of(group)):
+        load = 1.5 * work.group_load[p, 0, group, j] - 0.5 * work.group_load[p, 1, group, j]
+        defect += tables.held[d, level, group, j] * load
+    if group >= AXIAL_EVEN:
+        for r in range(panels.coupled[group]):
+            k = panels.first[group] + r
+            first, second = work.coupling[p, 0, k], work.coupling[p, 1, k]
+            value, rate = 1.5 * first - 0.5 * second, 1.5 * (second - first) / h
+            shortened = tables.defects[d, level, k, 0] * value + tables.defects[d, level, k, 1] * rate
+            defect -= panels.rows[d, k, 0] * shortened / panels.frequency[d, k] ** 2
+    return abs(defect)
 
 
 @kernel(inlined=True)
@@ -49,89 +47,84 @@ def step_error(model, state, work, settings, tables, level, h):
             deviation = state.loads[j, c] - 1.5 * work.load[0, j, c] + 0.5 * work.load[1, j, c]
             error = max(error, abs(deviation) / work.tolerance[r])
     limit = settings.rtol * settings.velocity_scale
-    for number in range(model.attachments.size):
-        attachment = model.attachments[number]
-        body, end = model.bodies[attachment.body], attachment.end
-        p, d = body.panel, body.design
+    for b in range(model.bodies.size):
+        p, d = model.bodies[b].panel, model.bodies[b].design
         if p != RIGID_BODY:
-            held, free = tables.bending_held[d, level], tables.axial_free[d, level]
-            across = vibration_defect(work.bending_free[p], held, work.bending_load[p], 2 * end)
-            along = vibration_defect(work.axial_free[p], tables.axial_held[d, level], work.axial_load[p], end)
-            along -= shortening_defect(free, model.panels.axial_frequency[d], work.axial_coupling[p], h, end)
-            error = max(error, max(abs(across), abs(along)) / limit)
+            # At one end or the other, the even and the odd part add up.
+            across = rate_defect(model.panels, work, tables, level, h, p, d, BENDING_EVEN)
+            across += rate_defect(model.panels, work, tables, level, h, p, d, BENDING_ODD)
+            along = rate_defect(model.panels, work, tables, level, h, p, d, AXIAL_EVEN)
+            along += rate_defect(model.panels, work, tables, level, h, p, d, AXIAL_ODD)
+            error = max(error, max(across, along) / limit)
     return error
 
 
 @kernel(inner=True)
-def move_family(answers, rows, loads, coupling, q, v, rates):
-    """Move the amplitudes of one family of modes over the step; `rates` (2, modes) takes those of the stages."""
+def move_modes(answers, rows, square, load, coupling, q, v, strain_rate):
+    """Move the amplitudes of one group over the step.
+
+    Args:
+        answers: (modes, COEFFICIENTS).
+        rows: (modes, VALUES).
+        square: (modes,) frequencies.
+        load: (2, VALUES) of the group's ends, by stage.
+        coupling: (2, modes) modal forces, by stage.
+        q, v: (modes,) amplitudes and rates.
+        strain_rate: (2, coupled) takes the place of the rates of the lowest modes in what the damping takes.
+
+    Returns:
+        Mean over the step of the sum of squared frequencies times rates.
+    """
+    first_force, first_moment, second_force, second_moment = load[0, 0], load[0, 1], load[1, 0], load[1, 1]
+    total = 0.0
     for k in range(q.size):
-        first, second = 0.0, 0.0
-        for i in range(rows.shape[0]):
-            first += rows[i, k] * loads[0, i]
-            second += rows[i, k] * loads[1, i]
-        if k < coupling.shape[1]:
-            first += coupling[0, k]
-            second += coupling[1, k]
+        first = rows[k, 0] * first_force + rows[k, 1] * first_moment + coupling[0, k]
+        second = rows[k, 0] * second_force + rows[k, 1] * second_moment + coupling[1, k]
         value, rate = q[k], v[k]
-        rates[0, k] = (
-            answers[1, k] * value
-            + answers[FROM_RATE + 1, k] * rate
-            + answers[FROM_LOAD + 1, k] * first
-            + answers[FROM_LOAD + 5, k] * second
-        )
-        q[k] = (
-            answers[2, k] * value
-            + answers[FROM_RATE + 2, k] * rate
-            + answers[FROM_LOAD + 2, k] * first
-            + answers[FROM_LOAD + 6, k] * second
-        )
-        v[k] = (
-            answers[3, k] * value
-            + answers[FROM_RATE + 3, k] * rate
-            + answers[FROM_LOAD + 3, k] * first
-            + answers[FROM_LOAD + 7, k] * second
-        )
-        rates[1, k] = v[k]
-
-
-@kernel(inner=True)
-def dissipated(frequencies, rates, coupled, damping):
-    """Mean power [W] that the material damping of one family takes in a step; coupled modes are stretched otherwise."""
-    power = 0.0
-    for k in range(frequencies.size):
-        first, second = rates[0, k], rates[1, k]
-        if k < coupled.shape[1]:
-            first, second = coupled[0, k], coupled[1, k]
-        power += damping * frequencies[k] ** 2 * (WEIGHT_A * first * first + WEIGHT_B * second * second)
-    return power
+        rate1 = answers[k, 1] * value + answers[k, 5] * rate + answers[k, 9] * first + answers[k, 13] * second
+        q[k] = answers[k, 2] * value + answers[k, 6] * rate + answers[k, 10] * first + answers[k, 14] * second
+        rate2 = answers[k, 3] * value + answers[k, 7] * rate + answers[k, 11] * first + answers[k, 15] * second
+        v[k] = rate2
+        if k < strain_rate.shape[1]:
+            rate1, rate2 = strain_rate[0, k], strain_rate[1, k]
+        total += square[k] * square[k] * (WEIGHT_A * rate1 * rate1 + WEIGHT_B * rate2 * rate2)
+    return total
 
 
 @kernel(inlined=True)
+def move_panel(panels, state, work, tables, level, p, d, offset):
+    """Move the amplitudes of panel `p`, which begin at `offset`; returns the mean power of its damping [W]."""
+    total = 0.0
+    for group in range(GROUPS):
+        begin, end = panels.first[group], panels.first[group + 1]
+        stretched = panels.coupled[group] if group >= AXIAL_EVEN else 0
+        total += move_modes(
+            tables.answers[d, level, begin:end],
+            panels.rows[d, begin:end],
+            panels.frequency[d, begin:end],
+            work.group_load[p, :, group],
+            work.coupling[p, :, begin:end],
+            state.q[offset + begin : offset + end],
+            state.v[offset + begin : offset + end],
+            work.strain_rate[p, :, begin : begin + stretched],
+        )
+    return panels.damping[d] * total
+
+
+@kernel
 def commit_step(model, state, work, tables, level, h):
-    """Move the state to the end of the step that `solve_step` has solved."""
-    distribute_loads(model, state, work, 0)
-    distribute_loads(model, state, work, 1)
+    """Move the state to the end of the step that has been solved."""
+    for s in range(2):
+        distribute_loads(model, state, work, s)
     stage_frames(model, state, work, h)
-    panels = model.panels
-    modes, axial = panels.bending_frequency.shape[1], panels.axial_frequency.shape[1]
     power = 0.0
     for b in range(model.bodies.size):
         body = model.bodies[b]
         first = body.offset
         for i in range(3):
             state.q[first + i], state.v[first + i] = work.place[SECOND, b, i], work.speed[SECOND, b, i]
-        if body.panel == RIGID_BODY:
-            continue
-        p, d, first, middle = body.panel, body.design, body.offset + 3, body.offset + 3 + axial
-        q, v, rates = state.q[first:middle], state.v[first:middle], work.rates[:, :axial]
-        rows, answers = panels.axial_rows[d], tables.axial[d, level]
-        move_family(answers, rows, work.axial_load[p], work.axial_coupling[p], q, v, rates)
-        power += dissipated(panels.axial_frequency[d], rates, work.strain_rate[p], panels.damping[d])
-        q, v, rates = state.q[middle : middle + modes], state.v[middle : middle + modes], work.rates[:, :modes]
-        rows, answers = panels.bending_rows[d], tables.bending[d, level]
-        move_family(answers, rows, work.bending_load[p], work.bending_coupling[p], q, v, rates)
-        power += dissipated(panels.bending_frequency[d], rates, rates[:, :0], panels.damping[d])
+        if body.panel != RIGID_BODY:
+            power += move_panel(model.panels, state, work, tables, level, body.panel, body.design, first + 3)
     state.integrals[state.integrals.size + MATERIAL_DISSIPATION] += h * power
 
 
@@ -142,4 +135,4 @@ def keep_loads(state, work, h):
         for c in range(3):
             state.loads[j, c] = work.load[1, j, c]
             state.load_rates[j, c] = 1.5 * (work.load[1, j, c] - work.load[0, j, c]) / h
-    copy_rows(state.coupling, work.bending_coupling[:, 1])
+    copy_rows(state.coupling, work.coupling[:, 1])

@@ -1,6 +1,6 @@
 """Arrays of a mechanism of rigid bodies and modal panels: constants, state, scratch. All quantities in SI units.
 
-Coordinates of a body are centre of mass, angle, then for a panel its axial and its bending amplitudes. `slots` of the
+Coordinates of a body are centre of mass, angle, then for a panel its amplitudes by group of modes. `slots` of the
 scratch arrays: the two stages of a step, its start, and any other configuration that is looked at.
 """
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays.model import ENERGIES, record
 from solar_env.mechanics.joints.joint import LOAD_COLUMNS
-from solar_env.mechanics.modal.tables import FORMS, Panels, Tables, make_tables
+from solar_env.mechanics.modal.tables import FORMS, GROUPS, LOW, VALUES, Panels, Tables, make_tables
 
 Array = NDArray[np.float64]
 
@@ -85,7 +85,7 @@ class ModalState(NamedTuple):
     v: Array  # (n,) velocities
     loads: Array  # (joints, LOADS) at the end of the last step
     load_rates: Array  # (joints, LOADS) of the last step's collocation polynomial
-    coupling: Array  # (panels, coupled) modal forces of foreshortening at the end of the last step
+    coupling: Array  # (panels, modes) modal forces of foreshortening at the end of the last step
     integrals: Array
     joints: NDArray[np.void]
     wear_journal: Array  # (joints, bins)
@@ -109,23 +109,18 @@ class Workspace(NamedTuple):
     # By stage.
     load: Array  # (2, J, LOADS)
     body_load: Array  # (2, B, 3) force and moment about the centre of mass
-    bending_load: Array  # (P, 2, 4) transverse force and moment at the two ends
-    axial_load: Array  # (P, 2, 2)
-    bending_coupling: Array  # (P, 2, coupled) modal forces of foreshortening
-    axial_coupling: Array  # (P, 2, coupled)
-    strain_rate: Array  # (P, 2, coupled) rates of the coupled axial amplitudes less those of foreshortening
-    # Free motion of the ends, then the whole: columns value and rate at the first stage, value and rate at the second.
-    bending_free: Array  # (P, 20), last four: defects of the rates at the end
-    axial_free: Array  # (P, 10), last two: defects
-    bending_ends: Array  # (P, 4, 4)
-    axial_ends: Array  # (P, 2, 4)
-    bending_low: Array  # (P, 4, coupled) free motion of the modes that foreshortening couples
-    axial_low: Array  # (P, 4, coupled)
-    low: Array  # (2, coupled) amplitudes and rates of one panel's coupled bending modes
-    # Foreshortening of one panel, by stage.
-    gradient: Array  # (2, coupled, FORMS)
-    shortening: Array  # (2, 2, FORMS) values of the forms and their rates
-    low_force: Array  # (2, coupled) modal forces
+    group_load: Array  # (P, 2, GROUPS, VALUES) of the ends: transverse force and moment, or axial force
+    coupling: Array  # (P, 2, modes) modal forces of foreshortening
+    strain_rate: Array  # (P, 2, modes) rates of the coupled axial amplitudes less those of foreshortening
+    # Of the ends; columns value and rate at the first stage, value and rate at the second.
+    free: Array  # (P, GROUPS, VALUES, 4) free motion
+    defect: Array  # (P, GROUPS) defect of the first value's rate at the end of the step
+    ends: Array  # (P, GROUPS, VALUES, 4)
+    low_free: Array  # (P, GROUPS, LOW, 4) free motion of the modes that foreshortening couples
+    low: Array  # (GROUPS, LOW, 4) motion of these modes of one panel
+    gradient: Array  # (2, 2, LOW, FORMS) of the forms by the bending amplitudes of one panel, by stage
+    shortening: Array  # (P, 2, 2, FORMS) values of the forms and their rates
+    tension: Array  # (FORMS,) that works on the forms
     # Newton's iteration.
     kind: NDArray[np.int64]  # (R,)
     joint: NDArray[np.int64]  # (R,)
@@ -133,7 +128,9 @@ class Workspace(NamedTuple):
     torque_tolerance: Array  # (J,)
     rigid: Array  # (8,) motion of a unit mass by a unit load, as the columns of the mobility
     row_load: Array  # (R, 2, 4) on outboard and inboard body, in their frames: force, torque, moment about the centre
-    mobility: Array  # (R, R, 8) [4 load stage + 2 stage + (value or rate)]
+    row_motion: Array  # (R, 2, 2, 3, 8) of both ends of a panel by it: along, across, turning; without the frame's
+    shared: Array  # (8,) of one pair of unknowns
+    mobility: Array  # (8, R, R) first index: 4 load stage + 2 stage + (value or rate)
     torque: Array  # (J, 2) of the laws, and its slope by the rate
     torque_slope: Array  # (J, J) slopes by the angles
     matrix: Array  # (2 R, 2 R)
@@ -149,7 +146,6 @@ class Workspace(NamedTuple):
     v: Array
     depth: Array  # (J,)
     sliding_work: Array  # (J,) of the step
-    rates: Array  # (2, modes) of one family at the stages
     energies: Array
     sample: Array  # (J, columns) table of loads
     sample_load: Array  # (J, LOADS)
@@ -160,7 +156,7 @@ def make_workspace(model: ModalModel, state: ModalState) -> Workspace:
     """Allocate scratch arrays for a mechanism."""
     bodies, attachments, joints = model.bodies.size, model.attachments.size, model.joints.size
     panels = int((model.bodies["panel"] >= 0).sum())
-    coupled_axial, coupled = model.panels.project.shape[1:3]
+    modes = model.panels.frequency.shape[1]
     rows = 3 * joints
     zeros = np.zeros
     return Workspace(
@@ -175,28 +171,26 @@ def make_workspace(model: ModalModel, state: ModalState) -> Workspace:
         motion=zeros((SLOTS, joints, MOTION_COLUMNS)),
         load=zeros((2, joints, LOADS)),
         body_load=zeros((2, bodies, 3)),
-        bending_load=zeros((panels, 2, 4)),
-        axial_load=zeros((panels, 2, 2)),
-        bending_coupling=zeros((panels, 2, coupled)),
-        axial_coupling=zeros((panels, 2, coupled_axial)),
-        strain_rate=zeros((panels, 2, coupled_axial)),
-        bending_free=zeros((panels, 20)),
-        axial_free=zeros((panels, 10)),
-        bending_ends=zeros((panels, 4, 4)),
-        axial_ends=zeros((panels, 2, 4)),
-        bending_low=zeros((panels, 4, coupled)),
-        axial_low=zeros((panels, 4, coupled_axial)),
-        low=zeros((2, coupled)),
-        gradient=zeros((2, coupled, FORMS)),
-        shortening=zeros((2, 2, FORMS)),
-        low_force=zeros((2, coupled)),
+        group_load=zeros((panels, 2, GROUPS, VALUES)),
+        coupling=zeros((panels, 2, modes)),
+        strain_rate=zeros((panels, 2, modes)),
+        free=zeros((panels, GROUPS, VALUES, 4)),
+        defect=zeros((panels, GROUPS)),
+        ends=zeros((panels, GROUPS, VALUES, 4)),
+        low_free=zeros((panels, GROUPS, LOW, 4)),
+        low=zeros((GROUPS, LOW, 4)),
+        gradient=zeros((2, 2, LOW, FORMS)),
+        shortening=zeros((panels, 2, 2, FORMS)),
+        tension=zeros(FORMS),
         kind=zeros(rows, np.int64),
         joint=zeros(rows, np.int64),
         torque_row=zeros(joints, np.int64),
         torque_tolerance=zeros(joints),
         rigid=zeros(8),
         row_load=zeros((rows, 2, 4)),
-        mobility=zeros((rows, rows, 8)),
+        row_motion=zeros((rows, 2, 2, 3, 8)),
+        shared=zeros(8),
+        mobility=zeros((8, rows, rows)),
         torque=zeros((joints, 2)),
         torque_slope=zeros((joints, joints)),
         matrix=zeros((2 * rows, 2 * rows)),
@@ -210,7 +204,6 @@ def make_workspace(model: ModalModel, state: ModalState) -> Workspace:
         v=np.zeros_like(state.v),
         depth=zeros(joints),
         sliding_work=zeros(joints),
-        rates=zeros((2, max(model.panels.bending_frequency.shape[1], model.panels.axial_frequency.shape[1]))),
         energies=zeros(ENERGIES),
         sample=zeros((joints, LOAD_COLUMNS)),
         sample_load=zeros((joints, LOADS)),

@@ -24,7 +24,9 @@ from solar_env.mechanics.arrays.model import (
 from solar_env.mechanics.joints.contact.normal_force import contact_energy, normal_force
 from solar_env.mechanics.joints.joint import cable_torque, stop_energy, stop_torque
 from solar_env.mechanics.modal.arrays import ANGLE, DEPTH, DEPTH_RATE, RATE, RIGID_BODY, SLIDING_SPEED, SLIP
+from solar_env.mechanics.modal.coupling import axial_form, foreshorten
 from solar_env.mechanics.modal.oscillators import WEIGHT_A, WEIGHT_B
+from solar_env.mechanics.modal.tables import AXIAL_EVEN, GROUPS
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.records.history import note_force
 
@@ -83,21 +85,20 @@ def note_peaks(model, state, work):
 @kernel(inlined=True)
 def panel_energies(model, body, q, v, work, energies):
     """Add the energies of a panel's amplitudes: kinetic, and of its strain."""
-    panels, d = model.panels, body.design
-    modes, axial = panels.bending_frequency.shape[1], panels.axial_frequency.shape[1]
-    first, middle = body.offset + 3, body.offset + 3 + axial
-    coupled = work.low.shape[1]
-    for k in range(axial):
-        stretch = q[first + k]
-        if k < work.axial_coupling.shape[2]:
-            for r in range(coupled):
-                for c in range(coupled):
-                    stretch -= 0.5 * panels.project[d, k, r, c] * q[middle + r] * q[middle + c]
-        energies[ELASTIC] += 0.5 * (panels.axial_frequency[d, k] * stretch) ** 2
-        energies[KINETIC] += 0.5 * v[first + k] ** 2
-    for k in range(modes):
-        energies[ELASTIC] += 0.5 * (panels.bending_frequency[d, k] * q[middle + k]) ** 2
-        energies[KINETIC] += 0.5 * v[middle + k] ** 2
+    panels, d, first = model.panels, body.design, body.offset + 3
+    for group in range(GROUPS):
+        for r in range(panels.coupled[group]):
+            k = first + panels.first[group] + r
+            work.low[group, r, 0], work.low[group, r, 1] = q[k], v[k]
+    shortening = work.shortening[body.panel, 0]
+    foreshorten(panels.forms[d], work.low, 0, work.gradient[0], shortening)
+    for group in range(GROUPS):
+        for k in range(panels.first[group], panels.first[group + 1]):
+            stretch, r = q[first + k], k - panels.first[group]
+            if group >= AXIAL_EVEN and r < panels.coupled[group]:
+                stretch -= shortening[0, axial_form(group, r)]
+            energies[ELASTIC] += 0.5 * (panels.frequency[d, k] * stretch) ** 2
+            energies[KINETIC] += 0.5 * v[first + k] ** 2
 
 
 @kernel

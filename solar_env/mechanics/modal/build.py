@@ -4,6 +4,7 @@ import itertools
 import math
 from dataclasses import replace
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,18 @@ from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.modal.arrays import RIGID_BODY, ModalModel, ModalState, attachment_type, body_type
 from solar_env.mechanics.modal.foreshortening import AXIAL_MODES, BENDING_MODES, quadratic_forms
-from solar_env.mechanics.modal.tables import FORMS, Panels, Tables, filled_tables
+from solar_env.mechanics.modal.tables import (
+    EVEN_ENDS,
+    EVEN_FIRST,
+    FORMS,
+    LOW,
+    ODD_ENDS,
+    ODD_FIRST,
+    VALUES,
+    Panels,
+    Tables,
+    filled_tables,
+)
 
 _Design = tuple[float, float, float, float, float, int]
 
@@ -29,15 +41,56 @@ def axial_count(modes: int) -> int:
     return (modes + 1) // 2
 
 
-def _design_modes(chosen: _Design) -> tuple[EndModes, EndModes, NDArray[np.float64], NDArray[np.float64]]:
+class _PanelModes(NamedTuple):
+    """Modes of one design by group, see `Panels`."""
+
+    first: NDArray[np.int64]
+    coupled: NDArray[np.int64]
+    frequency: NDArray[np.float64]
+    rows: NDArray[np.float64]
+    forms: NDArray[np.float64]
+
+
+def _groups(modes: EndModes) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Numbers of the even modes and of the odd ones: as seen by the first value of both ends."""
+    even = modes.rows[0] * modes.rows[len(modes.rows) // 2] > 0.0
+    return np.flatnonzero(even), np.flatnonzero(~even)
+
+
+def _packed_forms(project: NDArray[np.float64], ends: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(2, LOW, LOW, FORMS) quadratic forms by bending groups; products of another parity vanish."""
+    forms = np.zeros((2, LOW, LOW, FORMS))
+    odd, even = list(project[::2]), list(project[1::2])
+    whole = {ODD_ENDS: 0.5 * (ends[0] - ends[1]), EVEN_ENDS: 0.5 * (ends[0] + ends[1])}
+    whole |= {ODD_FIRST + k: form for k, form in enumerate(odd)} | {EVEN_FIRST + k: form for k, form in enumerate(even)}
+    for number, form in whole.items():
+        for group in range(2):
+            # The lowest bending modes are even and odd by turns.
+            partner = group if number < EVEN_FIRST else 1 - group
+            block = form[group::2, partner::2]
+            forms[group, : block.shape[0], : block.shape[1], number] = block
+    return forms
+
+
+def _design_modes(chosen: _Design) -> _PanelModes:
     length, mass, axial_stiffness, bending_stiffness, _, modes = chosen
-    axial = axial_count(modes)
-    project, ends = quadratic_forms(length, mass, min(BENDING_MODES, modes), min(AXIAL_MODES, axial))
-    return (
+    axial, coupled, coupled_axial = axial_count(modes), min(BENDING_MODES, modes), min(AXIAL_MODES, axial_count(modes))
+    frequencies, rows, sizes = [], [], []
+    for family in (
         bending_modes(length, mass, bending_stiffness, modes),
         axial_modes(length, mass, axial_stiffness, axial),
-        project,
-        ends,
+    ):
+        for group in _groups(family):
+            values = family.rows[: len(family.rows) // 2, group].T
+            rows.append(np.pad(values, ((0, 0), (0, VALUES - values.shape[1]))))
+            frequencies.append(family.frequencies[group])
+            sizes.append(group.size)
+    return _PanelModes(
+        np.cumsum([0, *sizes]),
+        np.array([(coupled + 1) // 2, coupled // 2, coupled_axial // 2, (coupled_axial + 1) // 2]),
+        np.concatenate(frequencies),
+        np.concatenate(rows),
+        _packed_forms(*quadratic_forms(length, mass, coupled, coupled_axial)),
     )
 
 
@@ -45,19 +98,13 @@ def _design_modes(chosen: _Design) -> tuple[EndModes, EndModes, NDArray[np.float
 def compile_panels(designs: tuple[_Design, ...]) -> tuple[Panels, Tables]:
     """Constants and tables of panels of some designs; they are read only and shared by all simulations."""
     parts = [_design_modes(chosen) for chosen in designs]
-    forms = np.zeros((len(designs), *parts[0][3].shape[1:], FORMS))
-    for d, (_, _, project, ends) in enumerate(parts):
-        forms[d, :, :, : len(project)] = project.transpose(1, 2, 0)
-        forms[d, :, :, -2:] = ends.transpose(1, 2, 0)
     panels = Panels(
-        bending_frequency=np.stack([bending.frequencies for bending, _, _, _ in parts]),
-        axial_frequency=np.stack([axial.frequencies for _, axial, _, _ in parts]),
+        first=parts[0].first,
+        coupled=parts[0].coupled,
+        frequency=np.stack([part.frequency for part in parts]),
         damping=np.array([chosen[4] for chosen in designs]),
-        bending_rows=np.stack([np.ascontiguousarray(bending.rows) for bending, _, _, _ in parts]),
-        axial_rows=np.stack([np.ascontiguousarray(axial.rows) for _, axial, _, _ in parts]),
-        project=np.stack([project for _, _, project, _ in parts]),
-        ends=np.stack([ends for _, _, _, ends in parts]),
-        forms=forms,
+        rows=np.stack([part.rows for part in parts]),
+        forms=np.stack([part.forms for part in parts]),
     )
     return panels, filled_tables(panels)
 
@@ -108,13 +155,13 @@ def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
         tables,
         model.length_scale,
     )
-    joints, coupled = len(mechanism.joints), panels.project.shape[2]
+    joints, modes = len(mechanism.joints), panels.frequency.shape[1]
     initial = ModalState(
         q=coordinates,
         v=velocities,
         loads=np.zeros((joints, 3)),
         load_rates=np.zeros((joints, 3)),
-        coupling=np.zeros((int((bodies["panel"] >= 0).sum()), coupled)),
+        coupling=np.zeros((int((bodies["panel"] >= 0).sum()), modes)),
         integrals=state.integrals,
         joints=state.joints,
         wear_journal=state.wear_journal,
@@ -133,8 +180,7 @@ def _bodies(mechanism: Mechanism) -> tuple[NDArray[np.void], NDArray[np.float64]
         raise ValueError(f"modes = {[panel.modes for panel in panels]}: panels of one mechanism need the same number")
     amplitudes = 0
     if panels:
-        bending, axial, _, _ = _design_modes(design(panels[0]))
-        amplitudes = bending.frequencies.size + axial.frequencies.size
+        amplitudes = _design_modes(design(panels[0])).frequency.size
     designs = list(dict.fromkeys(design(panel) for panel in panels))
     sizes = [3 + amplitudes * isinstance(body, ModalPanel) for body in described]
     offsets = [0, *itertools.accumulate(sizes)]

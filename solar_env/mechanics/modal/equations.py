@@ -48,53 +48,60 @@ def fill_torques(model, state, work, s):
 
 
 @kernel(inlined=True)
-def fill_torque_row(model, work, s, n, r):
-    """Row of a joint's torque in Newton's matrix."""
-    j, row = work.joint[r], work.matrix[s * n + r]
+def torque_row(model, work, s, n, r, renewed):
+    """Row of a joint's torque: its residual, and its slopes in Newton's matrix where that is `renewed`."""
+    j = work.joint[r]
+    work.correction[s * n + r] = work.torque[j, 0] - work.load[s, j, 2]
+    if not renewed:
+        return
+    row = work.matrix[s * n + r]
     for k in range(2):
         for c in range(n):
-            row[k * n + c] = -work.torque[j, 1] * work.mobility[r, c, 4 * k + 2 * s + 1]
+            row[k * n + c] = -work.torque[j, 1] * work.mobility[4 * k + 2 * s + 1, r, c]
         for i in range(model.joints.size):
             slope = work.torque_slope[j, i]
             if slope != 0.0 and work.torque_row[i] >= 0:
                 for c in range(n):
-                    row[k * n + c] -= slope * work.mobility[work.torque_row[i], c, 4 * k + 2 * s]
+                    row[k * n + c] -= slope * work.mobility[4 * k + 2 * s, work.torque_row[i], c]
     row[s * n + r] += 1.0
-    work.correction[s * n + r] = work.torque[j, 0] - work.load[s, j, 2]
 
 
 @kernel(inlined=True)
-def fill_contact_rows(model, state, work, s, n, r):
-    """Rows of a contact's normal and tangential force in Newton's matrix."""
+def contact_rows(model, state, work, s, n, r, renewed):
+    """Rows of a contact's normal and tangential force, as of a torque."""
     j = work.joint[r]
     joint, own, motion, load = model.joints[j], state.joints[j], work.motion[s, j], work.load[s, j]
     force, _, by_depth, by_rate = normal_force(joint, motion[DEPTH], motion[DEPTH_RATE], own.impact_speed)
     share, by_slip = friction_share(joint, motion[SLIDING_SPEED])
     share, by_slip = -joint.friction_coefficient * share, -joint.friction_coefficient * by_slip
     pressing = max(load[0], 0.0)
+    work.correction[s * n + r] = force - load[0]
+    work.correction[s * n + r + 1] = share * pressing - load[1]
+    if not renewed:
+        return
     normal, tangential = work.matrix[s * n + r], work.matrix[s * n + r + 1]
     for k in range(2):
         for c in range(n):
             at = 4 * k + 2 * s
             # The motion that a normal force reads off is minus the depth.
-            normal[k * n + c] = by_depth * work.mobility[r, c, at] + by_rate * work.mobility[r, c, at + 1]
-            tangential[k * n + c] = -by_slip * pressing * work.mobility[r + 1, c, at + 1]
+            normal[k * n + c] = by_depth * work.mobility[at, r, c] + by_rate * work.mobility[at + 1, r, c]
+            tangential[k * n + c] = -by_slip * pressing * work.mobility[at + 1, r + 1, c]
     normal[s * n + r] += 1.0
     tangential[s * n + r + 1] += 1.0
     tangential[s * n + r] -= share
-    work.correction[s * n + r] = force - load[0]
-    work.correction[s * n + r + 1] = share * pressing - load[1]
 
 
 @kernel(inlined=True)
-def fill_reaction_row(work, s, n, r, h):
-    """Row of a component of an ideal joint's reaction in Newton's matrix: of its relative velocity."""
+def reaction_row(work, s, n, r, h, renewed):
+    """Row of a component of an ideal joint's reaction, as of a torque: of its relative velocity."""
     j, kind = work.joint[r], work.kind[r]
-    row = work.matrix[s * n + r]
-    scale = 1.0 / (abs(work.mobility[r, r, 3]) + abs(work.mobility[r, r, 7]))
-    for k in range(2):
-        for c in range(n):
-            row[k * n + c] = scale * work.mobility[r, c, 4 * k + 2 * s + 1]
+    scale = 1.0 / (abs(work.mobility[3, r, r]) + abs(work.mobility[7, r, r]))
     rate = work.motion[s, j, VELOCITY_X if kind == REACTION_X else VELOCITY_Y]
     gap = work.motion[START, j, ECCENTRICITY_X if kind == REACTION_X else ECCENTRICITY_Y]
     work.correction[s * n + r] = -scale * (rate + gap / max(h, _RETURN_TIME))
+    if not renewed:
+        return
+    row = work.matrix[s * n + r]
+    for k in range(2):
+        for c in range(n):
+            row[k * n + c] = scale * work.mobility[4 * k + 2 * s + 1, r, c]

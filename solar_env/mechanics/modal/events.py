@@ -24,6 +24,7 @@ from solar_env.mechanics.modal.arrays import (
     VELOCITY_X,
     VELOCITY_Y,
 )
+from solar_env.mechanics.modal.tables import AXIAL_EVEN, GROUPS
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.records.history import latch
 
@@ -126,12 +127,10 @@ def instantaneous_inverse_mass(model, work, j):
         if body.panel != RIGID_BODY:
             c, s = work.turn[START, b, 0], work.turn[START, b, 1]
             along, across = c * nx + s * ny, c * ny - s * nx
-            rows = model.panels.axial_rows[body.design, attachment.end]
-            for k in range(rows.size):
-                total += (rows[k] * along) ** 2
-            rows = model.panels.bending_rows[body.design, 2 * attachment.end]
-            for k in range(rows.size):
-                total += (rows[k] * across) ** 2
+            for group in range(GROUPS):
+                share = across if group < AXIAL_EVEN else along
+                for k in range(model.panels.first[group], model.panels.first[group + 1]):
+                    total += (model.panels.rows[body.design, k, 0] * share) ** 2
     return total
 
 

@@ -65,13 +65,13 @@ class FloatingFrames(Formulation):
     def modal_range(self, model: ModalModel, state: ModalState) -> tuple[float, float]:
         """See `Formulation.modal_range`."""
         slope, spin_ratio, panels = 0.0, 0.0, model.panels
-        axial, modes = panels.axial_frequency.shape[1], panels.bending_frequency.shape[1]
+        even, odd, end = panels.first[:3]
         for body in model.bodies[model.bodies["panel"] >= 0]:
-            first, d = body["offset"] + 3 + axial, body["design"]
-            slopes = panels.bending_rows[d, 1::2] @ state.q[first : first + modes]
-            slope = max(slope, float(np.abs(slopes).max()))
-            lowest = panels.bending_frequency[d].min()
-            spin_ratio = max(spin_ratio, float(abs(state.v[body["offset"] + 2]) / lowest))
+            first, d = body["offset"] + 3, body["design"]
+            slopes = [panels.rows[d, i:k, 1] @ state.q[first + i : first + k] for i, k in ((even, odd), (odd, end))]
+            # At one end or the other, the even and the odd part add up.
+            slope = max(slope, float(np.abs(slopes).sum()))
+            spin_ratio = max(spin_ratio, float(abs(state.v[first - 1]) / panels.frequency[d, even:end].min()))
         return slope, spin_ratio
 
     def constraint_force_defect(self, model: ModalModel, state: ModalState) -> tuple[float, float]:

@@ -22,8 +22,8 @@ from solar_env.mechanics.modal.arrays import (
     VELOCITY_X,
     VELOCITY_Y,
 )
-from solar_env.mechanics.modal.bodies import foreshorten
-from solar_env.mechanics.modal.tables import FORMS
+from solar_env.mechanics.modal.coupling import foreshorten, shorten_ends
+from solar_env.mechanics.modal.tables import AXIAL_EVEN, AXIAL_ODD, BENDING_EVEN, BENDING_ODD, GROUPS, side
 from solar_env.mechanics.numerics.jit import kernel
 
 
@@ -42,13 +42,13 @@ def move_attachments(model, work, slot):
         x_rate, y_rate, spin = 0.0, 0.0, work.speed[slot, b, 2]
         rigid_spin = spin
         if panel != RIGID_BODY:
-            bending, axial, c = work.bending_ends[panel], work.axial_ends[panel], 2 * stage
-            x += axial[end, c]
-            x_rate = axial[end, c + 1]
-            y += bending[2 * end, c]
-            y_rate = bending[2 * end, c + 1]
-            turn += bending[2 * end + 1, c]
-            spin += bending[2 * end + 1, c + 1]
+            odd, c = side(end), 2 * stage
+            x += work.ends[panel, AXIAL_EVEN, 0, c] + odd * work.ends[panel, AXIAL_ODD, 0, c]
+            x_rate = work.ends[panel, AXIAL_EVEN, 0, c + 1] + odd * work.ends[panel, AXIAL_ODD, 0, c + 1]
+            y += work.ends[panel, BENDING_EVEN, 0, c] + odd * work.ends[panel, BENDING_ODD, 0, c]
+            y_rate = work.ends[panel, BENDING_EVEN, 0, c + 1] + odd * work.ends[panel, BENDING_ODD, 0, c + 1]
+            turn += odd * work.ends[panel, BENDING_EVEN, 1, c] + work.ends[panel, BENDING_ODD, 1, c]
+            spin += odd * work.ends[panel, BENDING_EVEN, 1, c + 1] + work.ends[panel, BENDING_ODD, 1, c + 1]
         c, s = work.turn[slot, b, 0], work.turn[slot, b, 1]
         ax, ay = c * x - s * y, s * x + c * y
         work.local[slot, number, 0], work.local[slot, number, 1] = x, y
@@ -83,39 +83,43 @@ def move_joints(model, work, slot):
 
 @kernel(inner=True)
 def sum_ends(rows, q, v, ends):
-    """Values and rates of the ends, columns 0 and 1, from the amplitudes."""
-    for i in range(ends.shape[0]):
-        row = rows[i]
-        value, rate = 0.0, 0.0
-        for k in range(q.size):
-            value += row[k] * q[k]
-            rate += row[k] * v[k]
-        ends[i, 0], ends[i, 1] = value, rate
+    """Values and rates of the ends of one group, columns 0 and 1, from the amplitudes."""
+    w, w_rate, s, s_rate = 0.0, 0.0, 0.0, 0.0
+    for k in range(q.size):
+        w += rows[k, 0] * q[k]
+        w_rate += rows[k, 0] * v[k]
+        s += rows[k, 1] * q[k]
+        s_rate += rows[k, 1] * v[k]
+    ends[0, 0], ends[0, 1], ends[1, 0], ends[1, 1] = w, w_rate, s, s_rate
+
+
+@kernel(inlined=True)
+def pose_panel(panels, q, v, work, p, d, offset):
+    """Ends of panel `p`, columns of the first stage, from amplitudes that begin at `offset`."""
+    for group in range(GROUPS):
+        begin, end = panels.first[group], panels.first[group + 1]
+        sum_ends(
+            panels.rows[d, begin:end],
+            q[offset + begin : offset + end],
+            v[offset + begin : offset + end],
+            work.ends[p, group],
+        )
+        for r in range(panels.coupled[group]):
+            work.low[group, r, 0], work.low[group, r, 1] = q[offset + begin + r], v[offset + begin + r]
+    foreshorten(panels.forms[d], work.low, 0, work.gradient[0], work.shortening[p, 0])
+    shorten_ends(work, p)
 
 
 @kernel
 def look_at(model, q, v, work, slot):
     """Fill frames, attachments and joints at a slot for given coordinates and velocities."""
-    panels = model.panels
-    modes, axial = panels.bending_frequency.shape[1], panels.axial_frequency.shape[1]
-    coupled = work.low.shape[1]
     for b in range(model.bodies.size):
         body = model.bodies[b]
         first = body.offset
         for i in range(3):
             work.place[slot, b, i], work.speed[slot, b, i] = q[first + i], v[first + i]
         work.turn[slot, b, 0], work.turn[slot, b, 1] = math.cos(q[first + 2]), math.sin(q[first + 2])
-        if body.panel == RIGID_BODY:
-            continue
-        d, middle = body.design, first + 3 + axial
-        sum_ends(panels.axial_rows[d], q[first + 3 : middle], v[first + 3 : middle], work.axial_ends[body.panel])
-        bending, rates = q[middle : middle + modes], v[middle : middle + modes]
-        sum_ends(panels.bending_rows[d], bending, rates, work.bending_ends[body.panel])
-        shortening = work.shortening[0]
-        foreshorten(panels.forms[d], bending[:coupled], rates[:coupled], work.gradient[0], shortening)
-        ends = work.axial_ends[body.panel]
-        for c in range(2):
-            ends[0, c] += shortening[c, FORMS - 2]
-            ends[1, c] += shortening[c, FORMS - 1]
+        if body.panel != RIGID_BODY:
+            pose_panel(model.panels, q, v, work, body.panel, body.design, first + 3)
     move_attachments(model, work, slot)
     move_joints(model, work, slot)

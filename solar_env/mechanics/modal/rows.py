@@ -18,6 +18,7 @@ from solar_env.mechanics.modal.arrays import (
     TORQUE,
 )
 from solar_env.mechanics.modal.oscillators import A, B
+from solar_env.mechanics.modal.tables import AXIAL_EVEN, AXIAL_ODD, BENDING_EVEN, BENDING_ODD, side
 from solar_env.mechanics.numerics.jit import kernel
 
 # Change of a torque by the motion that it causes, over itself, that converges at once without Newton's matrix.
@@ -28,13 +29,13 @@ _SOFT = 0.05
 def angle_by_torque(model, tables, level, h, j):
     """Greatest change [rad] of a joint's angle by a unit of its torque over a step."""
     joint, total = model.joints[j], 0.0
-    for side in range(2):
-        attachment = model.attachments[joint.outboard if side == 0 else joint.inboard]
-        body, i = model.bodies[attachment.body], 2 * attachment.end + 1
+    for face in range(2):
+        attachment = model.attachments[joint.outboard if face == 0 else joint.inboard]
+        body = model.bodies[attachment.body]
         total += 0.5 * h * h * body.inverse_inertia
         if body.panel != RIGID_BODY:
-            response = tables.bending_response[body.design, level, i, i]
-            total += abs(response[2]) + abs(response[6])
+            even, odd = tables.response[body.design, level, 0, 1, 1], tables.response[body.design, level, 1, 1, 1]
+            total += abs(even[2] + odd[2]) + abs(even[6] + odd[6])
     return total
 
 
@@ -105,35 +106,57 @@ def fill_row_loads(model, work, n):
     for r in range(n):
         j = work.joint[r]
         fx, fy, outboard, inboard = unit_load(model, work, work.kind[r], j)
-        for side in range(2):
-            number = model.joints[j].outboard if side == 0 else model.joints[j].inboard
-            b = model.attachments[number].body
-            c, s = work.turn[SECOND, b, 0], work.turn[SECOND, b, 1]
-            sign = 1.0 if side == 0 else -1.0
+        for face in range(2):
+            number = model.joints[j].outboard if face == 0 else model.joints[j].inboard
+            attachment = model.attachments[number]
+            c, s = work.turn[SECOND, attachment.body, 0], work.turn[SECOND, attachment.body, 1]
+            sign = 1.0 if face == 0 else -1.0
             along, across = sign * (c * fx + s * fy), sign * (c * fy - s * fx)
-            torque = outboard if side == 0 else inboard
-            row = work.row_load[r, side]
+            torque = outboard if face == 0 else inboard
+            row = work.row_load[r, face]
             row[0], row[1], row[2] = along, across, torque
             row[3] = torque + work.local[SECOND, number, 0] * across - work.local[SECOND, number, 1] * along
 
 
 @kernel(inlined=True)
-def add_shared(body, first_end, second_end, first, second, rigid, bending, axial, out):
-    """Add what unit loads `second` at one attachment of a body do to the motion read off by `first` at another."""
+def move_ends(response, load, odd, motion):
+    """Motion of both ends of a panel, along, across and turning, by a load at the end where `odd` is `side`.
+
+    Args:
+        response: (GROUPS, VALUES, VALUES, 8) of the groups.
+        load: (4,) force along and across, torque.
+        motion: (2, 3, 8) is filled.
+    """
+    along, across, torque = load[0], load[1], load[2]
+    for c in range(8):
+        even = response[BENDING_EVEN, 0, 0, c] * across + response[BENDING_EVEN, 0, 1, c] * odd * torque
+        other = response[BENDING_ODD, 0, 0, c] * odd * across + response[BENDING_ODD, 0, 1, c] * torque
+        motion[0, 1, c], motion[1, 1, c] = even + other, even - other
+        even = response[BENDING_EVEN, 1, 0, c] * across + response[BENDING_EVEN, 1, 1, c] * odd * torque
+        other = response[BENDING_ODD, 1, 0, c] * odd * across + response[BENDING_ODD, 1, 1, c] * torque
+        motion[0, 2, c], motion[1, 2, c] = other + even, other - even
+        even, other = response[AXIAL_EVEN, 0, 0, c] * along, response[AXIAL_ODD, 0, 0, c] * odd * along
+        motion[0, 0, c], motion[1, 0, c] = even + other, even - other
+
+
+@kernel(inlined=True)
+def add_shared(body, first, end, second, motion, rigid, shared):
+    """Add what unit load `second` on a body does to the motion that unit load `first` at `end` works on."""
     share = (first[0] * second[0] + first[1] * second[1]) * body.inverse_mass
     share += first[3] * second[3] * body.inverse_inertia
     for c in range(8):
-        out[c] += share * rigid[c]
+        shared[c] += share * rigid[c]
     if body.panel != RIGID_BODY:
-        i, j = 2 * first_end, 2 * second_end
-        ww, wt, tw, tt = bending[i, j], bending[i, j + 1], bending[i + 1, j], bending[i + 1, j + 1]
-        uu = axial[first_end, second_end]
+        along, across, torque = first[0], first[1], first[2]
         for c in range(8):
-            out[c] += (
-                first[1] * (ww[c] * second[1] + wt[c] * second[2])
-                + first[2] * (tw[c] * second[1] + tt[c] * second[2])
-                + first[0] * uu[c] * second[0]
-            )
+            shared[c] += along * motion[end, 0, c] + across * motion[end, 1, c] + torque * motion[end, 2, c]
+
+
+@kernel(inlined=True)
+def attachment_of(model, work, r, face):
+    """Attachment of unknown `r` on the outboard side of its joint (`face` 0) or on the inboard one."""
+    joint = model.joints[work.joint[r]]
+    return model.attachments[joint.outboard if face == 0 else joint.inboard]
 
 
 @kernel(inlined=True)
@@ -143,30 +166,29 @@ def fill_mobility(model, work, tables, level, h, n):
     for s in range(2):
         for k in range(2):
             work.rigid[4 * k + 2 * s], work.rigid[4 * k + 2 * s + 1] = h * h * B[s][k], h * A[s][k]
+    for q in range(n):
+        for opposite in range(2):
+            second = attachment_of(model, work, q, opposite)
+            body = model.bodies[second.body]
+            if body.panel != RIGID_BODY:
+                response = tables.response[body.design, level]
+                move_ends(response, work.row_load[q, opposite], side(second.end), work.row_motion[q, opposite])
     for p in range(n):
         for q in range(p + 1):
-            out = work.mobility[p, q]
             for c in range(8):
-                out[c] = 0.0
-            one, other = model.joints[work.joint[p]], model.joints[work.joint[q]]
-            for side in range(2):
-                first = model.attachments[one.outboard if side == 0 else one.inboard]
+                work.shared[c] = 0.0
+            for face in range(2):
+                first = attachment_of(model, work, p, face)
                 for opposite in range(2):
-                    second = model.attachments[other.outboard if opposite == 0 else other.inboard]
-                    if first.body == second.body:
-                        body = model.bodies[first.body]
-                        d = max(body.design, 0)
+                    if attachment_of(model, work, q, opposite).body == first.body:
                         add_shared(
-                            body,
+                            model.bodies[first.body],
+                            work.row_load[p, face],
                             first.end,
-                            second.end,
-                            work.row_load[p, side],
                             work.row_load[q, opposite],
+                            work.row_motion[q, opposite],
                             work.rigid,
-                            tables.bending_response[d, level],
-                            tables.axial_response[d, level],
-                            out,
+                            work.shared,
                         )
-            if p != q:
-                for c in range(8):
-                    work.mobility[q, p, c] = out[c]
+            for c in range(8):
+                work.mobility[c, p, q] = work.mobility[c, q, p] = work.shared[c]

@@ -11,16 +11,24 @@ from typing import NamedTuple
 
 from solar_env.mechanics.arrays.model import IDEAL
 from solar_env.mechanics.modal.arrays import (
+    ANGLE,
     DEPTH,
+    DEPTH_RATE,
     NORMAL,
+    RATE,
+    REACTION_X,
     RIGID_BODY,
     SECOND,
+    SLIDING_SPEED,
+    SLIP,
     START,
     TANGENTIAL,
     TORQUE,
 )
-from solar_env.mechanics.modal.bodies import distribute_loads, free_motion, stage_ends, stage_frames
-from solar_env.mechanics.modal.equations import fill_contact_rows, fill_reaction_row, fill_torque_row, fill_torques
+from solar_env.mechanics.modal.bodies import distribute_loads, stage_frames
+from solar_env.mechanics.modal.coupling import couple, shorten_ends
+from solar_env.mechanics.modal.ends import add_modal_forces, forced_ends, free_ends
+from solar_env.mechanics.modal.equations import contact_rows, fill_torques, reaction_row, torque_row
 from solar_env.mechanics.modal.motion import move_attachments, move_joints
 from solar_env.mechanics.modal.oscillators import NODES
 from solar_env.mechanics.modal.rows import fill_mobility, list_rows, load_column
@@ -28,7 +36,13 @@ from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_rows, lu_factor, lu_solve
 
 _MOST_ITERATIONS = 12
-# A correction that changes the motion by less than this share of the tolerance is the last one.
+# Foreshortening is of second order: its forces are renewed in so many iterations.
+_COUPLED_ITERATIONS = 2
+# Correction over the tolerance after which motion and matrix are not renewed.
+_SMALL = 3.0
+# Displacement by a correction, over the clearance, above which motion is renewed.
+_SHIFT = 1e-3
+# The iteration ends where the corrections to come are less than this share of the tolerance.
 _CONVERGED = 0.05
 # A load that is off by the deviation of its course from the collocation polynomial moves its body by a twelfth of what
 # the same load would if it were constant: the second integral of (1 - 3 t)(1 - t), over one half.
@@ -39,7 +53,7 @@ _HERTZ = 2.943275
 # Share of a normal force over rtol by which it may be off whatever the depth says, and the least such load over that
 # which the velocity allows.
 _LOAD_SHARE = 5.0
-_LEAST_LOAD = 0.002
+_LEAST_LOAD = 0.03
 
 
 class ModalSettings(NamedTuple):
@@ -64,7 +78,7 @@ def start_stages(model, state, work, h):
             work.turn[s, b, 0], work.turn[s, b, 1] = c - s0 * angle, s0 + c * angle
         copy_rows(work.arm[s], work.arm[START])
         copy_rows(work.motion[s], work.motion[START])
-        copy_rows(work.bending_coupling[:, s], state.coupling)
+        copy_rows(work.coupling[:, s], state.coupling)
         for j in range(model.joints.size):
             own = state.joints[j]
             for c in range(3):
@@ -76,12 +90,22 @@ def start_stages(model, state, work, h):
 
 
 @kernel(inlined=True)
-def move_stages(model, state, work, tables, level, h):
-    """Motion of bodies, attachments and joints at both stages under the present loads."""
-    distribute_loads(model, state, work, 0)
-    distribute_loads(model, state, work, 1)
+def move_stages(model, state, work, tables, level, h, coupled):
+    """Motion of bodies, attachments and joints at both stages under the present loads.
+
+    The forces of foreshortening are renewed where `coupled`; they belong to amplitudes under those of before.
+    """
+    for s in range(2):
+        distribute_loads(model, state, work, s)
     stage_frames(model, state, work, h)
-    stage_ends(model, work, tables, level)
+    for b in range(model.bodies.size):
+        p, d = model.bodies[b].panel, model.bodies[b].design
+        if p != RIGID_BODY:
+            forced_ends(work, tables.response, p, d, level)
+            if coupled:
+                couple(model.panels, work, tables, level, p, d)
+            add_modal_forces(model.panels, work, tables, level, p, d)
+            shorten_ends(work, p)
     for s in range(2):
         move_attachments(model, work, s)
         move_joints(model, work, s)
@@ -91,15 +115,15 @@ def move_stages(model, state, work, tables, level, h):
 def velocity_by_torque(model, work, tables, level, h, j):
     """Velocity [m/s] of the two points that joint `j` joins by a unit of its torque over a step, without signs."""
     joint, total = model.joints[j], 0.0
-    for side in range(2):
-        number = joint.outboard if side == 0 else joint.inboard
+    for face in range(2):
+        number = joint.outboard if face == 0 else joint.inboard
         attachment = model.attachments[number]
-        body, i = model.bodies[attachment.body], 2 * attachment.end
+        body = model.bodies[attachment.body]
         lever = math.hypot(work.local[SECOND, number, 0], work.local[SECOND, number, 1])
         total += lever * body.inverse_inertia * h
         if body.panel != RIGID_BODY:
-            response = tables.bending_response[body.design, level, i, i + 1]
-            total += abs(response[3] + response[7])
+            even, odd = tables.response[body.design, level, 0, 0, 1], tables.response[body.design, level, 1, 0, 1]
+            total += abs(even[3] + odd[3] + even[7] + odd[7])
     return total
 
 
@@ -112,7 +136,7 @@ def set_tolerances(model, state, work, settings, tables, level, h, n):
     for r in range(n):
         j, kind = work.joint[r], work.kind[r]
         # Without signs: a vibration may have turned back by the end of the step.
-        gain = _DEVIATION * (abs(work.mobility[r, r, 3]) + abs(work.mobility[r, r, 7]))
+        gain = _DEVIATION * (abs(work.mobility[3, r, r]) + abs(work.mobility[7, r, r]))
         work.tolerance[r] = work.torque_tolerance[j] if kind == TORQUE else limit / gain
         if kind == NORMAL:
             own = state.joints[j]
@@ -126,59 +150,112 @@ def set_tolerances(model, state, work, settings, tables, level, h, n):
 
 
 @kernel(inlined=True)
-def correct_loads(model, state, work, n, h):
-    """One correction of the loads by Newton's method.
+def correct_loads(model, state, work, n, h, renewed):
+    """One correction of the loads by Newton's method, whose matrix is kept unless `renewed`.
 
     Returns:
-        0 if the matrix is singular, 1 if the correction counts, 2 if it does not.
+        Greatest change of an unknown, and of a torque that is none, over their tolerances; infinite if the matrix is
+        singular or a change is not finite.
     """
-    small = True
+    size, apart, total = 0.0, 0.0, 0.0
     for s in range(2):
         fill_torques(model, state, work, s)
         for r in range(n):
             kind = work.kind[r]
             if kind == TORQUE:
-                fill_torque_row(model, work, s, n, r)
+                torque_row(model, work, s, n, r, renewed)
             elif kind == NORMAL:
-                fill_contact_rows(model, state, work, s, n, r)
+                contact_rows(model, state, work, s, n, r, renewed)
             elif kind != TANGENTIAL:
-                fill_reaction_row(work, s, n, r, h)
+                reaction_row(work, s, n, r, h, renewed)
         for j in range(model.joints.size):
             if work.torque_row[j] < 0:
                 change = work.torque[j, 0] - work.load[s, j, 2]
                 work.load[s, j, 2] += change
-                small = small and abs(change) <= _CONVERGED * work.torque_tolerance[j]
+                total += change
+                apart = max(apart, abs(change) / work.torque_tolerance[j])
     if n > 0:
-        if not lu_factor(work.matrix, 2 * n):
-            return 0
+        if renewed and not lu_factor(work.matrix, 2 * n):
+            return math.inf, math.inf
         lu_solve(work.matrix, 2 * n, work.correction)
     for s in range(2):
         for r in range(n):
             change = work.correction[s * n + r]
             work.load[s, work.joint[r], load_column(work.kind[r])] += change
-            # Not a number counts.
-            small = small and abs(change) <= _CONVERGED * work.tolerance[r]
-    return 2 if small else 1
+            total += change
+            size = max(size, abs(change) / work.tolerance[r])
+    return (size, apart) if math.isfinite(total) else (math.inf, math.inf)
+
+
+@kernel(inlined=True)
+def shift_stages(model, work, n):
+    """Change the joints' motion at the stages by what the latest correction of the loads does, to first order.
+
+    Returns:
+        Greatest displacement over the clearance, to say how much the first order leaves out.
+    """
+    greatest = 0.0
+    for r in range(n):
+        j, kind = work.joint[r], work.kind[r]
+        joint = model.joints[j]
+        for s in range(2):
+            value, rate = 0.0, 0.0
+            for k in range(2):
+                for c in range(n):
+                    value += work.mobility[4 * k + 2 * s, r, c] * work.correction[k * n + c]
+                    rate += work.mobility[4 * k + 2 * s + 1, r, c] * work.correction[k * n + c]
+            motion = work.motion[s, j]
+            if kind == TORQUE:
+                motion[ANGLE] += value
+                greatest = max(greatest, abs(value) * model.length_scale / joint.clearance)
+                motion[RATE] += rate
+            elif kind == NORMAL:
+                motion[DEPTH] -= value
+                greatest = max(greatest, abs(value) / joint.clearance)
+                motion[DEPTH_RATE] -= rate
+            elif kind == TANGENTIAL:
+                motion[SLIP] += rate
+                motion[SLIDING_SPEED] += rate
+                greatest = max(greatest, abs(value) / joint.clearance)
+            else:
+                return math.inf
+    return greatest
 
 
 @kernel
 def solve_step(model, state, work, settings, tables, level, h):
     """Solve for the loads of a step `h` [s]; False if Newton's iteration does not converge."""
-    free_motion(model, state, work, tables, level)
+    for b in range(model.bodies.size):
+        body = model.bodies[b]
+        if body.panel != RIGID_BODY:
+            free_ends(model.panels, state, work, tables, level, body.panel, body.design, body.offset + 3)
     start_stages(model, state, work, h)
     n = list_rows(model, state, work, tables, level, h)
     work.rows[0] = n
+    before, renewed, constrained = math.inf, True, False
+    for r in range(n):
+        constrained = constrained or work.kind[r] >= REACTION_X
     for iteration in range(_MOST_ITERATIONS):
         work.counts[0] += 1
-        move_stages(model, state, work, tables, level, h)
+        if not renewed:
+            renewed = shift_stages(model, work, n) > _SHIFT
+        if renewed:
+            move_stages(model, state, work, tables, level, h, iteration < _COUPLED_ITERATIONS)
         if iteration == 0:
             fill_mobility(model, work, tables, level, h, n)
         # Anew each time: the depth that a journal would reach freely is no measure of that which it does reach.
         set_tolerances(model, state, work, settings, tables, level, h, n)
-        done = correct_loads(model, state, work, n, h)
-        if done == 0:
+        size, apart = correct_loads(model, state, work, n, h, renewed)
+        if size == math.inf:
             return False
-        # Without contacts and reactions, whose directions are not known before, a first guess may do.
-        if done == 2 and (iteration > 0 or n == 0):
+        # A small correction leaves the matrix and all directions as they are; a second one in a row does not.
+        renewed = not (renewed and size < _SMALL and apart <= _CONVERGED)
+        # Of the corrections to come, by the rate at which they shrink; but a relative velocity that is left in an ideal
+        # joint would be a blow in the next step. A first correction may do without contacts and reactions, whose
+        # directions are not known before.
+        size = max(size, apart)
+        left = size * size / (before - size) if size < before < math.inf and not constrained else size
+        if min(left, size) <= _CONVERGED and (iteration > 0 or n == 0):
             return True
+        before = size
     return False

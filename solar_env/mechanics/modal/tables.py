@@ -1,4 +1,8 @@
-"""Constants of the designs of panels, and how their ends answer loads: tables over step sizes."""
+"""Constants of the designs of panels, and how their modes answer a step: tables over step sizes.
+
+A mode is even or odd about the panel's middle: both ends deflect alike, or oppositely. So the modes form four groups,
+each of which sees the sum or the difference of the loads at the two ends, and one end's values tell the other's.
+"""
 
 from typing import NamedTuple
 
@@ -8,7 +12,6 @@ from numpy.typing import NDArray
 from solar_env.mechanics.modal.oscillators import (
     COEFFICIENTS,
     FROM_LOAD,
-    FROM_RATE,
     free_rate_defects,
     mode_coefficients,
 )
@@ -20,113 +23,94 @@ Array = NDArray[np.float64]
 GREATEST_STEP = 0.032
 LEVELS = 50
 
-
-# Quadratic forms of foreshortening, side by side: axial projections from the first on, the two ends from the last two.
-FORMS = 8
+# Groups of modes. Values of an end: deflection and slope in bending, axial displacement (and nothing) in stretching.
+BENDING_EVEN, BENDING_ODD, AXIAL_EVEN, AXIAL_ODD = range(4)
+GROUPS = 4
+VALUES = 2
+# Most modes of a bending group that foreshortening couples, and most of an axial group.
+LOW, LOW_AXIAL = 3, 2
+# Quadratic forms of foreshortening: projections on the coupled axial modes, odd and even ones, and the rest that the
+# ends feel, opposite and alike.
+ODD_FIRST, ODD_SECOND, ODD_ENDS, EVEN_FIRST, EVEN_ENDS = range(5)
+FORMS = 5
 
 
 class Panels(NamedTuple):
     """Constants of D designs of panels, each with the same number of modes."""
 
-    bending_frequency: Array  # (D, modes) [rad/s]
-    axial_frequency: Array  # (D, axial modes)
+    first: NDArray[np.int64]  # (GROUPS + 1,) first mode of each group
+    coupled: NDArray[np.int64]  # (GROUPS,) number of lowest modes that foreshortening couples
+    frequency: Array  # (D, modes) [rad/s]
     damping: Array  # (D,) retardation time [s]
-    bending_rows: Array  # (D, 4, modes) end values by unit amplitude, see `beam_modes`
-    axial_rows: Array  # (D, 2, axial modes)
-    project: Array  # (D, coupled axial, coupled, coupled) K, see `foreshortening`
-    ends: Array  # (D, 2, coupled, coupled) S
-    forms: Array  # (D, coupled, coupled, FORMS) both side by side
+    rows: Array  # (D, modes, VALUES) values of the first end by unit amplitude, see `beam_modes`
+    # (D, 2, LOW, LOW, FORMS) by mode of a bending group and by mode of its partner: the same group for the odd forms,
+    # the other one for the even forms.
+    forms: Array
 
 
 class Tables(NamedTuple):
-    """Answers of the modes and of the ends to a step, by design and step size (levels)."""
+    """Answers of the modes and of the groups' ends to a step, by design and step size (levels)."""
 
-    bending: Array  # (D, levels, COEFFICIENTS, modes)
-    axial: Array  # (D, levels, COEFFICIENTS, axial modes)
-    # Free motion of the ends: rows value and rate of an amplitude; columns [4 end value + 2 stage + (value or rate)],
-    # then the defects of the rates.
-    bending_free: Array  # (D, levels, modes, 2, 20)
-    axial_free: Array  # (D, levels, axial modes, 2, 10)
-    # Of end value i by load j: [4 load stage + 2 stage + (value or rate)].
-    bending_response: Array  # (D, levels, 4, 4, 8)
-    axial_response: Array  # (D, levels, 2, 2, 8)
-    # Defect of the rate of end value i by load j at the start: what the load holds in place does not vibrate.
-    bending_held: Array  # (D, levels, 4, 4)
-    axial_held: Array  # (D, levels, 2, 2)
+    answers: Array  # (D, levels, modes, COEFFICIENTS)
+    defects: Array  # (D, levels, modes, 2) of the rate at the end by start value and by start rate
+    # Of value i by load j of a group: [4 load stage + 2 stage + (value or rate)].
+    response: Array  # (D, levels, GROUPS, VALUES, VALUES, 8)
+    # Defect of the rate of the first value by load j at the start: what the load holds in place does not vibrate.
+    held: Array  # (D, levels, GROUPS, VALUES)
 
 
 def make_tables(panels: Panels, levels: int) -> Tables:
     """Allocate tables."""
-    designs, modes = panels.bending_frequency.shape
-    axial = panels.axial_frequency.shape[1]
+    designs, modes = panels.frequency.shape
     return Tables(
-        np.zeros((designs, levels, COEFFICIENTS, modes)),
-        np.zeros((designs, levels, COEFFICIENTS, axial)),
-        np.zeros((designs, levels, modes, 2, 20)),
-        np.zeros((designs, levels, axial, 2, 10)),
-        np.zeros((designs, levels, 4, 4, 8)),
-        np.zeros((designs, levels, 2, 2, 8)),
-        np.zeros((designs, levels, 4, 4)),
-        np.zeros((designs, levels, 2, 2)),
+        np.zeros((designs, levels, modes, COEFFICIENTS)),
+        np.zeros((designs, levels, modes, 2)),
+        np.zeros((designs, levels, GROUPS, VALUES, VALUES, 8)),
+        np.zeros((designs, levels, GROUPS, VALUES)),
     )
 
 
+@kernel(inlined=True)
+def values_of(group):
+    """Number of end values of a group."""
+    return 2 if group < AXIAL_EVEN else 1
+
+
+@kernel(inlined=True)
+def side(end):
+    """Sign of what is odd at an end: as at the first one, or opposite."""
+    return 1.0 - 2.0 * end
+
+
 @kernel(inner=True)
-def fill_family(frequencies, damping, rows, h, answers, free, response, held, coefficients):
-    """Fill the tables of one family of modes, bending or axial, for one step size `h` [s]."""
-    ends, modes = rows.shape
-    for i in range(ends):
-        for j in range(ends):
-            held[i, j] = 0.0
+def add_mode(panels, tables, d, level, group, k):
+    """Add what mode `k` does to the responses of its group."""
+    square = panels.frequency[d, k] ** 2
+    held = tables.defects[d, level, k, 0] * panels.rows[d, k, 0] / square
+    for i in range(values_of(group)):
+        for j in range(values_of(group)):
+            product = panels.rows[d, k, i] * panels.rows[d, k, j]
             for c in range(8):
-                response[i, j, c] = 0.0
-    for k in range(modes):
-        frequency = frequencies[k]
-        rate = 0.5 * damping * frequency * frequency
-        mode_coefficients(frequency, rate, h, coefficients)
-        by_value, by_rate = free_rate_defects(frequency, rate, h, coefficients)
-        for c in range(COEFFICIENTS):
-            answers[c, k] = coefficients[c]
-        for i in range(ends):
-            row = rows[i, k]
-            for c in range(4):
-                free[k, 0, 4 * i + c] = row * coefficients[c]
-                free[k, 1, 4 * i + c] = row * coefficients[FROM_RATE + c]
-            free[k, 0, 4 * ends + i] = row * by_value
-            free[k, 1, 4 * ends + i] = row * by_rate
-            for j in range(ends):
-                product = row * rows[j, k]
-                held[i, j] -= product * by_value / (frequency * frequency)
-                for c in range(8):
-                    response[i, j, c] += product * coefficients[FROM_LOAD + c]
+                tables.response[d, level, group, i, j, c] += product * tables.answers[d, level, k, FROM_LOAD + c]
+        tables.held[d, level, group, i] -= held * panels.rows[d, k, i]
 
 
 @kernel
 def fill_level(panels, tables, level, h, coefficients):
-    """Fill one level of the tables of every design for the step size `h` [s]."""
+    """Fill one level of the tables of every design for the step size `h` [s]; `coefficients` is scratch."""
     for d in range(panels.damping.size):
-        fill_family(
-            panels.bending_frequency[d],
-            panels.damping[d],
-            panels.bending_rows[d],
-            h,
-            tables.bending[d, level],
-            tables.bending_free[d, level],
-            tables.bending_response[d, level],
-            tables.bending_held[d, level],
-            coefficients,
-        )
-        fill_family(
-            panels.axial_frequency[d],
-            panels.damping[d],
-            panels.axial_rows[d],
-            h,
-            tables.axial[d, level],
-            tables.axial_free[d, level],
-            tables.axial_response[d, level],
-            tables.axial_held[d, level],
-            coefficients,
-        )
+        tables.response[d, level] = 0.0
+        tables.held[d, level] = 0.0
+        for group in range(GROUPS):
+            for k in range(panels.first[group], panels.first[group + 1]):
+                frequency = panels.frequency[d, k]
+                rate = 0.5 * panels.damping[d] * frequency * frequency
+                mode_coefficients(frequency, rate, h, coefficients)
+                by_value, by_rate = free_rate_defects(frequency, rate, h, coefficients)
+                tables.defects[d, level, k, 0], tables.defects[d, level, k, 1] = by_value, by_rate
+                for c in range(COEFFICIENTS):
+                    tables.answers[d, level, k, c] = coefficients[c]
+                add_mode(panels, tables, d, level, group, k)
 
 
 @kernel(inlined=True)

@@ -1,5 +1,6 @@
 """What controllers and pictures see of rigid bodies and modal panels: joints, and the axes of the bodies."""
 
+import itertools
 import math
 from functools import lru_cache
 
@@ -9,6 +10,16 @@ from numpy.typing import NDArray
 from solar_env.mechanics.bodies.beam_modes import RESIDUAL_BLOCKS, slope_factor, wave_number
 from solar_env.mechanics.equations.formulation import Array, JointView
 from solar_env.mechanics.modal.arrays import RIGID_BODY, ModalModel
+from solar_env.mechanics.modal.tables import (
+    AXIAL_EVEN,
+    AXIAL_ODD,
+    BENDING_EVEN,
+    BENDING_ODD,
+    EVEN_ENDS,
+    GROUPS,
+    ODD_ENDS,
+    side,
+)
 from solar_env.mechanics.numerics.jit import kernel
 
 # Parts of a panel's axis, each with as many points as an element of a beam.
@@ -24,19 +35,25 @@ def attachment_place(model, q, v, number):
     turn, spin = q[first + 2], v[first + 2]
     c, s = math.cos(turn), math.sin(turn)
     if body.panel != RIGID_BODY:
-        d, end = body.design, attachment.end
-        along, across = panels.axial_rows[d, end], panels.bending_rows[d, 2 * end]
-        slope, shortening = panels.bending_rows[d, 2 * end + 1], panels.ends[d, end]
-        axial, middle = first + 3, first + 3 + along.size
-        for k in range(along.size):
-            x += along[k] * q[axial + k]
-        for k in range(across.size):
-            y += across[k] * q[middle + k]
-            turn += slope[k] * q[middle + k]
-            spin += slope[k] * v[middle + k]
-        for r in range(shortening.shape[0]):
-            for k in range(shortening.shape[1]):
-                x += 0.5 * shortening[r, k] * q[middle + r] * q[middle + k]
+        d, first_mode, forms, odd = body.design, first + 3, panels.forms[body.design], side(attachment.end)
+        for group in range(GROUPS):
+            sign = 1.0 if group in (BENDING_EVEN, AXIAL_EVEN) else odd
+            for k in range(panels.first[group], panels.first[group + 1]):
+                value = sign * panels.rows[d, k, 0] * q[first_mode + k]
+                if group < AXIAL_EVEN:
+                    y += value
+                    # A slope is odd where the deflection is even.
+                    turn += sign * odd * panels.rows[d, k, 1] * q[first_mode + k]
+                    spin += sign * odd * panels.rows[d, k, 1] * v[first_mode + k]
+                else:
+                    x += value
+        for group in range(2):
+            for r in range(panels.coupled[group]):
+                for partner in range(2):
+                    form, sign = (ODD_ENDS, odd) if partner == group else (EVEN_ENDS, 1.0)
+                    for k in range(panels.coupled[partner]):
+                        product = q[first_mode + panels.first[group] + r] * q[first_mode + panels.first[partner] + k]
+                        x += 0.5 * sign * forms[group, r, k, form] * product
     return q[first] + c * x - s * y, q[first + 1] + s * x + c * y, turn, spin
 
 
@@ -71,20 +88,29 @@ def modal_centreline(model: ModalModel, q: Array, body: int, points_per_part: in
 def _panel_axis(model: ModalModel, row: np.void, amplitudes: Array, points: int) -> NDArray[np.complex128]:
     """Points of a panel's axis in its frame."""
     panels, d, length = model.panels, row["design"], row["length"]
-    axial, modes = panels.axial_frequency.shape[1], panels.bending_frequency.shape[1]
-    a, b = amplitudes[..., :axial], amplitudes[..., axial : axial + modes]
-    kept, stretched = modes - 4 * RESIDUAL_BLOCKS, axial - 2 * RESIDUAL_BLOCKS
-    coupled = b[..., : panels.ends.shape[2]]
-    ends = a[..., stretched:] @ panels.axial_rows[d, :, stretched:].T
-    ends = ends + 0.5 * np.einsum("eij,...i,...j->...e", panels.ends[d], coupled, coupled)
+    groups = [amplitudes[..., start:stop] for start, stop in itertools.pairwise(panels.first)]
+    kept = [group.shape[-1] - RESIDUAL_BLOCKS * values for group, values in zip(groups, (2, 2, 1, 1), strict=True)]
+    rows = [panels.rows[d, start:stop] for start, stop in itertools.pairwise(panels.first)]
+    # Values of the first end by the pseudo-modes of each group, and by foreshortening.
+    rest = [group[..., k:] @ row[k:] for group, k, row in zip(groups, kept, rows, strict=True)]
+    low = [groups[g][..., : panels.coupled[g]] for g in (BENDING_EVEN, BENDING_ODD)]
+    for g in range(2):
+        for partner, form, axial in ((g, ODD_ENDS, AXIAL_ODD), (1 - g, EVEN_ENDS, AXIAL_EVEN)):
+            block = panels.forms[d, g, : panels.coupled[g], : panels.coupled[partner], form]
+            rest[axial][..., 0] += 0.5 * np.einsum("ij,...i,...j->...", block, low[g], low[partner])
+    (w, slope), (odd_w, odd_slope) = (np.moveaxis(value, -1, 0) for value in rest[:2])
+    u, odd_u = rest[AXIAL_EVEN][..., 0], rest[AXIAL_ODD][..., 0]
+    ends = np.stack([w + odd_w, odd_slope + slope, w - odd_w, odd_slope - slope], axis=-1)
     s = np.linspace(0.0, 1.0, points)
     cubic = np.stack([1.0 - 3.0 * s**2 + 2.0 * s**3, length * (s - 2.0 * s**2 + s**3)])
     cubic = np.concatenate([cubic, [1.0 - cubic[0], length * (s**3 - s**2)]])
     unit = 1.0 / math.sqrt(row["mass"])
-    along = unit * a[..., :stretched] @ _axial_shapes(stretched, points) + ends @ np.stack([1.0 - s, s])
-    across = unit * b[..., :kept] @ _bending_shapes(kept, points)
-    across = across + b[..., kept:] @ panels.bending_rows[d, :, kept:].T @ cubic
-    return (s - 0.5) * length + along + 1j * across
+    # The lowest axial mode is odd, the lowest bending mode even.
+    stretched, bent = _axial_shapes(kept[2] + kept[3], points), _bending_shapes(kept[0] + kept[1], points)
+    along = unit * (groups[2][..., : kept[2]] @ stretched[1::2] + groups[3][..., : kept[3]] @ stretched[::2])
+    along = along + np.stack([u + odd_u, u - odd_u], axis=-1) @ np.stack([1.0 - s, s])
+    across = unit * (groups[0][..., : kept[0]] @ bent[::2] + groups[1][..., : kept[1]] @ bent[1::2])
+    return (s - 0.5) * length + along + 1j * (across + ends @ cubic)
 
 
 @lru_cache(maxsize=16)

@@ -59,24 +59,32 @@ def cholesky_solve(a, n, b):
 
 @kernel
 def lu_factor(a, n):
-    """Factor a[:n, :n], whose symmetric part is positive definite, in place without pivoting; False if it is not."""
+    """Factor a[:n, :n], whose symmetric part is positive definite, in place without pivoting; False if it is not.
+
+    The diagonal is kept inverted.
+    """
     for k in range(n):
         if not a[k, k] > 0.0:
             return False
+        inverse = 1.0 / a[k, k]
+        a[k, k] = inverse
         for i in range(k + 1, n):
-            a[i, k] /= a[k, k]
+            factor = a[i, k] * inverse
+            a[i, k] = factor
             for j in range(k + 1, n):
-                a[i, j] -= a[i, k] * a[k, j]
+                a[i, j] -= factor * a[k, j]
     return True
 
 
 @kernel
 def lu_solve(a, n, b):
     """Solve in place for `b` (n,) with the factors of `lu_factor`."""
-    for i in range(n):
-        for k in range(i):
-            b[i] -= a[i, k] * b[k]
-    for i in range(n - 1, -1, -1):
-        for k in range(i + 1, n):
-            b[i] -= a[i, k] * b[k]
-        b[i] /= a[i, i]
+    for k in range(n):
+        x = b[k]
+        for i in range(k + 1, n):
+            b[i] -= a[i, k] * x
+    for k in range(n - 1, -1, -1):
+        x = b[k] * a[k, k]
+        b[k] = x
+        for i in range(k):
+            b[i] -= a[i, k] * x

@@ -10,6 +10,7 @@ from solar_env.mechanics.mechanism.beams import PANEL
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.verification.checks import Check
 from solar_env.verification.panels.mechanisms import dead_force, loose, modal, moved, start
+from solar_env.verification.panels.modes import end_values
 from solar_env.verification.panels.theory import FineBeam
 
 # Retardation time of the array's panels [s].
@@ -44,9 +45,8 @@ def step_responses() -> Iterator[Check]:
                 )
                 # By then what is left out has died.
                 if ringing < 1e-3 * _RELATIVE * value[load]:
-                    rows, v = simulation.model.panels.bending_rows[0, load], simulation.state.v
-                    first = 3 + simulation.model.panels.axial_frequency.shape[1]
-                    elastic = rows @ v[first : first + rows.size]
+                    rows, v = end_values(simulation.model.panels)[load], simulation.state.v
+                    elastic = rows @ v[3 : 3 + rows.size]
                     rigid = (v[1] - 0.5 * BEAM.length * v[2], v[2])[load]
                     yield Check(
                         quantity=f"{name}, modes = {modes}: rate, an impulse's answer, at t = {time:g} s",

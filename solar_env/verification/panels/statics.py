@@ -47,7 +47,8 @@ def bent(load: float, moment: float, max_steps: int = 1_000_000) -> tuple[float,
         length, BEAM.axial_stiffness, stiffness, force / way, tip_moment=moment * stiffness / length
     )
     deflection = (exact * way).imag
-    return simulation.formulation.modal_range(simulation.model, simulation.state)[0], place.imag / deflection - 1.0, turn / (exact_turn + root) - 1.0
+    slope, _ = simulation.formulation.modal_range(simulation.model, simulation.state)
+    return slope, place.imag / deflection - 1.0, turn / (exact_turn + root) - 1.0
 
 
 def large_deflections() -> Iterator[Check]:

@@ -6,12 +6,15 @@ steps, so that no force is written down here.
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from solar_env.mechanics.arrays.model import CLEARANCE
 from solar_env.mechanics.modal.arrays import ModalModel
+from solar_env.mechanics.modal.foreshortening import quadratic_forms
 
 Complex = NDArray[np.complex128]
 
@@ -22,28 +25,42 @@ class Lagrangian:
     def __init__(self, model: ModalModel) -> None:
         self.model = model
         panels = model.panels
-        self.axial, self.bending = panels.axial_frequency.shape[1], panels.bending_frequency.shape[1]
-        size = sum(3 + (self.axial + self.bending) * (body["panel"] >= 0) for body in model.bodies)
+        # Groups: bending modes that are even and odd about the middle, then axial ones; by turns, from the lowest on.
+        self.groups = [slice(*pair) for pair in itertools.pairwise(panels.first)]
+        size = sum(3 + panels.frequency.shape[1] * (body["panel"] >= 0) for body in model.bodies)
+        bending, axial = panels.coupled[:2].sum(), panels.coupled[2:].sum()
+        panelled = [body for body in model.bodies if body["panel"] >= 0]
+        self.forms = [quadratic_forms(body["length"], body["mass"], bending, axial) for body in panelled]
         self.inverse_mass = np.ones(size)
         for body in model.bodies:
             first = body["offset"]
             self.inverse_mass[first : first + 2] = body["inverse_mass"]
             self.inverse_mass[first + 2] = body["inverse_inertia"]
 
+    def amplitudes(self, q: Complex, body: np.void) -> tuple[list[Complex], tuple[Complex, Complex]]:
+        """Amplitudes of a panel by group, and foreshortening.
+
+        The latter as projections on the lowest axial modes, and as what is left at the two ends.
+        """
+        first, coupled = body["offset"] + 3, self.model.panels.coupled
+        groups = [q[first + group.start : first + group.stop] for group in self.groups]
+        low = np.empty((coupled[0] + coupled[1], *q.shape[1:]), q.dtype)
+        low[::2], low[1::2] = groups[0][: coupled[0]], groups[1][: coupled[1]]
+        forms = self.forms[body["panel"]]
+        return groups, tuple(0.5 * np.einsum("i...,kij,j...->k...", low, form, low) for form in forms)
+
     def attachment(self, q: Complex, number: int) -> tuple[Complex, Complex, Complex]:
         """Place (x, y) of an attachment and the angle of its body there."""
         model, attachment = self.model, self.model.attachments[number]
         body = model.bodies[attachment["body"]]
-        first, d, end = body["offset"], body["design"], attachment["end"]
+        first, d, sign = body["offset"], body["design"], 1.0 - 2.0 * attachment["end"]
         x, y, turn = attachment["x"] + 0.0 * q[0], attachment["y"] + 0.0 * q[0], 0.0 * q[0]
         if body["panel"] >= 0:
-            a = q[first + 3 : first + 3 + self.axial]
-            b = q[first + 3 + self.axial : first + 3 + self.axial + self.bending]
-            low = b[: model.panels.ends.shape[2]]
-            x = x + model.panels.axial_rows[d, end] @ a
-            x = x + 0.5 * np.einsum("i...,ij,j...->...", low, model.panels.ends[d, end], low)
-            y = y + model.panels.bending_rows[d, 2 * end] @ b
-            turn = model.panels.bending_rows[d, 2 * end + 1] @ b
+            groups, (_, ends) = self.amplitudes(q, body)
+            values = [model.panels.rows[d, part].T @ group for part, group in zip(self.groups, groups, strict=True)]
+            x = x + values[2][0] + sign * values[3][0] + ends[attachment["end"]]
+            y = y + values[0][0] + sign * values[1][0]
+            turn = sign * values[0][1] + values[1][1]
         c, s = np.cos(q[first + 2]), np.sin(q[first + 2])
         return q[first] + c * x - s * y, q[first + 1] + s * x + c * y, q[first + 2] + turn
 
@@ -55,13 +72,12 @@ class Lagrangian:
             if body["inverse_mass"] > 0.0:
                 total = total - body["mass"] * (model.gravity @ q[first : first + 2])
             if body["panel"] >= 0:
-                a = q[first + 3 : first + 3 + self.axial].copy()
-                b = q[first + 3 + self.axial : first + 3 + self.axial + self.bending]
-                low = b[: panels.project.shape[2]]
-                coupled = panels.project.shape[1]
-                a[:coupled] -= 0.5 * np.einsum("i...,kij,j...->k...", low, panels.project[d], low)
-                total = total + 0.5 * panels.axial_frequency[d] ** 2 @ a**2
-                total = total + 0.5 * panels.bending_frequency[d] ** 2 @ b**2
+                groups, (projections, _) = self.amplitudes(q, body)
+                stretched = [group.copy() for group in groups]
+                for k, projection in enumerate(projections):
+                    stretched[2 + (k + 1) % 2][k // 2] -= projection
+                for part, group in zip(self.groups, stretched, strict=True):
+                    total = total + 0.5 * panels.frequency[d, part] ** 2 @ group**2
         for j, joint in enumerate(model.joints):
             x, y, outer_angle = self.attachment(q, joint["outboard"])
             inner_x, inner_y, inner_angle = self.attachment(q, joint["inboard"])

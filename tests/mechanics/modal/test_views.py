@@ -11,6 +11,7 @@ from solar_env.mechanics.bodies.beam_modes import wave_number
 from solar_env.mechanics.integrators.settings import ModalRadau
 from solar_env.mechanics.joints.joint import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, RATE
 from solar_env.mechanics.mechanism.description import Mechanism, ModalPanel
+from solar_env.mechanics.modal.foreshortening import quadratic_forms
 from solar_env.mechanics.modal.views import view_joint
 from solar_env.mechanics.running.simulation import Simulation
 
@@ -26,7 +27,7 @@ def shaken(modes: int) -> Simulation:
     """The array with all amplitudes and rates at random, each as large as its share of the same energy."""
     simulation = Simulation(build(ArrayParameters(), "flexible-clearance", modes=modes), ModalRadau())
     model, state, rng = simulation.model, simulation.state, np.random.default_rng(modes)
-    frequencies = np.concatenate([model.panels.axial_frequency[0], model.panels.bending_frequency[0]])
+    frequencies = model.panels.frequency[0]
     for body in model.bodies[model.bodies["panel"] >= 0]:
         own = slice(body["offset"] + 3, body["offset"] + 3 + frequencies.size)
         state.q[own] = 0.1 * rng.normal(size=frequencies.size) / frequencies
@@ -68,7 +69,8 @@ def test_the_axis_of_a_panel_in_one_mode_has_its_shape(k: int) -> None:
     model, q = simulation.model, simulation.state.q
     straight = centreline(model, q, 0)
     amplitude = 1e-6
-    q[3 + model.panels.axial_frequency.shape[1] + k - 1] = amplitude
+    # Even and odd modes have a group each.
+    q[3 + model.panels.first[(k + 1) % 2] + (k - 1) // 2] = amplitude
     offset = centreline(model, q, 0) - straight
     across = offset @ [-np.sin(0.7), np.cos(0.7)]
     # The textbook's shape, with hyperbolic functions that lose digits where they grow.
@@ -82,13 +84,14 @@ def test_the_axis_of_a_panel_in_one_mode_has_its_shape(k: int) -> None:
 def test_a_panel_that_bends_without_strain_keeps_its_length() -> None:
     simulation = panel(6)
     model, q = simulation.model, simulation.state.q
-    first = 3 + model.panels.axial_frequency.shape[1]
     bending = 0.05 * np.array([1.0, -0.4, 0.2, 0.0, 0.0, 0.0])
-    q[first : first + 6] = bending
+    even, odd, axial, axial_odd = 3 + model.panels.first[:4]
+    q[even : even + 3], q[odd : odd + 3] = bending[::2], bending[1::2]
     axis = centreline(model, q, 0, 50)
     stretched = np.hypot(*np.diff(axis, axis=0).T).sum() - LENGTH
-    project = model.panels.project[0]
-    q[3 : 3 + len(project)] = 0.5 * np.einsum("kij,i,j->k", project, bending, bending)
+    project, _ = quadratic_forms(LENGTH, MASS, 6, 3)
+    shortening = 0.5 * np.einsum("kij,i,j->k", project, bending, bending)
+    q[axial_odd : axial_odd + 2], q[axial] = shortening[::2], shortening[1]
     axis = centreline(model, q, 0, 50)
     kept = np.hypot(*np.diff(axis, axis=0).T).sum() - LENGTH
     # What is left is of fourth order in the slopes.

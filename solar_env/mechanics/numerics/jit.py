@@ -89,9 +89,12 @@ def kernel(
     """
     if function is None:
         return partial(kernel, inner=inner, inlined=inlined, single_caller=single_caller)
-    wishes = {"no_cpython_wrapper": inner, "forceinline": inlined, "inline": "always" if single_caller else ""}
+    wishes = {"no_cpython_wrapper": inner, "inline": "always" if single_caller else ""}
     # Only what is wished for: to name the default "never" keeps LLVM from inlining, which costs up to half the speed.
-    options = {name: value for name, value in wishes.items() if value}
+    options: dict[str, Any] = {name: value for name, value in wishes.items() if value}
+    # But this always: where it is not named, a kernel takes it from the caller that happens to be compiled first, and
+    # what a run computes would depend on that in its last bits.
+    options["forceinline"] = inlined
     previous = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = cache_folder(Path(function.__code__.co_filename).resolve())
     try:

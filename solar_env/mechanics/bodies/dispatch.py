@@ -17,7 +17,7 @@ def _hold(body, a):
         a[i] = 0.0
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def solve_body(body, constants, q, v, force, a, with_velocity):
     """Write to `a` the accelerations of a body alone under a generalized `force`; returns its own multiplier.
 
@@ -41,7 +41,7 @@ def solve_body(body, constants, q, v, force, a, with_velocity):
     return natural_coordinates.solve_body(body, q, v, force, a, with_velocity)
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def solve_free(body, constants, force, a):
     """Write to `a` the body's M^-1 force: its accelerations if its own constraint did not act."""
     if body.fixed:

@@ -22,7 +22,7 @@ def add_row(model, work, r, weight, x):
         x[coordinate[r, k]] += weight * value[r, k]
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def row_product(model, work, r, x):
     """Constraint row `r` times `x` (n,)."""
     coordinate, value = model.constraints.coordinate, work.row_value
@@ -55,7 +55,7 @@ def fill_column(model, work, r):
                     work.stretch[r, side, axis] = column[i + 2] - column[i]
 
 
-@kernel
+@kernel(inlined=True)
 def fill_columns(model, work, driven):
     """Fill the columns of the driven rows, which change, or of all others, with their products."""
     m = work.columns.shape[0]
@@ -68,7 +68,7 @@ def fill_columns(model, work, driven):
                 work.free_schur[r, s] = work.free_schur[s, r] = row_product(model, work, s, work.columns[r])
 
 
-@kernel
+@kernel(inlined=True)
 def drive_angle(drive, time):
     """Prescribed angle [rad], rate and angular acceleration of a drive."""
     span = drive.ramp_time
@@ -81,7 +81,7 @@ def drive_angle(drive, time):
     return drive.angle + scale * angle, scale * rate, scale * (1.0 - math.cos(phase))
 
 
-@kernel
+@kernel(inlined=True)
 def set_drive_rows(model, time, row_value):
     """Write the rows of prescribed rotations: the body's direction stays parallel to (cos psi, sin psi)."""
     for k in range(model.drives.size):
@@ -163,7 +163,7 @@ def subtract_response(model, q, work, multipliers, x):
     add_columns(model, work, multipliers, x)
 
 
-@kernel
+@kernel(inlined=True)
 def prepare_response(model, q, time, work):
     """Fill the compliance of the linear constraints at a configuration; False if they are redundant."""
     if model.drives.size > 0:

@@ -164,7 +164,7 @@ def applied_forces(model, joint_states, q, v, work):
     joint_forces(model, joint_states, work.impact_speeds, q, v, work.loads, force, power)
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers):
     """Accelerations (n,) at a configuration, with loads and powers in `work`; False if constraints are redundant.
 
@@ -180,7 +180,7 @@ def inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers)
     return apply_linear_constraints(model, q, v, time, work, a, multipliers)
 
 
-@kernel
+@kernel(inlined=True)
 def accelerations(model, joint_states, q, v, time, work, a, multipliers):
     """`inlined_accelerations` as a call, for places that are not hot."""
     return inlined_accelerations(model, joint_states, q, v, time, work, a, multipliers)
@@ -242,7 +242,7 @@ def stored_energies(model, joint_states, q, v, loads, energies):
         energies[CABLE] += energy
 
 
-@kernel
+@kernel(inlined=True)
 def normal_inverse_mass(model, q, v, j, work):
     """Inverse effective mass [1/kg] of joint `j` along its line of centres: acceleration per unit normal force."""
     joint = model.joints[j]

@@ -47,7 +47,7 @@ def prepare_arrays(model, settings, arrays):
     begin_of(settings)(model, arrays.own)
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def begin_adaptive(model, state, settings, recorder, arrays):
     """Prepare a call, from the accelerations of the last one where they hold, and record its start; a status code."""
     prepare_arrays(model, settings, arrays)
@@ -117,7 +117,7 @@ def choose_next(model, state, settings, stages):
     adapt_of(settings)(model, state, stages, True)
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def take_adaptive_step(model, state, settings, recorder, end_time, arrays):
     """Try a step towards `end_time` [s], and take it if its error allows, up to its first event; a status code."""
     stages, clock, trial = arrays.stages, state.clock[0], arrays.stages.trial[0]

@@ -24,7 +24,7 @@ from solar_env.mechanics.records.history import latch, start_contact
 NO_EVENT, CONTACT_START, LATCHING, STOP_ENGAGEMENT = (np.int64(kind) for kind in range(4))
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def event_function(model, state, settings, stages, j, kind, h, share):
     """Depth [m], or angle past the lock or into the stop [rad], that rises through zero at an event of joint `j`."""
     joint, markers = model.joints[j], model.markers

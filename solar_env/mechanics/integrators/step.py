@@ -115,14 +115,14 @@ def make_adaptive_arrays(model: Model, state: State, rows: int, work: Workspace,
     return AdaptiveArrays(work, make_workspace(model, state), make_stages(state, rows), own)
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def set_impact_speeds(joint_states, impact_speeds):
     """Fill (joints,) with the impact speeds of the contacts under way, and zeros for free journals."""
     for j in range(joint_states.size):
         impact_speeds[j] = joint_states[j].impact_speed if joint_states[j].in_contact else 0.0
 
 
-@kernel
+@kernel(inlined=True)
 def refresh(model, state, stages, work):
     """Evaluate the first stage at the accepted state, with its contact modes. False if constraints are singular."""
     set_impact_speeds(state.joints, work.impact_speeds)
@@ -180,7 +180,7 @@ def hermite_state(state, stages, h, share):
         v[i] = c0 * v0[i] + c1 * a0 + d0 * v1[i] + d1 * a1
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def hermite_depth(joint, markers, state, stages, h, share):
     """Penetration [m] of a joint at `share` of the step; an eccentricity that is linear in q is interpolated alone."""
     if not (markers[joint.outboard].linear and markers[joint.inboard].linear):
@@ -222,13 +222,13 @@ def hermite_integrals(state, stages, h, share):
         integrals[k] = base[k] + whole * gain[k] + h * (start * power[0, k] + end * power[-1, k])
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def hermite_is_complete(model, state, arrays, recorder, h):
     """Hermite's interpolant needs nothing beyond what every step leaves at its ends."""
     return True
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def adapt_nothing(model, state, stages, accepted):
     """The method has no choice of its own between steps."""
 

@@ -155,7 +155,7 @@ def cable_torque(cable, stretch):
     return math.copysign(torque, stretch), 0.5 * cable.stiffness, energy
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def joint_torques(model, joint_states, q, v, loads, power):
     """Fill angles, rates, spins and the spring, stop, motor and cable torques of every joint; their powers too."""
     joints, markers, cables = model.joints, model.markers, model.cables

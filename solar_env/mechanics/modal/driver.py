@@ -170,7 +170,7 @@ def next_step_size(clock, h, error, cut):
     clock.step_size = max(clock.step_size, size) if cut else size
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def begin_modal(model, state, settings, recorder, work):
     """Look at the present state and record the start of a call; a status code."""
     clock = state.clock[0]
@@ -197,7 +197,7 @@ def cut_tables(model, work, h):
     return work.tables
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def take_modal_step(model, state, settings, recorder, end_time, work):
     """Try a step towards `end_time` [s], and take it if its error allows, up to its first event; a status code."""
     clock = state.clock[0]

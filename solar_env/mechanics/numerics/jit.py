@@ -83,8 +83,9 @@ def kernel(
 
     Args:
         function: to compile; left out where the decorator has options.
-        inner: only kernels call it; leaving out the way in from Python saves compile time.
-        inlined: LLVM inlines it wherever it is called, which spares passing tuples of arrays.
+        inner: only kernels call it. It has no way in from Python, which saves compile time, and LLVM inlines it, which
+            spares passing tuples of arrays.
+        inlined: LLVM inlines it, though Python calls it as well.
         single_caller: one kernel calls it, in one place; it is compiled as a part of that only, which saves time.
     """
     if function is None:
@@ -94,7 +95,7 @@ def kernel(
     options: dict[str, Any] = {name: value for name, value in wishes.items() if value}
     # But this always: where it is not named, a kernel takes it from the caller that happens to be compiled first, and
     # what a run computes would depend on that in its last bits.
-    options["forceinline"] = inlined
+    options["forceinline"] = inner or inlined
     previous = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = cache_folder(Path(function.__code__.co_filename).resolve())
     try:

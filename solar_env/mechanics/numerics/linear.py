@@ -20,7 +20,7 @@ def copy_rows(target, source):
             target[i, j] = source[i, j]
 
 
-@kernel
+@kernel(inlined=True)
 def cholesky_factor(a, n):
     """Factor the symmetric positive definite a[:n, :n] in place into its lower triangle; False if it is singular.
 
@@ -42,7 +42,7 @@ def cholesky_factor(a, n):
     return True
 
 
-@kernel
+@kernel(inlined=True)
 def cholesky_solve(a, n, b):
     """Solve in place for `b` (n,) with the factor of `cholesky_factor`."""
     for i in range(n):

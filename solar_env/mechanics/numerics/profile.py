@@ -133,7 +133,7 @@ def taken(x, place):
 # Blocks are handed on as views: that their indices are constants tells the compiler that no entry overlaps another.
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def _subtract_product(out, left, right):
     """Subtract left^T right from `out`, all row by row."""
     for i in range(BLOCK):
@@ -145,7 +145,7 @@ def _subtract_product(out, left, right):
         out[4 * i], out[4 * i + 1], out[4 * i + 2], out[4 * i + 3] = y0, y1, y2, y3
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def _scale(block, inverse):
     """Replace the block B, column by column, by B times `inverse`."""
     for i in range(BLOCK):
@@ -208,7 +208,7 @@ def profile_factor(elimination, matrix):
     return True
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def _times(block, x0, x1, x2, x3):
     """A block, row by row, times a vector."""
     return (
@@ -219,7 +219,7 @@ def _times(block, x0, x1, x2, x3):
     )
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def _transposed_times(block, x):
     """A block, column by column, times a vector (BLOCK,)."""
     a, b, c, d = x[0], x[1], x[2], x[3]

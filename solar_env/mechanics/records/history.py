@@ -48,7 +48,7 @@ def end_contact(state, j, time, recorder):
     own.impact_speed = 0.0
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def note_force(own, force, postlock):
     """Raise a joint's running maxima to a force [N]."""
     own.contact_peak = max(own.contact_peak, force)
@@ -143,7 +143,7 @@ def settle_joints(model, state, loads, sliding_work, start_time, start_depth, re
                 end_contact(state, j, parting_time(start_time, time, start_depth[j], depth), recorder)
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def impact_step_limit(state, time, resolution):
     """Greatest step [s] that resolves the impacts under way with `resolution` steps each."""
     joint_states = state.joints
@@ -155,7 +155,7 @@ def impact_step_limit(state, time, resolution):
     return limit
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def fail(state, status, joint, value):
     """Note where and why a call stops."""
     state.clock[0].failure_joint = joint

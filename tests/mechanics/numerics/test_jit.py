@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import solar_env
-from solar_env.mechanics.numerics.jit import cache_folder, kernel_sources
+from solar_env.mechanics.numerics.jit import cache_folder, kernel, kernel_sources
 
 PROGRAM = """
 import sys
@@ -116,3 +116,13 @@ def test_the_compilers_own_settings_are_left_alone() -> None:
     import numba
 
     assert cache_folder(COMPILING[0]) != numba.config.CACHE_DIR
+
+
+@pytest.mark.parametrize("options", [{}, {"inner": True}, {"inlined": True}, {"single_caller": True}])
+def test_a_kernel_is_inlined_as_its_own_options_say_whoever_calls_it(options: dict[str, bool]) -> None:
+    def halved(x):  # type: ignore[no-untyped-def]
+        return 0.5 * x
+
+    # Not named, it would be the compiler's choice for the caller that is compiled first.
+    expected = options.get("inner", False) or options.get("inlined", False)
+    assert kernel(halved, **options).targetoptions["forceinline"] is expected

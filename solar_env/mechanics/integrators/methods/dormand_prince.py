@@ -35,18 +35,18 @@ def make_dormand_prince_arrays(model: Model, state: State) -> AdaptiveArrays:
     return make_adaptive_arrays(model, state, ROWS, make_workspace(model, state), ())
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def begin_dormand_prince(model, own):
     """Nothing is kept between calls."""
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def choose_dormand_prince(model, state, stages, wanted):
     """Step to try [s]: the one `wanted`, for the error estimate alone bounds it."""
     return wanted
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def add_stages(weights, h, start, derivatives, values):
     """Write start (n,) + h * sum_i weights[i] * derivatives[i] (rows, n) to `values` (n,)."""
     copy_into(values, start)
@@ -58,7 +58,7 @@ def add_stages(weights, h, start, derivatives, values):
                 values[i] += factor * derivative[i]
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def enter_stage(state, stages, row, h, q, v):
     """Coordinates `q` and velocities `v` (n,) at a stage from the derivatives at those before it."""
     add_stages(COUPLING[row], h, state.q, stages.velocity, q)
@@ -66,7 +66,7 @@ def enter_stage(state, stages, row, h, q, v):
     copy_into(stages.velocity[row], v)
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def combined(weights, derivatives, i):
     """Sum over the stages of weights[s] * derivatives[s, i]."""
     total = 0.0
@@ -171,7 +171,7 @@ def complete_dense(model, state, arrays, recorder, h):
     return True
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def fill_weights(share, weights):
     """Weights (rows,) of the stages in the interpolant of order seven at `share` of the step."""
     rest = 1.0 - share
@@ -203,7 +203,7 @@ def dense_integrals(state, stages, h, share):
     add_stages(stages.weights, h, state.integrals, stages.power, stages.integrals)
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def dense_depth(joint, markers, state, stages, h, share):
     """Penetration [m] of a joint at `share` of the step."""
     dense_state(state, stages, h, share)

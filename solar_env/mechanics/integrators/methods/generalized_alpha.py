@@ -246,7 +246,7 @@ def judge(model, state, it, scratch, settings, h, convergence):
     return 0.0
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def begin_alpha(model, state, settings, recorder, arrays):
     """Fill what the arrays hold of a model and record the start of a call; a status code."""
     work, scratch, it = arrays
@@ -290,7 +290,7 @@ def solve_until_accepted(model, state, settings, it, work, scratch, h):
     return h, m.DONE
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def take_alpha_step(model, state, settings, recorder, end_time, arrays):
     """Take a step towards `end_time` [s], tried again with shorter ones if need be; a status code."""
     work, scratch, it = arrays

@@ -71,7 +71,7 @@ def present_velocity_scale(velocity_scale, weights, v0, v):
     return velocity_scale * min(1.0, max((_SLOW * top / velocity_scale) ** 2, _LEAST_SCALE))
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def begin_rosenbrock(model, own):
     """Forget what other lanes and calls have left, and fill what the arrays hold of a model."""
     own.stiff.active[0] = 0
@@ -80,7 +80,7 @@ def begin_rosenbrock(model, own):
     fill_mass(model, own.step.newton.mass)
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def choose_rosenbrock(model, state, stages, wanted):
     """Step to try [s] if `wanted` is what accuracy, impacts and the settings allow, and whether linearly implicit."""
     trial = stages.trial[0]
@@ -89,7 +89,7 @@ def choose_rosenbrock(model, state, stages, wanted):
     return wanted if implicit else stable_step(model, stages, wanted)
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def attempt_rosenbrock(model, state, settings, arrays, h):
     """Fill a step `h`, its end going to `stages`; its error in units of the tolerance, negative if singular."""
     work, stages, own = arrays.work, arrays.stages, arrays.own
@@ -106,7 +106,7 @@ def attempt_rosenbrock(model, state, settings, arrays, h):
     return error_norm(model, state, stages, own.stiff, settings.rtol, velocity_scale, h)
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def adapt_rosenbrock(model, state, stages, accepted):
     """Choose when a linearly implicit step is tried next, once the next step's size is set."""
     clock, trial = state.clock[0], stages.trial[0]

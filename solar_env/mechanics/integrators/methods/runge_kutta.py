@@ -115,7 +115,7 @@ def make_runge_kutta_arrays(model: Model, state: State) -> AdaptiveArrays:
     return make_adaptive_arrays(model, state, STAGES, work, RungeKuttaArrays(make_stiff_forces(state)))
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def begin_runge_kutta(model, own):
     """Forget the stiff forces of other lanes and calls."""
     own.stiff.active[0] = 0
@@ -129,7 +129,7 @@ def stable_step(model, stages, wanted):
     return min(stable, wanted)
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def choose_runge_kutta(model, state, stages, wanted):
     """Step to try [s] if `wanted` is what accuracy, impacts and the settings allow."""
     return stable_step(model, stages, wanted)
@@ -258,7 +258,7 @@ def attempt_explicit(model, state, arrays, h):
     return take_stages(model, state, stages, arrays.own.stiff, work, h)
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def attempt_runge_kutta(model, state, settings, arrays, h):
     """Fill a step `h`, its end going to `stages`; its error in units of the tolerance, negative if singular."""
     if not attempt_explicit(model, state, arrays, h):

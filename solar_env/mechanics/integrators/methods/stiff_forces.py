@@ -85,13 +85,13 @@ def contact_directions(joint, markers, q, v, gradient, force):
     add_torque(inboard, q, -friction * motion.lever, force)
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def lasts(own, time):
     """Whether a joint is in contact and its impact, which has steps of its own, over."""
     return own.in_contact != 0 and time - own.contact_start >= IMPACT_DURATIONS * own.contact_duration
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def may_be_stiff(model, state):
     """Whether some force could be stiff: a look that costs next to nothing."""
     flexible, time, found = model.flexible != 0, state.clock[0].time, False
@@ -220,7 +220,7 @@ def begin_step(model, state, work, stiff, start, h):
     return count if lu_factor(stiff.matrix, count) else 0
 
 
-@kernel(inner=True, inlined=True)
+@kernel(inner=True)
 def correct_stage(stiff, stage, h, velocity, acceleration, power):
     """Turn the velocities, accelerations and powers of a stage into its derivatives."""
     count = stiff.active[0]

@@ -5,7 +5,7 @@ import math
 from solar_env.mechanics.arrays.model import IDEAL
 from solar_env.mechanics.modal.arrays import LEVER, NORMAL_X, NORMAL_Y, RIGID_BODY, START
 from solar_env.mechanics.modal.oscillators import NODES, A, B
-from solar_env.mechanics.modal.tables import AXIAL_EVEN, AXIAL_ODD, BENDING_EVEN, BENDING_ODD, side
+from solar_env.mechanics.modal.tables import AXIAL_EVEN, AXIAL_ODD, BENDING_EVEN, BENDING_ODD, GROUPS, side
 from solar_env.mechanics.numerics.jit import kernel
 
 # Below this angle [rad] three terms of the series of sine and cosine hold all digits.
@@ -56,7 +56,7 @@ def distribute_loads(model, state, work, stage):
         for i in range(3):
             work.body_load[stage, b, i] = 0.0
     for p in range(work.group_load.shape[0]):
-        for group in range(4):
+        for group in range(GROUPS):
             work.group_load[p, stage, group, 0] = work.group_load[p, stage, group, 1] = 0.0
     for j in range(model.joints.size):
         joint = model.joints[j]

@@ -34,7 +34,8 @@ def angle_by_torque(model, tables, level, h, j):
         body = model.bodies[attachment.body]
         total += 0.5 * h * h * body.inverse_inertia
         if body.panel != RIGID_BODY:
-            even, odd = tables.response[body.design, level, 0, 1, 1], tables.response[body.design, level, 1, 1, 1]
+            response = tables.response[body.design, level]
+            even, odd = response[BENDING_EVEN, 1, 1], response[BENDING_ODD, 1, 1]
             total += abs(even[2] + odd[2]) + abs(even[6] + odd[6])
     return total
 

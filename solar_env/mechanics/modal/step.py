@@ -32,6 +32,7 @@ from solar_env.mechanics.modal.equations import contact_rows, fill_torques, reac
 from solar_env.mechanics.modal.motion import move_attachments, move_joints
 from solar_env.mechanics.modal.oscillators import NODES
 from solar_env.mechanics.modal.rows import fill_mobility, list_rows, load_column
+from solar_env.mechanics.modal.tables import BENDING_EVEN, BENDING_ODD
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_rows, lu_factor, lu_solve
 
@@ -122,7 +123,8 @@ def velocity_by_torque(model, work, tables, level, h, j):
         lever = math.hypot(work.local[SECOND, number, 0], work.local[SECOND, number, 1])
         total += lever * body.inverse_inertia * h
         if body.panel != RIGID_BODY:
-            even, odd = tables.response[body.design, level, 0, 0, 1], tables.response[body.design, level, 1, 0, 1]
+            response = tables.response[body.design, level]
+            even, odd = response[BENDING_EVEN, 0, 1], response[BENDING_ODD, 0, 1]
             total += abs(even[3] + odd[3] + even[7] + odd[7])
     return total
 
@@ -191,6 +193,8 @@ def correct_loads(model, state, work, n, h, renewed):
 def shift_stages(model, work, n):
     """Change the joints' motion at the stages by what the latest correction of the loads does, to first order.
 
+    It is for joints with clearance: a reaction's correction has no first order that would do.
+
     Returns:
         Greatest displacement over the clearance, to say how much the first order leaves out.
     """
@@ -213,12 +217,10 @@ def shift_stages(model, work, n):
                 motion[DEPTH] -= value
                 greatest = max(greatest, abs(value) / joint.clearance)
                 motion[DEPTH_RATE] -= rate
-            elif kind == TANGENTIAL:
+            else:
                 motion[SLIP] += rate
                 motion[SLIDING_SPEED] += rate
                 greatest = max(greatest, abs(value) / joint.clearance)
-            else:
-                return math.inf
     return greatest
 
 
@@ -249,7 +251,7 @@ def solve_step(model, state, work, settings, tables, level, h):
         if size == math.inf:
             return False
         # A small correction leaves the matrix and all directions as they are; a second one in a row does not.
-        renewed = not (renewed and size < _SMALL and apart <= _CONVERGED)
+        renewed = constrained or not (renewed and size < _SMALL and apart <= _CONVERGED)
         # Of the corrections to come, by the rate at which they shrink; but a relative velocity that is left in an ideal
         # joint would be a blow in the next step. A first correction may do without contacts and reactions, whose
         # directions are not known before.

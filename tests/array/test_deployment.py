@@ -1,0 +1,138 @@
+"""Deployments of an array: integrators by name, durations, initial rates."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from solar_env.array import (
+    DEFAULT_ELEMENTS,
+    MODELS,
+    ArrayParameters,
+    PanelModel,
+    build,
+)
+from solar_env.array.deployment import panel_deflections, simulate
+from solar_env.array.methods import INTEGRATOR_NAMES, default_integrator, make_integrator
+from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.bodies.markers import velocity as marker_velocity
+from solar_env.mechanics.integrators.settings import DormandPrince, GeneralizedAlpha, ModalRadau, Rosenbrock, RungeKutta
+from solar_env.mechanics.joints.joint import RATE
+from solar_env.mechanics.running.simulation import Simulation
+from solar_env.mechanics.running.trajectory import Trajectory
+
+
+@pytest.mark.parametrize("model", ["flexible-ideal", "flexible-clearance"])
+def test_a_deployment_with_modal_panels_is_saved_and_measured_as_others(model: str, tmp_path: Path) -> None:
+    run = simulate(model=model, modes=3, duration=0.5)
+    run.save(tmp_path / "run.npz")
+    loaded = Trajectory.load(tmp_path / "run.npz")
+    kept = [loaded.metadata[name] for name in ("panels", "modes", "integrator")]
+    assert kept == ["modal", 3, "modal-radau"]
+    assert loaded.summary()["modes"] == 3
+    assert np.array_equal(panel_deflections(loaded), panel_deflections(run))
+    assert 1e-6 < np.abs(panel_deflections(run)).max() < 1e-2
+    assert run.energy_residual < 1e-4 * run.energy_put_in
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("name", INTEGRATOR_NAMES)
+def test_integrators_by_name(name: str, model: str) -> None:
+    default = default_integrator(model)
+    modal = ModalRadau(rtol=3e-4 if model.endswith("ideal") else 1e-2)
+    assert default_integrator(model, PanelModel("modal", 2)) == (modal if model.startswith("flexible") else default)
+    if model.startswith("flexible"):
+        explicit, implicit = RungeKutta(rtol=1e-5), default
+    else:
+        explicit, implicit = default, Rosenbrock(rtol=default.rtol)
+    expected, stepped = {
+        "runge-kutta": (explicit, replace(explicit, max_step=1e-3)),
+        "rosenbrock": (implicit, replace(implicit, max_step=1e-3)),
+        "dop853": (DormandPrince(), DormandPrince(max_step=1e-3)),
+        "modal-radau": (modal, replace(modal, max_step=1e-3)),
+        "generalized-alpha": (GeneralizedAlpha(), GeneralizedAlpha(step=1e-3)),
+        "paper": (GeneralizedAlpha(rho_inf=1.0, step=1e-4), GeneralizedAlpha(rho_inf=1.0, step=1e-3)),
+    }[name]
+    assert make_integrator(name, model) == expected
+    assert make_integrator(name, model, step=1e-3) == stepped
+    if name == "paper":
+        with pytest.raises(ValueError, match="rtol does not apply to the integrator 'paper'"):
+            make_integrator(name, model, rtol=1e-5)
+    else:
+        assert make_integrator(name, model, rtol=1e-5) == replace(expected, rtol=1e-5)
+
+
+def test_an_unknown_integrator_is_refused_with_the_choices() -> None:
+    choices = ", ".join(INTEGRATOR_NAMES)
+    with pytest.raises(ValueError, match=f"integrator 'euler' is unknown; choose from {choices}"):
+        make_integrator("euler", "rigid-ideal")
+
+
+@pytest.mark.parametrize("name", INTEGRATOR_NAMES)
+@pytest.mark.parametrize("step", [0.0, -1e-4, math.nan])
+def test_an_absurd_step_is_refused_with_its_value(name: str, step: float) -> None:
+    with pytest.raises(ValueError, match=f"step = {step!r}"):
+        make_integrator(name, "rigid-clearance", step=step)
+
+
+@pytest.mark.parametrize("duration", [0.0, -1.0, math.nan, math.inf])
+def test_a_duration_without_sense_is_refused_with_its_value(duration: float) -> None:
+    with pytest.raises(ValueError, match=f"duration = {duration!r} s"):
+        simulate(duration=duration)
+
+
+def test_a_deployment_takes_parameters_or_changes_and_keeps_them() -> None:
+    changed, given = (simulate(p, duration=0.1) for p in ({"clearance": 3e-4}, ArrayParameters(clearance=3e-4)))
+    assert changed.coordinates.tobytes() == given.coordinates.tobytes()
+    assert changed.metadata["parameters"] == ArrayParameters(clearance=3e-4).to_dict()
+    assert changed.clearance.tolist() == [3e-4, 3e-4]
+    assert (changed.metadata["model"], changed.metadata["elements"]) == ("rigid-clearance", DEFAULT_ELEMENTS)
+
+
+@pytest.mark.parametrize("model", ["flexible-ideal", "flexible-clearance"])
+def test_a_flexible_deployment_has_the_coordinates_of_its_nodes_and_repeats_to_the_bit(model: str) -> None:
+    first, second = (simulate(model=model, elements=3, duration=0.3) for _ in range(2))
+    assert first.coordinates.shape == (31, 4 + 2 * 16)
+    assert first.coordinates.tobytes() == second.coordinates.tobytes()
+    assert first.metadata["elements"] == 3
+    assert first.energies["elastic"].max() > 0.0
+    assert first.energy_residual < 1e-4 * first.energy_put_in
+
+
+@pytest.mark.parametrize("hinge", [(0.5, 0.0), (0.5, -0.5), (0.0, 0.3)])
+@pytest.mark.parametrize("model", MODELS)
+def test_initial_rates_are_those_asked_for_and_strain_nothing(model: str, hinge: tuple[float, float]) -> None:
+    """Joint rates and spin as given; the hinges' two sides move alike, and panels turn as rigid bodies."""
+    rates, spin = (0.02, -0.03, 0.01), 0.04
+    p = ArrayParameters(panel_count=3, initial_rate=rates, initial_spin=spin, hinge_x=hinge[0], hinge_y=hinge[1])
+    simulation = Simulation(build(p, model, 3))
+    loads, state, compiled = simulation.joint_loads(), simulation.state, simulation.model
+    assert loads[:, RATE] == pytest.approx(rates, abs=1e-14)
+    for joint in compiled.joints:
+        sides = [marker_velocity(compiled.markers[joint[side]], state.q, state.v) for side in ("inboard", "outboard")]
+        assert sides[0] == pytest.approx(sides[1], abs=1e-15)
+    # Main body: at rest at its centroid; panels: every point turns about the hinge.
+    velocity, turn, expected = np.zeros(2), spin, []
+    arm = np.array(hinge)
+    for k in range(3):
+        velocity = velocity + turn * np.array([-arm[1], arm[0]])
+        turn += (-1) ** k * rates[k]
+        arm = np.array([0.0, -((-1) ** k) * p.panel_length])
+        middle = velocity + turn * 0.5 * np.array([-arm[1], arm[0]])
+        mass = p.panel_density * p.panel_length * p.panel_width * p.panel_thickness
+        inertia = mass * p.panel_length**2 / 12.0
+        if model.startswith("rigid"):
+            inertia += mass * p.panel_thickness**2 / 12.0
+        expected.append(0.5 * mass * middle @ middle + 0.5 * inertia * turn**2)
+    energies = dict(zip(m.ENERGY_NAMES, simulation.stored_energies(), strict=True))
+    assert energies["kinetic"] == pytest.approx(0.5 * p.body_inertia * spin**2 + sum(expected), rel=1e-12)
+    assert energies["elastic"] == pytest.approx(0.0, abs=1e-20)
+
+
+def test_a_body_that_is_held_cannot_turn() -> None:
+    with pytest.raises(ValueError, match=r"initial_spin = 0\.1 needs a body that is not fixed"):
+        ArrayParameters(body_fixed=True, initial_spin=0.1)

@@ -1,0 +1,231 @@
+"""Parameters of the array: what is refused, presets, and the bearings that they describe."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+import pytest
+
+from solar_env.array import (
+    PRESETS,
+    ArrayParameters,
+    build,
+    check_model,
+)
+from solar_env.array.deployment import simulate
+from solar_env.mechanics.joints.friction.ramp import RampedCoulomb
+
+NUMBERS = [f.name for f in fields(ArrayParameters) if not isinstance(f.default, (str, bool))]
+PER_JOINT = ("spring_stiffness", "spring_preload_angle", "clearance", "initial_rate")
+
+
+def refused(changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(message)):
+        ArrayParameters().with_changes(changes)
+
+
+def test_the_defaults_are_the_papers_table() -> None:
+    p = ArrayParameters()
+    assert (p.body_mass, p.body_inertia) == (1500.0, 250.0)
+    assert p.panel_density * p.panel_length * p.panel_width * p.panel_thickness == pytest.approx(6.0, rel=1e-14)
+    assert (p.spring_stiffness, p.spring_preload_angle) == ((0.1, 0.075), (math.pi / 2, math.pi))
+    assert (p.restitution, p.contact_stiffness, p.friction_coefficient) == (0.9, 7.39e10, 0.15)
+    assert (p.journal_radius, p.clearance) == (0.01, 2e-4)
+
+
+def test_every_parameter_is_documented() -> None:
+    for item in fields(ArrayParameters):
+        assert re.search(rf"\b{item.name}\b", ArrayParameters.__doc__ or ""), item.name
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, "1", [], [[1.0]], True])
+def test_what_is_not_a_finite_number_is_refused_by_name(name: str, value: Any) -> None:
+    with pytest.raises(ValueError, match=f"^{name} = "):
+        ArrayParameters().with_changes({name: value})
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "body_mass",
+        "body_inertia",
+        "body_size",
+        "panel_length",
+        "panel_width",
+        "panel_thickness",
+        "panel_density",
+        "panel_young",
+        "cable_wheel_radius",
+        "journal_radius",
+        "bearing_width",
+        "clearance",
+        "contact_stiffness",
+        "panel_count",
+        "wear_bins",
+        "restitution",
+        "minimum_impact_speed",
+        "journal_young",
+        "bearing_young",
+        "latch_stiffness",
+        "latch_ramp_depth",
+    ],
+)
+@pytest.mark.parametrize("value", [0, -1])
+def test_what_must_be_positive_is_refused_otherwise_by_name_and_value(name: str, value: Any) -> None:
+    whole = isinstance(getattr(ArrayParameters(), name), int)
+    number = value if whole else float(value)
+    with pytest.raises(ValueError, match=re.escape(f"{name} = {number!r} must")):
+        ArrayParameters().with_changes({name: number})
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "panel_damping",
+        "cable_stiffness",
+        "cable_preload_force",
+        "cable_torque_ratio",
+        "friction_coefficient",
+        "wear_coefficient",
+        "spring_stiffness",
+        "hinge_x",
+        "friction_speed_zero",
+        "latch_gap",
+        "latch_damping",
+    ],
+)
+def test_what_must_not_be_negative_is_refused_if_it_is_and_may_be_zero(name: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(f"{name} = -0.1 must not be negative")):
+        ArrayParameters().with_changes({name: -0.1})
+    assert getattr(ArrayParameters().with_changes({name: 0.0}), name) == 0.0
+
+
+def test_other_values_without_sense_are_refused() -> None:
+    refused({"panel_count": 101}, "panel_count = 101 must lie between 1 and 100")
+    refused({"panel_count": 2.5}, "panel_count = 2.5 must be a whole number")
+    refused({"wear_bins": 360.0}, "wear_bins = 360.0 must be a whole number")
+    refused({"clearance": 0.0}, "clearance = 0.0 must be positive; for no clearance choose an ideal model")
+    refused({"clearance": (1e-4, -1e-4)}, "clearance = (0.0001, -0.0001) must be positive")
+    refused({"clearance": 0.02}, "clearance = 0.02 must be below journal_radius")
+    refused({"restitution": 1.1}, "restitution = 1.1 must lie in (0, 1]")
+    refused({"contact_law": "dubowsky"}, "contact law 'dubowsky' is unknown")
+    refused({"contact_law": 3}, "contact_law = 3 must be of type str")
+    refused({"friction_sliding": "paper"}, "friction_sliding = 'paper' must be material or centres")
+    refused({"friction_law": "stribeck"}, "friction_law = 'stribeck' must be one of ramp, brown-mcphee")
+    refused({"static_friction_ratio": 0.9}, "static_friction_ratio = 0.9 must be at least 1")
+    refused({"static_friction_ratio": 1.5}, "static_friction_ratio = 1.5 must be 1 with friction_law = 'ramp'")
+    refused({"body_fixed": 1}, "body_fixed = 1 must be of type bool")
+    refused({"latch_exponent": 0.5}, "latch_exponent = 0.5 must be at least 1")
+    for name in ("journal_poisson", "bearing_poisson"):
+        for value in (-1.0, 0.51):
+            refused({name: value}, f"{name} = {value} must lie in (-1, 0.5]")
+    refused({"wear_bins": 100_001}, "wear_bins = 100001 must lie between 1 and 100000")
+    refused({"friction_speed_zero": 1e-2}, "friction_speed_zero = 0.01 must be below friction_speed_full = 0.001")
+    refused({"body_mass": None}, "body_mass = None must be a finite number")
+
+
+def test_an_unknown_name_is_refused_with_the_one_that_was_meant() -> None:
+    refused({"clearence": 1e-4}, "parameter 'clearence' is unknown; did you mean 'clearance'?")
+    refused({"xyzzy": 1.0}, "parameter 'xyzzy' is unknown; choose from panel_count, body_mass")
+
+
+@pytest.mark.parametrize("name", [n for n in NUMBERS if n not in PER_JOINT])
+def test_only_quantities_by_joint_take_several_entries(name: str) -> None:
+    refused({name: (1.0, 1.0)}, f"{name} = (1.0, 1.0) must be a single number")
+
+
+@pytest.mark.parametrize("name", PER_JOINT)
+def test_the_last_entry_of_a_quantity_by_joint_holds_for_all_further_joints(name: str) -> None:
+    p = ArrayParameters(panel_count=4).with_changes({name: [0.001, 0.002]})
+    assert [p.by_joint(name, j) for j in range(4)] == [0.001, 0.002, 0.002, 0.002]
+    assert [ArrayParameters().with_changes({name: 0.003}).by_joint(name, j) for j in range(2)] == [0.003] * 2
+    refused({name: (0.001, 0.002, 0.003)}, f"{name} = (0.001, 0.002, 0.003) has more entries than panels (2)")
+
+
+def test_the_default_entries_by_joint_also_serve_a_single_panel() -> None:
+    assert ArrayParameters(panel_count=1).by_joint("spring_stiffness", 0) == 0.1
+
+
+def test_changes_leave_the_original_alone_and_may_be_lists() -> None:
+    p = ArrayParameters()
+    changed = p.with_changes({"clearance": [1e-4, 3e-4], "body_mass": 10.0})
+    assert (changed.clearance, changed.body_mass) == ((1e-4, 3e-4), 10.0)
+    assert p == ArrayParameters()
+
+
+def test_parameters_survive_json() -> None:
+    p = ArrayParameters(panel_count=3, clearance=(1e-4, 2e-4, 3e-4), contact_stiffness=None)
+    assert ArrayParameters().with_changes(json.loads(json.dumps(p.to_dict()))) == p
+
+
+@pytest.mark.parametrize(
+    ("name", "given", "kept"),
+    [
+        ("clearance", np.array([1e-4, 2e-4]), (1e-4, 2e-4)),
+        ("clearance", [np.float64(1e-4), 2e-4], (1e-4, 2e-4)),
+        ("clearance", np.array(1e-4), 1e-4),
+        ("initial_rate", np.array([0, 1]), (0, 1)),
+        ("body_mass", np.float32(900.5), 900.5),
+        ("body_mass", np.float64(900.5), 900.5),
+        ("contact_stiffness", np.float32(2.0**36), 2.0**36),
+        ("panel_count", np.int64(3), 3),
+        ("wear_bins", np.int32(90), 90),
+        ("body_fixed", np.bool_(True), True),
+        ("contact_law", np.str_("flores"), "flores"),
+    ],
+)
+def test_numpys_numbers_and_arrays_are_taken_as_pythons(name: str, given: Any, kept: Any) -> None:
+    for p in (ArrayParameters(**{name: given}), ArrayParameters().with_changes({name: given})):
+        value = getattr(p, name)
+        assert value == kept
+        assert type(value) is type(kept)
+        if isinstance(kept, tuple):
+            assert [type(entry) for entry in value] == [type(entry) for entry in kept]
+        assert ArrayParameters().with_changes(json.loads(json.dumps(p.to_dict()))) == p
+        assert hash(p) == hash(ArrayParameters(**{name: kept}))
+
+
+def test_the_papers_preset_differs_in_these_four_parameters_alone() -> None:
+    assert ArrayParameters.preset("paper") == ArrayParameters(
+        hinge_y=-0.5, cable_torque_ratio=1.0, friction_sliding="centres", panel_damping=0.0
+    )
+
+
+def test_presets() -> None:
+    assert ArrayParameters.preset("default") == ArrayParameters()
+    paper = ArrayParameters.preset("paper")
+    assert (paper.hinge_x, paper.hinge_y) == (0.5, -0.5)
+    assert paper.cable_torque_ratio == 1.0
+    assert paper.friction_sliding == "centres"
+    for name in PRESETS:
+        assert ArrayParameters.preset(name).with_changes({}) == ArrayParameters.preset(name)
+    with pytest.raises(ValueError, match="preset 'papper' is unknown; did you mean 'paper'"):
+        ArrayParameters.preset("papper")
+
+
+def test_an_unknown_model_is_refused_with_the_choices() -> None:
+    for call in (check_model, lambda model: build(ArrayParameters(), model), lambda model: simulate(model=model)):
+        with pytest.raises(ValueError, match="model 'rigid' is unknown; choose from rigid-ideal, rigid-clearance"):
+            call("rigid")
+
+
+def test_the_contact_stiffness_is_given_or_follows_from_eq_40_by_joint() -> None:
+    assert ArrayParameters().contact(1).stiffness == 7.39e10
+    p = ArrayParameters(contact_stiffness=None, clearance=(2e-4, 1e-4))
+    assert p.contact(0).stiffness == pytest.approx(7.43e10, abs=0.005e10)
+    assert p.contact(1).stiffness > p.contact(0).stiffness == p.bearing(0).contact.stiffness
+
+
+def test_a_bearing_takes_over_its_parameters() -> None:
+    p = ArrayParameters(clearance=(1e-4, 3e-4), contact_law="flores", restitution=0.5, friction_sliding="centres")
+    bearing = p.bearing(1)
+    assert bearing.clearance == 3e-4
+    assert bearing.contact.damping == pytest.approx(1.6, rel=1e-14)
+    assert bearing.sliding == "centres"
+    assert bearing.friction == RampedCoulomb(p.friction_speed_zero, p.friction_speed_full)

@@ -1,0 +1,155 @@
+"""Episodes: when they end, and what they are charged."""
+
+from __future__ import annotations
+
+import math
+
+import gymnasium
+import numpy as np
+import pytest
+from episodes import ID, LATE_ROOT, LEVELS, STRONG, deploy, main_body_spin, make
+
+from solar_env.mechanics.arrays.model import SLIDING_WORK, joint_integrals
+
+
+@pytest.fixture(scope="module", params=LEVELS)
+def passive(request):
+    """The model, and what `deploy` returns of its passive deployment."""
+    return request.param, deploy(make(request.param))
+
+
+@pytest.mark.parametrize("model", LEVELS)
+def test_reward_terms_sum_to_the_reward_and_each_adds_up_to_its_figure_over_a_deployment(model):
+    env = make(model, reward={"attitude_disturbance": 1.0, "prelatch_wear": 2.0, "missed_deadline": 100.0})
+    env.reset(seed=0)
+    sums, spin, terminated = dict.fromkeys(env.reward.names, 0.0), 0.0, False
+    while not terminated:
+        _, reward, terminated, _, info = env.step([0.2])
+        assert math.isclose(reward, math.fsum(info["reward_terms"].values()), abs_tol=1e-12)
+        for name, value in info["reward_terms"].items():
+            sums[name] += value
+        spin = max(spin, abs(main_body_spin(env.simulation.state)))
+    figures = info["deployment"]
+    after = sum(figures["postlock_sliding_work_J"])
+    before = joint_integrals(env.simulation.state.integrals)[:, SLIDING_WORK].sum() - after
+    assert sums["peak_impact"] == pytest.approx(-sum(figures["peak_postlock_force_N"]) / 500.0, rel=1e-9)
+    assert sums["wear"] == pytest.approx(-after / 0.05, rel=1e-9)
+    assert sums["prelatch_wear"] == pytest.approx(-2.0 * before / 0.05, rel=1e-9)
+    assert sums["attitude_disturbance"] == pytest.approx(-spin / 0.01, rel=1e-9)
+    assert sums["missed_deadline"] == 0.0
+
+
+def test_an_episode_ends_exactly_one_window_after_the_last_latching(passive):
+    _, (_, steps, info) = passive
+    figures = info["deployment"]
+    assert figures["latched"]
+    assert figures["duration_s"] == pytest.approx(max(figures["latch_times_s"]) + 10.0, abs=1e-9)
+    assert steps == math.ceil(figures["duration_s"] / 0.1 - 1e-9)
+
+
+def test_the_energy_residual_of_an_episode_is_that_of_its_simulation():
+    env = make("rigid-clearance", parameters=STRONG, postlock_window=0.5)
+    _, _, info = deploy(env)
+    assert info["deployment"]["energy_residual_J"] == env.simulation.energy_residual()
+    env.reset(seed=0)
+    stored = env.simulation.state.clock["initial_energy"]
+    falsified = 0.001 * stored[0]  # within the share that nobody is warned of
+    stored += falsified
+    over = False
+    while not over:
+        *_, over, _, info = env.step([0.0])
+    assert info["deployment"]["energy_residual_J"] == env.simulation.energy_residual()
+    assert info["deployment"]["energy_residual_J"] == pytest.approx(-falsified, rel=0.1)
+
+
+def test_nothing_counts_as_after_the_latching_where_none_has_latched():
+    env = make("rigid-clearance", deadline=0.55)
+    _, _, info = deploy(env, lambda observation: [1.0])
+    assert min(info["deployment"]["contact_starts"]) > 0
+    for name in ("peak_postlock_force_N", "postlock_impulse_Ns", "postlock_sliding_work_J"):
+        assert info["deployment"][name] == [0.0, 0.0], name
+
+
+def test_a_missed_deadline_terminates_and_costs_more_than_the_worst_deployment():
+    env = gymnasium.make(ID).unwrapped
+    total, steps, info = deploy(env, lambda observation: [-1.0])
+    assert not info["deployment"]["latched"]
+    assert steps == 200
+    assert total == -25.0
+    # Driving at full torque throughout, after latching too, is about the worst that a deployment can be.
+    hard, _, _ = deploy(env, lambda observation: [1.0 if observation[2] >= 0.0 else -1.0])
+    assert total < -env.reward.largest_cost < hard < 0.0
+
+
+@pytest.mark.parametrize("model", LEVELS)
+def test_a_deadline_ends_the_episode_of_every_model(model):
+    env = make(model, deadline=0.55)
+    total, steps, info = deploy(env, lambda observation: [-1.0])
+    assert (total, steps) == (-25.0, 6)
+    assert info["deployment"]["latch_times_s"] == [None, None]
+    assert info["deployment"]["duration_s"] == pytest.approx(0.55, abs=1e-12)
+
+
+def test_the_charges_are_bounded_whatever_the_forces():
+    env = gymnasium.make(ID).unwrapped
+    env.reset(seed=0)
+    env.simulation.state.clock["latched_joints"] = 1
+    env.simulation.state.joints["postlock_peak_force"] = 1e9
+    _, reward, _, _, info = env.step([0.0])
+    assert info["reward_terms"]["peak_impact"] == -12.0
+    assert reward >= -env.reward.largest_cost
+
+
+def test_braking_before_the_latch_is_rewarded(passive):
+    model, (alone, _, _) = passive
+    # Ten decisions a second cannot damp what bends in flexible panels: a stiff control only shakes them.
+    gain, damping = (10.0, 0.0) if model.startswith("flexible") else (20.0, 20.0)
+
+    def brake(observation):
+        """Follow a rate that falls to zero towards the lock, then damp."""
+        theta_1, rate_1, rate_2, latched = observation[0], observation[2], observation[3], observation[4] > 0.0
+        wanted = min(0.2, max(0.005, 0.15 * (1.0 - theta_1)))
+        torque = -damping * rate_1 if latched else gain * (wanted - 0.5 * (rate_1 + rate_2 / 2.0))
+        return [float(np.clip(torque, -1.0, 1.0))]
+
+    total, _, info = deploy(make(model), brake)
+    assert info["deployment"]["latched"]
+    # Of the forces that panels without a mesh have, as those with twelve elements, it takes off a third at best.
+    assert total > (0.8 if model == "flexible-ideal-modal" else 0.5) * alone
+
+
+def test_the_time_since_latching_counts_from_the_last_one_in_units_of_the_window():
+    env = make("rigid-clearance", parameters=LATE_ROOT)
+    env.reset(seed=0)
+    index, counts, over = env.observation_names.index("time_since_latch"), [], False
+    while not over:
+        observation, _, over, _, info = env.step([0.0])
+        joints = env.simulation.state.joints
+        latched = int(joints["latched"].sum())
+        since = info["time_s"] - max(joints["latch_time"]) if latched == 2 else 0.0
+        assert observation[index] == np.float32(since / 10.0)
+        counts.append(latched)
+    assert np.bincount(counts).min() > 20, "before, between and after the latchings"
+    assert observation[index] == 1.0
+
+
+@pytest.mark.parametrize("model", ["rigid-ideal", "rigid-clearance", "flexible-clearance"])
+def test_latches_without_play_hold_a_folded_array_that_the_motor_pushes_shut(model):
+    env = make(model, parameters={"latch_gap": 0.0})
+    env.reset(seed=0)
+    for _ in range(5):
+        observation, *_ = env.step([-1.0])
+    # It bounces on a stop of 1000 N m/rad under the motor's 0.5 N m less the spring's 0.16 N m.
+    assert abs(observation[0] * math.pi / 2) < 1e-3
+
+
+def test_an_ideal_model_charges_joint_reactions_and_never_wears(passive):
+    model, (total, _, info) = passive
+    figures = info["deployment"]
+    if "clearance" in model:
+        assert min(figures["wear_depth_max_m"]) > 0.0 < min(figures["contact_starts"])
+        return
+    assert min(figures["peak_postlock_force_N"]) > 0.0
+    assert figures["wear_depth_max_m"] == [0.0, 0.0]
+    assert figures["contact_starts"] == [0, 0]
+    assert total == pytest.approx(-sum(figures["peak_postlock_force_N"]) / 500.0)

@@ -1,0 +1,40 @@
+"""Environments and whole episodes, for tests."""
+
+from __future__ import annotations
+
+import gymnasium
+
+from solar_env.array import MODELS
+
+ID = "solar_env/Deploy-v0"
+RANGES = {"clearance": (1e-4, 3e-4), "friction_coefficient": (0.05, 0.3)}
+# Few elements and modes, which is quick.
+LEVELS = {model: {"model": model, "elements": 2} for model in MODELS}
+LEVELS |= {f"{model}-modal": {"model": model, "modes": 4} for model in MODELS if model.startswith("flexible")}
+# Springs that deploy the array within three seconds.
+STRONG = {"spring_stiffness": 2.0}
+# The root latches nine seconds after the outer joint.
+LATE_ROOT = {"cable_stiffness": 0.02}
+
+
+def make(model="rigid-clearance", **keywords):
+    return gymnasium.make(ID, **LEVELS[model], **keywords).unwrapped
+
+
+def deploy(env, policy=lambda observation: [0.0], seed=0, options=None):
+    """Run one episode; returns its return, steps and the last info."""
+    observation, _ = env.reset(seed=seed, options=options)
+    total, steps = 0.0, 0
+    while True:
+        observation, reward, terminated, truncated, info = env.step(policy(observation))
+        total, steps = total + reward, steps + 1
+        if terminated or truncated:
+            return total, steps, info
+
+
+def main_body_spin(state):
+    """Angular velocity of the line through the main body's base points, or of its frame [rad/s]."""
+    if hasattr(state, "loads"):
+        return state.v[2]
+    (x, y), (u, v) = state.q[2:4] - state.q[:2], state.v[2:4] - state.v[:2]
+    return (x * v - y * u) / (x * x + y * y)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays.model import ENERGIES, record
 from solar_env.mechanics.joints.joint import LOAD_COLUMNS
-from solar_env.mechanics.modal.tables import FORMS, GROUPS, LOW, VALUES, Panels, Tables, make_tables
+from solar_env.mechanics.modal.panel.tables import FORMS, GROUPS, LOW, VALUES, Panels, Tables, make_tables
 
 Array = NDArray[np.float64]
 

@@ -14,8 +14,8 @@ from solar_env.mechanics.bodies.description import GROUND, AnyBody, Body, ModalP
 from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.modal.arrays import RIGID_BODY, ModalModel, ModalState, attachment_type, body_type
-from solar_env.mechanics.modal.foreshortening import AXIAL_MODES, BENDING_MODES, quadratic_forms
-from solar_env.mechanics.modal.tables import (
+from solar_env.mechanics.modal.panel.foreshortening import AXIAL_MODES, BENDING_MODES, quadratic_forms
+from solar_env.mechanics.modal.panel.tables import (
     EVEN_ENDS,
     EVEN_FIRST,
     FORMS,

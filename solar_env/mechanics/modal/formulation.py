@@ -6,11 +6,11 @@ from solar_env.mechanics.arrays.model import ENERGIES, IDEAL
 from solar_env.mechanics.equations.formulation import Array, Formulation
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.modal.arrays import OTHER, ModalModel, ModalState, Workspace, make_workspace
-from solar_env.mechanics.modal.books import stored_energies
 from solar_env.mechanics.modal.build import compile_modal
-from solar_env.mechanics.modal.driver import start_loads
-from solar_env.mechanics.modal.motion import look_at
-from solar_env.mechanics.modal.sampling import fill_load_table
+from solar_env.mechanics.modal.run.books import stored_energies
+from solar_env.mechanics.modal.run.driver import start_loads
+from solar_env.mechanics.modal.run.sampling import fill_load_table
+from solar_env.mechanics.modal.step.motion import look_at
 from solar_env.mechanics.modal.views import modal_centreline, view_joint
 
 

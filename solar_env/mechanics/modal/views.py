@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from solar_env.mechanics.bodies.beam_modes import RESIDUAL_BLOCKS, slope_factor, wave_number
 from solar_env.mechanics.equations.formulation import Array, JointView
 from solar_env.mechanics.modal.arrays import RIGID_BODY, ModalModel
-from solar_env.mechanics.modal.tables import (
+from solar_env.mechanics.modal.panel.tables import (
     AXIAL_EVEN,
     AXIAL_ODD,
     BENDING_EVEN,

@@ -11,7 +11,7 @@ from solar_env.mechanics.integrators.methods.table import METHODS, method_of
 from solar_env.mechanics.integrators.settings import ModalRadau, Rosenbrock
 from solar_env.mechanics.integrators.step import refresh
 from solar_env.mechanics.mechanism.description import Mechanism
-from solar_env.mechanics.modal.step import solve_step
+from solar_env.mechanics.modal.step.solve import solve_step
 from solar_env.mechanics.records.recording import make_recorder, record_sample
 
 

@@ -15,7 +15,7 @@ from solar_env.mechanics.integrators.methods.table import METHODS, method_of
 from solar_env.mechanics.integrators.settings import INTEGRATORS, DormandPrince, Integrator
 from solar_env.mechanics.joints.joint import ANGLE, RATE
 from solar_env.mechanics.mechanism.description import Mechanism
-from solar_env.mechanics.modal.tables import GREATEST_STEP
+from solar_env.mechanics.modal.panel.tables import GREATEST_STEP
 from solar_env.mechanics.records.recording import make_recorder
 from solar_env.mechanics.running.batch import Batch
 from solar_env.mechanics.running.simulation import Simulation, simulate

@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 
 from solar_env.mechanics.arrays.model import CLEARANCE
 from solar_env.mechanics.modal.arrays import ModalModel
-from solar_env.mechanics.modal.foreshortening import quadratic_forms
+from solar_env.mechanics.modal.panel.foreshortening import quadratic_forms
 
 Complex = NDArray[np.complex128]
 

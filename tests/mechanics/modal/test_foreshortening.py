@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from solar_env.mechanics.bodies.beam_modes import wave_number
-from solar_env.mechanics.modal.foreshortening import quadratic_forms, slopes
+from solar_env.mechanics.modal.panel.foreshortening import quadratic_forms, slopes
 
 LENGTH, MASS, BENDING, AXIAL = 1.5, 6.0, 6, 3
 

@@ -28,7 +28,7 @@ from solar_env.mechanics.mechanism.description import (
     ModalPanel,
     Spring,
 )
-from solar_env.mechanics.modal.tables import level_size
+from solar_env.mechanics.modal.panel.tables import level_size
 from solar_env.mechanics.records.recording import make_recorder
 from solar_env.mechanics.running.diagnosis import SimulationWarning
 from solar_env.mechanics.running.simulation import Simulation

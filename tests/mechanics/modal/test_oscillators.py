@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from solar_env.mechanics.modal.oscillators import (
+from solar_env.mechanics.modal.panel.oscillators import (
     COEFFICIENTS,
     free_rate_defects,
     mode_coefficients,

@@ -11,7 +11,7 @@ from solar_env.mechanics.bodies.beam_modes import wave_number
 from solar_env.mechanics.integrators.settings import ModalRadau
 from solar_env.mechanics.joints.joint import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, RATE
 from solar_env.mechanics.mechanism.description import Mechanism, ModalPanel
-from solar_env.mechanics.modal.foreshortening import quadratic_forms
+from solar_env.mechanics.modal.panel.foreshortening import quadratic_forms
 from solar_env.mechanics.modal.views import view_joint
 from solar_env.mechanics.running.simulation import Simulation
 

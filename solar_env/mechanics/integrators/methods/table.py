@@ -14,8 +14,8 @@ from solar_env.mechanics.integrators.formulations import ABSOLUTE, FLOATING
 from solar_env.mechanics.integrators.methods import dormand_prince, generalized_alpha, rosenbrock, runge_kutta
 from solar_env.mechanics.integrators.step import HERMITE, AdaptiveSettings, Interpolant, adapt_nothing
 from solar_env.mechanics.modal.arrays import make_workspace
-from solar_env.mechanics.modal.driver import begin_modal, convert_settings, take_modal_step
-from solar_env.mechanics.modal.step import ModalSettings
+from solar_env.mechanics.modal.run.driver import begin_modal, convert_settings, take_modal_step
+from solar_env.mechanics.modal.step.solve import ModalSettings
 from solar_env.mechanics.numerics.by_type import chosen_by_type
 
 Chosen = Any  # one of the settings' classes of `settings.py`

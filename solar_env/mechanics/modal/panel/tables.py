@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.mechanics.modal.oscillators import (
+from solar_env.mechanics.modal.panel.oscillators import (
     COEFFICIENTS,
     FROM_LOAD,
     free_rate_defects,

@@ -17,10 +17,10 @@ from solar_env.mechanics.modal.arrays import (
     RATE,
     SLIDING_SPEED,
 )
-from solar_env.mechanics.modal.bodies import outboard_load
-from solar_env.mechanics.modal.books import stored_energies
-from solar_env.mechanics.modal.events import cubic
-from solar_env.mechanics.modal.motion import look_at
+from solar_env.mechanics.modal.run.books import stored_energies
+from solar_env.mechanics.modal.run.events import cubic
+from solar_env.mechanics.modal.step.bodies import outboard_load
+from solar_env.mechanics.modal.step.motion import look_at
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.records.recording import RECORDED_LOADS
 

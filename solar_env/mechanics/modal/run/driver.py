@@ -16,7 +16,6 @@ from solar_env.mechanics.arrays.model import (
     NOT_FINITE,
     STEP_TOO_SMALL,
 )
-from solar_env.mechanics.modal.acceptance import commit_step, keep_loads, step_error
 from solar_env.mechanics.modal.arrays import (
     ANGLE,
     DEPTH,
@@ -26,13 +25,14 @@ from solar_env.mechanics.modal.arrays import (
     RATE,
     START,
 )
-from solar_env.mechanics.modal.books import add_integrals, note_peaks
-from solar_env.mechanics.modal.equations import fill_torques
-from solar_env.mechanics.modal.events import NONE, begin_event, first_event
-from solar_env.mechanics.modal.motion import look_at
-from solar_env.mechanics.modal.sampling import record_modal_sample
-from solar_env.mechanics.modal.step import ModalSettings, solve_step
-from solar_env.mechanics.modal.tables import LEVELS, fill_level, level_below, level_size
+from solar_env.mechanics.modal.panel.tables import LEVELS, fill_level, level_below, level_size
+from solar_env.mechanics.modal.run.books import add_integrals, note_peaks
+from solar_env.mechanics.modal.run.events import NONE, begin_event, first_event
+from solar_env.mechanics.modal.run.sampling import record_modal_sample
+from solar_env.mechanics.modal.step.acceptance import commit_step, keep_loads, step_error
+from solar_env.mechanics.modal.step.equations import fill_torques
+from solar_env.mechanics.modal.step.motion import look_at
+from solar_env.mechanics.modal.step.solve import ModalSettings, solve_step
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 from solar_env.mechanics.records.history import (

@@ -22,8 +22,8 @@ from solar_env.mechanics.modal.arrays import (
     VELOCITY_X,
     VELOCITY_Y,
 )
-from solar_env.mechanics.modal.coupling import foreshorten, shorten_ends
-from solar_env.mechanics.modal.tables import AXIAL_EVEN, AXIAL_ODD, BENDING_EVEN, BENDING_ODD, GROUPS, side
+from solar_env.mechanics.modal.panel.coupling import foreshorten, shorten_ends
+from solar_env.mechanics.modal.panel.tables import AXIAL_EVEN, AXIAL_ODD, BENDING_EVEN, BENDING_ODD, GROUPS, side
 from solar_env.mechanics.numerics.jit import kernel
 
 

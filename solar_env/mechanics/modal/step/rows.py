@@ -17,8 +17,8 @@ from solar_env.mechanics.modal.arrays import (
     TANGENTIAL,
     TORQUE,
 )
-from solar_env.mechanics.modal.oscillators import A, B
-from solar_env.mechanics.modal.tables import AXIAL_EVEN, AXIAL_ODD, BENDING_EVEN, BENDING_ODD, side
+from solar_env.mechanics.modal.panel.oscillators import A, B
+from solar_env.mechanics.modal.panel.tables import AXIAL_EVEN, AXIAL_ODD, BENDING_EVEN, BENDING_ODD, side
 from solar_env.mechanics.numerics.jit import kernel
 
 # Change of a torque by the motion that it causes, over itself, that converges at once without Newton's matrix.

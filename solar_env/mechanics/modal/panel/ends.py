@@ -1,7 +1,7 @@
 """Motion of the ends of the panels over a step: free, and under the loads at its stages, by groups of modes."""
 
-from solar_env.mechanics.modal.oscillators import FROM_LOAD, FROM_RATE
-from solar_env.mechanics.modal.tables import GROUPS, values_of
+from solar_env.mechanics.modal.panel.oscillators import FROM_LOAD, FROM_RATE
+from solar_env.mechanics.modal.panel.tables import GROUPS, values_of
 from solar_env.mechanics.numerics.jit import kernel
 
 

@@ -2,10 +2,10 @@
 
 from solar_env.mechanics.arrays.model import MATERIAL_DISSIPATION
 from solar_env.mechanics.modal.arrays import REACTION_X, RIGID_BODY, SECOND
-from solar_env.mechanics.modal.bodies import distribute_loads, stage_frames
-from solar_env.mechanics.modal.oscillators import WEIGHT_A, WEIGHT_B
-from solar_env.mechanics.modal.rows import load_column
-from solar_env.mechanics.modal.tables import AXIAL_EVEN, AXIAL_ODD, BENDING_EVEN, BENDING_ODD, GROUPS, values_of
+from solar_env.mechanics.modal.panel.oscillators import WEIGHT_A, WEIGHT_B
+from solar_env.mechanics.modal.panel.tables import AXIAL_EVEN, AXIAL_ODD, BENDING_EVEN, BENDING_ODD, GROUPS, values_of
+from solar_env.mechanics.modal.step.bodies import distribute_loads, stage_frames
+from solar_env.mechanics.modal.step.rows import load_column
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_rows
 

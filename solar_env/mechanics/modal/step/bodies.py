@@ -4,8 +4,8 @@ import math
 
 from solar_env.mechanics.arrays.model import IDEAL
 from solar_env.mechanics.modal.arrays import LEVER, NORMAL_X, NORMAL_Y, RIGID_BODY, START
-from solar_env.mechanics.modal.oscillators import NODES, A, B
-from solar_env.mechanics.modal.tables import AXIAL_EVEN, AXIAL_ODD, BENDING_EVEN, BENDING_ODD, GROUPS, side
+from solar_env.mechanics.modal.panel.oscillators import NODES, A, B
+from solar_env.mechanics.modal.panel.tables import AXIAL_EVEN, AXIAL_ODD, BENDING_EVEN, BENDING_ODD, GROUPS, side
 from solar_env.mechanics.numerics.jit import kernel
 
 # Below this angle [rad] three terms of the series of sine and cosine hold all digits.

@@ -25,14 +25,14 @@ from solar_env.mechanics.modal.arrays import (
     TANGENTIAL,
     TORQUE,
 )
-from solar_env.mechanics.modal.bodies import distribute_loads, stage_frames
-from solar_env.mechanics.modal.coupling import couple, shorten_ends
-from solar_env.mechanics.modal.ends import add_modal_forces, forced_ends, free_ends
-from solar_env.mechanics.modal.equations import contact_rows, fill_torques, reaction_row, torque_row
-from solar_env.mechanics.modal.motion import move_attachments, move_joints
-from solar_env.mechanics.modal.oscillators import NODES
-from solar_env.mechanics.modal.rows import fill_mobility, list_rows, load_column
-from solar_env.mechanics.modal.tables import BENDING_EVEN, BENDING_ODD
+from solar_env.mechanics.modal.panel.coupling import couple, shorten_ends
+from solar_env.mechanics.modal.panel.ends import add_modal_forces, forced_ends, free_ends
+from solar_env.mechanics.modal.panel.oscillators import NODES
+from solar_env.mechanics.modal.panel.tables import BENDING_EVEN, BENDING_ODD
+from solar_env.mechanics.modal.step.bodies import distribute_loads, stage_frames
+from solar_env.mechanics.modal.step.equations import contact_rows, fill_torques, reaction_row, torque_row
+from solar_env.mechanics.modal.step.motion import move_attachments, move_joints
+from solar_env.mechanics.modal.step.rows import fill_mobility, list_rows, load_column
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_rows, lu_factor, lu_solve
 

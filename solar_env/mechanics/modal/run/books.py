@@ -24,9 +24,9 @@ from solar_env.mechanics.arrays.model import (
 from solar_env.mechanics.joints.contact.normal_force import contact_energy, normal_force
 from solar_env.mechanics.joints.joint import cable_torque, stop_energy, stop_torque
 from solar_env.mechanics.modal.arrays import ANGLE, DEPTH, DEPTH_RATE, RATE, RIGID_BODY, SLIDING_SPEED, SLIP
-from solar_env.mechanics.modal.coupling import axial_form, foreshorten
-from solar_env.mechanics.modal.oscillators import WEIGHT_A, WEIGHT_B
-from solar_env.mechanics.modal.tables import AXIAL_EVEN, GROUPS
+from solar_env.mechanics.modal.panel.coupling import axial_form, foreshorten
+from solar_env.mechanics.modal.panel.oscillators import WEIGHT_A, WEIGHT_B
+from solar_env.mechanics.modal.panel.tables import AXIAL_EVEN, GROUPS
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.records.history import note_force
 

@@ -3,8 +3,8 @@
 The forms and their source are in `foreshortening`.
 """
 
-from solar_env.mechanics.modal.oscillators import FROM_LOAD
-from solar_env.mechanics.modal.tables import (
+from solar_env.mechanics.modal.panel.oscillators import FROM_LOAD
+from solar_env.mechanics.modal.panel.tables import (
     AXIAL_EVEN,
     AXIAL_ODD,
     EVEN_ENDS,

@@ -24,7 +24,7 @@ from solar_env.mechanics.modal.arrays import (
     VELOCITY_X,
     VELOCITY_Y,
 )
-from solar_env.mechanics.modal.tables import AXIAL_EVEN, GROUPS
+from solar_env.mechanics.modal.panel.tables import AXIAL_EVEN, GROUPS
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.records.history import latch
 

@@ -22,7 +22,7 @@ IDEAL, CLEARANCE = 0, 1
 LAW_PARAMETERS = 4
 
 
-def record(members: list[tuple[str, type] | tuple[str, type, int]]) -> np.dtype[np.void]:
+def record(members: list[tuple[str, type] | tuple[str, type, int | tuple[int, ...]]]) -> np.dtype[np.void]:
     """Rows whose members are also attributes outside compiled code, so that the kernels run uncompiled too."""
     return np.dtype((np.record, np.dtype(members, align=True)))
 

@@ -19,6 +19,7 @@ from solar_env.mechanics.modal.panel.tables import (
     EVEN_ENDS,
     EVEN_FIRST,
     FORMS,
+    GROUPS,
     LOW,
     ODD_ENDS,
     ODD_FIRST,
@@ -26,6 +27,7 @@ from solar_env.mechanics.modal.panel.tables import (
     Panels,
     Tables,
     filled_tables,
+    mode_type,
 )
 
 _Design = tuple[float, float, float, float, float, int]
@@ -101,11 +103,12 @@ def compile_panels(designs: tuple[_Design, ...]) -> tuple[Panels, Tables]:
     panels = Panels(
         first=parts[0].first,
         coupled=parts[0].coupled,
-        frequency=np.stack([part.frequency for part in parts]),
         damping=np.array([chosen[4] for chosen in designs]),
-        rows=np.stack([part.rows for part in parts]),
+        modes=np.zeros((len(parts), parts[0].frequency.size), mode_type),
         forms=np.stack([part.forms for part in parts]),
     )
+    panels.modes["frequency"] = np.stack([part.frequency for part in parts])
+    panels.modes["row"] = np.stack([part.rows for part in parts])
     return panels, filled_tables(panels)
 
 
@@ -155,13 +158,13 @@ def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
         tables,
         model.length_scale,
     )
-    joints, modes = len(mechanism.joints), panels.frequency.shape[1]
+    joints = len(mechanism.joints)
     initial = ModalState(
         q=coordinates,
         v=velocities,
         loads=np.zeros((joints, 3)),
         load_rates=np.zeros((joints, 3)),
-        coupling=np.zeros((int((bodies["panel"] >= 0).sum()), modes)),
+        coupling=np.zeros((int((bodies["panel"] >= 0).sum()), GROUPS, LOW)),
         integrals=state.integrals,
         joints=state.joints,
         wear_journal=state.wear_journal,

@@ -29,7 +29,7 @@ class FloatingFrames(Formulation):
 
     def drift(self, model: ModalModel, state: ModalState) -> tuple[float, float]:
         """Of the ideal joints."""
-        motion = np.abs(_motion(model, state).motion[OTHER, model.joints["kind"] == IDEAL])
+        motion = np.abs(_motion(model, state).joints["motion"][model.joints["kind"] == IDEAL, OTHER])
         return float(motion[:, :2].max(initial=0.0)), float(motion[:, 2:4].max(initial=0.0))
 
     def joint_loads(self, model: ModalModel, state: ModalState) -> Array:

@@ -39,12 +39,12 @@ def attachment_place(model, q, v, number):
         for group in range(GROUPS):
             sign = 1.0 if group in (BENDING_EVEN, AXIAL_EVEN) else odd
             for k in range(panels.first[group], panels.first[group + 1]):
-                value = sign * panels.rows[d, k, 0] * q[first_mode + k]
+                value = sign * panels.modes[d, k].row[0] * q[first_mode + k]
                 if group < AXIAL_EVEN:
                     y += value
                     # A slope is odd where the deflection is even.
-                    turn += sign * odd * panels.rows[d, k, 1] * q[first_mode + k]
-                    spin += sign * odd * panels.rows[d, k, 1] * v[first_mode + k]
+                    turn += sign * odd * panels.modes[d, k].row[1] * q[first_mode + k]
+                    spin += sign * odd * panels.modes[d, k].row[1] * v[first_mode + k]
                 else:
                     x += value
         for group in range(2):

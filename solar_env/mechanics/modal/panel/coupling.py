@@ -62,20 +62,18 @@ def foreshorten(forms, low, column, gradient, shortening):
 
 
 @kernel(inlined=True)
-def move_low(panels, work, tables, level, p, d, group):
+def move_low(panels, own, answers, d, group):
     """Motion of the coupled modes of a group at both stages under the loads and the present modal forces."""
     for r in range(panels.coupled[group]):
         k = panels.first[group] + r
-        first, second = work.coupling[p, 0, k], work.coupling[p, 1, k]
+        first, second = own.coupling[0, group, r], own.coupling[1, group, r]
+        mode, answer = panels.modes[d, k], answers[k].coefficient
         for i in range(values_of(group)):
-            first += panels.rows[d, k, i] * work.group_load[p, 0, group, i]
-            second += panels.rows[d, k, i] * work.group_load[p, 1, group, i]
+            first += mode.row[i] * own.load[0, group, i]
+            second += mode.row[i] * own.load[1, group, i]
         for c in range(4):
-            work.low[group, r, c] = (
-                work.low_free[p, group, r, c]
-                + tables.answers[d, level, k, FROM_LOAD + c] * first
-                + tables.answers[d, level, k, FROM_LOAD + 4 + c] * second
-            )
+            moved = own.low_free[group, r, c] + answer[FROM_LOAD + c] * first
+            own.low[group, r, c] = moved + answer[FROM_LOAD + 4 + c] * second
 
 
 @kernel(inlined=True)
@@ -85,54 +83,55 @@ def axial_form(group, r):
 
 
 @kernel(inlined=True)
-def push_axial(panels, work, p, d, s):
-    """Modal forces of foreshortening on the axial modes of panel `p` at stage `s`."""
+def push_axial(panels, own, d, s):
+    """Modal forces of foreshortening on the axial modes of a panel at stage `s`."""
     for group in range(AXIAL_EVEN, GROUPS):
         for r in range(panels.coupled[group]):
-            k, f = panels.first[group] + r, axial_form(group, r)
-            strain = work.shortening[p, s, 0, f] + panels.damping[d] * work.shortening[p, s, 1, f]
-            work.coupling[p, s, k] = panels.frequency[d, k] ** 2 * strain
+            frequency, f = panels.modes[d, panels.first[group] + r].frequency, axial_form(group, r)
+            strain = own.shortening[s, 0, f] + panels.damping[d] * own.shortening[s, 1, f]
+            own.coupling[s, group, r] = frequency * frequency * strain
 
 
 @kernel(inlined=True)
-def push_bending(panels, work, p, d, s):
-    """Modal forces of the tension on the bending modes of panel `p` at stage `s`."""
+def push_bending(panels, own, d, s):
+    """Modal forces of the tension on the bending modes of a panel at stage `s`."""
     for f in range(FORMS):
-        work.tension[f] = 0.0
-    work.tension[EVEN_ENDS] = work.group_load[p, s, AXIAL_EVEN, 0]
-    work.tension[ODD_ENDS] = work.group_load[p, s, AXIAL_ODD, 0]
+        own.tension[f] = 0.0
+    own.tension[EVEN_ENDS] = own.load[s, AXIAL_EVEN, 0]
+    own.tension[ODD_ENDS] = own.load[s, AXIAL_ODD, 0]
     for group in range(AXIAL_EVEN, GROUPS):
         for r in range(panels.coupled[group]):
-            k, f = panels.first[group] + r, axial_form(group, r)
-            value, rate = work.low[group, r, 2 * s], work.low[group, r, 2 * s + 1]
-            work.strain_rate[p, s, k] = rate - work.shortening[p, s, 1, f]
-            work.tension[f] = panels.frequency[d, k] ** 2 * (value + panels.damping[d] * rate) - work.coupling[p, s, k]
-    for group in range(2):
+            frequency, f = panels.modes[d, panels.first[group] + r].frequency, axial_form(group, r)
+            value, rate = own.low[group, r, 2 * s], own.low[group, r, 2 * s + 1]
+            own.strain_rate[s, group, r] = rate - own.shortening[s, 1, f]
+            force = frequency * frequency * (value + panels.damping[d] * rate)
+            own.tension[f] = force - own.coupling[s, group, r]
+    for group in range(AXIAL_EVEN):
         for r in range(panels.coupled[group]):
             force = 0.0
             for f in range(FORMS):
-                force += work.tension[f] * work.gradient[s, group, r, f]
-            work.coupling[p, s, panels.first[group] + r] = force
+                force += own.tension[f] * own.gradient[s, group, r, f]
+            own.coupling[s, group, r] = force
 
 
 @kernel(inlined=True)
-def couple(panels, work, tables, level, p, d):
-    """Modal forces of foreshortening in panel `p` at both stages, the axial ones first: tension is what they leave."""
+def couple(panels, own, answers, d):
+    """Modal forces of foreshortening in a panel at both stages, the axial ones first: tension is what they leave."""
     for group in range(AXIAL_EVEN):
-        move_low(panels, work, tables, level, p, d, group)
+        move_low(panels, own, answers, d, group)
     for s in range(2):
-        foreshorten(panels.forms[d], work.low, 2 * s, work.gradient[s], work.shortening[p, s])
-        push_axial(panels, work, p, d, s)
+        foreshorten(panels.forms[d], own.low, 2 * s, own.gradient[s], own.shortening[s])
+        push_axial(panels, own, d, s)
     for group in range(AXIAL_EVEN, GROUPS):
-        move_low(panels, work, tables, level, p, d, group)
+        move_low(panels, own, answers, d, group)
     for s in range(2):
-        push_bending(panels, work, p, d, s)
+        push_bending(panels, own, d, s)
 
 
 @kernel(inlined=True)
-def shorten_ends(work, p):
-    """Add foreshortening to the axial motion of the ends of panel `p` at both stages."""
+def shorten_ends(own):
+    """Add foreshortening to the axial motion of the ends of a panel at both stages."""
     for s in range(2):
         for c in range(2):
-            work.ends[p, AXIAL_ODD, 0, 2 * s + c] += work.shortening[p, s, c, ODD_ENDS]
-            work.ends[p, AXIAL_EVEN, 0, 2 * s + c] += work.shortening[p, s, c, EVEN_ENDS]
+            own.ends[AXIAL_ODD, 0, 2 * s + c] += own.shortening[s, c, ODD_ENDS]
+            own.ends[AXIAL_EVEN, 0, 2 * s + c] += own.shortening[s, c, EVEN_ENDS]

@@ -6,13 +6,12 @@ from solar_env.mechanics.numerics.jit import kernel
 
 
 @kernel(inner=True)
-def sum_free(rows, answers, defects, q, v, low, sums):
+def sum_free(modes, answers, q, v, low, sums):
     """Add up the free motion of one group's ends over its modes.
 
     Args:
-        rows: (modes, VALUES).
-        answers: (modes, COEFFICIENTS).
-        defects: (modes, 2).
+        modes: (modes,) rows of `mode_type`.
+        answers: (modes,) rows of `answer_type`.
         q, v: (modes,) amplitudes and rates.
         low: (coupled, 4) takes the free motion of the lowest modes.
         sums: (VALUES, 4) takes value and rate at the first stage, then at the second.
@@ -22,14 +21,14 @@ def sum_free(rows, answers, defects, q, v, low, sums):
     """
     w0 = w1 = w2 = w3 = s0 = s1 = s2 = s3 = defect = 0.0
     for k in range(q.size):
-        a, b = q[k], v[k]
-        y0 = answers[k, 0] * a + answers[k, FROM_RATE] * b
-        y1 = answers[k, 1] * a + answers[k, FROM_RATE + 1] * b
-        y2 = answers[k, 2] * a + answers[k, FROM_RATE + 2] * b
-        y3 = answers[k, 3] * a + answers[k, FROM_RATE + 3] * b
+        a, b, answer = q[k], v[k], answers[k].coefficient
+        y0 = answer[0] * a + answer[FROM_RATE] * b
+        y1 = answer[1] * a + answer[FROM_RATE + 1] * b
+        y2 = answer[2] * a + answer[FROM_RATE + 2] * b
+        y3 = answer[3] * a + answer[FROM_RATE + 3] * b
         if k < low.shape[0]:
             low[k, 0], low[k, 1], low[k, 2], low[k, 3] = y0, y1, y2, y3
-        first, second = rows[k, 0], rows[k, 1]
+        first, second = modes[k].row[0], modes[k].row[1]
         w0 += first * y0
         w1 += first * y1
         w2 += first * y2
@@ -38,50 +37,56 @@ def sum_free(rows, answers, defects, q, v, low, sums):
         s1 += second * y1
         s2 += second * y2
         s3 += second * y3
-        defect += first * (defects[k, 0] * a + defects[k, 1] * b)
+        defect += first * (answers[k].defect[0] * a + answers[k].defect[1] * b)
     sums[0, 0], sums[0, 1], sums[0, 2], sums[0, 3] = w0, w1, w2, w3
     sums[1, 0], sums[1, 1], sums[1, 2], sums[1, 3] = s0, s1, s2, s3
     return defect
 
 
 @kernel(inlined=True)
-def free_ends(panels, state, work, tables, level, p, d, offset):
-    """Free motion over a step of the ends and of the coupled modes of panel `p`, whose amplitudes begin at `offset`."""
+def free_ends(panels, own, answers, d, q, v):
+    """Free motion over a step of the ends and of the coupled modes of a panel.
+
+    Args:
+        panels: see `Panels`.
+        own: scratch of the panel.
+        answers: (modes,) of the panel's design `d` to the step.
+        q, v: (modes,) amplitudes and rates.
+    """
     for group in range(GROUPS):
         begin, end = panels.first[group], panels.first[group + 1]
-        work.defect[p, group] = sum_free(
-            panels.rows[d, begin:end],
-            tables.answers[d, level, begin:end],
-            tables.defects[d, level, begin:end],
-            state.q[offset + begin : offset + end],
-            state.v[offset + begin : offset + end],
-            work.low_free[p, group, : panels.coupled[group]],
-            work.free[p, group],
+        own.defect[group] = sum_free(
+            panels.modes[d, begin:end],
+            answers[begin:end],
+            q[begin:end],
+            v[begin:end],
+            own.low_free[group, : panels.coupled[group]],
+            own.free[group],
         )
 
 
 @kernel(inlined=True)
-def forced_ends(work, response, p, d, level):
-    """Motion of the ends of panel `p` at both stages, free and by the loads there."""
+def forced_ends(own, response):
+    """Motion of the ends of a panel at both stages, free and by the loads there."""
     for group in range(GROUPS):
         for i in range(values_of(group)):
             for c in range(4):
-                total = work.free[p, group, i, c]
+                total = own.free[group, i, c]
                 for j in range(values_of(group)):
-                    total += response[d, level, group, i, j, c] * work.group_load[p, 0, group, j]
-                    total += response[d, level, group, i, j, 4 + c] * work.group_load[p, 1, group, j]
-                work.ends[p, group, i, c] = total
+                    total += response[group, i, j, c] * own.load[0, group, j]
+                    total += response[group, i, j, 4 + c] * own.load[1, group, j]
+                own.ends[group, i, c] = total
 
 
 @kernel(inlined=True)
-def add_modal_forces(panels, work, tables, level, p, d):
-    """Add what the modal forces of foreshortening do to the ends of panel `p`."""
+def add_modal_forces(panels, own, answers, d):
+    """Add what the modal forces of foreshortening do to the ends of a panel."""
     for group in range(GROUPS):
         for r in range(panels.coupled[group]):
             k = panels.first[group] + r
-            first, second = work.coupling[p, 0, k], work.coupling[p, 1, k]
+            first, second = own.coupling[0, group, r], own.coupling[1, group, r]
+            mode, answer = panels.modes[d, k], answers[k].coefficient
             for c in range(4):
-                gain = tables.answers[d, level, k, FROM_LOAD + c] * first
-                gain += tables.answers[d, level, k, FROM_LOAD + 4 + c] * second
+                gain = answer[FROM_LOAD + c] * first + answer[FROM_LOAD + 4 + c] * second
                 for i in range(values_of(group)):
-                    work.ends[p, group, i, c] += panels.rows[d, k, i] * gain
+                    own.ends[group, i, c] += mode.row[i] * gain

@@ -24,6 +24,7 @@ COEFFICIENTS = 16
 # A step resolves a mode whose omega h is below this.
 RESOLVED = 2.0
 _TERMS = 26
+_NEGLIGIBLE = 1e-20  # part of what a term is added to
 
 
 @kernel(inlined=True)
@@ -47,6 +48,7 @@ def exact_coefficients(frequency, damping_rate, h, coefficients):
             load0, load1 = -0.5 * h * h, 1.5 * h * h
         y1, r1, y2, r2 = c, following, c, following
         third = 1.0
+        scale = 1.0 if case == 0 else (h if case == 1 else h * h)
         for n in range(_TERMS):
             load = load0 if n == 0 else (load1 if n == 1 else 0.0)
             # First the term in t^(n + 1), whose coefficient is known; then the coefficient of t^(n + 2).
@@ -56,6 +58,8 @@ def exact_coefficients(frequency, damping_rate, h, coefficients):
             c, following = following, (load - damping * (n + 1) * following - square * c) / ((n + 2) * (n + 1))
             r2 += (n + 2) * following
             r1 += (n + 2) * following * third
+            if n > 1 and abs(c) + abs(following) < _NEGLIGIBLE * scale:
+                break
         coefficients[4 * case] = y1
         coefficients[4 * case + 1] = r1 / h
         coefficients[4 * case + 2] = y2
@@ -70,7 +74,7 @@ def rational_coefficients(frequency, damping_rate, h, coefficients):
     m12 = h * (damping * A[0][1] + square * h * B[0][1])
     m21 = h * (damping * A[1][0] + square * h * B[1][0])
     m22 = 1.0 + h * (damping * A[1][1] + square * h * B[1][1])
-    determinant = m11 * m22 - m12 * m21
+    inverse = 1.0 / (m11 * m22 - m12 * m21)
     for case in range(4):
         y0 = 1.0 if case == 0 else 0.0
         v0 = 1.0 if case == 1 else 0.0
@@ -78,8 +82,8 @@ def rational_coefficients(frequency, damping_rate, h, coefficients):
         f2 = 1.0 if case == 3 else 0.0
         f1 -= damping * v0 + square * (y0 + h * v0 * NODES[0])
         f2 -= damping * v0 + square * (y0 + h * v0)
-        a1 = (m22 * f1 - m12 * f2) / determinant
-        a2 = (m11 * f2 - m21 * f1) / determinant
+        a1 = (m22 * f1 - m12 * f2) * inverse
+        a2 = (m11 * f2 - m21 * f1) * inverse
         coefficients[4 * case] = y0 + h * (v0 * NODES[0] + h * (B[0][0] * a1 + B[0][1] * a2))
         coefficients[4 * case + 1] = v0 + h * (A[0][0] * a1 + A[0][1] * a2)
         coefficients[4 * case + 2] = y0 + h * (v0 + h * (B[1][0] * a1 + B[1][1] * a2))

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from solar_env.mechanics.arrays.model import record
 from solar_env.mechanics.modal.panel.oscillators import (
     COEFFICIENTS,
     FROM_LOAD,
@@ -35,39 +36,83 @@ ODD_FIRST, ODD_SECOND, ODD_ENDS, EVEN_FIRST, EVEN_ENDS = range(5)
 FORMS = 5
 
 
+mode_type = record(
+    [
+        ("frequency", np.float64),  # [rad/s]
+        ("row", np.float64, VALUES),  # values of the first end by unit amplitude, see `beam_modes`
+    ]
+)
+
+# How a mode answers a step of one size.
+answer_type = record(
+    [
+        ("coefficient", np.float64, COEFFICIENTS),  # see `oscillators`
+        ("defect", np.float64, 2),  # of the rate at the end by start value and by start rate
+    ]
+)
+
+# How the ends answer the groups' loads in a step of one size.
+response_type = record(
+    [
+        # Of value i by load j of a group: [4 load stage + 2 stage + (value or rate)].
+        ("response", np.float64, (GROUPS, VALUES, VALUES, 8)),
+        # Defect of the rate of the first value by load j at the start: what the load holds in place does not vibrate.
+        ("held", np.float64, (GROUPS, VALUES)),
+    ]
+)
+
+# Scratch of a panel in a step. Columns of four: value and rate at the first stage, then at the second.
+panel_scratch = record(
+    [
+        ("load", np.float64, (2, GROUPS, VALUES)),  # of the ends, by stage: transverse force and moment, or axial force
+        ("coupling", np.float64, (2, GROUPS, LOW)),  # modal forces of foreshortening, by stage
+        # Rates of the coupled axial amplitudes less those of foreshortening, by stage.
+        ("strain_rate", np.float64, (2, GROUPS, LOW)),
+        ("free", np.float64, (GROUPS, VALUES, 4)),  # free motion of the ends
+        ("defect", np.float64, GROUPS),  # of the first value's rate at the end of the step
+        ("ends", np.float64, (GROUPS, VALUES, 4)),  # motion of the ends
+        ("low_free", np.float64, (GROUPS, LOW, 4)),  # free motion of the modes that foreshortening couples
+        ("low", np.float64, (GROUPS, LOW, 4)),  # their motion
+        ("gradient", np.float64, (2, 2, LOW, FORMS)),  # of the forms by the bending amplitudes, by stage
+        ("shortening", np.float64, (2, 2, FORMS)),  # values of the forms and their rates, by stage
+        ("tension", np.float64, FORMS),  # that works on the forms
+    ]
+)
+
+
 class Panels(NamedTuple):
     """Constants of D designs of panels, each with the same number of modes."""
 
     first: NDArray[np.int64]  # (GROUPS + 1,) first mode of each group
     coupled: NDArray[np.int64]  # (GROUPS,) number of lowest modes that foreshortening couples
-    frequency: Array  # (D, modes) [rad/s]
     damping: Array  # (D,) retardation time [s]
-    rows: Array  # (D, modes, VALUES) values of the first end by unit amplitude, see `beam_modes`
+    modes: NDArray[np.void]  # (D, modes) rows of `mode_type`
     # (D, 2, LOW, LOW, FORMS) by mode of a bending group and by mode of its partner: the same group for the odd forms,
     # the other one for the even forms.
     forms: Array
+
+    @property
+    def frequency(self) -> Array:
+        """(D, modes) [rad/s]."""
+        return np.asarray(self.modes["frequency"])
+
+    @property
+    def rows(self) -> Array:
+        """(D, modes, VALUES) values of the first end by unit amplitude."""
+        return np.asarray(self.modes["row"])
 
 
 class Tables(NamedTuple):
     """Answers of the modes and of the groups' ends to a step, by design and step size (levels)."""
 
-    answers: Array  # (D, levels, modes, COEFFICIENTS)
-    defects: Array  # (D, levels, modes, 2) of the rate at the end by start value and by start rate
-    # Of value i by load j of a group: [4 load stage + 2 stage + (value or rate)].
-    response: Array  # (D, levels, GROUPS, VALUES, VALUES, 8)
-    # Defect of the rate of the first value by load j at the start: what the load holds in place does not vibrate.
-    held: Array  # (D, levels, GROUPS, VALUES)
+    answers: NDArray[np.void]  # (D, levels, modes) rows of `answer_type`
+    responses: NDArray[np.void]  # (D, levels) rows of `response_type`
 
 
 def make_tables(panels: Panels, levels: int) -> Tables:
     """Allocate tables."""
-    designs, modes = panels.frequency.shape
-    return Tables(
-        np.zeros((designs, levels, modes, COEFFICIENTS)),
-        np.zeros((designs, levels, modes, 2)),
-        np.zeros((designs, levels, GROUPS, VALUES, VALUES, 8)),
-        np.zeros((designs, levels, GROUPS, VALUES)),
-    )
+    designs, modes = panels.modes.shape
+    return Tables(np.zeros((designs, levels, modes), answer_type), np.zeros((designs, levels), response_type))
 
 
 @kernel(inlined=True)
@@ -83,34 +128,37 @@ def side(end):
 
 
 @kernel(inner=True)
-def add_mode(panels, tables, d, level, group, k):
-    """Add what mode `k` does to the responses of its group."""
-    square = panels.frequency[d, k] ** 2
-    held = tables.defects[d, level, k, 0] * panels.rows[d, k, 0] / square
+def add_mode(mode, answer, group, own):
+    """Add what a mode of a group does to the responses of a step size."""
+    held = answer.defect[0] * mode.row[0] / (mode.frequency * mode.frequency)
     for i in range(values_of(group)):
         for j in range(values_of(group)):
-            product = panels.rows[d, k, i] * panels.rows[d, k, j]
+            product = mode.row[i] * mode.row[j]
             for c in range(8):
-                tables.response[d, level, group, i, j, c] += product * tables.answers[d, level, k, FROM_LOAD + c]
-        tables.held[d, level, group, i] -= held * panels.rows[d, k, i]
+                own.response[group, i, j, c] += product * answer.coefficient[FROM_LOAD + c]
+        own.held[group, i] -= held * mode.row[i]
 
 
 @kernel
 def fill_level(panels, tables, level, h, coefficients):
     """Fill one level of the tables of every design for the step size `h` [s]; `coefficients` is scratch."""
     for d in range(panels.damping.size):
-        tables.response[d, level] = 0.0
-        tables.held[d, level] = 0.0
+        own = tables.responses[d, level]
         for group in range(GROUPS):
+            for i in range(VALUES):
+                own.held[group, i] = 0.0
+                for j in range(VALUES):
+                    for c in range(8):
+                        own.response[group, i, j, c] = 0.0
             for k in range(panels.first[group], panels.first[group + 1]):
-                frequency = panels.frequency[d, k]
-                rate = 0.5 * panels.damping[d] * frequency * frequency
-                mode_coefficients(frequency, rate, h, coefficients)
-                by_value, by_rate = free_rate_defects(frequency, rate, h, coefficients)
-                tables.defects[d, level, k, 0], tables.defects[d, level, k, 1] = by_value, by_rate
+                mode, answer = panels.modes[d, k], tables.answers[d, level, k]
+                rate = 0.5 * panels.damping[d] * mode.frequency * mode.frequency
+                mode_coefficients(mode.frequency, rate, h, coefficients)
+                by_value, by_rate = free_rate_defects(mode.frequency, rate, h, coefficients)
+                answer.defect[0], answer.defect[1] = by_value, by_rate
                 for c in range(COEFFICIENTS):
-                    tables.answers[d, level, k, c] = coefficients[c]
-                add_mode(panels, tables, d, level, group, k)
+                    answer.coefficient[c] = coefficients[c]
+                add_mode(mode, answer, group, own)
 
 
 @kernel(inlined=True)

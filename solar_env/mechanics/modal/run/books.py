@@ -27,6 +27,7 @@ from solar_env.mechanics.modal.arrays import ANGLE, DEPTH, DEPTH_RATE, RATE, RIG
 from solar_env.mechanics.modal.panel.coupling import axial_form, foreshorten
 from solar_env.mechanics.modal.panel.oscillators import WEIGHT_A, WEIGHT_B
 from solar_env.mechanics.modal.panel.tables import AXIAL_EVEN, GROUPS
+from solar_env.mechanics.modal.step.equations import cable_stretch
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.records.history import note_force
 
@@ -37,10 +38,10 @@ def add_integrals(model, state, work, h):
     integrals = state.integrals
     for j in range(model.joints.size):
         joint, own, first = model.joints[j], state.joints[j], INTEGRALS_PER_JOINT * j
-        work.sliding_work[j] = 0.0
+        work.joints[j].sliding_work = 0.0
         for s in range(2):
             weight = h * (WEIGHT_A if s == 0 else WEIGHT_B)
-            motion, load = work.motion[s, j], work.load[s, j]
+            motion, load = work.joints[j].motion[s], work.joints[j].load[s]
             integrals[first + MOTOR_WORK] += weight * own.motor_torque * motion[RATE]
             stop, elastic, _, _ = stop_torque(joint, own, motion[ANGLE], motion[RATE])
             integrals[first + STOP_DISSIPATION] += weight * (elastic - stop) * motion[RATE]
@@ -52,15 +53,15 @@ def add_integrals(model, state, work, h):
                 integrals[first + NORMAL_DISSIPATION] += weight * (normal - elastic) * motion[DEPTH_RATE]
                 integrals[first + FRICTION_DISSIPATION] -= weight * load[1] * motion[SLIP]
                 integrals[first + IMPULSE] += weight * normal
-                work.sliding_work[j] += weight * normal * abs(motion[SLIDING_SPEED])
-        integrals[first + SLIDING_WORK] += work.sliding_work[j]
+                work.joints[j].sliding_work += weight * normal * abs(motion[SLIDING_SPEED])
+        integrals[first + SLIDING_WORK] += work.joints[j].sliding_work
     for c in range(model.cables.size):
         cable = model.cables[c]
-        a, b = cable.joint_a, cable.joint_b
+        a = cable.joint_a
         for s in range(2):
             weight = h * (WEIGHT_A if s == 0 else WEIGHT_B)
-            torque, _, _ = cable_torque(cable, cable.wheel_ratio * work.motion[s, a, ANGLE] - work.motion[s, b, ANGLE])
-            power = torque * (cable.wheel_ratio - cable.torque_ratio) * work.motion[s, a, RATE]
+            torque, _, _ = cable_torque(cable, cable_stretch(cable, work.joints, s))
+            power = torque * (cable.wheel_ratio - cable.torque_ratio) * work.joints[a].motion[s, RATE]
             integrals[INTEGRALS_PER_JOINT * a + CABLE_WORK] += weight * power
 
 
@@ -69,11 +70,11 @@ def note_peaks(model, state, work):
     """Raise the force maxima to those of the step: of its stages, and of the parabola through them and its start."""
     postlock = state.clock[0].latched_joints > 0
     for j in range(model.joints.size):
-        own, load = state.joints[j], work.load
+        own, load = state.joints[j], work.joints[j].load
         if model.joints[j].kind == IDEAL:
-            note_force(own, math.sqrt(load[1, j, 0] ** 2 + load[1, j, 1] ** 2), postlock)
+            note_force(own, math.sqrt(load[1, 0] ** 2 + load[1, 1] ** 2), postlock)
         elif own.in_contact:
-            start, first, second = state.loads[j, 0], load[0, j, 0], load[1, j, 0]
+            start, first, second = state.loads[j, 0], load[0, 0], load[1, 0]
             peak = max(first, second)
             if first > start and first > second:
                 curvature = 1.5 * (second - start - 3.0 * (first - start))
@@ -85,19 +86,18 @@ def note_peaks(model, state, work):
 @kernel(inlined=True)
 def panel_energies(model, body, q, v, work, energies):
     """Add the energies of a panel's amplitudes: kinetic, and of its strain."""
-    panels, d, first = model.panels, body.design, body.offset + 3
+    panels, d, first, own = model.panels, body.design, body.offset + 3, work.panels[body.panel]
     for group in range(GROUPS):
         for r in range(panels.coupled[group]):
             k = first + panels.first[group] + r
-            work.low[group, r, 0], work.low[group, r, 1] = q[k], v[k]
-    shortening = work.shortening[body.panel, 0]
-    foreshorten(panels.forms[d], work.low, 0, work.gradient[0], shortening)
+            own.low[group, r, 0], own.low[group, r, 1] = q[k], v[k]
+    foreshorten(panels.forms[d], own.low, 0, own.gradient[0], own.shortening[0])
     for group in range(GROUPS):
         for k in range(panels.first[group], panels.first[group + 1]):
             stretch, r = q[first + k], k - panels.first[group]
             if group >= AXIAL_EVEN and r < panels.coupled[group]:
-                stretch -= shortening[0, axial_form(group, r)]
-            energies[ELASTIC] += 0.5 * (panels.frequency[d, k] * stretch) ** 2
+                stretch -= own.shortening[0, 0, axial_form(group, r)]
+            energies[ELASTIC] += 0.5 * (panels.modes[d, k].frequency * stretch) ** 2
             energies[KINETIC] += 0.5 * v[first + k] ** 2
 
 
@@ -115,7 +115,7 @@ def stored_energies(model, state, q, v, work, slot, energies):
         if body.panel != RIGID_BODY:
             panel_energies(model, body, q, v, work, energies)
     for j in range(model.joints.size):
-        joint, own, motion = model.joints[j], state.joints[j], work.motion[slot, j]
+        joint, own, motion = model.joints[j], state.joints[j], work.joints[j].motion[slot]
         stretch = joint.spring_preload_angle - motion[ANGLE]
         energies[SPRING] += 0.5 * joint.spring_stiffness * stretch * stretch
         energies[LATCH] += stop_energy(joint, own, motion[ANGLE])
@@ -123,7 +123,5 @@ def stored_energies(model, state, q, v, work, slot, energies):
             energies[CONTACT] += contact_energy(joint, motion[DEPTH])
     for c in range(model.cables.size):
         cable = model.cables[c]
-        a, b = cable.joint_a, cable.joint_b
-        stretch = cable.wheel_ratio * work.motion[slot, a, ANGLE] - work.motion[slot, b, ANGLE]
-        _, _, energy = cable_torque(cable, stretch)
+        _, _, energy = cable_torque(cable, cable_stretch(cable, work.joints, slot))
         energies[CABLE] += energy

@@ -22,6 +22,8 @@ from solar_env.mechanics.modal.arrays import (
     DEPTH_RATE,
     ECCENTRICITY_X,
     ECCENTRICITY_Y,
+    EVENTS,
+    ITERATIONS,
     RATE,
     START,
 )
@@ -75,7 +77,7 @@ def start_loads(model, state, work):
     look_at(model, state.q, state.v, work, START)
     fill_torques(model, state, work, START)
     for j in range(model.joints.size):
-        state.loads[j, 2] = work.torque[j, 0]
+        state.loads[j, 2] = work.joints[j].torque
 
 
 @kernel(inner=True)
@@ -83,17 +85,17 @@ def settle_joints(model, state, work, start, recorder):
     """Book an accepted step that began at `start` [s]: wear, and the ends of contacts and stops that have opened."""
     time = state.clock[0].time
     for j in range(model.joints.size):
-        joint, own, motion = model.joints[j], state.joints[j], work.motion[START, j]
+        joint, own, motion = model.joints[j], state.joints[j], work.joints[j].motion[START]
         if own.stop_engaged:
             release_stop(joint, own, motion[ANGLE], motion[RATE])
         if own.in_contact:
-            if joint.wear_coefficient > 0.0 and work.sliding_work[j] > 0.0:
+            if joint.wear_coefficient > 0.0 and work.joints[j].sliding_work > 0.0:
                 angle = math.atan2(motion[ECCENTRICITY_Y], motion[ECCENTRICITY_X])
-                journal = angle - work.direction[START, joint.outboard, 0]
-                bearing = angle - work.direction[START, joint.inboard, 0]
-                wear_contact(joint, state, j, journal, bearing, motion[DEPTH], work.sliding_work[j])
+                journal = angle - work.attachments[joint.outboard].direction[START, 0]
+                bearing = angle - work.attachments[joint.inboard].direction[START, 0]
+                wear_contact(joint, state, j, journal, bearing, motion[DEPTH], work.joints[j].sliding_work)
             if has_parted(own, time, motion[DEPTH], motion[DEPTH_RATE]):
-                end_contact(state, j, parting_time(start, time, work.depth[j], motion[DEPTH]), recorder)
+                end_contact(state, j, parting_time(start, time, work.joints[j].depth, motion[DEPTH]), recorder)
                 for c in range(2):
                     state.loads[j, c] = 0.0
                     state.load_rates[j, c] = 0.0
@@ -106,7 +108,7 @@ def check_state(model, state, work):
         if not math.isfinite(state.q[i] + state.v[i]):
             return fail(state, NOT_FINITE, -1, state.q[i])
     for j in range(model.joints.size):
-        motion = work.motion[START, j]
+        motion = work.joints[j].motion[START]
         status = check_joint(model.joints[j], state, j, motion[DEPTH], motion[ANGLE])
         if status != DONE:
             return status
@@ -129,9 +131,9 @@ def accept_step(model, state, work, recorder, tables, level, h):
     if recorder.times.size > 0:
         copy_into(work.q, state.q)
         copy_into(work.v, state.v)
-        copy_into(work.start_integrals, state.integrals)
+        copy_into(work.integrals, state.integrals)
     for j in range(model.joints.size):
-        work.depth[j] = work.motion[START, j, DEPTH]
+        work.joints[j].depth = work.joints[j].motion[START, DEPTH]
     commit_step(model, state, work, tables, level, h)
     add_integrals(model, state, work, h)
     note_peaks(model, state, work)
@@ -142,7 +144,6 @@ def accept_step(model, state, work, recorder, tables, level, h):
     if recorder.times.size > 0:
         record_until(model, state, work, recorder, start, h)
     keep_loads(state, work, h)
-    look_at(model, state.q, state.v, work, START)
     settle_joints(model, state, work, start, recorder)
 
 
@@ -177,10 +178,10 @@ def begin_modal(model, state, settings, recorder, work):
     if recorder.times.size > 0:
         copy_into(work.q, state.q)
         copy_into(work.v, state.v)
-        copy_into(work.start_integrals, state.integrals)
+        copy_into(work.integrals, state.integrals)
         for j in range(model.joints.size):
             for c in range(3):
-                work.load[0, j, c] = work.load[1, j, c] = state.loads[j, c]
+                work.joints[j].load[0, c] = work.joints[j].load[1, c] = state.loads[j, c]
         record_until(model, state, work, recorder, clock.time, 0.0)
     look_at(model, state.q, state.v, work, START)
     if clock.step_size <= 0.0:
@@ -215,16 +216,16 @@ def take_modal_step(model, state, settings, recorder, end_time, work):
     size = h
     solved = solve_step(model, state, work, settings, tables, level, h)
     error = step_error(model, state, work, settings, tables, level, h) if solved else math.inf
-    clock.evaluations += work.counts[0]
-    work.counts[0] = 0
+    clock.evaluations += work.counts[ITERATIONS]
+    work.counts[ITERATIONS] = 0
     if not error <= 1.0:
         reject_step(clock, h, solved, error)
         return DONE
     share, joint, kind = first_event(model, state, work, h)
-    work.counts[1] = 0 if share * h > _SMALLEST_PART else work.counts[1] + 1
-    if work.counts[1] > _MOST_EVENTS_AT_ONCE:
-        return fail(state, EVENTS_PILE_UP, joint, float(work.counts[1]))
-    if kind != NONE and work.counts[1] > 0:
+    work.counts[EVENTS] = 0 if share * h > _SMALLEST_PART else work.counts[EVENTS] + 1
+    if work.counts[EVENTS] > _MOST_EVENTS_AT_ONCE:
+        return fail(state, EVENTS_PILE_UP, joint, float(work.counts[EVENTS]))
+    if kind != NONE and work.counts[EVENTS] > 0:
         begin_event(model, state, work, joint, kind)
         return DONE
     if kind != NONE and share < 1.0:

@@ -44,7 +44,7 @@ def cubic(share, x0, r0, x1, r1):
 @kernel(inlined=True)
 def event_function(model, state, work, j, kind, h, share):
     """Depth [m] of joint `j`, or its angle past the lock or in a stop [rad], which rises through zero at an event."""
-    joint, start, end = model.joints[j], work.motion[START, j], work.motion[SECOND, j]
+    joint, start, end = model.joints[j], work.joints[j].motion[START], work.joints[j].motion[SECOND]
     if kind == CONTACT:
         ex = cubic(share, start[ECCENTRICITY_X], h * start[VELOCITY_X], end[ECCENTRICITY_X], h * end[VELOCITY_X])
         ey = cubic(share, start[ECCENTRICITY_Y], h * start[VELOCITY_Y], end[ECCENTRICITY_Y], h * end[VELOCITY_Y])
@@ -91,9 +91,9 @@ def first_event(model, state, work, h):
     """Earliest contact start, latching or stop engagement inside the step: (share, joint, kind)."""
     share, which, what = 1.0, np.int64(-1), NONE
     for j in range(model.joints.size):
-        joint, own, number, end = model.joints[j], state.joints[j], np.int64(j), work.motion[SECOND, j]
+        joint, own, number, end = model.joints[j], state.joints[j], np.int64(j), work.joints[j].motion[SECOND]
         if joint.kind == CLEARANCE and not own.in_contact:
-            start = work.motion[START, j]
+            start = work.joints[j].motion[START]
             # Pressed from the start of the run, on the very wall and on the way in, or inside the step.
             if start[DEPTH] != 0.0 or start[DEPTH_RATE] > 0.0 or end[DEPTH] > start[DEPTH]:
                 root = first_rise(model, state, work, j, CONTACT, h)
@@ -115,22 +115,22 @@ def first_event(model, state, work, h):
 @kernel(inlined=True)
 def instantaneous_inverse_mass(model, work, j):
     """Inverse mass [1/kg] that joint `j` feels along its line of centres before the bodies deform."""
-    motion, joint = work.motion[START, j], model.joints[j]
+    motion, joint = work.joints[j].motion[START], model.joints[j]
     nx, ny, total = motion[NORMAL_X], motion[NORMAL_Y], 0.0
     for side in range(2):
         number = joint.outboard if side == 0 else joint.inboard
         attachment = model.attachments[number]
         b = attachment.body
         body = model.bodies[b]
-        lever = work.arm[START, number, 0] * ny - work.arm[START, number, 1] * nx
+        lever = work.attachments[number].arm[START, 0] * ny - work.attachments[number].arm[START, 1] * nx
         total += body.inverse_mass + lever * lever * body.inverse_inertia
         if body.panel != RIGID_BODY:
-            c, s = work.turn[START, b, 0], work.turn[START, b, 1]
+            c, s = work.bodies[b].turn[START, 0], work.bodies[b].turn[START, 1]
             along, across = c * nx + s * ny, c * ny - s * nx
             for group in range(GROUPS):
                 share = across if group < AXIAL_EVEN else along
                 for k in range(model.panels.first[group], model.panels.first[group + 1]):
-                    total += (model.panels.rows[body.design, k, 0] * share) ** 2
+                    total += (model.panels.modes[body.design, k].row[0] * share) ** 2
     return total
 
 
@@ -145,7 +145,7 @@ def begin_event(model, state, work, j, kind):
         own.stop_engaged = 1
         return
     own.in_contact = 1
-    own.impact_speed = max(work.motion[START, j, DEPTH_RATE], joint.minimum_impact_speed)
+    own.impact_speed = max(work.joints[j].motion[START, DEPTH_RATE], joint.minimum_impact_speed)
     own.contact_start = time
     own.contact_peak = 0.0
     own.contact_impulse = state.integrals[INTEGRALS_PER_JOINT * j + IMPULSE]
@@ -154,7 +154,7 @@ def begin_event(model, state, work, j, kind):
     inverse_mass = instantaneous_inverse_mass(model, work, j)
     _, own.contact_duration = impact_scales(joint, inverse_mass, own.impact_speed)
     # Of note where a run starts with a journal that is pressed into its bearing.
-    motion = work.motion[START, j]
+    motion = work.joints[j].motion[START]
     normal, _, _, _ = normal_force(joint, motion[DEPTH], motion[DEPTH_RATE], own.impact_speed)
     share, _ = friction_share(joint, motion[SLIDING_SPEED])
     state.loads[j, 0], state.loads[j, 1] = normal, -joint.friction_coefficient * share * normal

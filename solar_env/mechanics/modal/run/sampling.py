@@ -20,6 +20,7 @@ from solar_env.mechanics.modal.arrays import (
 from solar_env.mechanics.modal.run.books import stored_energies
 from solar_env.mechanics.modal.run.events import cubic
 from solar_env.mechanics.modal.step.bodies import outboard_load
+from solar_env.mechanics.modal.step.equations import cable_stretch
 from solar_env.mechanics.modal.step.motion import look_at
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.records.recording import RECORDED_LOADS
@@ -32,7 +33,7 @@ _SHORT = 1e-6
 def fill_load_table(model, state, work, slot, loads, table):
     """Fill the (joints, LOAD_COLUMNS) table of loads from motion at a slot and `loads` (joints, 3)."""
     for j in range(model.joints.size):
-        joint, own, motion, row = model.joints[j], state.joints[j], work.motion[slot, j], table[j]
+        joint, own, motion, row = model.joints[j], state.joints[j], work.joints[j].motion[slot], table[j]
         clearance = joint.kind != IDEAL
         row[columns.ECCENTRICITY_X] = motion[ECCENTRICITY_X] if clearance else 0.0
         row[columns.ECCENTRICITY_Y] = motion[ECCENTRICITY_Y] if clearance else 0.0
@@ -48,11 +49,9 @@ def fill_load_table(model, state, work, slot, loads, table):
         row[columns.CABLE_TORQUE] = 0.0
     for c in range(model.cables.size):
         cable = model.cables[c]
-        a, b = cable.joint_a, cable.joint_b
-        stretch = cable.wheel_ratio * work.motion[slot, a, ANGLE] - work.motion[slot, b, ANGLE]
-        torque, _, _ = cable_torque(cable, stretch)
-        table[a, columns.CABLE_TORQUE] -= cable.torque_ratio * torque
-        table[b, columns.CABLE_TORQUE] += torque
+        torque, _, _ = cable_torque(cable, cable_stretch(cable, work.joints, slot))
+        table[cable.joint_a, columns.CABLE_TORQUE] -= cable.torque_ratio * torque
+        table[cable.joint_b, columns.CABLE_TORQUE] += torque
 
 
 @kernel(inner=True)
@@ -76,9 +75,9 @@ def record_modal_sample(model, state, work, recorder, h, share):
     look_at(model, row[:n], row[n : 2 * n], work, OTHER)
     for j in range(model.joints.size):
         for c in range(3):
-            first, second = work.load[0, j, c], work.load[1, j, c]
+            first, second = work.joints[j].load[0, c], work.joints[j].load[1, c]
             work.sample_load[j, c] = second + 1.5 * (share - 1.0) * (second - first)
-        joint, motion = model.joints[j], work.motion[OTHER, j]
+        joint, motion = model.joints[j], work.joints[j].motion[OTHER]
         if joint.kind != IDEAL:
             # A polynomial knows neither the moment at which the surfaces part nor the one at which sliding turns round.
             normal = max(work.sample_load[j, 0], 0.0) if motion[DEPTH] > 0.0 else 0.0
@@ -95,6 +94,6 @@ def record_modal_sample(model, state, work, recorder, h, share):
         row[k] = work.energies[e]
         k += 1
     for i in range(state.integrals.size):
-        row[k] = work.start_integrals[i] + share * (state.integrals[i] - work.start_integrals[i])
+        row[k] = work.integrals[i] + share * (state.integrals[i] - work.integrals[i])
         k += 1
     recorder.filled[0] += 1

@@ -1,29 +1,29 @@
 """End of a step: its error over the tolerances, and the state moved to where it leads."""
 
 from solar_env.mechanics.arrays.model import MATERIAL_DISSIPATION
-from solar_env.mechanics.modal.arrays import REACTION_X, RIGID_BODY, SECOND
+from solar_env.mechanics.modal.arrays import REACTION_X, RIGID_BODY, SECOND, START, UNKNOWNS
 from solar_env.mechanics.modal.panel.oscillators import WEIGHT_A, WEIGHT_B
 from solar_env.mechanics.modal.panel.tables import AXIAL_EVEN, AXIAL_ODD, BENDING_EVEN, BENDING_ODD, GROUPS, values_of
 from solar_env.mechanics.modal.step.bodies import distribute_loads, stage_frames
+from solar_env.mechanics.modal.step.motion import place_bodies
 from solar_env.mechanics.modal.step.rows import load_column
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_rows
 
 
 @kernel(inlined=True)
-def rate_defect(panels, work, tables, level, h, p, d, group):
+def rate_defect(panels, own, answers, held, d, h, group):
     """Defect of the rate of a group's ends [m/s]: of its vibration, without what loads and foreshortening hold."""
-    defect = work.defect[p, group]
+    defect = own.defect[group]
     for j in range(values_of(group)):
-        load = 1.5 * work.group_load[p, 0, group, j] - 0.5 * work.group_load[p, 1, group, j]
-        defect += tables.held[d, level, group, j] * load
+        defect += held[group, j] * (1.5 * own.load[0, group, j] - 0.5 * own.load[1, group, j])
     if group >= AXIAL_EVEN:
         for r in range(panels.coupled[group]):
             k = panels.first[group] + r
-            first, second = work.coupling[p, 0, k], work.coupling[p, 1, k]
+            mode, first, second = panels.modes[d, k], own.coupling[0, group, r], own.coupling[1, group, r]
             value, rate = 1.5 * first - 0.5 * second, 1.5 * (second - first) / h
-            shortened = tables.defects[d, level, k, 0] * value + tables.defects[d, level, k, 1] * rate
-            defect -= panels.rows[d, k, 0] * shortened / panels.frequency[d, k] ** 2
+            shortened = answers[k].defect[0] * value + answers[k].defect[1] * rate
+            defect -= mode.row[0] * shortened / (mode.frequency * mode.frequency)
     return abs(defect)
 
 
@@ -37,102 +37,119 @@ def step_error(model, state, work, settings, tables, level, h):
     error = 0.0
     settled = state.clock[0].acceleration_current != 0
     for j in range(model.joints.size):
-        if work.torque_row[j] < 0:
-            deviation = state.loads[j, 2] - 1.5 * work.load[0, j, 2] + 0.5 * work.load[1, j, 2]
-            error = max(error, abs(deviation) / work.torque_tolerance[j])
-    for r in range(work.rows[0]):
-        kind, j = work.kind[r], work.joint[r]
+        if work.joints[j].torque_unknown < 0:
+            deviation = state.loads[j, 2] - 1.5 * work.joints[j].load[0, 2] + 0.5 * work.joints[j].load[1, 2]
+            error = max(error, abs(deviation) / work.joints[j].torque_tolerance)
+    for r in range(work.counts[UNKNOWNS]):
+        kind, j = work.unknowns[r].kind, work.unknowns[r].joint
         if settled or kind < REACTION_X:
             c = load_column(kind)
-            deviation = state.loads[j, c] - 1.5 * work.load[0, j, c] + 0.5 * work.load[1, j, c]
-            error = max(error, abs(deviation) / work.tolerance[r])
+            deviation = state.loads[j, c] - 1.5 * work.joints[j].load[0, c] + 0.5 * work.joints[j].load[1, c]
+            error = max(error, abs(deviation) / work.unknowns[r].tolerance)
     limit = settings.rtol * settings.velocity_scale
     for b in range(model.bodies.size):
         p, d = model.bodies[b].panel, model.bodies[b].design
         if p != RIGID_BODY:
+            own, answers, held = work.panels[p], tables.answers[d, level], tables.responses[d, level].held
             # At one end or the other, the even and the odd part add up.
-            across = rate_defect(model.panels, work, tables, level, h, p, d, BENDING_EVEN)
-            across += rate_defect(model.panels, work, tables, level, h, p, d, BENDING_ODD)
-            along = rate_defect(model.panels, work, tables, level, h, p, d, AXIAL_EVEN)
-            along += rate_defect(model.panels, work, tables, level, h, p, d, AXIAL_ODD)
+            across = rate_defect(model.panels, own, answers, held, d, h, BENDING_EVEN)
+            across += rate_defect(model.panels, own, answers, held, d, h, BENDING_ODD)
+            along = rate_defect(model.panels, own, answers, held, d, h, AXIAL_EVEN)
+            along += rate_defect(model.panels, own, answers, held, d, h, AXIAL_ODD)
             error = max(error, max(across, along) / limit)
     return error
 
 
 @kernel(inner=True)
-def move_modes(answers, rows, square, load, coupling, q, v, strain_rate):
-    """Move the amplitudes of one group over the step.
+def move_modes(modes, answers, first_load, second_load, coupled, own, group, q, v):
+    """Move the amplitudes of one group over the step, and fill the motion of its ends there, columns 0 and 1.
 
     Args:
-        answers: (modes, COEFFICIENTS).
-        rows: (modes, VALUES).
-        square: (modes,) frequencies.
-        load: (2, VALUES) of the group's ends, by stage.
-        coupling: (2, modes) modal forces, by stage.
+        modes: (modes,) rows of `mode_type`.
+        answers: (modes,) rows of `answer_type`.
+        first_load, second_load: (VALUES,) of the group's ends, by stage.
+        coupled: number of modes that foreshortening couples.
+        own: scratch of the panel.
+        group: its number.
         q, v: (modes,) amplitudes and rates.
-        strain_rate: (2, coupled) takes the place of the rates of the lowest modes in what the damping takes.
 
     Returns:
-        Mean over the step of the sum of squared frequencies times rates.
+        Mean over the step of the sum of the squares of frequencies times rates.
     """
-    first_force, first_moment, second_force, second_moment = load[0, 0], load[0, 1], load[1, 0], load[1, 1]
-    total = 0.0
+    force1, moment1, force2, moment2 = first_load[0], first_load[1], second_load[0], second_load[1]
+    total = w = w_rate = s = s_rate = 0.0
     for k in range(q.size):
-        first = rows[k, 0] * first_force + rows[k, 1] * first_moment + coupling[0, k]
-        second = rows[k, 0] * second_force + rows[k, 1] * second_moment + coupling[1, k]
+        mode, answer = modes[k], answers[k].coefficient
+        across, turning = mode.row[0], mode.row[1]
+        first = across * force1 + turning * moment1
+        second = across * force2 + turning * moment2
+        if k < coupled:
+            first += own.coupling[0, group, k]
+            second += own.coupling[1, group, k]
         value, rate = q[k], v[k]
-        rate1 = answers[k, 1] * value + answers[k, 5] * rate + answers[k, 9] * first + answers[k, 13] * second
-        q[k] = answers[k, 2] * value + answers[k, 6] * rate + answers[k, 10] * first + answers[k, 14] * second
-        rate2 = answers[k, 3] * value + answers[k, 7] * rate + answers[k, 11] * first + answers[k, 15] * second
-        v[k] = rate2
-        if k < strain_rate.shape[1]:
-            rate1, rate2 = strain_rate[0, k], strain_rate[1, k]
-        total += square[k] * square[k] * (WEIGHT_A * rate1 * rate1 + WEIGHT_B * rate2 * rate2)
+        end = answer[2] * value + answer[6] * rate + answer[10] * first + answer[14] * second
+        rate1 = answer[1] * value + answer[5] * rate + answer[9] * first + answer[13] * second
+        rate2 = answer[3] * value + answer[7] * rate + answer[11] * first + answer[15] * second
+        q[k], v[k] = end, rate2
+        w += across * end
+        w_rate += across * rate2
+        s += turning * end
+        s_rate += turning * rate2
+        if group >= AXIAL_EVEN and k < coupled:
+            rate1, rate2 = own.strain_rate[0, group, k], own.strain_rate[1, group, k]
+        mean_square = WEIGHT_A * rate1 * rate1 + WEIGHT_B * rate2 * rate2
+        total += mode.frequency * mode.frequency * mean_square
+    ends = own.ends[group]
+    ends[0, 0], ends[0, 1], ends[1, 0], ends[1, 1] = w, w_rate, s, s_rate
     return total
 
 
 @kernel(inlined=True)
-def move_panel(panels, state, work, tables, level, p, d, offset):
-    """Move the amplitudes of panel `p`, which begin at `offset`; returns the mean power of its damping [W]."""
+def move_panel(panels, own, answers, d, q, v):
+    """Move the amplitudes of a panel; returns the mean power of its damping [W]."""
     total = 0.0
     for group in range(GROUPS):
         begin, end = panels.first[group], panels.first[group + 1]
-        stretched = panels.coupled[group] if group >= AXIAL_EVEN else 0
         total += move_modes(
-            tables.answers[d, level, begin:end],
-            panels.rows[d, begin:end],
-            panels.frequency[d, begin:end],
-            work.group_load[p, :, group],
-            work.coupling[p, :, begin:end],
-            state.q[offset + begin : offset + end],
-            state.v[offset + begin : offset + end],
-            work.strain_rate[p, :, begin : begin + stretched],
+            panels.modes[d, begin:end],
+            answers[begin:end],
+            own.load[0, group],
+            own.load[1, group],
+            panels.coupled[group],
+            own,
+            group,
+            q[begin:end],
+            v[begin:end],
         )
     return panels.damping[d] * total
 
 
 @kernel
 def commit_step(model, state, work, tables, level, h):
-    """Move the state to the end of the step that has been solved."""
-    for s in range(2):
-        distribute_loads(model, state, work, s)
+    """Move the state to the end of the step that has been solved, and fill the motion there."""
+    distribute_loads(model, state, work)
     stage_frames(model, state, work, h)
     power = 0.0
     for b in range(model.bodies.size):
-        body = model.bodies[b]
-        first = body.offset
+        body, own, first = model.bodies[b], work.bodies[b], model.bodies[b].offset
         for i in range(3):
-            state.q[first + i], state.v[first + i] = work.place[SECOND, b, i], work.speed[SECOND, b, i]
+            state.q[first + i], state.v[first + i] = own.place[SECOND, i], own.speed[SECOND, i]
         if body.panel != RIGID_BODY:
-            power += move_panel(model.panels, state, work, tables, level, body.panel, body.design, first + 3)
+            answers, panel, begin = tables.answers[body.design, level], work.panels[body.panel], first + 3
+            end = begin + answers.size
+            q, v = state.q[begin:end], state.v[begin:end]
+            power += move_panel(model.panels, panel, answers, body.design, q, v)
     state.integrals[state.integrals.size + MATERIAL_DISSIPATION] += h * power
+    place_bodies(model, state.q, state.v, work, START)
 
 
 @kernel(inlined=True)
 def keep_loads(state, work, h):
     """Keep the loads at the end of the step and the course they have taken."""
     for j in range(state.joints.size):
+        load = work.joints[j].load
         for c in range(3):
-            state.loads[j, c] = work.load[1, j, c]
-            state.load_rates[j, c] = 1.5 * (work.load[1, j, c] - work.load[0, j, c]) / h
-    copy_rows(state.coupling, work.coupling[:, 1])
+            state.loads[j, c] = load[1, c]
+            state.load_rates[j, c] = 1.5 * (load[1, c] - load[0, c]) / h
+    for p in range(work.panels.size):
+        copy_rows(state.coupling[p], work.panels[p].coupling[1])

@@ -16,21 +16,21 @@ _SMALL_TURN = 0.02
 def add_load(model, work, stage, number, fx, fy, torque):
     """Add a force [N] and a torque [N m] at an attachment to its body's loads at a stage."""
     attachment = model.attachments[number]
-    b = attachment.body
-    x, y = work.arm[stage, number, 0], work.arm[stage, number, 1]
-    work.body_load[stage, b, 0] += fx
-    work.body_load[stage, b, 1] += fy
-    work.body_load[stage, b, 2] += torque + x * fy - y * fx
-    p = model.bodies[b].panel
+    own, arm = work.bodies[attachment.body], work.attachments[number].arm
+    own.load[stage, 0] += fx
+    own.load[stage, 1] += fy
+    own.load[stage, 2] += torque + arm[stage, 0] * fy - arm[stage, 1] * fx
+    p = model.bodies[attachment.body].panel
     if p != RIGID_BODY:
-        c, s = work.turn[stage, b, 0], work.turn[stage, b, 1]
+        load = work.panels[p].load[stage]
+        c, s = own.turn[stage, 0], own.turn[stage, 1]
         along, across, odd = c * fx + s * fy, c * fy - s * fx, side(attachment.end)
-        work.group_load[p, stage, BENDING_EVEN, 0] += across
-        work.group_load[p, stage, BENDING_EVEN, 1] += odd * torque
-        work.group_load[p, stage, BENDING_ODD, 0] += odd * across
-        work.group_load[p, stage, BENDING_ODD, 1] += torque
-        work.group_load[p, stage, AXIAL_EVEN, 0] += along
-        work.group_load[p, stage, AXIAL_ODD, 0] += odd * along
+        load[BENDING_EVEN, 0] += across
+        load[BENDING_EVEN, 1] += odd * torque
+        load[BENDING_ODD, 0] += odd * across
+        load[BENDING_ODD, 1] += torque
+        load[AXIAL_EVEN, 0] += along
+        load[AXIAL_ODD, 0] += odd * along
 
 
 @kernel(inlined=True)
@@ -50,19 +50,22 @@ def outboard_load(joint, own, load, motion):
 
 
 @kernel(inlined=True)
-def distribute_loads(model, state, work, stage):
-    """Fill the loads of bodies and ends from those of the joints, in the directions that the stage has now."""
+def distribute_loads(model, state, work):
+    """Fill the loads of bodies and ends at both stages from those of the joints, in the directions there now."""
     for b in range(model.bodies.size):
-        for i in range(3):
-            work.body_load[stage, b, i] = 0.0
-    for p in range(work.group_load.shape[0]):
-        for group in range(GROUPS):
-            work.group_load[p, stage, group, 0] = work.group_load[p, stage, group, 1] = 0.0
+        for s in range(2):
+            for i in range(3):
+                work.bodies[b].load[s, i] = 0.0
+    for p in range(work.panels.size):
+        for s in range(2):
+            for group in range(GROUPS):
+                work.panels[p].load[s, group, 0] = work.panels[p].load[s, group, 1] = 0.0
     for j in range(model.joints.size):
-        joint = model.joints[j]
-        fx, fy, outboard, inboard = outboard_load(joint, state.joints[j], work.load[stage, j], work.motion[stage, j])
-        add_load(model, work, stage, joint.outboard, fx, fy, outboard)
-        add_load(model, work, stage, joint.inboard, -fx, -fy, inboard)
+        joint, own = model.joints[j], work.joints[j]
+        for s in range(2):
+            fx, fy, outboard, inboard = outboard_load(joint, state.joints[j], own.load[s], own.motion[s])
+            add_load(model, work, s, joint.outboard, fx, fy, outboard)
+            add_load(model, work, s, joint.inboard, -fx, -fy, inboard)
 
 
 @kernel(inlined=True)
@@ -81,17 +84,17 @@ def turned(cosine, sine, angle):
 def stage_frames(model, state, work, h):
     """Centres of mass and angles of the bodies at both stages, with their rates."""
     for b in range(model.bodies.size):
-        body = model.bodies[b]
+        body, own = model.bodies[b], work.bodies[b]
         for i in range(3):
             inverse = body.inverse_mass if i < 2 else body.inverse_inertia
-            first, second = work.body_load[0, b, i] * inverse, work.body_load[1, b, i] * inverse
+            first, second = own.load[0, i] * inverse, own.load[1, i] * inverse
             if i < 2 and inverse > 0.0:
                 first += model.gravity[i]
                 second += model.gravity[i]
             x, v = state.q[body.offset + i], state.v[body.offset + i]
             for s in range(2):
-                work.place[s, b, i] = x + h * (NODES[s] * v + h * (B[s][0] * first + B[s][1] * second))
-                work.speed[s, b, i] = v + h * (A[s][0] * first + A[s][1] * second)
+                own.place[s, i] = x + h * (NODES[s] * v + h * (B[s][0] * first + B[s][1] * second))
+                own.speed[s, i] = v + h * (A[s][0] * first + A[s][1] * second)
         for s in range(2):
-            angle = work.place[s, b, 2] - work.place[START, b, 2]
-            work.turn[s, b, 0], work.turn[s, b, 1] = turned(work.turn[START, b, 0], work.turn[START, b, 1], angle)
+            angle = own.place[s, 2] - own.place[START, 2]
+            own.turn[s, 0], own.turn[s, 1] = turned(own.turn[START, 0], own.turn[START, 1], angle)

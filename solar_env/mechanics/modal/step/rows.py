@@ -34,7 +34,7 @@ def angle_by_torque(model, tables, level, h, j):
         body = model.bodies[attachment.body]
         total += 0.5 * h * h * body.inverse_inertia
         if body.panel != RIGID_BODY:
-            response = tables.response[body.design, level]
+            response = tables.responses[body.design, level].response
             even, odd = response[BENDING_EVEN, 1, 1], response[BENDING_ODD, 1, 1]
             total += abs(even[2] + odd[2]) + abs(even[6] + odd[6])
     return total
@@ -53,6 +53,14 @@ def torque_stiffness(model, j):
 
 
 @kernel(inlined=True)
+def list_unknown(model, work, r, kind, j):
+    """Enter unknown `r` of joint `j`."""
+    own, joint = work.unknowns[r], model.joints[j]
+    own.kind, own.joint = kind, j
+    own.attachment[0], own.attachment[1] = joint.outboard, joint.inboard
+
+
+@kernel(inlined=True)
 def list_rows(model, state, work, tables, level, h):
     """List the unknowns; returns their number.
 
@@ -60,19 +68,21 @@ def list_rows(model, state, work, tables, level, h):
     """
     n = 0
     for j in range(model.joints.size):
-        work.torque_row[j] = -1
+        work.joints[j].torque_unknown = -1
         if (
             state.joints[j].stop_engaged
             or torque_stiffness(model, j) * angle_by_torque(model, tables, level, h, j) > _SOFT
         ):
-            work.torque_row[j] = n
-            work.kind[n], work.joint[n] = TORQUE, j
+            work.joints[j].torque_unknown = n
+            list_unknown(model, work, n, TORQUE, j)
             n += 1
         if model.joints[j].kind == IDEAL:
-            work.kind[n], work.joint[n], work.kind[n + 1], work.joint[n + 1] = REACTION_X, j, REACTION_Y, j
+            list_unknown(model, work, n, REACTION_X, j)
+            list_unknown(model, work, n + 1, REACTION_Y, j)
             n += 2
         elif state.joints[j].in_contact:
-            work.kind[n], work.joint[n], work.kind[n + 1], work.joint[n + 1] = NORMAL, j, TANGENTIAL, j
+            list_unknown(model, work, n, NORMAL, j)
+            list_unknown(model, work, n + 1, TANGENTIAL, j)
             n += 2
     return n
 
@@ -88,7 +98,7 @@ def load_column(kind):
 @kernel(inlined=True)
 def unit_load(model, work, kind, j):
     """Load of a unit of an unknown on its outboard body, force and torque, and the torque on the inboard one."""
-    joint, motion = model.joints[j], work.motion[SECOND, j]
+    joint, motion = model.joints[j], work.joints[j].motion[SECOND]
     if kind == TORQUE:
         return 0.0, 0.0, float(joint.sign), -float(joint.sign)
     if kind == REACTION_X:
@@ -102,21 +112,21 @@ def unit_load(model, work, kind, j):
 
 
 @kernel(inlined=True)
-def fill_row_loads(model, work, n):
+def fill_unit_loads(model, work, n):
     """Unit loads of the unknowns in the frames of their bodies, as the second stage has them."""
     for r in range(n):
-        j = work.joint[r]
-        fx, fy, outboard, inboard = unit_load(model, work, work.kind[r], j)
+        own = work.unknowns[r]
+        fx, fy, outboard, inboard = unit_load(model, work, own.kind, own.joint)
         for face in range(2):
-            number = model.joints[j].outboard if face == 0 else model.joints[j].inboard
-            attachment = model.attachments[number]
-            c, s = work.turn[SECOND, attachment.body, 0], work.turn[SECOND, attachment.body, 1]
+            number = own.attachment[face]
+            body, local = work.bodies[model.attachments[number].body], work.attachments[number].local
+            c, s = body.turn[SECOND, 0], body.turn[SECOND, 1]
             sign = 1.0 if face == 0 else -1.0
             along, across = sign * (c * fx + s * fy), sign * (c * fy - s * fx)
             torque = outboard if face == 0 else inboard
-            row = work.row_load[r, face]
-            row[0], row[1], row[2] = along, across, torque
-            row[3] = torque + work.local[SECOND, number, 0] * across - work.local[SECOND, number, 1] * along
+            load = own.load[face]
+            load[0], load[1], load[2] = along, across, torque
+            load[3] = torque + local[SECOND, 0] * across - local[SECOND, 1] * along
 
 
 @kernel(inlined=True)
@@ -141,8 +151,11 @@ def move_ends(response, load, odd, motion):
 
 
 @kernel(inlined=True)
-def add_shared(body, first, end, second, motion, rigid, shared):
-    """Add what unit load `second` on a body does to the motion that unit load `first` at `end` works on."""
+def add_shared(body, first, second, motion, rigid, shared):
+    """Add what unit load `second` on a body does to the motion that unit load `first` works on.
+
+    `motion` is that of the end at which the first one acts, by the second one.
+    """
     share = (first[0] * second[0] + first[1] * second[1]) * body.inverse_mass
     share += first[3] * second[3] * body.inverse_inertia
     for c in range(8):
@@ -150,46 +163,36 @@ def add_shared(body, first, end, second, motion, rigid, shared):
     if body.panel != RIGID_BODY:
         along, across, torque = first[0], first[1], first[2]
         for c in range(8):
-            shared[c] += along * motion[end, 0, c] + across * motion[end, 1, c] + torque * motion[end, 2, c]
-
-
-@kernel(inlined=True)
-def attachment_of(model, work, r, face):
-    """Attachment of unknown `r` on the outboard side of its joint (`face` 0) or on the inboard one."""
-    joint = model.joints[work.joint[r]]
-    return model.attachments[joint.outboard if face == 0 else joint.inboard]
+            shared[c] += along * motion[0, c] + across * motion[1, c] + torque * motion[2, c]
 
 
 @kernel(inlined=True)
 def fill_mobility(model, work, tables, level, h, n):
     """Motion that each unknown works on by a unit of each other, at both stages."""
-    fill_row_loads(model, work, n)
+    fill_unit_loads(model, work, n)
     for s in range(2):
         for k in range(2):
             work.rigid[4 * k + 2 * s], work.rigid[4 * k + 2 * s + 1] = h * h * B[s][k], h * A[s][k]
     for q in range(n):
-        for opposite in range(2):
-            second = attachment_of(model, work, q, opposite)
-            body = model.bodies[second.body]
+        own = work.unknowns[q]
+        for face in range(2):
+            attachment = model.attachments[own.attachment[face]]
+            body = model.bodies[attachment.body]
             if body.panel != RIGID_BODY:
-                response = tables.response[body.design, level]
-                move_ends(response, work.row_load[q, opposite], side(second.end), work.row_motion[q, opposite])
+                response = tables.responses[body.design, level].response
+                move_ends(response, own.load[face], side(attachment.end), own.motion[face])
     for p in range(n):
         for q in range(p + 1):
+            shared = work.mobility[p, q].response
             for c in range(8):
-                work.shared[c] = 0.0
+                shared[c] = 0.0
             for face in range(2):
-                first = attachment_of(model, work, p, face)
+                first = model.attachments[work.unknowns[p].attachment[face]]
+                body, load = model.bodies[first.body], work.unknowns[p].load[face]
                 for opposite in range(2):
-                    if attachment_of(model, work, q, opposite).body == first.body:
-                        add_shared(
-                            model.bodies[first.body],
-                            work.row_load[p, face],
-                            first.end,
-                            work.row_load[q, opposite],
-                            work.row_motion[q, opposite],
-                            work.rigid,
-                            work.shared,
-                        )
+                    other = work.unknowns[q]
+                    if model.attachments[other.attachment[opposite]].body == first.body:
+                        motion = other.motion[opposite, first.end]
+                        add_shared(body, load, other.load[opposite], motion, work.rigid, shared)
             for c in range(8):
-                work.mobility[c, p, q] = work.mobility[c, q, p] = work.shared[c]
+                work.mobility[q, p].response[c] = shared[c]

@@ -14,6 +14,8 @@ from solar_env.mechanics.modal.arrays import (
     ANGLE,
     DEPTH,
     DEPTH_RATE,
+    ITERATIONS,
+    MOTION_COLUMNS,
     NORMAL,
     RATE,
     REACTION_X,
@@ -24,6 +26,7 @@ from solar_env.mechanics.modal.arrays import (
     START,
     TANGENTIAL,
     TORQUE,
+    UNKNOWNS,
 )
 from solar_env.mechanics.modal.panel.coupling import couple, shorten_ends
 from solar_env.mechanics.modal.panel.ends import add_modal_forces, forced_ends, free_ends
@@ -40,7 +43,7 @@ _MOST_ITERATIONS = 12
 # Foreshortening is of second order: its forces are renewed in so many iterations.
 _COUPLED_ITERATIONS = 2
 # Correction over the tolerance after which motion and matrix are not renewed.
-_SMALL = 3.0
+_SMALL = 30.0
 # Displacement by a correction, over the clearance, above which motion is renewed.
 _SHIFT = 1e-3
 # The iteration ends where the corrections to come are less than this share of the tolerance.
@@ -71,23 +74,30 @@ class ModalSettings(NamedTuple):
 @kernel(inlined=True)
 def start_stages(model, state, work, h):
     """First guess of the stages: directions of the start, loads along the last step's polynomial."""
-    for s in range(2):
-        for b in range(model.bodies.size):
-            # The directions at the stage, but for the loads of the step.
-            c, s0 = work.turn[START, b, 0], work.turn[START, b, 1]
-            angle = NODES[s] * h * work.speed[START, b, 2]
-            work.turn[s, b, 0], work.turn[s, b, 1] = c - s0 * angle, s0 + c * angle
-        copy_rows(work.arm[s], work.arm[START])
-        copy_rows(work.motion[s], work.motion[START])
-        copy_rows(work.coupling[:, s], state.coupling)
-        for j in range(model.joints.size):
-            own = state.joints[j]
+    for b in range(model.bodies.size):
+        own = work.bodies[b]
+        # The directions at the stage, but for the loads of the step.
+        c, s0 = own.turn[START, 0], own.turn[START, 1]
+        for s in range(2):
+            angle = NODES[s] * h * own.speed[START, 2]
+            own.turn[s, 0], own.turn[s, 1] = c - s0 * angle, s0 + c * angle
+    for number in range(model.attachments.size):
+        arm = work.attachments[number].arm
+        for s in range(2):
+            arm[s, 0], arm[s, 1] = arm[START, 0], arm[START, 1]
+    for p in range(work.panels.size):
+        for s in range(2):
+            copy_rows(work.panels[p].coupling[s], state.coupling[p])
+    for j in range(model.joints.size):
+        own, new, ideal = state.joints[j], work.joints[j], model.joints[j].kind == IDEAL
+        for s in range(2):
+            for c in range(MOTION_COLUMNS):
+                new.motion[s, c] = new.motion[START, c]
             for c in range(3):
-                active = c == 2 or model.joints[j].kind == IDEAL or own.in_contact
                 guess = state.loads[j, c] + NODES[s] * h * state.load_rates[j, c]
-                work.load[s, j, c] = guess if active else 0.0
+                new.load[s, c] = guess if c == 2 or ideal or own.in_contact else 0.0
             if own.in_contact:
-                work.load[s, j, 0] = max(work.load[s, j, 0], 0.0)
+                new.load[s, 0] = max(new.load[s, 0], 0.0)
 
 
 @kernel(inlined=True)
@@ -96,17 +106,17 @@ def move_stages(model, state, work, tables, level, h, coupled):
 
     The forces of foreshortening are renewed where `coupled`; they belong to amplitudes under those of before.
     """
-    for s in range(2):
-        distribute_loads(model, state, work, s)
+    distribute_loads(model, state, work)
     stage_frames(model, state, work, h)
     for b in range(model.bodies.size):
         p, d = model.bodies[b].panel, model.bodies[b].design
         if p != RIGID_BODY:
-            forced_ends(work, tables.response, p, d, level)
+            own, answers = work.panels[p], tables.answers[d, level]
+            forced_ends(own, tables.responses[d, level].response)
             if coupled:
-                couple(model.panels, work, tables, level, p, d)
-            add_modal_forces(model.panels, work, tables, level, p, d)
-            shorten_ends(work, p)
+                couple(model.panels, own, answers, d)
+            add_modal_forces(model.panels, own, answers, d)
+            shorten_ends(own)
     for s in range(2):
         move_attachments(model, work, s)
         move_joints(model, work, s)
@@ -120,10 +130,10 @@ def velocity_by_torque(model, work, tables, level, h, j):
         number = joint.outboard if face == 0 else joint.inboard
         attachment = model.attachments[number]
         body = model.bodies[attachment.body]
-        lever = math.hypot(work.local[SECOND, number, 0], work.local[SECOND, number, 1])
+        lever = math.hypot(work.attachments[number].local[SECOND, 0], work.attachments[number].local[SECOND, 1])
         total += lever * body.inverse_inertia * h
         if body.panel != RIGID_BODY:
-            response = tables.response[body.design, level]
+            response = tables.responses[body.design, level].response
             even, odd = response[BENDING_EVEN, 0, 1], response[BENDING_ODD, 0, 1]
             total += abs(even[3] + odd[3] + even[7] + odd[7])
     return total
@@ -134,21 +144,22 @@ def set_tolerances(model, state, work, settings, tables, level, h, n):
     """Deviation of each load from its polynomial that errors of the size of the tolerances take."""
     limit = settings.rtol * settings.velocity_scale
     for j in range(model.joints.size):
-        work.torque_tolerance[j] = limit / (_DEVIATION * velocity_by_torque(model, work, tables, level, h, j))
+        work.joints[j].torque_tolerance = limit / (_DEVIATION * velocity_by_torque(model, work, tables, level, h, j))
     for r in range(n):
-        j, kind = work.joint[r], work.kind[r]
+        j, kind = work.unknowns[r].joint, work.unknowns[r].kind
         # Without signs: a vibration may have turned back by the end of the step.
-        gain = _DEVIATION * (abs(work.mobility[3, r, r]) + abs(work.mobility[7, r, r]))
-        work.tolerance[r] = work.torque_tolerance[j] if kind == TORQUE else limit / gain
+        own = work.mobility[r, r].response
+        gain = _DEVIATION * (abs(own[3]) + abs(own[7]))
+        work.unknowns[r].tolerance = work.joints[j].torque_tolerance if kind == TORQUE else limit / gain
         if kind == NORMAL:
             own = state.joints[j]
             least = _LEAST_DEPTH / _HERTZ * own.impact_speed * own.contact_duration
-            depth = max(work.motion[SECOND, j, DEPTH], work.motion[START, j, DEPTH], least)
+            depth = max(work.joints[j].motion[SECOND, DEPTH], work.joints[j].motion[START, DEPTH], least)
             # A load that is off moves a stiff contact's depth by no more than its own share.
-            share = _LOAD_SHARE * settings.rtol * max(work.load[1, j, 0], state.loads[j, 0])
-            least_load = max(share, _LEAST_LOAD * work.tolerance[r])
+            share = _LOAD_SHARE * settings.rtol * max(work.joints[j].load[1, 0], state.loads[j, 0])
+            least_load = max(share, _LEAST_LOAD * work.unknowns[r].tolerance)
             from_depth = max(settings.depth_tolerance * depth / (h * gain), least_load)
-            work.tolerance[r] = min(work.tolerance[r], from_depth)
+            work.unknowns[r].tolerance = min(work.unknowns[r].tolerance, from_depth)
 
 
 @kernel(inlined=True)
@@ -163,7 +174,7 @@ def correct_loads(model, state, work, n, h, renewed):
     for s in range(2):
         fill_torques(model, state, work, s)
         for r in range(n):
-            kind = work.kind[r]
+            kind = work.unknowns[r].kind
             if kind == TORQUE:
                 torque_row(model, work, s, n, r, renewed)
             elif kind == NORMAL:
@@ -171,11 +182,11 @@ def correct_loads(model, state, work, n, h, renewed):
             elif kind != TANGENTIAL:
                 reaction_row(work, s, n, r, h, renewed)
         for j in range(model.joints.size):
-            if work.torque_row[j] < 0:
-                change = work.torque[j, 0] - work.load[s, j, 2]
-                work.load[s, j, 2] += change
+            if work.joints[j].torque_unknown < 0:
+                change = work.joints[j].torque - work.joints[j].load[s, 2]
+                work.joints[j].load[s, 2] += change
                 total += change
-                apart = max(apart, abs(change) / work.torque_tolerance[j])
+                apart = max(apart, abs(change) / work.joints[j].torque_tolerance)
     if n > 0:
         if renewed and not lu_factor(work.matrix, 2 * n):
             return math.inf, math.inf
@@ -183,9 +194,9 @@ def correct_loads(model, state, work, n, h, renewed):
     for s in range(2):
         for r in range(n):
             change = work.correction[s * n + r]
-            work.load[s, work.joint[r], load_column(work.kind[r])] += change
+            work.joints[work.unknowns[r].joint].load[s, load_column(work.unknowns[r].kind)] += change
             total += change
-            size = max(size, abs(change) / work.tolerance[r])
+            size = max(size, abs(change) / work.unknowns[r].tolerance)
     return (size, apart) if math.isfinite(total) else (math.inf, math.inf)
 
 
@@ -200,15 +211,16 @@ def shift_stages(model, work, n):
     """
     greatest = 0.0
     for r in range(n):
-        j, kind = work.joint[r], work.kind[r]
+        j, kind = work.unknowns[r].joint, work.unknowns[r].kind
         joint = model.joints[j]
         for s in range(2):
             value, rate = 0.0, 0.0
-            for k in range(2):
-                for c in range(n):
-                    value += work.mobility[4 * k + 2 * s, r, c] * work.correction[k * n + c]
-                    rate += work.mobility[4 * k + 2 * s + 1, r, c] * work.correction[k * n + c]
-            motion = work.motion[s, j]
+            for c in range(n):
+                own = work.mobility[r, c].response
+                for k in range(2):
+                    value += own[4 * k + 2 * s] * work.correction[k * n + c]
+                    rate += own[4 * k + 2 * s + 1] * work.correction[k * n + c]
+            motion = work.joints[j].motion[s]
             if kind == TORQUE:
                 motion[ANGLE] += value
                 greatest = max(greatest, abs(value) * model.length_scale / joint.clearance)
@@ -230,15 +242,18 @@ def solve_step(model, state, work, settings, tables, level, h):
     for b in range(model.bodies.size):
         body = model.bodies[b]
         if body.panel != RIGID_BODY:
-            free_ends(model.panels, state, work, tables, level, body.panel, body.design, body.offset + 3)
+            answers, first = tables.answers[body.design, level], body.offset + 3
+            last = first + answers.size
+            own, d = work.panels[body.panel], body.design
+            free_ends(model.panels, own, answers, d, state.q[first:last], state.v[first:last])
     start_stages(model, state, work, h)
     n = list_rows(model, state, work, tables, level, h)
-    work.rows[0] = n
+    work.counts[UNKNOWNS] = n
     before, renewed, constrained = math.inf, True, False
     for r in range(n):
-        constrained = constrained or work.kind[r] >= REACTION_X
+        constrained = constrained or work.unknowns[r].kind >= REACTION_X
     for iteration in range(_MOST_ITERATIONS):
-        work.counts[0] += 1
+        work.counts[ITERATIONS] += 1
         if not renewed:
             renewed = shift_stages(model, work, n) > _SHIFT
         if renewed:

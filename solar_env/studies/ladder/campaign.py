@@ -8,16 +8,21 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
-from solar_env.array import ArrayParameters
+from solar_env.array import ArrayParameters, PanelModel
 from solar_env.array.ladder import QUESTIONS, Answer
-from solar_env.environment.env import SolarArrayEnv
+from solar_env.array.panels import ANCF, MODAL
+from solar_env.studies.common.levels import Level
+from solar_env.studies.common.motion import RELEASE_RATE, SETTING_SHARE
 from solar_env.studies.common.tables import Row, provenance, write_table
-from solar_env.studies.ladder.answers import mean_error, own_half_width, own_ranking_half_width, ranking_error
-from solar_env.studies.ladder.runs import CONTROLLERS, Level, Outcome, control, deploy
+from solar_env.studies.ladder.answers import mean_error, ranking_error
+from solar_env.studies.ladder.runs import CONTROLLERS, SAMPLE_STEP, Outcome, control, deploy
 from solar_env.support.progress import counting_bar
 
 RANKING = "controller-ranking"
 FILE = "ladder.csv"
+
+
+_REFERENCE = Level("flexible-clearance", PanelModel(MODAL, 48), tighter=10.0)
 
 
 @dataclass(frozen=True)
@@ -25,7 +30,8 @@ class LadderPlan:
     """How much is measured.
 
     Attributes:
-        elements: of the flexible levels; the last, with clearance, is the reference.
+        panels: of the flexible levels.
+        reference: what all levels are compared with, finer than they are.
         duration: of deployments on the springs alone [s]; they latch at 12.3 s.
         members: runs of each level.
         ideal_members: runs of each level with ideal joints, which have no chaos to average over.
@@ -33,7 +39,11 @@ class LadderPlan:
         window: time simulated after the last latching under a controller [s].
     """
 
-    elements: tuple[int, ...] = (1, 2, 4, 6, 12)
+    panels: tuple[PanelModel, ...] = (
+        *(PanelModel(ANCF, elements) for elements in (1, 2, 4, 6, 12)),
+        *(PanelModel(MODAL, modes) for modes in (8, 24)),
+    )
+    reference: Level = _REFERENCE
     duration: float = 22.5
     members: int = 16
     ideal_members: int = 3
@@ -43,10 +53,8 @@ class LadderPlan:
     @property
     def levels(self) -> tuple[Level, ...]:
         """From rigid panels with ideal joints to the reference."""
-        flexible = (
-            Level(f"flexible-{joint}", elements) for joint in ("ideal", "clearance") for elements in self.elements
-        )
-        return (Level("rigid-ideal"), Level("rigid-clearance"), *flexible)
+        flexible = (Level(f"flexible-{joint}", panels) for joint in ("ideal", "clearance") for panels in self.panels)
+        return (Level("rigid-ideal"), Level("rigid-clearance"), *flexible, self.reference)
 
     def deployments_of(self, level: Level) -> int:
         """How often a level is deployed on its springs alone."""
@@ -59,7 +67,14 @@ class LadderPlan:
 
 
 FULL = LadderPlan()
-QUICK = LadderPlan(elements=(1, 2, 4), duration=17.0, members=4, ideal_members=2, controlled_members=2, window=4.0)
+QUICK = LadderPlan(
+    panels=(PanelModel(ANCF, 1), PanelModel(ANCF, 2), PanelModel(MODAL, 8)),
+    duration=17.0,
+    members=4,
+    ideal_members=2,
+    controlled_members=2,
+    window=4.0,
+)
 
 Announce = Callable[[str], None]
 
@@ -95,20 +110,20 @@ def run_ladder(plan: LadderPlan, announce: Announce) -> list[Row]:
 
 
 def rows_of(deployed: Mapping[Level, Sequence[Outcome]], controlled: Mapping[Level, Sequence[Outcome]]) -> list[Row]:
-    """Rows of the table from the runs of all levels, of which the last one is the reference."""
+    """Rows of the table from the runs of all levels and, last, of the reference."""
     rows: list[Row] = []
     for question in QUESTIONS:
-        runs = controlled if question == RANKING else deployed
-        reference = list(runs)[-1]
-        for level, own in runs.items():
-            error, half_width = error_of(question, own, None if level == reference else runs[reference])
+        *levels, (_, reference) = (controlled if question == RANKING else deployed).items()
+        for level, own in levels:
+            error, half_width = error_of(question, own, reference)
             answer = Answer(
                 question,
                 level.model,
-                level.elements,
+                level.panels.kind if level.panels else "",
+                level.panels.count if level.panels else 0,
                 error,
                 half_width,
-                statistics.median(run.wall for run in own) / statistics.median(run.wall for run in runs[reference]),
+                statistics.median(run.wall for run in own) / statistics.median(run.wall for run in reference),
                 statistics.fmean(run.evaluations for run in own),
                 len(own),
             )
@@ -116,20 +131,16 @@ def rows_of(deployed: Mapping[Level, Sequence[Outcome]], controlled: Mapping[Lev
     return rows
 
 
-def error_of(question: str, own: Sequence[Outcome], reference: Sequence[Outcome] | None) -> tuple[float, float]:
-    """Error of a level's own runs against the reference's, and the half-width of its sampling band.
-
-    The reference itself, for which `reference` is None, has no error, and the half-width of its own mean.
-    """
-    level = np.stack([run.answers[question] for run in own])
-    other = level if reference is None else np.stack([run.answers[question] for run in reference])
+def error_of(question: str, own: Sequence[Outcome], reference: Sequence[Outcome]) -> tuple[float, float]:
+    """Error of a level's own runs against the reference's, and the half-width of its sampling band."""
+    level, other = (np.stack([run.answers[question] for run in runs]) for runs in (own, reference))
     if question == RANKING:
-        return (0.0, own_ranking_half_width(level)) if reference is None else ranking_error(level, other)
+        return ranking_error(level, other)
     scale = np.abs(other.mean(axis=0)).sum(axis=-1)
     if question == "tip-motion":
         parameters = ArrayParameters()
         scale = np.full(other.shape[1], parameters.panel_count * parameters.panel_length)
-    return (0.0, own_half_width(level, scale)) if reference is None else mean_error(level, other, scale)
+    return mean_error(level, other, scale)
 
 
 def measure_ladder(quick: bool, folder: Path, console: Console) -> Path:
@@ -141,9 +152,9 @@ def measure_ladder(quick: bool, folder: Path, console: Console) -> Path:
         rows = run_ladder(plan, lambda run: progress.update(task, advance=1, description=run))
     made_by = provenance(
         f"python -m solar_env ladder{' --quick' if quick else ''}",
-        reference=f"{plan.levels[-1].name}: the finest level measured, which is not the truth",
-        parameters="the defaults of ArrayParameters; each member's root hinge moved by 1e-8 m",
-        integrators="the default of each model",
+        reference=plan.reference.name,
+        parameters=f"the defaults of ArrayParameters; members released at rates within {RELEASE_RATE:g} rad/s",
+        integrators=f"the default of each level; tolerances of members within {SETTING_SHARE:.1%}",
         duration_s=plan.duration,
         window_s=plan.window,
         controllers="; ".join(f"{p.name} ({p.torque:g} N m from {p.start:g} s)" for p in CONTROLLERS),
@@ -156,6 +167,4 @@ def measure_ladder(quick: bool, folder: Path, console: Console) -> Path:
 def _warm_up(plan: LadderPlan) -> None:
     """Run a moment of every level, so that compiling and loading are not measured."""
     for level in plan.levels:
-        env = SolarArrayEnv(model=level.model, elements=level.panel_elements)
-        env.reset()
-        env.step([0.0])
+        level.deploy(ArrayParameters(), 0, SAMPLE_STEP, SAMPLE_STEP)

@@ -11,8 +11,9 @@ from helpers import make_motion
 from rich.console import Console
 
 from solar_env.__main__ import main
+from solar_env.array import PanelModel
 from solar_env.commands import chart
-from solar_env.studies.common.plans import FULL, QUICK
+from solar_env.studies.common.plans import FULL, QUICK, Ensemble
 from solar_env.studies.common.tables import Table, read_table
 from solar_env.studies.precision import charts, growth, methods, side_by_side
 from solar_env.studies.precision.ensembles import LABELS, statistics_of
@@ -25,12 +26,12 @@ MOMENT = replace(
     before_latch=0.02,
     impacts_duration={"rigid": 0.02, "flexible": 0.002},
     settings=1,
-    elements=1,
-    ensemble_size=1,
+    panels=PanelModel("ancf", 1),
+    ensemble_size=2,
     ensemble_duration={"rigid": 0.02, "flexible": 0.002},
-    levels=(1, 2),
-    level_members=1,
+    levels=(Ensemble(None, 1), Ensemble(PanelModel("ancf", 1), 2), Ensemble(PanelModel("modal", 8), 1, 2.0)),
     growth_elements=(1, 2),
+    growth_modes=(8, 16),
     growth_panels=(1, 2),
     growth_duration=0.002,
     side_duration=0.02,
@@ -38,7 +39,7 @@ MOMENT = replace(
 FIGURES = {
     "work-precision": {"angles.png", "latch.png", "impacts.png", "horizon.png", "energy.png"},
     "ensembles": {"ensembles.png"},
-    "levels": {"levels.png"},
+    "levels": {"levels.png", "levels.md"},
     "growth": {"growth.png"},
     "side-by-side": {"side_by_side.md"},
 }
@@ -95,9 +96,8 @@ def test_every_method_has_a_row_with_costs_errors_and_energy(measured):
     folder, _ = measured
     table = read_table(folder / "work_precision.csv")
     rows = table.where(scene="deployment")
-    assert {"runge-kutta", "generalized-alpha", "generalized-alpha, adaptive", "paper's scheme"} == set(
-        rows.values("method")
-    )
+    own = {"runge-kutta", "modal-radau", "generalized-alpha", "generalized-alpha, adaptive", "paper's scheme"}
+    assert own == set(rows.values("method"))
     assert {"SciPy DOP853", "SciPy Radau"} <= set(table.where(scene="impacts").values("method"))
     reference = rows.where(method="runge-kutta", value=1e-12)
     assert reference.column("angle_error_rad")[0] == 0.0
@@ -120,20 +120,17 @@ def test_plans_differ_in_size_alone():
     assert FULL.dear
     assert not QUICK.dear
     for plan in (FULL, QUICK):
-        counts = [study.count(plan) for study in charts.STUDIES.values()]
-        assert min(counts) > 0
+        assert all(study.jobs(plan) for study in charts.STUDIES.values())
     # Without the peer a study of what costs most may be as small as the quick one.
-    counts = [(study.count(FULL), study.count(QUICK)) for study in charts.STUDIES.values()]
+    counts = [(len(study.jobs(FULL)), len(study.jobs(QUICK))) for study in charts.STUDIES.values()]
     assert all(full >= quick for full, quick in counts)
     assert sum(full for full, _ in counts) > 2 * sum(quick for _, quick in counts)
 
 
-@pytest.mark.parametrize("name", ["growth", "levels", "side-by-side"])
-def test_announcements_are_as_many_as_were_counted(name):
-    announced = []
-    study = charts.STUDIES[name]
-    study.run(MOMENT, announced.append)
-    assert len(announced) == study.count(MOMENT)
+@pytest.mark.parametrize("study", charts.STUDIES)
+def test_the_runs_of_a_study_have_names_of_their_own(study):
+    names = [job.name for job in charts.STUDIES[study].jobs(FULL).values()]
+    assert len(set(names)) == len(names)
 
 
 def test_statistics_count_what_follows_the_first_latching():

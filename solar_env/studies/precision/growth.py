@@ -83,7 +83,7 @@ def growth_jobs(plan: Plan) -> dict[Case, Job]:
     """The start of deployments of growing size."""
     return {
         case: Job(
-            f"growth, {case.model}: {case.count} {case.varied}",
+            f"growth, {case.model}, {case.integrator.name}: {case.count} {case.varied}",
             partial(run_own, _scene(plan, case), case.integrator),
             _REPEATS,
         )

@@ -17,12 +17,13 @@ ERRORS = {
     "latch_error_s": "error of latch times [s]",
     "reaction_error": "error of peak reactions",
 }
+# Label, and how many of its units make one of the table's.
 MEANS = {
-    "peak_force_N": "peak force [N]",
-    "impulse_Ns": "impulse [N s]",
-    "sliding_work_J": "sliding work [J]",
-    "impacts": "number of impacts",
-    "wear_depth_m": "deepest wear [m]",
+    "peak_force_N": ("peak force [N]", 1.0),
+    "impulse_Ns": ("impulse [N s]", 1.0),
+    "sliding_work_J": ("sliding work [mJ]", 1e3),
+    "impacts": ("number of impacts", 1.0),
+    "wear_depth_m": ("deepest wear [fm]", 1e15),
 }
 _BEYOND = 3.0  # standard errors that ten differences of equal means hardly ever exceed
 BEAMS, MODES = "ancf", "modal"
@@ -43,7 +44,7 @@ def draw_levels(rows: Table, members: Table, folder: Path) -> list[Path]:
         for axis in axes[0, len(ERRORS) :]:
             axis.set_axis_off()
         for joint, line in zip(joints, axes[1:], strict=True):
-            for axis, (statistic, label) in zip(line, MEANS.items(), strict=True):
+            for axis, (statistic, (label, _)) in zip(line, MEANS.items(), strict=True):
                 _draw_means(axis, members.where(joint=joint), statistic, looks)
                 axis.set_title(f"clearance, joint {joint}")
                 axis.set_xlabel(label)
@@ -75,9 +76,9 @@ def conclusion(members: Table) -> str:
     families = [members.where(family=kind) for kind in (BEAMS, MODES)]
     beams, modes = (family.where(level=family.values("level")[-1]) for family in families)
     found = [
-        (*difference(beams.where(joint=joint), modes.where(joint=joint), statistic), label, joint)
+        (*difference(beams.where(joint=joint), modes.where(joint=joint), statistic), label.partition(" [")[0], joint)
         for joint in members.values("joint")
-        for statistic, label in MEANS.items()
+        for statistic, (label, _) in MEANS.items()
     ]
     found = [entry for entry in found if math.isfinite(entry[0])]
     if not found:
@@ -88,10 +89,10 @@ def conclusion(members: Table) -> str:
         change, error, label, joint = max(found, key=lambda entry: abs(entry[0]))
         return (
             f"Beams and modes go to one limit within sampling: {names} differ by {change:+.1%} ± {error:.1%} at most "
-            f"({label.partition(' [')[0]}, joint {joint})"
+            f"({label}, joint {joint})"
         )
     listed = "; ".join(
-        f"{label.partition(' [')[0]} of joint {joint} by {change:+.1%} ± {error:.1%}"
+        f"{label} of joint {joint} by {change:+.1%} ± {error:.1%}"
         for change, error, label, joint in sorted(beyond, key=lambda entry: -abs(entry[0]))
     )
     return f"Beams and modes have not met: {names} differ in {listed}"
@@ -120,17 +121,20 @@ def _page(rows: Table, members: Table) -> str:
             f"With ideal joints, errors against {' / against '.join(map(str, references))}:\n",
             markdown_table(("level", "wall time [s]", *ERRORS.values()), ideal),
             "With clearance, means of joints 1 / 2 ± their standard errors:\n",
-            markdown_table(("level", "runs", "wall time [s]", *MEANS.values()), clearance),
+            markdown_table(("level", "runs", "wall time [s]", *(label for label, _ in MEANS.values())), clearance),
             f"{conclusion(members)}.\n",
         ]
     )
 
 
 def _mean(rows: Table, statistic: str) -> str:
-    """Mean and standard error, if there are two runs or more."""
-    values = rows.column(statistic)
-    error = f" ± {values.std(ddof=1) / math.sqrt(len(values)):.1g}" if len(values) > 1 else ""
-    return f"{values.mean():.3g}{error}"
+    """Mean and, if there are two runs or more, its standard error, with as many digits as that allows."""
+    values = MEANS[statistic][1] * rows.column(statistic)
+    error = values.std(ddof=1) / math.sqrt(len(values)) if len(values) > 1 else 0.0
+    if error == 0.0:
+        return f"{values.mean():.3g}"
+    digits = max(0, 1 - math.floor(math.log10(2.0 * error)))
+    return f"{values.mean():.{digits}f} ± {error:.{digits}f}"
 
 
 def _draw_errors(axis: Axes, rows: Table, error: str, looks: dict[str, Look]) -> None:
@@ -147,7 +151,7 @@ def _draw_means(axis: Axes, rows: Table, statistic: str, looks: dict[str, Look])
     axis.set_yscale("log")
     for level in rows.values("level"):
         own = rows.where(level=level)
-        mean, low, high = mean_band(own.column(statistic))
+        mean, low, high = mean_band(MEANS[statistic][1] * own.column(statistic))
         wall = float(np.median(own.column("wall_s")))
         style = looks[str(level)]
         axis.errorbar([mean], [wall], xerr=[[mean - low], [high - mean]], markersize=4.5, linewidth=0.8, **style)

@@ -89,7 +89,8 @@ def _run_level(level: Level, scene: Scene, member: int) -> Motion:
 
 def _job(plan: Plan, case: Case) -> Job:
     scene = replace(plan.deployment(case.model), duration=plan.side_duration, every_contact=case.watched)
-    title = f"side by side, {case.model}: {case.method}, run {case.member + 1}"
+    title = f"side by side, {case.model}: {case.method}, {case.value:g}, run {case.member + 1}"
+    title += ", forces kept" * case.watched
     repeats = 1 if case.member or case.watched or case.method in (_REFERENCE, _ENSEMBLE) else plan.repeats
     if case.method in (DEFAULT, _ENSEMBLE):
         level = _default_level(case.model) if case.method == DEFAULT else CONVERGED[case.model]

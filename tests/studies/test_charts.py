@@ -15,6 +15,7 @@ from solar_env.array import PanelModel
 from solar_env.commands import chart
 from solar_env.studies.common.plans import FULL, QUICK, Ensemble
 from solar_env.studies.common.tables import Table, read_table
+from solar_env.studies.common.timing import Measured
 from solar_env.studies.precision import charts, growth, methods, side_by_side
 from solar_env.studies.precision.ensembles import LABELS, statistics_of
 from solar_env.studies.precision.growth import with_panels
@@ -163,3 +164,25 @@ def test_the_ratio_is_taken_with_the_cheapest_own_run_of_no_larger_error():
     assert side_by_side.ratio_at_equal_error(table, row(1, 8.0, 1e-4, 1e-5)) == pytest.approx(40.0)
     assert side_by_side.ratio_at_equal_error(table, row(1, 8.0, 1e-7, 1e-5)) == pytest.approx(16.0)
     assert math.isnan(side_by_side.ratio_at_equal_error(table, row(1, 8.0, 1e-12, 1e-5)))
+
+
+def test_forces_are_those_of_the_members_over_those_of_the_converged_ensemble():
+    def run(*forces):
+        return Measured(replace(make_motion(), totals={"peak_force": np.array(forces)}), (1.0,))
+
+    own, peer, right = (side_by_side.Case("m", name) for name in ("runge-kutta", "Exudyn", "converged ensemble"))
+    results = {
+        own: run(20.0, 30.0),
+        replace(own, member=1): run(22.0, 30.0),
+        peer: Measured(make_motion(), (1.0,)),
+        replace(peer, watched=True): run(11.0, 20.0),
+        right: run(9.0, 10.0),
+        replace(right, member=1): run(11.0, 10.0),
+    }
+    ratios = side_by_side._force_ratios(own, results)
+    assert (ratios["force_ratio_1"], ratios["force_ratio_2"]) == pytest.approx((2.1, 3.0))
+    assert (ratios["force_ratio_1_error"], ratios["force_ratio_2_error"]) == pytest.approx((math.hypot(0.1, 0.21), 0.0))
+    single = side_by_side._force_ratios(peer, results)
+    assert single["force_ratio_1"] == pytest.approx(1.1)
+    assert single["force_ratio_1_error"] == pytest.approx(math.hypot(0.1 * math.sqrt(2.0), 0.11))
+    assert all(math.isnan(value) for value in side_by_side._force_ratios(replace(own, model="other"), results).values())

@@ -180,12 +180,14 @@ def _force_ratios(case: Case, results: Mapping[Case, Measured]) -> Row:
     """Mean peak forces over those of the converged ensemble, and their standard errors; nan if there are none."""
     means, errors = np.full(2, math.nan), np.full(2, math.nan)
     own, right = (_peak_forces(of, results) for of in (case, Case(case.model, _ENSEMBLE)))
-    if len(own) and len(right):
+    if len(own) and len(right) > 1 and right.mean(axis=0).min() > 0.0:
+        # A single run of the peer is taken to scatter as those of the converged ensemble do.
+        shares = [
+            (of.std(axis=0, ddof=1) if len(of) > 1 else right.std(axis=0, ddof=1)) / math.sqrt(len(of))
+            for of in (own, right)
+        ] / right.mean(axis=0)
         means = own.mean(axis=0) / right.mean(axis=0)
-        # A single run of the peer scatters as those of the converged ensemble do.
-        scatter = [of.std(axis=0, ddof=1) if len(of) > 1 else right.std(axis=0) for of in (own, right)]
-        errors = np.hypot(scatter[0] / np.sqrt(len(own)), scatter[1] * means / np.sqrt(len(right)))
-        errors = errors / right.mean(axis=0)
+        errors = np.hypot(shares[0], shares[1] * means)
     names = [f"force_ratio_{joint}{suffix}" for suffix in ("", "_error") for joint in (1, 2)]
     return dict(zip(names, [*means.tolist(), *errors.tolist()], strict=True))
 

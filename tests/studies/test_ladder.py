@@ -175,7 +175,7 @@ def test_the_error_is_that_of_the_worst_quantity_and_single_runs_have_no_band():
     assert mean_error(moved, np.zeros((1, 1, 2)), np.array([10.0])) == pytest.approx((0.5, 0.0))
 
 
-@pytest.mark.parametrize("members", [4, 8, 16])
+@pytest.mark.parametrize("members", [2, 4, 8, 16])
 def test_bands_hold_the_true_difference_about_as_often_as_they_say(members):
     random, held = np.random.default_rng(1), 0
     for _ in range(200):
@@ -183,7 +183,7 @@ def test_bands_hold_the_true_difference_about_as_often_as_they_say(members):
         reference = 1.0 + 0.1 * random.normal(size=(members, 1, 1))
         error, half_width = mean_error(level, reference, np.ones(1))
         held += error <= half_width
-    assert 0.86 <= held / 200 <= 0.99
+    assert 0.9 <= held / 200 <= 0.99
 
 
 def test_what_members_have_in_common_at_all_levels_cancels():
@@ -192,7 +192,6 @@ def test_what_members_have_in_common_at_all_levels_cancels():
     error, half_width = mean_error(6.0 + scatter + own, 5.0 + scatter, np.full(1, 5.0))
     assert error == pytest.approx(0.2, rel=0.01)
     assert half_width == pytest.approx(1.96 * 0.01 / math.sqrt(400) / 5.0, rel=0.15)
-    assert mean_error(6.0 + scatter[:3], 5.0 + scatter, np.full(1, 5.0)) == pytest.approx((0.2, 0.0), abs=1e-12)
 
 
 def test_rankings_err_by_the_share_of_pairs_in_the_wrong_order_and_ties_count_half():

@@ -132,8 +132,8 @@ def rows_of(deployed: Mapping[Level, Sequence[Outcome]], controlled: Mapping[Lev
 
 
 def error_of(question: str, own: Sequence[Outcome], reference: Sequence[Outcome]) -> tuple[float, float]:
-    """Error of a level's own runs against the reference's, and the half-width of its sampling band."""
-    level, other = (np.stack([run.answers[question] for run in runs]) for runs in (own, reference))
+    """Error of a level's own runs against as many of the reference's, and the half-width of its sampling band."""
+    level, other = (np.stack([run.answers[question] for run in runs]) for runs in (own, reference[: len(own)]))
     if question == RANKING:
         return ranking_error(level, other)
     scale = np.abs(other.mean(axis=0)).sum(axis=-1)

@@ -40,7 +40,7 @@ class Question:
     counts: bool = False
 
 
-_FLOOR_NOTE = "grey: what two independent methods disagree by"
+_FLOOR_NOTE = "grey: what two independent methods disagree by; modes are compared with their finest run"
 QUESTIONS = (
     Question("angles", "deployment", "angle_error_rad", "error of angles before the latch [rad]", _FLOOR_NOTE),
     Question("latch", "deployment", "latch_error_s", "error of latch times [s]", _FLOOR_NOTE),

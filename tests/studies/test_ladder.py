@@ -240,19 +240,15 @@ def test_the_command_writes_table_and_figure_draws_from_the_table_alone_and_leav
     assert ((tmp_path / "ladder.png").read_bytes(), (tmp_path / "ladder.csv").read_bytes()) == (figure, table)
 
 
-def test_announcements_are_as_many_as_were_counted(monkeypatch):
-    monkeypatch.setattr(campaign, "deploy", lambda level, member, duration: None)
-
-    def control(level, member, window, announce):
-        for profile in CONTROLLERS:
-            announce(profile.name)
-
-    monkeypatch.setattr(campaign, "control", control)
-    monkeypatch.setattr(campaign, "rows_of", lambda deployed, controlled: [])
-    for plan in (campaign.QUICK, campaign.FULL, replace(TINY, members=1, ideal_members=3)):
-        announced = []
-        campaign.run_ladder(plan, announced.append)
-        assert len(announced) == campaign.count_runs(plan)
+def test_every_level_runs_alone_and_under_every_controller_and_ideal_joints_less_often():
+    plan = replace(TINY, members=3, ideal_members=1, controlled_members=2)
+    runs = plan.runs
+    assert len({run.name for run in runs}) == len(runs)
+    for level in plan.levels:
+        members, controlled = (1, 1) if level.model.endswith("ideal") else (3, 2)
+        own = [run for run in runs if run.level == level]
+        assert [run.member for run in own if run.profile is None] == list(range(members))
+        assert [run.profile for run in own if run.profile] == list(CONTROLLERS) * controlled
 
 
 def test_drawing_without_a_table_says_what_to_do(tmp_path, capsys):

@@ -15,11 +15,25 @@ from solar_env.studies.common.levels import Level
 from solar_env.studies.common.motion import RELEASE_RATE, SETTING_SHARE
 from solar_env.studies.common.tables import Row, provenance, write_table
 from solar_env.studies.ladder.answers import mean_error, ranking_error
-from solar_env.studies.ladder.runs import CONTROLLERS, SAMPLE_STEP, Outcome, control, deploy
+from solar_env.studies.ladder.runs import CONTROLLERS, SAMPLE_STEP, Outcome, Profile, control, deploy
 from solar_env.support.progress import counting_bar
 
 RANKING = "controller-ranking"
 FILE = "ladder.csv"
+
+
+@dataclass(frozen=True)
+class Run:
+    """A member of the ensemble at a level, under a controller or, without one, on the springs alone."""
+
+    level: Level
+    member: int
+    profile: Profile | None
+
+    @property
+    def name(self) -> str:
+        """In words."""
+        return f"{self.level.name}, run {self.member + 1}" + (f", {self.profile.name}" if self.profile else "")
 
 
 _REFERENCE = Level("flexible-clearance", PanelModel(MODAL, 48), tighter=10.0)
@@ -56,14 +70,21 @@ class LadderPlan:
         flexible = (Level(f"flexible-{joint}", panels) for joint in ("ideal", "clearance") for panels in self.panels)
         return (Level("rigid-ideal"), Level("rigid-clearance"), *flexible, self.reference)
 
-    def deployments_of(self, level: Level) -> int:
-        """How often a level is deployed on its springs alone."""
-        return self.ideal_members if level.model.endswith("ideal") else self.members
-
-    def controlled_runs_of(self, level: Level) -> int:
-        """How often a level is deployed under each controller."""
-        most = self.controlled_members
+    def members_of(self, level: Level, most: int) -> int:
+        """How many of at most so many members run at a level."""
         return min(most, self.ideal_members) if level.model.endswith("ideal") else most
+
+    @property
+    def runs(self) -> tuple[Run, ...]:
+        """Every run, member by member, so that what disturbs the machine meets all levels alike."""
+        return tuple(
+            Run(level, member, profile)
+            for most, profiles in ((self.members, (None,)), (self.controlled_members, CONTROLLERS))
+            for member in range(most)
+            for level in self.levels
+            if member < self.members_of(level, most)
+            for profile in profiles
+        )
 
 
 FULL = LadderPlan()
@@ -79,34 +100,25 @@ QUICK = LadderPlan(
 Announce = Callable[[str], None]
 
 
-def count_runs(plan: LadderPlan) -> int:
-    """How many runs `run_ladder` announces."""
-    return sum(plan.deployments_of(level) + len(CONTROLLERS) * plan.controlled_runs_of(level) for level in plan.levels)
-
-
 def run_ladder(plan: LadderPlan, announce: Announce) -> list[Row]:
-    """Run every level, member by member, so that what disturbs the machine meets all levels alike.
+    """Make every run, announced before it starts.
 
-    Every run is announced before it starts. Returns a row for every question and level, with the columns of
-    `solar_env.array.ladder.Answer`.
+    Returns a row for every question and level, with the columns of `solar_env.array.ladder.Answer`.
     """
     deployed: dict[Level, list[Outcome]] = {level: [] for level in plan.levels}
     controlled: dict[Level, list[Outcome]] = {level: [] for level in plan.levels}
-    for member in range(max(plan.members, plan.ideal_members)):
-        for level in plan.levels:
-            if member < plan.deployments_of(level):
-                announce(f"{level.name}, run {member + 1}")
-                deployed[level].append(deploy(level, member, plan.duration))
-    for member in range(plan.controlled_members):
-        for level in plan.levels:
-            if member < plan.controlled_runs_of(level):
-                label = f"{level.name}, run {member + 1}"
-
-                def say(name: str, label: str = label) -> None:
-                    announce(f"{label}, {name}")
-
-                controlled[level].append(control(level, member, plan.window, say))
-    return rows_of(deployed, controlled)
+    for run in plan.runs:
+        announce(run.name)
+        if run.profile is None:
+            deployed[run.level].append(deploy(run.level, run.member, plan.duration))
+        else:
+            controlled[run.level].append(control(run.level, run.member, run.profile, plan.window))
+    members = len(CONTROLLERS)
+    joined = {
+        level: [Outcome.of_all(own[k : k + members]) for k in range(0, len(own), members)]
+        for level, own in controlled.items()
+    }
+    return rows_of(deployed, joined)
 
 
 def rows_of(deployed: Mapping[Level, Sequence[Outcome]], controlled: Mapping[Level, Sequence[Outcome]]) -> list[Row]:
@@ -147,7 +159,7 @@ def measure_ladder(quick: bool, folder: Path, console: Console) -> Path:
     """Measure the ladder, in a quarter of an hour or `quick` in two minutes, and write its table; returns the file."""
     plan = QUICK if quick else FULL
     with counting_bar(console) as progress:
-        task = progress.add_task("loading kernels (the first time compiles them)", total=count_runs(plan))
+        task = progress.add_task("loading kernels (the first time compiles them)", total=len(plan.runs))
         _warm_up(plan)
         rows = run_ladder(plan, lambda run: progress.update(task, advance=1, description=run))
     made_by = provenance(

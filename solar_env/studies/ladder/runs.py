@@ -1,8 +1,9 @@
 """The runs of the ladder: a deployment on its springs alone, and under fixed controllers, at one level."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,6 +62,12 @@ class Outcome:
     wall: float
     evaluations: float
 
+    @classmethod
+    def of_all(cls, runs: Sequence[Self]) -> Self:
+        """Runs under several controllers as one."""
+        answers = {question: np.concatenate([run.answers[question] for run in runs]) for question in runs[0].answers}
+        return cls(answers, sum(run.wall for run in runs), sum(run.evaluations for run in runs))
+
 
 def deploy(level: Level, member: int, duration: float) -> Outcome:
     """Deploy a member of the ensemble on the springs alone, for a duration [s].
@@ -102,37 +109,28 @@ def _tip(trajectory: Trajectory, level: Level) -> Array:
     return np.asarray(centreline(model, trajectory.coordinates, parameters.panel_count, 1)[:, -1])
 
 
-def control(level: Level, member: int, window: float, announce: Callable[[str], None]) -> Outcome:
-    """Deploy a member of the ensemble under every one of CONTROLLERS.
-
-    Args:
-        level, member: what runs.
-        window: time simulated after the last latching [s].
-        announce: called with the controller's name before each run.
+def control(level: Level, member: int, profile: Profile, window: float) -> Outcome:
+    """Deploy a member of the ensemble under a controller, up to a time [s] after the last latching.
 
     Returns:
-        "controller-ranking": (controllers, 2) peak force [N] and sliding work [J] after the first latching, summed over
-        the joints as the environment's reward does.
+        "controller-ranking": (1, 2) peak force [N] and sliding work [J] after the first latching, summed over the
+        joints as the environment's reward does.
 
     Raises:
-        ValueError: if a controller misses the environment's deadline, so that there is nothing to rank.
-        SimulationError: if a run cannot go on.
+        ValueError: if the controller misses the environment's deadline, so that there is nothing to rank.
+        SimulationError: if the run cannot go on.
     """
-    measures, evaluations, wall = [], 0.0, 0.0
-    for profile in CONTROLLERS:
-        announce(profile.name)
-        array = build(perturbed(ArrayParameters(), member), level.model, panels=level.panels)
-        simulation = Simulation(array, level.integrator(member))
-        start = time.perf_counter()
-        _drive(simulation, profile, window)
-        wall += time.perf_counter() - start
-        state, joints = simulation.state, simulation.state.joints
-        if not joints["latched"].all():
-            raise ValueError(f"{profile.name} with {level.name} misses the deadline")
-        evaluations += float(state.clock["evaluations"][0])
-        work = m.joint_integrals(state.integrals)[:, m.SLIDING_WORK] - joints["lock_sliding_work"]
-        measures.append([joints["postlock_peak_force"].sum(), work.sum()])
-    return Outcome({"controller-ranking": np.array(measures)}, wall, evaluations)
+    array = build(perturbed(ArrayParameters(), member), level.model, panels=level.panels)
+    simulation = Simulation(array, level.integrator(member))
+    start = time.perf_counter()
+    _drive(simulation, profile, window)
+    wall = time.perf_counter() - start
+    state, joints = simulation.state, simulation.state.joints
+    if not joints["latched"].all():
+        raise ValueError(f"{profile.name} with {level.name} misses the deadline")
+    work = m.joint_integrals(state.integrals)[:, m.SLIDING_WORK] - joints["lock_sliding_work"]
+    measures = np.array([[joints["postlock_peak_force"].sum(), work.sum()]])
+    return Outcome({"controller-ranking": measures}, wall, float(state.clock["evaluations"][0]))
 
 
 def _drive(simulation: Simulation, profile: Profile, window: float) -> None:

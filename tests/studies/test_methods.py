@@ -35,6 +35,20 @@ def test_every_reference_comes_from_two_different_methods(pairs):
     assert set(methods.DEPLOYMENT_REFERENCES) == set(MODELS)
 
 
+@pytest.mark.parametrize(
+    ("pairs", "settings"),
+    [
+        (methods.DEPLOYMENT_REFERENCES, "deployments"),
+        (methods.IMPACT_REFERENCES, "impacts"),
+        (methods.MODAL_REFERENCES, "deployments"),
+        (methods.MODAL_REFERENCES, "impacts"),
+    ],
+)
+def test_no_setting_is_finer_than_the_reference_that_it_is_compared_with(pairs, settings):
+    for model, ((name, values), *_) in pairs.items():
+        assert min(getattr(methods.find_method(name), settings).get(model, values)) >= values[0]
+
+
 def test_a_method_with_panels_of_its_own_takes_them_whatever_the_scene_says():
     modal = methods.find_method("modal-radau")
     scene = Scene("flexible-ideal", FULL.parameters, 1.0, 1.0, ONE)

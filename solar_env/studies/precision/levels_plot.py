@@ -59,7 +59,7 @@ def draw_levels(rows: Table, members: Table, folder: Path) -> list[Path]:
 def difference(first: Table, second: Table, statistic: str) -> tuple[float, float]:
     """How far the mean of one ensemble is from that of another, relative to the latter, and the standard error of that.
 
-    Runs of both are taken to scatter alike, for one of them may have three runs.
+    Runs of both are taken to scatter alike, for one of them may have few.
     """
     values = [table.column(statistic) for table in (first, second)]
     counts = [len(own) for own in values]

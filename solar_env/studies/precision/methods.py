@@ -121,7 +121,7 @@ METHODS: tuple[Method, ...] = (
     Method(
         "modal-radau", "rtol", own(lambda rtol: ModalRadau(rtol=rtol)),
         _by_model((), (3e-2, 1e-2, 1e-3, 1e-4), (1e-3, 3e-4, 1e-4, 1e-5, 1e-6), (3e-2, 1e-2, 1e-3, 1e-4, 1e-5)),
-        _impacts((1e-2, 1e-3, 1e-4, 1e-5, 1e-6), (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)), panels=MODES,
+        _impacts((1e-2, 1e-3, 1e-4, 1e-5, 1e-6), (1e-2, 1e-3, 1e-4, 1e-5)), panels=MODES,
     ),
     Method(
         "dop853", "rtol", own(lambda rtol: DormandPrince(rtol=rtol)),

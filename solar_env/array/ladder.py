@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import get_type_hints
 
+from solar_env.array.panels import PanelModel
+
 PACKAGED_TABLE = Path(__file__).resolve().parent / "data" / "ladder.csv"
 
 QUESTIONS = {
@@ -34,10 +36,11 @@ class Answer:
     Attributes:
         question: one of QUESTIONS.
         model: one of `array.MODELS`.
-        elements: of each flexible panel; 0 with rigid panels.
-        error: of the mean over an ensemble, relative, against the reference: the finest level of the table. Of the
-            worst joint, where there are several.
-        half_width: of the 95 % sampling band of that error. For the reference, of its own mean.
+        panels: kind of its flexible panels, one of `array.PANELS`; empty with rigid panels.
+        count: of elements or modes of each flexible panel; 0 with rigid panels.
+        error: of the mean over an ensemble, relative, against a reference that is finer than all levels. Of the worst
+            joint, where there are several.
+        half_width: of the 95 % sampling band of that error.
         cost_ratio: wall time over that of the reference, measured side by side.
         evaluations: of the right-hand side, mean of the runs.
         members: runs in the ensemble.
@@ -45,7 +48,8 @@ class Answer:
 
     question: str
     model: str
-    elements: int
+    panels: str
+    count: int
     error: float
     half_width: float
     cost_ratio: float
@@ -60,12 +64,12 @@ class Answer:
     @property
     def level(self) -> str:
         """The level in words."""
-        return level_name(self.model, self.elements)
+        return f"{self.model}, {self.panel_model.size}" if self.panels else self.model
 
-
-def level_name(model: str, elements: int) -> str:
-    """A level in words; no elements with rigid panels."""
-    return f"{model}, {elements} element{'s' * (elements > 1)}" if elements else model
+    @property
+    def panel_model(self) -> PanelModel:
+        """The model of its panels; with rigid panels, which use none, the default one."""
+        return PanelModel(self.panels, self.count) if self.panels else PanelModel.of(self.model)
 
 
 def read_answers(path: Path = PACKAGED_TABLE) -> tuple[Answer, ...]:
@@ -122,6 +126,6 @@ def cheapest(answers: Iterable[Answer], question: str, tolerance: float) -> Answ
         raise ValueError(
             f"no level answers {question!r} to a tolerance of {tolerance:g}: the best, {best.level}, is known to "
             f"{best.bound:.3g} (error {best.error:.3g}, sampling {best.half_width:.3g}); allow as much, or choose "
-            "model and elements yourself and compare ensembles"
+            "model and panels yourself and compare ensembles"
         )
     return min(within, key=lambda answer: answer.cost_ratio)

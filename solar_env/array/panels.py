@@ -47,8 +47,13 @@ class PanelModel:
         """The choice as keywords of `simulate`, `build` and the environments, and as a record of a run."""
         return {"panels": self.kind, self.option: self.count}
 
+    @property
+    def size(self) -> str:
+        """The count in words: "24 modes"."""
+        return f"{self.count} {self.option[:-1] if self.count == 1 else self.option}"
+
     def __str__(self) -> str:
-        return f"{self.count} {self.option[:-1] if self.count == 1 else self.option} a panel"
+        return f"{self.size} a panel"
 
     def body(self, p: ArrayParameters, name: str, motion: dict[str, Any]) -> AnyBody:
         """A panel with its motion at t = 0, keywords of the body's description."""

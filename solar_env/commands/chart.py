@@ -10,7 +10,11 @@ from solar_env.support.readme import STUDIES as STUDY_FOLDER
 from solar_env.support.readme import Section
 
 FOLDER = STUDY_FOLDER / "precision"
-SECTION = Section(FOLDER / "README.md", "side by side", "python -m solar_env chart --readme")
+# File that a study writes -> the section of the page that it goes into.
+SECTIONS = {
+    f"{name.replace(' ', '_')}.md": Section(FOLDER / "README.md", name, "python -m solar_env chart --readme")
+    for name in ("side by side", "levels")
+}
 STUDIES = ("work-precision", "ensembles", "levels", "growth", "side-by-side")
 
 
@@ -27,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     where.add_argument("--out", type=Path, default=Path("chart"), help="folder of tables and figures (%(default)s)")
     where.add_argument(
         "--readme", action="store_true",
-        help="tables, figures and the comparison side by side into the page of the study, solar_env/studies/precision",
+        help="tables, figures and their Markdown into the page of the study, solar_env/studies/precision",
     )  # fmt: skip
 
 
@@ -38,11 +42,12 @@ def run_command(args: argparse.Namespace) -> int:
     tables, figures = (FOLDER / "data", FOLDER / "figures") if args.readme else (args.out, args.out)
     names = (args.only,) if args.only else STUDIES
     if args.readme:
-        SECTION.read()  # refuses a page without a place before everything is measured
+        for section in SECTIONS.values():
+            section.read()  # refuses a page without a place before everything is measured
     if not args.draw:
         measure_charts(names, args.quick, tables, Console(stderr=True), Workers(args.jobs))
     for path in draw(names, tables, figures):
         print(path)
         if args.readme and path.suffix == ".md":
-            SECTION.write(path.read_text(encoding="utf-8").strip())
+            SECTIONS[path.name].write(path.read_text(encoding="utf-8").strip())
     return 0

@@ -13,7 +13,7 @@ from solar_env.support.readme import STUDIES
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument("--quick", action="store_true", help="few runs, up to 4 elements: under two minutes")
+    parser.add_argument("--quick", action="store_true", help="few runs of few levels: under two minutes")
     parser.add_argument("--draw", action="store_true", help="measure nothing, draw the figure from the table again")
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--out", type=Path, default=Path("ladder"), help="folder of table and figure (%(default)s)")
@@ -41,7 +41,7 @@ def run_command(args: argparse.Namespace) -> int:
 
 def _print_choices(answers: tuple[Answer, ...]) -> None:
     table = Table("question", "from", "level", "cost", box=SIMPLE)
-    table.title = "the cheapest level from a tolerance on; cost over the finest level's"
+    table.title = "the cheapest level from a tolerance on; cost over the reference's"
     for question in QUESTIONS:
         for answer in steps(answers, question):
             table.add_row(question, f"{answer.bound:.2g}", answer.level, f"{answer.cost_ratio:.2g}")

@@ -39,7 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--modes", type=int, metavar="N", help=f"bending modes of each modal panel ({DEFAULT_MODES})")
     parser.add_argument(
         "--question", metavar="NAME",
-        help="take the cheapest model and elements that answer a question, as measured by the command ladder: "
+        help="take the cheapest model and panels that answer a question, as measured by the command ladder: "
         f"{', '.join(QUESTIONS)}",
     )  # fmt: skip
     parser.add_argument("--tolerance", type=float, metavar="X", help=f"of the answer, relative ({DEFAULT_TOLERANCE:g})")
@@ -132,7 +132,7 @@ def _chosen_answer(args: argparse.Namespace) -> Answer | None:
         return None
     for option in ("model", "panels", "elements", "modes"):
         if getattr(args, option) is not None:
-            raise ValueError(f"--question chooses model and elements: leave out --{option}, or the question")
+            raise ValueError(f"--question chooses model and panels: leave out --{option}, or the question")
     return cheapest(read_answers(), args.question, DEFAULT_TOLERANCE if args.tolerance is None else args.tolerance)
 
 
@@ -143,7 +143,7 @@ def _level(args: argparse.Namespace, answer: Answer | None) -> tuple[str, PanelM
         ValueError: if one given is refused.
     """
     if answer is not None:
-        return answer.model, PanelModel.of(answer.model, elements=answer.elements or None, integrator=args.integrator)
+        return answer.model, PanelModel.of(answer.model, answer.panel_model, integrator=args.integrator)
     model = check_model(DEFAULT_MODEL if args.model is None else args.model)
     return model, PanelModel.of(model, args.panels, args.elements, args.modes, args.integrator)
 
@@ -151,7 +151,7 @@ def _level(args: argparse.Namespace, answer: Answer | None) -> tuple[str, PanelM
 def _answer_note(answer: Answer, parameters: ArrayParameters) -> str:
     note = (
         f"{answer.level}: the cheapest level for {answer.question}, measured error {answer.error:.2g} (sampling "
-        f"{answer.half_width:.2g}), {answer.cost_ratio:.2g} times the cost of the finest level"
+        f"{answer.half_width:.2g}), {answer.cost_ratio:.2g} times the reference's cost"
     )
     if parameters != ArrayParameters():
         note += "; measured with the default parameters, not with these"

@@ -30,7 +30,7 @@ class EnvironmentSettings:
 
     Attributes:
         model: "rigid-clearance", "rigid-ideal", "flexible-clearance" or "flexible-ideal". With ideal joints the joint
-            reactions take the place of contact forces and nothing wears. "auto" takes the cheapest model and elements
+            reactions take the place of contact forces and nothing wears. "auto" takes the cheapest model and panels
             that answer a question, as measured by `python -m solar_env ladder` with the default parameters; the
             attributes `model` and `panels` of the environment then say which. With other parameters, and with
             `randomize`, take it as a hint.
@@ -115,7 +115,7 @@ class EnvironmentSettings:
         question = DEFAULT_QUESTION if self.question is None else self.question
         tolerance = DEFAULT_TOLERANCE if self.tolerance is None else self.tolerance
         chosen = cheapest(read_answers(), question, tolerance)
-        return chosen.model, PanelModel.of(chosen.model, elements=chosen.elements or None)
+        return chosen.model, chosen.panel_model
 
     @cached_property
     def array(self) -> ArrayParameters:

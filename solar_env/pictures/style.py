@@ -44,6 +44,7 @@ METHOD_LOOKS: Mapping[str, Look] = {
     "default": _look("black", "h"),
     "runge-kutta": _look(BLUE, "o"),
     "rosenbrock": _look(VERMILLION, "s"),
+    "modal-radau": _look("#b80058", "d"),
     "dop853": _look(VIOLET, "p"),
     "generalized-alpha": _look(GREEN, "D"),
     "generalized-alpha, adaptive": _look(SKY, "^"),
@@ -59,16 +60,27 @@ MODEL_LOOKS: Mapping[str, Look] = {
     "flexible-ideal": _look(ORANGE, "D"),
     "flexible-clearance": _look(VERMILLION, "^"),
 }
-# The finer the mesh, the darker; rigid panels apart.
+# The finer, the darker: beams blue, modes red; at tighter tolerances green and violet; rigid panels apart.
 LEVEL_LOOKS: Mapping[str, Look] = {
-    "rigid": _look(VERMILLION, "s"),
+    "rigid": _look("black", "s"),
     "1 element": _look("#b7d4ea", "o"),
     "2 elements": _look("#8fbcdf", "^"),
     "4 elements": _look("#5f9fd0", "v"),
     "6 elements": _look("#3480bd", "D"),
-    "8 elements": _look("#1b6cae", "<"),
-    "12 elements": _look("#0d549c", "P"),
-    "24 elements": _look("#08306b", "X"),
+    "12 elements": _look("#1b6cae", "P"),
+    "24 elements": _look("#0d4f94", "X"),
+    "48 elements": _look("#08306b", "<"),
+    "24 elements, rtol / 10": _look(GREEN, ">"),
+    "4 modes": _look("#fdcc8a", "h"),
+    "8 modes": _look("#fca55d", "p"),
+    "16 modes": _look("#f4793b", "d"),
+    "24 modes": _look("#dd4a1f", "*"),
+    "48 modes": _look("#8f2300", "H"),
+    "24 modes, rtol / 2": _look("#c9a0dc", "8"),
+    "24 modes, rtol / 4": _look("#a06cc0", "1"),
+    "48 modes, rtol / 10": _look(VIOLET, "2"),
+    # Of short plans.
+    "8 modes, rtol / 2": _look(PURPLE, "3"),
 }
 CONTROLLER_LOOKS: Mapping[str, Look] = {
     "passive": _look(GREY, "o", "--"),

@@ -7,8 +7,8 @@ import pytest
 import agents
 from solar_env.array import MODELS
 from solar_env.pictures import style
-from solar_env.studies.common.plans import FULL
-from solar_env.studies.precision.levels import level_name
+from solar_env.studies.common.levels import Level
+from solar_env.studies.common.plans import FULL, QUICK
 from solar_env.studies.precision.methods import METHODS
 
 TABLES = (style.METHOD_LOOKS, style.MODEL_LOOKS, style.LEVEL_LOOKS, style.CONTROLLER_LOOKS)
@@ -26,8 +26,8 @@ def test_every_method_that_is_charted_has_its_look():
 
 def test_every_model_and_every_level_that_is_measured_has_its_look():
     assert set(style.MODEL_LOOKS) == set(MODELS)
-    levels = [level_name("rigid", 0.0), *(level_name("flexible", count) for count in FULL.levels)]
-    assert set(levels) <= set(style.LEVEL_LOOKS)
+    levels = (*FULL.levels, *QUICK.levels)
+    assert {Level("", level.panels, level.tighter).size for level in levels} == set(style.LEVEL_LOOKS)
 
 
 def test_every_controller_and_algorithm_that_is_configured_has_its_look():

@@ -11,9 +11,11 @@ from helpers import make_motion
 from rich.console import Console
 
 from solar_env.__main__ import main
+from solar_env.array import PanelModel
 from solar_env.commands import chart
-from solar_env.studies.common.plans import FULL, QUICK
+from solar_env.studies.common.plans import FULL, QUICK, Ensemble
 from solar_env.studies.common.tables import Table, read_table
+from solar_env.studies.common.timing import Measured
 from solar_env.studies.precision import charts, growth, methods, side_by_side
 from solar_env.studies.precision.ensembles import LABELS, statistics_of
 from solar_env.studies.precision.growth import with_panels
@@ -25,12 +27,12 @@ MOMENT = replace(
     before_latch=0.02,
     impacts_duration={"rigid": 0.02, "flexible": 0.002},
     settings=1,
-    elements=1,
-    ensemble_size=1,
+    panels=PanelModel("ancf", 1),
+    ensemble_size=2,
     ensemble_duration={"rigid": 0.02, "flexible": 0.002},
-    levels=(1, 2),
-    level_members=1,
+    levels=(Ensemble(None, 1), Ensemble(PanelModel("ancf", 1), 2), Ensemble(PanelModel("modal", 8), 1, 2.0)),
     growth_elements=(1, 2),
+    growth_modes=(8, 16),
     growth_panels=(1, 2),
     growth_duration=0.002,
     side_duration=0.02,
@@ -38,7 +40,7 @@ MOMENT = replace(
 FIGURES = {
     "work-precision": {"angles.png", "latch.png", "impacts.png", "horizon.png", "energy.png"},
     "ensembles": {"ensembles.png"},
-    "levels": {"levels.png"},
+    "levels": {"levels.png", "levels.md"},
     "growth": {"growth.png"},
     "side-by-side": {"side_by_side.md"},
 }
@@ -95,9 +97,8 @@ def test_every_method_has_a_row_with_costs_errors_and_energy(measured):
     folder, _ = measured
     table = read_table(folder / "work_precision.csv")
     rows = table.where(scene="deployment")
-    assert {"runge-kutta", "generalized-alpha", "generalized-alpha, adaptive", "paper's scheme"} == set(
-        rows.values("method")
-    )
+    own = {"runge-kutta", "modal-radau", "generalized-alpha", "generalized-alpha, adaptive", "paper's scheme"}
+    assert own == set(rows.values("method"))
     assert {"SciPy DOP853", "SciPy Radau"} <= set(table.where(scene="impacts").values("method"))
     reference = rows.where(method="runge-kutta", value=1e-12)
     assert reference.column("angle_error_rad")[0] == 0.0
@@ -120,20 +121,17 @@ def test_plans_differ_in_size_alone():
     assert FULL.dear
     assert not QUICK.dear
     for plan in (FULL, QUICK):
-        counts = [study.count(plan) for study in charts.STUDIES.values()]
-        assert min(counts) > 0
+        assert all(study.jobs(plan) for study in charts.STUDIES.values())
     # Without the peer a study of what costs most may be as small as the quick one.
-    counts = [(study.count(FULL), study.count(QUICK)) for study in charts.STUDIES.values()]
+    counts = [(len(study.jobs(FULL)), len(study.jobs(QUICK))) for study in charts.STUDIES.values()]
     assert all(full >= quick for full, quick in counts)
     assert sum(full for full, _ in counts) > 2 * sum(quick for _, quick in counts)
 
 
-@pytest.mark.parametrize("name", ["growth", "levels", "side-by-side"])
-def test_announcements_are_as_many_as_were_counted(name):
-    announced = []
-    study = charts.STUDIES[name]
-    study.run(MOMENT, announced.append)
-    assert len(announced) == study.count(MOMENT)
+@pytest.mark.parametrize("study", charts.STUDIES)
+def test_the_runs_of_a_study_have_names_of_their_own(study):
+    names = [job.name for job in charts.STUDIES[study].jobs(FULL).values()]
+    assert len(set(names)) == len(names)
 
 
 def test_statistics_count_what_follows_the_first_latching():
@@ -166,3 +164,25 @@ def test_the_ratio_is_taken_with_the_cheapest_own_run_of_no_larger_error():
     assert side_by_side.ratio_at_equal_error(table, row(1, 8.0, 1e-4, 1e-5)) == pytest.approx(40.0)
     assert side_by_side.ratio_at_equal_error(table, row(1, 8.0, 1e-7, 1e-5)) == pytest.approx(16.0)
     assert math.isnan(side_by_side.ratio_at_equal_error(table, row(1, 8.0, 1e-12, 1e-5)))
+
+
+def test_forces_are_those_of_the_members_over_those_of_the_converged_ensemble():
+    def run(*forces):
+        return Measured(replace(make_motion(), totals={"peak_force": np.array(forces)}), (1.0,))
+
+    own, peer, right = (side_by_side.Case("m", name) for name in ("runge-kutta", "Exudyn", "converged ensemble"))
+    results = {
+        own: run(20.0, 30.0),
+        replace(own, member=1): run(22.0, 30.0),
+        peer: Measured(make_motion(), (1.0,)),
+        replace(peer, watched=True): run(11.0, 20.0),
+        right: run(9.0, 10.0),
+        replace(right, member=1): run(11.0, 10.0),
+    }
+    ratios = side_by_side._force_ratios(own, results)
+    assert (ratios["force_ratio_1"], ratios["force_ratio_2"]) == pytest.approx((2.1, 3.0))
+    assert (ratios["force_ratio_1_error"], ratios["force_ratio_2_error"]) == pytest.approx((math.hypot(0.1, 0.21), 0.0))
+    single = side_by_side._force_ratios(peer, results)
+    assert single["force_ratio_1"] == pytest.approx(1.1)
+    assert single["force_ratio_1_error"] == pytest.approx(math.hypot(0.1 * math.sqrt(2.0), 0.11))
+    assert all(math.isnan(value) for value in side_by_side._force_ratios(replace(own, model="other"), results).values())

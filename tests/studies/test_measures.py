@@ -95,3 +95,12 @@ def test_a_study_keeps_motion_contacts_and_counts_as_the_run_has_them():
     for name in ("steps", "evaluations", "factorizations", "wall_time"):
         assert getattr(motion, name) == run.metadata["wall_time_s" if name == "wall_time" else name], name
     assert motion.energy_residual == run.energy_residual / run.energy_put_in
+
+
+def test_peak_forces_are_compared_joint_by_joint_where_the_reference_has_one():
+    own, right, none = (
+        replace(make_motion(), totals={"peak_force": np.array(forces)})
+        for forces in ((11.0, 5.0), (10.0, 0.0), (0.0, 0.0))
+    )
+    assert measures.force_error(own, right) == pytest.approx(0.1)
+    assert math.isnan(measures.force_error(own, none))

@@ -1,12 +1,15 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from solar_env.array import MODELS
-from solar_env.studies.common.motion import Scene
+from solar_env.array import MODELS, PanelModel
+from solar_env.studies.common.motion import Scene, perturbed
 from solar_env.studies.common.plans import FULL
 from solar_env.studies.precision import methods
+
+ONE = PanelModel("ancf", 1)
 
 
 def test_names_are_unique_and_found():
@@ -32,11 +35,35 @@ def test_every_reference_comes_from_two_different_methods(pairs):
     assert set(methods.DEPLOYMENT_REFERENCES) == set(MODELS)
 
 
+@pytest.mark.parametrize(
+    ("pairs", "settings"),
+    [
+        (methods.DEPLOYMENT_REFERENCES, "deployments"),
+        (methods.IMPACT_REFERENCES, "impacts"),
+        (methods.MODAL_REFERENCES, "deployments"),
+        (methods.MODAL_REFERENCES, "impacts"),
+    ],
+)
+def test_no_setting_is_finer_than_the_reference_that_it_is_compared_with(pairs, settings):
+    for model, ((name, values), *_) in pairs.items():
+        assert min(getattr(methods.find_method(name), settings).get(model, values)) >= values[0]
+
+
+def test_a_method_with_panels_of_its_own_takes_them_whatever_the_scene_says():
+    modal = methods.find_method("modal-radau")
+    scene = Scene("flexible-ideal", FULL.parameters, 1.0, 1.0, ONE)
+    assert modal.size(scene) == methods.MODES.size == "24 modes"
+    assert methods.find_method("rosenbrock").size(scene) == "1 element"
+    assert modal.size(replace(scene, model="rigid-clearance")) == "rigid"
+    taken = replace(modal, program=lambda own, setting: own).solve(scene, 1e-3)
+    assert taken == replace(scene, panels=methods.MODES)
+
+
 @pytest.mark.parametrize("method", [m for m in methods.METHODS if m.needs is None], ids=lambda m: m.name)
 def test_every_own_and_scipy_method_moves_every_model_that_it_is_listed_for(method):
     ends = {}
     for model in (*method.deployments, *method.dear):
-        scene = Scene(model, FULL.parameters, duration=2e-3, sample_step=1e-3, elements=1)
+        scene = Scene(model, FULL.parameters, duration=2e-3, sample_step=1e-3, panels=ONE)
         motion = method.solve(scene, 1e-4)
         assert motion.time.tolist() == [0.0, 1e-3, 2e-3]
         assert motion.angles.shape == (3, 2)
@@ -61,7 +88,8 @@ def test_without_the_peer_its_methods_are_not_available(monkeypatch):
     ("generalized-alpha", "flexible-ideal"),
 ])  # fmt: skip
 def test_the_peer_moves_as_the_projects_own_simulator_does(solver, model):
-    scene = Scene(model, FULL.parameters, duration=0.1, sample_step=0.05, elements=1)
+    released = perturbed(replace(FULL.parameters, initial_rate=0.02), 1)
+    scene = Scene(model, released, duration=0.1, sample_step=0.05, panels=ONE)
     peer = methods.exudyn(solver)(scene, 1e-4 if model.endswith("ideal") else 1e-5)
     own = methods.find_method("runge-kutta").solve(scene, 1e-10)
     assert peer.time.tolist() == own.time.tolist()
@@ -75,5 +103,10 @@ def test_what_the_peer_cannot_express_is_refused():
     from solar_env.studies.precision.growth import with_panels
 
     scene = Scene("rigid-ideal", with_panels(FULL.parameters, 3), duration=0.1, sample_step=0.1)
-    with pytest.raises(ValueError, match="panel_count = 3"):
-        methods.exudyn("explicit")(scene, 1e-2)
+    for changed, named in (
+        (scene, "panel_count = 3"),
+        (replace(scene, parameters=replace(FULL.parameters, initial_spin=0.1)), "initial_spin = 0.1"),
+        (replace(scene, model="flexible-ideal", parameters=FULL.parameters, panels=methods.MODES), "panels = 'modal'"),
+    ):
+        with pytest.raises(ValueError, match=named):
+            methods.exudyn("generalized-alpha")(changed, 1e-2)

@@ -1,10 +1,12 @@
 from dataclasses import replace
+from functools import partial
 
 import pytest
 from helpers import make_motion
 
 from solar_env.mechanics.running.errors import SimulationError
-from solar_env.studies.common.timing import time_interleaved
+from solar_env.studies.common.timing import Job, measure
+from solar_env.support.campaigns import Workers
 
 
 def test_runs_are_repeated_in_turn_and_long_or_failed_ones_are_not():
@@ -20,12 +22,30 @@ def test_runs_are_repeated_in_turn_and_long_or_failed_ones_are_not():
         return run
 
     announced = []
-    jobs = {"short": job("short", 1.0), "long": job("long", 50.0), "bad": job("bad", None), "other": job("other", 2.0)}
-    measured = time_interleaved(jobs, repeats=3, long_run=20.0, announce=announced.append)
+    runs = (("short", 1.0, 3), ("long", 50.0, 3), ("bad", None, 3), ("other", 2.0, 3), ("once", 3.0, 1))
+    jobs = {name: Job(name, job(name, wall), repeats, long_run=20.0) for name, wall, repeats in runs}
+    measured = measure(jobs, announced.append)
     assert announced == list(jobs)
-    assert calls == ["short", "long", "bad", "other", "short", "other", "short", "other"]
-    assert measured["short"].walls == (2.0, 6.0, 8.0)
-    assert measured["short"].wall == pytest.approx(6.0)
+    assert calls == ["short", "long", "bad", "other", "once", "short", "other", "short", "other"]
+    assert measured["short"].walls == (2.0, 7.0, 9.0)
+    assert measured["short"].wall == pytest.approx(7.0)
+    assert len(measured["once"].walls) == 1
     assert len(measured["long"].walls) == 1
     assert measured["bad"].motion is None
+    assert measured["bad"].failure == "Newton"
+
+
+def once(name):
+    """A run that several processes can make; "bad" ones cannot go on."""
+    if name == "bad":
+        raise SimulationError("Newton", 0.1, "newton")
+    return replace(make_motion(), wall_time=float(len(name)))
+
+
+def test_several_processes_make_every_run_once_and_keep_their_order():
+    announced = []
+    jobs = {name: Job(name, partial(once, name), repeats=3) for name in ("a", "bad", "ccc")}
+    measured = measure(jobs, announced.append, Workers(2))
+    assert sorted(announced) == list(measured) == list(jobs)
+    assert [result.walls for result in measured.values()] == [(1.0,), (), (3.0,)]
     assert measured["bad"].failure == "Newton"

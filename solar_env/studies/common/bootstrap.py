@@ -10,10 +10,10 @@ Array = NDArray[np.float64]
 _RESAMPLES, _SEED = 2000, 0
 
 
-def resampled_means(values: Array, stream: int = 0) -> Array:
-    """(resamples, ...) means of (n, ...) values; two streams are independent, and the same values give the same."""
+def resampled_means(values: Array) -> Array:
+    """(resamples, ...) means of (n, ...) values; of all values with the same n the same members are drawn."""
     count = len(values)
-    chosen = np.random.default_rng([_SEED, stream]).multinomial(count, np.full(count, 1.0 / count), size=_RESAMPLES)
+    chosen = np.random.default_rng(_SEED).multinomial(count, np.full(count, 1.0 / count), size=_RESAMPLES)
     return np.asarray(np.tensordot(chosen / count, values, axes=1))
 
 

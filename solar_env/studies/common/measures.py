@@ -36,6 +36,13 @@ def latch_error(motion: Motion, reference: Motion) -> float:
     return float(np.where(np.isnan(differences), math.inf, differences).max())
 
 
+def force_error(motion: Motion, reference: Motion) -> float:
+    """Greatest relative error of a joint's peak force after the first latching; nan where the reference has none."""
+    right = reference.totals["peak_force"]
+    errors = np.abs(motion.totals["peak_force"] / np.where(right > 0.0, right, math.nan) - 1.0)
+    return math.nan if np.isnan(errors).all() else float(np.nanmax(errors))
+
+
 def impacts_of(motion: Motion, joint: int) -> NDArray[np.void]:
     """Contacts of one joint in the order of their starts."""
     return motion.contacts[motion.contacts["joint"] == joint]

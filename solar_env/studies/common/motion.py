@@ -7,7 +7,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.array import ArrayParameters, build
+from solar_env.array import ArrayParameters, PanelModel, build
+from solar_env.array.panels import ANCF
 from solar_env.mechanics.integrators.settings import Integrator
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.running.diagnosis import SimulationWarning
@@ -16,7 +17,10 @@ from solar_env.mechanics.running.trajectory import Trajectory, contact_record
 
 Array = NDArray[np.float64]
 
-PERTURBATION = 1e-8  # m, between the root hinges of two runs of an ensemble
+# Of the runs of an ensemble: release rates of the joints, and settings of the method, within these of the nominal ones.
+RELEASE_RATE = 5e-4  # rad/s; joint 1 deploys at 0.13 rad/s in the mean
+SETTING_SHARE = 3e-3
+BEAMS = PanelModel(ANCF, 6)
 
 
 @dataclass(frozen=True)
@@ -28,7 +32,7 @@ class Scene:
         parameters: of the array.
         duration: [s].
         sample_step: distance of the sampled angles [s].
-        elements: of each panel; rigid models do not use it.
+        panels: model of the panels; rigid ones do not use it.
         every_contact: whether all contacts are asked for; programs that can only sample must then do so every step.
     """
 
@@ -36,12 +40,12 @@ class Scene:
     parameters: ArrayParameters
     duration: float
     sample_step: float
-    elements: int = 6
+    panels: PanelModel = BEAMS
     every_contact: bool = False
 
     def mechanism(self) -> Mechanism:
         """The array as the project's own simulator takes it."""
-        return build(self.parameters, self.model, self.elements)
+        return build(self.parameters, self.model, panels=self.panels)
 
     @property
     def sample_times(self) -> Array:
@@ -79,9 +83,25 @@ class Motion:
     totals: dict[str, Array] = field(default_factory=dict)
 
 
-def perturbed(parameters: ArrayParameters, member: int, distance: float = PERTURBATION) -> ArrayParameters:
-    """The array with its root hinge moved by `member` times `distance` [m]."""
-    return replace(parameters, hinge_y=parameters.hinge_y + member * distance)
+def perturbed(parameters: ArrayParameters, member: int) -> ArrayParameters:
+    """The array of a member of an ensemble: joints released at rates uniform within RELEASE_RATE of the nominal ones.
+
+    Differences in the place of a hinge would not do: the lasting contact of the deployment wipes them out, and at the
+    latching all members would be alike. Member 0 is the nominal array.
+    """
+    rates = RELEASE_RATE * _deviations(member, parameters.panel_count)
+    nominal = [parameters.by_joint("initial_rate", joint) for joint in range(parameters.panel_count)]
+    return replace(parameters, initial_rate=tuple((nominal + rates).tolist()))
+
+
+def perturbed_setting(value: float, member: int) -> float:
+    """Tolerance or step of a member of an ensemble: uniform within SETTING_SHARE of the nominal, which member 0 has."""
+    return value * (1.0 + SETTING_SHARE * float(_deviations(member, 1, stream=1)[0]))
+
+
+def _deviations(member: int, count: int, stream: int = 0) -> Array:
+    """(count,) numbers in [-1, 1], the same for the same member and stream; zero for member 0."""
+    return np.random.default_rng([member, stream]).uniform(-1.0, 1.0, count) * (member > 0)
 
 
 def no_contacts() -> NDArray[np.void]:

@@ -1,18 +1,36 @@
-"""Interleaved timing: all runs once, then all again, so that disturbances of the machine meet all alike."""
+"""The runs of a study: all once, then all again, so that disturbances of the machine meet all alike."""
 
 import statistics
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
-from typing import Generic, TypeVar
+from typing import TypeVar
 
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.studies.common.motion import Motion
+from solar_env.support.campaigns import ONE, Workers, each_done
 
 Key = TypeVar("Key", bound=Hashable)
 
 
 @dataclass(frozen=True)
-class Measured(Generic[Key]):
+class Job:
+    """A run of a study.
+
+    Attributes:
+        name: in words.
+        solve: makes the run; raises SimulationError if it cannot go on.
+        repeats: how often it is timed.
+        long_run: a run that takes longer than this is not repeated [s].
+    """
+
+    name: str
+    solve: Callable[[], Motion]
+    repeats: int = 1
+    long_run: float = 10.0
+
+
+@dataclass(frozen=True)
+class Measured:
     """Result of the repeats of one run.
 
     Attributes:
@@ -22,7 +40,7 @@ class Measured(Generic[Key]):
     """
 
     motion: Motion | None
-    walls: tuple[float, ...]
+    walls: tuple[float, ...] = ()
     failure: str = ""
 
     @property
@@ -31,28 +49,34 @@ class Measured(Generic[Key]):
         return statistics.median(self.walls)
 
 
-def time_interleaved(
-    jobs: Mapping[Key, Callable[[], Motion]],
-    repeats: int,
-    long_run: float,
-    announce: Callable[[Key], None] = lambda key: None,
-) -> dict[Key, Measured[Key]]:
-    """Run every job once, announced by its key, then all again, up to the number of repeats.
+def measure(
+    jobs: Mapping[Key, Job], announce: Callable[[str], None] = lambda name: None, workers: Workers = ONE
+) -> dict[Key, Measured]:
+    """Run every job once, announced by its name, then those to be repeated again, up to the number of repeats.
 
-    A run that raises SimulationError, or takes longer than `long_run` [s], is not repeated.
+    With several workers nothing is repeated, jobs are announced as they are done, and wall times mean little.
     """
-    first: dict[Key, Motion] = {}
-    walls: dict[Key, list[float]] = {}
-    failures: dict[Key, str] = {}
+    if workers != ONE:
+        done: dict[Key, Measured] = {}
+        for (key, job), result in each_done(_first_run, jobs.items(), workers):
+            announce(job.name)
+            done[key] = result
+        return {key: done[key] for key in jobs}
+    first: dict[Key, Measured] = {}
     for key, job in jobs.items():
-        announce(key)
-        try:
-            first[key] = job()
-            walls[key] = [first[key].wall_time]
-        except SimulationError as error:
-            failures[key] = str(error)
-    for _ in range(repeats - 1):
-        for key, times in walls.items():
-            if times[0] <= long_run:
-                times.append(jobs[key]().wall_time)
-    return {key: Measured(first.get(key), tuple(walls.get(key, ())), failures.get(key, "")) for key in jobs}
+        announce(job.name)
+        first[key] = _first_run((key, job))
+    walls = {key: list(result.walls) for key, result in first.items()}
+    for round_ in range(1, max((job.repeats for job in jobs.values()), default=1)):
+        for key, job in jobs.items():
+            if round_ < job.repeats and walls[key] and walls[key][0] <= job.long_run:
+                walls[key].append(job.solve().wall_time)
+    return {key: Measured(result.motion, tuple(walls[key]), result.failure) for key, result in first.items()}
+
+
+def _first_run(item: tuple[Hashable, Job]) -> Measured:
+    try:
+        motion = item[1].solve()
+    except SimulationError as error:
+        return Measured(None, failure=str(error))
+    return Measured(motion, (motion.wall_time,))

@@ -9,8 +9,7 @@ import numpy as np
 from rich.console import Console
 
 from solar_env.array import ArrayParameters
-from solar_env.array.deployment import simulate
-from solar_env.studies.common.motion import perturbed
+from solar_env.studies.common.levels import Level
 from solar_env.studies.common.tables import Row, provenance, write_table
 from solar_env.support.campaigns import Campaign, Cell, Workers
 from solar_env.support.progress import counting_bar
@@ -71,7 +70,7 @@ def measure_cell(cell: Cell) -> dict[str, list[list[float]]]:
     parameters = ArrayParameters.preset(cell["preset"]).with_changes(changes(cell["map"], cell["x"], cell["y"]))
     wear, force = [], []
     for member in range(cell["members"]):
-        motion = simulate(perturbed(parameters, member), model=MODEL, duration=DURATION, output_step=DURATION)
+        motion = Level(MODEL).deploy(parameters, member, DURATION, output_step=DURATION)
         wear.append(motion.wear_depth.tolist())
         force.append(motion.postlock_peak_force.tolist())
     return {"wear_m": wear, "force_N": force}

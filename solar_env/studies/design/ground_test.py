@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters
-from solar_env.array.deployment import simulate
-from solar_env.studies.common.motion import perturbed
+from solar_env.studies.common.levels import Level
 from solar_env.studies.common.tables import Row
 from solar_env.support.campaigns import ONE, Workers, each_done
 
@@ -25,8 +24,6 @@ Array = NDArray[np.float64]
 FILE = "ground_test.csv"
 MODEL = "rigid-clearance"
 DURATION = 30.0  # s
-# m, between the hinges of two deployments: no two are alike.
-SCATTER = 1e-6
 
 
 @dataclass(frozen=True)
@@ -128,8 +125,8 @@ def as_rows(campaign: Iterable[Deployment], kind: str) -> Iterator[Row]:
 
 
 def _deploy(run: tuple[ArrayParameters, int]) -> list[list[float]]:
-    """Growth of the clearances [m] and peak forces [N] of one deployment."""
+    """Growth of the clearances [m] and peak forces [N] of one deployment; no two are alike."""
     parameters, number = run
-    motion = simulate(perturbed(parameters, number, SCATTER), model=MODEL, duration=DURATION, output_step=DURATION)
+    motion = Level(MODEL).deploy(parameters, number, DURATION, output_step=DURATION)
     growth = motion.wear_bearing.mean(axis=1) + motion.wear_journal.mean(axis=1)
     return [growth.tolist(), motion.postlock_peak_force.tolist()]

@@ -1,13 +1,15 @@
-"""Errors of a level's answers against the reference's, with bootstrap bands. Plain NumPy.
+"""Errors of a level's answers against the reference's, with bootstrap bands.
 
-Means of ensembles are compared; the bands are those of B. Efron, Ann. Statist. 7 (1979) 1, over the ensembles' members,
-widened by the square root of n / (n - 1) for ensembles of n members.
+Means of ensembles are compared, member by member: the same member is perturbed alike at all levels, and what the level
+does not change cancels. The bands are those of B. Efron, Ann. Statist. 7 (1979) 1, over the members, widened for small
+ensembles as T. C. Hesterberg, Am. Stat. 69 (2015) 371, doi:10.1080/00031305.2015.1089789, has it.
 """
 
 import math
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import stats
 
 from solar_env.studies.common.bootstrap import resampled_means
 
@@ -21,20 +23,24 @@ def mean_error(level: Array, reference: Array, scale: Array) -> tuple[float, flo
 
     Args:
         level: (n, k, d) answers of n members: k quantities, each a vector of d components.
-        reference: (m, k, d).
+        reference: (n, k, d) of the same members.
         scale: (k,) what distances are taken relative to.
 
     Returns:
         The error, and what sampling may add to it: with 95 % probability no quantity's true distance exceeds their sum.
     """
-    difference = level.mean(axis=0) - reference.mean(axis=0)
-    deviations = _deviations(level, 1) - _deviations(reference, 2)
-    return float(_relative(difference, scale).max()), _quantile(_relative(deviations, scale).max(axis=-1))
+    differences = level - reference
+    mean = differences.mean(axis=0)
+    deviations = _widening(len(level)) * (resampled_means(differences) - mean)
+    return float(_relative(mean, scale).max()), _quantile(_relative(deviations, scale).max(axis=-1))
 
 
-def own_half_width(reference: Array, scale: Array) -> float:
-    """Half-width of the simultaneous 95 % band of an ensemble's own mean; arguments as in `mean_error`."""
-    return _quantile(_relative(_deviations(reference, 2), scale).max(axis=-1))
+def _widening(count: int) -> float:
+    """Student's quantile over the normal one, times sqrt(n / (n - 1)); a single member has no band to widen."""
+    if count == 1:
+        return 1.0
+    share = 0.5 * (1.0 + _COVERAGE)
+    return float(stats.t.ppf(share, count - 1) / stats.norm.ppf(share)) * math.sqrt(count / (count - 1))
 
 
 def ranking_error(level: Array, reference: Array) -> tuple[float, float]:
@@ -42,19 +48,14 @@ def ranking_error(level: Array, reference: Array) -> tuple[float, float]:
 
     Args:
         level: (n, controllers, measures) by which the controllers are ranked, each measure for itself.
-        reference: (m, controllers, measures).
+        reference: (n, controllers, measures) of the same members.
 
     Returns:
         The share over all pairs and measures; a pair that a level cannot tell apart counts half.
     """
     share = float(discordant_share(level.mean(axis=0), reference.mean(axis=0)))
-    resampled = discordant_share(resampled_means(level, 1), resampled_means(reference, 2))
+    resampled = discordant_share(resampled_means(level), resampled_means(reference))
     return share, _quantile(np.abs(resampled - share))
-
-
-def own_ranking_half_width(reference: Array) -> float:
-    """Share of discordant pairs that 95 % of the resampled rankings do not exceed against the ranking of the means."""
-    return _quantile(discordant_share(resampled_means(reference, 2), reference.mean(axis=0)))
 
 
 def discordant_share(level: Array, reference: Array) -> Array:
@@ -66,14 +67,6 @@ def discordant_share(level: Array, reference: Array) -> Array:
 
 def _relative(vectors: Array, scale: Array) -> Array:
     return np.asarray(np.sqrt((vectors**2).sum(axis=-1)) / scale)
-
-
-def _deviations(values: Array, stream: int) -> Array:
-    """(resamples, ...) deviations of resampled means of (n, ...) values from their mean; zero for a single one."""
-    count = len(values)
-    if count == 1:
-        return np.zeros((1, *values.shape[1:]))
-    return (resampled_means(values, stream) - values.mean(axis=0)) * math.sqrt(count / (count - 1))
 
 
 def _quantile(values: Array) -> float:

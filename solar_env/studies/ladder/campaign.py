@@ -8,12 +8,14 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
-from solar_env.array import ArrayParameters
+from solar_env.array import ArrayParameters, PanelModel
 from solar_env.array.ladder import QUESTIONS, Answer
-from solar_env.environment.env import SolarArrayEnv
+from solar_env.array.panels import ANCF, MODAL
+from solar_env.studies.common.levels import Level
+from solar_env.studies.common.motion import RELEASE_RATE, SETTING_SHARE
 from solar_env.studies.common.tables import Row, provenance, write_table
-from solar_env.studies.ladder.answers import mean_error, own_half_width, own_ranking_half_width, ranking_error
-from solar_env.studies.ladder.runs import CONTROLLERS, Level, Outcome, control, deploy
+from solar_env.studies.ladder.answers import mean_error, ranking_error
+from solar_env.studies.ladder.runs import CONTROLLERS, SAMPLE_STEP, Outcome, Profile, control, deploy
 from solar_env.support.progress import counting_bar
 
 RANKING = "controller-ranking"
@@ -21,11 +23,29 @@ FILE = "ladder.csv"
 
 
 @dataclass(frozen=True)
+class Run:
+    """A member of the ensemble at a level, under a controller or, without one, on the springs alone."""
+
+    level: Level
+    member: int
+    profile: Profile | None
+
+    @property
+    def name(self) -> str:
+        """In words."""
+        return f"{self.level.name}, run {self.member + 1}" + (f", {self.profile.name}" if self.profile else "")
+
+
+_REFERENCE = Level("flexible-clearance", PanelModel(MODAL, 48), tighter=10.0)
+
+
+@dataclass(frozen=True)
 class LadderPlan:
     """How much is measured.
 
     Attributes:
-        elements: of the flexible levels; the last, with clearance, is the reference.
+        panels: of the flexible levels.
+        reference: what all levels are compared with, finer than they are.
         duration: of deployments on the springs alone [s]; they latch at 12.3 s.
         members: runs of each level.
         ideal_members: runs of each level with ideal joints, which have no chaos to average over.
@@ -33,7 +53,11 @@ class LadderPlan:
         window: time simulated after the last latching under a controller [s].
     """
 
-    elements: tuple[int, ...] = (1, 2, 4, 6, 12)
+    panels: tuple[PanelModel, ...] = (
+        *(PanelModel(ANCF, elements) for elements in (1, 2, 4, 6, 12)),
+        *(PanelModel(MODAL, modes) for modes in (8, 24)),
+    )
+    reference: Level = _REFERENCE
     duration: float = 22.5
     members: int = 16
     ideal_members: int = 3
@@ -43,72 +67,75 @@ class LadderPlan:
     @property
     def levels(self) -> tuple[Level, ...]:
         """From rigid panels with ideal joints to the reference."""
-        flexible = (
-            Level(f"flexible-{joint}", elements) for joint in ("ideal", "clearance") for elements in self.elements
-        )
-        return (Level("rigid-ideal"), Level("rigid-clearance"), *flexible)
+        flexible = (Level(f"flexible-{joint}", panels) for joint in ("ideal", "clearance") for panels in self.panels)
+        return (Level("rigid-ideal"), Level("rigid-clearance"), *flexible, self.reference)
 
-    def deployments_of(self, level: Level) -> int:
-        """How often a level is deployed on its springs alone."""
-        return self.ideal_members if level.model.endswith("ideal") else self.members
-
-    def controlled_runs_of(self, level: Level) -> int:
-        """How often a level is deployed under each controller."""
-        most = self.controlled_members
+    def members_of(self, level: Level, most: int) -> int:
+        """How many of at most so many members run at a level."""
         return min(most, self.ideal_members) if level.model.endswith("ideal") else most
+
+    @property
+    def runs(self) -> tuple[Run, ...]:
+        """Every run, member by member, so that what disturbs the machine meets all levels alike."""
+        return tuple(
+            Run(level, member, profile)
+            for most, profiles in ((self.members, (None,)), (self.controlled_members, CONTROLLERS))
+            for member in range(most)
+            for level in self.levels
+            if member < self.members_of(level, most)
+            for profile in profiles
+        )
 
 
 FULL = LadderPlan()
-QUICK = LadderPlan(elements=(1, 2, 4), duration=17.0, members=4, ideal_members=2, controlled_members=2, window=4.0)
+QUICK = LadderPlan(
+    panels=(PanelModel(ANCF, 1), PanelModel(ANCF, 2), PanelModel(MODAL, 8)),
+    duration=17.0,
+    members=4,
+    ideal_members=2,
+    controlled_members=2,
+    window=4.0,
+)
 
 Announce = Callable[[str], None]
 
 
-def count_runs(plan: LadderPlan) -> int:
-    """How many runs `run_ladder` announces."""
-    return sum(plan.deployments_of(level) + len(CONTROLLERS) * plan.controlled_runs_of(level) for level in plan.levels)
-
-
 def run_ladder(plan: LadderPlan, announce: Announce) -> list[Row]:
-    """Run every level, member by member, so that what disturbs the machine meets all levels alike.
+    """Make every run, announced before it starts.
 
-    Every run is announced before it starts. Returns a row for every question and level, with the columns of
-    `solar_env.array.ladder.Answer`.
+    Returns a row for every question and level, with the columns of `solar_env.array.ladder.Answer`.
     """
     deployed: dict[Level, list[Outcome]] = {level: [] for level in plan.levels}
     controlled: dict[Level, list[Outcome]] = {level: [] for level in plan.levels}
-    for member in range(max(plan.members, plan.ideal_members)):
-        for level in plan.levels:
-            if member < plan.deployments_of(level):
-                announce(f"{level.name}, run {member + 1}")
-                deployed[level].append(deploy(level, member, plan.duration))
-    for member in range(plan.controlled_members):
-        for level in plan.levels:
-            if member < plan.controlled_runs_of(level):
-                label = f"{level.name}, run {member + 1}"
-
-                def say(name: str, label: str = label) -> None:
-                    announce(f"{label}, {name}")
-
-                controlled[level].append(control(level, member, plan.window, say))
-    return rows_of(deployed, controlled)
+    for run in plan.runs:
+        announce(run.name)
+        if run.profile is None:
+            deployed[run.level].append(deploy(run.level, run.member, plan.duration))
+        else:
+            controlled[run.level].append(control(run.level, run.member, run.profile, plan.window))
+    members = len(CONTROLLERS)
+    joined = {
+        level: [Outcome.of_all(own[k : k + members]) for k in range(0, len(own), members)]
+        for level, own in controlled.items()
+    }
+    return rows_of(deployed, joined)
 
 
 def rows_of(deployed: Mapping[Level, Sequence[Outcome]], controlled: Mapping[Level, Sequence[Outcome]]) -> list[Row]:
-    """Rows of the table from the runs of all levels, of which the last one is the reference."""
+    """Rows of the table from the runs of all levels and, last, of the reference."""
     rows: list[Row] = []
     for question in QUESTIONS:
-        runs = controlled if question == RANKING else deployed
-        reference = list(runs)[-1]
-        for level, own in runs.items():
-            error, half_width = error_of(question, own, None if level == reference else runs[reference])
+        *levels, (_, reference) = (controlled if question == RANKING else deployed).items()
+        for level, own in levels:
+            error, half_width = error_of(question, own, reference)
             answer = Answer(
                 question,
                 level.model,
-                level.elements,
+                level.panels.kind if level.panels else "",
+                level.panels.count if level.panels else 0,
                 error,
                 half_width,
-                statistics.median(run.wall for run in own) / statistics.median(run.wall for run in runs[reference]),
+                statistics.median(run.wall for run in own) / statistics.median(run.wall for run in reference),
                 statistics.fmean(run.evaluations for run in own),
                 len(own),
             )
@@ -116,34 +143,30 @@ def rows_of(deployed: Mapping[Level, Sequence[Outcome]], controlled: Mapping[Lev
     return rows
 
 
-def error_of(question: str, own: Sequence[Outcome], reference: Sequence[Outcome] | None) -> tuple[float, float]:
-    """Error of a level's own runs against the reference's, and the half-width of its sampling band.
-
-    The reference itself, for which `reference` is None, has no error, and the half-width of its own mean.
-    """
-    level = np.stack([run.answers[question] for run in own])
-    other = level if reference is None else np.stack([run.answers[question] for run in reference])
+def error_of(question: str, own: Sequence[Outcome], reference: Sequence[Outcome]) -> tuple[float, float]:
+    """Error of a level's own runs against as many of the reference's, and the half-width of its sampling band."""
+    level, other = (np.stack([run.answers[question] for run in runs]) for runs in (own, reference[: len(own)]))
     if question == RANKING:
-        return (0.0, own_ranking_half_width(level)) if reference is None else ranking_error(level, other)
+        return ranking_error(level, other)
     scale = np.abs(other.mean(axis=0)).sum(axis=-1)
     if question == "tip-motion":
         parameters = ArrayParameters()
         scale = np.full(other.shape[1], parameters.panel_count * parameters.panel_length)
-    return (0.0, own_half_width(level, scale)) if reference is None else mean_error(level, other, scale)
+    return mean_error(level, other, scale)
 
 
 def measure_ladder(quick: bool, folder: Path, console: Console) -> Path:
     """Measure the ladder, in a quarter of an hour or `quick` in two minutes, and write its table; returns the file."""
     plan = QUICK if quick else FULL
     with counting_bar(console) as progress:
-        task = progress.add_task("loading kernels (the first time compiles them)", total=count_runs(plan))
+        task = progress.add_task("loading kernels (the first time compiles them)", total=len(plan.runs))
         _warm_up(plan)
         rows = run_ladder(plan, lambda run: progress.update(task, advance=1, description=run))
     made_by = provenance(
         f"python -m solar_env ladder{' --quick' if quick else ''}",
-        reference=f"{plan.levels[-1].name}: the finest level measured, which is not the truth",
-        parameters="the defaults of ArrayParameters; each member's root hinge moved by 1e-8 m",
-        integrators="the default of each model",
+        reference=plan.reference.name,
+        parameters=f"the defaults of ArrayParameters; members released at rates within {RELEASE_RATE:g} rad/s",
+        integrators=f"the default of each level; tolerances of members within {SETTING_SHARE:.1%}",
         duration_s=plan.duration,
         window_s=plan.window,
         controllers="; ".join(f"{p.name} ({p.torque:g} N m from {p.start:g} s)" for p in CONTROLLERS),
@@ -156,6 +179,4 @@ def measure_ladder(quick: bool, folder: Path, console: Console) -> Path:
 def _warm_up(plan: LadderPlan) -> None:
     """Run a moment of every level, so that compiling and loading are not measured."""
     for level in plan.levels:
-        env = SolarArrayEnv(model=level.model, elements=level.panel_elements)
-        env.reset()
-        env.step([0.0])
+        level.deploy(ArrayParameters(), 0, SAMPLE_STEP, SAMPLE_STEP)

@@ -15,7 +15,7 @@ _TOLERANCE, _CHEAP = 0.3, 0.5  # of the title
 _SMALLEST = 1e-6  # errors below are drawn here
 _NOTE = (
     "mark: error and 95 % sampling half-width, from which tolerance on a level answers; line to its left: half-width; "
-    "numbers: elements; grey: the level chosen"
+    "numbers: elements (e) or modes (m); grey: the level chosen"
 )
 
 
@@ -44,7 +44,7 @@ def _title(answers: Sequence[Answer], asked: Sequence[str]) -> str:
     cheap = sum(bool(levels) and levels[-1].cost_ratio <= _CHEAP for levels in chosen)
     return (
         f"{cheap} of {len(asked)} questions are answered within {_TOLERANCE:.0%} at no more than "
-        f"{_CHEAP:.0%} of the finest level's cost"
+        f"{_CHEAP:.0%} of the reference's cost"
     )
 
 
@@ -57,10 +57,10 @@ def _draw_panel(axis: Axes, answers: Sequence[Answer]) -> None:
         if answer.error > 0.0:
             axis.plot([answer.error, bound], [answer.cost_ratio] * 2, linewidth=0.8, color=style["color"])
         axis.plot([bound], [answer.cost_ratio], markersize=4, **style)
-        if answer.elements:
+        if answer.panels:
             side = -1 if answer.model.endswith("clearance") else 1
             axis.annotate(
-                str(answer.elements),
+                f"{answer.count}{answer.panel_model.option[0]}",
                 (bound, answer.cost_ratio),
                 xytext=(4 * side, -5),
                 textcoords="offset points",

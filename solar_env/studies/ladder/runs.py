@@ -1,48 +1,26 @@
 """The runs of the ladder: a deployment on its springs alone, and under fixed controllers, at one level."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters, build
-from solar_env.array.deployment import simulate
-from solar_env.array.ladder import level_name
-from solar_env.environment.env import SolarArrayEnv
+from solar_env.environment.task.task import Task
 from solar_env.mechanics.analysis.geometry import centreline
-from solar_env.mechanics.equations.build import compile_mechanism
+from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.integrators.methods.table import METHODS
+from solar_env.mechanics.running.simulation import Simulation
 from solar_env.mechanics.running.trajectory import Trajectory
+from solar_env.studies.common.levels import Level
 from solar_env.studies.common.motion import perturbed
 
 Array = NDArray[np.float64]
 
 SAMPLE_STEP = 0.02  # s, between two places of the tip
-
-
-@dataclass(frozen=True)
-class Level:
-    """A level of the model.
-
-    Attributes:
-        model: one of `array.MODELS`.
-        elements: of each flexible panel; 0 with rigid panels.
-    """
-
-    model: str
-    elements: int = 0
-
-    @property
-    def name(self) -> str:
-        """The level in words."""
-        return level_name(self.model, self.elements)
-
-    @property
-    def panel_elements(self) -> int:
-        """A number of elements that every model takes; rigid ones do not use it."""
-        return max(self.elements, 1)
 
 
 @dataclass(frozen=True)
@@ -84,9 +62,15 @@ class Outcome:
     wall: float
     evaluations: float
 
+    @classmethod
+    def of_all(cls, runs: Sequence[Self]) -> Self:
+        """Runs under several controllers as one."""
+        answers = {question: np.concatenate([run.answers[question] for run in runs]) for question in runs[0].answers}
+        return cls(answers, sum(run.wall for run in runs), sum(run.evaluations for run in runs))
+
 
 def deploy(level: Level, member: int, duration: float) -> Outcome:
-    """Deploy a member of the ensemble on the springs alone, for a duration [s], with the level's default integrator.
+    """Deploy a member of the ensemble on the springs alone, for a duration [s].
 
     Returns:
         Every question's answer but the ranking of controllers.
@@ -95,13 +79,7 @@ def deploy(level: Level, member: int, duration: float) -> Outcome:
         ValueError: if a joint has not latched.
         SimulationError: if the run cannot go on.
     """
-    trajectory = simulate(
-        perturbed(ArrayParameters(), member),
-        model=level.model,
-        elements=level.panel_elements,
-        duration=duration,
-        output_step=SAMPLE_STEP,
-    )
+    trajectory = level.deploy(ArrayParameters(), member, duration, SAMPLE_STEP)
     if np.isnan(trajectory.latch_times).any():
         raise ValueError(f"{level.name} has not latched within {duration:g} s; simulate longer")
     by_joint = {
@@ -124,47 +102,44 @@ def _impacts_after_latching(trajectory: Trajectory) -> Array:
 
 def _tip(trajectory: Trajectory, level: Level) -> Array:
     """(nt, 2) places of the outermost panel's free end in inertial axes [m]."""
-    parameters = ArrayParameters().with_changes(trajectory.metadata["parameters"])
-    model, _ = compile_mechanism(build(parameters, level.model, level.panel_elements))
+    details = trajectory.metadata
+    parameters = ArrayParameters().with_changes(details["parameters"])
+    array = build(parameters, level.model, panels=level.panels)
+    model, _ = METHODS[details["integrator"]].formulation.compile(array)
     return np.asarray(centreline(model, trajectory.coordinates, parameters.panel_count, 1)[:, -1])
 
 
-def control(level: Level, member: int, window: float, announce: Callable[[str], None]) -> Outcome:
-    """Deploy a member of the ensemble under every one of CONTROLLERS in the Gymnasium environment.
-
-    Args:
-        level, member: what runs.
-        window: time simulated after the last latching [s].
-        announce: called with the controller's name before each run.
+def control(level: Level, member: int, profile: Profile, window: float) -> Outcome:
+    """Deploy a member of the ensemble under a controller, up to a time [s] after the last latching.
 
     Returns:
-        "controller-ranking": (controllers, 2) peak force [N] and sliding work [J] after the first latching, summed over
-        the joints as the environment's reward does.
+        "controller-ranking": (1, 2) peak force [N] and sliding work [J] after the first latching, summed over the
+        joints as the environment's reward does.
 
     Raises:
-        ValueError: if a controller misses the deadline, so that there is nothing to rank.
-        SimulationError: if a run cannot go on.
+        ValueError: if the controller misses the environment's deadline, so that there is nothing to rank.
+        SimulationError: if the run cannot go on.
     """
-    parameters = perturbed(ArrayParameters(), member)
-    env = SolarArrayEnv(model=level.model, parameters=parameters, elements=level.panel_elements, postlock_window=window)
-    measures, evaluations, wall = [], 0.0, 0.0
-    for profile in CONTROLLERS:
-        announce(profile.name)
-        start = time.perf_counter()
-        figures = _episode(env, profile)
-        wall += time.perf_counter() - start
-        evaluations += float(env.simulation.state.clock["evaluations"][0])
-        if not figures["latched"]:
-            raise ValueError(f"{profile.name} with {level.name} misses the deadline")
-        measures.append([sum(figures["peak_postlock_force_N"]), sum(figures["postlock_sliding_work_J"])])
-    return Outcome({"controller-ranking": np.array(measures)}, wall, evaluations)
+    array = build(perturbed(ArrayParameters(), member), level.model, panels=level.panels)
+    simulation = Simulation(array, level.integrator(member))
+    start = time.perf_counter()
+    _drive(simulation, profile, window)
+    wall = time.perf_counter() - start
+    state, joints = simulation.state, simulation.state.joints
+    if not joints["latched"].all():
+        raise ValueError(f"{profile.name} with {level.name} misses the deadline")
+    work = m.joint_integrals(state.integrals)[:, m.SLIDING_WORK] - joints["lock_sliding_work"]
+    measures = np.array([[joints["postlock_peak_force"].sum(), work.sum()]])
+    return Outcome({"controller-ranking": measures}, wall, float(state.clock["evaluations"][0]))
 
 
-def _episode(env: SolarArrayEnv, profile: Profile) -> dict[str, Any]:
-    """Physical figures of one episode."""
-    _, info = env.reset()
-    while "deployment" not in info:
-        acting = info["time_s"] >= profile.start - 0.5 * env.task.control_period
-        _, _, _, _, info = env.step([profile.torque / env.task.torque_limit if acting else 0.0])
-    figures: dict[str, Any] = info["deployment"]
-    return figures
+def _drive(simulation: Simulation, profile: Profile, window: float) -> None:
+    """Simulate up to a time [s] after the last latching, or to the deadline if a joint is still open."""
+    if profile.start > 0.0:
+        simulation.advance(profile.start)
+    simulation.set_motor_torque(Task.driven_joint, profile.torque)
+    joints = simulation.state.joints
+    while not joints["latched"].all() and simulation.time < Task.deadline:
+        simulation.advance(simulation.time + Task.control_period)
+    if joints["latched"].all():
+        simulation.advance(joints["latch_time"].max() + window)

@@ -5,18 +5,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from solar_env.array import MODELS, ArrayParameters
-from solar_env.array.deployment import simulate
+from solar_env.array import MODELS, ArrayParameters, PanelModel, has_flexible_panels
+from solar_env.array.panels import ANCF
 from solar_env.mechanics.integrators.settings import RungeKutta
 from solar_env.mechanics.mechanism.textbook import four_bar
 from solar_env.mechanics.running.simulation import simulate as simulate_mechanism
 from solar_env.mechanics.running.trajectory import Trajectory
-from solar_env.studies.common.motion import perturbed
+from solar_env.studies.common.levels import Level
 
 DURATION = 30.0  # s, of the deployments
 OUTPUT_STEP = 5e-3  # s
-# m, between the root hinges of two members of an ensemble: after some impacts they go separate ways.
-PERTURBATION = 1e-6
+PANELS = PanelModel(ANCF, 6)  # absolute nodal coordinates, as the paper's
 
 
 @dataclass(frozen=True)
@@ -54,7 +53,7 @@ class Run:
 
 
 def simulate_run(run: Run) -> Trajectory:
-    """Simulate a deployment with default settings, the root hinge moved by `member` times PERTURBATION.
+    """Simulate a deployment with default settings as a member of an ensemble, see `motion.perturbed`.
 
     Raises:
         KeyError: if there is no such case.
@@ -63,8 +62,8 @@ def simulate_run(run: Run) -> Trajectory:
     """
     case = CASES[run.case]
     parameters = ArrayParameters.preset("paper").with_changes({**case.changes, **run.changes})
-    parameters = perturbed(parameters, run.member, PERTURBATION)
-    return simulate(parameters, model=case.model, duration=DURATION, output_step=OUTPUT_STEP)
+    level = Level(case.model, PANELS if has_flexible_panels(case.model) else None)
+    return level.deploy(parameters, run.member, DURATION, OUTPUT_STEP)
 
 
 # The four-bar linkage: the paper's data are not all published. Links of the default crank-rocker, 1 kg a metre; the

@@ -22,16 +22,20 @@ class FlexibleBuilder(Builder):
 
     def build(self) -> None:
         """Add everything to the system and assemble it."""
-        p, system, elements = self.p, self.system, self.array.scene.elements
+        p, system, elements = self.p, self.system, self.array.scene.panels.count
         base, body = self.base()
         length = p.panel_length / elements
         section = p.panel_width * p.panel_thickness
         bending = p.panel_young * section * p.panel_thickness**2 / 12.0
         panels, cables = [], []
-        for start, sense in ((p.hinge_y, -1.0), (p.hinge_y - p.panel_length, 1.0)):
+        senses = ((p.hinge_y, -1.0), (p.hinge_y - p.panel_length, 1.0))
+        for (start, sense), (speed, spin) in zip(senses, self.release(), strict=True):
             nodes = [
                 system.AddNode(
-                    items.NodePoint2DSlope1(referenceCoordinates=[p.hinge_x, start + sense * k * length, 0.0, sense])
+                    items.NodePoint2DSlope1(
+                        referenceCoordinates=[p.hinge_x, start + sense * k * length, 0.0, sense],
+                        initialVelocities=[speed - spin * sense * k * length, 0.0, -spin * sense, 0.0],
+                    )
                 )
                 for k in range(elements + 1)
             ]

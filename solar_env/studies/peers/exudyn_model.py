@@ -17,6 +17,7 @@ import exudyn
 import numpy as np
 
 from solar_env.array import has_flexible_panels
+from solar_env.array.panels import ANCF
 from solar_env.studies.common.motion import Scene
 from solar_env.studies.peers.exudyn_beams import FlexibleBuilder
 from solar_env.studies.peers.exudyn_parts import Builder, PeerArray, items
@@ -28,7 +29,7 @@ def check_supported(scene: Scene) -> None:
     """Refuse what the peer's objects cannot express.
 
     Raises:
-        ValueError: naming the parameter.
+        ValueError: naming the parameter, or the panels.
     """
     p = scene.parameters
     for name, fits in (
@@ -38,9 +39,12 @@ def check_supported(scene: Scene) -> None:
         ("friction_sliding", p.friction_sliding == "material"),
         ("cable_torque_ratio", p.cable_torque_ratio in (None, 2.0)),
         ("body_fixed", not p.body_fixed),
+        ("initial_spin", p.initial_spin == 0.0),
     ):
         if not fits:
             raise ValueError(f"{name} = {getattr(p, name)!r} cannot be built of the peer's objects")
+    if has_flexible_panels(scene.model) and scene.panels.kind != ANCF:
+        raise ValueError(f"panels = {scene.panels.kind!r} cannot be built of the peer's objects; take {ANCF!r}")
 
 
 def build_peer(scene: Scene, implicit: bool) -> PeerArray:
@@ -67,8 +71,12 @@ class RigidBuilder(Builder):
         node, body = self.base()
         nodes, bodies = [node], [body]
         y = p.hinge_y - p.panel_length / 2
-        for angle in _FOLDED:  # the second lies folded back on the first
-            nodes.append(system.AddNode(items.NodeRigidBody2D(referenceCoordinates=[p.hinge_x, y, angle])))
+        for angle, (speed, spin) in zip(_FOLDED, self.release(), strict=True):  # the second lies folded back
+            speed -= spin * p.panel_length / 2 * math.sin(angle)
+            node = items.NodeRigidBody2D(
+                referenceCoordinates=[p.hinge_x, y, angle], initialVelocities=[speed, 0.0, spin]
+            )
+            nodes.append(system.AddNode(node))
             panel = items.ObjectRigidBody2D(mass=self.mass, inertia=self.inertia, nodeNumber=nodes[-1])
             bodies.append(system.AddObject(panel))
         half = p.panel_length / 2
@@ -107,7 +115,7 @@ class TreeBuilder(Builder):
             items.NodeGenericODE2(
                 referenceCoordinates=[0.0] * 5,
                 initialCoordinates=[0.0] * 5,
-                initialCoordinates_t=[0.0] * 5,
+                initialCoordinates_t=[0.0, 0.0, 0.0, p.by_joint("initial_rate", 0), -p.by_joint("initial_rate", 1)],
                 numberOfODE2Coordinates=5,
             )
         )

@@ -56,6 +56,11 @@ class Builder(ABC):
     def build(self) -> None:
         """Add everything to the system and assemble it."""
 
+    def release(self) -> list[tuple[float, float]]:
+        """Speed along x of the inner end [m/s] and spin [rad/s] of each folded panel at t = 0."""
+        rates = [self.p.by_joint("initial_rate", j) for j in (0, 1)]
+        return [(0.0, rates[0]), (self.p.panel_length * rates[0], rates[0] - rates[1])]
+
     def base(self) -> tuple[int, int]:
         """Node and body of the main body."""
         node = self.system.AddNode(items.NodeRigidBody2D(referenceCoordinates=[0, 0, 0]))

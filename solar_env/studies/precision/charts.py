@@ -2,24 +2,24 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 
 from solar_env.studies.common.plans import FULL, QUICK, Plan
 from solar_env.studies.common.tables import Row, provenance, read_table, write_table
-from solar_env.studies.precision.ensembles import count_ensembles, draw_ensembles, run_ensembles
-from solar_env.studies.precision.growth import count_growth, draw_growth, run_growth
-from solar_env.studies.precision.levels import count_levels, draw_levels, run_levels
+from solar_env.studies.common.timing import Job, Measured, measure
+from solar_env.studies.precision.ensembles import draw_ensembles, ensemble_jobs, ensemble_rows
+from solar_env.studies.precision.growth import draw_growth, growth_jobs, growth_rows
+from solar_env.studies.precision.levels import level_jobs, level_rows
+from solar_env.studies.precision.levels_plot import draw_levels
 from solar_env.studies.precision.methods import METHODS, MISSING_PEER, peer_is_missing
-from solar_env.studies.precision.side_by_side import count_side_by_side, run_side_by_side, write_side_by_side
-from solar_env.studies.precision.work_precision import count_work_precision, run_work_precision
+from solar_env.studies.precision.side_by_side import side_by_side_jobs, side_by_side_rows, write_side_by_side
+from solar_env.studies.precision.work_precision import work_precision_jobs, work_precision_rows
 from solar_env.studies.precision.work_precision_plot import draw_work_precision
 from solar_env.support.campaigns import ONE, Workers
 from solar_env.support.progress import counting_bar
-
-Announce = Callable[[str], None]
 
 
 @dataclass(frozen=True)
@@ -27,26 +27,28 @@ class Study:
     """One part of the charts.
 
     Attributes:
-        run: measures; plan and a function that is told of each run before it, to rows by table.
-        count: how often `run` will tell.
+        jobs: plan to the runs by key.
+        rows: plan and what came of each run, by key, to rows by table.
         tables: names of the tables.
         draw: tables, as many as they are, and folder to the files drawn.
+        timed: whether wall times matter, so that runs follow each other in this process.
     """
 
-    run: Callable[[Plan, Announce], dict[str, list[Row]]]
-    count: Callable[[Plan], int]
+    jobs: Callable[[Plan], dict[Any, Job]]
+    rows: Callable[[Plan, dict[Any, Measured]], dict[str, list[Row]]]
     tables: tuple[str, ...]
     draw: Callable[..., list[Path]]
+    timed: bool = True
 
 
 STUDIES = {
     "work-precision": Study(
-        run_work_precision, count_work_precision, ("work_precision", "work_precision_floors"), draw_work_precision
+        work_precision_jobs, work_precision_rows, ("work_precision", "work_precision_floors"), draw_work_precision
     ),
-    "ensembles": Study(run_ensembles, count_ensembles, ("ensembles",), draw_ensembles),
-    "levels": Study(run_levels, count_levels, ("levels", "levels_clearance"), draw_levels),
-    "growth": Study(run_growth, count_growth, ("growth",), draw_growth),
-    "side-by-side": Study(run_side_by_side, count_side_by_side, ("side_by_side",), write_side_by_side),
+    "ensembles": Study(ensemble_jobs, ensemble_rows, ("ensembles",), draw_ensembles, timed=False),
+    "levels": Study(level_jobs, level_rows, ("levels", "levels_clearance"), draw_levels),
+    "growth": Study(growth_jobs, growth_rows, ("growth",), draw_growth),
+    "side-by-side": Study(side_by_side_jobs, side_by_side_rows, ("side_by_side",), write_side_by_side),
 }
 
 
@@ -58,13 +60,19 @@ def measure_charts(names: Sequence[str], quick: bool, folder: Path, console: Con
     plan = QUICK if quick else FULL
     if peer_is_missing():
         console.print(MISSING_PEER, highlight=False, markup=False, soft_wrap=True)
+    jobs = {name: STUDIES[name].jobs(plan) for name in names}
     with counting_bar(console) as progress:
-        total = sum(STUDIES[name].count(plan) for name in names)
+        total = sum(map(len, jobs.values()))
         task = progress.add_task("loading kernels (the first time compiles them: up to two minutes)", total=total)
         warm_up(plan)
         for name in names:
-            run = partial(run_ensembles, workers=workers) if name == "ensembles" else STUDIES[name].run
-            rows = run(plan, lambda done: progress.update(task, advance=1, description=done))
+            study = STUDIES[name]
+            results = measure(
+                jobs[name],
+                lambda run: progress.update(task, advance=1, description=run),
+                ONE if study.timed else workers,
+            )
+            rows = study.rows(plan, results)
             for table, measured in rows.items():
                 made_by = provenance(f"python -m solar_env chart --only {name}{' --quick' if quick else ''}")
                 write_table(folder / f"{table}.csv", measured, made_by)

@@ -1,29 +1,30 @@
 """Ensembles: beyond the horizon of prediction, a method is right if the statistics of its runs are.
 
-The runs of an ensemble differ by tens of nanometres in the place of the root hinge; they part after some impacts.
+The runs of an ensemble are released at slightly different rates and take slightly different steps, see `perturbed`.
+Every method is compared with the reference on the same panels: what the panels themselves make of a deployment is the
+subject of `levels`.
 """
 
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from solar_env.mechanics.running.errors import SimulationError
 from solar_env.pictures.style import FAINT, METHOD_LOOKS, STYLE, Look, look_of
 from solar_env.studies.common.bootstrap import mean_band
 from solar_env.studies.common.drawing import make_figure, save, use_decades
 from solar_env.studies.common.measures import impacts_of
-from solar_env.studies.common.motion import Motion, Scene, perturbed
+from solar_env.studies.common.motion import Motion, Scene, perturbed, perturbed_setting
 from solar_env.studies.common.plans import Plan
 from solar_env.studies.common.tables import Row, Table
+from solar_env.studies.common.timing import Job, Measured
 from solar_env.studies.precision.methods import find_method
-from solar_env.support.campaigns import ONE, Workers, each_done
 
 
 @dataclass(frozen=True)
@@ -42,12 +43,13 @@ class Contestant:
 
 
 FEW = 6
-# The first is the reference.
+# The first with the same panels is the reference.
 CONTESTANTS: dict[str, tuple[Contestant, ...]] = {
     "rigid-clearance": (
         Contestant("runge-kutta", 1e-10),
-        Contestant("runge-kutta", 5e-7),
+        Contestant("runge-kutta", 2e-6),
         Contestant("runge-kutta", 1e-4),
+        Contestant("modal-radau", 1e-2),
         Contestant("generalized-alpha", 1e-4),
         Contestant("generalized-alpha", 5e-5),
         Contestant("generalized-alpha, adaptive", 1e-5),
@@ -60,6 +62,9 @@ CONTESTANTS: dict[str, tuple[Contestant, ...]] = {
         Contestant("runge-kutta", 1e-5),
         Contestant("rosenbrock", 1e-4),
         Contestant("rosenbrock", 1e-3),
+        Contestant("modal-radau", 1e-3),
+        Contestant("modal-radau", 1e-2),
+        Contestant("modal-radau", 3e-2),
         Contestant("generalized-alpha", 1e-4),
         Contestant("generalized-alpha", 5e-5, dear=True),
         Contestant("Exudyn generalized-alpha", 5e-4, dear=True),
@@ -103,78 +108,66 @@ def _quantile(values: NDArray[np.float64], share: float) -> float:
     return float(np.quantile(values, share)) if len(values) else math.nan
 
 
-def member_rows(scene: Scene, member: int, solve: Callable[[Scene], Motion], labels: Row) -> list[Row]:
+def member_job(name: str, scene: Scene, solve: Callable[[Scene, float], Motion], setting: float, member: int) -> Job:
+    """The run of a member of an ensemble, of a name in words, by a solver at a setting."""
+    own = replace(scene, parameters=perturbed(scene.parameters, member))
+    return Job(f"{name}, run {member + 1}", partial(solve, own, perturbed_setting(setting, member)))
+
+
+def member_rows(labels: Row, member: int, result: Measured) -> list[Row]:
     """A row for each joint of one run of an ensemble: labels, then the statistics; none if the run could not go on."""
-    try:
-        motion = solve(replace(scene, parameters=perturbed(scene.parameters, member)))
-    except SimulationError:
+    if result.motion is None:
         return []
     return [
-        {**labels, "member": member, "joint": joint + 1, "wall_s": motion.wall_time, **values}
-        for joint, values in enumerate(statistics_of(motion))
+        {**labels, "member": member, "joint": joint + 1, "wall_s": result.wall, **values}
+        for joint, values in enumerate(statistics_of(result.motion))
     ]
 
 
-@dataclass(frozen=True)
-class Member:
-    """One run of an ensemble: of a scene, with a method at a setting, and the number of its perturbation."""
-
-    scene: Scene
-    contestant: Contestant
-    member: int
-
-    @property
-    def name(self) -> str:
-        """In words."""
-        chosen = self.contestant
-        return f"ensembles, {self.scene.model}: {chosen.method}, {chosen.value:g}, run {self.member + 1}"
+# Model, contestant and number of the member.
+Key = tuple[str, Contestant, int]
 
 
-def _chosen(plan: Plan) -> Iterator[Member]:
+def _scene(plan: Plan, model: str) -> Scene:
+    duration = plan.ensemble_duration[model.partition("-")[0]]
+    return replace(plan.deployment(model), duration=duration, every_contact=True)
+
+
+def _keys(plan: Plan) -> Iterator[Key]:
     """Member by member, so that what disturbs the machine meets all methods alike."""
     for model in plan.models:
-        duration = plan.ensemble_duration[model.partition("-")[0]]
-        scene = replace(plan.deployment(model), duration=duration, every_contact=True)
         for member in range(plan.ensemble_size):
             for contestant in CONTESTANTS.get(model, ()):
                 left_out = contestant.dear and (not plan.dear or member >= FEW)
                 if find_method(contestant.method).available and not left_out:
-                    yield Member(scene, contestant, member)
+                    yield model, contestant, member
 
 
-def count_ensembles(plan: Plan) -> int:
-    """How many runs `run_ensembles` announces."""
-    return sum(1 for _ in _chosen(plan))
+def ensemble_jobs(plan: Plan) -> dict[Key, Job]:
+    """The runs of every ensemble."""
+    return {
+        (model, chosen, member): member_job(
+            f"ensembles, {model}: {chosen.method}, {chosen.value:g}",
+            _scene(plan, model), find_method(chosen.method).solve, chosen.value, member,
+        )
+        for model, chosen, member in _keys(plan)
+    }  # fmt: skip
 
 
-def run_ensembles(plan: Plan, announce: Callable[[str], None], workers: Workers = ONE) -> dict[str, list[Row]]:
-    """Run every ensemble; "ensembles" gets a row for every joint of every run that reached its end.
-
-    Runs are announced before they start where they follow each other; only then do wall times mean something.
-    """
-    rows: dict[Member, list[Row]] = {}
-    chosen = list(_chosen(plan))
-    if workers == ONE:
-        for run in chosen:
-            announce(run.name)
-            rows[run] = run_rows(run)
-    else:
-        for run, found in each_done(run_rows, chosen, workers):
-            announce(run.name)
-            rows[run] = found
-    return {"ensembles": [row for run in chosen for row in rows[run]]}
-
-
-def run_rows(run: Member) -> list[Row]:
-    """The rows of one run."""
-    contestant, method = run.contestant, find_method(run.contestant.method)
-    labels: Row = {
-        "model": run.scene.model,
-        "method": method.name,
-        "setting": method.setting,
-        "value": contestant.value,
-    }
-    return member_rows(run.scene, run.member, lambda scene: method.solve(scene, contestant.value), labels)
+def ensemble_rows(plan: Plan, results: dict[Key, Measured]) -> dict[str, list[Row]]:
+    """Rows by table: "ensembles" gets one for every joint of every run that reached its end."""
+    rows: list[Row] = []
+    for (model, chosen, member), result in results.items():
+        method = find_method(chosen.method)
+        labels: Row = {
+            "model": model,
+            "panels": method.size(_scene(plan, model)),
+            "method": method.name,
+            "setting": method.setting,
+            "value": chosen.value,
+        }
+        rows += member_rows(labels, member, result)
+    return {"ensembles": rows}
 
 
 LABELS = {
@@ -202,31 +195,32 @@ def draw_ensembles(rows: Table, folder: Path) -> list[Path]:
             for axis, (statistic, label) in zip(panels, LABELS.items(), strict=True):
                 _draw_panel(axis, own, statistic, looks)
                 axis.set_ylabel(label)
-            panels[0].set_title(f"{model}, joint {joint}\n{len(own.where(**_first(own)).rows)} runs of the reference")
+            members = len(_settings(own)[0].rows)
+            panels[0].set_title(f"{model}, joint {joint}\n{members} runs of the reference")
             panels[-1].set_xlabel("wall time of a run [s]")
     path = folder / "ensembles.png"
-    note = (
-        "mean over the mean of the reference (the first method's finest setting), 95 % bootstrap bands; grey: its band"
-    )
-    save(figure, path, looks, _title(rows), note)
+    note = "mean over the mean of the reference (the finest setting with the same panels), 95 % bootstrap bands; grey: "
+    save(figure, path, looks, _title(rows), note + "its band")
     return [path]
 
 
-def _first(rows: Table) -> dict[str, Any]:
-    """The reference: the first method and setting of a table."""
-    return {"method": rows.rows[0]["method"], "value": rows.rows[0]["value"]}
+def _settings(rows: Table) -> list[Table]:
+    """The rows of every method and setting; the first is the reference."""
+    return [
+        rows.where(method=method, value=value)
+        for method, value in dict.fromkeys((row["method"], row["value"]) for row in rows.rows)
+    ]
 
 
 def _title(rows: Table) -> str:
     """The methods whose mean peak force is that of the reference within sampling bands, at every joint."""
     within: dict[str, bool] = {}
-    for model, joint in dict.fromkeys((row["model"], row["joint"]) for row in rows.rows):
-        own = rows.where(model=model, joint=joint)
-        _, low, high = mean_band(own.where(**_first(own)).column("peak_force_N"))
-        for method in map(str, own.values("method")):
-            settings = [own.where(method=method, value=value) for value in own.where(method=method).values("value")]
-            bands = [mean_band(of.column("peak_force_N")) for of in settings]
-            meets = all(bottom <= high and top >= low for _, bottom, top in bands)
+    for model, panels, joint in dict.fromkeys((row["model"], row["panels"], row["joint"]) for row in rows.rows):
+        settings = _settings(rows.where(model=model, panels=panels, joint=joint))
+        bands = [mean_band(of.column("peak_force_N")) for of in settings]
+        for of, (_, bottom, top) in zip(settings, bands, strict=True):
+            meets = bottom <= bands[0][2] and top >= bands[0][1]
+            method = str(of.rows[0]["method"])
             within[method] = within.get(method, True) and meets
     return "Right in peak force, at every setting measured: " + "; ".join(
         name for name, meets in within.items() if meets
@@ -234,17 +228,20 @@ def _title(rows: Table) -> str:
 
 
 def _draw_panel(axis: Axes, rows: Table, statistic: str, looks: dict[str, Look]) -> None:
-    mean, low, high = mean_band(rows.where(**_first(rows)).column(statistic))
     axis.set_xscale("log")
-    if np.isfinite(mean) and mean != 0.0:
+    for panels in rows.values("panels"):
+        settings = _settings(rows.where(panels=panels))
+        mean, low, high = mean_band(settings[0].column(statistic))
+        if not np.isfinite(mean) or mean == 0.0:
+            continue
         axis.axhspan(low / mean, high / mean, color=FAINT, alpha=0.5, linewidth=0.0, zorder=0)
-        for method, value in dict.fromkeys((row["method"], row["value"]) for row in rows.rows):
-            own = rows.where(method=method, value=value)
+        for own in settings:
             middle, bottom, top = (x / mean for x in mean_band(own.column(statistic)))
             if np.isfinite(middle):
                 wall = float(np.median(own.column("wall_s")))
                 reach = [[middle - bottom], [top - middle]]
-                axis.errorbar([wall], [middle], yerr=reach, markersize=3.5, linewidth=0.8, **looks[str(method)])
+                style = looks[str(own.rows[0]["method"])]
+                axis.errorbar([wall], [middle], yerr=reach, markersize=3.5, linewidth=0.8, **style)
         use_decades(axis, "x")
         if axis.get_ylim()[1] > _WIDE:
             axis.set_yscale("log")

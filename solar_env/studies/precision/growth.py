@@ -1,6 +1,6 @@
-"""Growth of the cost with the size of the model: wall time against elements and panels, measured and drawn."""
+"""Growth of the cost with the size of the model: wall time against elements, modes and panels, measured and drawn."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -10,17 +10,21 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from solar_env.array import ArrayParameters
+from solar_env.array import ArrayParameters, PanelModel
 from solar_env.array.methods import default_integrator
+from solar_env.array.panels import ANCF, MODAL
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator
 from solar_env.pictures.style import METHOD_LOOKS, STYLE, Look, look_of
 from solar_env.studies.common.drawing import make_figure, save, use_decades
 from solar_env.studies.common.motion import Scene, run_own
 from solar_env.studies.common.plans import Plan
 from solar_env.studies.common.tables import Cell, Row, Table
-from solar_env.studies.common.timing import time_interleaved
+from solar_env.studies.common.timing import Job, Measured
+from solar_env.studies.precision.methods import MODES
 
-ELEMENTS, PANELS = "elements", "panels"
+# Label of what is varied.
+COUNTS = {"elements": "elements of a panel", "modes": "modes of a panel", "panels": "panels"}
+ELEMENTS, BENDING_MODES, PANELS = COUNTS
 _REPEATS = 5  # of runs that are short in every plan
 
 
@@ -29,37 +33,42 @@ class Case:
     """One model, method and size that is timed.
 
     Attributes:
-        varied: ELEMENTS or PANELS.
+        varied: one of COUNTS.
         model: one of `array.MODELS`.
-        method: name of the integrator.
-        count: of elements of each panel, or of panels.
+        panels: model of the panels.
+        fixed: whether the step is fixed; else the integrator is the default one.
+        count: of what is varied.
     """
 
     varied: str
     model: str
-    method: str
+    panels: PanelModel
+    fixed: bool
     count: int
 
-
-def _integrator(case: Case) -> Integrator:
-    return default_integrator(case.model) if case.method == "default" else GeneralizedAlpha(step=1e-4)
+    @property
+    def integrator(self) -> Integrator:
+        """The integrator."""
+        return GeneralizedAlpha(step=1e-4) if self.fixed else default_integrator(self.model, self.panels)
 
 
 def _cases(plan: Plan) -> Iterator[Case]:
-    for method in ("default", "generalized-alpha"):
+    for count in plan.growth_modes:
+        yield Case(BENDING_MODES, "flexible-ideal", PanelModel(MODAL, count), False, count)
+    for count in plan.growth_panels:
+        yield Case(PANELS, "flexible-ideal", MODES, False, count)
+    for fixed in (False, True):
         for count in plan.growth_elements:
-            yield Case(ELEMENTS, "flexible-ideal", method, count)
+            yield Case(ELEMENTS, "flexible-ideal", PanelModel(ANCF, count), fixed, count)
         for model in ("rigid-ideal", "flexible-ideal"):
             for count in plan.growth_panels:
-                yield Case(PANELS, model, method, count)
+                yield Case(PANELS, model, plan.panels, fixed, count)
 
 
 def _scene(plan: Plan, case: Case) -> Scene:
     duration = plan.growth_duration
-    scene = Scene(case.model, plan.parameters, duration, duration, plan.elements)
-    if case.varied == ELEMENTS:
-        return replace(scene, elements=case.count)
-    return replace(scene, parameters=with_panels(plan.parameters, case.count))
+    parameters = with_panels(plan.parameters, case.count) if case.varied == PANELS else plan.parameters
+    return Scene(case.model, parameters, duration, duration, case.panels)
 
 
 def with_panels(parameters: ArrayParameters, count: int) -> ArrayParameters:
@@ -70,20 +79,22 @@ def with_panels(parameters: ArrayParameters, count: int) -> ArrayParameters:
     return replace(parameters, panel_count=count, **by_joint)  # type: ignore[arg-type]
 
 
-def count_growth(plan: Plan) -> int:
-    """How many runs `run_growth` announces."""
-    return sum(1 for _ in _cases(plan))
+def growth_jobs(plan: Plan) -> dict[Case, Job]:
+    """The start of deployments of growing size."""
+    return {
+        case: Job(
+            f"growth, {case.model}, {case.integrator.name}: {case.count} {case.varied}",
+            partial(run_own, _scene(plan, case), case.integrator),
+            _REPEATS,
+        )
+        for case in _cases(plan)
+    }
 
 
-def run_growth(plan: Plan, announce: Callable[[str], None]) -> dict[str, list[Row]]:
-    """Time the start of deployments of growing size; "growth" gets a row for each."""
-    cases = list(_cases(plan))
-    jobs = {case: partial(run_own, _scene(plan, case), _integrator(case)) for case in cases}
-    measured = time_interleaved(
-        jobs, _REPEATS, plan.long_run, lambda case: announce(f"growth, {case.model}: {case.count} {case.varied}")
-    )
+def growth_rows(plan: Plan, results: dict[Case, Measured]) -> dict[str, list[Row]]:
+    """Rows by table: "growth" gets one for every run that reached its end."""
     rows: list[Row] = []
-    for case, result in measured.items():
+    for case, result in results.items():
         motion = result.motion
         if motion is None:
             continue
@@ -91,7 +102,7 @@ def run_growth(plan: Plan, announce: Callable[[str], None]) -> dict[str, list[Ro
             {
                 "varied": case.varied,
                 "model": case.model,
-                "method": case.method,
+                "method": case.integrator.name,
                 "count": case.count,
                 "steps": motion.steps,
                 "wall_s": result.wall,
@@ -106,7 +117,6 @@ COSTS = {
     "wall_per_step_s": "wall time of a step [s]",
     "wall_per_simulated_second": "wall time of a simulated second [s]",
 }
-COUNTS = {"elements": "elements of a panel", "panels": "panels"}
 
 
 def fitted_exponent(counts: NDArray[np.float64], costs: NDArray[np.float64]) -> float:
@@ -150,7 +160,8 @@ def _title(rows: Table) -> str:
             fitted_exponent(of.column("count"), of.column("wall_per_step_s"))
             for of in (own.where(method=method) for method in own.values("method"))
         ]
-        parts.append(f"{varied} to the power {min(exponents):.2f} to {max(exponents):.2f}")
+        low, high = f"{min(exponents):.2f}", f"{max(exponents):.2f}"
+        parts.append(f"{varied} to the power {low if low == high else f'{low} to {high}'}")
     return "With flexible panels a step's time grows with " + ", ".join(parts)
 
 

@@ -5,17 +5,27 @@ A further integrator is one more row of METHODS.
 
 import importlib.util
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
-from solar_env.array import MODELS
-from solar_env.mechanics.integrators.settings import DormandPrince, GeneralizedAlpha, Integrator, Rosenbrock, RungeKutta
+from solar_env.array import DEFAULT_MODES, MODELS, PanelModel, has_flexible_panels
+from solar_env.array.panels import MODAL
+from solar_env.mechanics.integrators.settings import (
+    DormandPrince,
+    GeneralizedAlpha,
+    Integrator,
+    ModalRadau,
+    Rosenbrock,
+    RungeKutta,
+)
 from solar_env.studies.common.motion import Motion, Scene, run_own
 from solar_env.studies.peers.scipy_methods import run_scipy
 
 MISSING_PEER = "Exudyn is not installed, its methods are left out: pip install -e '.[peers]'"
 
+MODES = PanelModel(MODAL, DEFAULT_MODES)
+
 Settings = tuple[float, ...]
-Solve = Callable[[Scene, float], Motion]
+Program = Callable[[Scene, float], Motion]
 
 
 @dataclass(frozen=True)
@@ -25,38 +35,52 @@ class Method:
     Attributes:
         name: in tables and legends.
         setting: what is varied: "rtol" or "step" [s].
-        solve: scene and setting to motion; raises SimulationError if the run cannot go on.
+        program: scene and setting to motion; raises SimulationError if the run cannot go on.
         deployments: model -> settings for whole deployments; a model that is not there is left out.
         impacts: model -> settings for the impacts of the initial phase.
         dear: model -> further settings for whole deployments, long runs that only the full chart makes.
         needs: distribution that must be installed besides the project.
+        panels: the only flexible panels that it takes; None for those of the scene.
     """
 
     name: str
     setting: str
-    solve: Solve
+    program: Program
     deployments: Mapping[str, Settings]
     impacts: Mapping[str, Settings]
     dear: Mapping[str, Settings] = field(default_factory=dict)
     needs: str | None = None
+    panels: PanelModel | None = None
 
     @property
     def available(self) -> bool:
         """Whether what the method needs is installed."""
         return self.needs is None or importlib.util.find_spec(self.needs) is not None
 
+    def solve(self, scene: Scene, setting: float) -> Motion:
+        """A scene with the method's panels.
 
-def own(make: Callable[[float], Integrator]) -> Solve:
+        Raises:
+            SimulationError: if the run cannot go on.
+        """
+        return self.program(replace(scene, panels=self.panels or scene.panels), setting)
+
+    def size(self, scene: Scene) -> str:
+        """Panels of a run in words: "rigid", "6 elements", "24 modes"."""
+        return (self.panels or scene.panels).size if has_flexible_panels(scene.model) else "rigid"
+
+
+def own(make: Callable[[float], Integrator]) -> Program:
     """A solver from one of the project's integrators, made from a setting."""
     return lambda scene, setting: run_own(scene, make(setting))
 
 
-def scipy(name: str) -> Solve:
+def scipy(name: str) -> Program:
     """A solver from one of SciPy's integrators."""
     return lambda scene, rtol: run_scipy(scene, name, rtol)
 
 
-def exudyn(solver: str) -> Solve:
+def exudyn(solver: str) -> Program:
     """A solver from one of Exudyn's, see `exudyn_runs`; loaded when it runs."""
 
     def solve(scene: Scene, setting: float) -> Motion:
@@ -93,6 +117,11 @@ METHODS: tuple[Method, ...] = (
         "rosenbrock", "rtol", own(lambda rtol: Rosenbrock(rtol=rtol)),
         _by_model((), (), (1e-2, 1e-3, 1e-4, 1e-5, 1e-6), (1e-2, 1e-3, 1e-4, 1e-5)),
         _impacts((), (1e-3, 1e-4, 1e-5, 1e-6)),
+    ),
+    Method(
+        "modal-radau", "rtol", own(lambda rtol: ModalRadau(rtol=rtol)),
+        _by_model((), (3e-2, 1e-2, 1e-3, 1e-4), (1e-3, 3e-4, 1e-4, 1e-5, 1e-6), (3e-2, 1e-2, 1e-3, 1e-4, 1e-5)),
+        _impacts((1e-2, 1e-3, 1e-4, 1e-5, 1e-6), (1e-2, 1e-3, 1e-4, 1e-5)), panels=MODES,
     ),
     Method(
         "dop853", "rtol", own(lambda rtol: DormandPrince(rtol=rtol)),
@@ -148,6 +177,11 @@ DEPLOYMENT_REFERENCES: dict[str, Pairs] = {
 IMPACT_REFERENCES: dict[str, Pairs] = {
     "rigid-clearance": (("runge-kutta", (1e-12, 1e-11)), ("SciPy DOP853", (1e-13, 1e-12))),
     "flexible-clearance": (("runge-kutta", (1e-12, 1e-11)), ("SciPy DOP853", (1e-11, 1e-10))),
+}
+# Modal panels are another model, with one method: its finest run stands for it.
+MODAL_REFERENCES: dict[str, Pairs] = {
+    "flexible-ideal": (("modal-radau", (1e-6, 1e-5)),),
+    "flexible-clearance": (("modal-radau", (1e-5, 1e-4)),),
 }
 # Of short plans: with clearance what is left is chaos, whatever the method.
 SHORT_REFERENCES: dict[str, Pairs] = {

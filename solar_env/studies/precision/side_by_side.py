@@ -1,18 +1,30 @@
-"""Whole deployments side by side: default settings against the cheapest settings of Exudyn, at equal error."""
+"""Whole deployments side by side: default settings against the cheapest settings of Exudyn, at equal error.
+
+Errors are those of what the user gets, panels included. With flexible panels they are taken against beams of 24
+elements, the peer's own kind of panels four times as fine as its, and against the peak forces of an ensemble of modal
+panels that neither modes nor tolerance change any more (`levels`).
+"""
 
 import math
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
-from solar_env.array.methods import default_integrator
+import numpy as np
+from numpy.typing import NDArray
+
+from solar_env.array import PanelModel, has_flexible_panels
+from solar_env.array.panels import ANCF, MODAL
+from solar_env.studies.common.levels import Level
 from solar_env.studies.common.measures import angle_error, latch_error
-from solar_env.studies.common.motion import Motion, Scene, run_own
+from solar_env.studies.common.motion import Motion, Scene, perturbed, perturbed_setting, run_own
 from solar_env.studies.common.plans import Plan
-from solar_env.studies.common.tables import Row, Table
-from solar_env.studies.common.timing import Measured, time_interleaved
+from solar_env.studies.common.tables import Row, Table, markdown_table
+from solar_env.studies.common.timing import Job, Measured
 from solar_env.studies.precision.methods import find_method
+
+Array = NDArray[np.float64]
 
 DEFAULT = "default settings"
 _LONG_RUN = 60.0  # s
@@ -22,65 +34,120 @@ Entry = tuple[str, float]
 OWN: dict[str, tuple[Entry, ...]] = {
     "rigid-ideal": (("runge-kutta", 1e-6), ("dop853", 1e-8)),
     "rigid-clearance": (("runge-kutta", 1e-5), ("runge-kutta", 1e-7)),
-    "flexible-ideal": (("rosenbrock", 1e-3),),
-    "flexible-clearance": (("rosenbrock", 1e-3), ("rosenbrock", 3e-5)),
-}
+    "flexible-ideal": (("modal-radau", 1e-3), ("modal-radau", 3e-5), ("rosenbrock", 1e-3), ("rosenbrock", 1e-4)),
+    "flexible-clearance": (
+        ("modal-radau", 3e-2), ("modal-radau", 1e-3), ("rosenbrock", 1e-3), ("rosenbrock", 1e-4),
+    ),
+}  # fmt: skip
 PEER: dict[str, tuple[Entry, ...]] = {
     "rigid-ideal": (("Exudyn explicit", 1e-2), ("Exudyn generalized-alpha", 1e-3)),
     "rigid-clearance": (("Exudyn generalized-alpha", 1e-4), ("Exudyn explicit", 5e-5), ("Exudyn explicit", 2e-5)),
     "flexible-ideal": (("Exudyn generalized-alpha", 5e-3), ("Exudyn generalized-alpha", 1e-3)),
     "flexible-clearance": (("Exudyn generalized-alpha", 5e-4), ("Exudyn generalized-alpha", 1e-4)),
 }
+# Of angles and latch times; of peak forces, by ensembles.
 REFERENCES: dict[str, Entry] = {
     "rigid-ideal": ("runge-kutta", 1e-12),
     "rigid-clearance": ("runge-kutta", 1e-11),
-    "flexible-ideal": ("runge-kutta", 1e-8),
-    "flexible-clearance": ("runge-kutta", 1e-8),
+    "flexible-ideal": ("rosenbrock", 1e-5),
+    "flexible-clearance": ("rosenbrock", 1e-4),
 }
+CONVERGED: dict[str, Level] = {
+    "rigid-clearance": Level("rigid-clearance", tighter=1e3),
+    "flexible-clearance": Level("flexible-clearance", PanelModel(MODAL, 48), tighter=10.0),
+}
+_REFERENCE, _ENSEMBLE = "reference", "converged ensemble"
 
 
-def _jobs(plan: Plan, model: str) -> tuple[Scene, dict[Entry, Callable[[], Motion]]]:
-    scene = replace(plan.deployment(model), duration=plan.side_duration)
-    jobs: dict[Entry, Callable[[], Motion]] = {(DEFAULT, 0.0): partial(run_own, scene, default_integrator(model))}
-    for name, value in (*OWN[model], *(PEER[model] if plan.dear else PEER[model][:1])):
-        method = find_method(name)
-        if method.available:
-            jobs[name, value] = partial(method.solve, scene, value)
-    return scene, jobs
+@dataclass(frozen=True)
+class Case:
+    """A run of the comparison.
+
+    Attributes:
+        model: one of `array.MODELS`.
+        method: name of a method, DEFAULT, or what others are compared with.
+        value: of its setting.
+        member: of its ensemble; the nominal run is timed.
+        watched: whether the peer is to keep its contact forces, at every step, which costs time.
+    """
+
+    model: str
+    method: str
+    value: float = 0.0
+    member: int = 0
+    watched: bool = False
 
 
-def count_side_by_side(plan: Plan) -> int:
-    """How many runs `run_side_by_side` announces."""
-    return sum(1 + len(_jobs(plan, model)[1]) for model in plan.models)
+def _default_level(model: str) -> Level:
+    return Level(model, PanelModel.of(model) if has_flexible_panels(model) else None)
 
 
-def run_side_by_side(plan: Plan, announce: Callable[[str], None]) -> dict[str, list[Row]]:
-    """Time whole deployments, all runs of a model in turn; "side_by_side" gets cost and errors of every run."""
-    rows: list[Row] = []
+def _run_level(level: Level, scene: Scene, member: int) -> Motion:
+    own = replace(scene, parameters=perturbed(scene.parameters, member), panels=level.panels or scene.panels)
+    return run_own(own, level.integrator(member))
+
+
+def _job(plan: Plan, case: Case) -> Job:
+    scene = replace(plan.deployment(case.model), duration=plan.side_duration, every_contact=case.watched)
+    title = f"side by side, {case.model}: {case.method}, {case.value:g}, run {case.member + 1}"
+    title += ", forces kept" * case.watched
+    repeats = 1 if case.member or case.watched or case.method in (_REFERENCE, _ENSEMBLE) else plan.repeats
+    if case.method in (DEFAULT, _ENSEMBLE):
+        level = _default_level(case.model) if case.method == DEFAULT else CONVERGED[case.model]
+        return Job(title, partial(_run_level, level, scene, case.member), repeats)
+    name, value = REFERENCES[case.model] if case.method == _REFERENCE else (case.method, case.value)
+    if case.method == _REFERENCE and has_flexible_panels(case.model):
+        scene = replace(scene, panels=PanelModel(ANCF, 4 * plan.panels.count))
+    scene = replace(scene, parameters=perturbed(scene.parameters, case.member))
+    solve = partial(find_method(name).solve, scene, perturbed_setting(value, case.member))
+    return Job(title, solve, repeats, _LONG_RUN)
+
+
+def side_by_side_jobs(plan: Plan) -> dict[Case, Job]:
+    """Whole deployments; with clearance also ensembles of the own ones, and the peer's with its forces kept."""
+    cases: list[Case] = []
     for model in plan.models:
-        scene, jobs = _jobs(plan, model)
-        name, value = REFERENCES[model]
-        announce(f"side by side, {model}: reference")
-        reference = find_method(name).solve(scene, value)
+        own = [Case(model, DEFAULT), *(Case(model, *entry) for entry in OWN[model])]
+        peer = [Case(model, *entry) for entry in (PEER[model] if plan.dear else PEER[model][:1])]
+        peer = [case for case in peer if find_method(case.method).available]
+        cases += [Case(model, _REFERENCE), *own, *peer]
+        if model in CONVERGED:
+            members = range(plan.ensemble_size)
+            cases += [Case(model, _ENSEMBLE, member=member) for member in members]
+            cases += [replace(case, member=member) for case in own for member in members[1:]]
+            cases += [replace(case, watched=True) for case in peer if plan.dear]
+    return {case: _job(plan, case) for case in cases}
 
-        def say(entry: Entry, model: str = model) -> None:
-            announce(f"side by side, {model}: {entry[0]}")
 
-        measured = time_interleaved(jobs, plan.repeats, _LONG_RUN, say)
-        for (method, setting), result in measured.items():
-            labels: Row = {
-                "model": model,
-                "duration_s": scene.duration,
-                "method": method,
-                "value": setting,
-                "peer": int(method.startswith("Exudyn")),
-                "failure": result.failure,
-            }
-            rows.append(labels | _figures(result, reference, plan))
+def side_by_side_rows(plan: Plan, results: Mapping[Case, Measured]) -> dict[str, list[Row]]:
+    """Rows by table: "side_by_side" gets cost and errors of every method and setting."""
+    rows: list[Row] = []
+    for case, result in results.items():
+        if case.member or case.watched or case.method in (_REFERENCE, _ENSEMBLE):
+            continue
+        reference = results[Case(case.model, _REFERENCE)].motion
+        if reference is None:
+            raise ValueError(f"the reference of {case.model} could not be simulated to its end")
+        labels: Row = {
+            "model": case.model,
+            "duration_s": plan.side_duration,
+            "method": case.method,
+            "panels": _panels(plan, case),
+            "value": case.value,
+            "peer": int(case.method.startswith("Exudyn")),
+            "failure": result.failure,
+        }
+        rows.append(labels | _figures(result, reference, plan) | _force_ratios(case, results))
     return {"side_by_side": rows}
 
 
-def _figures(result: Measured[Entry], reference: Motion, plan: Plan) -> Row:
+def _panels(plan: Plan, case: Case) -> str:
+    if case.method == DEFAULT:
+        return _default_level(case.model).size
+    return find_method(case.method).size(plan.deployment(case.model))
+
+
+def _figures(result: Measured, reference: Motion, plan: Plan) -> Row:
     """Times and errors of a run; nan if it did not reach its end."""
     names = ("repeats", "wall_s", "wall_min_s", "wall_max_s", "angle_error_rad", "latch_error_s", "energy_residual")
     motion = result.motion
@@ -98,6 +165,33 @@ def _figures(result: Measured[Entry], reference: Motion, plan: Plan) -> Row:
     return dict(zip(names, values, strict=True))
 
 
+def _peak_forces(case: Case, results: Mapping[Case, Measured]) -> Array:
+    """(members, joints) peak forces after the latching [N] of the runs of a method at a setting that tell them."""
+    peaks = [
+        result.motion.totals["peak_force"]
+        for of, result in results.items()
+        if replace(of, member=0, watched=False) == case and result.motion is not None
+        and "peak_force" in result.motion.totals
+    ]  # fmt: skip
+    return np.array(peaks).reshape(-1, 2)
+
+
+def _force_ratios(case: Case, results: Mapping[Case, Measured]) -> Row:
+    """Mean peak forces over those of the converged ensemble, and their standard errors; nan if there are none."""
+    means, errors = np.full(2, math.nan), np.full(2, math.nan)
+    own, right = (_peak_forces(of, results) for of in (case, Case(case.model, _ENSEMBLE)))
+    if len(own) and len(right) > 1 and right.mean(axis=0).min() > 0.0:
+        # A single run of the peer is taken to scatter as those of the converged ensemble do.
+        shares = [
+            (of.std(axis=0, ddof=1) if len(of) > 1 else right.std(axis=0, ddof=1)) / math.sqrt(len(of))
+            for of in (own, right)
+        ] / right.mean(axis=0)
+        means = own.mean(axis=0) / right.mean(axis=0)
+        errors = np.hypot(shares[0], shares[1] * means)
+    names = [f"force_ratio_{joint}{suffix}" for suffix in ("", "_error") for joint in (1, 2)]
+    return dict(zip(names, [*means.tolist(), *errors.tolist()], strict=True))
+
+
 def ratio_at_equal_error(rows: Table, peer: Row) -> float:
     """The peer's wall time over that of the cheapest own run whose errors are no larger; nan if there is none."""
     walls = [
@@ -108,28 +202,35 @@ def ratio_at_equal_error(rows: Table, peer: Row) -> float:
     return float(peer["wall_s"]) / min(walls, default=math.nan)
 
 
+_COLUMNS = (
+    "model", "method", "panels", "setting", "wall time [s]", "times real time",
+    "error of angles before the latch [rad]", "error of latch times [s]",
+    "peak forces over the converged ensemble's, joints 1 / 2", "peer's time over ours at no larger error",
+)  # fmt: skip
+
+
 def write_side_by_side(rows: Table, folder: Path) -> list[Path]:
     """Write the table in Markdown, from the measured table alone; returns the file."""
-    lines = [
-        "| model | method | setting | wall time [s] | times real time | error of angles before the latch [rad] "
-        "| error of latch times [s] | peer's time over ours at no larger error |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
+    lines = []
     for row in rows.rows:
-        setting = "" if row["method"] == DEFAULT else f"{row['value']:g}"
+        cells = [str(row[name]) for name in ("model", "method", "panels")]
+        cells.append("" if row["method"] == DEFAULT else f"{row['value']:g}")
         if row["failure"]:
-            lines.append(f"| {row['model']} | {row['method']} | {setting} | failed | | | | |")
+            lines.append([*cells, "failed", *[""] * 5])
             continue
         ratio = ""
         if row["peer"]:
             own = ratio_at_equal_error(rows, dict(row))
             ratio = "none of ours is as accurate" if math.isnan(own) else f"{own:.3g}"
         wall = float(row["wall_s"])
-        lines.append(
-            f"| {row['model']} | {row['method']} | {setting} | {wall:.3g} | {float(row['duration_s']) / wall:.3g} "
-            f"| {row['angle_error_rad']:.1e} | {row['latch_error_s']:.1e} | {ratio} |"
-        )
+        errors = f"{row['angle_error_rad']:.1e}", f"{row['latch_error_s']:.1e}"
+        lines.append([*cells, f"{wall:.3g}", f"{float(row['duration_s']) / wall:.3g}", *errors, _forces(row), ratio])
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / "side_by_side.md"
-    path.write_text("\n".join(lines) + "\n")
+    path.write_text(markdown_table(_COLUMNS, lines), encoding="utf-8")
     return [path]
+
+
+def _forces(row: Mapping[str, object]) -> str:
+    ratios = [(float(str(row[f"force_ratio_{j}"])), float(str(row[f"force_ratio_{j}_error"]))) for j in (1, 2)]
+    return "" if math.isnan(ratios[0][0]) else " / ".join(f"{ratio:.2f} ± {error:.2f}" for ratio, error in ratios)

@@ -1,33 +1,35 @@
 """Work against precision: every method at every setting, its errors against a reference, and what it cost.
 
-The reference of a scene is the finest run of the first of two methods; the greatest deviation of the other reference
-runs from it is the floor below which an error says nothing. With clearance the floor of whole deployments is what chaos
-leaves: for the ensembles see `ensembles`.
+Errors are those of the method, not of the panels: every run is compared with the reference on the same panels. The
+reference of a scene is the finest run of the first of two methods, or the finest of the only method that takes the
+panels; the greatest deviation of the other reference runs from it is the floor below which an error says nothing. With
+clearance the floor of whole deployments is what chaos leaves: see `ensembles`, and `levels` for errors of the panels.
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 
-from solar_env.array import has_flexible_panels
 from solar_env.studies.common import measures
 from solar_env.studies.common.motion import Motion, Scene
 from solar_env.studies.common.plans import Plan
 from solar_env.studies.common.tables import Row
-from solar_env.studies.common.timing import Measured, time_interleaved
+from solar_env.studies.common.timing import Job, Measured
 from solar_env.studies.precision.methods import (
     DEPLOYMENT_REFERENCES,
     IMPACT_REFERENCES,
     METHODS,
+    MODAL_REFERENCES,
     SHORT_REFERENCES,
     Method,
     Pairs,
+    Settings,
     find_method,
 )
 
 DEPLOYMENT, IMPACTS = "deployment", "impacts"
-Key = tuple[str, float]  # method and setting
+Key = tuple[str, str, str, float]  # kind of scene, model, method and setting
 
 
 @dataclass(frozen=True)
@@ -66,56 +68,74 @@ def scenes(plan: Plan) -> Iterator[tuple[str, Scene]]:
             yield IMPACTS, plan.initial_phase(model)
 
 
-def runs(kind: str, scene: Scene, plan: Plan) -> dict[Key, Method]:
-    """Method by name and setting of what is measured of a scene, the reference runs included."""
-    chosen: dict[Key, Method] = {}
-    for method in METHODS:
-        settings = (method.deployments if kind == DEPLOYMENT else method.impacts).get(scene.model, ())[: plan.settings]
-        if kind == DEPLOYMENT and plan.dear:
-            settings += method.dear.get(scene.model, ())
-        if method.available:
-            chosen.update({(method.name, value): method for value in settings})
-    for name, values in references(kind, scene, plan):
-        chosen.update({(name, value): find_method(name) for value in values})
-    return chosen
+def _settings(method: Method, kind: str, model: str, plan: Plan) -> Settings:
+    """Settings of a method that are measured, besides those of the references."""
+    if kind == IMPACTS:
+        return method.impacts.get(model, ())[: plan.settings]
+    dear = method.dear.get(model, ()) if plan.dear else ()
+    return method.deployments.get(model, ())[: plan.settings] + dear
 
 
-def references(kind: str, scene: Scene, plan: Plan) -> Pairs:
-    """Names and settings of the two reference methods of a scene; fewer in a short plan."""
+def references(kind: str, model: str, plan: Plan) -> tuple[Pairs, ...]:
+    """Names and settings of the reference runs of a scene, for each model of panels; fewer in a short plan."""
     if kind == DEPLOYMENT:
-        return (DEPLOYMENT_REFERENCES if plan.dear else SHORT_REFERENCES)[scene.model]
-    pairs = IMPACT_REFERENCES[scene.model]
-    return pairs if plan.dear else tuple((name, values[:1]) for name, values in pairs)
+        pairs = (DEPLOYMENT_REFERENCES if plan.dear else SHORT_REFERENCES)[model]
+    else:
+        pairs = IMPACT_REFERENCES[model]
+        pairs = pairs if plan.dear else tuple((name, values[:1]) for name, values in pairs)
+    return (pairs, MODAL_REFERENCES[model]) if model in MODAL_REFERENCES else (pairs,)
 
 
-def count_work_precision(plan: Plan) -> int:
-    """How many different runs `run_work_precision` announces."""
-    return sum(len(runs(kind, scene, plan)) for kind, scene in scenes(plan))
+def work_precision_jobs(plan: Plan) -> dict[Key, Job]:
+    """Every method at every setting on every scene, the reference runs included."""
+    jobs: dict[Key, Job] = {}
+    for kind, scene in scenes(plan):
+        chosen = {
+            (method.name, value): method
+            for method in METHODS
+            if method.available
+            for value in _settings(method, kind, scene.model, plan)
+        }
+        for pairs in references(kind, scene.model, plan):
+            chosen |= {(name, value): find_method(name) for name, values in pairs for value in values}
+        for (name, value), method in chosen.items():
+            solve = partial(method.solve, scene, value)
+            title = f"{kind}, {scene.model}: {name}, {value:g}"
+            jobs[kind, scene.model, name, value] = Job(title, solve, plan.repeats)
+    return jobs
 
 
-def run_work_precision(plan: Plan, announce: Callable[[str], None]) -> dict[str, list[Row]]:
-    """Measure every scene.
+def work_precision_rows(plan: Plan, results: Mapping[Key, Measured]) -> dict[str, list[Row]]:
+    """Rows by table.
 
-    "work_precision" gets rows of every method at every setting, "work_precision_floors" rows of every scene's floors.
+    "work_precision": of every method at every setting; "work_precision_floors": floors of every scene and its panels.
     """
     rows: list[Row] = []
     floors: list[Row] = []
     for kind, scene in scenes(plan):
-        methods = runs(kind, scene, plan)
-        jobs = {key: partial(method.solve, scene, key[1]) for key, method in methods.items()}
-
-        def say(key: Key, kind: str = kind, model: str = scene.model) -> None:
-            announce(f"{kind}, {model}: {key[0]}, {key[1]:g}")
-
-        measured = time_interleaved(jobs, plan.repeats, plan.long_run, say)
-        pairs = references(kind, scene, plan)
-        reference = Reference(_motions(measured, pairs))
-        rows += [_row(kind, scene, methods[key], key, result, reference, plan) for key, result in measured.items()]
-        floors.append(_floor(kind, scene, pairs, reference, plan))
+        measured = {key[2:]: result for key, result in results.items() if key[:2] == (kind, scene.model)}
+        by_panels: dict[str, Reference] = {}
+        for pairs in references(kind, scene.model, plan):
+            panels = find_method(pairs[0][0]).size(scene)
+            by_panels[panels] = reference = Reference(_motions(measured, pairs))
+            floors.append(_floor(kind, scene, panels, pairs, reference, plan))
+        for (name, value), result in measured.items():
+            method = find_method(name)
+            panels = method.size(scene)
+            labels: Row = {
+                "scene": kind,
+                "model": scene.model,
+                "panels": panels,
+                "duration_s": scene.duration,
+                "method": name,
+                "setting": method.setting,
+                "value": value,
+            }
+            rows.append(labels | _figures(kind, result, by_panels[panels], plan))
     return {"work_precision": rows, "work_precision_floors": floors}
 
 
-def _motions(measured: dict[Key, Measured[Key]], pairs: Pairs) -> tuple[Motion, ...]:
+def _motions(measured: Mapping[tuple[str, float], Measured], pairs: Pairs) -> tuple[Motion, ...]:
     motions = []
     for name, values in pairs:
         for value in values:
@@ -138,24 +158,12 @@ def _errors(kind: str, motion: Motion, reference: Reference, plan: Plan) -> Row:
     return errors | {"impact_start_error_s": start, "impact_force_error": force, "impacts_predicted": predicted}
 
 
-def _row(
-    kind: str, scene: Scene, method: Method, key: Key, result: Measured[Key], reference: Reference, plan: Plan
-) -> Row:
-    row: Row = {
-        "scene": kind,
-        "model": scene.model,
-        "elements": scene.elements if has_flexible_panels(scene.model) else 0,
-        "duration_s": scene.duration,
-        "method": method.name,
-        "setting": method.setting,
-        "value": key[1],
-        "failure": result.failure,
-        "repeats": len(result.walls),
-    }
+def _figures(kind: str, result: Measured, reference: Reference, plan: Plan) -> Row:
+    """Costs and errors of a run; nan if it did not reach its end."""
+    row: Row = {"failure": result.failure, "repeats": len(result.walls)}
     motion = result.motion
     if motion is None:
-        unknown = ("wall_s", "wall_min_s", "wall_max_s", *_COUNTS, *_ERRORS)
-        return row | dict.fromkeys(unknown, math.nan)
+        return row | dict.fromkeys(("wall_s", "wall_min_s", "wall_max_s", *_COUNTS, *_ERRORS), math.nan)
     row |= {"wall_s": result.wall, "wall_min_s": min(result.walls), "wall_max_s": max(result.walls)}
     row |= {name: getattr(motion, name) for name in _COUNTS}
     return row | _errors(kind, motion, reference, plan)
@@ -165,13 +173,14 @@ _COUNTS = ("steps", "evaluations", "factorizations", "energy_residual", "constra
 _ERRORS = ("angle_error_rad", "latch_error_s", "impact_start_error_s", "impact_force_error", "impacts_predicted")
 
 
-def _floor(kind: str, scene: Scene, pairs: Pairs, reference: Reference, plan: Plan) -> Row:
+def _floor(kind: str, scene: Scene, panels: str, pairs: Pairs, reference: Reference, plan: Plan) -> Row:
     """The greatest errors that other reference runs have against the first one."""
     others = [_errors(kind, motion, reference, plan) for motion in reference.motions[1:]]
     worst: Row = {name: max(float(errors[name]) for errors in others) for name in _ERRORS[:-1]}
     return {
         "scene": kind,
         "model": scene.model,
+        "panels": panels,
         "references": "; ".join(f"{name} {', '.join(f'{value:g}' for value in values)}" for name, values in pairs),
         **worst,
         "impacts_in_horizon": sum(reference.impacts) if kind == IMPACTS else math.nan,

@@ -40,7 +40,7 @@ class Question:
     counts: bool = False
 
 
-_FLOOR_NOTE = "grey: what two independent methods disagree by"
+_FLOOR_NOTE = "grey: what two independent methods disagree by; modes are compared with their finest run"
 QUESTIONS = (
     Question("angles", "deployment", "angle_error_rad", "error of angles before the latch [rad]", _FLOOR_NOTE),
     Question("latch", "deployment", "latch_error_s", "error of latch times [s]", _FLOOR_NOTE),
@@ -141,12 +141,12 @@ def _share_errors(column: Any, question: Question) -> None:
 
 
 def _title(rows: Table, floors: Table) -> str:
-    """Model; its elements, impacts that errors are taken over, runs that could not go on."""
-    first, known = rows.rows[0], floors.rows[0]
-    details = [f"{first['elements']} elements"] if first["elements"] else []
+    """Model; its panels, impacts that errors are taken over, runs that could not go on."""
+    model, known = rows.rows[0]["model"], floors.rows[0]
+    details = [str(panels) for panels in rows.values("panels") if panels != "rigid"]
     if math.isfinite(float(known["impacts_compared"])):
         details.append(f"{known['impacts_compared']:g} of {known['impacts_in_horizon']:g} impacts")
     failed = sum(1 for row in rows.rows if row["failure"])
     if failed:
         details.append(f"{failed} failed")
-    return f"{first['model']}\n{', '.join(details)}"
+    return f"{model}\n{', '.join(details)}"

@@ -4,12 +4,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from solar_env.mechanics.running.batch import available_processors
+from solar_env.studies.common.tables import markdown_table
 from solar_env.studies.throughput import step_rates as measured
 
 
 def _table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
-    lines = [f"| {' | '.join(row)} |" for row in (columns, *rows)]
-    return [f"{title}:", "", lines[0], "|---" * len(columns) + "|", *lines[1:], ""]
+    return [f"{title}:", "", markdown_table(columns, rows)]
 
 
 def tables(results: Mapping[measured.Key, Any]) -> str:

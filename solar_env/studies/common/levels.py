@@ -1,0 +1,56 @@
+"""Levels of the model: rigid panels, beams of so many elements or so many modes, with ideal joints or clearance."""
+
+from dataclasses import dataclass, replace
+
+from solar_env.array import ArrayParameters, PanelModel
+from solar_env.array.deployment import simulate
+from solar_env.array.methods import default_integrator
+from solar_env.mechanics.integrators.settings import RungeKutta
+from solar_env.mechanics.running.trajectory import Trajectory
+from solar_env.studies.common.motion import perturbed, perturbed_setting
+
+
+@dataclass(frozen=True)
+class Level:
+    """A level of the model, simulated with its default integrator.
+
+    Attributes:
+        model: one of `array.MODELS`.
+        panels: model of flexible panels; None for rigid ones.
+        tighter: what the tolerance of the integrator is divided by.
+    """
+
+    model: str
+    panels: PanelModel | None = None
+    tighter: float = 1.0
+
+    @property
+    def size(self) -> str:
+        """Panels and tolerance in words: "rigid", "6 elements", "24 modes, rtol / 4"."""
+        panels = "rigid" if self.panels is None else self.panels.size
+        return panels if self.tighter == 1.0 else f"{panels}, rtol / {self.tighter:g}"
+
+    @property
+    def name(self) -> str:
+        """The level in words."""
+        return self.model if self.panels is None else f"{self.model}, {self.size}"
+
+    def integrator(self, member: int = 0) -> RungeKutta:
+        """The integrator of a member of an ensemble."""
+        default = default_integrator(self.model, self.panels)
+        return replace(default, rtol=perturbed_setting(default.rtol, member) / self.tighter)
+
+    def deploy(self, parameters: ArrayParameters, member: int, duration: float, output_step: float) -> Trajectory:
+        """Simulate a member of an ensemble of deployments, see `perturbed`.
+
+        Raises:
+            SimulationError: if the run cannot go on.
+        """
+        return simulate(
+            perturbed(parameters, member),
+            model=self.model,
+            panels=self.panels,
+            duration=duration,
+            integrator=self.integrator(member),
+            output_step=output_step,
+        )

@@ -1,0 +1,106 @@
+"""Members of ensembles are apart and the same everywhere; the study of levels says whether two families meet."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from solar_env.array import ArrayParameters, PanelModel
+from solar_env.studies.common.levels import Level
+from solar_env.studies.common.motion import RELEASE_RATE, SETTING_SHARE, perturbed, perturbed_setting
+from solar_env.studies.common.plans import FULL, QUICK
+from solar_env.studies.common.tables import Table
+from solar_env.studies.precision import levels_plot
+
+MODES = PanelModel("modal", 24)
+
+
+def test_members_are_released_at_rates_of_their_own_round_the_nominal_ones():
+    nominal = ArrayParameters(panel_count=3, initial_rate=(0.1, 0.2))
+    assert perturbed(nominal, 0) == replace(nominal, initial_rate=(0.1, 0.2, 0.2))
+    rates = np.array([perturbed(nominal, member).initial_rate for member in range(1, 200)]) - (0.1, 0.2, 0.2)
+    assert len(np.unique(rates.round(12))) == rates.size
+    assert 0.9 * RELEASE_RATE < np.abs(rates).max() <= RELEASE_RATE
+    assert np.abs(rates.mean(axis=0)).max() < 0.15 * RELEASE_RATE
+    assert perturbed(nominal, 7) == perturbed(nominal, 7)
+
+
+def test_members_take_settings_of_their_own_and_levels_divide_them():
+    settings = np.array([perturbed_setting(2.0, member) for member in range(50)])
+    assert settings[0] == 2.0
+    assert len(np.unique(settings)) == 50
+    assert np.abs(settings / 2.0 - 1.0).max() <= SETTING_SHARE
+    level = Level("flexible-clearance", MODES)
+    assert replace(level, tighter=4.0).integrator(3).rtol == pytest.approx(level.integrator(3).rtol / 4.0)
+    assert level.integrator(3) == replace(level.integrator(), rtol=perturbed_setting(level.integrator().rtol, 3))
+
+
+@pytest.mark.parametrize(
+    ("level", "name"),
+    [
+        (Level("rigid-ideal"), "rigid-ideal"),
+        (Level("flexible-ideal", PanelModel("ancf", 1)), "flexible-ideal, 1 element"),
+        (Level("flexible-clearance", MODES, 4.0), "flexible-clearance, 24 modes, rtol / 4"),
+    ],
+)
+def test_levels_are_named_by_model_panels_and_tolerance(level, name):
+    assert level.name == name
+
+
+def test_a_level_simulates_its_member():
+    level = Level("flexible-ideal", PanelModel("modal", 4))
+    run = level.deploy(ArrayParameters(), 2, 0.02, 0.02)
+    assert run.metadata["modes"] == 4
+    assert run.metadata["integrator_settings"]["rtol"] == level.integrator(2).rtol
+    assert run.rates[0] == pytest.approx(perturbed(ArrayParameters(), 2).initial_rate)
+
+
+@pytest.mark.parametrize("plan", [FULL, QUICK])
+def test_both_families_of_panels_have_a_finest_level_with_clearance(plan):
+    for kind in (levels_plot.BEAMS, levels_plot.MODES):
+        own = [level for level in plan.levels if level.panels and level.panels.kind == kind and level.members]
+        assert own[-1].members >= 2
+        assert own[-1].panels.count == max(level.panels.count for level in own)
+
+
+def ensemble(family, level, forces):
+    other = dict.fromkeys(levels_plot.MEANS, 1.0)
+    return [
+        {"family": family, "level": level, "joint": 1, "wall_s": 1.0, **other, "peak_force_N": force}
+        for force in forces
+    ]
+
+
+def two_families(beams, modes):
+    return Table((*ensemble("ancf", "48 elements", beams), *ensemble("modal", "24 modes", modes)), {})
+
+
+def test_families_meet_if_their_means_differ_by_what_sampling_explains():
+    scatter = 5.0 * np.random.default_rng(0).normal(size=64)
+    apart = levels_plot.conclusion(two_families(120.0 + scatter[:3], 100.0 + scatter[3:]))
+    assert "have not met: 48 elements and 24 modes differ in peak force of joint 1 by +" in apart
+    met = two_families(102.0 + scatter[:3], 100.0 + scatter[3:])
+    assert "go to one limit" in levels_plot.conclusion(met)
+    assert "(peak force, joint 1)" in levels_plot.conclusion(met)
+
+
+def test_the_difference_of_means_has_the_error_of_ensembles_that_scatter_alike():
+    beams, modes = (two_families((9.0, 11.0), (4.0, 5.0, 6.0)).where(family=kind) for kind in ("ancf", "modal"))
+    change, error = levels_plot.difference(beams, modes, "peak_force_N")
+    assert change == pytest.approx(1.0)
+    assert error == pytest.approx(math.sqrt(4.0 / 3.0 * (1.0 / 2.0 + 1.0 / 3.0)) / 5.0)
+
+
+def test_the_page_has_means_and_their_errors():
+    rows = [
+        {"level": name, "reference": reference, "wall_s": 0.5, **dict.fromkeys(levels_plot.ERRORS, 1e-3)}
+        for name in ("48 elements", "24 modes")
+        for reference in ("48 elements", "24 modes")
+    ]
+    members = two_families((9.0, 11.0), (4.0, 5.0, 6.0))
+    page = levels_plot._page(Table(tuple(rows), {}), members)
+    assert "against 48 elements / against 24 modes" in page
+    assert "| 48 elements | 2 | 1 | 10.0 ± 1.0 | 1 |" in page
+    assert "| 24 modes | 0.5 | 1.0e-03 / 1.0e-03 |" in page
+    assert page.endswith(f"{levels_plot.conclusion(members)}.\n")

@@ -4,7 +4,7 @@ from solar_env.mechanics.arrays.model import EXACT, Model, State
 from solar_env.mechanics.equations.system import accelerations, make_workspace
 from solar_env.mechanics.integrators.step import AdaptiveArrays, AdaptiveSettings, make_adaptive_arrays, refresh
 from solar_env.mechanics.numerics.jit import kernel
-from solar_env.mechanics.numerics.linear import copy_into
+from solar_env.mechanics.numerics.linear import copy_into, greater
 
 # Weights of the first two stages in the second one, Euler's step, and in the end of the step.
 _COUPLING = ((0.0, 0.0), (1.0, 0.0), (0.5, 0.5))
@@ -42,8 +42,6 @@ def attempt_heun(model, state, settings, arrays, h):
     for i in range(q.size):
         dq, dv = velocity[1, i] - velocity[0, i], acceleration[1, i] - acceleration[0, i]
         scale = settings.velocity_scale + weights[i] * abs(v[i])
-        ratio = 0.5 * h * weights[i] / rtol * max(abs(dq) / model.length_scale, abs(dv) / scale)
-        if not ratio <= worst:  # also true for NaN
-            worst = ratio
+        worst = greater(worst, 0.5 * h * weights[i] / rtol * max(abs(dq) / model.length_scale, abs(dv) / scale))
     state.clock[0].evaluations += 2
     return worst

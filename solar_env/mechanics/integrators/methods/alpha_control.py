@@ -11,11 +11,12 @@ from solar_env.mechanics.equations.system import normal_inverse_mass
 from solar_env.mechanics.joints.contact.normal_force import impact_scales
 from solar_env.mechanics.joints.joint import ECCENTRICITY_X, ECCENTRICITY_Y, penetration, relative
 from solar_env.mechanics.numerics.jit import kernel
+from solar_env.mechanics.numerics.linear import greater
 from solar_env.mechanics.records.history import impact_step_limit
 
 
 @kernel(single_caller=True)
-def error_norm(model, state, it, settings, h):
+def error_norm(state, it, settings, h):
     """Local error in units of the tolerance, from the change of the accelerations (Zienkiewicz and Xie 1991).
 
     O. C. Zienkiewicz and Y. M. Xie, Earthq. Eng. Struct. Dyn. 20 (1991) 871, doi:10.1002/eqe.4290200907.
@@ -26,9 +27,7 @@ def error_norm(model, state, it, settings, h):
     for i in range(state.q.size):
         estimate = factor * abs(it.auxiliary[i] - state.algorithmic_a[i])
         scale = settings.rtol * (settings.velocity_scale + max(abs(state.v[i]), abs(it.v[i])))
-        ratio = estimate / scale
-        if not ratio <= worst:
-            worst = ratio
+        worst = greater(worst, estimate / scale)
     return worst
 
 
@@ -78,7 +77,7 @@ def judge(model, state, it, scratch, settings, h, convergence):
     shorter = landing_step(model, state, it, scratch, settings, h)
     if shorter < h:
         return shorter
-    error = error_norm(model, state, it, settings, h)
+    error = error_norm(state, it, settings, h)
     clock.failure_value = error
     if not error <= 1.0:
         return h * max(0.9 * error**-0.5, 0.2)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gymnasium
+import numpy as np
 
 from solar_env.array import MODELS
 
@@ -13,6 +14,7 @@ LEVELS = {model: {"model": model, "elements": 2} for model in MODELS}
 LEVELS |= {f"{model}-modal": {"model": model, "modes": 4} for model in MODELS if model.startswith("flexible")}
 # Springs that deploy the array within three seconds.
 STRONG = {"spring_stiffness": 2.0}
+LANES = 5
 # The root latches nine seconds after the outer joint.
 LATE_ROOT = {"cable_stiffness": 0.02}
 
@@ -38,3 +40,32 @@ def main_body_spin(state):
         return state.v[2]
     (x, y), (u, v) = state.q[2:4] - state.q[:2], state.v[2:4] - state.v[:2]
     return (x * v - y * u) / (x * x + y * y)
+
+
+def make_vector(lanes=LANES, **keywords):
+    return gymnasium.make_vec(ID, num_envs=lanes, **keywords)
+
+
+def random_actions(steps, lanes=LANES, seed=0):
+    return np.random.default_rng(seed).uniform(-1.0, 1.0, (steps, lanes, 1)).astype(np.float32)
+
+
+def assert_same(one, other, where="result"):
+    """Equal to the last bit, in type and shape too."""
+    assert type(one) is type(other), where
+    if isinstance(one, dict):
+        assert set(one) == set(other), where
+        for key in one:
+            assert_same(one[key], other[key], f"{where}[{key!r}]")
+    elif isinstance(one, (tuple, list)):
+        assert len(one) == len(other), where
+        for k, pair in enumerate(zip(one, other, strict=True)):
+            assert_same(*pair, f"{where}[{k}]")
+    elif isinstance(one, np.ndarray):
+        assert (one.dtype, one.shape) == (other.dtype, other.shape), where
+        if one.dtype == object:
+            assert_same(one.tolist(), other.tolist(), where)
+        else:
+            assert one.tobytes() == other.tobytes(), where
+    else:
+        assert one == other, where

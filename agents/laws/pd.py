@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from agents.laws.opening import lock_angle
-from agents.torque_laws import Entries, LawParameters, TunableLaw, bounded
+from agents.torque_laws import Entries, LawParameters, TunableLaw, bounded, lock_angle
 
 
 @dataclass(frozen=True)

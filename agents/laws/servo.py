@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from agents.laws.opening import OPENING, lock_angle, weighted_opening
-from agents.torque_laws import Entries, LawParameters, TunableLaw, bounded
+from agents.torque_laws import OPENING, Entries, LawParameters, TunableLaw, bounded, lock_angle, weighted_opening
 
 RESERVE = 0.5  # time before the deadline by which the profile ends [s]
 LEAST_TIME = 0.1  # shortest time in which the profile covers the rest of the opening [s]

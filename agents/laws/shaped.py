@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from agents.laws.opening import OPENING, weighted_opening
-from agents.torque_laws import Entries, LawParameters, TunableLaw, bounded
+from agents.torque_laws import OPENING, Entries, LawParameters, TunableLaw, bounded, weighted_opening
 
 
 @dataclass(frozen=True)

@@ -39,17 +39,18 @@ class Check:
 
 
 def compare(
-    figures: Iterable[tuple[str, Any, Any]], quantity: str, tolerance: float, source: str, relative: bool = False
+    figures: Iterable[tuple[Any, ...]], quantity: str, tolerance: float | None, source: str, relative: bool = False
 ) -> Iterator[Check]:
-    """Checks that have tolerance and source in common.
+    """Checks that have a source in common.
 
     Args:
-        figures: name, expected and obtained number of each.
+        figures: name, expected and obtained number of each, and its tolerance where they have none in common.
         quantity: of all of them, with {} for the name.
         tolerance, source, relative: of `Check`.
     """
-    common: dict[str, Any] = {"tolerance": tolerance, "source": source, "relative": relative}
-    for name, expected, obtained in figures:
+    common: dict[str, Any] = {"source": source, "relative": relative}
+    for name, expected, obtained, *own in figures:
+        common["tolerance"] = own[0] if tolerance is None else tolerance
         yield Check(quantity=quantity.format(name), expected=float(expected), obtained=float(obtained), **common)
 
 

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import copy
 import ctypes
 import gc
-import os
-import pickle
 import platform
 from functools import partial
 
 import gymnasium
 import numpy as np
 import pytest
+from episodes import ID, LANES, RANGES, STRONG, assert_same, make_vector, random_actions
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 import solar_env
@@ -20,44 +18,9 @@ from solar_env.environment.task.observations import OBSERVABLES
 from solar_env.environment.task.reward import REWARD_TERMS
 from solar_env.mechanics.running.errors import SimulationError
 
-ID = "solar_env/Deploy-v0"
-RANGES = {"clearance": (1e-4, 3e-4), "friction_coefficient": (0.05, 0.3)}
-# Springs that deploy the array within three seconds.
-STRONG = {"spring_stiffness": 2.0}
-LANES = 5
-
-
-def make_vector(lanes=LANES, **keywords):
-    return gymnasium.make_vec(ID, num_envs=lanes, **keywords)
-
 
 def make_sync(mode=AutoresetMode.NEXT_STEP, lanes=LANES, **keywords):
     return SyncVectorEnv([partial(gymnasium.make, ID, **keywords)] * lanes, autoreset_mode=mode)
-
-
-def random_actions(steps, lanes=LANES, seed=0):
-    return np.random.default_rng(seed).uniform(-1.0, 1.0, (steps, lanes, 1)).astype(np.float32)
-
-
-def assert_same(one, other, where="result"):
-    """Equal to the last bit, in type and shape too."""
-    assert type(one) is type(other), where
-    if isinstance(one, dict):
-        assert set(one) == set(other), where
-        for key in one:
-            assert_same(one[key], other[key], f"{where}[{key!r}]")
-    elif isinstance(one, (tuple, list)):
-        assert len(one) == len(other), where
-        for k, pair in enumerate(zip(one, other, strict=True)):
-            assert_same(*pair, f"{where}[{k}]")
-    elif isinstance(one, np.ndarray):
-        assert (one.dtype, one.shape) == (other.dtype, other.shape), where
-        if one.dtype == object:
-            assert_same(one.tolist(), other.tolist(), where)
-        else:
-            assert one.tobytes() == other.tobytes(), where
-    else:
-        assert one == other, where
 
 
 def test_make_vec_takes_it_without_being_told():
@@ -168,48 +131,6 @@ def test_parameters_by_lane_go_to_their_lanes_under_a_mask_too():
     assert [parameters.clearance for parameters in env.unwrapped.episodes.parameters] == [2e-4, 2e-4, 3e-4]
 
 
-@pytest.mark.parametrize("copied", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])
-@pytest.mark.parametrize(
-    "level",
-    [{}, {"model": "flexible-clearance", "elements": 1}, {"model": "flexible-clearance", "modes": 4}],
-    ids=["rigid", "elements", "modes"],
-)
-def test_a_copy_goes_on_as_the_original_and_tells_the_same(level, copied):
-    env = make_vector(3, **level, parameters=STRONG, postlock_window=0.5, randomize=RANGES).unwrapped
-    env.reset(seed=1)
-    actions = random_actions(45, 3)
-    for action in actions[:10]:
-        env.step(action)
-    other = copied(env)
-    before = env.lane(1).simulation.snapshot()
-    infos = []
-    for action in actions[10:]:
-        results, copies = env.step(action), other.step(action)
-        assert_same(results, copies)
-        infos.append(results[4])
-    assert any("deployment" in info for info in infos)
-    # States that were saved go into the copy's lanes, too.
-    other.lane(1).simulation.restore(before)
-    assert other.episodes.times[1] == pytest.approx(1.0)
-    lane = copy.copy(env.lane(2))
-    assert lane.simulation is env.lane(2).simulation
-    for each in (env, other):
-        each.close()
-
-
-def test_a_single_environment_that_was_copied_tells_the_same():
-    env = gymnasium.make(ID, parameters=STRONG, postlock_window=0.5)
-    env.reset(seed=1)
-    for _ in range(5):
-        env.step([0.1])
-    other, over = copy.deepcopy(env), False
-    while not over:
-        results, copies = env.step([0.1]), other.step([0.1])
-        assert_same(results, copies)
-        over = results[2]
-    assert results[4]["deployment"]["latched"]
-
-
 def test_returned_arrays_are_the_callers():
     env = make_vector(2)
     observations, _ = env.reset(seed=0)
@@ -302,78 +223,6 @@ def test_a_lane_that_cannot_go_on_is_named_and_leaves_the_others_alone():
     assert np.isfinite(observations).all()
 
 
-def test_a_simulation_of_an_earlier_episode_stays_as_it_was():
-    env = make_vector(2)
-    env.reset(seed=0)
-    env.step(np.ones((2, 1)))
-    earlier = env.unwrapped.episodes.batch.simulations[0]
-    coordinates = earlier.state.q.copy()
-    env.reset()
-    env.step(np.zeros((2, 1)))
-    assert earlier.state.q.tobytes() == coordinates.tobytes()
-    earlier.advance(0.2)
-    assert earlier.time == 0.2
-
-
-def test_a_lane_can_be_saved_and_restored():
-    env = make_vector(2, parameters=STRONG)
-    env.reset(seed=0)
-    for actions in random_actions(20, 2):
-        env.step(actions)
-    saved = [simulation.snapshot() for simulation in env.unwrapped.episodes.batch.simulations]
-    first = env.step(np.zeros((2, 1)))[0]
-    for simulation, snapshot in zip(env.unwrapped.episodes.batch.simulations, saved, strict=True):
-        simulation.restore(snapshot)
-    assert_same(env.step(np.zeros((2, 1)))[0], first)
-
-
-@pytest.mark.parametrize("level", [{}, {"model": "flexible-clearance", "modes": 4}], ids=["rigid", "modes"])
-@pytest.mark.parametrize("observation", ["drive", "history", "privileged"])
-def test_a_saved_episode_goes_on_to_the_same_bits_in_any_lane_as_often_as_one_likes(observation, level):
-    """Mid-contact, with a noisy and late drive, after other episodes have come and gone in its lane."""
-    env = make_vector(scenario="randomised", observation=observation, max_episode_steps=60, **level).unwrapped
-    env.reset(seed=4)
-    actions = random_actions(60)
-    for action in actions[:30]:
-        observed = env.step(action)[0]
-    saved, parameters = env.lane(1).save_episode(), env.lane(1).episode_parameters
-    assert env.lane(1).simulation.state.joints["in_contact"].any()
-
-    def goes_on(lane):
-        return [
-            [np.array(part[lane]) for part in env.step(np.tile(action[1], (LANES, 1)))[:4]] for action in actions[30:]
-        ]
-
-    expected = goes_on(1)
-    assert expected[-1][3], "the episode is truncated after its sixtieth period"
-    env.reset(seed=9)
-    for lane in (0, 1, 1):
-        assert_same(env.lane(lane).restore_episode(saved), observed[1])
-        assert env.lane(lane).episode_parameters == parameters
-        assert_same(goes_on(lane), expected)
-
-
-def test_what_cannot_be_saved_or_restored_is_refused():
-    env = make_vector(autoreset_mode="Disabled", deadline=0.1).unwrapped
-    with pytest.raises(gymnasium.error.ResetNeeded):
-        env.lane(0).save_episode()
-    env.reset(seed=0)
-    saved = env.lane(0).save_episode()
-    env.step(random_actions(1)[0])
-    with pytest.raises(gymnasium.error.ResetNeeded, match="the episode of lane 0 has ended"):
-        env.lane(0).save_episode()
-    other = make_vector(model="flexible-clearance", elements=2).unwrapped
-    other.reset(seed=0)
-    with pytest.raises(ValueError, match=r"snapshot\.q has shape"):
-        other.lane(0).restore_episode(saved)
-    other = make_vector(2, observation="history").unwrapped
-    other.reset(seed=0)
-    other.step(random_actions(1, 2)[0])
-    with pytest.raises(ValueError, match=r"observed entries of shape \(9,\), these sensors \(24,\)"):
-        other.lane(0).restore_episode(saved)
-    assert other.episodes.times.tolist() == pytest.approx([0.1, 0.1])
-
-
 def test_frames_are_those_of_single_environments():
     env = make_vector(2, render_mode="rgb_array", randomize=RANGES)
     env.reset(seed=0)
@@ -385,25 +234,6 @@ def test_frames_are_those_of_single_environments():
     assert np.array_equal(frames[1], single.render())
     with pytest.warns(UserWarning, match="does nothing without a render mode"):
         assert make_vector(2).render() == (None, None)
-
-
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")
-def test_it_goes_on_in_a_forked_process(run_python):
-    program = """
-import os
-import gymnasium, numpy as np, solar_env
-env = gymnasium.make_vec("solar_env/Deploy-v0", num_envs=4, num_threads=2)
-env.reset(seed=0)
-first = env.step(np.zeros((4, 1)))[0]
-reader, writer = os.pipe()
-if os.fork() == 0:
-    os.write(writer, env.step(np.zeros((4, 1)))[0].tobytes())
-    os._exit(0)
-os.wait()
-there = np.frombuffer(os.read(reader, 4096), np.float32).reshape(4, -1)
-print(np.array_equal(there, env.step(np.zeros((4, 1)))[0]))
-"""
-    assert run_python(program).split() == ["True"]
 
 
 def test_closing_twice_is_fine():

@@ -28,7 +28,7 @@ def fenced(text, language):
     return re.findall(rf"```{language}\n(.*?)```", text, re.DOTALL)
 
 
-WITH_PROGRAMS = [page for page, text in TEXTS.items() if fenced(text, "python") and "contributing" not in page]
+WITH_PROGRAMS = [page for page, text in TEXTS.items() if fenced(text, "python")]
 
 
 @pytest.mark.parametrize("page", WITH_PROGRAMS)

@@ -13,7 +13,7 @@ from solar_env.support.readme import PACKAGE
 
 ROOT = PACKAGE.parent
 PAGE = PACKAGE / "contributing.md"
-# What each recipe promises, after the programs that the page shows for it.
+# What each recipe promises, as programs that run one after the other.
 CLAIMS = {
     "Normal contact law": """
 from solar_env.array import ArrayParameters
@@ -73,6 +73,10 @@ assert ends[0] == ends[1]
 assert abs(ends[0][2] + 0.09) < 1e-12
 """,
     "Observation": """
+import gymnasium
+keywords = {"model": "rigid-ideal", "observation": ["theta", "postlatch_force", "postlatch_force_1_ago"]}
+env = gymnasium.make("solar_env/Deploy-v0", **keywords)
+envs = gymnasium.make_vec("solar_env/Deploy-v0", num_envs=2, **keywords)
 assert env.unwrapped.observation_names[2:] == (
     "postlatch_force_1", "postlatch_force_2", "postlatch_force_1_1_ago", "postlatch_force_2_1_ago"
 )
@@ -81,14 +85,16 @@ assert envs.reset(seed=0)[0].shape == (2, 6)
 assert "`postlatch_force_i`" in solar_env.SolarArrayEnv.__doc__
 """,
     "Reward term": """
+price = {"impact_count": {"weight": 1.0, "scale": 200.0, "bound": 0.5}}
+env = gymnasium.make("solar_env/Deploy-v0", reward=price)
 assert env.unwrapped.reward.prices["impact_count"].scale == 200.0
 env.reset(seed=0)
 assert "impact_count" in env.unwrapped.reward.names
 assert "impact_count" not in gymnasium.make("solar_env/Deploy-v0").unwrapped.reward.names
 """,
     "Driven joint": """
-assert env.unwrapped.task.driven_joint == 1
 env = gymnasium.make("solar_env/Deploy-v0", model="rigid-ideal", driven_joint=1, control_period=1e-3)
+assert env.unwrapped.task.driven_joint == 1
 env.reset(seed=0)
 env.step([1.0])
 assert env.unwrapped.simulation.state.joints["motor_torque"].tolist() == [0.0, 0.5]
@@ -119,11 +125,6 @@ ROWS = {
 }
 
 
-def fences(text):
-    """(language, lines) of every block of a text."""
-    return [(language, body.splitlines()) for language, body in re.findall(r"```(\w+)\n(.*?)```", text, re.DOTALL)]
-
-
 def sections():
     """Heading -> text of the recipes."""
     parts = re.split(r"^## (.*)\n", PAGE.read_text(encoding="utf-8"), flags=re.MULTILINE)[1:]
@@ -131,12 +132,12 @@ def sections():
 
 
 def files(lines):
-    """(path, lines) of the files that a block is about; nothing for a program."""
+    """(path, lines) of the files that a block is about."""
     found = []
     for line in lines:
         if re.fullmatch(r"# [\w/]+\.py", line):
             found.append((line[2:], []))
-        elif found:
+        else:
             found[-1][1].append(line)
     return found
 
@@ -197,24 +198,19 @@ def copy(tmp_path_factory):
     for name in ("pyproject.toml", "train.py"):
         shutil.copy(ROOT / name, root)
     for text in sections().values():
-        for language, lines in fences(text):
-            for path, content in files(lines):
-                if language == "python":
-                    (root / path).write_text("\n".join(content) + "\n", encoding="utf-8")
-                else:
-                    change(root / path, content)
+        for path, example in re.findall(r"`([\w/]+\.py)` \(\[example\]\(([^)]+)\)\)", text):
+            shutil.copy(PAGE.parent / example, root / path)
+        for block in re.findall(r"```diff\n(.*?)```", text, re.DOTALL):
+            for path, lines in files(block.splitlines()):
+                change(root / path, lines)
     add_body_kind(root)
     return root
 
 
 @pytest.fixture(scope="module")
 def kept(copy):
-    """Section -> what went wrong in its programs and claims; empty if nothing did."""
-    programs = {}
-    for heading, text in sections().items():
-        own = ["\n".join(lines) for language, lines in fences(text) if language == "python" and not files(lines)]
-        programs[heading] = "\n".join([*own, CLAIMS[heading]])
-    (copy / "programs.json").write_text(json.dumps(programs), encoding="utf-8")
+    """Section -> what went wrong in its claims; empty if nothing did."""
+    (copy / "programs.json").write_text(json.dumps(CLAIMS), encoding="utf-8")
     runner = """
 import json, traceback
 namespace, wrong = {}, {}

@@ -4,9 +4,9 @@ All quantities in SI units; angles in rad; counter-clockwise positive.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from solar_env.mechanics.numerics.checks import require, require_finite
+from solar_env.mechanics.numerics.checks import require, require_count, require_finite, require_signs
 
 Point = tuple[float, float]
 
@@ -15,13 +15,21 @@ GROUND = "ground"
 
 @dataclass(frozen=True)
 class AnyBody:
-    """Name and initial motion, which the descriptions of all kinds of body have.
+    """Name and initial motion, which the descriptions of all kinds of body have; the motion is given by keyword.
 
     Attributes:
         name: unique name.
+        position: of the body frame's origin at t = 0 [m].
+        angle: of its x axis at t = 0 [rad].
+        velocity: of its origin at t = 0 [m/s].
+        spin: angular velocity at t = 0 [rad/s].
     """
 
     name: str
+    position: Point = field(default=(0.0, 0.0), kw_only=True)
+    angle: float = field(default=0.0, kw_only=True)
+    velocity: Point = field(default=(0.0, 0.0), kw_only=True)
+    spin: float = field(default=0.0, kw_only=True)
 
     def __post_init__(self) -> None:
         require_finite(self)
@@ -30,32 +38,23 @@ class AnyBody:
 
 @dataclass(frozen=True)
 class RigidBody(AnyBody):
-    """A rigid body with its initial motion, whatever its coordinates.
+    """A rigid body, whatever its coordinates.
 
     Attributes:
         mass: [kg].
         inertia: about the centroid [kg m2].
         length: of the x axis, from the origin of the body frame to a second point [m].
         centroid: in the body frame [m].
-        position: of the body frame's origin at t = 0 [m].
-        angle: of the x axis at t = 0 [rad].
-        velocity: of the body frame's origin at t = 0 [m/s].
-        spin: angular velocity at t = 0 [rad/s].
     """
 
     mass: float
     inertia: float
     length: float
     centroid: Point
-    position: Point = (0.0, 0.0)
-    angle: float = 0.0
-    velocity: Point = (0.0, 0.0)
-    spin: float = 0.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for name in ("mass", "inertia", "length"):
-            require(getattr(self, name) > 0.0, self, name, getattr(self, name), "must be positive")
+        require_signs(self, positive=("mass", "inertia", "length"))
 
 
 @dataclass(frozen=True)
@@ -68,7 +67,7 @@ class Body(RigidBody):
         fixed: whether the body is held in place.
     """
 
-    fixed: bool = False
+    fixed: bool = field(default=False, kw_only=True)
 
 
 @dataclass(frozen=True)
@@ -93,10 +92,6 @@ class FlexibleBody(AnyBody):
         axial_stiffness: E A [N].
         bending_stiffness: E I [N m2].
         damping: retardation time of the material [s]: stress = modulus * (strain + damping * strain rate).
-        position: of the first end at t = 0 [m].
-        angle: of the centreline at t = 0 [rad].
-        velocity: of the first end at t = 0 [m/s].
-        spin: angular velocity at t = 0 [rad/s].
     """
 
     length: float
@@ -105,18 +100,11 @@ class FlexibleBody(AnyBody):
     axial_stiffness: float
     bending_stiffness: float
     damping: float = 0.0
-    position: Point = (0.0, 0.0)
-    angle: float = 0.0
-    velocity: Point = (0.0, 0.0)
-    spin: float = 0.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        require(type(self.elements) is int, self, "elements", self.elements, "must be a whole number")
-        require(1 <= self.elements <= 1000, self, "elements", self.elements, "must lie between 1 and 1000")
-        for name in ("length", "linear_density", "axial_stiffness", "bending_stiffness"):
-            require(getattr(self, name) > 0.0, self, name, getattr(self, name), "must be positive")
-        require(self.damping >= 0.0, self, "damping", self.damping, "must not be negative")
+        require_count(self, "elements", 1, 1000)
+        require_signs(self, ("length", "linear_density", "axial_stiffness", "bending_stiffness"), ("damping",))
 
     @property
     def element_length(self) -> float:
@@ -154,10 +142,6 @@ class ModalPanel(AnyBody):
         damping: retardation time of the material [s]: stress = modulus * (strain + damping * strain rate).
         modes: number of bending modes that are kept; of axial ones half as many are. What the others contribute to the
             flexibility of the ends is kept whatever the number.
-        position: of the first end at t = 0 [m].
-        angle: of the centreline at t = 0 [rad].
-        velocity: of the first end at t = 0 [m/s].
-        spin: angular velocity at t = 0 [rad/s].
     """
 
     length: float
@@ -166,18 +150,11 @@ class ModalPanel(AnyBody):
     bending_stiffness: float
     damping: float = 0.0
     modes: int = 24
-    position: Point = (0.0, 0.0)
-    angle: float = 0.0
-    velocity: Point = (0.0, 0.0)
-    spin: float = 0.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        require(type(self.modes) is int, self, "modes", self.modes, "must be a whole number")
-        require(0 <= self.modes <= 200, self, "modes", self.modes, "must lie between 0 and 200")
-        for name in ("length", "mass", "axial_stiffness", "bending_stiffness"):
-            require(getattr(self, name) > 0.0, self, name, getattr(self, name), "must be positive")
-        require(self.damping >= 0.0, self, "damping", self.damping, "must not be negative")
+        require_count(self, "modes", 0, 200)
+        require_signs(self, ("length", "mass", "axial_stiffness", "bending_stiffness"), ("damping",))
 
     @property
     def inertia(self) -> float:

@@ -13,8 +13,8 @@ from solar_env.mechanics.bodies.cable_element.element import element_blocks
 from solar_env.mechanics.bodies.kind import BodyKind
 from solar_env.mechanics.bodies.kinds import KINDS, body_type, code_of, marker_type
 from solar_env.mechanics.bodies.linear_marker import pair_coordinates, place_row
-from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS
-from solar_env.mechanics.mechanism.description import GROUND, AnyBody, Body, Joint, Mechanism, ModalPanel, Point
+from solar_env.mechanics.equations.joint_rows import fill_bearing, fill_joint
+from solar_env.mechanics.mechanism.description import GROUND, AnyBody, Body, Mechanism, ModalPanel, Point
 from solar_env.mechanics.numerics.profile import BLOCK, Elimination, make_elimination
 
 _Row = dict[int, float]
@@ -157,8 +157,7 @@ class _Compiler:
             inboard = self._marker(joint.inboard, joint.inboard_point, ideal)
             outboard = self._marker(joint.outboard, joint.outboard_point, ideal)
             record["inboard"], record["outboard"] = inboard, outboard
-            self._fill_angle(record, joint)
-            self._fill_torques(record, joint)
+            fill_joint(record, joint)
             if joint.bearing is None:
                 record["kind"] = m.IDEAL
                 record["row"] = len(self.rows)
@@ -170,48 +169,8 @@ class _Compiler:
             else:
                 record["kind"] = m.CLEARANCE
                 record["row"] = -1
-                self._fill_bearing(record, joint)
+                fill_bearing(record, joint.bearing)
         return joints
-
-    @staticmethod
-    def _fill_angle(record: np.void, joint: Joint) -> None:
-        turn = joint.folded_angle + joint.sign * joint.middle
-        record["sign"] = joint.sign
-        record["middle"] = joint.middle
-        record["turn_cos"] = math.cos(turn)
-        record["turn_sin"] = math.sin(turn)
-
-    @staticmethod
-    def _fill_torques(record: np.void, joint: Joint) -> None:
-        if joint.spring is not None:
-            record["spring_stiffness"] = joint.spring.stiffness
-            record["spring_preload_angle"] = joint.spring.preload_angle
-        if joint.stop is not None:
-            for name in ("gap", "stiffness", "exponent", "ramp_depth", "damping"):
-                record[f"stop_{name}"] = getattr(joint.stop, name)
-        if joint.lock_angle is not None:
-            record["has_latch"] = 1
-            record["lock_angle"] = joint.lock_angle
-        if joint.stow_angle is not None:
-            record["has_stow_stop"] = 1
-            record["stow_angle"] = joint.stow_angle
-        record["angle_limited"] = joint.spring is not None or joint.stop is not None
-
-    @staticmethod
-    def _fill_bearing(record: np.void, joint: Joint) -> None:
-        bearing = joint.bearing
-        assert bearing is not None
-        record["clearance"] = bearing.clearance
-        record["journal_radius"] = bearing.journal_radius
-        for kind, law in (("contact", bearing.contact), ("friction", bearing.friction)):
-            parameters = law.parameters()
-            record[f"{kind}_law"] = law.code
-            record[kind][: len(parameters)] = parameters
-        record["minimum_impact_speed"] = bearing.minimum_impact_speed
-        record["friction_coefficient"] = bearing.friction_coefficient
-        record["sliding"] = SLIDING_READINGS.index(bearing.sliding)
-        record["wear_coefficient"] = bearing.wear_coefficient
-        record["bearing_width"] = bearing.width
 
     def _drives(self) -> NDArray[np.void]:
         drives = np.zeros(len(self.mechanism.drives), dtype=m.drive_type)

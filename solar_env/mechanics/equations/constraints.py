@@ -171,7 +171,7 @@ def prepare_response(model, q, time, work):
     return work.schur.shape[0] == 0 or build_schur(model, q, work)
 
 
-@kernel
+@kernel(inlined=True)
 def constraint_drift(model, q, time, work):
     """Greatest violation [m] of the linear constraints; leaves it by row in `work.residual`."""
     worst = 0.0
@@ -183,7 +183,7 @@ def constraint_drift(model, q, time, work):
     return worst
 
 
-@kernel
+@kernel(inlined=True)
 def velocity_drift(model, q, v, time, work):
     """Greatest violation [m/s] of the linear constraints' rates; leaves it by row in `work.residual`."""
     residual = work.residual

@@ -17,6 +17,7 @@ from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS, FrictionL
 from solar_env.mechanics.joints.friction.ramp import RampedCoulomb
 from solar_env.mechanics.numerics.checks import require as _require
 from solar_env.mechanics.numerics.checks import require_finite as _require_finite
+from solar_env.mechanics.numerics.checks import require_signs as _require_signs
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,7 @@ class Spring:
 
     def __post_init__(self) -> None:
         _require_finite(self)
-        _require(self.stiffness >= 0.0, self, "stiffness", self.stiffness, "must not be negative")
+        _require_signs(self, not_negative=("stiffness",))
 
 
 @dataclass(frozen=True)
@@ -51,11 +52,8 @@ class Stop:
 
     def __post_init__(self) -> None:
         _require_finite(self)
-        _require(self.gap >= 0.0, self, "gap", self.gap, "must not be negative")
-        _require(self.stiffness > 0.0, self, "stiffness", self.stiffness, "must be positive")
+        _require_signs(self, positive=("stiffness", "ramp_depth"), not_negative=("gap", "damping"))
         _require(self.exponent >= 1.0, self, "exponent", self.exponent, "must be at least 1")
-        _require(self.ramp_depth > 0.0, self, "ramp_depth", self.ramp_depth, "must be positive")
-        _require(self.damping >= 0.0, self, "damping", self.damping, "must not be negative")
 
 
 @dataclass(frozen=True)
@@ -87,10 +85,8 @@ class Bearing:
 
     def __post_init__(self) -> None:
         _require_finite(self)
-        for name in ("clearance", "journal_radius", "minimum_impact_speed", "width"):
-            _require(getattr(self, name) > 0.0, self, name, getattr(self, name), "must be positive")
-        for name in ("friction_coefficient", "wear_coefficient"):
-            _require(getattr(self, name) >= 0.0, self, name, getattr(self, name), "must not be negative")
+        positive = ("clearance", "journal_radius", "minimum_impact_speed", "width")
+        _require_signs(self, positive, not_negative=("friction_coefficient", "wear_coefficient"))
         _require(self.sliding in SLIDING_READINGS, self, "sliding", self.sliding, "must be material or centres")
 
 
@@ -159,10 +155,7 @@ class CableLoop:
 
     def __post_init__(self) -> None:
         _require_finite(self, "preload_torque")
-        _require(self.stiffness >= 0.0, self, "stiffness", self.stiffness, "must not be negative")
-        _require(self.wheel_ratio > 0.0, self, "wheel_ratio", self.wheel_ratio, "must be positive")
-        _require(self.torque_ratio >= 0.0, self, "torque_ratio", self.torque_ratio, "must not be negative")
-        _require(self.preload_torque >= 0.0, self, "preload_torque", self.preload_torque, "must not be negative")
+        _require_signs(self, ("wheel_ratio",), not_negative=("stiffness", "torque_ratio", "preload_torque"))
 
 
 @dataclass(frozen=True)
@@ -203,7 +196,7 @@ class Drive:
 
     def __post_init__(self) -> None:
         _require_finite(self)
-        _require(self.ramp_time >= 0.0, self, "ramp_time", self.ramp_time, "must not be negative")
+        _require_signs(self, not_negative=("ramp_time",))
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from solar_env.mechanics.joints.contact import lankarani_nikravesh
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
@@ -43,9 +43,8 @@ class Link:
 
     def body(self, name: str, position: complex, angle: float, velocity: complex, spin: float) -> Body:
         """The link as a body whose first pin moves as given; complex numbers stand for points, x + i y."""
-        start, motion = (position.real, position.imag), (velocity.real, velocity.imag)
-        centroid = (self.length / 2.0, 0.0)
-        return Body(name, self.mass, self.inertia, self.length, centroid, start, angle, motion, spin)
+        body = Body(name, self.mass, self.inertia, self.length, (self.length / 2.0, 0.0), angle=angle, spin=spin)
+        return replace(body, position=(position.real, position.imag), velocity=(velocity.real, velocity.imag))
 
 
 # Inboard body, outboard body, and the pin in the frame of each.
@@ -170,7 +169,7 @@ def slider_crank(
     bodies = (
         crank.body("crank", 0j, crank_angle, 0j, crank_rate),
         rod.body("rod", crank_pin, rod_angle, crank_pin_velocity, rod_spin),
-        Body("slider", slider_mass, slider_mass * size**2 / 12.0, size, (0.0, 0.0), place, 0.0, motion),
+        Body("slider", slider_mass, slider_mass * size**2 / 12.0, size, (0.0, 0.0), position=place, velocity=motion),
     )
     pins: dict[str, _Pin] = {
         "ground-crank": (GROUND, "crank", (0.0, 0.0), (0.0, 0.0)),
@@ -284,7 +283,7 @@ def loaded_journal(
         raise ValueError(f"load = {load!r} N must be positive")
     reach = bearing.clearance + bearing.contact.depth_under(load * math.cos(lean))
     place = (-reach * math.sin(lean), -reach * math.cos(lean))
-    journal = Body("journal", 1.0, 0.01, bearing.journal_radius, (0.0, 0.0), place, spin=rate or 0.0)
+    journal = Body("journal", 1.0, 0.01, bearing.journal_radius, (0.0, 0.0), position=place, spin=rate or 0.0)
     joint = Joint("journal bearing", GROUND, "journal", (0.0, 0.0), (0.0, 0.0), bearing=bearing)
     drives = () if rate is None else (Drive("journal", 0.0, rate),)
     return Mechanism((journal,), (joint,), drives=drives, gravity=(0.0, -load), wear_bins=wear_bins)

@@ -121,8 +121,8 @@ def rigid_stand_in(body: AnyBody) -> Body:
     if isinstance(body, Body):
         return body
     if isinstance(body, ReferencePointBody | ModalPanel):
-        motion = (body.position, body.angle, body.velocity, body.spin)
-        return Body(body.name, body.mass, body.inertia, body.length, body.centroid, *motion)
+        rigid = Body(body.name, body.mass, body.inertia, body.length, body.centroid)
+        return replace(rigid, position=body.position, angle=body.angle, velocity=body.velocity, spin=body.spin)
     raise ValueError(
         f"body {body.name!r} is a {type(body).__name__}, which does not go with ModalRadau; describe it as a "
         "ModalPanel, Body or ReferencePointBody, or choose another integrator"

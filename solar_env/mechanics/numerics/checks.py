@@ -14,6 +14,29 @@ def require(condition: bool, owner: object, name: str, value: object, rule: str)
         raise ValueError(f"{type(owner).__name__}.{name} = {value!r}: {rule}")
 
 
+def require_signs(owner: object, positive: tuple[str, ...] = (), not_negative: tuple[str, ...] = ()) -> None:
+    """Check that some quantities of a description are positive, and others not negative.
+
+    Raises:
+        ValueError: if one is of another sign.
+    """
+    for name in positive:
+        require(getattr(owner, name) > 0.0, owner, name, getattr(owner, name), "must be positive")
+    for name in not_negative:
+        require(getattr(owner, name) >= 0.0, owner, name, getattr(owner, name), "must not be negative")
+
+
+def require_count(owner: object, name: str, least: int, greatest: int) -> None:
+    """Check that a quantity of a description is a whole number between two bounds.
+
+    Raises:
+        ValueError: if it is none.
+    """
+    value = getattr(owner, name)
+    require(type(value) is int, owner, name, value, "must be a whole number")
+    require(least <= value <= greatest, owner, name, value, f"must lie between {least} and {greatest}")
+
+
 def require_finite(owner: object, *skip: str) -> None:
     """Check that the numbers of a description are finite, but for the fields named in `skip`.
 

@@ -6,6 +6,12 @@ from solar_env.mechanics.numerics.jit import kernel
 
 
 @kernel(inlined=True)
+def greater(one, other):
+    """The greater of two numbers, or NaN if one of them is."""
+    return one if one >= other or one != one else other
+
+
+@kernel(inlined=True)
 def copy_into(target, source):
     """Copy a vector; in a hot loop several times cheaper than a slice assignment."""
     for i in range(target.size):

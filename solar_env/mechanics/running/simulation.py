@@ -19,10 +19,11 @@ from solar_env.mechanics.integrators.methods.table import method_of
 from solar_env.mechanics.integrators.settings import Integrator, RungeKutta
 from solar_env.mechanics.joints import joint as columns
 from solar_env.mechanics.mechanism.description import Mechanism
-from solar_env.mechanics.records.recording import RECORDED_LOADS, Recorder, make_recorder, sample_columns
-from solar_env.mechanics.running.accuracy import AccuracyWatch, limits_of_the_laws
+from solar_env.mechanics.records.recording import RECORDED_LOADS, Recorder, make_recorder
+from solar_env.mechanics.running.accuracy import AccuracyWatch
+from solar_env.mechanics.running.assembly import assemble, contact_table, energy_flows
 from solar_env.mechanics.running.errors import raise_for_status
-from solar_env.mechanics.running.trajectory import Trajectory, contact_record
+from solar_env.mechanics.running.trajectory import Trajectory
 
 _CONTACTS_PER_DRAIN = 4096
 _PROGRESS_CALLS = 20
@@ -212,11 +213,7 @@ class Simulation:
         The latter is what was stored at the start, or what is stored now and was lost; weight counts with its work over
         the longest body, so that a pendulum which rests for a moment has turned some over too.
         """
-        integrals = self.state.integrals
-        by_joint = m.joint_integrals(integrals).sum(axis=0)
-        put_in = by_joint[m.MOTOR_WORK] + by_joint[m.CABLE_WORK] + integrals[m.EXTERNAL_WORK]
-        lost = by_joint[[m.NORMAL_DISSIPATION, m.FRICTION_DISSIPATION, m.STOP_DISSIPATION]].sum()
-        lost += integrals[m.MATERIAL_DISSIPATION]
+        put_in, lost = (sum(flows.values()) for flows in energy_flows(self.state.integrals))
         stored = self.stored_energies()
         weight = self.formulation.greatest_weight(self.model) * self.model.length_scale
         clock = self.state.clock[0]
@@ -281,104 +278,10 @@ def simulate(
             progress(simulation.time)
     simulation.raise_unless_done(status)
     wall = time.perf_counter() - start
-    details = {**(metadata or {}), "integrator": simulation.integrator.name, "wall_time_s": wall}
-    table = _contact_table(simulation.state, np.concatenate(contacts))
+    chosen = simulation.integrator
+    settings = {name: None if value == math.inf else value for name, value in asdict(chosen).items()}
+    details = {"integrator": chosen.name, "wall_time_s": wall, "integrator_settings": settings}
+    table = contact_table(simulation.state, np.concatenate(contacts))
     simulation._watch.check_impacts(table)
     simulation.check()
-    return _assemble(simulation, recorder, table, details)
-
-
-def _assemble(
-    simulation: Simulation, recorder: Recorder, contacts: NDArray[np.void], metadata: dict[str, Any]
-) -> Trajectory:
-    model, state = simulation.model, simulation.state
-    table, joints = recorder.samples, model.joints.size
-    slices = sample_columns(model, state)
-    loads = table[:, slices["loads"]].reshape(len(table), joints, RECORDED_LOADS)
-    integrals = table[:, slices["integrals"]]
-    by_joint = m.joint_integrals(integrals)
-    eccentricity = loads[:, :, [columns.ECCENTRICITY_X, columns.ECCENTRICITY_Y]]
-    clearance = model.joints["clearance"].copy()
-    penetration = np.hypot(eccentricity[..., 0], eccentricity[..., 1]) - clearance
-    normal, tangential = loads[:, :, columns.NORMAL].copy(), loads[:, :, columns.TANGENTIAL].copy()
-    energies = {name: table[:, slices["energies"]][:, k] for k, name in enumerate(m.ENERGY_NAMES)}
-    stored = sum(energies.values())
-    totals = by_joint.sum(axis=1)
-    put_in = {
-        "motor_work": totals[:, m.MOTOR_WORK],
-        "cable_work": totals[:, m.CABLE_WORK],
-        "external_work": integrals[:, m.EXTERNAL_WORK],
-    }
-    lost = {
-        "contact_dissipation": totals[:, m.NORMAL_DISSIPATION],
-        "friction_dissipation": totals[:, m.FRICTION_DISSIPATION],
-        "latch_dissipation": totals[:, m.STOP_DISSIPATION],
-        "material_dissipation": integrals[:, m.MATERIAL_DISSIPATION],
-    }
-    residual = stored - state.clock["initial_energy"][0] - sum(put_in.values()) + sum(lost.values())
-    final = m.joint_integrals(state.integrals)
-    locked = state.clock["latched_joints"][0] > 0
-    clock = state.clock[0]
-    return Trajectory(
-        time=recorder.times,
-        coordinates=table[:, slices["q"]].copy(),
-        velocities=table[:, slices["v"]].copy(),
-        angles=np.unwrap(loads[:, :, columns.ANGLE], axis=0),
-        rates=loads[:, :, columns.RATE].copy(),
-        eccentricity=eccentricity,
-        penetration=penetration,
-        normal_force=normal,
-        tangential_force=tangential,
-        joint_force=loads[:, :, [columns.FORCE_X, columns.FORCE_Y]],
-        spring_torque=loads[:, :, columns.SPRING_TORQUE].copy(),
-        cable_torque=loads[:, :, columns.CABLE_TORQUE].copy(),
-        latch_torque=loads[:, :, columns.STOP_TORQUE].copy(),
-        motor_torque=loads[:, :, columns.MOTOR_TORQUE].copy(),
-        energies={**energies, **put_in, **lost, "residual": residual},
-        sliding_work=by_joint[:, :, m.SLIDING_WORK].copy(),
-        impulse=by_joint[:, :, m.IMPULSE].copy(),
-        wear_journal=state.wear_journal.copy(),
-        wear_bearing=state.wear_bearing.copy(),
-        contacts=contacts,
-        latch_times=state.joints["latch_time"].copy(),
-        peak_force=state.joints["peak_force"].copy(),
-        postlock_peak_force=state.joints["postlock_peak_force"].copy(),
-        postlock_impulse=(final[:, m.IMPULSE] - state.joints["lock_impulse"]) * locked,
-        postlock_sliding_work=(final[:, m.SLIDING_WORK] - state.joints["lock_sliding_work"]) * locked,
-        contact_starts=state.joints["contact_starts"].copy(),
-        clearance=clearance,
-        journal_radius=model.joints["journal_radius"].copy(),
-        metadata={
-            **metadata,
-            "integrator_settings": _json_ready(asdict(simulation.integrator)),
-            "steps": int(clock["steps"]),
-            "rejected_steps": int(clock["rejected_steps"]),
-            "evaluations": int(clock["evaluations"]),
-            "factorizations": int(clock["factorizations"]),
-            "stability_bound_steps": int(clock["stability_bound_steps"]),
-            **limits_of_the_laws(model.joints, contacts, penetration, normal, tangential),
-        },
-    )
-
-
-def _json_ready(values: dict[str, Any]) -> dict[str, Any]:
-    return {key: None if value == math.inf else value for key, value in values.items()}
-
-
-def _contact_table(state: Any, closed: NDArray[np.float64]) -> NDArray[np.void]:
-    rows = [tuple(row) for row in closed]
-    for j, own in enumerate(state.joints):
-        if own["in_contact"]:
-            integrals = state.integrals[m.INTEGRALS_PER_JOINT * j :]
-            rows.append(
-                (
-                    j,
-                    own["contact_start"],
-                    math.nan,
-                    own["impact_speed"],
-                    own["contact_peak"],
-                    integrals[m.IMPULSE] - own["contact_impulse"],
-                    integrals[m.SLIDING_WORK] - own["contact_sliding_work"],
-                )
-            )
-    return np.array(rows, dtype=contact_record)
+    return assemble(simulation.model, simulation.state, recorder, table, {**(metadata or {}), **details})

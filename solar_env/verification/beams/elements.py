@@ -137,14 +137,8 @@ def element_strains() -> Iterator[Check]:
             1.1 * 6.0 * turn**4 / 720.0,
         ),
     ]
-    for name, expected, obtained, tolerance in figures:
-        yield Check(
-            quantity=name,
-            expected=expected,
-            obtained=float(obtained),
-            tolerance=tolerance,
-            source="exact: E A eps^2 / 2 and E I (turn per undeformed length)^2 / 2; circle: cubic interpolation",
-        )
+    exact = "exact: E A eps^2 / 2 and E I (turn per undeformed length)^2 / 2; circle: cubic interpolation"
+    yield from compare(figures, "{}", None, exact)
 
 
 def element_tangent() -> Iterator[Check]:

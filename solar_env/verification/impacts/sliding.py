@@ -136,15 +136,7 @@ def archard_wear() -> Iterator[Check]:
             1e-6,
         ),
     )
-    for name, expected, obtained, tolerance in figures:
-        yield Check(
-            quantity=name,
-            expected=expected,
-            obtained=float(obtained),
-            tolerance=tolerance,
-            relative=True,
-            source=ARCHARD,
-        )
+    yield from compare(figures, "{}", None, ARCHARD, relative=True)
     yield from _places_of_wear("bearing", motion, 0.0, half_arc)
     yield from _places_of_wear("bearing turned by 1 rad", _worn(1.0), 1.0, half_arc)
 

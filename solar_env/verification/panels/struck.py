@@ -23,9 +23,8 @@ STRIKER = "striker"
 def _strike(impact: Impact, direction: complex, modes: int, duration: float) -> tuple[float, float, float, float]:
     """Peak force [N], impulse [N s], speed of the striker afterwards [m/s], and number of contacts."""
     place, velocity = CLEARANCE * direction, impact.speed * direction
-    striker = Body(
-        STRIKER, impact.mass, 1.0, 1.0, (0.0, 0.0), (place.real, place.imag), velocity=(velocity.real, velocity.imag)
-    )
+    origin, motion = (place.real, place.imag), (velocity.real, velocity.imag)
+    striker = Body(STRIKER, impact.mass, 1.0, 1.0, (0.0, 0.0), position=origin, velocity=motion)
     bearing = Bearing(CLEARANCE, 0.1, PowerLaw(impact.stiffness))
     joint = Joint("contact", BEAM, STRIKER, (0.0, 0.0), (0.0, 0.0), bearing=bearing)
     simulation = start(Mechanism((modal(PANEL, modes), striker), (joint,)), rtol=1e-5)

@@ -83,7 +83,7 @@ def test_what_cannot_be_solved_is_refused():
         static_equilibrium(cantilever(), load_steps=0)
     with pytest.raises(ValueError, match="unstable"):
         natural_frequencies(pendulum(angle=math.pi / 2))
-    links = tuple(Body(n, 1.0, 0.1, 1.0, (0.5, 0.0), (x, 0.0)) for n, x in (("a", 0.0), ("b", 1.0)))
+    links = tuple(Body(n, 1.0, 0.1, 1.0, (0.5, 0.0), position=(x, 0.0)) for n, x in (("a", 0.0), ("b", 1.0)))
     joints = (
         Joint("root", GROUND, "a", (0.0, 0.0), (0.0, 0.0), spring=Spring(1.0, 0.0)),
         Joint("hinge", "a", "b", (1.0, 0.0), (0.0, 0.0), spring=Spring(1.0, 0.0)),

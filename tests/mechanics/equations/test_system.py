@@ -37,8 +37,10 @@ def driven_linkage(time: float = 0.3) -> Forces:
     end_velocity = tip_velocity + spin * rod * turned((0.0, 1.0), phi)
     bodies = (
         Body("crank", 1.0, 0.1, crank, (0.1, 0.05), angle=psi, spin=rate),
-        Body("rod", 2.0, 0.3, rod, (0.5, -0.1), tuple(tip), phi, tuple(tip_velocity), spin),
-        Body("slider", 0.7, 0.05, 0.2, (0.0, 0.0), tuple(end), 0.0, tuple(end_velocity)),
+        Body(
+            "rod", 2.0, 0.3, rod, (0.5, -0.1), position=tuple(tip), angle=phi, velocity=tuple(tip_velocity), spin=spin
+        ),
+        Body("slider", 0.7, 0.05, 0.2, (0.0, 0.0), position=tuple(end), velocity=tuple(end_velocity)),
     )
     joints = (
         Joint("o", GROUND, "crank", (0.0, 0.0), (0.0, 0.0)),

@@ -144,9 +144,12 @@ def test_an_unknown_law_and_a_restitution_outside_its_range_are_refused() -> Non
 @pytest.mark.parametrize(
     ("name", "values", "rule"),
     [
-        ("stiffness", (0.0, -1.0, math.nan, math.inf), "must be positive"),
-        ("exponent", (0.9, 2.1, math.nan), "must lie between 1 and 2"),
-        ("damping", (-0.1, math.nan, math.inf), "must not be negative"),
+        ("stiffness", (0.0, -1.0), "must be positive"),
+        ("stiffness", (math.nan, math.inf), "must be finite"),
+        ("exponent", (0.9, 2.1), "must lie between 1 and 2"),
+        ("exponent", (math.nan,), "must be finite"),
+        ("damping", (-0.1,), "must not be negative"),
+        ("damping", (math.nan, math.inf), "must be finite"),
     ],
 )
 def test_a_power_law_without_sense_is_refused(name: str, values: tuple[float, ...], rule: str) -> None:

@@ -1,50 +1,24 @@
-"""Whole runs: the same bits again, state saved and restored, the energy book, and arrays of any number of panels."""
+"""Whole runs: the same bits again, samples, arrays of any number of panels, and what is refused."""
 
 from __future__ import annotations
 
-import copy
 import math
-import pickle
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from helpers import Vector, block, fingerprint, in_miniature, pendulum, rotor
+from deployments import INTEGRATORS, array, every_integrator, in_contact
+from helpers import block, fingerprint, in_miniature, pendulum, rotor
 
 from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, ModalRadau, Rosenbrock, RungeKutta
-from solar_env.mechanics.joints.contact.laws import CONTACT_LAWS
-from solar_env.mechanics.joints.friction.laws import FRICTION_LAWS, SLIDING_READINGS
 from solar_env.mechanics.joints.joint import ANGLE, NORMAL
-from solar_env.mechanics.mechanism.description import GROUND, Body, Joint, Mechanism, Stop
 from solar_env.mechanics.records.recording import make_recorder
 from solar_env.mechanics.running.simulation import Simulation, simulate
 from solar_env.mechanics.running.trajectory import Trajectory
-
-INTEGRATORS: list[Integrator] = [RungeKutta(), GeneralizedAlpha(rtol=1e-4), ModalRadau(rtol=1e-2)]
-every_integrator = pytest.mark.parametrize("integrator", INTEGRATORS, ids=lambda i: i.name)
-
-
-def array(integrator: Integrator, model: str = "rigid-clearance") -> Mechanism:
-    """The array, with modal panels for their own method."""
-    if isinstance(integrator, ModalRadau):
-        return build(ArrayParameters(), model.replace("rigid", "flexible"), modes=3)
-    return build(ArrayParameters(), model, 2)
-
-
-def in_contact(integrator: Integrator) -> Simulation:
-    """A deployment, stopped in the middle of a contact, the motor running."""
-    simulation = Simulation(array(integrator), integrator)
-    simulation.set_motor_torque(0, 0.2)
-    end = 0.3
-    while simulation.state.joints["in_contact"].sum() == 0:
-        simulation.advance(end)
-        end += 1e-4
-        assert end < 1.0
-    return simulation
 
 
 def same(one: Trajectory, other: Trajectory) -> None:
@@ -65,124 +39,9 @@ def same(one: Trajectory, other: Trajectory) -> None:
         assert getattr(one, name)[-1].tobytes() == getattr(other, name)[-1].tobytes(), name
 
 
-@every_integrator
-def test_a_restored_state_continues_to_the_same_bits_in_the_middle_of_a_contact(integrator: Integrator) -> None:
-    simulation = in_contact(integrator)
-    saved = simulation.snapshot()
-    simulation.advance(simulation.time + 0.2)
-    expected = fingerprint(simulation.state)
-    starts = simulation.state.joints["contact_starts"].copy()
-    simulation.restore(saved)
-    assert fingerprint(simulation.state) == fingerprint(saved)
-    simulation.advance(simulation.time + 0.2)
-    assert fingerprint(simulation.state) == expected
-    # Something worth restoring happened on the way.
-    assert starts.sum() > saved.joints["contact_starts"].sum()
-
-
-@every_integrator
-def test_a_snapshot_restored_into_another_simulation_continues_to_the_same_bits(integrator: Integrator) -> None:
-    simulation = in_contact(integrator)
-    copy = pickle.loads(pickle.dumps(simulation.snapshot()))
-    other = Simulation(array(integrator), integrator)
-    other.restore(copy)
-    for one in (simulation, other):
-        one.advance(one.time + 0.2)
-    assert fingerprint(other.state) == fingerprint(simulation.state)
-
-
-def test_a_pickled_snapshot_continues_to_the_same_bits_in_another_process(
-    tmp_path: Path, run_python: Callable[..., str]
-) -> None:
-    simulation = in_contact(INTEGRATORS[0])
-    path = tmp_path / "snapshot.pickle"
-    path.write_bytes(pickle.dumps(simulation.snapshot()))
-    end = simulation.time + 0.2
-    simulation.advance(end)
-    program = """
-import pickle, sys, hashlib
-from solar_env.array import ArrayParameters, build
-from solar_env.mechanics.running.simulation import Simulation
-simulation = Simulation(build(ArrayParameters()))
-simulation.restore(pickle.load(open(sys.argv[1], "rb")))
-simulation.advance(float.fromhex(sys.argv[2]))
-print(hashlib.sha256(b"".join(array.tobytes() for array in simulation.state)).hexdigest())
-"""
-    assert run_python(program, str(path), end.hex()).strip() == fingerprint(simulation.state)
-
-
-def test_a_snapshot_is_not_touched_by_what_follows() -> None:
-    simulation = in_contact(INTEGRATORS[0])
-    saved = simulation.snapshot()
-    before = fingerprint(saved)
-    simulation.advance(simulation.time + 0.05)
-    assert fingerprint(saved) == before
-
-
-@every_integrator
-def test_a_simulation_can_be_copied_and_pickled_while_it_runs(integrator: Integrator) -> None:
-    """A copy is a mechanism of its own, which goes on to the same bits."""
-    simulation = in_contact(integrator)
-    saved = simulation.snapshot()
-    copies = [copy.deepcopy(simulation), pickle.loads(pickle.dumps(simulation))]
-    simulation.advance(0.6)
-    for other in copies:
-        assert fingerprint(other.state) == fingerprint(saved)
-        other.advance(0.6)
-        assert fingerprint(other.state) == fingerprint(simulation.state)
-
-
-def test_an_integrator_of_another_formulation_is_refused() -> None:
-    simulation = Simulation(build(ArrayParameters()), RungeKutta())
-    other = Simulation(build(ArrayParameters()), ModalRadau())
-    with pytest.raises(ValueError, match="the snapshot is a State, the integrator 'modal-radau' needs a ModalState"):
-        other.restore(simulation.snapshot())
-    simulation.integrator = ModalRadau()
-    with pytest.raises(ValueError, match="'modal-radau' needs other arrays than those of this simulation; make a new"):
-        simulation.advance(0.1)
-
-
-def test_formulations_agree_on_energies_and_momenta_of_a_moving_array() -> None:
-    mechanism = build(ArrayParameters(initial_spin=0.3, initial_rate=(0.2, 0.5), hinge_y=0.1))
-    one, other = (Simulation(mechanism, integrator) for integrator in (RungeKutta(), ModalRadau()))
-    assert one.momenta() == pytest.approx(other.momenta(), rel=1e-12, abs=1e-12)
-    assert np.abs(one.momenta()).min() > 1e-3
-    assert one.stored_energies() == pytest.approx(other.stored_energies(), rel=1e-12, abs=1e-15)
-    p = ArrayParameters(initial_spin=0.3, initial_rate=(0.2, 0.5))
-    beams = Simulation(build(p, "flexible-ideal", elements=3), RungeKutta())
-    modes = Simulation(build(p, "flexible-ideal", modes=3), ModalRadau())
-    assert beams.momenta() == pytest.approx(modes.momenta(), rel=1e-12, abs=1e-12)
-
-
-def test_a_snapshot_that_is_refused_changes_nothing() -> None:
-    simulation = in_contact(RungeKutta())
-    before = fingerprint(simulation.state)
-    other = Simulation(build(ArrayParameters(wear_bins=7)))
-    with pytest.raises(ValueError, match=r"snapshot\.wear_journal has shape \(2, 7\)"):
-        simulation.restore(other.snapshot())
-    assert fingerprint(simulation.state) == before
-
-
 def test_an_integrator_that_is_none_is_refused() -> None:
     with pytest.raises(ValueError, match="integrator = 'rosenbrock' must be one of RungeKutta"):
         Simulation(pendulum(), "rosenbrock")  # type: ignore[arg-type]
-
-
-def test_a_mechanism_may_start_inside_a_stop_whose_energy_is_in_the_book() -> None:
-    stop = Stop(gap=0.01, stiffness=1e3, exponent=1.5, ramp_depth=1e-3, damping=0.0)
-    body = Body("arm", 2.0, 0.3, length=1.0, centroid=(0.6, 0.1))
-    pin = Joint("pin", GROUND, "arm", (0.0, 0.0), (0.0, 0.0), stop=stop, stow_angle=0.1)
-    run = simulate(Mechanism((body,), (pin,)), 0.3)
-    # Beyond the gap it lies 0.09 rad deep; the stop throws it out.
-    deep = 1e3 * 0.09**2.5 / 2.5
-    assert run.energies["latch"][0] == pytest.approx(deep, rel=1e-9)
-    assert run.energies["kinetic"][-1] == pytest.approx(deep, rel=1e-4)
-    assert run.energy_residual < 1e-4 * deep
-
-
-def test_a_snapshot_of_another_mechanism_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"snapshot\.q has shape \(8,\), this mechanism needs \(12,\)"):
-        Simulation(build(ArrayParameters())).restore(Simulation(pendulum()).snapshot())
 
 
 @every_integrator
@@ -276,101 +135,6 @@ def test_the_contact_table_agrees_with_the_totals() -> None:
         # Contacts of one joint follow each other.
         assert np.all(closed["start_s"][1:] >= closed["end_s"][:-1] - 1e-12)
         assert np.all(np.isnan(own["end_s"][len(closed) :]))
-
-
-def test_the_energy_book_of_a_whole_deployment_closes() -> None:
-    run = simulate(build(ArrayParameters()), 30.0)
-    assert run.energy_residual < 1e-5 * run.energy_put_in
-    # All of it that the springs gave has been lost or is on its way.
-    assert np.isfinite(run.latch_times).all()
-    for name in ("contact_dissipation", "friction_dissipation", "latch_dissipation"):
-        assert run.energies[name][-1] > 0.0
-        assert np.diff(run.energies[name]).min() > -1e-7 * run.energy_put_in
-
-
-@pytest.mark.parametrize("law", CONTACT_LAWS)
-@pytest.mark.parametrize("sliding", SLIDING_READINGS)
-def test_the_energy_book_closes_for_every_contact_law_and_sliding_speed(law: str, sliding: str) -> None:
-    p = ArrayParameters(contact_law=law, contact_stiffness=None, friction_sliding=sliding, clearance=(1e-4, 5e-4))
-    run = simulate(build(p), 3.0)
-    assert run.contact_starts.min() > 10
-    assert run.energy_residual < 1e-5 * run.energy_put_in
-    if law == "hertz":
-        assert abs(run.energies["contact_dissipation"][-1]) < 1e-12
-
-
-@pytest.mark.parametrize("law", FRICTION_LAWS)
-@pytest.mark.parametrize(
-    "integrator", [RungeKutta(), GeneralizedAlpha(rtol=1e-5), ModalRadau(rtol=1e-4)], ids=lambda i: i.name
-)
-def test_the_energy_book_closes_for_every_friction_law(law: str, integrator: Integrator) -> None:
-    run = simulate(build(ArrayParameters(friction_law=law, friction_speed_full=1e-2)), 3.0, integrator=integrator)
-    assert run.contact_starts.min() > 10
-    assert run.energy_residual < 1e-4 * run.energy_put_in
-    assert run.energies["friction_dissipation"][-1] > 0.0
-
-
-@pytest.mark.parametrize("model", ["rigid-ideal", "rigid-clearance"])
-def test_a_cable_couple_that_does_not_conserve_energy_has_its_work_booked(model: str) -> None:
-    mechanism = build(ArrayParameters(cable_torque_ratio=1.0), model)
-    run = simulate(mechanism, 5.0)
-    assert run.energies["cable_work"][-1] < -1e-3 * run.energy_put_in
-    # What the couple took out was not put in.
-    assert run.energy_put_in == pytest.approx(0.5 * (0.1 * (math.pi / 2) ** 2 + 0.075 * math.pi**2), rel=1e-9)
-    assert run.energy_residual < 1e-5 * run.energy_put_in
-    simulation = Simulation(mechanism)
-    simulation.advance(5.0)
-    assert abs(simulation.energy_residual()) < 1e-5 * run.energy_put_in
-
-
-@pytest.mark.parametrize(
-    ("integrator", "tolerance"), [(RungeKutta(rtol=1e-7), 1e-6), (ModalRadau(rtol=1e-6), 2e-4)], ids=["rigid", "modal"]
-)
-@pytest.mark.parametrize("model", ["rigid-ideal", "rigid-clearance"])
-def test_the_work_of_a_motor_is_torque_times_angle_and_balances(
-    model: str, integrator: Integrator, tolerance: float
-) -> None:
-    simulation = Simulation(array(integrator, model), integrator)
-    torque, work, angle = 0.3, 0.0, 0.0
-    for k in range(1, 9):
-        held = torque if k % 2 else -torque
-        simulation.set_motor_torque(0, held)
-        simulation.advance(0.5 * k)
-        turned = float(simulation.joint_loads()[0, ANGLE])
-        work += held * (turned - angle)
-        angle = turned
-    booked = simulation.state.integrals[m.MOTOR_WORK]
-    assert abs(booked) > 1e-3
-    # The book is kept to the tolerance of energy of every step.
-    assert booked == pytest.approx(work, rel=tolerance)
-    assert abs(simulation.energy_residual()) < 1e-5 * 0.5
-
-
-@pytest.mark.parametrize("integrator", [RungeKutta(rtol=1e-9), ModalRadau(rtol=1e-9)], ids=lambda i: i.name)
-def test_gravity_is_in_the_book(integrator: Integrator) -> None:
-    run = simulate(pendulum(), 2.0, integrator=integrator)
-    assert np.ptp(run.energies["gravity"]) > 1.0
-    assert run.energy_residual < 1e-7
-
-
-def momentum(run: Trajectory, mechanism_mass_rows: np.ndarray) -> Vector:
-    """(nt, 2) linear momentum of a run."""
-    total = np.zeros((len(run.time), 2))
-    for body in mechanism_mass_rows:
-        k = body["offset"]
-        first, second = run.velocities[:, k : k + 2], run.velocities[:, k + 2 : k + 4]
-        across = np.stack([-(second - first)[:, 1], (second - first)[:, 0]], axis=1)
-        total += (body["m11"] + body["m12"]) * first + (body["m22"] + body["m12"]) * second + body["n12"] * across
-    return total
-
-
-def test_a_free_array_keeps_its_momentum_through_every_impact() -> None:
-    mechanism = build(ArrayParameters())
-    run = simulate(mechanism, 3.0)
-    found = momentum(run, Simulation(mechanism).model.bodies)
-    moved = 6.0 * np.abs(run.velocities).max()
-    assert run.contact_starts.min() > 10
-    assert np.abs(found).max() < 1e-10 * moved
 
 
 @every_integrator

@@ -20,7 +20,7 @@ from solar_env.mechanics.integrators.step import (
 )
 from solar_env.mechanics.joints.joint import ANGLE, relative, stop_depth
 from solar_env.mechanics.numerics.jit import kernel
-from solar_env.mechanics.numerics.linear import copy_into
+from solar_env.mechanics.numerics.linear import copy_into, greater
 from solar_env.mechanics.records.recording import sample_due
 
 _END = ROWS - 1
@@ -92,15 +92,13 @@ def error_of_order_eight(model, state, stages, settings, h):
         for i in range(v.size):
             scale = rtol * (settings.velocity_scale + weights[i] * max(abs(v0[i]), abs(v[i])))
             dq, dv = combined(estimate, velocity, i), combined(estimate, acceleration, i)
-            ratio = weights[i] * max(abs(dq) * position_scale, abs(dv) / scale)
-            if not ratio <= worst:  # also true for NaN
-                worst = ratio
+            worst = greater(worst, weights[i] * max(abs(dq) * position_scale, abs(dv) / scale))
         joint_integrals = power.shape[1] - GLOBAL_INTEGRALS
         for j in range(0, joint_integrals, INTEGRALS_PER_JOINT):
             for k in BOOKED_ENERGIES:
-                worst = max(worst, abs(combined(estimate, power, j + k)) * energy_scale)
+                worst = greater(worst, abs(combined(estimate, power, j + k)) * energy_scale)
         for i in range(joint_integrals, power.shape[1]):
-            worst = max(worst, abs(combined(estimate, power, i)) * energy_scale)
+            worst = greater(worst, abs(combined(estimate, power, i)) * energy_scale)
         if order == 0:
             fifth = h * worst
         else:

@@ -1,9 +1,6 @@
 """Generalized-alpha for the index-3 equations M a + Phi_q^T lambda = Q(q, v, t), Phi(q, t) = 0: the run.
 
-One step is in `alpha_step.py`.
-
-Fixed steps divide a call evenly. Adaptive steps follow the change of the accelerations, and are shortened to end near a
-bearing wall when a contact begins that they would not resolve.
+One step is in `alpha_step.py`, the control of its length in `alpha_control.py`.
 """
 
 import math
@@ -17,9 +14,9 @@ from solar_env.mechanics.equations.system import (
     Workspace,
     applied_forces,
     make_workspace,
-    normal_inverse_mass,
     store_constraint_loads,
 )
+from solar_env.mechanics.integrators.methods.alpha_control import judge, next_step
 from solar_env.mechanics.integrators.methods.alpha_step import (
     AlphaSettings,
     Iteration,
@@ -28,15 +25,13 @@ from solar_env.mechanics.integrators.methods.alpha_step import (
     solve_step,
 )
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, alpha_coefficients
-from solar_env.mechanics.joints.contact.normal_force import impact_scales
-from solar_env.mechanics.joints.joint import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, penetration, relative
+from solar_env.mechanics.joints.joint import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, penetration
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 from solar_env.mechanics.numerics.profile import clear
 from solar_env.mechanics.records.history import (
     check_state,
     fail,
-    impact_step_limit,
     latch,
     settle_joints,
     start_contact,
@@ -97,46 +92,6 @@ def prepare(model, state, it, work):
     copy_into(it.power, work.power)
     for j in range(joints.size):
         it.angle[j] = work.loads[j, ANGLE]
-
-
-@kernel(single_caller=True)
-def error_norm(model, state, it, settings, h):
-    """Local error in units of the tolerance, from the change of the accelerations (Zienkiewicz and Xie 1991).
-
-    O. C. Zienkiewicz and Y. M. Xie, Earthq. Eng. Struct. Dyn. 20 (1991) 871, doi:10.1002/eqe.4290200907.
-    Multipliers are left out.
-    """
-    worst = 0.0
-    factor = abs(settings.beta - 1.0 / 6.0) * h
-    for i in range(state.q.size):
-        estimate = factor * abs(it.auxiliary[i] - state.algorithmic_a[i])
-        scale = settings.rtol * (settings.velocity_scale + max(abs(state.v[i]), abs(it.v[i])))
-        ratio = estimate / scale
-        if not ratio <= worst:
-            worst = ratio
-    return worst
-
-
-@kernel(single_caller=True)
-def landing_step(model, state, it, scratch, settings, h):
-    """A step that ends near the wall if a contact begins inside this one and `h` does not resolve it, else `h`."""
-    joints, joint_states, markers = model.joints, state.joints, model.markers
-    shorter = h
-    for j in range(joints.size):
-        joint = joints[j]
-        if joint.kind != m.CLEARANCE or joint_states[j].in_contact:
-            continue
-        depth, _ = penetration(joint, markers, it.q, it.v)
-        if depth <= 0.0:
-            continue
-        scratch.loads[j, ECCENTRICITY_X], scratch.loads[j, ECCENTRICITY_Y] = relative(joint, markers, it.q)
-        inverse_mass = normal_inverse_mass(model, it.q, it.v, j, scratch)
-        speed = max(it.depth_rate[j], joint.minimum_impact_speed)
-        _, duration = impact_scales(joint, inverse_mass, speed)
-        flight = -it.depth[j] / speed
-        wanted = max(min(flight, 0.5 * h), duration / settings.impact_resolution)
-        shorter = min(shorter, wanted)
-    return shorter
 
 
 @kernel(inner=True)
@@ -210,40 +165,6 @@ def accept(model, state, it, work, scratch, recorder, h):
         k = m.INTEGRALS_PER_JOINT * j + m.SLIDING_WORK
         it.sliding_work[j] = 0.5 * h * (it.power[k] + work.power[k])
     settle_joints(model, state, work.loads, it.sliding_work, start, it.depth, recorder)
-
-
-@kernel(single_caller=True)
-def next_step(state, settings, remaining):
-    """Step to try: the fixed one, divided so that a whole number of them ends the call, or the controller's."""
-    if settings.rtol == 0.0:
-        return remaining / math.ceil(remaining / settings.step - 1e-9)
-    clock = state.clock[0]
-    wanted = clock.step_size if clock.step_size > 0.0 else settings.step
-    wanted = min(wanted, settings.max_step, impact_step_limit(state, clock.time, settings.impact_resolution))
-    if wanted >= remaining:
-        return remaining
-    # Two even steps rather than one followed by a sliver.
-    return 0.5 * remaining if 2.0 * wanted > remaining else wanted
-
-
-@kernel(single_caller=True)
-def judge(model, state, it, scratch, settings, h, convergence):
-    """Step to retry with, or 0 to accept. Sets the controller's next step."""
-    clock = state.clock[0]
-    clock.failure_value = convergence
-    if not convergence <= 1.0:
-        return 0.25 * h
-    shorter = landing_step(model, state, it, scratch, settings, h)
-    if shorter < h:
-        return shorter
-    error = error_norm(model, state, it, settings, h)
-    clock.failure_value = error
-    if not error <= 1.0:
-        return h * max(0.9 * error**-0.5, 0.2)
-    grow = min(0.9 * max(error, 1e-6) ** -0.5, 2.0)
-    # A change of step costs a restart: keep the step unless much is gained.
-    clock.step_size = max(clock.step_size, h * grow) if grow > 1.5 else h
-    return 0.0
 
 
 @kernel(inner=True)

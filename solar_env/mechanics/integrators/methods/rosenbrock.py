@@ -9,12 +9,8 @@ from typing import NamedTuple
 from solar_env.mechanics.arrays.model import Model, State
 from solar_env.mechanics.equations.newton import fill_mass
 from solar_env.mechanics.equations.system import make_workspace
-from solar_env.mechanics.integrators.methods.rosenbrock_step import (
-    NEVER,
-    LinearStep,
-    attempt_implicit,
-    make_linear_step,
-)
+from solar_env.mechanics.integrators.methods.rosenbrock_stages import NEVER, LinearStep, make_linear_step
+from solar_env.mechanics.integrators.methods.rosenbrock_step import attempt_implicit
 from solar_env.mechanics.integrators.methods.runge_kutta import (
     STABILITY_MARGIN,
     STAGES,

@@ -20,7 +20,7 @@ from solar_env.mechanics.integrators.methods.stiff_forces import begin_step, cor
 from solar_env.mechanics.integrators.step import AdaptiveArrays, AdaptiveSettings, make_adaptive_arrays, refresh
 from solar_env.mechanics.joints.joint import penetration
 from solar_env.mechanics.numerics.jit import kernel
-from solar_env.mechanics.numerics.linear import copy_into
+from solar_env.mechanics.numerics.linear import copy_into, greater
 
 STAGES = 5
 _NODES = (0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0, 1.0)
@@ -202,7 +202,7 @@ def contact_error(model, stages, stiff, h):
             for s in range(STAGES):
                 rate += _ERROR[s] * product(stiff.gradient[c], stages.velocity[s])
             depth, _ = penetration(model.joints[j], model.markers, stages.q, stages.v)
-            worst = max(worst, h * abs(rate) / (_DEPTH_ERROR * max(depth, stages.depth[j])))
+            worst = greater(worst, h * abs(rate) / (_DEPTH_ERROR * max(depth, stages.depth[j])))
     return worst
 
 
@@ -231,20 +231,19 @@ def error_norm(model, state, stages, stiff, rtol, velocity_scale, h):
         ratios[i] = h * weights[i] * max(abs(dq) * position_scale, abs(dv) / scale)
     worst = 0.0
     for i in range(v.size):
-        if not ratios[i] <= worst:  # also true for NaN
-            worst = ratios[i]
+        worst = greater(worst, ratios[i])
     energy_tolerance = rtol * state.clock[0].energy_scale
     joint_integrals = power.shape[1] - m.GLOBAL_INTEGRALS
     for j in range(0, joint_integrals, m.INTEGRALS_PER_JOINT):
         for k in BOOKED_ENERGIES:
             i = j + k
             de = e0 * power[0, i] + e1 * power[1, i] + e2 * power[2, i] + e3 * power[3, i] + e4 * power[4, i]
-            worst = max(worst, abs(h * de) / energy_tolerance)
+            worst = greater(worst, abs(h * de) / energy_tolerance)
     for i in range(joint_integrals, power.shape[1]):
         de = e0 * power[0, i] + e1 * power[1, i] + e2 * power[2, i] + e3 * power[3, i] + e4 * power[4, i]
-        worst = max(worst, abs(h * de) / energy_tolerance)
+        worst = greater(worst, abs(h * de) / energy_tolerance)
     if stiff.active[0] > 0:
-        worst = max(worst, contact_error(model, stages, stiff, h))
+        worst = greater(worst, contact_error(model, stages, stiff, h))
         restore_ends(v0, stages, stiff)
     return worst
 

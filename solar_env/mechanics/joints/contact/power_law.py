@@ -10,6 +10,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from typing import ClassVar
 
+from solar_env.mechanics.numerics.checks import require, require_finite, require_signs
+
 
 def impact_defect(d: float, e: float) -> float:
     """Defect ln[(1 + d) / (1 - d e)] - d (1 + e) of the equation between damping factor and exit over entry speed."""
@@ -42,13 +44,9 @@ class PowerLaw:
     damping: float = 0.0
 
     def __post_init__(self) -> None:
-        for name, holds, rule in (
-            ("stiffness", self.stiffness > 0.0, "must be positive"),
-            ("exponent", 1.0 <= self.exponent <= 2.0, "must lie between 1 and 2"),
-            ("damping", self.damping >= 0.0, "must not be negative"),
-        ):
-            if not (holds and math.isfinite(getattr(self, name))):
-                raise ValueError(f"PowerLaw.{name} = {getattr(self, name)!r}: {rule}")
+        require_finite(self)
+        require_signs(self, positive=("stiffness",), not_negative=("damping",))
+        require(1.0 <= self.exponent <= 2.0, self, "exponent", self.exponent, "must lie between 1 and 2")
 
     def parameters(self) -> tuple[float, ...]:
         """The attributes, and the duration of an undamped impact in units of greatest depth over impact speed.

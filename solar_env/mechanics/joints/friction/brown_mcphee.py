@@ -8,6 +8,8 @@ from collections.abc import Sequence
 from dataclasses import astuple, dataclass
 from typing import ClassVar
 
+from solar_env.mechanics.numerics.checks import require, require_finite, require_signs
+
 
 @dataclass(frozen=True)
 class BrownMcPhee:
@@ -24,10 +26,9 @@ class BrownMcPhee:
     static_ratio: float = 1.0
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.transition_speed < math.inf:
-            raise ValueError(f"BrownMcPhee.transition_speed = {self.transition_speed!r}: must be positive")
-        if not 1.0 <= self.static_ratio < math.inf:
-            raise ValueError(f"BrownMcPhee.static_ratio = {self.static_ratio!r}: must be at least 1")
+        require_finite(self)
+        require_signs(self, positive=("transition_speed",))
+        require(self.static_ratio >= 1.0, self, "static_ratio", self.static_ratio, "must be at least 1")
 
     def parameters(self) -> tuple[float, ...]:
         """The attributes."""

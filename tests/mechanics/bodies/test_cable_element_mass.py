@@ -1,0 +1,191 @@
+"""Mass, weight, vibration and attachments of beams of cable elements."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from cable_beams import (
+    BEAM,
+    RIGID,
+    deformed,
+    elastic_forces,
+    internal_force,
+    mass_matrix,
+    quarter_turns,
+    straight,
+    tangent,
+    translation,
+)
+from helpers import Vector, turned
+from scipy.linalg import eigh
+
+from solar_env.mechanics.bodies.cable_element.element import (
+    add_mass_matrix,
+    add_mass_product,
+    kinetic_energy,
+    solve_mass,
+)
+from solar_env.mechanics.bodies.markers import direction, place
+from solar_env.mechanics.equations.build import compile_mechanism
+from solar_env.mechanics.mechanism.description import GROUND, Drive, Guide, Joint, Load, Mechanism, Point
+from solar_env.mechanics.numerics.profile import dense, make_profile_matrix
+
+
+def hermite(elements: int, length: float, points: int) -> tuple[Vector, Vector, np.ndarray]:
+    """Arc lengths, quadrature weights and shape functions (points, nodal values) of a beam, by polynomial fit."""
+    gauss, weights = np.polynomial.legendre.leggauss(points)
+    step = length / elements
+    arcs, quadrature = [], []
+    shapes = np.zeros((elements * points, 2 * (elements + 1)))
+    # Cubics whose values and slopes at both ends are the unit vectors.
+    conditions = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [1, step, step**2, step**3], [0, 1, 2 * step, 3 * step**2]])
+    cubics = np.linalg.inv(conditions)
+    for e in range(elements):
+        s = 0.5 * step * (gauss + 1.0)
+        arcs.append(e * step + s)
+        quadrature.append(0.5 * step * weights)
+        powers = np.stack([s**k for k in range(4)], axis=1)
+        shapes[e * points : (e + 1) * points, 2 * e : 2 * e + 4] = powers @ cubics
+    return np.concatenate(arcs), np.concatenate(quadrature), shapes
+
+
+@pytest.mark.parametrize("elements", range(1, 13))
+def test_the_mass_matrix_is_the_quadrature_of_the_shape_functions(elements: int) -> None:
+    scene = straight(replace(BEAM, elements=elements))
+    # Products of cubics: four Gauss points are exact.
+    _, weights, shapes = hermite(elements, BEAM.length, 4)
+    expected = np.kron(BEAM.linear_density * shapes.T @ (weights[:, None] * shapes), np.eye(2))
+    assert mass_matrix(scene) == pytest.approx(expected, abs=1e-14 * np.abs(expected).max())
+    assert kinetic_energy(scene.beam, scene.model.body_constants, scene.v) == 0.0
+    scene.v[:] = np.random.default_rng(elements).normal(size=scene.v.size)
+    v = scene.v[scene.own]
+    assert kinetic_energy(scene.beam, scene.model.body_constants, scene.v) == pytest.approx(
+        0.5 * v @ expected @ v, rel=1e-13
+    )
+
+
+def test_a_beam_that_moves_rigidly_has_the_momenta_and_energy_of_a_rod() -> None:
+    beam = replace(BEAM, position=(0.4, -1.0), angle=0.7, velocity=(0.3, -0.8), spin=2.1)
+    scene = straight(beam)
+    mass, inertia = beam.linear_density * beam.length, beam.linear_density * beam.length**3 / 12.0
+    arm = 0.5 * beam.length * turned((1.0, 0.0), beam.angle)
+    centre = np.array(beam.position) + arm
+    velocity = np.array(beam.velocity) + beam.spin * np.array([-arm[1], arm[0]])
+    momentum = mass_matrix(scene) @ scene.v[scene.own]
+    found = [momentum @ field[scene.own] for field in (translation(scene, 0), translation(scene, 1))]
+    assert found == pytest.approx(mass * velocity, rel=1e-13)
+    spin = mass * (centre[0] * velocity[1] - centre[1] * velocity[0]) + inertia * beam.spin
+    assert momentum @ quarter_turns(scene.q)[scene.own] == pytest.approx(spin, rel=1e-12)
+    energy = 0.5 * mass * velocity @ velocity + 0.5 * inertia * beam.spin**2
+    assert kinetic_energy(scene.beam, scene.model.body_constants, scene.v) == pytest.approx(energy, rel=1e-13)
+
+
+@pytest.mark.parametrize("elements", range(1, 13))
+def test_solving_the_mass_matrix_inverts_its_product(elements: int) -> None:
+    scene = straight(replace(BEAM, elements=elements))
+    rng = np.random.default_rng(elements)
+    a, force = rng.normal(size=scene.q.size), np.zeros_like(scene.q)
+    add_mass_product(scene.beam, scene.model.body_constants, a, force)
+    solved = np.full_like(a, 7.0)
+    solve_mass(scene.beam, scene.model.body_constants, force, solved)
+    rounding = 1e-15 * np.linalg.cond(mass_matrix(scene))
+    assert solved[scene.own] == pytest.approx(a[scene.own], abs=rounding)
+    # Other bodies' coordinates are left alone.
+    assert np.all(solved[: scene.beam.offset] == 7.0)
+
+
+def test_products_are_added_to_what_is_there() -> None:
+    scene = deformed(0)
+    out, force = np.ones_like(scene.q), np.ones_like(scene.q)
+    add_mass_product(scene.beam, scene.model.body_constants, scene.v, out)
+    assert out[scene.own] == pytest.approx(1.0 + mass_matrix(scene) @ scene.v[scene.own], rel=1e-13)
+    elastic_forces(scene.model, scene.q, scene.v, force)
+    assert force[scene.own] == pytest.approx(1.0 + internal_force(scene), rel=1e-13)
+
+
+def test_the_mass_part_of_newtons_matrix_is_the_weighted_mass_matrix() -> None:
+    scene = straight()
+    elimination = scene.model.elimination
+    matrix = make_profile_matrix(elimination)
+    add_mass_matrix(scene.beam, scene.model.body_constants, 0.7, elimination, matrix)
+    found = dense(elimination, matrix)
+    assert found[scene.own, scene.own] == pytest.approx(0.7 * mass_matrix(scene), rel=1e-14)
+    found[scene.own, scene.own] = 0.0
+    assert not found.any()
+
+
+# Roots of cos x cosh x = 1.
+FREE_FREE = (4.730040744862704, 7.853204624095838, 10.995607838001671)
+
+
+@pytest.mark.parametrize("elements", [6, 12])
+def test_a_free_beam_vibrates_at_the_frequencies_of_the_textbook(elements: int) -> None:
+    beam = replace(BEAM, elements=elements)
+    scene = straight(beam)
+    squares = eigh(tangent(scene, 1.0, 0.0), mass_matrix(scene), eigvals_only=True)
+    # Two translations and a turn cost nothing.
+    assert squares[:3] == pytest.approx(0.0, abs=1e-13 * squares[-1])
+    L, density = beam.length, beam.linear_density
+    bending = np.square(FREE_FREE) * math.sqrt(beam.bending_stiffness / density) / L**2
+    axial = np.arange(1, 3) * math.pi * math.sqrt(beam.axial_stiffness / density) / L
+    found = np.sqrt(squares[3:])
+    for expected in (*bending, *axial):
+        # An error of (wave number * element length)^4 / 720 and less.
+        number = max(FREE_FREE) / elements
+        assert np.abs(found / expected - 1.0).min() < number**4 / 720.0
+
+
+@pytest.mark.parametrize("angle", [0.0, 1.0, -2.5])
+def test_nodes_stand_and_move_as_described(angle: float) -> None:
+    beam = replace(BEAM, position=(1.0, -1.0), angle=angle, velocity=(0.1, 0.2), spin=3.0)
+    scene = straight(beam)
+    along, across = turned((1.0, 0.0), angle), turned((0.0, 1.0), angle)
+    nodes, rates = scene.q[scene.own].reshape(-1, 4), scene.v[scene.own].reshape(-1, 4)
+    for k, arc in enumerate(np.linspace(0.0, beam.length, beam.elements + 1)):
+        assert nodes[k] == pytest.approx([*(np.array(beam.position) + arc * along), *along], abs=1e-15)
+        assert rates[k] == pytest.approx([*(np.array(beam.velocity) + 3.0 * arc * across), *(3.0 * across)], abs=2e-15)
+
+
+@pytest.mark.parametrize("node", range(BEAM.elements + 1))
+def test_a_part_attached_to_a_node_moves_and_turns_with_it(node: int) -> None:
+    spot = (node * BEAM.length / BEAM.elements, 0.0)
+    model, state = compile_mechanism(Mechanism((RIGID, BEAM), loads=(Load("beam", spot, torque=1.0),)))
+    q = np.random.default_rng(node).normal(size=state.q.size)
+    marker = model.markers[0]
+    own = q[4 + 4 * node : 8 + 4 * node]
+    assert [*place(marker, q), *direction(marker, q)] == own.tolist()
+
+
+STEP = BEAM.length / BEAM.elements
+OFF_NODE: dict[str, Point] = {
+    "between nodes": (0.5 * STEP, 0.0),
+    "beside a node": (STEP, 1e-6),
+    "before the first": (-STEP, 0.0),
+    "behind the last": (BEAM.length + STEP, 0.0),
+    "almost at a node": (STEP * (1.0 + 1e-6), 0.0),
+}
+
+
+@pytest.mark.parametrize("place", OFF_NODE.values(), ids=OFF_NODE.keys())
+@pytest.mark.parametrize("part", ["bearing", "journal", "guide", "drive", "load"])
+def test_an_attachment_off_the_nodes_is_refused_with_the_nodes(part: str, place: Point) -> None:
+    attached: dict[str, Any] = {
+        "bearing": {"joints": (Joint("pin", "beam", "rigid", place, (0.0, 0.0)),)},
+        "journal": {"joints": (Joint("pin", GROUND, "beam", (0.0, 0.0), place),)},
+        "guide": {"guides": (Guide("beam", place, (0.0, 1.0)),)},
+        "drive": {"drives": (Drive("beam", 0.0, 1.0, point=place),)},
+        "load": {"loads": (Load("beam", place, (1.0, 0.0)),)},
+    }[part]
+    with pytest.raises(ValueError, match=r"is not a node of flexible body 'beam'; its nodes are \(k \* 0\.566667, 0\)"):
+        compile_mechanism(Mechanism((RIGID, BEAM), **attached))
+
+
+def test_the_weight_of_a_beam_is_that_of_its_shape_functions() -> None:
+    model, _ = compile_mechanism(Mechanism((RIGID, BEAM), gravity=(0.3, -9.81)))
+    _, weights, shapes = hermite(BEAM.elements, BEAM.length, 4)
+    expected = np.outer(BEAM.linear_density * shapes.T @ weights, (0.3, -9.81)).ravel()
+    assert model.constant_force[4:] == pytest.approx(expected, abs=1e-14)

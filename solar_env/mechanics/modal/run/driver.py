@@ -27,7 +27,7 @@ from solar_env.mechanics.modal.arrays import (
 )
 from solar_env.mechanics.modal.panel.tables import LEVELS, fill_level, level_below, level_size
 from solar_env.mechanics.modal.run.books import add_integrals, note_peaks
-from solar_env.mechanics.modal.run.events import NONE, begin_event, first_event
+from solar_env.mechanics.modal.run.events import CONTACT, NONE, begin_event, event_function, first_event
 from solar_env.mechanics.modal.run.sampling import record_modal_sample
 from solar_env.mechanics.modal.step.acceptance import commit_step, keep_loads, step_error
 from solar_env.mechanics.modal.step.equations import fill_torques
@@ -51,6 +51,8 @@ _FIRST_STEP = 1e-4  # s
 _MOST_EVENTS_AT_ONCE = 1000
 _SMALLEST_PART = 1e-13  # s, before an event; in less time nothing moves
 _FASTEST_GROWTH = 4.0
+# Of clearances, and angles [rad], by which an event may be missed.
+_EVENT_TOLERANCE = 1e-6
 # Level of tables for one step size, of the type of other levels: of another one kernels would be compiled anew.
 _CUT = np.int64(0)
 # Depth errors of a step over rtol, relative to the depth.
@@ -227,13 +229,24 @@ def take_modal_step(model, state, settings, recorder, end_time, work):
     if kind != NONE and work.counts[1] > 0:
         begin_event(model, state, work, joint, kind)
         return DONE
-    if kind != NONE and share < 1.0:
+    while kind != NONE and share < 1.0:
         last = False
         h *= share
         tables, level = cut_tables(model, work, h), _CUT
         if not solve_step(model, state, work, settings, tables, level, h):
             reject_step(clock, h, False, math.inf)
             return DONE
+        # Vibrations within a long step pass by the cubic that has placed the event: it is placed again in the cut one.
+        past = event_function(model, state, work, joint, kind, h, 1.0)
+        tolerance = _EVENT_TOLERANCE * (model.joints[joint].clearance if kind == CONTACT else 1.0)
+        if past < -tolerance:
+            kind = NONE
+        elif past <= tolerance:
+            break
+        else:
+            share, joint, kind = first_event(model, state, work, h)
+            if share * h <= _SMALLEST_PART:
+                break
     accept_step(model, state, work, recorder, tables, level, h)
     if last:
         clock.time = end_time

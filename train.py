@@ -17,7 +17,7 @@ from agents.arguments import ModelOptions, TrainingOptions, command_line, parse_
 from agents.comparison.evaluation import efforts, evaluate
 from agents.comparison.figures import run_figure
 from agents.comparison.report import Summary, Tables, write_comparison
-from agents.comparison.suites import WHOLE_TORQUE_MODEL
+from agents.comparison.suites import MODEL, WHOLE_TORQUE_MODEL
 from agents.environments import (
     DEFAULT_ENV_ID,
     check_distinct_seeds,
@@ -33,9 +33,7 @@ from agents.rollout import Step, run_episode
 from agents.torque_laws import Signals
 
 BASELINES = ("passive", "servo-untuned", "servo")
-# The cheapest model from which agents that beat the servo transfer to six elements, see `agents.transfer`, and as many
-# steps on it as leave a training with its comparison within ten minutes on two cores.
-MODEL = {"model": "flexible-clearance", "elements": 2}
+# As many as leave a training with its comparison within ten minutes on two cores.
 TIMESTEPS = 86_400
 
 
@@ -43,7 +41,7 @@ TIMESTEPS = 86_400
 class Args(ModelOptions, TrainingOptions):
     """Train a controller that deploys the solar array softly, and compare it with the baselines.
 
-    The model is flexible-clearance with 2 elements, or rigid-clearance for the whole torque, unless another is named;
+    The model is flexible-clearance, or rigid-clearance for the whole torque, unless another is named;
     training takes at most 86,400 steps where neither a model, the whole torque nor a number of steps is asked for. With
     --resume all that is not given is as in the run to resume.
     """

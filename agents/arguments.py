@@ -86,11 +86,11 @@ class ModelOptions:
     model: str | None = None
     """rigid-ideal, rigid-clearance, flexible-ideal, flexible-clearance or auto; None: see above"""
     panels: str | None = None
-    """ancf or modal: model of flexible panels; None: what elements or modes ask for, else ancf"""
+    """modal or ancf: model of flexible panels; None: what elements or modes ask for, else modal"""
     elements: int | None = None
-    """beam elements of each panel of a flexible model; None: see above, or 6 for a model that is named"""
+    """beam elements of each panel; None: 6 where panels are ancf"""
     modes: int | None = None
-    """bending modes of each modal panel; None: 24"""
+    """bending modes of each modal panel; None: see above, or 24 for a model that is named"""
     env_kwargs: Assignments = dataclasses.field(default_factory=dict)
     """environment keywords, for example torque_limit=0.3 observation=privileged"""
 

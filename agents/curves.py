@@ -12,7 +12,7 @@ import numpy as np
 from agents import runs
 from agents.arguments import ModelOptions, TrainingOptions, command_line, parse_arguments, run_command
 from agents.comparison.figures import learning_curves_figure
-from agents.comparison.suites import SUITES, TRAINING_MODEL, WHOLE_TORQUE_MODEL
+from agents.comparison.suites import MODEL, SUITES, WHOLE_TORQUE_MODEL
 from agents.environments import check_distinct_seeds
 from agents.learning import configurations, learn
 from solar_env.environment.registration import ENVIRONMENTS
@@ -28,7 +28,7 @@ Curves = dict[tuple[str, str], tuple[np.ndarray, np.ndarray]]
 class Args(ModelOptions, TrainingOptions):
     """Train agents on both scenarios with several seeds and draw how their validation returns develop.
 
-    The model is flexible-clearance with 4 elements unless another is named, and for the whole torque rigid-clearance.
+    The model is flexible-clearance unless another is named, and for the whole torque rigid-clearance.
     """
 
     algos: list[str] = field(default_factory=lambda: sorted(runs.ALGORITHMS))
@@ -53,7 +53,7 @@ def wanted_runs(args: Args) -> dict[tuple[str, str], dict[Path, configurations.C
         if whole:
             keywords = {**args.env_kwargs, **WHOLE_TORQUE_MODEL}
         else:
-            keywords = args.keywords(env_id, TRAINING_MODEL)
+            keywords = args.keywords(env_id, MODEL)
         panel = f"{ENVIRONMENTS[env_id]}, {keywords['model']}, {'whole torque' if whole else 'added to the servo'}"
         residual, landings = (0.0, None) if whole else (None, args.landings)
         numbers = None, args.timesteps, args.hyperparams, residual, landings

@@ -7,7 +7,6 @@ from typing import Any, Literal
 import gymnasium
 
 import solar_env  # noqa: F401  (registers the environment ids)
-from solar_env.array.panels import MODAL
 from solar_env.environment.settings import EnvironmentSettings
 
 DEFAULT_ENV_ID = "solar_env/Deploy-v0"
@@ -15,6 +14,9 @@ DEFAULT_ENV_ID = "solar_env/Deploy-v0"
 # The nominal scenario is deterministic, and impacts are chaotic: the figures of a single deployment would be arbitrary.
 # Episodes therefore differ by micrometres in the place of the root hinge, as those of the paper's ensembles here.
 SAMPLED, HALF_WIDTH = "hinge_x", 5e-6
+
+# One of them says how panels are modelled, and two may contradict each other.
+PANEL_KEYWORDS = ("panels", "elements", "modes")
 
 Purpose = Literal["training", "validation", "evaluation"]
 _BLOCKS: dict[Purpose, int] = {"training": 0, "validation": 1, "evaluation": 2}
@@ -57,6 +59,12 @@ def without_sampling(env_kwargs: Mapping[str, Any], env_id: str = DEFAULT_ENV_ID
     return asked if with_sampling(asked, env_id).get("randomize") == drawn else dict(env_kwargs)
 
 
+def completed(given: Mapping[str, Any], usual: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the keywords `given` with those of `usual` that they lack, but for its panels where they name any."""
+    left_out = PANEL_KEYWORDS if any(name in given for name in PANEL_KEYWORDS) else ()
+    return {**{name: value for name, value in usual.items() if name not in left_out}, **given}
+
+
 def with_model(
     env_kwargs: Mapping[str, Any],
     model: str | None = None,
@@ -69,7 +77,7 @@ def with_model(
 ) -> dict[str, Any]:
     """Return `env_kwargs` with the options `--model`, `--panels`, `--elements` and `--modes` that are not None.
 
-    The keywords in `default` complete them where no model is named, but for its elements where panels are modal.
+    Where no model is named, that of `default` is taken, with its panels unless others are named.
     `model="auto"` is replaced by the level that it stands for, so that a record says what was simulated even after the
     ladder has been measured anew.
 
@@ -84,9 +92,7 @@ def with_model(
             raise ValueError(f"--{name} {value} contradicts --env-kwargs {name}={env_kwargs[name]}; give one of them")
     chosen = {**env_kwargs, **given}
     if "model" not in chosen:
-        modal = "modes" in chosen or chosen.get("panels") == MODAL
-        kept = {name: value for name, value in (default or {}).items() if name != "elements" or not modal}
-        chosen = {**kept, **chosen}
+        chosen = completed(chosen, default or {})
     if str(chosen.get("model")).startswith("rigid"):
         for name in given.keys() - {"model"}:
             raise ValueError(f"--{name} {given[name]}: panels of {chosen['model']} have none; name a flexible model")

@@ -13,7 +13,7 @@ from agents.comparison.evaluation import STORE, common_env_id, common_env_kwargs
 from agents.comparison.figures import comparison_figure
 from agents.comparison.report import write_comparison
 from agents.comparison.suites import MODEL, SUITES, suite_controllers
-from agents.environments import with_sampling
+from agents.environments import completed, with_sampling
 from agents.laws.table import LAWS
 from solar_env.support.readme import Section
 
@@ -38,7 +38,7 @@ class Args(ModelOptions, WorkerOptions):
 
     suite: str | None = None
     """paper or robust: the passive deployment, all tuned baselines and the shipped policies of a scenario, nominal or
-    randomised, on flexible-clearance with 6 elements; names the folder too"""
+    randomised, on flexible-clearance; names the folder too"""
     controllers: Annotated[list[str], tyro.conf.arg(help=CONTROLLERS)] = field(default_factory=list)
     episodes: int = 100
     """episodes of each controller"""
@@ -65,7 +65,7 @@ def main(argv: Sequence[str] | None = None) -> None:
         env_id = args.env_id or common_env_id(controllers)
         common = {}
     given = args.keywords(env_id)
-    given = {**(common or common_env_kwargs(controllers, env_id, given)), **given}
+    given = completed(given, common or common_env_kwargs(controllers, env_id, given))
     out = Path(args.out or (Path("evaluation") / (args.suite or "")))
     env_kwargs = with_sampling(given, env_id)
     rows = evaluate(

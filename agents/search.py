@@ -11,7 +11,7 @@ import numpy as np
 
 from agents import runs
 from agents.arguments import ModelOptions, WorkerOptions, command_line, parse_arguments, run_command
-from agents.comparison.suites import TRAINING_MODEL, WHOLE_TORQUE_MODEL
+from agents.comparison.suites import MODEL, WHOLE_TORQUE_MODEL
 from agents.environments import DEFAULT_ENV_ID
 from agents.laws.baselines import CONFIGS
 from agents.learning import configurations, learn
@@ -79,7 +79,7 @@ WHOLE_TORQUE = {"log_std_init": Range(-4.0, 0.0), "exploration_noise": Range(0.0
 class Args(ModelOptions, WorkerOptions):
     """Search hyperparameters of an agent and write the best to agents/configs.
 
-    The model is flexible-clearance with 4 elements, or rigid-clearance for the whole torque, unless another is named.
+    The model is flexible-clearance, or rigid-clearance for the whole torque, unless another is named.
     """
 
     algo: str = "ppo"
@@ -169,7 +169,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     args = parse_arguments(Args, argv, PROG)
     if args.algo not in SPACES:
         raise ValueError(f"nothing to search for {args.algo!r}; choose from {', '.join(SPACES)}")
-    default = WHOLE_TORQUE_MODEL if args.whole else TRAINING_MODEL
+    default = WHOLE_TORQUE_MODEL if args.whole else MODEL
     env_kwargs = args.keywords(args.env_id, default)
     command = command_line(PROG, argv)
     scores: dict[Path, float] = {}

@@ -29,7 +29,7 @@ FRAMES_PER_SECOND = 10
 class Args(ModelOptions):
     """Draw one episode of several controllers, the same for all, and animate them one above the other.
 
-    The model is flexible-clearance with 6 elements unless another is named.
+    The model is flexible-clearance unless another is named.
     """
 
     controllers: list[str] = field(default_factory=lambda: ["passive", "servo"])

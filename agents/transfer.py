@@ -29,6 +29,7 @@ LEVELS: dict[str, dict[str, Any]] = {
     "2 elements": {"model": "flexible-clearance", "elements": 2},
     "4 elements": {"model": "flexible-clearance", "elements": 4},
     "6 elements": {"model": "flexible-clearance", "elements": 6},
+    "24 modes": {"model": "flexible-clearance", "modes": 24},
 }
 
 
@@ -68,7 +69,7 @@ def train_all(args: Args, command: str) -> dict[str, list[Path]]:
     for level, keywords in LEVELS.items():
         wanted[level] = {
             Path(args.out) / f"{level.replace(' ', '-')}-{seed}": configurations.complete(
-                args.algo, args.env_id, _on_level(args, keywords), seed, *numbers, law_model=LAW_MODEL
+                args.algo, args.env_id, on_level(args, keywords), seed, *numbers, law_model=LAW_MODEL
             )
             for seed in args.seeds
         }
@@ -87,7 +88,7 @@ def judge_all(args: Args, folders: Mapping[str, Sequence[Path]]) -> dict[str, di
             args.episodes,
             EVALUATION_SEED,
             args.env_id,
-            _on_level(args, keywords),
+            on_level(args, keywords),
             not args.quiet,
             args.workers,
             Path(args.out) / f"{level.replace(' ', '-')}-{STORE}",
@@ -96,9 +97,10 @@ def judge_all(args: Args, folders: Mapping[str, Sequence[Path]]) -> dict[str, di
     return returns
 
 
-def _on_level(args: Args, keywords: Mapping[str, Any]) -> dict[str, Any]:
+def on_level(args: Args, keywords: Mapping[str, Any]) -> dict[str, Any]:
     """Return the environment keywords on a level, which `--env-kwargs` must not contradict."""
-    return with_model(args.env_kwargs, keywords["model"], keywords.get("elements"), args.env_id)
+    model, elements, modes = (keywords.get(name) for name in ("model", "elements", "modes"))
+    return with_model(args.env_kwargs, model, elements, args.env_id, modes=modes)
 
 
 def markdown(returns: Mapping[str, Mapping[str, Estimate]]) -> str:

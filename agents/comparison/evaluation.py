@@ -7,7 +7,14 @@ from typing import Any
 from agents.comparison.controllers import parse_controller, parse_controllers
 from agents.comparison.episodes import episode_cell, run_cells
 from agents.comparison.report import Row
-from agents.environments import DEFAULT_ENV_ID, environment_settings, episode_seeds, with_sampling, without_sampling
+from agents.environments import (
+    DEFAULT_ENV_ID,
+    PANEL_KEYWORDS,
+    environment_settings,
+    episode_seeds,
+    with_sampling,
+    without_sampling,
+)
 from solar_env.support.campaigns import ONE, Cell, Workers
 
 STORE = "episodes.jsonl"
@@ -98,6 +105,7 @@ def common_env_kwargs(
     for controller in map(parse_controller, controllers):
         if training := controller.training():
             left_out = {"observation", *given, *(() if training["env_id"] == env_id else ("randomize",))}
+            left_out |= set(PANEL_KEYWORDS) if left_out.intersection(PANEL_KEYWORDS) else set()
             asked = without_sampling(training["env_kwargs"], training["env_id"])
             physics[controller.spec] = {k: v for k, v in asked.items() if k not in left_out}
     if not physics:

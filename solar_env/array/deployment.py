@@ -20,6 +20,7 @@ from solar_env.mechanics.running.trajectory import Trajectory
 def simulate(
     parameters: ArrayParameters | Mapping[str, Any] | None = None,
     *,
+    preset: str = "default",
     model: str = "rigid-clearance",
     panels: str | PanelModel | None = None,
     elements: int | None = None,
@@ -32,12 +33,13 @@ def simulate(
     """Simulate a deployment from the folded array at rest.
 
     Args:
-        parameters: a parameter set, or changes to the default one by name.
+        parameters: a parameter set, or changes by name to that of the preset.
+        preset: name of a parameter set, see `ArrayParameters.preset`; the flexible panels of "paper" are "ancf".
         model: one of `array.MODELS`.
-        panels: model of flexible panels: "ancf", beams of cable elements, or "modal", their modes in a floating frame;
-            by default what the three that follow ask for, else "ancf".
-        elements: beam elements of each panel, by default 6.
+        panels: model of flexible panels: "modal", their modes in a floating frame, or "ancf", beams of cable elements;
+            by default what elements, modes, integrator and preset ask for, else "modal".
         modes: bending modes of each modal panel, by default 24.
+        elements: beam elements of each panel of "ancf", by default 6.
         duration: [s].
         integrator: defaults to `default_integrator` of the model.
         output_step: distance of the samples [s]; independent of the integration step.
@@ -57,8 +59,8 @@ def simulate(
             does not give the restitution that is asked for.
     """
     if not isinstance(parameters, ArrayParameters):
-        parameters = ArrayParameters().with_changes(parameters or {})
-    chosen = PanelModel.of(model, panels, elements, modes, integrator.name if integrator else None)
+        parameters = ArrayParameters.preset(preset).with_changes(parameters or {})
+    chosen = PanelModel.of(model, panels, elements, modes, integrator.name if integrator else None, preset)
     return simulate_mechanism(
         build(parameters, model, panels=chosen),
         duration,

@@ -1,4 +1,4 @@
-"""How flexible panels are modelled: as beams of cable elements (ANCF), or by their modes in a floating frame."""
+"""How flexible panels are modelled: by their modes in a floating frame, or as beams of cable elements (ANCF)."""
 
 from __future__ import annotations
 
@@ -11,10 +11,12 @@ from solar_env.mechanics.bodies.description import AnyBody, FlexibleBody, ModalP
 from solar_env.mechanics.integrators.settings import ModalRadau
 
 ANCF, MODAL = "ancf", "modal"
-DEFAULT_PANELS = ANCF
+DEFAULT_PANELS = MODAL
 DEFAULT_ELEMENTS, DEFAULT_MODES = 6, 24
 # Kind of panels -> name of their count, and its default.
 PANELS = {ANCF: ("elements", DEFAULT_ELEMENTS), MODAL: ("modes", DEFAULT_MODES)}
+# Preset of the parameters -> kind of panels, where it is not DEFAULT_PANELS: the paper's are beams of elements.
+PRESET_PANELS = {"paper": ANCF}
 
 
 @dataclass(frozen=True)
@@ -72,6 +74,7 @@ class PanelModel:
         elements: int | None = None,
         modes: int | None = None,
         integrator: str | None = None,
+        preset: str = "default",
     ) -> Self:
         """The model of the panels that keywords ask for; what is not named follows from what is.
 
@@ -80,6 +83,7 @@ class PanelModel:
             panels: one of PANELS, or a choice made already, whose count the next two may replace.
             elements, modes: of each panel; they belong to "ancf" and to "modal".
             integrator: name of a method, of which "modal-radau" goes with "modal" alone, as that with it.
+            preset: parameter set of whose panels nothing else is said, see PRESET_PANELS.
 
         Raises:
             ValueError: if a name or a count is refused, or if they contradict each other.
@@ -103,6 +107,6 @@ class PanelModel:
                 f"{reasons[ANCF]} belongs to panels of beam elements and {reasons[MODAL]} to modal panels: leave out "
                 "one of them"
             )
-        kind = next(iter(reasons), DEFAULT_PANELS)
+        kind = next(iter(reasons), PRESET_PANELS.get(preset, DEFAULT_PANELS))
         count = counts[kind]
         return cls(kind, defaults[kind] if count is None else count)

@@ -230,7 +230,8 @@ class ArrayParameters:
         """Named parameter sets: "default", and "paper", which reads the paper as literally as its results allow.
 
         "paper": hinge at the side's end that the folded panels point away from and a cable couple of torque ratio 1,
-        which together reproduce its latch time; sliding speed of the joint centres (its Eq 35).
+        which together reproduce its latch time; sliding speed of the joint centres (its Eq 35). Where a preset is
+        named to simulate, its flexible panels are beams of cable elements, too.
 
         Raises:
             ValueError: if the name is unknown.

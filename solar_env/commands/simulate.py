@@ -23,7 +23,7 @@ from solar_env.array import (
 )
 from solar_env.array.ladder import DEFAULT_TOLERANCE, QUESTIONS, Answer, cheapest, read_answers
 from solar_env.array.methods import INTEGRATOR_NAMES, default_integrator, make_integrator
-from solar_env.array.panels import DEFAULT_PANELS
+from solar_env.array.panels import DEFAULT_PANELS, PRESET_PANELS
 from solar_env.array.parameters import has_flexible_panels
 from solar_env.mechanics.integrators.settings import Rosenbrock, RungeKutta
 
@@ -34,9 +34,13 @@ _NOTEWORTHY_SHARE = 0.1  # of steps at the limit of stability, above which the c
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("--model", help=f"one of {', '.join(MODELS)}; default: {DEFAULT_MODEL}")
-    parser.add_argument("--panels", help=f"of a flexible model, one of {', '.join(PANELS)}; default: {DEFAULT_PANELS}")
-    parser.add_argument("--elements", type=int, metavar="N", help=f"beam elements of each panel ({DEFAULT_ELEMENTS})")
+    parser.add_argument(
+        "--panels",
+        help=f"of a flexible model, one of {', '.join(PANELS)}; default: {DEFAULT_PANELS}, "
+        + ", ".join(f"{kind} of the preset {name}" for name, kind in PRESET_PANELS.items()),
+    )
     parser.add_argument("--modes", type=int, metavar="N", help=f"bending modes of each modal panel ({DEFAULT_MODES})")
+    parser.add_argument("--elements", type=int, metavar="N", help=f"beam elements of each panel ({DEFAULT_ELEMENTS})")
     parser.add_argument(
         "--question", metavar="NAME",
         help="take the cheapest model and panels that answer a question, as measured by the command ladder: "
@@ -145,7 +149,7 @@ def _level(args: argparse.Namespace, answer: Answer | None) -> tuple[str, PanelM
     if answer is not None:
         return answer.model, PanelModel.of(answer.model, answer.panel_model, integrator=args.integrator)
     model = check_model(DEFAULT_MODEL if args.model is None else args.model)
-    return model, PanelModel.of(model, args.panels, args.elements, args.modes, args.integrator)
+    return model, PanelModel.of(model, args.panels, args.elements, args.modes, args.integrator, args.preset)
 
 
 def _answer_note(answer: Answer, parameters: ArrayParameters) -> str:

@@ -35,10 +35,10 @@ class EnvironmentSettings:
             attributes `model` and `panels` of the environment then say which. With other parameters, and with
             `randomize`, take it as a hint.
         parameters: an `ArrayParameters`, or a mapping of changes to those of the scenario.
-        panels: "ancf" for flexible panels that are beams in the absolute nodal coordinate formulation, "modal" for
-            their modes in a floating frame; by default what the next two ask for, else "ancf". Rigid panels use none of
-            the three.
-        elements: number of beam elements of each panel, from 1 to 1000; by default 6.
+        panels: "modal" for flexible panels that are described by their modes in a floating frame, "ancf" for beams in
+            the absolute nodal coordinate formulation; by default what the next two ask for, else "modal". Rigid panels
+            use none of the three.
+        elements: number of beam elements of each panel of "ancf", from 1 to 1000; by default 6.
         modes: number of bending modes of each modal panel, up to 200; by default 24.
         question, tolerance: of `model="auto"`: one of `solar_env.array.ladder.QUESTIONS` and the error allowed. By
             default at most a fifth of the pairs of controllers may be ranked wrongly ("controller-ranking", 0.2).

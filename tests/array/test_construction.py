@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from episodes import LEVELS
 
 from solar_env.array import (
-    DEFAULT_ELEMENTS,
     MODELS,
     ArrayParameters,
     PanelModel,
@@ -18,60 +18,70 @@ from solar_env.array import (
     main_body_corners,
 )
 from solar_env.array.deployment import panel_deflections, simulate
+from solar_env.array.methods import default_integrator
 from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.bodies.kinds import CABLE_ELEMENTS
-from solar_env.mechanics.bodies.markers import place
 from solar_env.mechanics.equations.build import compile_mechanism
-from solar_env.mechanics.joints.joint import ANGLE
-from solar_env.mechanics.mechanism.description import FlexibleBody
+from solar_env.mechanics.joints.joint import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y
+from solar_env.mechanics.mechanism.description import FlexibleBody, ModalPanel
 from solar_env.mechanics.running.simulation import Simulation
 
 
+def folded(p: ArrayParameters, level: str) -> Simulation:
+    """The array of a level, before it moves."""
+    panels = PanelModel.of(**LEVELS[level])
+    model = LEVELS[level]["model"]
+    return Simulation(build(p, model, panels=panels), default_integrator(model, panels))
+
+
 def joint_points(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
-    """(joints, 2) bearing centres and journal centres."""
+    """(joints, 2) inner ends of the panels, where their journals are, and these from the centres of their bearings."""
     model, q = simulation.model, simulation.state.q
-    found = [[place(model.markers[k], q) for k in model.joints[side]] for side in ("inboard", "outboard")]
-    return np.array(found[0]), np.array(found[1])
+    journals = np.array([centreline(model, q, body)[0] for body in range(1, len(model.bodies))])
+    return journals, simulation.joint_loads()[:, [ECCENTRICITY_X, ECCENTRICITY_Y]]
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("level", LEVELS)
 @pytest.mark.parametrize("panels", [1, 2, 3, 4])
 @pytest.mark.parametrize("hinge", [(0.5, 0.0), (0.5, -0.5), (1e-9, 0.2), (0.0, 0.3)])
 def test_the_folded_array_lies_in_a_stack_along_the_side_of_the_body(
-    panels: int, model: str, hinge: tuple[float, float]
+    panels: int, level: str, hinge: tuple[float, float]
 ) -> None:
     p = ArrayParameters(panel_count=panels, hinge_x=hinge[0], hinge_y=hinge[1])
-    simulation = Simulation(build(p, model))
-    bearings, journals = joint_points(simulation)
-    assert journals == pytest.approx(bearings, abs=1e-14)
+    simulation = folded(p, level)
+    journals, eccentricities = joint_points(simulation)
+    assert eccentricities == pytest.approx(0.0, abs=1e-14)
     # Accordion: the hinges alternate between the root and one panel's length below it.
     expected = [[hinge[0], hinge[1] - (k % 2) * p.panel_length] for k in range(panels)]
-    assert bearings == pytest.approx(np.array(expected), abs=1e-14)
+    assert journals == pytest.approx(np.array(expected), abs=1e-14)
     assert simulation.joint_loads()[:, ANGLE] == pytest.approx(0.0, abs=1e-14)
     assert not simulation.state.v.any()
 
 
 @pytest.mark.parametrize("panels", [1, 2, 3, 4])
-@pytest.mark.parametrize("model", MODELS)
-def test_at_its_lock_angles_the_array_is_straight_and_stands_off_the_body(panels: int, model: str) -> None:
+@pytest.mark.parametrize("level", LEVELS)
+def test_at_its_lock_angles_the_array_is_straight_and_stands_off_the_body(panels: int, level: str) -> None:
     p = ArrayParameters(panel_count=panels, body_fixed=True)
-    mechanism = build(p, model)
-    simulation = Simulation(mechanism)
+    simulation = folded(p, level)
     # Set the coordinates of the deployed array by hand: every panel along +x from the hinge.
     for k, body in enumerate(simulation.model.bodies[1:]):
         start = 0.5 + k * p.panel_length
-        q = simulation.state.q[body["offset"] : body["offset"] + body["coordinates"]]
+        q = simulation.state.q[body["offset"] :]
+        if level.endswith("modal"):
+            q[:3] = start + 0.5 * p.panel_length, 0.0, 0.0
+            continue
+        q = q[: body["coordinates"]]
         if body["kind"] == CABLE_ELEMENTS:
-            stations = np.linspace(0.0, p.panel_length, DEFAULT_ELEMENTS + 1)
+            stations = np.linspace(0.0, p.panel_length, body["elements"] + 1)
             q[:] = np.column_stack([start + stations, 0.0 * stations, stations**0, 0.0 * stations]).ravel()
         else:
             q[:] = start, 0.0, start + p.panel_length, 0.0
-    bearings, journals = joint_points(simulation)
-    assert journals == pytest.approx(bearings, abs=1e-14)
+    _, eccentricities = joint_points(simulation)
+    assert eccentricities == pytest.approx(0.0, abs=1e-14)
     locks = [p.lock_angle(k) for k in range(panels)]
     assert simulation.joint_loads()[:, ANGLE] == pytest.approx(locks, abs=1e-14)
     assert locks == [math.pi / 2] + [math.pi] * (panels - 1)
-    assert [joint.lock_angle for joint in mechanism.joints] == locks
+    assert [joint.lock_angle for joint in build(p, **LEVELS[level]).joints] == locks
 
 
 def test_springs_relax_at_the_lock_angles_by_default() -> None:
@@ -107,12 +117,14 @@ def test_only_the_clearance_models_have_bearings(panels: str) -> None:
     assert [joint.bearing for joint in build(p, f"{panels}-clearance").joints] == [p.bearing(0), p.bearing(1)]
 
 
-def test_flexible_panels_have_the_mass_of_rigid_ones_and_the_stiffness_of_their_section() -> None:
+@pytest.mark.parametrize("panels", [PanelModel("ancf", 3), PanelModel("modal", 3)], ids=str)
+def test_flexible_panels_have_the_mass_of_rigid_ones_and_the_stiffness_of_their_section(panels: PanelModel) -> None:
     p = ArrayParameters(panel_width=1.2, panel_thickness=0.03, panel_damping=2e-5)
-    for panel in build(p, "flexible-ideal", 3).bodies[1:]:
-        assert isinstance(panel, FlexibleBody)
-        assert (panel.length, panel.elements, panel.damping) == (1.5, 3, 2e-5)
-        assert panel.linear_density * panel.length == pytest.approx(200.0 * 1.5 * 1.2 * 0.03, rel=1e-14)
+    for panel in build(p, "flexible-ideal", panels=panels).bodies[1:]:
+        assert isinstance(panel, FlexibleBody | ModalPanel)
+        assert (panel.length, getattr(panel, panels.option), panel.damping) == (1.5, 3, 2e-5)
+        mass = panel.mass if isinstance(panel, ModalPanel) else panel.linear_density * panel.length
+        assert mass == pytest.approx(200.0 * 1.5 * 1.2 * 0.03, rel=1e-14)
         assert panel.axial_stiffness == pytest.approx(280e6 * 1.2 * 0.03, rel=1e-14)
         assert panel.bending_stiffness == pytest.approx(280e6 * 1.2 * 0.03**3 / 12.0, rel=1e-14)
 

@@ -11,6 +11,7 @@ import pytest
 
 from solar_env.array import (
     DEFAULT_ELEMENTS,
+    DEFAULT_MODES,
     MODELS,
     ArrayParameters,
     PanelModel,
@@ -42,9 +43,10 @@ def test_a_deployment_with_modal_panels_is_saved_and_measured_as_others(model: s
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("name", INTEGRATOR_NAMES)
 def test_integrators_by_name(name: str, model: str) -> None:
-    default = default_integrator(model)
-    modal = ModalRadau(rtol=3e-4 if model.endswith("ideal") else 1e-2)
-    assert default_integrator(model, PanelModel("modal", 2)) == (modal if model.startswith("flexible") else default)
+    default = default_integrator(model, PanelModel("ancf", 2))
+    modal = ModalRadau(rtol=3e-4 if model.endswith("ideal") else 1e-3)
+    for panels in (None, PanelModel("modal", 2)):
+        assert default_integrator(model, panels) == (modal if model.startswith("flexible") else default)
     if model.startswith("flexible"):
         explicit, implicit = RungeKutta(rtol=1e-5), default
     else:
@@ -90,7 +92,15 @@ def test_a_deployment_takes_parameters_or_changes_and_keeps_them() -> None:
     assert changed.coordinates.tobytes() == given.coordinates.tobytes()
     assert changed.metadata["parameters"] == ArrayParameters(clearance=3e-4).to_dict()
     assert changed.clearance.tolist() == [3e-4, 3e-4]
-    assert (changed.metadata["model"], changed.metadata["elements"]) == ("rigid-clearance", DEFAULT_ELEMENTS)
+    assert (changed.metadata["model"], changed.metadata["modes"]) == ("rigid-clearance", DEFAULT_MODES)
+
+
+def test_the_preset_of_the_paper_has_its_parameters_and_beams_of_elements_unless_others_are_asked_for() -> None:
+    run = simulate({"friction_coefficient": 0.1}, preset="paper", model="flexible-ideal", duration=0.01)
+    assert run.metadata["parameters"] == replace(ArrayParameters.preset("paper"), friction_coefficient=0.1).to_dict()
+    kept = [run.metadata[name] for name in ("panels", "elements", "integrator")]
+    assert kept == ["ancf", DEFAULT_ELEMENTS, "rosenbrock"]
+    assert simulate(preset="paper", model="flexible-ideal", modes=2, duration=0.01).metadata["modes"] == 2
 
 
 @pytest.mark.parametrize("model", ["flexible-ideal", "flexible-clearance"])

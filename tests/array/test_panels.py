@@ -17,7 +17,11 @@ from solar_env.array import (
 @pytest.mark.parametrize(
     ("asked", "found"),
     [
-        ({}, PanelModel("ancf", 6)),
+        ({}, PanelModel("modal", 24)),
+        ({"preset": "paper"}, PanelModel("ancf", 6)),
+        ({"preset": "paper", "panels": "modal"}, PanelModel("modal", 24)),
+        ({"preset": "paper", "modes": 8}, PanelModel("modal", 8)),
+        ({"preset": "paper", "integrator": "modal-radau"}, PanelModel("modal", 24)),
         ({"panels": "modal"}, PanelModel("modal", 24)),
         ({"panels": "ancf"}, PanelModel("ancf", 6)),
         ({"elements": 3}, PanelModel("ancf", 3)),

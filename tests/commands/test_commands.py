@@ -116,7 +116,7 @@ def said_on_the_console(capsys, *options):
 
 def test_simulate_says_on_one_line_when_stability_bounds_the_steps(capsys):
     options = ["--model", "flexible-ideal", "--integrator", "runge-kutta", "--rtol", "1e-7"]
-    said = said_on_the_console(capsys, *options, "--elements", "6")
+    said = said_on_the_console(capsys, *options)
     share = simulate(model="flexible-ideal", duration=0.2, integrator=RungeKutta(rtol=1e-7)).stability_bound_share
     assert share > 0.1
     (line,) = (line for line in said.splitlines() if "stability" in line)
@@ -129,9 +129,10 @@ def test_simulate_takes_the_default_integrator_of_the_model(capsys):
     for model, integrator, *panels in (
         ("rigid-ideal", "runge-kutta", "--elements", "1"),
         ("flexible-ideal", "rosenbrock", "--elements", "1"),
-        ("flexible-ideal", "modal-radau", "--panels", "modal"),
-        ("flexible-clearance", "modal-radau", "--modes", "2"),
-        ("flexible-clearance", "modal-radau", "--integrator", "modal-radau"),
+        ("flexible-ideal", "modal-radau"),
+        ("flexible-ideal", "rosenbrock", "--panels", "ancf"),
+        ("flexible-clearance", "rosenbrock", "--preset", "paper"),
+        ("flexible-clearance", "modal-radau", "--preset", "paper", "--modes", "2"),
     ):
         assert main(["simulate", "--model", model, *panels, "--duration", "0.1", "--json", "-"]) == 0
         assert json.loads(capsys.readouterr().out)["integrator"] == integrator

@@ -188,7 +188,7 @@ def two_integrators() -> Iterator[Check]:
 
 def two_integrators_tightly() -> Iterator[Check]:
     """Explicit and implicit integration of the damped array with six elements a panel, at tight tolerances."""
-    mechanism = build(_parameters(cable_stiffness=10.0), "flexible-ideal")
+    mechanism = build(_parameters(cable_stiffness=10.0), "flexible-ideal", elements=6)
     before_latch = 12.0
 
     def angles(integrator: Integrator) -> NDArray[np.float64]:
@@ -211,7 +211,7 @@ def paper_phenomena() -> Iterator[Check]:
     duration, settled = 19.0, 2.0
     parameters = ArrayParameters.preset("paper")
     rigid, flexible = (
-        simulate(build(parameters, model), duration, integrator=RungeKutta(rtol=1e-5), output_step=1e-2)
+        simulate(build(parameters, model, elements=6), duration, integrator=RungeKutta(rtol=1e-5), output_step=1e-2)
         for model in ("rigid-clearance", "flexible-clearance")
     )
 

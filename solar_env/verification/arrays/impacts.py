@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from solar_env.array import ArrayParameters, build
+from solar_env.array import ArrayParameters, PanelModel, build
 from solar_env.array.methods import default_integrator
 from solar_env.mechanics.arrays.model import State
 from solar_env.mechanics.integrators.settings import RungeKutta
@@ -74,9 +74,11 @@ def restitutions(model: str, duration: float) -> np.ndarray:
     """(impacts, 2) exit over impact speed in a deployment, at default settings and at a tight tolerance.
 
     The exit speed contains what other joints' impacts and the springs do meanwhile, and can exceed the impact speed.
+    Flexible panels are beams of elements, which the explicit method takes.
     """
-    mechanism = build(ArrayParameters(), model)
-    run = Simulation(mechanism, default_integrator(model))
+    panels = PanelModel("ancf", 6)
+    mechanism = build(ArrayParameters(), model, panels=panels)
+    run = Simulation(mechanism, default_integrator(model, panels))
     tight = Simulation(mechanism, RungeKutta(rtol=1e-10, impact_resolution=40.0))
     found = []
     while run.time < duration:

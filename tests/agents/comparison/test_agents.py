@@ -64,15 +64,14 @@ def test_model_and_elements_join_the_environments_keywords():
         assert (made.unwrapped.model, made.unwrapped.panels) == ("flexible-ideal", PanelModel("ancf", 2))
 
 
-def test_a_default_model_with_its_elements_gives_way_to_a_model_that_is_named():
-    default = {"model": "flexible-clearance", "elements": 4}
+def test_a_default_model_with_its_modes_gives_way_to_a_model_and_to_panels_that_are_named():
+    default = {"model": "flexible-clearance", "modes": 24}
     assert with_model({}, default=default) == default
     assert with_model({}, elements=2, default=default) == {"model": "flexible-clearance", "elements": 2}
     assert with_model({}, "rigid-clearance", default=default) == {"model": "rigid-clearance"}
     assert with_model({"model": "rigid-ideal"}, default=default) == {"model": "rigid-ideal"}
     assert with_model({}, modes=8, default=default) == {"model": "flexible-clearance", "modes": 8}
-    modal = {"panels": "modal", "model": "flexible-clearance"}
-    assert with_model({"panels": "modal"}, default=default) == modal
+    assert with_model({}, panels="ancf", default=default) == {"model": "flexible-clearance", "panels": "ancf"}
 
 
 def test_an_automatic_model_is_kept_as_the_level_that_it_stands_for():

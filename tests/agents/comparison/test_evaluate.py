@@ -285,10 +285,10 @@ def test_a_run_without_policy_says_so(tmp_path):
 
 
 @pytest.mark.parametrize(("name", "env_id"), [("paper", DEFAULT_ENV_ID), ("robust", "solar_env/DeployRandomised-v0")])
-def test_a_suite_is_a_scenario_with_all_that_was_tuned_and_trained_for_it_on_six_elements(name, env_id):
+def test_a_suite_is_a_scenario_with_all_that_was_tuned_and_trained_for_it_on_modal_panels(name, env_id):
     found, controllers, env_kwargs = suite_named(name, None, [])
     assert found == env_id
-    assert env_kwargs == {"model": "flexible-clearance", "elements": 6}
+    assert env_kwargs == {"model": "flexible-clearance", "modes": 24}
     trained = [policy for policy in shipped.available() if load_shipped(policy).description.env_id == env_id]
     tuned = [law for law in TUNABLE if is_tuned(law, env_id, "flexible-clearance")]
     assert controllers == ["passive", *tuned, *trained]

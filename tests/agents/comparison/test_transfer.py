@@ -90,3 +90,10 @@ def test_every_number_stands_where_it_belongs(tmp_path, monkeypatch, saved_figur
     axes = saved_figures[0].axes[0]
     assert [text.get_text() for text in axes.get_xticklabels()] == levels
     assert [text.get_text() for text in axes.get_yticklabels()] == rows
+
+
+@pytest.mark.parametrize("keywords", transfer.LEVELS.values(), ids=transfer.LEVELS)
+def test_what_is_wanted_of_the_environment_joins_a_level_and_must_not_contradict_it(keywords):
+    assert transfer.on_level(transfer.Args(env_kwargs=TASK), keywords) == {**TASK, **keywords}
+    with pytest.raises(ValueError, match=r"--model .* contradicts --env-kwargs model=rigid-ideal"):
+        transfer.on_level(transfer.Args(env_kwargs={"model": "rigid-ideal"}), keywords)

@@ -32,7 +32,7 @@ def test_a_run_keeps_its_model_and_elements_and_is_resumed_and_evaluated_on_them
     assert common_env_kwargs([str(first)])["model"] == model
     second = run("--resume", first, "--model", model, "--timesteps", 10, "--out", tmp_path / "second")
     assert runs.read_config(second)["env_kwargs"] == config["env_kwargs"]
-    with pytest.raises(ValueError, match=f"--elements 2 contradicts the run to resume, which has {elements or 6}"):
+    with pytest.raises(ValueError, match=f"--elements 2 contradicts the run to resume, which has {elements}"):
         run("--resume", first, "--elements", 2, "--out", tmp_path / "third")
 
 

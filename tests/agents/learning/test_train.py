@@ -13,21 +13,24 @@ pytestmark = pytest.mark.usefixtures("few_validation_episodes")
 
 
 @pytest.mark.parametrize(
-    ("arguments", "model", "elements", "timesteps"),
+    ("arguments", "model", "panels", "timesteps"),
     [
-        ([], "flexible-clearance", 2, 86_400),
-        (["--elements", "4", "--timesteps", "500"], "flexible-clearance", 4, 500),
-        (["--algo", "sac"], "flexible-clearance", 2, 86_400),
-        (["--model", "flexible-clearance"], "flexible-clearance", None, 216_000),
-        (["--env-kwargs", "model=rigid-clearance"], "rigid-clearance", None, 216_000),
-        (["--residual", "0"], "rigid-clearance", None, 432_000),
+        ([], "flexible-clearance", {"modes": 24}, 86_400),
+        (["--elements", "4", "--timesteps", "500"], "flexible-clearance", {"elements": 4}, 500),
+        (["--algo", "sac"], "flexible-clearance", {"modes": 24}, 86_400),
+        (["--model", "flexible-clearance"], "flexible-clearance", {}, 216_000),
+        (["--env-kwargs", "model=rigid-clearance"], "rigid-clearance", {}, 216_000),
+        (["--residual", "0"], "rigid-clearance", {}, 432_000),
     ],
 )
 def test_a_short_training_on_flexible_panels_unless_a_model_is_named_or_there_is_no_law(
-    arguments, model, elements, timesteps
+    arguments, model, panels, timesteps
 ):
     config = train.configuration(parse_arguments(train.Args, arguments), seed=0)
-    assert (config.env_kwargs["model"], config.env_kwargs.get("elements")) == (model, elements)
+    assert config.env_kwargs["model"] == model
+    assert {
+        name: config.env_kwargs[name] for name in ("panels", "elements", "modes") if name in config.env_kwargs
+    } == panels
     assert config.timesteps == timesteps
 
 

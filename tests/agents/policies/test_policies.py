@@ -9,10 +9,10 @@ import pytest
 from agents import shipped
 from agents.comparison.controllers import parse_controller
 from agents.comparison.suites import MODEL, SUITES
-from agents.environments import episode_seeds, make_env
+from agents.environments import completed, episode_seeds, make_env
 from agents.rollout import run_episode
 from agents.shipped import load_shipped
-from solar_env import Rosenbrock
+from solar_env import ModalRadau
 from solar_env.environment import settings
 
 POLICIES = shipped.available()
@@ -22,7 +22,7 @@ EPISODES = 32
 
 
 class Deployment(NamedTuple):
-    """One on six elements: what was observed (periods, entries), its figures, and the wear of all bins together [m]."""
+    """One on modal panels: what was observed (periods, entries), its figures, and the wear of all bins together [m]."""
 
     observed: np.ndarray
     figures: dict[str, float]
@@ -32,7 +32,7 @@ class Deployment(NamedTuple):
 def deploy(name, controller, episode=0):
     """The deployment of a policy's scenario, on an evaluation seed, under a controller."""
     description = load_shipped(name).description
-    env = make_env(description.env_id, {**description.env_kwargs, **MODEL})
+    env = make_env(description.env_id, completed(MODEL, description.env_kwargs))
     seen = []
     seed = episode_seeds("evaluation", 2, EPISODES)[episode]
     figures = run_episode(env, parse_controller(controller).load(env), seed, lambda step: seen.append(step.observation))
@@ -102,12 +102,12 @@ def test_the_nominal_policy_lands_more_softly_than_its_law_at_a_hundredth_of_the
     description = load_shipped("ppo-nominal").description
 
     def mean_cost(controller):
-        env = make_env(description.env_id, {**description.env_kwargs, **MODEL, "elements": 4})
+        env = make_env(description.env_id, completed(MODEL, description.env_kwargs))
         law = parse_controller(controller).load(env)
         return -np.mean([run_episode(env, law, seed)["return"] for seed in episode_seeds("evaluation", 0, 12)])
 
     usual = mean_cost("ppo-nominal")
-    monkeypatch.setattr(settings, "default_integrator", lambda *level: Rosenbrock(rtol=1e-6))
+    monkeypatch.setattr(settings, "default_integrator", lambda *level: ModalRadau(rtol=1e-5))
     policy, servo = mean_cost("ppo-nominal"), mean_cost("servo")
     assert policy < 0.8 * servo
     assert policy == pytest.approx(usual, rel=0.35)

@@ -50,4 +50,5 @@ def run_command(args: argparse.Namespace) -> int:
         print(path)
         if args.readme and path.suffix == ".md":
             SECTIONS[path.name].write(path.read_text(encoding="utf-8").strip())
+            path.unlink()
     return 0

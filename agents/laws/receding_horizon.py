@@ -51,8 +51,8 @@ class SearchSettings:
 
 
 @dataclass(frozen=True)
-class Plan:
-    """A predicted episode."""
+class PredictedEpisode:
+    """Torques to the end of an episode, and what they are predicted to earn."""
 
     start: int  # control period in which it begins
     actions: np.ndarray  # (periods,) float32, from `start` to the end of the episode
@@ -114,7 +114,7 @@ class RecedingHorizon(DeterministicController):
         """Discard the plan of the last episode."""
         self._generator = np.random.default_rng(self._seed)
         nothing = np.zeros(0, dtype=np.float32), np.zeros(0), np.zeros(1), np.zeros(1)
-        self._plan = Plan(period, *nothing, predicted_return=-math.inf)
+        self._plan = PredictedEpisode(period, *nothing, predicted_return=-math.inf)
         self._next_replanning = period
         self.predicted_returns = []
 
@@ -137,7 +137,9 @@ class RecedingHorizon(DeterministicController):
             foreseen = np.concatenate([plan.rewards[:done], rewards[best]])
             if foreseen.sum() > self._plan.predicted_return:
                 acted = np.concatenate([plan.actions[:done], actions[best]])
-                self._plan = Plan(plan.start, acted, foreseen, knot_times, residuals[best], float(foreseen.sum()))
+                self._plan = PredictedEpisode(
+                    plan.start, acted, foreseen, knot_times, residuals[best], float(foreseen.sum())
+                )
             elites = residuals[ranking[: settings.elites]]
             mean = elites.mean(axis=0)
             deviation = np.maximum(elites.std(axis=0), settings.least_deviation)

@@ -22,7 +22,7 @@ STEPS_BETWEEN_LOOKS = 10_000
 _SETTLING_CALLS = 30
 
 
-class Run(Protocol):
+class Watched(Protocol):
     """Part of a simulation that the watch looks at."""
 
     integrator: Integrator
@@ -47,7 +47,7 @@ class Run(Protocol):
 class AccuracyWatch:
     """Looks at a simulation now and then, and tells every shortcoming once."""
 
-    def __init__(self, simulation: Run) -> None:
+    def __init__(self, simulation: Watched) -> None:
         self._simulation = simulation
         self._told: set[str] = set()
         self._steps = 0

@@ -2,9 +2,10 @@
 
 import math
 
+import numpy as np
 import pytest
 
-from solar_env.mechanics.numerics.linear import greater
+from solar_env.mechanics.numerics.linear import greater, greatest
 
 
 @pytest.mark.parametrize(("one", "other"), [(0.0, 2.0), (2.0, 0.0), (1.0, 1.0), (0.0, math.inf)])
@@ -18,3 +19,10 @@ def test_an_error_that_is_not_a_number_is_never_lost_among_others(values: tuple[
     for value in values:
         worst = greater(worst, value)
     assert math.isnan(worst)
+    assert math.isnan(greatest(np.array(values)))
+
+
+def test_the_greatest_of_many_numbers() -> None:
+    values = np.random.default_rng(0).uniform(0.0, 5.0, 60)
+    assert greatest(values) == values.max()
+    assert greatest(np.zeros(3)) == 0.0

@@ -34,7 +34,7 @@ from solar_env.mechanics.integrators.methods.rosenbrock_stages import (
 )
 from solar_env.mechanics.integrators.step import hermite_state
 from solar_env.mechanics.numerics.jit import kernel
-from solar_env.mechanics.numerics.linear import copy_into, greater
+from solar_env.mechanics.numerics.linear import copy_into, greatest
 from solar_env.mechanics.numerics.profile import profile_factor
 
 
@@ -69,10 +69,7 @@ def estimate_error(model, state, stages, step, settings):
     for i in range(v.size):
         scale = rtol * (velocity_scale + weights[i] * max(abs(v0[i]), abs(v[i])))
         ratios[i] = weights[i] * max(abs(uq[i]) * position_scale, abs(uv[i]) / scale)
-    worst = 0.0
-    for i in range(v.size):
-        worst = greater(worst, ratios[i])
-    return worst
+    return greatest(ratios)
 
 
 @kernel(inner=True)

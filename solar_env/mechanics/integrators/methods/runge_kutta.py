@@ -230,6 +230,7 @@ def error_norm(model, state, stages, stiff, rtol, velocity_scale, h):
         scale = rtol * (velocity_scale + weights[i] * max(abs(v0[i]), abs(v[i])))
         ratios[i] = h * weights[i] * max(abs(dq) * position_scale, abs(dv) / scale)
     worst = 0.0
+    # Not `greatest`: with its branch the whole step of a rigid mechanism takes a sixth longer.
     for i in range(v.size):
         worst = greater(worst, ratios[i])
     energy_tolerance = rtol * state.clock[0].energy_scale

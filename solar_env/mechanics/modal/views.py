@@ -1,4 +1,4 @@
-"""What controllers and pictures see of rigid bodies and modal panels: joints, and the axes of the bodies."""
+"""Joints and axes of bodies, of rigid bodies and modal panels, as controllers and pictures see them."""
 
 import itertools
 import math

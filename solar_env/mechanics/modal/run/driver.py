@@ -29,7 +29,7 @@ from solar_env.mechanics.modal.arrays import (
 )
 from solar_env.mechanics.modal.panel.tables import LEVELS, fill_level, level_below, level_size
 from solar_env.mechanics.modal.run.books import add_integrals, note_peaks
-from solar_env.mechanics.modal.run.events import CONTACT, NONE, begin_event, event_function, first_event
+from solar_env.mechanics.modal.run.events import CONTACT_START, NONE, begin_event, event_function, first_event
 from solar_env.mechanics.modal.run.sampling import record_modal_sample
 from solar_env.mechanics.modal.step.acceptance import commit_step, keep_loads, step_error
 from solar_env.mechanics.modal.step.equations import fill_torques
@@ -200,6 +200,28 @@ def cut_tables(model, work, h):
     return work.tables
 
 
+@kernel(inlined=True)
+def cut_at_event(model, state, work, settings, h, share, joint, kind):
+    """Solve a step of size `h` [s] again up to an event at a share of it: size, joint and kind of event at its end.
+
+    Vibrations within a long step pass by the cubic that has placed the event: it is placed again in the cut one. The
+    size is negative if Newton's iteration does not converge; the kind is NONE if the event is not reached.
+    """
+    while True:
+        h *= share
+        if not solve_step(model, state, work, settings, cut_tables(model, work, h), _CUT, h):
+            return -h, joint, kind
+        past = event_function(model, state, work, joint, kind, h, 1.0)
+        tolerance = _EVENT_TOLERANCE * (model.joints[joint].clearance if kind == CONTACT_START else 1.0)
+        if past < -tolerance:
+            return h, joint, NONE
+        if past <= tolerance:
+            return h, joint, kind
+        share, joint, kind = first_event(model, state, work, h)
+        if kind == NONE or share >= 1.0 or share * h <= _SMALLEST_PART:
+            return h, joint, kind
+
+
 @kernel(inner=True)
 def take_modal_step(model, state, settings, recorder, end_time, work):
     """Try a step towards `end_time` [s], and take it if its error allows, up to its first event; a status code."""
@@ -230,24 +252,13 @@ def take_modal_step(model, state, settings, recorder, end_time, work):
     if kind != NONE and work.counts[EVENTS] > 0:
         begin_event(model, state, work, joint, kind)
         return DONE
-    while kind != NONE and share < 1.0:
+    if kind != NONE and share < 1.0:
         last = False
-        h *= share
-        tables, level = cut_tables(model, work, h), _CUT
-        if not solve_step(model, state, work, settings, tables, level, h):
-            reject_step(clock, h, False, math.inf)
+        h, joint, kind = cut_at_event(model, state, work, settings, h, share, joint, kind)
+        tables, level = work.tables, _CUT
+        if h < 0.0:
+            reject_step(clock, -h, False, math.inf)
             return DONE
-        # Vibrations within a long step pass by the cubic that has placed the event: it is placed again in the cut one.
-        past = event_function(model, state, work, joint, kind, h, 1.0)
-        tolerance = _EVENT_TOLERANCE * (model.joints[joint].clearance if kind == CONTACT else 1.0)
-        if past < -tolerance:
-            kind = NONE
-        elif past <= tolerance:
-            break
-        else:
-            share, joint, kind = first_event(model, state, work, h)
-            if share * h <= _SMALLEST_PART:
-                break
     accept_step(model, state, work, recorder, tables, level, h)
     if last:
         clock.time = end_time

@@ -28,7 +28,7 @@ from solar_env.mechanics.modal.panel.tables import AXIAL_EVEN, GROUPS
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.records.history import latch
 
-NONE, CONTACT, LATCH, STOP = (np.int64(kind) for kind in range(4))
+NONE, CONTACT_START, LATCHING, STOP_ENGAGEMENT = (np.int64(kind) for kind in range(4))
 _SAMPLES = 4
 
 
@@ -45,12 +45,12 @@ def cubic(share, x0, r0, x1, r1):
 def event_function(model, state, work, j, kind, h, share):
     """Depth [m] of joint `j`, or its angle past the lock or in a stop [rad], which rises through zero at an event."""
     joint, start, end = model.joints[j], work.joints[j].motion[START], work.joints[j].motion[SECOND]
-    if kind == CONTACT:
+    if kind == CONTACT_START:
         ex = cubic(share, start[ECCENTRICITY_X], h * start[VELOCITY_X], end[ECCENTRICITY_X], h * end[VELOCITY_X])
         ey = cubic(share, start[ECCENTRICITY_Y], h * start[VELOCITY_Y], end[ECCENTRICITY_Y], h * end[VELOCITY_Y])
         return math.sqrt(ex * ex + ey * ey) - joint.clearance
     angle = cubic(share, start[ANGLE], h * start[RATE], end[ANGLE], h * end[RATE])
-    if kind == LATCH:
+    if kind == LATCHING:
         return angle - joint.lock_angle
     depth, _ = stop_depth(joint, state.joints[j].latched, angle)
     return depth
@@ -96,19 +96,19 @@ def first_event(model, state, work, h):
             start = work.joints[j].motion[START]
             # Pressed from the start of the run, on the very wall and on the way in, or inside the step.
             if start[DEPTH] != 0.0 or start[DEPTH_RATE] > 0.0 or end[DEPTH] > start[DEPTH]:
-                root = first_rise(model, state, work, j, CONTACT, h)
+                root = first_rise(model, state, work, j, CONTACT_START, h)
                 if root < share or (root == share and what == NONE):
-                    share, which, what = root, number, CONTACT
+                    share, which, what = root, number, CONTACT_START
         if joint.has_latch and not own.latched and end[ANGLE] >= joint.lock_angle:
-            root = first_rise(model, state, work, j, LATCH, h)
+            root = first_rise(model, state, work, j, LATCHING, h)
             if root < share or (root <= share and what == NONE):
-                share, which, what = root, number, LATCH
+                share, which, what = root, number, LATCHING
         if not own.stop_engaged:
             depth, _ = stop_depth(joint, own.latched, end[ANGLE])
             if depth > 0.0:
-                root = first_rise(model, state, work, j, STOP, h)
+                root = first_rise(model, state, work, j, STOP_ENGAGEMENT, h)
                 if root < share or (root <= share and what == NONE):
-                    share, which, what = root, number, STOP
+                    share, which, what = root, number, STOP_ENGAGEMENT
     return share, which, what
 
 
@@ -138,10 +138,10 @@ def instantaneous_inverse_mass(model, work, j):
 def begin_event(model, state, work, j, kind):
     """Latch joint `j`, engage its stop, or start its contact, at the accepted state."""
     joint, own, time = model.joints[j], state.joints[j], state.clock[0].time
-    if kind == LATCH:
+    if kind == LATCHING:
         latch(state, j, time)
         return
-    if kind == STOP:
+    if kind == STOP_ENGAGEMENT:
         own.stop_engaged = 1
         return
     own.in_contact = 1

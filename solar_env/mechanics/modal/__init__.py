@@ -7,13 +7,13 @@ depend on the number of modes. `run` controls the steps and keeps what a run rem
 the rest of the package what the arrays say.
 
 Two things are left out. The inertia of the turning frame (centrifugal and Coriolis forces on the amplitudes) would
-raise the squared frequency of a free panel's lowest mode by 2.05 spin^2: at spins of 3 and 10 % of that frequency (2.0
-and 6.8 rad/s for a panel of the array) the frequency is 0.1 and 1.0 % too low. Of bending, terms beyond the second
-order: a static tip deflection is too small by some 0.04 of the squared slope of the end against the frame, 0.15 % at
-0.2 rad. A run warns where either leaves out 1 % of stiffness or shortening (`verification.panels` measures both). Besides,
-foreshortening couples the six lowest bending modes with the three lowest axial ones, and moves the ends at once with the
-rest: with ideal joints, whose reactions follow every axial vibration, the array's peak reaction in joint 2 comes out 2 %
-below that of beams (9.19 against 9.36 N); with twelve bending and the same axial modes 8 %.
+raise the squared frequency of a free panel's lowest mode by 2.05 spin^2: at spins of 3 and 10 % of that frequency
+(2.0 and 6.8 rad/s for a panel of the array) the frequency is 0.1 and 1.0 % too low. Of bending, terms beyond the
+second order: a static tip deflection is too small by some 0.04 of the squared slope of the end against the frame,
+0.15 % at 0.2 rad. A run warns where either leaves out 1 % of stiffness or shortening (`verification.panels` measures
+both). Besides, foreshortening couples the six lowest bending modes with the three lowest axial ones, and moves the
+ends at once with the rest: with ideal joints, whose reactions follow every axial vibration, the array's peak reaction
+in joint 2 comes out 2 % below that of beams (9.19 against 9.36 N); with twelve bending and the same axial modes 8 %.
 
 Imports `records` and the rooms below.
 """

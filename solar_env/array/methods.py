@@ -30,7 +30,7 @@ def default_integrator(model: str, panels: PanelModel | None = None) -> RungeKut
 
 
 def _modal_radau(model: str) -> ModalRadau:
-    return ModalRadau(rtol=2e-4 if model.endswith("ideal") else 2.5e-3)
+    return ModalRadau(rtol=2e-4 if model.endswith("ideal") else 1e-3)
 
 
 def _settings(name: str, model: str) -> Integrator:

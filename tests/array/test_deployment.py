@@ -44,7 +44,7 @@ def test_a_deployment_with_modal_panels_is_saved_and_measured_as_others(model: s
 @pytest.mark.parametrize("name", INTEGRATOR_NAMES)
 def test_integrators_by_name(name: str, model: str) -> None:
     default = default_integrator(model, PanelModel("ancf", 2))
-    modal = ModalRadau(rtol=2e-4 if model.endswith("ideal") else 2.5e-3)
+    modal = ModalRadau(rtol=2e-4 if model.endswith("ideal") else 1e-3)
     for panels in (None, PanelModel("modal", 2)):
         assert default_integrator(model, panels) == (modal if model.startswith("flexible") else default)
     if model.startswith("flexible"):

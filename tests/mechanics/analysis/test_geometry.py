@@ -35,14 +35,14 @@ def test_the_centreline_of_a_beam_is_the_cubic_through_its_nodes(elements: int, 
 
 @pytest.mark.parametrize("model_name", ["rigid-clearance", "flexible-clearance"])
 def test_rigid_bodies_give_their_two_base_points(model_name: str) -> None:
-    model, state = compile_mechanism(build(ArrayParameters(), model_name))
+    model, state = compile_mechanism(build(ArrayParameters(), model_name, 6))
     assert centreline(model, state.q, 0).tolist() == [[0.0, 0.0], [0.5, 0.0]]
     if model_name == "rigid-clearance":
         assert centreline(model, state.q, 1) == pytest.approx(np.array([[0.5, 0.0], [0.5, -LENGTH]]), abs=1e-15)
 
 
 def test_a_held_body_has_base_points_too() -> None:
-    model, state = compile_mechanism(build(ArrayParameters(body_fixed=True), "flexible-ideal"))
+    model, state = compile_mechanism(build(ArrayParameters(body_fixed=True), "flexible-ideal", 6))
     assert centreline(model, state.q, 0).tolist() == [[0.0, 0.0], [0.5, 0.0]]
 
 
@@ -62,6 +62,6 @@ def test_the_points_belong_to_the_caller(body: int) -> None:
 
 
 def test_too_few_points_are_refused() -> None:
-    model, state = compile_mechanism(build(ArrayParameters(), "flexible-ideal"))
+    model, state = compile_mechanism(build(ArrayParameters(), "flexible-ideal", 6))
     with pytest.raises(ValueError, match="points_per_element = 0"):
         centreline(model, state.q, 1, 0)

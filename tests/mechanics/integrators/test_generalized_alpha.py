@@ -208,7 +208,7 @@ def test_a_stop_holds_within_one_call_as_the_explicit_method_does() -> None:
 @pytest.mark.parametrize("model", MODELS)
 def test_an_absurd_step_fails_with_time_and_remedy_at_the_last_accepted_state(model: str) -> None:
     # With clearance the first impact is too much, without it the first latching.
-    simulation = Simulation(build(ArrayParameters(), model), GeneralizedAlpha(step=0.5))
+    simulation = Simulation(build(ArrayParameters(), model, 6), GeneralizedAlpha(step=0.5))
     before = simulation.snapshot()
     with pytest.raises(SimulationError, match=r"at t = \d.*reduce the step") as caught:
         simulation.advance(30.0)

@@ -9,7 +9,7 @@ import pytest
 from helpers import fingerprint
 from test_flexible_motion import BEAM, WIDE, flight, momenta
 
-from solar_env.array import ArrayParameters, build
+from solar_env.array import ArrayParameters, PanelModel, build
 from solar_env.array.methods import default_integrator, make_integrator
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.settings import Rosenbrock, RungeKutta
@@ -137,7 +137,7 @@ def test_without_beams_it_is_the_explicit_method() -> None:
 
 
 def test_the_quiet_deployment_of_flexible_panels_takes_hundreds_of_steps() -> None:
-    simulation = Simulation(build(ArrayParameters(), "flexible-ideal"), Rosenbrock(rtol=1e-4))
+    simulation = Simulation(build(ArrayParameters(), "flexible-ideal", 6), Rosenbrock(rtol=1e-4))
     simulation.advance(3.0)
     before = int(simulation.state.clock["steps"][0])
     simulation.advance(4.0)
@@ -152,7 +152,7 @@ def test_drives_are_refused() -> None:
 
 
 @pytest.mark.parametrize("model", ["flexible-ideal", "flexible-clearance"])
-def test_flexible_panels_get_it_unless_another_is_named(model: str) -> None:
-    assert default_integrator(model) == make_integrator("rosenbrock", model)
+def test_beams_of_elements_get_it_unless_another_is_named(model: str) -> None:
+    assert default_integrator(model, PanelModel("ancf", 6)) == make_integrator("rosenbrock", model)
     assert type(make_integrator("runge-kutta", model)) is RungeKutta
     assert make_integrator("rosenbrock", model, rtol=1e-5, step=0.01) == Rosenbrock(rtol=1e-5, max_step=0.01)

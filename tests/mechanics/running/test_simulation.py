@@ -64,7 +64,7 @@ ARRAYS: list[tuple[str, Integrator]] = [
     ("rigid-clearance", RungeKutta()),
     ("rigid-clearance", GeneralizedAlpha(rtol=1e-4)),
     ("flexible-clearance", Rosenbrock()),
-    ("flexible-clearance", ModalRadau(rtol=1e-2)),
+    ("flexible-clearance", ModalRadau()),
 ]
 
 

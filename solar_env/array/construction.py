@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from solar_env.array.models import has_clearance, has_flexible_panels
 from solar_env.array.panels import PanelModel
-from solar_env.array.parameters import ArrayParameters, has_flexible_panels
+from solar_env.array.parameters import ArrayParameters
 from solar_env.mechanics.bodies.description import Point
 from solar_env.mechanics.mechanism.description import AnyBody, Body, CableLoop, Joint, Mechanism, Spring
 
@@ -80,7 +81,7 @@ def build(
                 sign=sign,
                 folded_angle=-sign * math.pi if k else angle,
                 middle=lock / 2,
-                bearing=p.bearing(k) if model.endswith("clearance") else None,
+                bearing=p.bearing(k) if has_clearance(model) else None,
                 spring=Spring(p.by_joint("spring_stiffness", k), p.by_joint("spring_preload_angle", k)),
                 stop=stop,
                 lock_angle=lock,

@@ -1,7 +1,7 @@
 """The integrator of a deployment: by name, or the model's default."""
 
+from solar_env.array.models import has_clearance, has_flexible_panels
 from solar_env.array.panels import MODAL, PanelModel
-from solar_env.array.parameters import has_flexible_panels
 from solar_env.mechanics.integrators.settings import (
     INTEGRATORS,
     GeneralizedAlpha,
@@ -26,13 +26,13 @@ def default_integrator(model: str, panels: PanelModel | None = None) -> RungeKut
     if has_flexible_panels(model):
         modal = PanelModel.of(model, panels).kind == MODAL
         return _modal_radau(model) if modal else Rosenbrock(rtol=1e-4)
-    return RungeKutta(rtol=5e-7) if model.endswith("ideal") else RungeKutta(rtol=2e-6, impact_resolution=12.0)
+    return RungeKutta(rtol=2e-6, impact_resolution=12.0) if has_clearance(model) else RungeKutta(rtol=5e-7)
 
 
 def _modal_radau(model: str) -> ModalRadau:
     # Peak forces and impacts of the passive array converge at 2.5e-3 already; those of soft landings, at speeds of
     # millimetres a second, do not.
-    return ModalRadau(rtol=2e-4 if model.endswith("ideal") else 1e-3)
+    return ModalRadau(rtol=1e-3 if has_clearance(model) else 2e-4)
 
 
 def _settings(name: str, model: str) -> Integrator:

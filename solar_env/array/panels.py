@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Self
 
+from solar_env.array.models import has_flexible_panels
 from solar_env.array.names import unknown_name
-from solar_env.array.parameters import ArrayParameters, has_flexible_panels
+from solar_env.array.parameters import ArrayParameters
 from solar_env.mechanics.bodies.description import AnyBody, FlexibleBody, ModalPanel
 from solar_env.mechanics.integrators.settings import ModalRadau
 

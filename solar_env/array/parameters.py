@@ -23,8 +23,6 @@ from solar_env.mechanics.joints.friction.laws import FRICTION_LAWS, SLIDING_READ
 from solar_env.mechanics.mechanism.description import Bearing, Stop
 from solar_env.mechanics.running.diagnosis import check_restitution
 
-MODELS = ("rigid-ideal", "rigid-clearance", "flexible-ideal", "flexible-clearance")
-
 _POSITIVE = (
     "body_mass", "body_inertia", "body_size", "panel_length", "panel_width", "panel_thickness", "panel_density",
     "panel_young", "cable_wheel_radius", "latch_stiffness", "latch_ramp_depth", "journal_radius", "journal_young",
@@ -314,23 +312,3 @@ PRESETS: dict[str, dict[str, Any]] = {
     "default": {},
     "paper": {"hinge_y": -0.5, "cable_torque_ratio": 1.0, "friction_sliding": "centres", "panel_damping": 0.0},
 }
-
-
-def check_model(model: str) -> str:
-    """Return `model` if it is one of MODELS.
-
-    Raises:
-        ValueError: otherwise.
-    """
-    if model not in MODELS:
-        raise ValueError(f"model {model!r} is unknown; choose from {', '.join(MODELS)}")
-    return model
-
-
-def has_flexible_panels(model: str) -> bool:
-    """Whether the panels of a model bend.
-
-    Raises:
-        ValueError: if the model is none of MODELS.
-    """
-    return check_model(model).startswith("flexible")

@@ -23,8 +23,8 @@ from solar_env.array import (
 )
 from solar_env.array.ladder import DEFAULT_TOLERANCE, QUESTIONS, Answer, cheapest, read_answers
 from solar_env.array.methods import INTEGRATOR_NAMES, default_integrator, make_integrator
+from solar_env.array.models import has_flexible_panels
 from solar_env.array.panels import DEFAULT_PANELS, PRESET_PANELS
-from solar_env.array.parameters import has_flexible_panels
 from solar_env.mechanics.integrators.settings import Rosenbrock, RungeKutta
 
 DEFAULT_MODEL = "rigid-clearance"

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
-from solar_env.array import ArrayParameters, PanelModel
+from solar_env.array import ArrayParameters, PanelModel, has_clearance
 from solar_env.array.ladder import QUESTIONS, Answer
 from solar_env.array.panels import ANCF, MODAL
 from solar_env.studies.common.levels import Level
@@ -72,7 +72,7 @@ class LadderPlan:
 
     def members_of(self, level: Level, most: int) -> int:
         """How many of at most so many members run at a level."""
-        return min(most, self.ideal_members) if level.model.endswith("ideal") else most
+        return most if has_clearance(level.model) else min(most, self.ideal_members)
 
     @property
     def runs(self) -> tuple[Run, ...]:

@@ -6,6 +6,7 @@ from pathlib import Path
 import matplotlib as mpl
 from matplotlib.axes import Axes
 
+from solar_env.array import has_clearance
 from solar_env.array.ladder import QUESTIONS, Answer, steps
 from solar_env.pictures.style import MODEL_LOOKS, STEEL, STYLE, look_of
 from solar_env.studies.common.drawing import make_figure, save, use_decades
@@ -58,7 +59,7 @@ def _draw_panel(axis: Axes, answers: Sequence[Answer]) -> None:
             axis.plot([answer.error, bound], [answer.cost_ratio] * 2, linewidth=0.8, color=style["color"])
         axis.plot([bound], [answer.cost_ratio], markersize=4, **style)
         if answer.panels:
-            side = -1 if answer.model.endswith("clearance") else 1
+            side = -1 if has_clearance(answer.model) else 1
             axis.annotate(
                 f"{answer.count}{answer.panel_model.option[0]}",
                 (bound, answer.cost_ratio),

@@ -11,7 +11,7 @@ import exudyn.itemInterface
 import numpy as np
 from exudyn.utilities import CreateSymbolicUserFunction
 
-from solar_env.array import ArrayParameters
+from solar_env.array import ArrayParameters, has_clearance
 from solar_env.studies.common.motion import Scene
 
 items = exudyn.itemInterface
@@ -91,7 +91,7 @@ class Builder(ABC):
         """Join (bearing, journal) markers, with clearance or without."""
         p, system = self.p, self.system
         for j, (bearing, journal) in enumerate(markers):
-            if self.array.scene.model.endswith("ideal"):
+            if not has_clearance(self.array.scene.model):
                 system.AddObject(items.ObjectJointRevolute2D(markerNumbers=[bearing, journal]))
                 continue
             data = system.AddNode(

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
-from solar_env.array import has_flexible_panels
+from solar_env.array import has_clearance, has_flexible_panels
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.mechanics.running.trajectory import contact_record
 from solar_env.studies.common.motion import Motion, Scene, no_contacts
@@ -34,7 +34,7 @@ def run_exudyn(scene: Scene, solver: str, step: float) -> Motion:
         ValueError: if the scene has what Exudyn's objects cannot express.
         SimulationError: if the run cannot go on.
     """
-    explicit, clearance = solver == "explicit", scene.model.endswith("clearance")
+    explicit, clearance = solver == "explicit", has_clearance(scene.model)
     array = build_peer(scene, implicit=not explicit)
     name = "GeneralizedAlpha" if not explicit else "ExplicitMidpoint" if clearance else "RK44"
     settings = _settings(scene, step)
@@ -67,7 +67,7 @@ def run_exudyn(scene: Scene, solver: str, step: float) -> Motion:
 
 
 def _settings(scene: Scene, step: float) -> Any:
-    flexible, clearance = has_flexible_panels(scene.model), scene.model.endswith("clearance")
+    flexible, clearance = has_flexible_panels(scene.model), has_clearance(scene.model)
     settings = exudyn.SimulationSettings()
     settings.solution.file.write = False
     settings.solution.sensors.writePeriod = step if scene.every_contact else scene.sample_step

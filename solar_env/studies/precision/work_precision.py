@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 
+from solar_env.array import has_clearance
 from solar_env.studies.common import measures
 from solar_env.studies.common.motion import Motion, Scene
 from solar_env.studies.common.plans import Plan
@@ -64,7 +65,7 @@ def scenes(plan: Plan) -> Iterator[tuple[str, Scene]]:
     """Kind and scene of everything that is measured."""
     for model in plan.models:
         yield DEPLOYMENT, plan.deployment(model)
-        if model.endswith("clearance"):
+        if has_clearance(model):
             yield IMPACTS, plan.initial_phase(model)
 
 

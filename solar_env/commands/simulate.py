@@ -173,6 +173,8 @@ def _stability_note(share: float) -> str:
 def _print_summary(summary: dict[str, Any]) -> None:
     table = Table(title=f"{summary['model']}, {summary['duration_s']:g} s", show_header=False)
     for key, value in summary.items():
+        if value is None:
+            continue  # a count of what these panels do not consist of
         values = value if isinstance(value, list) else [value]
         text = ", ".join(f"{x:.6g}" if isinstance(x, float) else str(x) for x in values)
         table.add_row(key, text)

@@ -257,7 +257,9 @@ def solve_step(model, state, work, settings, tables, level, h):
         if not renewed:
             renewed = shift_stages(model, work, n) > _SHIFT
         if renewed:
-            move_stages(model, state, work, tables, level, h, iteration < _COUPLED_ITERATIONS)
+            # A reaction holds the joint where foreshortening has it: it must not be left behind.
+            coupled = constrained or iteration < _COUPLED_ITERATIONS
+            move_stages(model, state, work, tables, level, h, coupled)
         if iteration == 0:
             fill_mobility(model, work, tables, level, h, n)
         # Anew each time: the depth that a journal would reach freely is no measure of that which it does reach.

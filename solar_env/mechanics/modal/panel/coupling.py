@@ -62,6 +62,16 @@ def foreshorten(forms, low, column, gradient, shortening):
 
 
 @kernel(inlined=True)
+def foreshorten_pose(panels, own, d, q, v):
+    """Foreshortening of a panel, as of the first stage, in a pose given by its amplitudes and their rates."""
+    for group in range(GROUPS):
+        for r in range(panels.coupled[group]):
+            k = panels.first[group] + r
+            own.low[group, r, 0], own.low[group, r, 1] = q[k], v[k]
+    foreshorten(panels.forms[d], own.low, 0, own.gradient[0], own.shortening[0])
+
+
+@kernel(inlined=True)
 def move_low(panels, own, answers, d, group):
     """Motion of the coupled modes of a group at both stages under the loads and the present modal forces."""
     for r in range(panels.coupled[group]):

@@ -24,7 +24,7 @@ from solar_env.mechanics.arrays.model import (
 from solar_env.mechanics.joints.contact.normal_force import contact_energy, normal_force
 from solar_env.mechanics.joints.joint import cable_torque, stop_energy, stop_torque
 from solar_env.mechanics.modal.arrays import ANGLE, DEPTH, DEPTH_RATE, RATE, RIGID_BODY, SLIDING_SPEED, SLIP
-from solar_env.mechanics.modal.panel.coupling import axial_form, foreshorten
+from solar_env.mechanics.modal.panel.coupling import axial_form, foreshorten_pose
 from solar_env.mechanics.modal.panel.oscillators import WEIGHT_A, WEIGHT_B
 from solar_env.mechanics.modal.panel.tables import AXIAL_EVEN, GROUPS
 from solar_env.mechanics.modal.step.equations import cable_stretch
@@ -87,11 +87,7 @@ def note_peaks(model, state, work):
 def panel_energies(model, body, q, v, work, energies):
     """Add the energies of a panel's amplitudes: kinetic, and of its strain."""
     panels, d, first, own = model.panels, body.design, body.offset + 3, work.panels[body.panel]
-    for group in range(GROUPS):
-        for r in range(panels.coupled[group]):
-            k = first + panels.first[group] + r
-            own.low[group, r, 0], own.low[group, r, 1] = q[k], v[k]
-    foreshorten(panels.forms[d], own.low, 0, own.gradient[0], own.shortening[0])
+    foreshorten_pose(panels, own, d, q[first:], v[first:])
     for group in range(GROUPS):
         for k in range(panels.first[group], panels.first[group + 1]):
             stretch, r = q[first + k], k - panels.first[group]

@@ -22,7 +22,7 @@ from solar_env.mechanics.modal.arrays import (
     VELOCITY_X,
     VELOCITY_Y,
 )
-from solar_env.mechanics.modal.panel.coupling import foreshorten, shorten_ends
+from solar_env.mechanics.modal.panel.coupling import foreshorten_pose, shorten_ends
 from solar_env.mechanics.modal.panel.tables import AXIAL_EVEN, AXIAL_ODD, BENDING_EVEN, BENDING_ODD, GROUPS, side
 from solar_env.mechanics.numerics.jit import kernel
 
@@ -106,12 +106,8 @@ def place_bodies(model, q, v, work, slot):
             own.place[slot, i], own.speed[slot, i] = q[first + i], v[first + i]
         own.turn[slot, 0], own.turn[slot, 1] = math.cos(q[first + 2]), math.sin(q[first + 2])
         if body.panel != RIGID_BODY:
-            panels, panel = model.panels, work.panels[body.panel]
-            for group in range(GROUPS):
-                for r in range(panels.coupled[group]):
-                    k = first + 3 + panels.first[group] + r
-                    panel.low[group, r, 0], panel.low[group, r, 1] = q[k], v[k]
-            foreshorten(panels.forms[body.design], panel.low, 0, panel.gradient[0], panel.shortening[0])
+            panel = work.panels[body.panel]
+            foreshorten_pose(model.panels, panel, body.design, q[first + 3 :], v[first + 3 :])
             shorten_ends(panel)
     move_attachments(model, work, slot)
     move_joints(model, work, slot)

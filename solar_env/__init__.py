@@ -3,11 +3,11 @@
 Importing this package registers the environments and loads neither the compiler nor a learning library. `simulate` runs
 one deployment; `gymnasium.make("solar_env/Deploy-v0")` makes an environment, `gymnasium.make_vec` many of them.
 
-Names at the top level: `ArrayParameters` (`solar_env.array.parameters`) describes an array, `build` makes its
-mechanism, `MODELS` are the models' names. `simulate` gives a `Trajectory`; `Simulation` advances step by step, by the
-integrators `RungeKutta`, `Rosenbrock`, `DormandPrince`, `ModalRadau` or `GeneralizedAlpha`. `SolarArrayEnv` and
-`SolarArrayVectorEnv` are the environments, `Hardware` is their drive. Runs that cannot go on raise `SimulationError`,
-doubtful ones warn of `SimulationWarning`.
+Names at the top level: `ArrayParameters` (`solar_env.array.parameters`) describes an array, `read_parameters` reads
+one from a file, `build` makes its mechanism, `MODELS` are the models' names. `simulate` gives a `Trajectory`;
+`Simulation` advances step by step, by the integrators `RungeKutta`, `Rosenbrock`, `DormandPrince`, `ModalRadau` or
+`GeneralizedAlpha`. `SolarArrayEnv` and `SolarArrayVectorEnv` are the environments, `Hardware` is their drive. Runs that
+cannot go on raise `SimulationError`, doubtful ones warn of `SimulationWarning`.
 
 .. include:: contributing.md
 """
@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 from solar_env.array import MODELS as MODELS
 from solar_env.array import ArrayParameters as ArrayParameters
 from solar_env.array import build as build
+from solar_env.array import read_parameters as read_parameters
 from solar_env.environment.hardware import Hardware as Hardware
 from solar_env.environment.registration import register_environments
 from solar_env.mechanics.integrators.settings import DormandPrince as DormandPrince
@@ -39,6 +40,10 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 
+_PUBLIC = (
+    *("ArrayParameters", "DormandPrince", "GeneralizedAlpha", "Hardware", "MODELS", "ModalRadau", "Rosenbrock"),
+    *("RungeKutta", "SimulationWarning", "build", "read_parameters"),
+)
 # Public names whose modules need the compiler: imported on first use.
 _LAZY = {
     "simulate": ".array.deployment",
@@ -54,6 +59,10 @@ def __getattr__(name: str) -> Any:
     if name in _LAZY:
         return getattr(importlib.import_module(_LAZY[name], __name__), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted([*_PUBLIC, *_LAZY, "__version__"])
 
 
 register_environments()

@@ -33,7 +33,7 @@ _NOT_NEGATIVE = (
     "friction_speed_zero", "wear_coefficient",
 )  # fmt: skip
 # Parameters for which None is a value.
-_OPTIONAL = ("cable_torque_ratio", "contact_stiffness")
+OPTIONAL = ("cable_torque_ratio", "contact_stiffness")
 
 
 @dataclass(frozen=True)
@@ -47,21 +47,21 @@ class ArrayParameters:
 
     Attributes:
         panel_count: number of panels N; the paper's is 2.
-        body_mass: main body [kg]; 1 m cube of 1500 kg/m3.
-        body_inertia: about its centroid [kg m2].
+        body_mass: of the main body [kg]; a 1 m cube of 1500 kg/m3.
+        body_inertia: of the main body about its centroid [kg m2].
         body_fixed: whether the main body is held in place; the paper's floats.
         hinge_x, hinge_y: root hinge from the main body's centroid [m], hinge_x not negative; mid-side (chosen: the
             paper does not say).
         body_size: side of the main body [m].
-        panel_length, panel_width, panel_thickness: [m].
-        panel_density: [kg/m3].
+        panel_length, panel_width, panel_thickness: of each panel [m].
+        panel_density: mass of the panels over their volume [kg/m3].
         panel_young: modulus of elasticity E of the panels, used by flexible models [Pa].
         panel_damping: retardation time of the panels' material [s]: stress = E (strain + panel_damping * strain rate)
             (chosen: it damps kilohertz modes and leaves bending below 100 Hz alone; the paper has none).
-        spring_stiffness: torsion springs, by joint [N m/rad].
+        spring_stiffness: of the torsion springs, by joint [N m/rad].
         spring_preload_angle: angle at which a spring is relaxed, by joint [rad].
-        cable_stiffness: closed cable loops between neighbouring joints [N m/rad] (chosen: keeps the joint angles at
-            1 : 2 within a degree up to the latching).
+        cable_stiffness: of the closed cable loops between neighbouring joints [N m/rad] (chosen: keeps the joint angles
+            at 1 : 2 within a degree up to the latching).
         cable_torque_ratio: torque on the inner over that on the outer joint of a loop; None takes the wheel ratio
             (2 at the root), which conserves energy (chosen); 1 is the couple that the paper's latch time points to.
         cable_preload_force: of a strand [N]; a strand's tension is never negative (chosen: no strand goes
@@ -70,12 +70,12 @@ class ArrayParameters:
             goes slack).
         latch_gap: free play of latch and stow stop to either side [rad] (chosen, like the four below: together they
             give contact forces of some hundred newtons after latching, like the paper's Fig. 10).
-        latch_stiffness: [N m/rad^exponent].
+        latch_stiffness: of latch and stow stop [N m/rad^exponent].
         latch_exponent: of the stop's elastic torque.
         latch_ramp_depth: depth over which the stop's damping is ramped in [rad].
-        latch_damping: [N m s/rad].
+        latch_damping: of latch and stow stop [N m s/rad].
         clearance: bearing radius minus journal radius, by joint [m].
-        journal_radius: [m].
+        journal_radius: of all joints [m].
         contact_law: "lankarani-nikravesh", "flores", "restitution" (whose exit speed is exactly the restitution) or
             "hertz" (which conserves energy) between spheres; "pereira" for a cylinder in a long bearing.
         restitution: coefficient of restitution of the contact law.
@@ -197,7 +197,7 @@ class ArrayParameters:
         if isinstance(default, (str, bool)):
             self._require(name, isinstance(value, type(default)), f"must be of type {type(default).__name__}")
             return
-        if value is None and name in _OPTIONAL:
+        if value is None and name in OPTIONAL:
             return
         entries = value if isinstance(value, tuple) else (value,)
         self._require(name, name in self.BY_JOINT or not isinstance(value, tuple), "must be a single number")

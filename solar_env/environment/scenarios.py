@@ -3,18 +3,12 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from numbers import Real
 from typing import Any
-
-import numpy as np
 
 from solar_env.array import ArrayParameters
 from solar_env.array.names import unknown_name
+from solar_env.array.ranges import Bound, Ranges
 from solar_env.environment.hardware import Hardware
-
-# Bounds of a uniform draw: numbers, or one by joint.
-Bound = float | tuple[float, ...]
-Ranges = Mapping[str, tuple[Bound, Bound]]
 
 
 @dataclass(frozen=True)
@@ -88,50 +82,3 @@ def scenario_named(name: str) -> Scenario:
     if name not in SCENARIOS:
         raise ValueError(unknown_name("scenario", name, SCENARIOS))
     return SCENARIOS[name]
-
-
-def checked_ranges(parameters: ArrayParameters, ranges: Ranges) -> Ranges:
-    """The ranges with both ends shown to be acceptable values, by joint where the parameter is.
-
-    Raises:
-        ValueError: for an unknown parameter, or a range in which not every value is acceptable.
-    """
-    checked: dict[str, tuple[Bound, Bound]] = {}
-    for name, bounds in ranges.items():
-        if name not in vars(parameters):
-            raise ValueError(unknown_name("parameter", name, vars(parameters)))
-        if name not in ArrayParameters.CONTINUOUS:
-            raise ValueError(f"randomize[{name!r}]: {name} is not a real number and cannot be drawn")
-        pair: Any = bounds
-        if not hasattr(pair, "__len__") or len(pair) != 2:
-            raise ValueError(f"randomize[{name!r}] = {bounds!r} must be a pair (low, high)")
-        by_joint = name in ArrayParameters.BY_JOINT
-        low, high = (_checked_bound(name, bound, parameters.panel_count if by_joint else None) for bound in pair)
-        if not np.all(np.less_equal(low, high)):
-            raise ValueError(f"randomize[{name!r}] = {bounds!r} must satisfy low <= high")
-        for end in (low, high):
-            parameters.with_changes({name: end})
-        checked[name] = (low, high)
-    # Draws of several parameters may meet at any corner; these are the ones at which two of them can contradict.
-    lows, highs = ({name: pair[end] for name, pair in checked.items()} for end in (0, 1))
-    corners = [lows, highs] + [
-        {**lows, small: highs[small]} for small in ArrayParameters.BELOW_ANOTHER if small in highs
-    ]
-    for corner in corners:
-        parameters.with_changes(corner)
-    return checked
-
-
-def _checked_bound(name: str, bound: Any, joints: int | None) -> Bound:
-    """A bound as a number, or with an entry for each of `joints`: the last one given holds for all further ones."""
-    entries = bound if isinstance(bound, (tuple, list, np.ndarray)) else (bound,)
-    for entry in entries:
-        if isinstance(entry, bool) or not isinstance(entry, Real) or not math.isfinite(entry):
-            raise ValueError(f"randomize[{name!r}]: the bound {bound!r} must be a finite number")
-    if joints is None:
-        if len(entries) != 1 or entries is bound:
-            raise ValueError(f"randomize[{name!r}]: the bound {bound!r} must be a single number")
-        return float(bound)
-    if not 1 <= len(entries) <= joints:
-        raise ValueError(f"randomize[{name!r}]: the bound {bound!r} must have 1 to {joints} entries, one a joint")
-    return tuple(float(entries[min(j, len(entries) - 1)]) for j in range(joints))

@@ -12,8 +12,9 @@ from solar_env.array import ArrayParameters, PanelModel, build, check_model
 from solar_env.array.ladder import DEFAULT_QUESTION, DEFAULT_TOLERANCE, cheapest, read_answers
 from solar_env.array.methods import default_integrator
 from solar_env.array.names import unknown_name
+from solar_env.array.ranges import Ranges, checked_ranges, drawn
 from solar_env.environment.hardware import Hardware
-from solar_env.environment.scenarios import Ranges, checked_ranges, scenario_named
+from solar_env.environment.scenarios import scenario_named
 from solar_env.environment.task.observations import Entry, Names, observation_entries
 from solar_env.environment.task.reward import Reward
 from solar_env.environment.task.sensors import Sensors
@@ -204,11 +205,7 @@ class EnvironmentSettings:
         Raises:
             ValueError: for unknown parameters or refused values.
         """
-        drawn: dict[str, Any] = {}
-        for name, (low, high) in self.ranges.items():
-            values = generator.uniform(low, high)
-            drawn[name] = tuple(values.tolist()) if name in ArrayParameters.BY_JOINT else float(values)
-        return design.with_changes({**drawn, **changes})
+        return design.with_changes({**drawn(self.ranges, generator), **changes})
 
     def simulation(self, parameters: ArrayParameters) -> Simulation:
         """A folded array at rest."""

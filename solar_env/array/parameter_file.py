@@ -1,0 +1,190 @@
+"""Files of parameters in TOML: reading one, and writing a complete one that explains each parameter.
+
+Values stand at the top of the file, under the names and in the units of `ArrayParameters`. Two tables say what is not
+known exactly: `tolerance` gives half-widths about the values, `randomize` low and high ends, as the keyword of the
+environments does. Both are drawn uniformly, by joint where the parameter is.
+"""
+
+import inspect
+import re
+import textwrap
+import tomllib
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from solar_env.array.names import unknown_name
+from solar_env.array.parameters import OPTIONAL, ArrayParameters
+from solar_env.array.ranges import Ranges, checked_ranges
+
+TOLERANCE, RANDOMIZE = "tolerance", "randomize"
+# How a file says None, for which TOML has no word.
+NONE = "none"
+_WIDTH = 100  # characters of an explanation's line
+
+
+class ParameterFile(NamedTuple):
+    """What a file says: the array, and what of it is drawn anew for every run.
+
+    `gymnasium.make("solar_env/Deploy-v0", **solar_env.read_parameters("my_array.toml")._asdict())` makes an environment
+    of it.
+
+    Attributes:
+        parameters: of the array.
+        randomize: parameter -> (low, high).
+    """
+
+    parameters: ArrayParameters
+    randomize: Ranges
+
+
+@dataclass(frozen=True)
+class _Text:
+    """A file's name and lines, to say where a value stands."""
+
+    path: Path
+    lines: list[str]
+
+    def refusal(self, table: str, name: str, why: object) -> ValueError:
+        """An error that names the file and, where it can be found, the line."""
+        inside, pattern = "", re.compile(rf"""\s*["']?{re.escape(name)}["']?\s*[.=]""")
+        for number, line in enumerate(self.lines, start=1):
+            if header := re.match(r"\s*\[\s*([\w-]+)\s*\]", line):
+                inside = header[1]
+            if (inside == table and pattern.match(line)) or (not table and header and header[1] == name):
+                return ValueError(f"{self.path}, line {number}: {why}")
+        return ValueError(f"{self.path}: {why}")
+
+
+def read_parameters(path: str | Path) -> ParameterFile:
+    """Read a file of parameters; what it does not name has its default.
+
+    Raises:
+        ValueError: if the file is no TOML, or has an unknown name or a refused value; the message says which, on which
+            line, and the rule.
+        OSError: if it cannot be read.
+    """
+    path = Path(path)
+    try:
+        content = path.read_text(encoding="utf-8")
+        values: dict[str, Any] = tomllib.loads(content)
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{path} is no text in UTF-8: {error}") from error
+    except tomllib.TOMLDecodeError as error:
+        raise ValueError(f"{path} is no TOML: {error}; python -m solar_env parameters prints a file") from error
+    text = _Text(path, content.splitlines())
+    tables = {name: values.pop(name, {}) for name in (TOLERANCE, RANDOMIZE)}
+    for name, table in tables.items():
+        if not isinstance(table, dict):
+            raise text.refusal("", name, f"{name} must be a table: write [{name}] and the parameters below it")
+    parameters = ArrayParameters()
+    known = [item.name for item in fields(ArrayParameters)]
+    for name in values:
+        if name not in known:
+            raise text.refusal("", name, unknown_name("parameter", name, [*known, *tables]))
+    changes = {name: None if name in OPTIONAL and value == NONE else value for name, value in values.items()}
+    try:
+        parameters = parameters.with_changes(changes)
+    except ValueError as error:
+        # A value that contradicts another may be fine by itself: the message's first word names the one at fault.
+        name = str(error).split(" ", 1)[0]
+        raise text.refusal("", name, _explained(name, error)) from error
+    return ParameterFile(parameters, _ranges(parameters, tables, text))
+
+
+def _ranges(parameters: ArrayParameters, tables: dict[str, dict[str, Any]], text: _Text) -> Ranges:
+    """The ranges of both tables, each checked by itself, so that an error finds its line, then all together."""
+    ranges: dict[str, Any] = {}
+    for table, entries in tables.items():
+        for name, entry in entries.items():
+            if name in ranges:
+                raise text.refusal(table, name, f"{name} stands in both {TOLERANCE} and {RANDOMIZE}; keep one")
+            try:
+                bounds = _about(parameters, name, entry) if table == TOLERANCE else entry
+                ranges |= checked_ranges(parameters, {name: bounds})
+            except ValueError as error:
+                raise text.refusal(table, name, _explained(name, error)) from error
+    try:
+        return checked_ranges(parameters, ranges)
+    except ValueError as error:
+        raise ValueError(f"{text.path}: {error}") from error
+
+
+def _about(parameters: ArrayParameters, name: str, half_width: Any) -> tuple[Any, Any]:
+    """Low and high end of a parameter with a tolerance."""
+    if name not in ArrayParameters.CONTINUOUS:
+        return half_width, half_width  # whose refusal names the parameter
+    entries = half_width if isinstance(half_width, list) else [half_width]
+    numbers = [entry for entry in entries if isinstance(entry, (int, float)) and not isinstance(entry, bool)]
+    if not entries or len(numbers) < len(entries) or not all(0.0 <= number < np.inf for number in numbers):
+        raise ValueError(f"tolerance of {name} = {half_width!r} must be a finite number, not negative")
+    value = getattr(parameters, name)
+    if value is None:
+        raise ValueError(f"{name} has no value to which a tolerance belongs; give it one")
+    if name not in ArrayParameters.BY_JOINT and isinstance(half_width, list):
+        raise ValueError(f"tolerance of {name} = {half_width!r} must be a single number")
+    if name not in ArrayParameters.BY_JOINT:
+        return value - half_width, value + half_width
+    widths = [entries[min(joint, len(entries) - 1)] for joint in range(parameters.panel_count)]
+    values = [parameters.by_joint(name, joint) for joint in range(parameters.panel_count)]
+    if len(entries) > parameters.panel_count:
+        raise ValueError(f"tolerance of {name} = {half_width!r} has more entries than panels")
+    ends = [tuple(v + sign * w for v, w in zip(values, widths, strict=True)) for sign in (-1, 1)]
+    return ends[0], ends[1]
+
+
+def _explained(name: str, error: ValueError) -> str:
+    """An error with what the parameter is, and in which unit."""
+    texts = explanations()
+    return f"{error}; {name} is: {texts[name]}" if name in texts and "unknown" not in str(error) else str(error)
+
+
+def explanations() -> dict[str, str]:
+    """What each parameter is, with its unit and source: the docstring of `ArrayParameters`, by name."""
+    document = inspect.cleandoc(ArrayParameters.__doc__ or "").split("Attributes:\n")[1]
+    texts: dict[str, str] = {}
+    for entry in re.split(r"\n {4}(?=\S)", "\n" + document.rstrip()):
+        names, _, text = entry.partition(":")
+        for name in names.split(","):
+            if name.strip():
+                texts[name.strip()] = " ".join(text.split()).rstrip(".")
+    return texts
+
+
+def parameter_text(parameters: ArrayParameters) -> str:
+    """A complete file of parameters, each with its explanation; `read_parameters` reads it back."""
+    lines = [
+        "# Parameters of a solar array in SI units. What is left out has its default; by joint: one number for all, or",
+        "# a list whose last entry also holds for all further joints. None is written as a word in quotation marks.",
+    ]
+    texts, before = explanations(), ""
+    for item in fields(ArrayParameters):
+        if texts[item.name] != before:
+            lines += ["", *textwrap.wrap(texts[item.name], _WIDTH, initial_indent="# ", subsequent_indent="# ")]
+        before = texts[item.name]
+        lines.append(f"{item.name} = {_toml(getattr(parameters, item.name))}")
+    lines += [
+        "",
+        "# What is not known exactly is drawn anew for every run of an ensemble, uniformly: within a tolerance of the",
+        "# value above, or between a low and a high end.",
+        f"[{TOLERANCE}]",
+        "# clearance = 2e-5",
+        "",
+        f"[{RANDOMIZE}]",
+        "# friction_coefficient = [0.05, 0.3]",
+        "",
+    ]
+    return "\n".join(lines)
+
+
+def _toml(value: Any) -> str:
+    """A value as TOML has it."""
+    if value is None:
+        return f'"{NONE}"'
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, tuple):
+        return f"[{', '.join(_toml(entry) for entry in value)}]"
+    return f'"{value}"' if isinstance(value, str) else repr(value)

@@ -8,6 +8,7 @@ import warnings
 COMMANDS = {
     "simulate": ("solar_env.commands.simulate", "simulate one deployment"),
     "parameters": ("solar_env.commands.parameters", "print a complete file of parameters, each explained"),
+    "loads": ("solar_env.commands.loads", "how hard hinges and hub are hit, and how sure that is"),
     "verify": ("solar_env.commands.verify", "run the cases with known answers"),
     "chart": ("solar_env.commands.chart", "measure speed against accuracy and draw it"),
     "stability": ("solar_env.commands.stability", "map where methods fail, and check that the library says so"),

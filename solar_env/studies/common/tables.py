@@ -49,10 +49,14 @@ def provenance(command: str, **settings: object) -> dict[str, str]:
     return {
         "command": command,
         **{name: str(value) for name, value in settings.items()},
-        **{name: version(name) for name in _PACKAGES},
-        "python": platform.python_version(),
+        **versions(),
         "machine": f"{platform.machine()}, {os.cpu_count()} cores",
     }
+
+
+def versions() -> dict[str, str]:
+    """Versions of the package, of what computes for it, and of Python."""
+    return {**{name: version(name) for name in _PACKAGES}, "python": platform.python_version()}
 
 
 def write_table(path: Path, rows: Sequence[Mapping[str, Cell]], made_by: Mapping[str, str]) -> None:

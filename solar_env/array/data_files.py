@@ -1,0 +1,72 @@
+"""Deployments as files that other tools read: NumPy's npz with everything, or a table of the samples as CSV."""
+
+import csv
+import io
+from pathlib import Path
+
+import numpy as np
+
+from solar_env.mechanics.running.trajectory import Trajectory
+from solar_env.support.files import check_target, write_text
+
+SUFFIXES = (".csv", ".npz")
+# Column of the table, with its unit, -> attribute of the trajectory, by joint.
+_BY_JOINT = {
+    "angle_rad": "angles",
+    "rate_rad_per_s": "rates",
+    "gap_m": "penetration",
+    "normal_force_N": "normal_force",
+    "tangential_force_N": "tangential_force",
+    "spring_torque_Nm": "spring_torque",
+    "cable_torque_Nm": "cable_torque",
+    "latch_torque_Nm": "latch_torque",
+    "motor_torque_Nm": "motor_torque",
+    "impulse_Ns": "impulse",
+    "sliding_work_J": "sliding_work",
+}
+
+
+def check_data_file(path: Path) -> None:
+    """Check name and folder of a file of data, before anything is computed.
+
+    Raises:
+        ValueError: if the suffix is unknown or the folder does not exist.
+        OSError: if no file can be written there.
+    """
+    if path.suffix.lower() not in SUFFIXES:
+        raise ValueError(f"the suffix {path.suffix!r} of {path} is unknown; choose from {', '.join(SUFFIXES)}")
+    check_target(path)
+
+
+def write_data(trajectory: Trajectory, path: Path) -> None:
+    """Write a deployment, as its suffix says: ".npz" all of it, see `Trajectory.load`, ".csv" a row for each sample.
+
+    Columns of the table name quantity, unit and joint, as in "angle_rad_1"; energies are "kinetic_J" and the like.
+
+    Raises:
+        ValueError, OSError: as `check_data_file`.
+    """
+    check_data_file(path)
+    if path.suffix.lower() == ".npz":
+        trajectory.save(path)
+        return
+    columns = {"time_s": trajectory.time}
+    for name, attribute in _BY_JOINT.items():
+        values = getattr(trajectory, attribute)
+        sign = -1.0 if attribute == "penetration" else 1.0
+        columns |= {f"{name}_{joint + 1}": sign * values[:, joint] for joint in range(values.shape[1])}
+    columns |= {f"{name}_J": values for name, values in trajectory.energies.items()}
+    write_columns(path, columns)
+
+
+def write_columns(path: Path, columns: dict[str, np.ndarray]) -> None:
+    """Write a CSV file of columns (n,) by their names, with as many digits as the numbers have.
+
+    Raises:
+        OSError: if it cannot be written.
+    """
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows(zip(*(values.tolist() for values in columns.values()), strict=True))
+    write_text(path, text.getvalue())

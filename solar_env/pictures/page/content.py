@@ -1,0 +1,107 @@
+"""What a page holds: motions, charts and tables, in plain numbers that say nothing of how they were computed."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A deployment as the page shows it: nt moments, nj joints.
+
+    Attributes:
+        name: in words.
+        time: (nt,) ascending [s].
+        body: (nt, 4, 2) corners of the main body, in order round it [m].
+        panels: a polyline (nt, k, 2) for each panel, from its inner hinge to its tip [m].
+        eccentricity: (nt, nj, 2) journal centre minus bearing centre, over the clearance; zero for ideal joints.
+        clearance: (nj,) [m].
+        force: (nt, nj) contact force [N].
+        latch_times: (nj,) [s], nan if not latched.
+        torque: (nt,) of the motor [N m].
+    """
+
+    name: str
+    time: Array
+    body: Array
+    panels: Sequence[Array]
+    eccentricity: Array
+    clearance: Array
+    force: Array
+    latch_times: Array
+    torque: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """A line of a chart.
+
+    Attributes:
+        name: in the legend.
+        x, y: (n,); of charts round a bearing x is an angle [deg].
+        colour: "#rrggbb".
+        dash: "solid", "dash" or "dot".
+        marks: whether points are drawn instead of a line.
+    """
+
+    name: str
+    x: Array
+    y: Array
+    colour: str
+    dash: str = "solid"
+    marks: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Chart:
+    """Lines in one pair of axes.
+
+    Attributes:
+        title: what it shows.
+        x, y: quantities with units.
+        lines: what is drawn.
+        over_time: whether x is the time [s] that the slider moves.
+        logarithmic: axes with a logarithmic scale: "", "y" or "xy".
+        polar: whether y is drawn round a circle.
+    """
+
+    title: str
+    x: str
+    y: str
+    lines: Sequence[Line]
+    over_time: bool = True
+    logarithmic: str = ""
+    polar: bool = False
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of text under a title."""
+
+    title: str
+    columns: Sequence[str]
+    rows: Sequence[Sequence[str]]
+
+
+@dataclass(frozen=True, eq=False)
+class Page:
+    """A page.
+
+    Attributes:
+        title: what the page is about.
+        answer: sentences that stand first.
+        motions: shown side by side, moved by one slider.
+        charts, tables: below.
+        notes: last lines, such as the command and the versions that made the page.
+    """
+
+    title: str
+    answer: Sequence[str]
+    motions: Sequence[Motion]
+    charts: Sequence[Chart]
+    tables: Sequence[Table] = ()
+    notes: Sequence[str] = field(default=())

@@ -1,0 +1,89 @@
+"""A page as one file of HTML, which fetches nothing."""
+
+import html
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from solar_env.pictures.page.content import Chart, Motion, Page, Table
+from solar_env.pictures.style import COLOURS
+from solar_env.support.files import write_text
+
+_FOLDER = Path(__file__).parent
+_DIGITS = 6  # significant, of every number in the page
+# The browser refuses whatever would come from elsewhere.
+_POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
+
+
+def write_page(page: Page, path: Path) -> None:
+    """Write a page, whole or not at all.
+
+    Raises:
+        OSError: if it cannot be written.
+    """
+    write_text(path, page_text(page))
+
+
+def page_text(page: Page) -> str:
+    """The file's text."""
+    from plotly.offline import get_plotlyjs
+
+    data = {
+        "colours": COLOURS,
+        "motions": [_motion(m) for m in page.motions],
+        "charts": [_chart(c) for c in page.charts],
+    }
+    answer = "".join(f"<p>{html.escape(line)}</p>" for line in page.answer)
+    notes = "".join(f"<p>{html.escape(line)}</p>" for line in page.notes)
+    script = (_FOLDER / "page.js").read_text(encoding="utf-8")
+    # Inside a script "</" would end it.
+    numbers = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
+    return f"""<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><title>{html.escape(page.title)}</title>
+<meta http-equiv="Content-Security-Policy" content="{_POLICY}">
+<style>{(_FOLDER / "page.css").read_text(encoding="utf-8")}</style>
+<script>{get_plotlyjs()}</script></head>
+<body><h1>{html.escape(page.title)}</h1><section id="answer">{answer}</section>
+<section id="player"><button id="play">play</button><select id="speed" aria-label="speed">
+<option value="0.05">1/20 of real time</option><option value="0.25">1/4</option>
+<option value="1" selected>real time</option><option value="4">4 times</option></select>
+<input id="time" type="range" step="0.001" aria-label="time"><output id="clock"></output></section>
+<section id="motions"></section><section id="charts"></section>
+<section id="tables">{"".join(map(_table, page.tables))}</section><footer>{notes}</footer>
+<script type="application/json" id="data">{numbers}</script><script>{script}</script></body></html>
+"""
+
+
+def _numbers(values: ArrayLike) -> Any:
+    """Nested lists of numbers with a few digits; what is not finite becomes None."""
+    array = np.asarray(values, dtype=float)
+    flat = [float(f"{x:.{_DIGITS}g}") if np.isfinite(x) else None for x in array.ravel().tolist()]
+    return np.array(flat, dtype=object).reshape(array.shape).tolist()
+
+
+def _motion(motion: Motion) -> dict[str, Any]:
+    """A motion, with polylines as x, y, x, y, ..."""
+    flat = {"body": motion.body.reshape(len(motion.time), -1)}
+    return {
+        "name": motion.name,
+        "panels": [_numbers(panel.reshape(len(motion.time), -1)) for panel in motion.panels],
+        **{name: _numbers(values) for name, values in flat.items()},
+        **{
+            name: _numbers(getattr(motion, name))
+            for name in ("time", "eccentricity", "clearance", "force", "latch_times", "torque")
+        },
+    }
+
+
+def _chart(chart: Chart) -> dict[str, Any]:
+    lines = [vars(line) | {"x": _numbers(line.x), "y": _numbers(line.y)} for line in chart.lines]
+    return vars(chart) | {"lines": lines}
+
+
+def _table(table: Table) -> str:
+    head = "".join(f"<th>{html.escape(name)}</th>" for name in table.columns)
+    rows = "".join(f"<tr>{''.join(f'<td>{html.escape(cell)}</td>' for cell in row)}</tr>" for row in table.rows)
+    return f"<h2>{html.escape(table.title)}</h2><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"

@@ -1,0 +1,167 @@
+"use strict";
+const data = JSON.parse(document.getElementById("data").textContent);
+const slider = document.getElementById("time"), clock = document.getElementById("clock");
+const INK = "#1d2733", QUIET = "#66717f", FORCE = "#d55e00", BODY = "#7c8896";
+const colour = (k) => data.colours[k % data.colours.length];
+
+// Index of the last of ascending times that is not after t.
+function indexAt(times, t) {
+  let low = 0, high = times.length - 1;
+  while (low < high) {
+    const middle = (low + high + 1) >> 1;
+    if (times[middle] <= t) low = middle; else high = middle - 1;
+  }
+  return low;
+}
+
+// Array on the left, magnified bearings on the right.
+class MotionView {
+  constructor(motion) {
+    this.motion = motion;
+    const box = document.createElement("div");
+    box.className = "motion";
+    box.innerHTML = "<strong></strong>";
+    box.firstChild.textContent = motion.name;
+    this.canvas = document.createElement("canvas");
+    this.canvas.width = 1200;
+    this.canvas.height = 560;
+    box.append(this.canvas);
+    document.getElementById("motions").append(box);
+    let x0 = Infinity, x1 = -Infinity, y0 = Infinity, y1 = -Infinity;
+    for (const rows of [motion.body, ...motion.panels]) for (const row of rows) for (let i = 0; i < row.length; i += 2) {
+      x0 = Math.min(x0, row[i]); x1 = Math.max(x1, row[i]);
+      y0 = Math.min(y0, row[i + 1]); y1 = Math.max(y1, row[i + 1]);
+    }
+    this.scale = Math.min(730 / (x1 - x0), 500 / (y1 - y0));
+    this.place = (x, y) => [30 + (x - x0) * this.scale, 530 - (y - y0) * this.scale];
+  }
+  trace(pen, row) {
+    pen.beginPath();
+    for (let i = 0; i < row.length; i += 2) pen.lineTo(...this.place(row[i], row[i + 1]));
+  }
+  draw(t) {
+    const m = this.motion, k = indexAt(m.time, t), pen = this.canvas.getContext("2d");
+    pen.clearRect(0, 0, 1200, 560);
+    this.trace(pen, m.body[k]);
+    pen.closePath();
+    pen.fillStyle = BODY;
+    pen.fill();
+    pen.lineWidth = 7;
+    pen.lineCap = "round";
+    m.panels.forEach((rows, j) => { pen.strokeStyle = "#0072b2"; this.trace(pen, rows[k]); pen.stroke(); });
+    m.panels.forEach((rows, j) => {
+      const [x, y] = this.place(rows[k][0], rows[k][1]);
+      pen.fillStyle = colour(j); pen.beginPath(); pen.arc(x, y, 8, 0, 7); pen.fill();
+    });
+    pen.fillStyle = QUIET;
+    pen.font = "20px sans-serif";
+    pen.textAlign = "left";
+    if (m.torque.some((x) => x !== 0)) pen.fillText(`motor ${m.torque[k].toFixed(3)} N m`, 30, 28);
+    const shown = Math.min(m.panels.length, 3), radius = Math.min(110, 240 / shown);
+    for (let j = 0; j < shown; j++) this.bearing(pen, j, k, t, 880, (560 * (j + 0.5)) / shown, radius);
+  }
+  // The drawn gap stands for the clearance: circles touch exactly where the surfaces do.
+  bearing(pen, j, k, t, x, y, radius) {
+    const m = this.motion, journal = 0.72 * radius, force = m.force[k][j], [ex, ey] = m.eccentricity[k][j];
+    pen.lineWidth = 5;
+    pen.strokeStyle = colour(j);
+    pen.beginPath(); pen.arc(x, y, radius, 0, 7); pen.stroke();
+    pen.fillStyle = force > 0 && m.clearance[j] > 0 ? FORCE : "#aab4bf";
+    pen.beginPath(); pen.arc(x + ex * (radius - journal), y - ey * (radius - journal), journal - 2.5, 0, 7); pen.fill();
+    const lines = [`joint ${j + 1}`, `${force.toPrecision(3)} N`];
+    lines.push(m.clearance[j] > 0 ? `clearance ${1e3 * m.clearance[j] < 1 ? (1e3 * m.clearance[j]).toPrecision(2) : (1e3 * m.clearance[j]).toFixed(1)} mm` : "ideal joint");
+    lines.push(m.latch_times[j] !== null && t >= m.latch_times[j] ? "latched" : "free");
+    pen.textAlign = "left";
+    lines.forEach((text, i) => {
+      pen.fillStyle = i === 1 ? INK : QUIET;
+      pen.font = i === 1 ? "bold 26px sans-serif" : "19px sans-serif";
+      pen.fillText(text, x + radius + 14, y - 42 + 30 * i);
+    });
+  }
+}
+
+class ChartView {
+  constructor(chart) {
+    this.chart = chart;
+    this.box = document.createElement("div");
+    this.box.className = "chart";
+    this.plot = document.createElement("div");
+    this.cursor = document.createElement("div");
+    this.cursor.className = "cursor";
+    this.box.append(this.plot, this.cursor);
+    document.getElementById("charts").append(this.box);
+  }
+  // After all boxes have their places, for the width.
+  plotLines() {
+    const chart = this.chart;
+    const traces = chart.lines.map((line) => {
+      const look = line.marks ? { mode: "markers", marker: { color: line.colour, size: 4 } }
+        : { mode: "lines", line: { color: line.colour, dash: line.dash, width: 1.4 } };
+      return chart.polar ? { type: "scatterpolar", name: line.name, theta: line.x, r: line.y, ...look }
+        : { type: "scatter", name: line.name, x: line.x, y: line.y, ...look };
+    });
+    const axis = (title, kind) => ({ title: { text: title }, type: kind, gridcolor: "#e6e9ed", zeroline: false, automargin: true,
+      ...(kind === "log" ? { exponentformat: "power", dtick: 1 } : {}) });
+    const layout = { title: { text: chart.title, font: { size: 15 }, x: 0.01 }, height: 330, margin: { t: 40, r: 12, b: 48, l: 60 },
+      legend: { orientation: "h", y: -0.25 }, hovermode: "closest", font: { color: INK },
+      xaxis: axis(chart.x, chart.logarithmic.includes("x") ? "log" : "linear"),
+      yaxis: axis(chart.y, chart.logarithmic.includes("y") ? "log" : "linear"),
+      polar: { radialaxis: { nticks: 3, tickformat: ".0e" } } };
+    Plotly.newPlot(this.plot, traces, layout, { responsive: true, displayModeBar: false });
+    if (chart.over_time) {
+      this.plot.on("plotly_click", (event) => show(event.points[0].x));
+      this.plot.on("plotly_relayout", (change) => this.share(change));
+    }
+  }
+  // Zooming one chart over time zooms the others.
+  share(change) {
+    if (!("xaxis.range[0]" in change || "xaxis.autorange" in change)) return;
+    const range = [change["xaxis.range[0]"], change["xaxis.range[1]"]];
+    const wanted = range[0] === undefined ? { "xaxis.autorange": true } : { "xaxis.range": range };
+    for (const other of charts) if (other !== this && other.chart.over_time) Plotly.relayout(other.plot, wanted);
+    show(now);
+  }
+  draw(t) {
+    if (!this.chart.over_time) return;
+    const { xaxis, yaxis } = this.plot._fullLayout, x = xaxis.l2p(t), style = this.cursor.style;
+    style.display = x >= 0 && x <= xaxis._length ? "block" : "none";
+    style.left = `${this.plot.offsetLeft + xaxis._offset + x}px`;
+    style.top = `${this.plot.offsetTop + yaxis._offset}px`;
+    style.height = `${yaxis._length}px`;
+  }
+}
+
+let now = 0, playing = null;
+const motions = data.motions.map((motion) => new MotionView(motion));
+const charts = data.charts.map((chart) => new ChartView(chart));
+for (const view of charts) view.plotLines();
+const end = Math.max(0, ...data.motions.map((motion) => motion.time[motion.time.length - 1]));
+slider.min = 0;
+slider.max = end;
+
+function show(t) {
+  now = Math.min(Math.max(Number(t), 0), end);
+  slider.value = now;
+  clock.textContent = `${now.toFixed(3)} s`;
+  for (const view of [...motions, ...charts]) view.draw(now);
+}
+slider.addEventListener("input", () => show(slider.value));
+document.getElementById("play").addEventListener("click", (event) => {
+  if (playing) { cancelAnimationFrame(playing); playing = null; event.target.textContent = "play"; return; }
+  event.target.textContent = "pause";
+  if (now >= end) now = 0;
+  let before = null;
+  const step = (stamp) => {
+    if (before !== null) show(now + 1e-3 * (stamp - before) * Number(document.getElementById("speed").value));
+    before = stamp;
+    if (now < end) { playing = requestAnimationFrame(step); return; }
+    playing = null;
+    event.target.textContent = "play";
+  };
+  playing = requestAnimationFrame(step);
+});
+window.addEventListener("resize", () => show(now));
+// page.html#t=12.5 opens at that time, and else at the first latching.
+const first = Math.min(...data.motions.flatMap((motion) => motion.latch_times.filter((t) => t !== null)));
+const asked = /^#t=([\d.]+)$/.exec(location.hash);
+show(asked ? asked[1] : isFinite(first) ? first : 0);

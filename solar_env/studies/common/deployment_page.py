@@ -1,0 +1,174 @@
+"""Deployments as pages show them: motions and charts over time, from trajectories."""
+
+from collections.abc import Callable, Iterable, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solar_env.array import ArrayParameters, build, main_body_corners
+from solar_env.mechanics.analysis.geometry import centreline
+from solar_env.mechanics.integrators.methods.table import METHODS
+from solar_env.mechanics.running.trajectory import Trajectory
+from solar_env.pictures.page.content import Chart, Line, Motion
+from solar_env.pictures.style import COLOURS
+
+Array = NDArray[np.float64]
+
+# Between two moments shown before the first latching, and from shortly before it on [s].
+_SLOW, _FAST, _MARGIN = 0.05, 0.005, 0.1
+_DASHES = ("solid", "dash", "dot")
+_STORED = ("kinetic", "spring", "cable", "latch", "contact", "elastic")
+_LOST = ("contact_dissipation", "friction_dissipation", "latch_dissipation", "material_dissipation")
+
+
+def shown_samples(trajectory: Trajectory) -> NDArray[np.intp]:
+    """Indices of the samples that a page shows: a few before the first latching, many from there on."""
+    latched = trajectory.latch_times[np.isfinite(trajectory.latch_times)]
+    begin = latched.min() - _MARGIN if len(latched) else np.inf
+    step = np.where(trajectory.time < begin, _SLOW, _FAST)
+    wanted = np.floor(trajectory.time / step + 1e-6) + 1e7 * (trajectory.time >= begin)
+    return np.flatnonzero(np.diff(wanted, prepend=-1.0) != 0.0)
+
+
+def peaks_between(trajectory: Trajectory, kept: NDArray[np.intp]) -> Array:
+    """(kept, joints) greatest contact force [N] from each sample to the next of those shown.
+
+    Every contact's own peak counts, at the greatest of the samples within it.
+    """
+    forces, contacts = trajectory.normal_force.copy(), trajectory.contacts
+    begins = np.maximum(np.searchsorted(trajectory.time, contacts["start_s"]) - 1, 0)
+    ends = np.searchsorted(trajectory.time, np.where(np.isnan(contacts["end_s"]), np.inf, contacts["end_s"]))
+    for begin, end, joint, peak in zip(begins, ends, contacts["joint"], contacts["peak_force"], strict=True):
+        place = begin + int(forces[begin : max(end, begin + 1), joint].argmax())
+        forces[place, joint] = max(forces[place, joint], peak)
+    return np.asarray(np.maximum.reduceat(forces, kept, axis=0))
+
+
+def _in_words(values: Iterable[float], digits: int = 3) -> str:
+    """Numbers with few digits, as in "12.3 and 12.4"."""
+    return " and ".join(f"{value:.{digits}g}" for value in values)
+
+
+def motion_of(trajectory: Trajectory, name: str) -> Motion:
+    """The array in motion.
+
+    Args:
+        trajectory: whose metadata tell model, panels, integrator and parameters.
+        name: in words.
+    """
+    kept, details = shown_samples(trajectory), trajectory.metadata
+    parameters = ArrayParameters().with_changes(details["parameters"])
+    panels = {key: details.get(key) for key in ("panels", "elements", "modes")}
+    model, _ = METHODS[details["integrator"]].formulation.compile(build(parameters, details["model"], **panels))
+    q = trajectory.coordinates[kept]
+    axes = [centreline(model, q, body, 1) for body in range(parameters.panel_count + 1)]
+    clearance = trajectory.clearance
+    return Motion(
+        name=name,
+        time=trajectory.time[kept],
+        body=np.array([main_body_corners(parameters, ends) for ends in axes[0]]),
+        panels=axes[1:],
+        eccentricity=trajectory.eccentricity[kept] / np.where(clearance > 0.0, clearance, np.inf)[:, None],
+        clearance=clearance,
+        force=trajectory.normal_force[kept],
+        latch_times=trajectory.latch_times,
+        torque=trajectory.motor_torque[kept].sum(axis=1),
+    )
+
+
+def charts_of(trajectories: Mapping[str, Trajectory]) -> list[Chart]:
+    """Angles, forces, gaps, torques, energies and wear of deployments by their names.
+
+    A single deployment has a colour for each joint; of several each has a colour, and each joint a dash.
+    """
+    single = len(trajectories) == 1
+
+    def by_joint(read: Callable[[Trajectory, NDArray[np.intp]], Array]) -> list[Line]:
+        lines = []
+        for k, (name, trajectory) in enumerate(trajectories.items()):
+            kept = shown_samples(trajectory)
+            values = read(trajectory, kept)
+            for j in range(values.shape[1]):
+                label = f"joint {j + 1}" if single else f"{name}, joint {j + 1}"
+                colour = COLOURS[(j if single else k) % len(COLOURS)]
+                dash = "solid" if single else _DASHES[j % len(_DASHES)]
+                lines.append(Line(label, trajectory.time[kept], values[:, j], colour, dash))
+        return lines
+
+    titles = _single_titles(next(iter(trajectories.values()))) if single else _titles(trajectories)
+    charts = [
+        Chart(titles["angles"], "time [s]", "angle [deg]", by_joint(lambda t, k: np.degrees(t.angles[k]))),
+        Chart(titles["forces"], "time [s]", "greatest from point to point [N]", by_joint(peaks_between)),
+        Chart("Gaps: at zero the surfaces touch", "time [s]", "gap [mm]", by_joint(_gaps)),
+        Chart(titles["torques"], "time [s]", "torque [N m]", by_joint(lambda t, k: t.latch_torque[k])),
+    ]  # fmt: skip
+    if any(t.motor_torque.any() for t in trajectories.values()):
+        charts.append(Chart("Motor torque", "time [s]", "torque [N m]", by_joint(_driven)))
+    charts.append(Chart(titles["energies"], "time [s]", "energy [J]", _energies(trajectories)))
+    if any(t.wear_depth.any() for t in trajectories.values()):
+        charts.append(_wear(trajectories))
+    return charts
+
+
+def _single_titles(trajectory: Trajectory) -> dict[str, str]:
+    lost = sum(float(trajectory.energies[part][-1]) for part in _LOST) / trajectory.energy_put_in
+    return {
+        "angles": f"The joints latch after {_in_words(trajectory.latch_times, 4)} s",
+        "forces": f"Contact forces peak at {_in_words(trajectory.peak_force)} N",
+        "torques": f"Latch torques reach {_in_words(np.abs(trajectory.latch_torque).max(axis=0))} N m",
+        "energies": f"{lost:.0%} of the energy put in is lost by the end",
+    }
+
+
+def _titles(trajectories: Mapping[str, Trajectory]) -> dict[str, str]:
+    """Of several: which is softest."""
+    latest = {name: float(np.nanmax(t.latch_times, initial=0.0)) for name, t in trajectories.items()}
+    peaks = {name: float(t.postlock_peak_force.max()) for name, t in trajectories.items()}
+    torques = {name: float(np.abs(t.latch_torque).max()) for name, t in trajectories.items()}
+    soonest, softest, least = (min(values, key=values.__getitem__) for values in (latest, peaks, torques))
+    return {
+        "angles": f"{soonest} is the first to latch, after {latest[soonest]:.3g} s",
+        "forces": f"{softest} lands softest: after latching at most {peaks[softest]:.3g} N",
+        "torques": f"{least} loads the latches least, with {torques[least]:.3g} N m at most",
+        "energies": "Energies stored and lost",
+    }
+
+
+def _gaps(trajectory: Trajectory, kept: NDArray[np.intp]) -> Array:
+    """Gaps [mm]."""
+    return np.asarray(-1e3 * trajectory.penetration[kept])
+
+
+def _driven(trajectory: Trajectory, kept: NDArray[np.intp]) -> Array:
+    """Torques of the joints that have a motor."""
+    return np.asarray(trajectory.motor_torque[kept][:, trajectory.motor_torque.any(axis=0)])
+
+
+def _energies(trajectories: Mapping[str, Trajectory]) -> list[Line]:
+    lines = []
+    for k, (name, trajectory) in enumerate(trajectories.items()):
+        kept, energies = shown_samples(trajectory), trajectory.energies
+        parts = {"kinetic": energies["kinetic"], "springs": energies["spring"]}
+        parts |= {
+            "all stored": np.sum([energies[part] for part in _STORED], axis=0),
+            "lost": np.sum([energies[part] for part in _LOST], axis=0),
+        }
+        for i, (part, values) in enumerate(parts.items()):
+            single = len(trajectories) == 1
+            label, colour = (part, COLOURS[i]) if single else (f"{name}, {part}", COLOURS[k % len(COLOURS)])
+            dash = "solid" if single else ("solid", "dash", "dot", "dashdot")[i]
+            lines.append(Line(label, trajectory.time[kept], values[kept], colour, dash))
+    return lines
+
+
+def _wear(trajectories: Mapping[str, Trajectory]) -> Chart:
+    """Depth of the bearings' wear round them, in their bodies' own frames."""
+    lines = []
+    for k, (name, trajectory) in enumerate(trajectories.items()):
+        for j, depth in enumerate(trajectory.wear_bearing):
+            single = len(trajectories) == 1
+            label = f"joint {j + 1}" if single else f"{name}, joint {j + 1}"
+            angle = np.linspace(0.0, 360.0, len(depth), endpoint=False)
+            colour = COLOURS[(j if single else k) % len(COLOURS)]
+            lines.append(Line(label, angle, depth, colour, "solid" if single else _DASHES[j % len(_DASHES)]))
+    return Chart("Wear of the bearings, by angle in their bodies' frames", "", "depth [m]", lines, False, polar=True)

@@ -1,0 +1,197 @@
+"""The ensemble: members at the cheapest level that answers to a tolerance, and at the next finer one."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.console import Console
+
+from solar_env.array import ArrayParameters, PanelModel
+from solar_env.array.ladder import Answer, cheapest, read_answers, steps
+from solar_env.array.models import has_clearance
+from solar_env.array.parameter_file import ParameterFile
+from solar_env.studies.common.levels import Level
+from solar_env.studies.loads.quantities import QUANTITIES, read_all
+from solar_env.studies.loads.runs import FREQUENCIES, Deployment, deploy, member_parameters
+from solar_env.studies.loads.statistics import Figure, figure_of
+from solar_env.support.campaigns import Campaign, Cell, Workers
+from solar_env.support.progress import counting_bar
+
+Array = NDArray[np.float64]
+
+STORE = "loads.jsonl"
+# The reference of the ladder (`python -m solar_env ladder`), finer than all its levels.
+REFERENCE = Level("flexible-clearance", PanelModel("modal", 48), tighter=10.0)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is asked.
+
+    Attributes:
+        array: parameters, and what of them is drawn.
+        question, tolerance: of the ladder, by which the level is chosen.
+        members: runs of each level.
+        window: time simulated after the last latching [s].
+        deadline: by which all joints must have latched [s].
+
+    Raises:
+        ValueError: on construction, for a value out of range or a tolerance that no level with clearance meets.
+    """
+
+    array: ParameterFile
+    question: str = "peak-force"
+    tolerance: float = 0.1
+    members: int = 16
+    window: float = 10.0
+    deadline: float = 60.0
+
+    def __post_init__(self) -> None:
+        if self.members < 1:
+            raise ValueError(f"runs = {self.members!r} must be at least 1")
+        for name in ("window", "deadline"):
+            if not 0.0 < getattr(self, name) <= 1e4:
+                raise ValueError(f"{name} = {getattr(self, name)!r} s must be positive and at most 10000")
+        self.levels  # noqa: B018 (checks question and tolerance)
+
+    @property
+    def answer(self) -> Answer:
+        """The ladder's row of the cheapest level with clearance; ideal joints tell nothing of impacts."""
+        return cheapest(_with_clearance(), self.question, self.tolerance)
+
+    @property
+    def levels(self) -> tuple[Level, Level]:
+        """The level chosen, and the next finer one."""
+        chosen = self.answer
+        finer = [row for row in steps(_with_clearance(), self.question) if row.bound < chosen.bound]
+        return _level(chosen), _level(finer[-1]) if finer else REFERENCE
+
+
+def _with_clearance() -> list[Answer]:
+    return [row for row in read_answers() if has_clearance(row.model)]
+
+
+def _level(answer: Answer) -> Level:
+    return Level(answer.model, answer.panel_model if answer.panels else None)
+
+
+def run_member(cell: Cell) -> dict[str, Any]:
+    """Quantities, spectra and warnings of a member at a level, as values that JSON keeps.
+
+    Raises:
+        SimulationError: if the run cannot go on.
+    """
+    panels = PanelModel(cell["panels"], cell["count"]) if cell["panels"] else None
+    level = Level(cell["model"], panels, cell["tighter"])
+    nominal = ArrayParameters().with_changes(cell["parameters"])
+    parameters = member_parameters(nominal, cell["randomize"], cell["member"])
+    done = deploy(level, parameters, cell["member"], cell["window"], cell["deadline"])
+    return {
+        "latched": bool(np.isfinite(done.trajectory.latch_times).all()),
+        "quantities": read_all(done),
+        "hinge_spectrum": done.hinge_spectrum.tolist(),
+        "hub_spectrum": done.hub_spectrum.tolist(),
+        "warnings": list(done.warnings),
+    }
+
+
+@dataclass(frozen=True)
+class Loads:
+    """What an ensemble says.
+
+    Attributes:
+        plan: what was asked.
+        figures: quantity -> a figure for each joint, or one of the hub.
+        hinge_spectrum, hub_spectrum: (levels, members, f, joints) and (levels, members, f) of members that latched.
+        unlatched: members in which not all joints latched by the deadline, of the level and of the finer one.
+        warnings: text -> in how many runs the simulator said it.
+    """
+
+    plan: Plan
+    figures: Mapping[str, tuple[Figure, ...]]
+    hinge_spectrum: Array
+    hub_spectrum: Array
+    unlatched: tuple[int, int]
+    warnings: Mapping[str, int]
+
+    @property
+    def frequencies(self) -> Array:
+        """(f,) [Hz]."""
+        return FREQUENCIES
+
+
+def measure_loads(plan: Plan, folder: Path, workers: Workers, console: Console) -> Loads:
+    """Run what is missing of the ensemble, going on where an earlier run of the same plan stopped.
+
+    Raises:
+        ValueError: if the folder holds another ensemble, or in no run all joints latch.
+        SimulationError: if a run cannot go on.
+    """
+    shared = {
+        "parameters": plan.array.parameters.to_dict(),
+        "randomize": dict(plan.array.randomize),
+        "window": plan.window,
+        "deadline": plan.deadline,
+    }
+    cells = [
+        {
+            "model": level.model,
+            "panels": level.panels.kind if level.panels else "",
+            "count": level.panels.count if level.panels else 0,
+            "tighter": level.tighter,
+            "member": member,
+            **shared,
+        }
+        for member in range(1, plan.members + 1)
+        for level in plan.levels
+    ]
+    campaign = Campaign(run_member, cells, folder / STORE)
+    with counting_bar(console) as bar:
+        done = len(cells) - len(campaign.missing)
+        task = bar.add_task("deployments, at two levels of the model", total=len(cells), completed=done)
+        for _ in campaign.run(workers):
+            bar.advance(task)
+    return gathered(plan, campaign.results())
+
+
+def gathered(plan: Plan, results: list[dict[str, Any]]) -> Loads:
+    """The figures of results, member by member, the chosen level first.
+
+    Raises:
+        ValueError: if in no run all joints latch.
+    """
+    levels = results[::2], results[1::2]
+    unlatched = tuple(sum(not run["latched"] for run in runs) for runs in levels)
+    if min(unlatched) == plan.members:
+        raise ValueError(
+            f"in none of {plan.members} runs all joints latch within {plan.deadline:g} s; give a longer --deadline, or "
+            "stiffer springs"
+        )
+    figures = {}
+    for name in QUANTITIES:
+        width = max(len(run["quantities"].get(name, [])) for run in results)
+        first, second = (
+            np.array([run["quantities"].get(name, [np.nan] * width) for run in runs], dtype=float) for runs in levels
+        )
+        figures[name] = tuple(figure_of(first[:, k], second[:, k]) for k in range(first.shape[1]))
+    both = [k for k in range(plan.members) if levels[0][k]["latched"] and levels[1][k]["latched"]]
+    hinge, hub = (
+        np.array([[runs[k][name] for k in both] for runs in levels]) for name in ("hinge_spectrum", "hub_spectrum")
+    )
+    said: dict[str, int] = {}
+    for run in results:
+        for text in run["warnings"]:
+            said[text] = said.get(text, 0) + 1
+    return Loads(plan, figures, hinge, hub, (unlatched[0], unlatched[1]), said)
+
+
+def nominal_deployment(plan: Plan) -> Deployment:
+    """The nominal array at the level chosen, to look at.
+
+    Raises:
+        SimulationError: if the run cannot go on.
+    """
+    return deploy(plan.levels[0], plan.array.parameters, 0, plan.window, plan.deadline)

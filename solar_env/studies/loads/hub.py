@@ -1,0 +1,87 @@
+"""Motion of the main body ("hub"), and the force and torque on it, from samples of a deployment.
+
+The hub is rigid and free: whatever its momentum gains between two samples, the hinge has put in. The mean loads between
+samples are therefore known exactly, however short the impacts are that lie between.
+"""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solar_env.array import ArrayParameters
+from solar_env.array.data_files import write_columns
+from solar_env.mechanics.analysis.geometry import centreline
+from solar_env.mechanics.running.trajectory import Trajectory
+
+Array = NDArray[np.float64]
+
+_SHIFT = 1e-6  # s, to either side of a sample; the coordinates of a rigid body are smooth
+
+
+def hub_place(parameters: ArrayParameters, model: Any, q: Array) -> Array:
+    """(nt, 3) place of the centroid [m] and angle of the hub [rad], between -pi and pi."""
+    ends = centreline(model, q, 0)
+    along = ends[:, 1] - ends[:, 0]
+    along = along / np.hypot(along[:, 0], along[:, 1])[:, None]
+    across = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    centroid = ends[:, 0] - parameters.hinge_y * across
+    return np.column_stack([centroid, np.arctan2(along[:, 1], along[:, 0])])
+
+
+def hub_velocity(parameters: ArrayParameters, model: Any, q: Array, v: Array) -> Array:
+    """(nt, 3) velocity of the centroid [m/s] and spin of the hub [rad/s]."""
+    ahead, behind = (hub_place(parameters, model, q + sign * _SHIFT * v) for sign in (1.0, -1.0))
+    change = ahead - behind
+    change[:, 2] = (change[:, 2] + np.pi) % (2.0 * np.pi) - np.pi
+    return np.asarray(change / (2.0 * _SHIFT))
+
+
+def hinge_loads(
+    parameters: ArrayParameters, place: Array, joint_force: Array, torques: Array, friction: Array
+) -> Array:
+    """(nt, 3) force [N] and torque about the centroid [N m] that the root hinge exerts on the hub.
+
+    Args:
+        parameters: of the array.
+        place: (nt, 3), see `hub_place`.
+        joint_force: (nt, 2) on the first panel [N].
+        torques: (nt,) of spring, cable, latch and motor on the root's angle [N m].
+        friction: (nt,) torque of the tangential contact force about the bearing's centre [N m].
+    """
+    c, s = np.cos(place[:, 2]), np.sin(place[:, 2])
+    x, y = parameters.hinge_x, parameters.hinge_y
+    arm = np.column_stack([c * x - s * y, s * x + c * y])
+    force = -joint_force
+    torque = arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0] - torques - friction
+    return np.column_stack([force, torque])
+
+
+def mean_loads(parameters: ArrayParameters, time: Array, velocity: Array) -> Array:
+    """(nt - 1, 3) mean force [N] and torque [N m] on a free hub between samples of its velocity (nt, 3)."""
+    inertia = np.array([parameters.body_mass, parameters.body_mass, parameters.body_inertia])
+    return np.asarray(inertia * np.diff(velocity, axis=0) / np.diff(time)[:, None])
+
+
+def write_hub_loads(time: Array, loads: Array, path: Path) -> None:
+    """Write the mean loads on the hub, each from one sample to the next, as CSV.
+
+    Held constant over each row's time they give the hub the momentum that it had at every sample.
+
+    Args:
+        time: (nt,) of the samples [s].
+        loads: (nt - 1, 3) force in inertial axes [N] and torque about the centroid [N m].
+        path: the file.
+    """
+    columns = {"start_s": time[:-1], "end_s": time[1:], "force_x_N": loads[:, 0], "force_y_N": loads[:, 1]}
+    write_columns(path, columns | {"torque_z_Nm": loads[:, 2]})
+
+
+def sampled_hinge_loads(parameters: ArrayParameters, trajectory: Trajectory, place: Array) -> Array:
+    """`hinge_loads` of a trajectory's samples, for hubs that are held in place."""
+    root = trajectory
+    torques = root.spring_torque + root.cable_torque + root.latch_torque + root.motor_torque
+    lever = trajectory.journal_radius[0] + trajectory.clearance[0] + trajectory.penetration[:, 0]
+    friction = lever * trajectory.tangential_force[:, 0] * (trajectory.clearance[0] > 0.0)
+    return hinge_loads(parameters, place, trajectory.joint_force[:, 0], torques[:, 0], friction)

@@ -1,0 +1,82 @@
+"""What is read from a deployment: by joint, and of the hub."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solar_env.studies.loads.runs import Deployment
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A figure of a deployment.
+
+    Attributes:
+        name: in words.
+        unit: in which it is printed.
+        scale: from SI units to it.
+        read: (joints,) values of a deployment in SI units, or (1,) of the hub; nan where there is none.
+        needs_latching: whether it has no meaning if a joint does not latch.
+    """
+
+    name: str
+    unit: str
+    read: Callable[[Deployment], Array]
+    scale: float = 1.0
+    needs_latching: bool = True
+
+
+def _impacts(deployment: Deployment) -> list[NDArray[np.void]]:
+    """Contacts that began after the first latching, by joint."""
+    trajectory = deployment.trajectory
+    later = trajectory.contacts[trajectory.contacts["start_s"] > np.nanmin(trajectory.latch_times)]
+    return [later[later["joint"] == joint] for joint in range(len(trajectory.latch_times))]
+
+
+def _impact_speed(share: float) -> Callable[[Deployment], Array]:
+    def read(deployment: Deployment) -> Array:
+        speeds = [own["impact_speed"] for own in _impacts(deployment)]
+        return np.array([np.quantile(own, share) if len(own) else np.nan for own in speeds])
+
+    return read
+
+
+def _turn(deployment: Deployment) -> Array:
+    return np.asarray(deployment.place[:, 2] - deployment.place[0, 2])
+
+
+_DEGREES = 180.0 / np.pi
+JOINT_QUANTITIES: Mapping[str, Quantity] = {
+    "latch_time": Quantity("latches after", "s", lambda d: d.trajectory.latch_times),
+    "peak_force": Quantity("peak force", "N", lambda d: d.trajectory.peak_force, needs_latching=False),
+    "peak_torque": Quantity("peak torque", "N m", lambda d: d.peak_torque, needs_latching=False),
+    "impulse": Quantity("impulse after latching", "N s", lambda d: d.trajectory.postlock_impulse),
+    "impact_count": Quantity("impacts after latching", "", lambda d: np.array([len(x) for x in _impacts(d)], float)),
+    "impact_speed_max": Quantity("fastest impact", "mm/s", _impact_speed(1.0), 1e3),
+    "impact_speed_median": Quantity("median impact", "mm/s", _impact_speed(0.5), 1e3),
+    "sliding_work": Quantity("sliding work after latching", "mJ", lambda d: d.trajectory.postlock_sliding_work, 1e3),
+    "wear_depth": Quantity("deepest wear", "fm", lambda d: d.trajectory.wear_depth, 1e15),
+}
+# A hub feels the force of the first joint; its acceleration follows from it.
+HUB_QUANTITIES: Mapping[str, Quantity] = {
+    "hub_excursion": Quantity("greatest turn", "deg", lambda d: np.abs(_turn(d)).max(keepdims=True), _DEGREES),
+    "hub_turn": Quantity("turn at the end", "deg", lambda d: _turn(d)[-1:], _DEGREES),
+    "hub_force": Quantity("peak force, over 50 us", "N", lambda d: d.hub_peaks[:1], needs_latching=False),
+    "hub_torque": Quantity("peak torque, over 50 us", "N m", lambda d: d.hub_peaks[1:2], needs_latching=False),
+    "hub_acceleration": Quantity("peak acceleration, over 50 us", "m/s2", lambda d: d.hub_peaks[2:]),
+}
+QUANTITIES = {**JOINT_QUANTITIES, **HUB_QUANTITIES}
+
+
+def read_all(deployment: Deployment) -> dict[str, list[float]]:
+    """Every quantity in SI units; without those that need all joints latched where one is not."""
+    latched = bool(np.isfinite(deployment.trajectory.latch_times).all())
+    return {
+        name: np.asarray(quantity.read(deployment), float).tolist()
+        for name, quantity in QUANTITIES.items()
+        if latched or not quantity.needs_latching
+    }

@@ -1,0 +1,179 @@
+"""One deployment with its shocks: sampled finely from the first latching on, in pieces that fit the memory."""
+
+import math
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solar_env.array import ArrayParameters, build
+from solar_env.array.ranges import drawn
+from solar_env.mechanics.joints import joint as columns
+from solar_env.mechanics.records.recording import RECORDED_LOADS, Recorder, make_recorder, sample_columns
+from solar_env.mechanics.running.assembly import assemble, contact_table
+from solar_env.mechanics.running.diagnosis import SimulationWarning
+from solar_env.mechanics.running.simulation import Simulation
+from solar_env.mechanics.running.trajectory import Trajectory
+from solar_env.studies.common.levels import Level
+from solar_env.studies.common.motion import perturbed
+from solar_env.studies.loads.hub import hub_place, hub_velocity, mean_loads, sampled_hinge_loads
+from solar_env.studies.loads.shock_spectrum import ShockSpectrum, sixth_octaves
+
+Array = NDArray[np.float64]
+
+# Samples per second from the first latching on. Most contacts last a millisecond and more; at five times as many the
+# spectra are the same within 1 %.
+RATE = 20_000
+EVERY = 20  # of them is kept, and taken before the latching: a millisecond
+FREQUENCIES = sixth_octaves(5.0, 2000.0)  # Hz, of the spectra, up to a tenth of the rate
+_PIECE = 0.5  # s, simulated between two looks
+_CONTACTS = 100_000  # of a piece, at most
+
+
+@dataclass(frozen=True)
+class Deployment:
+    """A deployment up to some time after the last latching.
+
+    Attributes:
+        trajectory: with a sample every millisecond.
+        place: (nt, 3) of the hub's centroid [m] and its angle [rad].
+        velocity: (nt, 3) of the hub [m/s], [rad/s].
+        hub_loads: (nt - 1, 3) mean force [N] and torque [N m] on the hub between the samples.
+        peak_torque: (joints,) greatest torque of spring, cable, latch and motor together [N m].
+        hub_peaks: greatest force [N], torque [N m] and acceleration [m/s2] of the hub, over 50 microseconds.
+        hinge_spectrum: (f, joints) shock response spectra of the hinges' forces [N].
+        hub_spectrum: (f,) of the acceleration of the hub's centroid [m/s2].
+        warnings: what the simulator said.
+    """
+
+    trajectory: Trajectory
+    place: Array
+    velocity: Array
+    hub_loads: Array
+    peak_torque: Array
+    hub_peaks: Array
+    hinge_spectrum: Array
+    hub_spectrum: Array
+    warnings: tuple[str, ...]
+
+
+def member_parameters(parameters: ArrayParameters, ranges: Mapping[str, Any], member: int) -> ArrayParameters:
+    """The array of a member: its ranges drawn, its joints released at slightly different rates; 0 is the nominal."""
+    if member > 0:
+        parameters = parameters.with_changes(drawn(ranges, np.random.default_rng([member, 2])))
+    return perturbed(parameters, member)
+
+
+def deploy(level: Level, parameters: ArrayParameters, member: int, window: float, deadline: float) -> Deployment:
+    """Simulate an array until some time after its last latching, or to the deadline if a joint has not latched then.
+
+    Args:
+        level: of the model.
+        parameters: of the member, see `member_parameters`.
+        member: chooses the tolerance of the integrator.
+        window: [s] after the last latching.
+        deadline: [s].
+
+    Raises:
+        SimulationError: if the run cannot go on.
+    """
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", SimulationWarning)
+        array = build(parameters, level.model, panels=level.panels)
+        run = _Run(Simulation(array, level.integrator(member)), parameters)
+        run.go_on(window, deadline)
+        details = {
+            "model": level.model,
+            "parameters": parameters.to_dict(),
+            "integrator": run.simulation.integrator.name,
+        }
+        trajectory = run.trajectory(details | (level.panels.keywords if level.panels else {}))
+        run.simulation.check()
+    said = tuple(dict.fromkeys(str(item.message) for item in caught if issubclass(item.category, SimulationWarning)))
+    place = hub_place(parameters, run.simulation.model, trajectory.coordinates)
+    place[:, 2] = np.unwrap(place[:, 2])
+    velocity = hub_velocity(parameters, run.simulation.model, trajectory.coordinates, trajectory.velocities)
+    if parameters.body_fixed:
+        loads = sampled_hinge_loads(parameters, trajectory, place)[1:]
+        run.hub_peaks[:2] = np.hypot(loads[:, 0], loads[:, 1]).max(), np.abs(loads[:, 2]).max()
+    else:
+        loads = mean_loads(parameters, trajectory.time, velocity)
+    spectra = run.hinge_spectrum.finish(), run.hub_spectrum.finish()[:, 0]
+    return Deployment(trajectory, place, velocity, loads, run.peak_torque, run.hub_peaks, *spectra, said)
+
+
+class _Run:
+    """A simulation in progress, and what has been seen of it."""
+
+    def __init__(self, simulation: Simulation, parameters: ArrayParameters) -> None:
+        self.simulation, self._parameters = simulation, parameters
+        joints = parameters.panel_count
+        self._columns = sample_columns(simulation.model, simulation.state)
+        self._samples: list[Array] = []
+        self._contacts: list[Array] = []
+        self._tick = 0  # of the next sample, in samples of RATE
+        self._last_velocity: Array | None = None
+        self.peak_torque = np.zeros(joints)
+        self.hub_peaks = np.zeros(3)
+        self.hinge_spectrum = ShockSpectrum(FREQUENCIES, RATE, joints)
+        self.hub_spectrum = ShockSpectrum(FREQUENCIES, RATE, 1)
+
+    def go_on(self, window: float, deadline: float) -> None:
+        """Simulate: coarsely up to the piece in which a joint latches first, finely from there."""
+        simulation, joints = self.simulation, self.simulation.state.joints
+        while simulation.time < deadline:
+            before = simulation.snapshot()
+            recorder = self._advance(min(simulation.time + _PIECE, deadline), EVERY)
+            if joints["latched"].any():
+                simulation.restore(before)
+                break
+            self._take(recorder, EVERY)
+        while True:
+            end = joints["latch_time"].max() + window if joints["latched"].all() else deadline
+            if simulation.time >= end:
+                return
+            self._take(self._advance(min(simulation.time + _PIECE, end), 1), 1)
+
+    def _advance(self, end: float, stride: int) -> Recorder:
+        ticks = np.arange(self._tick, math.floor(end * RATE + 1e-6) + 1, stride)
+        recorder = make_recorder(self.simulation.model, self.simulation.state, ticks / RATE, _CONTACTS)
+        self.simulation.advance(max(end, recorder.times[-1]) if len(ticks) else end, recorder)
+        return recorder
+
+    def _take(self, recorder: Recorder, stride: int) -> None:
+        """Look at the samples of a piece, and keep one every millisecond."""
+        self._contacts.append(recorder.contacts[: recorder.filled[1]].copy())
+        table = recorder.samples
+        if len(table) == 0:
+            return
+        first = -self._tick % EVERY if stride == 1 else 0
+        self._samples.append(table[first :: EVERY // stride].copy())
+        loads = table[:, self._columns["loads"]].reshape(len(table), -1, RECORDED_LOADS)
+        own = [columns.SPRING_TORQUE, columns.CABLE_TORQUE, columns.STOP_TORQUE, columns.MOTOR_TORQUE]
+        self.peak_torque = np.maximum(self.peak_torque, np.abs(loads[:, :, own].sum(axis=2)).max(axis=0))
+        velocity = hub_velocity(
+            self._parameters, self.simulation.model, table[:, self._columns["q"]], table[:, self._columns["v"]]
+        )
+        if self._last_velocity is not None:
+            gained = np.diff(np.vstack([self._last_velocity, velocity]), axis=0) * (RATE / stride)
+            acceleration, turning = np.hypot(gained[:, 0], gained[:, 1]).max(), np.abs(gained[:, 2]).max()
+            p = self._parameters
+            peaks = np.array([p.body_mass * acceleration, p.body_inertia * turning, acceleration])
+            self.hub_peaks = np.maximum(self.hub_peaks, peaks)
+            if stride == 1:
+                self.hub_spectrum.add(gained[:, None, :2])
+        if stride == 1:
+            self.hinge_spectrum.add(loads[:, :, [columns.FORCE_X, columns.FORCE_Y]])
+        self._last_velocity = velocity[-1:]
+        self._tick += len(table) * stride
+
+    def trajectory(self, metadata: Mapping[str, Any]) -> Trajectory:
+        """The run as a trajectory."""
+        samples, state = np.concatenate(self._samples), self.simulation.state
+        times = np.asarray(np.arange(len(samples)) * (EVERY / RATE), np.float64)
+        recorder = Recorder(times, samples, np.zeros((0, 7)), np.zeros(2, np.int64), np.zeros(1))
+        contacts = contact_table(state, np.concatenate(self._contacts))
+        return assemble(self.simulation.model, state, recorder, contacts, dict(metadata))

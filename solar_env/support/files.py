@@ -1,0 +1,118 @@
+"""Writing files whole or not at all: every file of the project goes through `writing`.
+
+Content goes into a file beside the target, is brought to the disk, and takes the target's place in one operation of
+the file system. Whatever ends the process in between, a kill or a full disk, leaves what was there before.
+"""
+
+import os
+import secrets
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import IO, Any
+
+PART = ".part"  # end of the names of unfinished files
+
+
+@contextmanager
+def writing(path: str | Path) -> Iterator[IO[bytes]]:
+    """Open a binary file, to be written and read, that becomes `path` when the block ends without an exception.
+
+    A link is followed. What is no regular file, such as `/dev/stdout`, is written directly.
+
+    Raises:
+        OSError: the file cannot be written; what was at `path` is still there.
+    """
+    target = Path(os.path.realpath(path))
+    if target.exists() and not target.is_file():
+        with target.open("wb") as file:
+            yield file
+        return
+    beside = target.with_name(f".{target.name}.{secrets.token_hex(4)}{PART}")
+    try:
+        with beside.open("x+b") as file:
+            yield file
+            file.flush()
+            os.fsync(file.fileno())
+        if target.exists():
+            shutil.copymode(target, beside)
+        beside.replace(target)
+    except BaseException:
+        with suppress(OSError):
+            beside.unlink()
+        raise
+    _sync_folder(target.parent)
+
+
+def _sync_folder(folder: Path) -> None:
+    """Bring the names in a folder to the disk, where the system can."""
+    with suppress(OSError):
+        descriptor = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)
+
+
+def write_bytes(path: str | Path, content: bytes) -> None:
+    """Write a file whole or not at all; see `writing`."""
+    with writing(path) as file:
+        file.write(content)
+
+
+def write_text(path: str | Path, content: str) -> None:
+    """Write a file of UTF-8 whole or not at all; see `writing`."""
+    write_bytes(path, content.encode())
+
+
+def copy_file(source: str | Path, target: str | Path) -> None:
+    """Copy a file's content whole or not at all; see `writing`."""
+    write_bytes(target, Path(source).read_bytes())
+
+
+def save_figure(figure: Any, path: str | Path, **options: Any) -> None:
+    """Write a Matplotlib figure whole or not at all, in the format that the name ends in, with options of `savefig`."""
+    with writing(path) as file:
+        figure.savefig(file, format=Path(path).suffix[1:].lower(), **options)
+
+
+def make_folder(path: str | Path) -> Path:
+    """Make a folder with its parents, and try that files can be written there: to be called before the work.
+
+    Raises:
+        OSError: it cannot be made, or no file can be written there.
+    """
+    folder = Path(path)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except (FileExistsError, NotADirectoryError) as error:
+        raise NotADirectoryError(f"{folder} cannot be a folder: a file is in its place; choose another") from error
+    _try_writing(folder)
+    return folder
+
+
+def check_target(path: str | Path) -> None:
+    """Check that a file can be written at `path`: to be called before the work.
+
+    Raises:
+        ValueError: the folder does not exist, or `path` is one.
+        OSError: no file can be written there.
+    """
+    target = Path(path)
+    if not target.parent.is_dir():
+        raise ValueError(f"the folder of {target} does not exist; make it first")
+    if target.is_dir():
+        raise ValueError(f"{target} is a folder; name a file in it")
+    if not target.exists() or target.is_file():
+        _try_writing(target.parent)
+
+
+def _try_writing(folder: Path) -> None:
+    trial = folder / f".{secrets.token_hex(4)}{PART}"
+    try:
+        trial.touch(exist_ok=False)
+        trial.unlink()
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise OSError(f"no file can be written in {folder} ({reason}); choose another folder") from error

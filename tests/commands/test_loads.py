@@ -1,0 +1,80 @@
+"""The command loads: files that it writes, what it refuses before it runs, and how it goes on."""
+
+from __future__ import annotations
+
+import csv
+import re
+
+import numpy as np
+import pytest
+
+from solar_env import Trajectory
+from solar_env.__main__ import main
+
+FAST = "spring_stiffness = [2.5, 1.875]\ncable_preload_force = 1250.0\n[tolerance]\nclearance = 1e-5\n"
+
+
+@pytest.fixture
+def array(tmp_path):
+    (tmp_path / "my_array.toml").write_text(FAST)
+    return tmp_path / "my_array.toml"
+
+
+def test_it_answers_and_writes_page_data_and_loads_on_the_hub(array, tmp_path, capsys):
+    files = {name: tmp_path / name for name in ("loads.html", "motion.npz", "hub.csv", "motion.csv")}
+    options = ["--question", "wear", "--tolerance", "0.5", "--runs", "1", "--window", "0.3", "--jobs", "1"]
+    usual = ["loads", str(array), *options, "--out", str(tmp_path / "runs")]
+    assert main([*usual, "--html", str(files["loads.html"]), "--data", str(files["motion.npz"])]) == 0
+    first = capsys.readouterr().out
+    assert "is hit hardest" in first
+    assert "Fewer than 4 runs have no interval" in " ".join(first.split())
+    text = files["loads.html"].read_text(encoding="utf-8")
+    assert "is hit hardest" in text
+    assert re.search(r"solar-env \d.*numba", text)
+    # The runs are there: the second time only reads them.
+    kept = (tmp_path / "runs" / "loads.jsonl").read_bytes()
+    assert main([*usual, "--hub", str(files["hub.csv"]), "--data", str(files["motion.csv"])]) == 0
+    assert (tmp_path / "runs" / "loads.jsonl").read_bytes() == kept
+    assert capsys.readouterr().out == first
+
+    trajectory = Trajectory.load(files["motion.npz"])
+    with files["motion.csv"].open() as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == len(trajectory.time)
+    np.testing.assert_array_equal([float(row["angle_rad_2"]) for row in rows], trajectory.angles[:, 1])
+    np.testing.assert_array_equal([float(row["kinetic_J"]) for row in rows], trajectory.energies["kinetic"])
+    np.testing.assert_array_equal([float(row["gap_m_1"]) for row in rows], -trajectory.penetration[:, 0])
+
+    table = np.genfromtxt(files["hub.csv"], delimiter=",", names=True)
+    turned = (table["torque_z_Nm"] * (table["end_s"] - table["start_s"])).cumsum() / 250.0
+    last = trajectory.velocities[-1, :4]
+    ends = trajectory.coordinates[-1, :4]
+    along = ends[2:] - ends[:2]
+    spin = (along[0] * (last[3] - last[1]) - along[1] * (last[2] - last[0])) / (along @ along)
+    assert turned[-1] == pytest.approx(spin, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--data", "motion.xlsx"], ["suffix", ".xlsx", ".csv, .npz"]),
+        (["--hub", "hub.npz"], ["suffix", ".npz", ".csv"]),
+        (["--html", "page.pdf"], ["suffix", ".pdf", ".html"]),
+        (["--html", "no/such/page.html"], ["folder", "no/such/page.html"]),
+        (["--runs", "0"], ["runs", "0"]),
+        (["--tolerance", "1e-6"], ["no level answers", "peak-force"]),
+        (["--wear-limit", "0"], ["wear limit", "positive"]),
+        (["--window", "-1"], ["window", "-1"]),
+    ],
+)
+def test_wrong_input_is_refused_before_anything_runs(options, words, array, capsys):
+    assert main(["loads", str(array), *options]) == 2
+    message = capsys.readouterr().err
+    for word in words:
+        assert word in message
+
+
+def test_a_bad_file_is_refused_by_name_line_and_rule(array, capsys):
+    array.write_text("clearance = 1e-4\nclearence = 1e-4\n")
+    assert main(["loads", str(array)]) == 2
+    assert "my_array.toml, line 2: parameter 'clearence' is unknown" in capsys.readouterr().err

@@ -1,0 +1,143 @@
+"""Pages: whole, self-contained, and alive in a browser (`pytest -m browser`, which needs Chromium)."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+
+from solar_env.pictures.page.content import Chart, Line, Motion, Page, Table
+from solar_env.pictures.page.document import page_text, write_page
+
+TIME = np.linspace(0.0, 2.0, 21)
+
+
+def motion(name="array"):
+    corner = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    panel = np.stack([np.array([[1.0, 0.0], [1.0 + t, 2.0 - t]]) for t in TIME])
+    offset = np.stack([np.cos(TIME), np.sin(TIME)], axis=-1)[:, None].repeat(2, axis=1)
+    return Motion(
+        name=name,
+        time=TIME,
+        body=np.broadcast_to(corner, (21, 4, 2)),
+        panels=[panel, panel + 1.0],
+        eccentricity=offset,
+        clearance=np.array([1e-4, 0.0]),
+        force=np.outer(TIME, [10.0, 20.0]),
+        latch_times=np.array([1.0, math.nan]),
+        torque=0.1 * TIME,
+    )
+
+
+def page():
+    lines = [Line("one", TIME, TIME**2, "#0072b2"), Line("two", TIME, np.where(TIME > 1.0, np.nan, TIME), "#d55e00")]
+    charts = [
+        Chart("It grows", "time [s]", "height [m]", lines),
+        Chart("Spectrum", "frequency [Hz]", "force [N]", lines[:1], over_time=False, logarithmic="xy"),
+        Chart("Round", "", "depth [m]", lines[:1], over_time=False, polar=True),
+    ]
+    table = Table("Figures & <signs>", ["name", "value"], [["a < b", "1"]])
+    return Page("A title </script>", ["The answer & more."], [motion(), motion("other")], charts, [table], ["made by"])
+
+
+def data_of(text):
+    return json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.DOTALL)[1])
+
+
+def test_a_page_holds_what_it_was_given_and_fetches_nothing():
+    text = page_text(page())
+    data = data_of(text)
+    assert [m["name"] for m in data["motions"]] == ["array", "other"]
+    assert data["motions"][0]["latch_times"] == [1.0, None]
+    assert len(data["motions"][0]["panels"][1][0]) == 4
+    assert data["charts"][0]["lines"][1]["y"][-1] is None
+    assert "The answer &amp; more." in text
+    assert "Figures &amp; &lt;signs&gt;" in text
+    assert "<title>A title &lt;/script&gt;</title>" in text
+    assert "default-src 'none'" in text
+    own = text[text.index("<body>") :]
+    assert not re.search(r"""(src|href)\s*=|url\(|https?://""", own)
+
+
+def test_a_page_is_written_whole_or_not_at_all(tmp_path):
+    target = tmp_path / "page.html"
+    write_page(page(), target)
+    before = target.read_text(encoding="utf-8")
+    broken = page()
+    object.__setattr__(broken.motions[0], "time", np.array(["x"], dtype=object))
+    with pytest.raises(ValueError, match="could not convert"):
+        write_page(broken, target)
+    assert target.read_text(encoding="utf-8") == before
+    assert [path.name for path in tmp_path.iterdir()] == ["page.html"]
+
+
+WATCH = """<body><script>
+const refused = [];
+document.addEventListener("securitypolicyviolation", (event) => refused.push(event.blockedURI));
+</script>"""
+PROBE = """<script>
+const told = {};
+const cursor = () => document.querySelector(".cursor").style.left;
+const picture = () => document.querySelector("canvas").toDataURL();
+told.opened = clock.textContent;
+const [before, drawn] = [cursor(), picture()];
+slider.value = 1.75;
+slider.dispatchEvent(new Event("input"));
+told.moved = clock.textContent;
+told.cursor = cursor() !== before && document.querySelector(".cursor").style.display === "block";
+told.picture = picture() !== drawn;
+told.plots = document.querySelectorAll(".js-plotly-plot").length;
+charts[0].plot.emit("plotly_click", {points: [{x: 0.5}]});
+told.clicked = clock.textContent;
+Plotly.relayout(charts[0].plot, {"xaxis.range[0]": 0.2, "xaxis.range[1]": 0.4}).then(() => {
+  told.fetched = [...refused, ...performance.getEntriesByType("resource").map((entry) => entry.name)];
+  told.hidden = document.querySelector(".cursor").style.display;
+  const result = document.createElement("pre");
+  result.id = "told";
+  result.textContent = JSON.stringify(told);
+  document.body.append(result);
+});
+</script></body>"""
+
+
+def in_chromium(tmp_path, path, *options):
+    browser = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if browser is None:
+        pytest.skip("no Chromium is installed")
+    usual = ("--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--virtual-time-budget=8000")
+    command = [browser, *usual, f"--user-data-dir={tmp_path / 'profile'}", "--window-size=1300,2000", *options, path]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=True).stdout
+
+
+@pytest.mark.browser
+def test_in_a_browser_the_slider_moves_everything_and_nothing_is_fetched(tmp_path):
+    target = tmp_path / "page.html"
+    target.write_text(page_text(page()).replace("</body>", PROBE).replace("<body>", WATCH), encoding="utf-8")
+    address = f"{target.as_uri()}#t=0.25"
+    shown = in_chromium(tmp_path, address, "--dump-dom")
+    told = json.loads(re.search(r'<pre id="told">(.*?)</pre>', shown)[1])
+    assert told == {
+        "opened": "0.250 s",
+        "moved": "1.750 s",
+        "cursor": True,
+        "picture": True,
+        "plots": 3,
+        "clicked": "0.500 s",
+        "hidden": "none",
+        "fetched": [],
+    }
+
+
+@pytest.mark.browser
+def test_what_a_page_would_fetch_is_refused_and_noticed(tmp_path):
+    """Lest the test above pass because nothing would be noticed."""
+    target = tmp_path / "page.html"
+    text = page_text(page()).replace("</body>", '<img src="https://example.org/x.png">' + PROBE)
+    target.write_text(text.replace("<body>", WATCH), encoding="utf-8")
+    shown = in_chromium(tmp_path, target.as_uri(), "--dump-dom")
+    assert "https://example.org" in json.loads(re.search(r'<pre id="told">(.*?)</pre>', shown)[1])["fetched"][0]

@@ -3,7 +3,7 @@
 solar-env loads my_array.toml --hub hub.csv
 python examples/basilisk_playback.py hub.csv
 
-`extForceTorque` holds each row's mean force and torque for the row's time. Basilisk's spacecraft then has the momentum of
+`extForceTorque` holds each row's mean force and torque for its time. Basilisk's spacecraft then has the momentum of
 the deployment's hub at every row; its attitude differs by what the torque varies within a row.
 """
 

@@ -1,53 +1,124 @@
-"""The command line: `python -m solar_env COMMAND --help`."""
+"""The command line, `solar-env COMMAND` or `python -m solar_env COMMAND`.
 
-import argparse
+`COMMANDS` names all of them by their modules, those of `agents` too: the package itself knows nothing of `agents`.
+"""
+
 import importlib
 import sys
 import warnings
+from collections.abc import Sequence
+from importlib.metadata import version
+from typing import Any, NamedTuple
 
+PROG = "solar-env"
+
+
+class Command(NamedTuple):
+    """A row of the table: a module with a dataclass `Args`, and `run_command(args)` or `main(words)`."""
+
+    module: str
+    summary: str
+
+    def load(self) -> Any:
+        """The module, which is loaded only where its command runs."""
+        return importlib.import_module(self.module)
+
+
+# Group -> command -> row.
 COMMANDS = {
-    "simulate": ("solar_env.commands.simulate", "simulate one deployment"),
-    "parameters": ("solar_env.commands.parameters", "print a complete file of parameters, each explained"),
-    "loads": ("solar_env.commands.loads", "how hard hinges and hub are hit, and how sure that is"),
-    "verify": ("solar_env.commands.verify", "run the cases with known answers"),
-    "chart": ("solar_env.commands.chart", "measure speed against accuracy and draw it"),
-    "stability": ("solar_env.commands.stability", "map where methods fail, and check that the library says so"),
-    "paper": ("solar_env.commands.paper", "draw the figures of the paper and judge what it says"),
-    "design": ("solar_env.commands.design", "map peak force and wear over clearances and stiffnesses"),
-    "ground-test": ("solar_env.commands.ground_test", "repeat deployments with the worn clearance fed back"),
-    "ladder": ("solar_env.commands.ladder", "measure which model level answers which question, and at what cost"),
-    "bench": ("solar_env.commands.bench", "measure environment steps per second, and what they cost"),
-    "figures": ("solar_env.commands.figures", "draw the pictures of the pages"),
-    "warmup": ("solar_env.commands.warmup", "compile all kernels, which later runs load from the cache"),
+    "an array": {
+        "parameters": Command("solar_env.commands.parameters", "print a complete file of parameters, each explained"),
+        "simulate": Command("solar_env.commands.simulate", "simulate one deployment"),
+        "loads": Command("solar_env.commands.loads", "say how hard hinges and hub are hit, and how sure that is"),
+    },
+    "controllers": {
+        "tune": Command("agents.tune", "tune a law"),
+        "evaluate": Command("agents.evaluate", "compare controllers on the same episodes"),
+        "show": Command("agents.show", "draw one episode of several controllers, and animate them"),
+        "search": Command("agents.search", "search hyperparameters of an agent"),
+        "curves": Command("agents.curves", "train over seeds and draw the learning curves"),
+        "transfer": Command("agents.transfer", "train on every level of the model, judge on all"),
+        "export": Command("agents.export", "ship a trained policy"),
+    },
+    "trust": {
+        "verify": Command("solar_env.commands.verify", "run the cases with known answers"),
+        "chart": Command("solar_env.commands.chart", "measure speed against accuracy and draw it"),
+        "ladder": Command("solar_env.commands.ladder", "measure which level of the model answers which question"),
+        "stability": Command("solar_env.commands.stability", "map where methods fail"),
+        "paper": Command("solar_env.commands.paper", "draw the figures of the paper and judge what it says"),
+    },
+    "studies": {
+        "design": Command("solar_env.commands.design", "map peak force and wear over clearances and stiffnesses"),
+        "ground-test": Command("solar_env.commands.ground_test", "repeat deployments with the wear fed back"),
+        "bench": Command("solar_env.commands.bench", "measure environment steps per second"),
+        "figures": Command("solar_env.commands.figures", "draw the pictures of the pages"),
+        "warmup": Command("solar_env.commands.warmup", "compile all kernels, which later runs load"),
+    },
 }
 
 
-def parse(arguments: list[str]) -> argparse.Namespace:
-    """Read a command line; wrong input ends the process with argparse's message and status 2."""
-    parser = argparse.ArgumentParser(prog="python -m solar_env", description=__doc__)
-    subparsers = parser.add_subparsers(dest="command", required=True)
-    for name, (module, summary) in COMMANDS.items():
-        subparser = subparsers.add_parser(name, help=summary, description=summary)
-        # Only the module of the command that runs is loaded.
-        if name in arguments[:1]:
-            importlib.import_module(module).add_arguments(subparser)
-    return parser.parse_args(arguments)
+def command_named(name: str) -> Command:
+    """The row of a command.
+
+    Raises:
+        ValueError: if there is none.
+    """
+    from solar_env.array.names import unknown_name
+
+    rows = {own: row for group in COMMANDS.values() for own, row in group.items()}
+    if name not in rows:
+        raise ValueError(f"{unknown_name('command', name, rows)} ({PROG} --help lists them)")
+    return rows[name]
 
 
-def main(arguments: list[str] | None = None) -> int:
+def overview() -> str:
+    """All commands, in groups, a line each."""
+    lines = [f"usage: {PROG} COMMAND [OPTIONS]", f"       {PROG} COMMAND --help", f"       {PROG} --version", ""]
+    lines += ["Deployment of a spacecraft's solar array: simulation, loads, and controllers.", ""]
+    for title, group in COMMANDS.items():
+        lines.append(f"{title}:")
+        lines += [f"  {name:<12}{row.summary}" for name, row in group.items()]
+        lines.append("")
+    return "\n".join(lines)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; returns the exit status: 0 done, 1 a verification or map failed, 2 wrong input or a failed run."""
-    args = parse(sys.argv[1:] if arguments is None else arguments)
-    from solar_env.mechanics.running.errors import SimulationError
-
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    if not words or words[0] in ("-h", "--help"):
+        print(overview(), end="", file=sys.stdout if words else sys.stderr)
+        return 0 if words else 2
+    if words[0] == "--version":
+        print(f"{PROG} {version('solar-env')}")
+        return 0
     usual = warnings.formatwarning
     warnings.formatwarning = lambda message, *_, **__: f"warning: {message}\n"  # without the line of code
     try:
-        return int(importlib.import_module(COMMANDS[args.command][0]).run_command(args))
-    except (ValueError, SimulationError, OSError) as error:
+        return _run(words[0], words[1:])
+    except (ValueError, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
     finally:
         warnings.formatwarning = usual
+
+
+def _run(name: str, words: list[str]) -> int:
+    module = command_named(name).load()
+    try:
+        if not hasattr(module, "run_command"):
+            return int(module.main(words) or 0)
+        from solar_env.commands.arguments import parse_arguments
+
+        return int(module.run_command(parse_arguments(module.Args, words, f"{PROG} {name}")))
+    except SystemExit as stop:  # of the parser
+        return int(stop.code or 0)
+    except RuntimeError as error:
+        from solar_env.mechanics.running.errors import SimulationError
+
+        if not isinstance(error, SimulationError):
+            raise
+        print(f"error: {error}", file=sys.stderr)
+        return 2
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Commands of `python -m solar_env`: each module has `add_arguments(parser)` and `run_command(args) -> int`.
+"""Commands of `solar-env`: each module has a documented dataclass `Args` and `run_command(args) -> int`.
 
 Commands are thin: they read options, call a study or a simulation, and print. A ValueError, SimulationError or OSError
 of `run_command` ends the process with its message and status 2. They may import everything in the package, but what

@@ -1,11 +1,12 @@
 """`python -m solar_env bench`: environment steps per second, and what they cost."""
 
-import argparse
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from rich.console import Console
 
-from solar_env.array import MODELS
+from solar_env.array import MODELS, check_model
+from solar_env.commands.arguments import QuietOption
 from solar_env.support.progress import counting_bar
 from solar_env.support.readme import STUDIES, Section
 
@@ -13,24 +14,30 @@ FILE = "bench.md"
 SECTION = Section(STUDIES / "throughput" / "README.md", "bench", "python -m solar_env bench --readme")
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options."""
-    parser.add_argument("--models", nargs="+", choices=MODELS, default=list(MODELS), help="models (all)")
-    parser.add_argument(
-        "--quick", action="store_true", help="leave out what compiles the kernels anew, which takes two minutes"
-    )
-    parser.add_argument("--out", type=Path, help="folder to write the tables to")
-    parser.add_argument("--readme", action="store_true", help="tables into the page of the study")
+@dataclass
+class Args(QuietOption):
+    """Measure environment steps per second, and what they cost."""
+
+    models: list[str] = field(default_factory=lambda: list(MODELS))
+    """models of the array"""
+    quick: bool = False
+    """leave out what compiles the kernels anew, which takes two minutes"""
+    out: Path | None = None
+    """folder to write the tables to"""
+    readme: bool = False
+    """tables into the page of the study"""
 
 
-def run_command(args: argparse.Namespace) -> int:
+def run_command(args: Args) -> int:
     """Measure and print."""
     from solar_env.studies.throughput.rate_tables import tables
     from solar_env.studies.throughput.step_rates import measurements
 
+    for model in args.models:
+        check_model(model)
     if args.readme:
         SECTION.read()  # refuses a page without a place before everything is measured
-    console = Console(stderr=True)
+    console = Console(stderr=True, quiet=args.quiet)
     plan = measurements(args.models, cold=not args.quick)
     results = {}
     with counting_bar(console) as bar:

@@ -1,12 +1,13 @@
 """`python -m solar_env figures`: the pictures of a deployment, and of where a fixed step fails, for the pages."""
 
-import argparse
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
 from rich.progress import track
 
+from solar_env.commands.arguments import QuietOption
 from solar_env.support.readme import PACKAGE, STUDIES
 
 # A moment after latching, with the journals in flight.
@@ -15,9 +16,12 @@ FRAME_TIME = 13.6  # s
 COMPARED_TIME = 16.0  # s
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options."""
-    parser.add_argument("--out", type=Path, help="folder for the pictures (those of the pages that show them)")
+@dataclass
+class Args(QuietOption):
+    """Draw the pictures of a deployment, and of where a fixed step fails, for the pages."""
+
+    out: Path | None = None
+    """folder for the pictures; by default those of the pages that show them"""
 
 
 def draw_frame(path: Path) -> None:
@@ -71,9 +75,9 @@ PICTURES = {
 }
 
 
-def run_command(args: argparse.Namespace) -> int:
+def run_command(args: Args) -> int:
     """Draw every picture."""
-    for place, draw in track(PICTURES.items(), description="drawing"):
+    for place, draw in track(PICTURES.items(), description="drawing", disable=args.quiet):
         path = place if args.out is None else args.out / place.name
         path.parent.mkdir(parents=True, exist_ok=True)
         draw(path)

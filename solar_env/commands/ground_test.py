@@ -1,56 +1,51 @@
 """`python -m solar_env ground-test`: deployments repeated with the worn clearance fed back."""
 
-import argparse
-from dataclasses import replace
-from pathlib import Path
+from dataclasses import dataclass, replace
 
 from rich.console import Console
 
-from solar_env.array import PRESETS, ArrayParameters
-from solar_env.commands._workers import add_worker_arguments
-from solar_env.support.campaigns import Workers
+from solar_env.array import ArrayParameters
+from solar_env.commands.arguments import FolderOptions, WorkerOptions
 from solar_env.support.progress import counting_bar
 from solar_env.support.readme import STUDIES
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options."""
-    parser.add_argument("--preset", choices=sorted(PRESETS), default="default", help="parameters (%(default)s)")
-    parser.add_argument("--deployments", type=int, default=100, help="of the campaign (%(default)s)")
-    parser.add_argument(
-        "--wear-coefficient", type=float, default=1e-6,
-        help="Archard's k [m2/N]; ten deployments at 1e-6 wear like 1e9 at 1e-14, the array's (%(default)g)",
-    )  # fmt: skip
-    parser.add_argument(
-        "--growth", type=float, default=0.05,
-        help="share of a clearance that may be worn before the next deployment is simulated (%(default)s)",
-    )  # fmt: skip
-    parser.add_argument("--members", type=int, default=4, help="runs that stand for a deployment (%(default)s)")
-    parser.add_argument("--check", type=int, help="simulate so many directly, too (10, or all)")
-    add_worker_arguments(parser)
-    where = parser.add_mutually_exclusive_group()
-    where.add_argument("--out", type=Path, default=Path("ground_test"), help="folder of all files (%(default)s)")
-    where.add_argument(
-        "--readme",
-        action="store_true",
-        help="picture into the page of the study, solar_env/studies/design, table into ./ground_test",
-    )
+@dataclass
+class Args(FolderOptions, WorkerOptions):
+    """Repeat deployments with the worn clearance fed back.
+
+    With --readme the picture goes into the page of the study, the table into ./ground_test.
+    """
+
+    preset: str = "default"
+    """parameter set: default or paper"""
+    deployments: int = 100
+    """of the campaign"""
+    wear_coefficient: float = 1e-6
+    """Archard's k [m2/N]; ten deployments at 1e-6 wear like 1e9 at 1e-14, the array's"""
+    growth: float = 0.05
+    """share of a clearance that may be worn before the next deployment is simulated"""
+    members: int = 4
+    """runs that stand for a deployment"""
+    check: int | None = None
+    """simulate so many directly, too; by default 10, or all"""
 
 
-def run_command(args: argparse.Namespace) -> int:
+def run_command(args: Args) -> int:
     """Simulate the campaign, extrapolated and for a while directly, write the table and draw it."""
     from solar_env.studies.common.tables import provenance, read_table, write_table
     from solar_env.studies.design.ground_test import FILE, Deployment, as_rows, clearances_after, wear_campaign
     from solar_env.studies.design.ground_test_plot import draw_ground_test
 
+    out = args.folder("ground_test")
     check = min(10, args.deployments) if args.check is None else args.check
     if not 0 <= check <= args.deployments:
         raise ValueError(f"check = {check} must lie between 0 and the {args.deployments} deployments")
     parameters = replace(ArrayParameters.preset(args.preset), wear_coefficient=args.wear_coefficient)
-    workers = Workers(args.jobs, args.cluster)
+    workers = args.workers
     campaigns: dict[str, list[Deployment]] = {}
     plans = {"extrapolated": (args.deployments, args.growth)} | ({"direct": (check, 0.0)} if check else {})
-    with counting_bar(Console(stderr=True)) as bar:
+    with counting_bar(Console(stderr=True, quiet=args.quiet)) as bar:
         for kind, (deployments, growth) in plans.items():
             task = bar.add_task(f"{kind} deployments", total=deployments)
             campaigns[kind] = []
@@ -62,9 +57,9 @@ def run_command(args: argparse.Namespace) -> int:
         "ground-test", preset=args.preset, wear_coefficient=args.wear_coefficient, deployments=args.deployments,
         growth=args.growth, members=args.members, check=check,
     )  # fmt: skip
-    write_table(args.out / FILE, rows, made_by)
-    print(args.out / FILE)
-    print(draw_ground_test(read_table(args.out / FILE), STUDIES / "design" / "figures" if args.readme else args.out))
+    write_table(out / FILE, rows, made_by)
+    print(out / FILE)
+    print(draw_ground_test(read_table(out / FILE), STUDIES / "design" / "figures" if args.readme else out))
     for kind, campaign in campaigns.items():
         after = check or args.deployments
         clearance, error = clearances_after(campaign, after)

@@ -1,37 +1,39 @@
 """`python -m solar_env ladder`: the cheapest model level that answers a question, measured."""
 
-import argparse
-from pathlib import Path
+from dataclasses import dataclass
 
 from rich.box import SIMPLE
 from rich.console import Console
 from rich.table import Table
 
 from solar_env.array.ladder import PACKAGED_TABLE, QUESTIONS, Answer, read_answers, steps
+from solar_env.commands.arguments import FolderOptions, QuietOption
 from solar_env.support.readme import STUDIES
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options."""
-    parser.add_argument("--quick", action="store_true", help="few runs of few levels: under two minutes")
-    parser.add_argument("--draw", action="store_true", help="measure nothing, draw the figure from the table again")
-    where = parser.add_mutually_exclusive_group()
-    where.add_argument("--out", type=Path, default=Path("ladder"), help="folder of table and figure (%(default)s)")
-    where.add_argument(
-        "--readme", action="store_true",
-        help="table into solar_env/array/data, where simulate --question and model='auto' look it up, figure into "
-        "the page of the study, solar_env/studies/ladder",
-    )  # fmt: skip
+@dataclass
+class Args(FolderOptions, QuietOption):
+    """Measure which level of the model answers which question, and at what cost.
+
+    With --readme the table goes into solar_env/array/data, where simulate --question, loads and model='auto' look it
+    up, the figure into the page of the study.
+    """
+
+    quick: bool = False
+    """few runs of few levels: under two minutes"""
+    draw: bool = False
+    """measure nothing, draw the figure from the table again"""
 
 
-def run_command(args: argparse.Namespace) -> int:
+def run_command(args: Args) -> int:
     """Measure, write the table, draw the figure, and print the cheapest level by question and tolerance."""
     from solar_env.studies.ladder.campaign import FILE, measure_ladder
     from solar_env.studies.ladder.plot import draw_ladder
 
-    tables, figures = (PACKAGED_TABLE.parent, STUDIES / "ladder" / "figures") if args.readme else (args.out, args.out)
+    out = args.folder("ladder")
+    tables, figures = (PACKAGED_TABLE.parent, STUDIES / "ladder" / "figures") if args.readme else (out, out)
     if not args.draw:
-        measure_ladder(args.quick, tables, Console(stderr=True))
+        measure_ladder(args.quick, tables, Console(stderr=True, quiet=args.quiet))
     answers = read_answers(tables / FILE)
     _print_choices(answers)
     print(tables / FILE)

@@ -1,10 +1,12 @@
 """`python -m solar_env loads`: how hard hinges and hub are hit, and how sure that is."""
 
-import argparse
 import shlex
 import sys
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
+import tyro
 from rich.console import Console
 from rich.table import Table
 
@@ -12,43 +14,42 @@ from solar_env.array import read_parameters
 from solar_env.array.ladder import QUESTIONS
 from solar_env.array.parameter_file import ParameterFile
 from solar_env.array.parameters import ArrayParameters
-from solar_env.commands._workers import add_worker_arguments
-from solar_env.support.campaigns import Workers
+from solar_env.commands.arguments import WorkerOptions
 from solar_env.support.files import check_target
 
-WEAR_LIMIT = 1e-6  # m; chosen: a hundredth of usual clearances
+
+@dataclass
+class Args(WorkerOptions):
+    """Say how hard hinges and hub are hit in a deployment, and how sure that is.
+
+    An ensemble, released slightly differently and drawn from the tolerances of the file, is simulated at the cheapest
+    level of the model that answers a question to a tolerance, and at the next finer one.
+    """
+
+    array: Annotated[Path | None, tyro.conf.Positional] = None
+    """file of parameters (TOML), see solar-env parameters; by default the array of Li, Wang and Huang (2019)"""
+    question: Annotated[str, tyro.conf.arg(help=f"what must be right: {', '.join(QUESTIONS)}")] = "peak-force"
+    tolerance: float = 0.1
+    """greatest error of that which the level may have, as a share"""
+    runs: int = 16
+    """deployments at each of the two levels"""
+    window: float = 10.0
+    """time simulated after the last latching [s]"""
+    deadline: float = 60.0
+    """time by which all joints must have latched [s]"""
+    wear_limit: float = 1e-6
+    """depth of wear to which deployments are counted [m]"""
+    html: Path | None = None
+    """write a page with everything, which needs no network"""
+    data: Path | None = None
+    """write the nominal deployment, as .csv or .npz"""
+    hub: Path | None = None
+    """write force and torque on the hub over time, as .csv"""
+    out: Path = Path("loads")
+    """folder of the runs, with which an interrupted ensemble goes on"""
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options."""
-    parser.add_argument("array", type=Path, nargs="?", help="file of parameters (TOML); the default array without it")
-    parser.add_argument(
-        "--question", choices=list(QUESTIONS), default="peak-force", help="what must be right (%(default)s)"
-    )
-    parser.add_argument("--tolerance", type=float, default=0.1, metavar="X", help="to which share (%(default)s)")
-    parser.add_argument("--runs", type=int, default=16, metavar="N", help="of each of two levels (%(default)s)")
-    parser.add_argument("--window", type=float, default=10.0, metavar="S", help="time after latching [s] (%(default)s)")
-    parser.add_argument("--deadline", type=float, default=60.0, metavar="S", help="to latch by [s] (%(default)s)")
-    parser.add_argument(
-        "--wear-limit",
-        type=float,
-        default=WEAR_LIMIT,
-        metavar="M",
-        help="depth to count deployments to [m] (%(default)s)",
-    )
-    parser.add_argument(
-        "--html", type=Path, metavar="FILE", help="write a page with everything, which needs no network"
-    )
-    parser.add_argument("--data", type=Path, metavar="FILE", help="write the nominal deployment (csv or npz)")
-    parser.add_argument("--hub", type=Path, metavar="FILE", help="write force and torque on the hub over time (csv)")
-    parser.add_argument(
-        "--out", type=Path, default=Path("loads"), metavar="DIR",
-        help="folder of the runs, with which an interrupted ensemble goes on (%(default)s)",
-    )  # fmt: skip
-    add_worker_arguments(parser)
-
-
-def run_command(args: argparse.Namespace) -> int:
+def run_command(args: Args) -> int:
     """Run the ensemble, print the answer and the tables, write what was asked for."""
     from solar_env.array.data_files import check_data_file, write_data
     from solar_env.studies.common.tables import versions
@@ -70,10 +71,10 @@ def run_command(args: argparse.Namespace) -> int:
     from solar_env.array.methods import default_integrator
     from solar_env.commands.warmup import warm_up
 
-    console = Console(stderr=True)
+    console = Console(stderr=True, quiet=args.quiet)
     for level in plan.levels:
         warm_up(console, level.model, default_integrator(level.model, level.panels).name)
-    loads = measure_loads(plan, args.out, Workers(args.jobs, args.cluster), console)
+    loads = measure_loads(plan, args.out, args.workers, console)
     printed = Console()
     for line in answer(loads, args.wear_limit):
         printed.print(line, highlight=False)

@@ -1,12 +1,11 @@
 """`python -m solar_env paper`: the paper, figure by figure and claim by claim."""
 
-import argparse
-from pathlib import Path
+from dataclasses import dataclass, field
 
 from rich.console import Console
 
-from solar_env.commands._workers import add_worker_arguments
-from solar_env.support.campaigns import Workers, each_done
+from solar_env.commands.arguments import FolderOptions, WorkerOptions
+from solar_env.support.campaigns import each_done
 from solar_env.support.progress import counting_bar
 from solar_env.support.readme import STUDIES, Section
 
@@ -14,22 +13,20 @@ FOLDER = STUDIES / "paper"
 SECTION = Section(FOLDER / "README.md", "claims", "python -m solar_env paper --readme")
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options."""
-    parser.add_argument(
-        "--figure", type=int, nargs="+", metavar="N", help="these figures of the paper (5 to 23), without the claims"
-    )
-    add_worker_arguments(parser)
-    parser.add_argument("--json", action="store_true", help="print the claims as JSON")
-    where = parser.add_mutually_exclusive_group()
-    where.add_argument("--out", type=Path, default=Path("paper"), help="folder of all files (%(default)s)")
-    where.add_argument(
-        "--readme", action="store_true",
-        help="pictures and claims into the page of the study, solar_env/studies/paper; tables into ./paper",
-    )  # fmt: skip
+@dataclass
+class Args(FolderOptions, WorkerOptions):
+    """Draw the figures of the paper, and judge what it says.
+
+    With --readme pictures and claims go into the page of the study, tables into ./paper.
+    """
+
+    figure: list[int] = field(default_factory=list)
+    """these figures of the paper (5 to 23), without the claims"""
+    json: bool = False
+    """print the claims as JSON"""
 
 
-def run_command(args: argparse.Namespace) -> int:
+def run_command(args: Args) -> int:
     """Simulate, write the tables, draw the figures, and judge the claims."""
     from solar_env.studies.common.tables import provenance, read_table, write_table
     from solar_env.studies.paper.cases import Run, simulate_run
@@ -38,7 +35,8 @@ def run_command(args: argparse.Namespace) -> int:
     from solar_env.studies.paper.figures import FIGURES
     from solar_env.studies.paper.survey import as_json, as_markdown, judge, planned_runs
 
-    unknown = [number for number in args.figure or () if number not in FIGURES]
+    out = args.folder("paper")
+    unknown = [number for number in args.figure if number not in FIGURES]
     if unknown:
         known = f"{min(FIGURES)} to {max(FIGURES)}"
         raise ValueError(f"the paper has no figure {unknown[0]} that is drawn here; choose from {known}")
@@ -49,15 +47,15 @@ def run_command(args: argparse.Namespace) -> int:
     figures = [FIGURES[number] for number in args.figure or FIGURES]
     wanted = [] if args.figure else planned_runs()
     runs = dict.fromkeys([*wanted, *(Run(case) for figure in figures for case in figure.cases)])
-    pictures = FOLDER / "figures" if args.readme else args.out
-    for folder in (pictures, args.out):
+    pictures = FOLDER / "figures" if args.readme else out
+    for folder in (pictures, out):
         folder.mkdir(parents=True, exist_ok=True)
-    with counting_bar(Console(stderr=True)) as bar:
-        done = each_done(simulate_run, runs, Workers(args.jobs, args.cluster))
+    with counting_bar(Console(stderr=True, quiet=args.quiet)) as bar:
+        done = each_done(simulate_run, runs, args.workers)
         motions = dict(bar.track(done, len(runs), description="deployments"))
         first = {run.case: motion for run, motion in motions.items() if run.member == 0 and not run.parameter}
         for figure in bar.track(figures, description="figures"):
-            table = args.out / f"{figure.stem}.csv"
+            table = out / f"{figure.stem}.csv"
             write_table(table, figure.rows(first), provenance("paper", figure=figure.number, title=figure.title))
             title = f"Fig. {figure.number}: {figure.title}"
             draw_figure(read_table(table), figure.kind, title, pictures / f"{figure.stem}.png")
@@ -65,15 +63,15 @@ def run_command(args: argparse.Namespace) -> int:
         return 0
     findings = [judge(claim, motions) for claim in CLAIMS]
     text = as_json(findings)
-    claims = FOLDER / "claims.json" if args.readme else args.out / "claims.json"
+    claims = FOLDER / "claims.json" if args.readme else out / "claims.json"
     claims.write_text(text + "\n", encoding="utf-8")
     if args.readme:
         SECTION.write(as_markdown(findings).rstrip("\n"))
     else:
-        (args.out / "claims.md").write_text(as_markdown(findings), encoding="utf-8")
+        (out / "claims.md").write_text(as_markdown(findings), encoding="utf-8")
     if args.json:
         print(text)
     else:
         agreeing = sum(finding.agrees for finding in findings)
-        print(f"{agreeing} of {len(findings)} claims agree; tables, pictures and claims in {args.out}")
+        print(f"{agreeing} of {len(findings)} claims agree; tables, pictures and claims in {out}")
     return 0

@@ -1,100 +1,95 @@
 """`python -m solar_env simulate`: one deployment from the command line."""
 
-import argparse
-import ast
 import json
 import sys
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
+import tyro
 from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
 from solar_env.array import (
-    DEFAULT_ELEMENTS,
-    DEFAULT_MODES,
-    MODELS,
-    PANELS,
-    PRESETS,
     ArrayParameters,
     PanelModel,
     check_model,
+    read_parameters,
 )
 from solar_env.array.ladder import DEFAULT_TOLERANCE, QUESTIONS, Answer, cheapest, read_answers
 from solar_env.array.methods import INTEGRATOR_NAMES, default_integrator, make_integrator
 from solar_env.array.models import has_flexible_panels
-from solar_env.array.panels import DEFAULT_PANELS, PRESET_PANELS
+from solar_env.commands.arguments import Assignments, QuietOption
 from solar_env.mechanics.integrators.settings import Rosenbrock, RungeKutta
+from solar_env.support.files import check_target, write_text
 
+_QUESTION_HELP = (
+    "take the cheapest model and panels that answer a question, as measured by the command ladder: "
+    f"{', '.join(QUESTIONS)}"
+)
+_INTEGRATOR_HELP = f"one of {', '.join(INTEGRATOR_NAMES)}; by default the model's best"
 DEFAULT_MODEL = "rigid-clearance"
 _NOTEWORTHY_SHARE = 0.1  # of steps at the limit of stability, above which the command says so
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options."""
-    parser.add_argument("--model", help=f"one of {', '.join(MODELS)}; default: {DEFAULT_MODEL}")
-    parser.add_argument(
-        "--panels",
-        help=f"of a flexible model, one of {', '.join(PANELS)}; default: {DEFAULT_PANELS}, "
-        + ", ".join(f"{kind} of the preset {name}" for name, kind in PRESET_PANELS.items()),
-    )
-    parser.add_argument("--modes", type=int, metavar="N", help=f"bending modes of each modal panel ({DEFAULT_MODES})")
-    parser.add_argument("--elements", type=int, metavar="N", help=f"beam elements of each panel ({DEFAULT_ELEMENTS})")
-    parser.add_argument(
-        "--question", metavar="NAME",
-        help="take the cheapest model and panels that answer a question, as measured by the command ladder: "
-        f"{', '.join(QUESTIONS)}",
-    )  # fmt: skip
-    parser.add_argument("--tolerance", type=float, metavar="X", help=f"of the answer, relative ({DEFAULT_TOLERANCE:g})")
-    parser.add_argument("--duration", type=float, default=30.0, metavar="S", help="simulated time [s]")
-    parser.add_argument("--preset", default="default", help=f"parameter set: {', '.join(PRESETS)}")
-    parser.add_argument(
-        "--set", nargs="+", action="extend", default=[], metavar="KEY=VALUE",
-        help="change parameters, e.g. clearance=1e-4,2e-4 (solar_env.ArrayParameters lists them)",
-    )  # fmt: skip
-    parser.add_argument("--integrator", help=f"one of {', '.join(INTEGRATOR_NAMES)}; default: the model's best")
-    parser.add_argument("--step", type=float, metavar="S", help="fixed step, or bound on adaptive ones [s]")
-    parser.add_argument("--rtol", type=float, help="local error tolerance")
-    parser.add_argument("--output-step", type=float, default=0.01, metavar="S", help="distance of the samples [s]")
-    parser.add_argument("--plot", type=Path, metavar="FILE", help="write a figure (png, svg or pdf)")
-    parser.add_argument("--out", type=Path, metavar="FILE", help="write the trajectory (npz)")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write the summary (- for standard output)")
+@dataclass
+class Args(QuietOption):
+    """Simulate one deployment."""
+
+    array: Annotated[Path | None, tyro.conf.Positional] = None
+    """file of parameters (TOML), see solar-env parameters; what it gives ranges for has its nominal value"""
+    model: str | None = None
+    """rigid-ideal, rigid-clearance, flexible-ideal or flexible-clearance; by default rigid-clearance"""
+    panels: str | None = None
+    """of a flexible model: modal or ancf; by default modal, ancf of the preset paper"""
+    modes: int | None = None
+    """bending modes of each modal panel; by default 24"""
+    elements: int | None = None
+    """beam elements of each panel of ancf; by default 6"""
+    question: Annotated[str | None, tyro.conf.arg(help=_QUESTION_HELP)] = None
+    tolerance: float | None = None
+    """of the answer to the question, as a share; by default 0.2"""
+    duration: float = 30.0
+    """simulated time [s]"""
+    preset: str = "default"
+    """parameter set: default or paper"""
+    set: Assignments = field(default_factory=dict)
+    """change parameters, for example clearance=1e-4,2e-4"""
+    integrator: Annotated[str | None, tyro.conf.arg(help=_INTEGRATOR_HELP)] = None
+    step: float | None = None
+    """fixed step, or bound on adaptive ones [s]"""
+    rtol: float | None = None
+    """local error tolerance"""
+    output_step: float = 0.01
+    """distance of the samples [s]"""
+    plot: Path | None = None
+    """write a figure (png, svg or pdf)"""
+    out: Path | None = None
+    """write the trajectory, as .npz or .csv"""
+    json: Path | None = None
+    """write the summary; - for standard output"""
 
 
-def parse_changes(assignments: list[str]) -> dict[str, Any]:
-    """Parameter changes from KEY=VALUE strings; comma-separated numbers become a tuple, other text stays text.
-
-    Raises:
-        ValueError: if an assignment has no "=".
-    """
-    changes: dict[str, Any] = {}
-    for assignment in assignments:
-        key, separator, text = assignment.partition("=")
-        if not separator:
-            raise ValueError(f"--set {assignment!r} must have the form key=value")
-        try:
-            changes[key.strip()] = ast.literal_eval(text.strip())
-        except (ValueError, SyntaxError):
-            changes[key.strip()] = text.strip()
-    return changes
-
-
-def run_command(args: argparse.Namespace) -> int:
+def run_command(args: Args) -> int:
     """Simulate, report, write what was asked for."""
-    # Wrong input is refused before the compiler is loaded.
+    # Wrong input is refused before anything is compiled.
+    from solar_env.array.data_files import check_data_file, write_data
+
     answer = _chosen_answer(args)
     model, panels = _level(args, answer)
-    parameters = ArrayParameters.preset(args.preset).with_changes(parse_changes(args.set))
-    for path in (args.plot, args.out, args.json):
-        if path is not None and str(path) != "-" and not path.parent.is_dir():
-            raise ValueError(f"the folder of {path} does not exist")
+    parameters = _array(args).with_changes(args.set)
+    if args.out is not None:
+        check_data_file(args.out)
+    for path in (args.plot, args.json):
+        if path is not None and str(path) != "-":
+            check_target(path)
     name = args.integrator or default_integrator(model, panels).name
     integrator = make_integrator(name, model, args.step, args.rtol)
     from solar_env.array.deployment import panel_deflections, simulate
     from solar_env.commands.warmup import warm_up
 
-    console = Console(stderr=True)
+    console = Console(stderr=True, quiet=args.quiet)
     if answer is not None:
         console.print(_answer_note(answer, parameters), highlight=False, soft_wrap=True)
     warm_up(console, model, name)
@@ -118,9 +113,9 @@ def run_command(args: argparse.Namespace) -> int:
     else:
         _print_summary(summary)
         if args.json:
-            args.json.write_text(json.dumps(summary, indent=2) + "\n")
+            write_text(args.json, json.dumps(summary, indent=2) + "\n")
     if args.out:
-        trajectory.save(args.out)
+        write_data(trajectory, args.out)
     if args.plot:
         from solar_env.pictures.plots import plot_deployment
 
@@ -128,7 +123,16 @@ def run_command(args: argparse.Namespace) -> int:
     return 0
 
 
-def _chosen_answer(args: argparse.Namespace) -> Answer | None:
+def _array(args: Args) -> ArrayParameters:
+    """Parameters of the file or of the preset."""
+    if args.array is None:
+        return ArrayParameters.preset(args.preset)
+    if args.preset != Args.preset:
+        raise ValueError(f"--preset {args.preset} has the parameters that {args.array} has too; give one of them")
+    return read_parameters(args.array).parameters
+
+
+def _chosen_answer(args: Args) -> Answer | None:
     """Row of the ladder for the cheapest level that answers the question; None if no question is asked."""
     if args.question is None:
         if args.tolerance is not None:
@@ -140,7 +144,7 @@ def _chosen_answer(args: argparse.Namespace) -> Answer | None:
     return cheapest(read_answers(), args.question, DEFAULT_TOLERANCE if args.tolerance is None else args.tolerance)
 
 
-def _level(args: argparse.Namespace, answer: Answer | None) -> tuple[str, PanelModel]:
+def _level(args: Args, answer: Answer | None) -> tuple[str, PanelModel]:
     """Model, and that of its panels, chosen by the ladder or given.
 
     Raises:

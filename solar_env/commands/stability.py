@@ -1,25 +1,32 @@
 """`python -m solar_env stability`: maps of where methods fail, as tables and figures."""
 
-import argparse
 import textwrap
+from dataclasses import dataclass
 from pathlib import Path
 
 from rich.console import Console
 
+from solar_env.commands.arguments import QuietOption
 from solar_env.support.progress import counting_bar
 
 _COLUMNS = 100
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options."""
-    parser.add_argument("--quick", action="store_true", help="few cells: less than two minutes for all maps")
-    parser.add_argument("--only", metavar="NAME", help="one map; a name that is none lists them")
-    parser.add_argument("--out", type=Path, default=Path("stability"), metavar="DIR", help="folder (%(default)s)")
-    parser.add_argument("--draw", action="store_true", help="draw the figures again from the tables in the folder")
+@dataclass
+class Args(QuietOption):
+    """Map where methods fail, and check that the library says so."""
+
+    quick: bool = False
+    """few cells: less than two minutes for all maps"""
+    only: str | None = None
+    """one map; a name that is none lists them"""
+    out: Path = Path("stability")
+    """folder of tables and figures"""
+    draw: bool = False
+    """draw the figures again from the tables in the folder"""
 
 
-def run_command(args: argparse.Namespace) -> int:
+def run_command(args: Args) -> int:
     """Measure the maps, draw them, and print what to do; 1 if the library kept silent about a failure, else 0."""
     from solar_env.studies.stability.stability_maps import MAPS, measure_map
 
@@ -29,7 +36,7 @@ def run_command(args: argparse.Namespace) -> int:
     if args.draw:
         return max(_report(name, args.out) for name in names)
     cells = sum(1 for name in names for _ in MAPS[name].cells(args.quick))
-    with counting_bar(Console(stderr=True)) as progress:
+    with counting_bar(Console(stderr=True, quiet=args.quiet)) as progress:
         task = progress.add_task("", total=cells)
         for name in names:
             progress.update(task, description=f"{name} (compiles kernels the first time: a few minutes at most)")

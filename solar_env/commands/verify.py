@@ -1,24 +1,29 @@
 """`python -m solar_env verify`: run the cases with known answers."""
 
-import argparse
 import itertools
+from dataclasses import dataclass
 from pathlib import Path
 
 from rich.console import Console
 
+from solar_env.commands.arguments import QuietOption
 from solar_env.support.progress import counting_bar
 from solar_env.verification.report import make_table, to_json
 
 _NARROWEST = 140  # columns, where the output is not a terminal
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options."""
-    parser.add_argument("--only", metavar="NAME", help="run one case; a name that is none lists them")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write the rows (- for standard output)")
+@dataclass
+class Args(QuietOption):
+    """Run the cases with known answers."""
+
+    only: str | None = None
+    """run one case; a name that is none lists them"""
+    json: Path | None = None
+    """write the rows; - for standard output"""
 
 
-def run_command(args: argparse.Namespace) -> int:
+def run_command(args: Args) -> int:
     """Run, print the table, write what was asked for; 1 if a row fails, else 0."""
     from solar_env.verification.suite import run, select
 
@@ -27,7 +32,7 @@ def run_command(args: argparse.Namespace) -> int:
     if args.json and not to_standard_output and not args.json.parent.is_dir():
         raise ValueError(f"the folder of {args.json} does not exist")
     begun = itertools.count()
-    with counting_bar(Console(stderr=True)) as progress:
+    with counting_bar(Console(stderr=True, quiet=args.quiet)) as progress:
         task = progress.add_task("", total=len(names))
 
         def announce(name: str) -> None:

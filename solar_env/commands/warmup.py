@@ -1,10 +1,10 @@
 """`python -m solar_env warmup`: compile every kernel once, with a sign of progress."""
 
-import argparse
 import multiprocessing
 import time
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
 from pathlib import Path
 
 from rich.console import Console
@@ -17,8 +17,9 @@ from solar_env.mechanics.integrators.settings import INTEGRATORS
 PARTS = ("compile_evaluation", "compile_linear_step", "compile_modal_step")
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """No options."""
+@dataclass
+class Args:
+    """Compile all kernels, which later runs load from the cache."""
 
 
 def load_kernels(model: str, integrator: str) -> float:
@@ -82,7 +83,7 @@ def warm_up(console: Console, model: str, integrator: str) -> None:
         load_kernels(model, integrator)
 
 
-def run_command(args: argparse.Namespace) -> int:
+def run_command(args: Args) -> int:
     """Compile the kernels of all models and integrators, those of the environments included."""
     import gymnasium
 

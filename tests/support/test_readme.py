@@ -9,7 +9,7 @@ import pytest
 
 import train
 from agents.arguments import parse_arguments
-from solar_env.__main__ import parse
+from solar_env.__main__ import command_named, main
 from solar_env.support.readme import PACKAGE, Section
 from solar_env.verification.suite import select
 
@@ -47,8 +47,9 @@ def commands():
     lines = set()
     for text in TEXTS.values():
         for block in fenced(text, ""):
-            lines |= {line for line in block.splitlines() if line.startswith("python ")}
-        lines |= set(re.findall(r"`(python (?:-m|train\.py)[^`\n]*)`", text))
+            lines |= {line for line in block.splitlines() if re.match(r"python (-m|train\.py)|solar-env ", line)}
+        lines |= set(re.findall(r"`((?:python (?:-m|train\.py)|solar-env )[^`\n]*)`", text))
+    lines = {re.sub("^solar-env", "python -m solar_env", line.partition(" > ")[0]) for line in lines}
     return sorted({shlex.join(shlex.split(line, comments=True)[1:]) for line in lines})
 
 
@@ -57,7 +58,9 @@ def test_commands_have_the_options_that_the_pages_give_them(command):
     words = shlex.split(command)
     name, *arguments = words[1:] if words[0] == "-m" else words
     if name == "solar_env":
-        take = parse
+        name = command_named(arguments.pop(0)).module if arguments[0] != "--help" else name
+    if name == "solar_env":
+        take = main
     else:
         module = train if name == "train.py" else importlib.import_module(name)
         if name == "agents.export":  # the run comes without its option
@@ -66,7 +69,9 @@ def test_commands_have_the_options_that_the_pages_give_them(command):
         def take(given):
             return parse_arguments(module.Args, given)
 
-    if "--help" in arguments:
+    if take is main:
+        assert take(arguments) == 0
+    elif "--help" in arguments:
         with pytest.raises(SystemExit, match="0"):
             take(arguments)
     else:

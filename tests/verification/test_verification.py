@@ -1,4 +1,3 @@
-import argparse
 import io
 import json
 import math
@@ -9,6 +8,7 @@ from rich.console import Console
 
 from solar_env.array import ArrayParameters
 from solar_env.commands import verify as command
+from solar_env.commands.arguments import parse_arguments
 from solar_env.mechanics.joints.contact import flores, lankarani_nikravesh
 from solar_env.verification import suite
 from solar_env.verification.arrays.latching import REDUCTIONS
@@ -102,9 +102,7 @@ def test_table_shows_every_column_and_says_what_failed():
 
 
 def run_command(*arguments):
-    parser = argparse.ArgumentParser()
-    command.add_arguments(parser)
-    return command.run_command(parser.parse_args(arguments))
+    return command.run_command(parse_arguments(command.Args, arguments))
 
 
 def test_command_prints_a_table_writes_json_and_succeeds(tmp_path, capsys):

@@ -1,15 +1,16 @@
 """The command `presets`: names of the presets."""
 
-import argparse
+from dataclasses import dataclass
 
 from solar_env.array import PRESETS
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """No options."""
+@dataclass
+class Args:
+    """Print the names of the presets."""
 
 
-def run_command(args: argparse.Namespace) -> int:
+def run_command(args: Args) -> int:
     """Print the names."""
     print("\n".join(PRESETS))
     return 0

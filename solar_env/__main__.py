@@ -34,6 +34,9 @@ COMMANDS = {
     "controllers": {
         "tune": Command("agents.tune", "tune a law"),
         "evaluate": Command("agents.evaluate", "compare controllers on the same episodes"),
+        "play": Command("solar_env.commands.play", "drive the array by hand, in a window"),
+        "record": Command("agents.record", "film an episode of a controller"),
+        "replay": Command("agents.replay", "show controllers side by side, in motion, on a page"),
         "show": Command("agents.show", "draw one episode of several controllers, and animate them"),
         "search": Command("agents.search", "search hyperparameters of an agent"),
         "curves": Command("agents.curves", "train over seeds and draw the learning curves"),
@@ -105,7 +108,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(name: str, words: list[str]) -> int:
     module = command_named(name).load()
     try:
-        if not hasattr(module, "run_command"):
+        if hasattr(module, "main"):
             return int(module.main(words) or 0)
         from solar_env.commands.arguments import parse_arguments
 

@@ -15,7 +15,7 @@ from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.lanes import allocate_lanes, check_structure, copied, fill_lane, lane_view
 from solar_env.mechanics.integrators.driver import advance_lanes
 from solar_env.mechanics.integrators.methods.table import method_of
-from solar_env.mechanics.records.recording import make_recorder
+from solar_env.mechanics.records.recording import Recorder, make_recorder
 from solar_env.mechanics.running.accuracy import STEPS_BETWEEN_LOOKS
 from solar_env.mechanics.running.simulation import Simulation
 
@@ -99,6 +99,16 @@ class Batch:
         self.simulations[lane] = simulation
         self._steps_looked[lane] = self._steps[lane] = simulation.state.clock["steps"][0]
         self._last_steps[lane] = 0
+
+    def record(self, recorder: Recorder) -> None:
+        """Keep samples and contacts of a batch of one lane from now on.
+
+        Raises:
+            ValueError: if there are more lanes, whose samples would be mixed.
+        """
+        if len(self.simulations) != 1:
+            raise ValueError(f"a batch of {len(self.simulations)} lanes cannot be recorded; take one of a single lane")
+        self._recorder = recorder
 
     def advance(self, lanes: NDArray[np.int64], end_times: NDArray[np.float64]) -> None:
         """Advance some lanes, and look at their accuracy now and then as `Simulation.advance` does.

@@ -1,0 +1,109 @@
+"""Command that films an episode of a controller: `solar-env record`."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from PIL import Image
+from rich.console import Console
+
+from agents.arguments import ModelOptions, parse_arguments, run_command
+from agents.comparison.controllers import parse_controllers
+from agents.comparison.suites import MODEL
+from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_sampling
+from agents.rollout import Step, run_episode
+from solar_env.support.files import check_target, write_bytes, writing
+from solar_env.support.progress import counting_bar
+
+PROG = "solar-env record"
+SUFFIXES = (".mp4", ".gif")
+GIF_WIDTH = 640  # pixels; a GIF in full size has tens of megabytes
+
+
+@dataclass
+class Args(ModelOptions):
+    """Film one episode of a controller, in real time unless told otherwise.
+
+    The model is flexible-clearance unless another is named.
+    """
+
+    controller: str = "servo"
+    """law, shipped policy or run folder, see solar-env evaluate --help"""
+    out: Path = Path("episode.mp4")
+    """film, .mp4 or .gif"""
+    speed: float = 1.0
+    """times real time"""
+    seed: int = 0
+    """chooses the evaluation episode"""
+    env_id: str = DEFAULT_ENV_ID
+    """environment id"""
+    quiet: bool = False
+    """no progress bar"""
+
+
+def main(argv: Sequence[str] | None = None) -> None:
+    """Run the command; see `Args`."""
+    args = parse_arguments(Args, argv, PROG)
+    if args.out.suffix.lower() not in SUFFIXES:
+        raise ValueError(f"the suffix {args.out.suffix!r} of {args.out} is unknown; choose from {', '.join(SUFFIXES)}")
+    if not 0.0 < args.speed <= 100.0:
+        raise ValueError(f"speed = {args.speed!r} must be positive and at most 100")
+    check_target(args.out)
+    if args.out.suffix.lower() == ".mp4":
+        _encoder()  # refuses before the episode
+    keywords = args.keywords(args.env_id, MODEL)
+    (named,) = parse_controllers([args.controller])
+    drawn = {**keywords, **named.observation(), "render_mode": "rgb_array"}
+    env = make_env(args.env_id, with_sampling(drawn, args.env_id))
+    frames: list[np.ndarray] = []
+    with counting_bar(Console(stderr=True, quiet=args.quiet)) as bar:
+        task = bar.add_task("frames", total=None)
+
+        def draw(_: Step) -> None:
+            frames.append(env.render())  # type: ignore[arg-type]
+            bar.advance(task)
+
+        run_episode(env, named.load(env), episode_seeds("evaluation", args.seed, 1)[0], draw)
+    write_film(frames, args.out, args.speed * env.metadata["render_fps"])
+    print(f"written to {args.out}")
+
+
+def write_film(frames: Sequence[np.ndarray], path: Path, rate: float) -> None:
+    """Write frames (height, width, 3) of uint8 as MP4 or GIF, whole or not at all, at so many a second.
+
+    Raises:
+        ValueError: imageio-ffmpeg is not installed and the film is an MP4.
+        OSError: the file cannot be written.
+    """
+    if path.suffix.lower() == ".gif":
+        height, width = frames[0].shape[:2]
+        size = (GIF_WIDTH, round(GIF_WIDTH * height / width))
+        images = [Image.fromarray(frame).resize(size).quantize(64, dither=Image.Dither.NONE) for frame in frames]
+        with writing(path) as file:
+            images[0].save(file, "gif", save_all=True, append_images=images[1:], duration=round(1000 / rate), loop=0)
+        return
+    from tempfile import TemporaryDirectory
+
+    with TemporaryDirectory() as folder:
+        draft = Path(folder) / "film.mp4"
+        height, width = frames[0].shape[:2]
+        writer: Iterator[Any] = _encoder().write_frames(str(draft), (width, height), fps=rate, macro_block_size=2)
+        next(writer)
+        for frame in frames:
+            writer.send(np.ascontiguousarray(frame))  # type: ignore[attr-defined]
+        writer.close()  # type: ignore[attr-defined]
+        write_bytes(path, draft.read_bytes())
+
+
+def _encoder() -> Any:
+    try:
+        import imageio_ffmpeg
+    except ImportError as error:
+        raise ValueError("MP4 needs imageio-ffmpeg: pip install 'solar-env[video]', or write a .gif") from error
+    return imageio_ffmpeg
+
+
+if __name__ == "__main__":
+    run_command(main)

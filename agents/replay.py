@@ -1,0 +1,99 @@
+"""Command that shows one episode of several controllers, in motion, on one page: `solar-env replay`."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from agents.arguments import ModelOptions, command_line, parse_arguments, run_command
+from agents.comparison.controllers import parse_controllers
+from agents.comparison.suites import MODEL
+from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_sampling
+from agents.rollout import run_episode
+from solar_env.environment.recording import RecordTrajectory
+from solar_env.mechanics.running.trajectory import Trajectory
+from solar_env.pictures.page.content import Page, Table
+from solar_env.pictures.page.document import write_page
+from solar_env.studies.common.deployment_page import charts_of, motion_of
+from solar_env.studies.common.tables import versions
+from solar_env.support.files import check_target
+from solar_env.support.progress import counting_bar
+
+PROG = "solar-env replay"
+# Figure of an episode -> in words, with its unit.
+SHOWN = {
+    "return": "return",
+    "latch_time_s": "all latched after [s]",
+    "peak_postlock_force_N": "peak force after latching [N]",
+    "postlock_impulse_Ns": "impulse after latching [N s]",
+    "postlock_sliding_work_J": "sliding work after latching [J]",
+    "wear_depth_max_m": "deepest wear [m]",
+}
+
+
+@dataclass
+class Args(ModelOptions):
+    """Show one episode of several controllers, the same for all, in motion, side by side on one page.
+
+    The model is flexible-clearance unless another is named.
+    """
+
+    controllers: list[str] = field(default_factory=lambda: ["passive", "servo"])
+    """laws, shipped policies and run folders, see solar-env evaluate --help; each once"""
+    seed: int = 0
+    """chooses the evaluation episode"""
+    env_id: str = DEFAULT_ENV_ID
+    """environment id"""
+    html: Path = Path("replay.html")
+    """the page, which needs no network"""
+    quiet: bool = False
+    """no progress bar"""
+
+
+def main(argv: Sequence[str] | None = None) -> None:
+    """Run the command; see `Args`."""
+    args = parse_arguments(Args, argv, PROG)
+    check_target(args.html)
+    keywords = args.keywords(args.env_id, MODEL)
+    seed = episode_seeds("evaluation", args.seed, 1)[0]
+    named_controllers = parse_controllers(args.controllers)
+    episodes: dict[str, Trajectory] = {}
+    figures: dict[str, dict[str, Any]] = {}
+    with counting_bar(Console(stderr=True, quiet=args.quiet)) as bar:
+        for named in bar.track(named_controllers, description="episodes"):
+            keywords_seen = with_sampling({**keywords, **named.observation()}, args.env_id)
+            env = RecordTrajectory(make_env(args.env_id, keywords_seen))
+            figures[named.name] = run_episode(env, named.load(env), seed)
+            episodes[named.name] = env.trajectory
+    write_page(replay_page(episodes, figures, command_line(PROG, argv)), args.html)
+    print(f"written to {args.html}")
+
+
+def replay_page(episodes: dict[str, Trajectory], figures: dict[str, dict[str, Any]], command: str) -> Page:
+    """The page of episodes by the names of their controllers, with the figures of `run_episode`."""
+    softest = min(episodes, key=lambda name: _or_infinity(figures[name]["peak_postlock_force_N"]))
+    best = max(episodes, key=lambda name: figures[name]["return"])
+    answer = [
+        f"Of {len(episodes)} controllers {softest} lands softest, with at most "
+        f"{figures[softest]['peak_postlock_force_N']:.3g} N after latching; {best} has the highest return, "
+        f"{figures[best]['return']:.3g}.",
+        "One episode, the same for all: impacts are chaotic, so compare many with solar-env evaluate.",
+    ]
+    shown = {name: words for name, words in SHOWN.items() if all(name in own for own in figures.values())}
+    rows = [[words, *(f"{own[name]:.4g}" for own in figures.values())] for name, words in shown.items()]
+    terms = [name for name in next(iter(figures.values())) if name.startswith("reward_")]
+    rows += [[name.replace("_", " "), *(f"{own[name]:.3g}" for own in figures.values())] for name in terms]
+    table = Table("Figures of the episode", ["figure", *figures], rows)
+    motions = [motion_of(trajectory, name) for name, trajectory in episodes.items()]
+    notes = [f"Made by: {command}", ", ".join(f"{name} {value}" for name, value in versions().items())]
+    return Page("One episode, " + " beside ".join(episodes), answer, motions, charts_of(episodes), [table], notes)
+
+
+def _or_infinity(value: float) -> float:
+    return value if value == value else float("inf")
+
+
+if __name__ == "__main__":
+    run_command(main)

@@ -1,0 +1,165 @@
+"""`solar-env play`: drive the array by hand, in a window."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from solar_env.commands.arguments import Assignments
+
+BAR = 64  # pixels below the frame: the slider, and what it means
+_MARGIN = 24
+_STEPS = 20  # of a key, from no torque to the limit
+
+
+@dataclass
+class Args:
+    """Drive the array by hand in a window: land it softly.
+
+    Keys: left and right turn the motor torque down and up, 0 sets it to nothing, the mouse moves its slider; space
+    pauses, n goes on by a single step, r begins anew, q ends.
+    """
+
+    env_id: str = "solar_env/Deploy-v0"
+    """environment id"""
+    model: str = "flexible-clearance"
+    """rigid-ideal, rigid-clearance, flexible-ideal or flexible-clearance"""
+    seed: int = 0
+    """of the first episode"""
+    env_kwargs: Assignments = field(default_factory=dict)
+    """environment keywords, for example torque_limit=0.3"""
+
+
+class Player:
+    """An episode in a window; `handle` takes an event, `tick` goes on by a control period, `draw` shows the state.
+
+    Attributes:
+        torque: in units of the limit, -1 to 1.
+        paused: whether `tick` does nothing.
+        running: False once the window is to close.
+        score: sum of the rewards so far.
+        ended: whether the episode has.
+    """
+
+    def __init__(self, env: Any, seed: int) -> None:
+        import pygame
+
+        self._game, self._env, self._seed = pygame, env, seed
+        pygame.init()
+        self.torque, self.paused, self.running, self._dragging = 0.0, True, True, False
+        self.restart()
+        height, width = self._frame.shape[:2]
+        self._window = pygame.display.set_mode((width, height + BAR))
+        pygame.display.set_caption("solar-env play")
+        self._font = pygame.font.Font(None, 26)
+        self._track = (_MARGIN, width - _MARGIN, height + 18)
+
+    def restart(self) -> None:
+        """Begin the episode anew, paused."""
+        self._env.reset(seed=self._seed)
+        self.torque, self.score, self.ended, self.paused, self.peak = 0.0, 0.0, False, True, 0.0
+        self._frame = self._env.render()
+
+    def handle(self, event: Any) -> None:
+        """Take a key, a movement of the mouse, or the closing of the window."""
+        game = self._game
+        if event.type == game.QUIT:
+            self.running = False
+        elif event.type == game.KEYDOWN:
+            self._press(event.key)
+        elif event.type == game.MOUSEBUTTONDOWN and event.pos[1] > self._frame.shape[0]:
+            self._dragging = True
+            self._slide(event.pos[0])
+        elif event.type == game.MOUSEMOTION and self._dragging:
+            self._slide(event.pos[0])
+        elif event.type == game.MOUSEBUTTONUP:
+            self._dragging = False
+
+    def _press(self, key: int) -> None:
+        game = self._game
+        if key in (game.K_LEFT, game.K_RIGHT):
+            change = (1.0 if key == game.K_RIGHT else -1.0) / _STEPS
+            self.torque = round(min(max(self.torque + change, -1.0), 1.0), 6)
+        elif key == game.K_0:
+            self.torque = 0.0
+        elif key == game.K_SPACE:
+            self.paused = not self.paused
+        elif key == game.K_n:
+            self.paused = True
+            self.step()
+        elif key == game.K_r:
+            self.restart()
+        elif key in (game.K_q, game.K_ESCAPE):
+            self.running = False
+
+    def _slide(self, x: float) -> None:
+        left, right, _ = self._track
+        self.torque = min(max(2.0 * (x - left) / (right - left) - 1.0, -1.0), 1.0)
+
+    def tick(self) -> None:
+        """Go on by a control period, unless paused."""
+        if not self.paused:
+            self.step()
+
+    def step(self) -> None:
+        """Go on by a control period, unless the episode has ended."""
+        if self.ended:
+            return
+        _, reward, self.ended, _, _ = self._env.step(np.array([self.torque], dtype=np.float32))
+        self.score += float(reward)
+        self.peak = max(self.peak, float(self._env.unwrapped.simulation.state.joints["postlock_peak_force"].max()))
+        self._frame = self._env.render()
+
+    def draw(self) -> None:
+        """Show the present state, the torque and the score."""
+        game, window, (left, right, y) = self._game, self._window, self._track
+        window.fill("#ffffff")
+        window.blit(game.surfarray.make_surface(self._frame.swapaxes(0, 1)), (0, 0))
+        middle, x = (left + right) // 2, left + 0.5 * (self.torque + 1.0) * (right - left)
+        game.draw.line(window, "#c8ced6", (left, y), (right, y), 4)
+        game.draw.line(window, "#0072b2", (middle, y), (x, y), 4)
+        game.draw.circle(window, "#0072b2", (x, y), 9)
+        limit = self._env.unwrapped.task.torque_limit
+        state = "ended, r: again" if self.ended else "paused, space: go on" if self.paused else "space: pause"
+        text = (
+            f"torque {self.torque * limit:+.3f} N m     return {self.score:.3f}     peak after latching "
+            f"{self.peak:.0f} N     {state}, n: step, q: quit"
+        )
+        window.blit(self._font.render(text, True, "#1d2733"), (left, y + 18))
+        game.display.flip()
+
+    def close(self) -> None:
+        """Close the window."""
+        self._game.quit()
+
+
+def run_command(args: Args) -> int:
+    """Open the window and play until it is closed."""
+    try:
+        import pygame
+    except ImportError as error:
+        raise ValueError("the window needs pygame: pip install 'solar-env[play]'") from error
+    import gymnasium
+
+    import solar_env  # noqa: F401 (registers the environments)
+
+    if args.env_id not in gymnasium.registry:
+        raise ValueError(f"environment {args.env_id!r} is not registered; take solar_env/Deploy-v0")
+    keywords: dict[str, Any] = {"model": args.model, **args.env_kwargs}
+    try:
+        env = gymnasium.make(args.env_id, render_mode="rgb_array", **keywords)
+    except TypeError as error:
+        raise ValueError(str(error)) from error
+    player = Player(env, args.seed)
+    clock, rate = pygame.time.Clock(), 1.0 / env.unwrapped.task.control_period  # type: ignore[attr-defined]
+    try:
+        while player.running:
+            for event in pygame.event.get():
+                player.handle(event)
+            player.tick()
+            player.draw()
+            clock.tick(rate)
+    finally:
+        player.close()
+    print(f"return {player.score:.3f}, peak force after latching {player.peak:.0f} N")
+    return 0

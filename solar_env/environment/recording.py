@@ -1,0 +1,63 @@
+"""Episodes kept as trajectories, for plots and pages."""
+
+import math
+from typing import Any
+
+import gymnasium
+import numpy as np
+
+from solar_env.mechanics.records.recording import Recorder, make_recorder
+from solar_env.mechanics.running.assembly import assemble, contact_table
+from solar_env.mechanics.running.trajectory import Trajectory
+
+_CONTACTS = 100_000  # of an episode, at most
+
+
+class RecordTrajectory(gymnasium.Wrapper):
+    """Keep the present episode as a `Trajectory`; the episode stays the same to the bit.
+
+    Args:
+        env: `SolarArrayEnv`, also wrapped.
+        output_step: distance of the samples [s].
+
+    Raises:
+        ValueError: if the step is not positive and finite.
+    """
+
+    def __init__(self, env: gymnasium.Env, output_step: float = 0.005) -> None:
+        if not 0.0 < output_step < math.inf:
+            raise ValueError(f"output_step = {output_step!r} s must be positive and finite")
+        super().__init__(env)
+        self._step = output_step
+        self._recorder: Recorder | None = None
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Begin an episode, and its record."""
+        result = super().reset(seed=seed, options=options)
+        own: Any = self.unwrapped
+        longest = own.task.deadline + own.task.postlock_window + own.task.control_period
+        times = np.arange(math.ceil(longest / self._step)) * self._step
+        self._recorder = make_recorder(own.simulation.model, own.simulation.state, times, _CONTACTS)
+        own._episodes.batch.record(self._recorder)
+        return result
+
+    @property
+    def trajectory(self) -> Trajectory:
+        """The episode so far.
+
+        Raises:
+            gymnasium.error.ResetNeeded: before the first step.
+        """
+        own: Any = self.unwrapped
+        if self._recorder is None or self._recorder.filled[0] == 0:
+            raise gymnasium.error.ResetNeeded("there is nothing recorded yet: call reset() and step()")
+        simulation, (samples, contacts) = own.simulation, self._recorder.filled.tolist()
+        kept = self._recorder._replace(times=self._recorder.times[:samples], samples=self._recorder.samples[:samples])
+        details = {
+            "model": own.model,
+            "parameters": own.episode_parameters.to_dict(),
+            "integrator": simulation.integrator.name,
+            **own.panels.keywords,
+        }
+        table = contact_table(simulation.state, kept.contacts[:contacts])
+        return assemble(simulation.model, simulation.state, kept, table, details)

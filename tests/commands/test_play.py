@@ -1,0 +1,114 @@
+"""The window: keys and mouse move the torque, the episode goes on, pauses and begins anew; without a display."""
+
+from __future__ import annotations
+
+import gymnasium
+import numpy as np
+import pytest
+
+from solar_env.__main__ import main
+
+pygame = pytest.importorskip("pygame")
+
+
+@pytest.fixture(autouse=True)
+def no_display(monkeypatch):
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+
+
+@pytest.fixture
+def player():
+    from solar_env.commands.play import Player
+
+    env = gymnasium.make("solar_env/Deploy-v0", render_mode="rgb_array", model="rigid-ideal")
+    player = Player(env, seed=0)
+    yield player
+    player.close()
+
+
+def press(player, *keys):
+    for key in keys:
+        player.handle(pygame.event.Event(pygame.KEYDOWN, key=key))
+
+
+def picture(player):
+    player.draw()
+    return pygame.surfarray.array3d(pygame.display.get_surface())
+
+
+def test_keys_turn_the_torque_and_the_window_shows_it(player):
+    before = picture(player)
+    assert before.shape == (960, 540 + 64, 3)
+    press(player, *[pygame.K_RIGHT] * 3)
+    assert player.torque == pytest.approx(0.15)
+    assert not np.array_equal(picture(player), before)
+    press(player, *[pygame.K_LEFT] * 30)
+    assert player.torque == -1.0
+    press(player, pygame.K_0)
+    assert player.torque == 0.0
+
+
+def test_the_mouse_moves_the_slider(player):
+    y = 540 + 18
+    player.handle(pygame.event.Event(pygame.MOUSEBUTTONDOWN, pos=(936, y), button=1))
+    assert player.torque == 1.0
+    player.handle(pygame.event.Event(pygame.MOUSEMOTION, pos=(480, y)))
+    assert player.torque == pytest.approx(0.0)
+    player.handle(pygame.event.Event(pygame.MOUSEBUTTONUP, pos=(480, y), button=1))
+    player.handle(pygame.event.Event(pygame.MOUSEMOTION, pos=(24, y)))
+    assert player.torque == pytest.approx(0.0)
+
+
+def test_an_episode_is_paused_stepped_played_and_begun_anew(player):
+    simulation = player._env.unwrapped
+    player.tick()
+    assert simulation.simulation.time == 0.0, "it begins paused"
+    press(player, pygame.K_RIGHT, pygame.K_n)
+    assert simulation.simulation.time == pytest.approx(0.1)
+    assert simulation.simulation.state.joints["motor_torque"][0] == pytest.approx(0.05 * simulation.task.torque_limit)
+    press(player, pygame.K_SPACE)
+    for _ in range(5):
+        player.tick()
+    assert simulation.simulation.time == pytest.approx(0.6)
+    press(player, pygame.K_r)
+    assert (simulation.simulation.time, player.score, player.torque) == (0.0, 0.0, 0.0)
+
+
+def test_an_episode_that_has_ended_stays_and_its_score_is_the_return(player):
+    press(player, pygame.K_SPACE)
+    env = gymnasium.make("solar_env/Deploy-v0", model="rigid-ideal")
+    env.reset(seed=0)
+    expected, ended = 0.0, False
+    while not ended:
+        _, reward, ended, _, _ = env.step(np.zeros(1, dtype=np.float32))
+        expected += reward
+        player.tick()
+    assert player.ended
+    assert player.score == expected
+    player.tick()
+    assert player.score == expected
+
+
+def test_the_command_ends_when_its_window_is_closed(monkeypatch, capsys):
+    polls = iter([[], [pygame.event.Event(pygame.KEYDOWN, key=pygame.K_n)], [pygame.event.Event(pygame.QUIT)]])
+    monkeypatch.setattr(pygame.event, "get", lambda: next(polls))
+    assert main(["play", "--model", "rigid-ideal"]) == 0
+    assert "return" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("options", "word"),
+    [(["--model", "rigid"], "rigid"), (["--env-id", "x/y-v0"], "x/y-v0"), (["--env-kwargs", "torq=1"], "torque_limit")],
+)
+def test_wrong_input_is_refused(options, word, capsys):
+    assert main(["play", *options]) == 2
+    assert word in capsys.readouterr().err
+
+
+@pytest.mark.filterwarnings("ignore:.*HumanRendering")
+def test_gymnasiums_own_window_works():
+    env = gymnasium.make("solar_env/Deploy-v0", render_mode="human", model="rigid-ideal")
+    env.reset(seed=0)
+    env.step(env.action_space.sample())
+    assert pygame.display.get_surface().get_size() == (960, 540)
+    env.close()

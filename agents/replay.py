@@ -22,10 +22,11 @@ from solar_env.support.files import check_target
 from solar_env.support.progress import counting_bar
 
 PROG = "solar-env replay"
+TABLES = "comparison.md"  # of a run's evaluation
 # Figure of an episode -> in words, with its unit.
 SHOWN = {
     "return": "return",
-    "latch_time_s": "all latched after [s]",
+    "latch_times_s": "all latched after [s]",
     "peak_postlock_force_N": "peak force after latching [N]",
     "postlock_impulse_Ns": "impulse after latching [N s]",
     "postlock_sliding_work_J": "sliding work after latching [J]",
@@ -67,12 +68,20 @@ def main(argv: Sequence[str] | None = None) -> None:
             env = RecordTrajectory(make_env(args.env_id, keywords_seen))
             figures[named.name] = run_episode(env, named.load(env), seed)
             episodes[named.name] = env.trajectory
-    write_page(replay_page(episodes, figures, command_line(PROG, argv)), args.html)
+    write_page(replay_page(episodes, figures, command_line(PROG, argv), evaluations(args.controllers)), args.html)
     print(f"written to {args.html}")
 
 
-def replay_page(episodes: dict[str, Trajectory], figures: dict[str, dict[str, Any]], command: str) -> Page:
-    """The page of episodes by the names of their controllers, with the figures of `run_episode`."""
+def evaluations(controllers: Sequence[str]) -> list[str]:
+    """Where the evaluations of training runs lie, a line for each."""
+    folders = [Path(spec.rpartition("=")[2]) for spec in controllers]
+    return [f"Evaluation of {folder}: {folder / TABLES}" for folder in folders if (folder / TABLES).is_file()]
+
+
+def replay_page(
+    episodes: dict[str, Trajectory], figures: dict[str, dict[str, Any]], command: str, linked: Sequence[str] = ()
+) -> Page:
+    """The page of episodes by the names of their controllers, with the figures of `run_episode`; `linked` comes last."""
     softest = min(episodes, key=lambda name: _or_infinity(figures[name]["peak_postlock_force_N"]))
     best = max(episodes, key=lambda name: figures[name]["return"])
     answer = [
@@ -87,7 +96,7 @@ def replay_page(episodes: dict[str, Trajectory], figures: dict[str, dict[str, An
     rows += [[name.replace("_", " "), *(f"{own[name]:.3g}" for own in figures.values())] for name in terms]
     table = Table("Figures of the episode", ["figure", *figures], rows)
     motions = [motion_of(trajectory, name) for name, trajectory in episodes.items()]
-    notes = [f"Made by: {command}", ", ".join(f"{name} {value}" for name, value in versions().items())]
+    notes = [*linked, f"Made by: {command}", ", ".join(f"{name} {value}" for name, value in versions().items())]
     return Page("One episode, " + " beside ".join(episodes), answer, motions, charts_of(episodes), [table], notes)
 
 

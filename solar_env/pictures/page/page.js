@@ -102,8 +102,8 @@ class ChartView {
     });
     const axis = (title, kind) => ({ title: { text: title }, type: kind, gridcolor: "#e6e9ed", zeroline: false, automargin: true,
       ...(kind === "log" ? { exponentformat: "power", dtick: 1 } : {}) });
-    const layout = { title: { text: chart.title, font: { size: 15 }, x: 0.01 }, height: 330, margin: { t: 40, r: 12, b: 48, l: 60 },
-      legend: { orientation: "h", y: -0.25 }, hovermode: "closest", font: { color: INK },
+    const layout = { title: { text: chart.title, font: { size: 15 }, x: 0.01 }, height: 320 + 18 * Math.ceil(traces.length / 3), margin: { t: 40, r: 12, b: 60 + 18 * Math.ceil(traces.length / 3), l: 60 },
+      legend: { orientation: "h", yref: "container", y: 0, yanchor: "bottom" }, hovermode: "closest", font: { color: INK },
       xaxis: axis(chart.x, chart.logarithmic.includes("x") ? "log" : "linear"),
       yaxis: axis(chart.y, chart.logarithmic.includes("y") ? "log" : "linear"),
       polar: { radialaxis: { nticks: 3, tickformat: ".0e" } } };

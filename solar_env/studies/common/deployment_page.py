@@ -10,7 +10,7 @@ from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.integrators.methods.table import METHODS
 from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.pictures.page.content import Chart, Line, Motion
-from solar_env.pictures.style import COLOURS
+from solar_env.pictures.style import COLOURS, controller_looks
 
 Array = NDArray[np.float64]
 
@@ -79,18 +79,18 @@ def motion_of(trajectory: Trajectory, name: str) -> Motion:
 def charts_of(trajectories: Mapping[str, Trajectory]) -> list[Chart]:
     """Angles, forces, gaps, torques, energies and wear of deployments by their names.
 
-    A single deployment has a colour for each joint; of several each has a colour, and each joint a dash.
+    A single deployment has a colour for each joint; of several each has that of its controller, and each joint a dash.
     """
-    single = len(trajectories) == 1
+    single, looks = len(trajectories) == 1, controller_looks(list(trajectories))
 
     def by_joint(read: Callable[[Trajectory, NDArray[np.intp]], Array]) -> list[Line]:
         lines = []
-        for k, (name, trajectory) in enumerate(trajectories.items()):
+        for name, trajectory in trajectories.items():
             kept = shown_samples(trajectory)
             values = read(trajectory, kept)
             for j in range(values.shape[1]):
                 label = f"joint {j + 1}" if single else f"{name}, joint {j + 1}"
-                colour = COLOURS[(j if single else k) % len(COLOURS)]
+                colour = COLOURS[j % len(COLOURS)] if single else looks[name]["color"]
                 dash = "solid" if single else _DASHES[j % len(_DASHES)]
                 lines.append(Line(label, trajectory.time[kept], values[:, j], colour, dash))
         return lines
@@ -145,8 +145,8 @@ def _driven(trajectory: Trajectory, kept: NDArray[np.intp]) -> Array:
 
 
 def _energies(trajectories: Mapping[str, Trajectory]) -> list[Line]:
-    lines = []
-    for k, (name, trajectory) in enumerate(trajectories.items()):
+    lines, looks = [], controller_looks(list(trajectories))
+    for name, trajectory in trajectories.items():
         kept, energies = shown_samples(trajectory), trajectory.energies
         parts = {"kinetic": energies["kinetic"], "springs": energies["spring"]}
         parts |= {
@@ -155,7 +155,7 @@ def _energies(trajectories: Mapping[str, Trajectory]) -> list[Line]:
         }
         for i, (part, values) in enumerate(parts.items()):
             single = len(trajectories) == 1
-            label, colour = (part, COLOURS[i]) if single else (f"{name}, {part}", COLOURS[k % len(COLOURS)])
+            label, colour = (part, COLOURS[i]) if single else (f"{name}, {part}", looks[name]["color"])
             dash = "solid" if single else ("solid", "dash", "dot", "dashdot")[i]
             lines.append(Line(label, trajectory.time[kept], values[kept], colour, dash))
     return lines
@@ -163,12 +163,12 @@ def _energies(trajectories: Mapping[str, Trajectory]) -> list[Line]:
 
 def _wear(trajectories: Mapping[str, Trajectory]) -> Chart:
     """Depth of the bearings' wear round them, in their bodies' own frames."""
-    lines = []
-    for k, (name, trajectory) in enumerate(trajectories.items()):
+    lines, looks = [], controller_looks(list(trajectories))
+    for name, trajectory in trajectories.items():
         for j, depth in enumerate(trajectory.wear_bearing):
             single = len(trajectories) == 1
             label = f"joint {j + 1}" if single else f"{name}, joint {j + 1}"
             angle = np.linspace(0.0, 360.0, len(depth), endpoint=False)
-            colour = COLOURS[(j if single else k) % len(COLOURS)]
+            colour = COLOURS[j % len(COLOURS)] if single else looks[name]["color"]
             lines.append(Line(label, angle, depth, colour, "solid" if single else _DASHES[j % len(_DASHES)]))
     return Chart("Wear of the bearings, by angle in their bodies' frames", "", "depth [m]", lines, False, polar=True)

@@ -81,7 +81,7 @@ def evaluations(controllers: Sequence[str]) -> list[str]:
 def replay_page(
     episodes: dict[str, Trajectory], figures: dict[str, dict[str, Any]], command: str, linked: Sequence[str] = ()
 ) -> Page:
-    """The page of episodes by the names of their controllers, with the figures of `run_episode`; `linked` comes last."""
+    """The page of episodes by the names of their controllers, with the figures of `run_episode`, `linked` last."""
     softest = min(episodes, key=lambda name: _or_infinity(figures[name]["peak_postlock_force_N"]))
     best = max(episodes, key=lambda name: figures[name]["return"])
     answer = [

@@ -42,6 +42,7 @@ COMMANDS = {
         "curves": Command("agents.curves", "train over seeds and draw the learning curves"),
         "transfer": Command("agents.transfer", "train on every level of the model, judge on all"),
         "export": Command("agents.export", "ship a trained policy"),
+        "header": Command("agents.header", "write a shipped policy as one C header"),
     },
     "trust": {
         "verify": Command("solar_env.commands.verify", "run the cases with known answers"),

@@ -1,0 +1,42 @@
+"""Command that writes a policy as one C header: `solar-env header`."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from agents.arguments import parse_arguments, run_command
+from agents.policies.c_form import c_header
+from agents.shipped import load_shipped
+from solar_env.support.files import check_target, write_text
+
+PROG = "solar-env header"
+
+
+@dataclass
+class Args:
+    """Write a shipped policy as one C header with arrays and a function, for the computer of a drive.
+
+    Of a policy that adds to a law the header holds what is added, in units of its share of the torque limit.
+    """
+
+    policy: Annotated[str, tyro.conf.Positional] = "ppo-nominal"
+    """name of a policy of the package, or a folder that agents.export wrote"""
+    out: Path = Path("policy.h")
+    """the header"""
+
+
+def main(argv: Sequence[str] | None = None) -> None:
+    """Run the command; see `Args`."""
+    args = parse_arguments(Args, argv, PROG)
+    check_target(args.out)
+    policy = load_shipped(args.policy)
+    name = f"{Path(args.policy).name}_action"
+    write_text(args.out, c_header(policy.network, name, policy.description.observation_names))
+    print(f"written to {args.out}")
+
+
+if __name__ == "__main__":
+    run_command(main)

@@ -1,0 +1,106 @@
+"""Other libraries take the environments as they are: `pytest -m interoperability`, each where it is installed."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import gymnasium
+import numpy as np
+import pytest
+
+import solar_env  # noqa: F401 (registers the environments)
+from agents.environments import make_env
+from agents.shipped import load_shipped
+
+ROOT = Path(__file__).resolve().parents[2]
+ZOO = ROOT / "agents" / "configs" / "rl-zoo3" / "ppo.yml"
+SHORT = {"model": "rigid-ideal", "deadline": 13.0, "postlock_window": 0.5}
+
+
+def test_a_loop_in_the_style_of_cleanrl_learns_from_the_vector_environment():
+    """One update of a policy's gradient on 8 arrays, landings and automatic resets included."""
+    import torch
+
+    envs = gymnasium.make_vec("solar_env/Deploy-v0", num_envs=8, model="rigid-ideal")
+    torch.manual_seed(0)
+    actor = torch.nn.Linear(int(np.prod(envs.single_observation_space.shape)), 1)
+    optimizer = torch.optim.Adam(actor.parameters(), lr=1e-2)
+    observations, _ = envs.reset(seed=0)
+    logs, rewards = [], []
+    for _ in range(200):
+        distribution = torch.distributions.Normal(actor(torch.as_tensor(observations)), 0.3)
+        actions = distribution.sample()
+        observations, reward, _, _, _ = envs.step(actions.clamp(-1.0, 1.0).numpy())
+        logs.append(distribution.log_prob(actions).sum(dim=1))
+        rewards.append(torch.as_tensor(reward, dtype=torch.float32))
+    before = actor.weight.detach().clone()
+    to_go = torch.stack(rewards).flip(0).cumsum(0).flip(0)
+    loss = -(torch.stack(logs) * (to_go - to_go.mean(dim=1, keepdim=True))).mean()
+    loss.backward()
+    optimizer.step()
+    assert torch.isfinite(loss)
+    assert not torch.equal(actor.weight, before)
+
+
+def test_the_zoos_hyperparameters_are_those_of_the_tuned_agent():
+    """Without the zoo: the file says what agents/configs/ppo.json says."""
+    tuned = json.loads((ROOT / "agents" / "configs" / "ppo.json").read_text())["solar_env/Deploy-v0"]
+    whole = tuned["whole_torque"]
+    lines = [line.split("#")[0].strip() for line in ZOO.read_text().splitlines()]
+    told = dict(line.split(": ", 1) for line in lines if ": " in line)
+    for name, value in whole["hyperparameters"].items():
+        if name == "policy_kwargs":
+            assert eval(told[name].strip('"'), {"dict": dict}) == value
+        else:
+            assert json.loads(told[name]) == value, name
+    assert float(told["n_timesteps"].split()[-1]) == whole["timesteps"]
+    assert int(told["n_envs"]) == tuned["n_envs"]
+
+
+@pytest.mark.interoperability
+def test_the_zoo_trains_with_the_shipped_hyperparameters(tmp_path):
+    pytest.importorskip("rl_zoo3")
+    command = [
+        *(sys.executable, "-W", "ignore", "-m", "rl_zoo3.train", "--algo", "ppo", "--env", "solar_env/Deploy-v0"),
+        *("--gym-packages", "solar_env", "--conf-file", str(ZOO), "-n", "300", "--eval-freq", "-1"),
+        *("--hyperparams", "n_envs:2", "n_steps:150", "batch_size:50", "--env-kwargs", "model:'rigid-ideal'"),
+        *("--log-folder", str(tmp_path), "--seed", "1"),
+    ]
+    environment = {**os.environ, "OMP_NUM_THREADS": "1"}
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False, env=environment)
+    assert done.returncode == 0, done.stderr[-2000:]
+    assert list(tmp_path.rglob("solar_env-Deploy-v0.zip"))
+
+
+@pytest.mark.interoperability
+@pytest.mark.filterwarnings("ignore")
+def test_minari_collects_episodes_of_a_shipped_policy(tmp_path, monkeypatch):
+    minari = pytest.importorskip("minari")
+    monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))
+    policy = load_shipped("ppo-nominal")
+    keywords = {**policy.description.env_kwargs, "model": "rigid-ideal"}
+    env = minari.DataCollector(make_env("solar_env/Deploy-v0", keywords))
+    policy.check(env)
+    observation, _ = env.reset(seed=0)
+    total, ended = 0.0, False
+    while not ended:
+        observation, reward, ended, _, _ = env.step(policy.predict(observation)[0])
+        total += reward
+    dataset = env.create_dataset("solar-array/ppo-nominal-v0", algorithm_name="ppo-nominal")
+    episode = next(dataset.iterate_episodes())
+    assert episode.rewards.sum() == pytest.approx(total, rel=1e-12)
+    assert episode.observations.shape == (len(episode.actions) + 1, *env.observation_space.shape)
+
+
+@pytest.mark.interoperability
+@pytest.mark.filterwarnings("ignore")
+def test_torchrl_collects_a_rollout():
+    torchrl = pytest.importorskip("torchrl.envs")
+    env = gymnasium.make("solar_env/Deploy-v0", **SHORT)
+    rollout = torchrl.GymWrapper(env).rollout(20)
+    assert rollout["next", "reward"].shape == (20, 1)
+    assert rollout["observation"].shape == (20, *env.observation_space.shape)

@@ -1,12 +1,7 @@
 """The training command for tests: quick options for every algorithm."""
 
-import sys
-from pathlib import Path
-
+from agents import train
 from agents.arguments import parse_arguments
-
-sys.path.insert(0, str(Path(__file__).parents[1]))
-import train
 
 RIGID = ["--model", "rigid-clearance"]
 OFF_POLICY = [*RIGID, "--n-envs", "1", "--landings", "4"]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-import train
+from agents import train
 from agents.arguments import parse_arguments
 from solar_env.__main__ import command_named, main
 from solar_env.support.readme import PACKAGE, Section

@@ -3,8 +3,7 @@
 import pytest
 from training import run
 
-import train
-from agents import runs
+from agents import runs, train
 from agents.arguments import parse_arguments
 from agents.comparison.suites import SUITES
 from agents.learning import configurations

@@ -70,6 +70,8 @@ cable_type = record(
     [
         ("joint_a", np.int64),
         ("joint_b", np.int64),
+        # Of a body between the joints that bends: 1 if its axis runs from joint a to joint b, -1 if back; else 0.
+        ("chord_sense", np.int64),
         ("wheel_ratio", np.float64),
         ("torque_ratio", np.float64),
         ("stiffness", np.float64),

@@ -1,11 +1,11 @@
-"""Rows of the joints in a compiled mechanism: angle, spring, stop and bearing of a described joint."""
+"""Rows of joints and cable loops in a compiled mechanism: angle, spring, stop, bearing, and the loop's chord."""
 
 import math
 
 import numpy as np
 
 from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS
-from solar_env.mechanics.mechanism.description import Bearing, Joint
+from solar_env.mechanics.mechanism.description import Bearing, CableLoop, FlexibleBody, Joint, Mechanism, ModalPanel
 
 
 def fill_joint(record: np.void, joint: Joint) -> None:
@@ -43,3 +43,25 @@ def fill_bearing(record: np.void, bearing: Bearing) -> None:
     record["sliding"] = SLIDING_READINGS.index(bearing.sliding)
     record["wear_coefficient"] = bearing.wear_coefficient
     record["bearing_width"] = bearing.width
+
+
+def chord_sense(mechanism: Mechanism, cable: CableLoop) -> int:
+    """Whether the axis of a body that bends runs from a cable loop's first joint to its second (1) or back (-1).
+
+    0 on a rigid body, against whose chord a wheel turns as against the body.
+
+    Raises:
+        ValueError: if both joints attach to one point of a body that bends.
+    """
+    joints = {joint.name: joint for joint in mechanism.joints}
+    first, last = joints[cable.joint_a], joints[cable.joint_b]
+    carrier = next((body for body in mechanism.bodies if body.name == first.outboard), None)
+    if not isinstance(carrier, FlexibleBody | ModalPanel):
+        return 0
+    reach = last.inboard_point[0] - first.outboard_point[0]
+    if abs(reach) < 1e-9 * carrier.length:
+        raise ValueError(
+            f"CableLoop.joint_b = {cable.joint_b!r}: attaches to {carrier.name!r} where {cable.joint_a!r} does; a belt "
+            "along a body that bends needs two points of it"
+        )
+    return 1 if reach > 0.0 else -1

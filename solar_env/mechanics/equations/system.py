@@ -48,6 +48,7 @@ from solar_env.mechanics.equations.constraints import (
     set_drive_rows,
     subtract_response,
 )
+from solar_env.mechanics.joints.cable_loop import cable_torque, wheel_angles
 from solar_env.mechanics.joints.contact.normal_force import contact_energy
 from solar_env.mechanics.joints.joint import (
     ANGLE,
@@ -58,7 +59,6 @@ from solar_env.mechanics.joints.joint import (
     LOAD_COLUMNS,
     NORMAL,
     TANGENTIAL,
-    cable_torque,
     joint_forces,
     stop_energy,
 )
@@ -237,8 +237,9 @@ def stored_energies(model, joint_states, q, v, loads, energies):
                 energies[CONTACT] += contact_energy(joint, depth)
     for c in range(model.cables.size):
         cable = model.cables[c]
-        stretch = cable.wheel_ratio * loads[cable.joint_a, ANGLE] - loads[cable.joint_b, ANGLE]
-        _, _, energy = cable_torque(cable, stretch)
+        angles = loads[cable.joint_a, ANGLE], loads[cable.joint_b, ANGLE]
+        inner, outer = wheel_angles(cable, model.joints, model.markers, q, angles[0], angles[1])
+        _, _, energy = cable_torque(cable, cable.wheel_ratio * inner - outer)
         energies[CABLE] += energy
 
 

@@ -15,6 +15,7 @@ from solar_env.mechanics.arrays.model import CLEARANCE
 from solar_env.mechanics.bodies.cable_element.tangent import ElementSlopes, make_element_slopes
 from solar_env.mechanics.bodies.dispatch import add_internal_slopes
 from solar_env.mechanics.bodies.markers import fill_slopes, subtract_hessian
+from solar_env.mechanics.equations.cable_tangent import add_cable_slopes
 from solar_env.mechanics.equations.system import Workspace
 from solar_env.mechanics.joints.contact.normal_force import normal_force
 from solar_env.mechanics.joints.friction.friction_share import friction_share
@@ -30,7 +31,6 @@ from solar_env.mechanics.joints.joint import (
     RATE,
     SPRING_TORQUE,
     STOP_TORQUE,
-    cable_torque,
     relative,
     relative_velocity,
     stop_torque,
@@ -53,6 +53,9 @@ class TangentScratch(NamedTuple):
     stiffness_product: NDArray[np.float64]  # (4, 8)
     damping_product: NDArray[np.float64]  # (4, 8)
     angle_gradient: NDArray[np.float64]  # (joints, 8)
+    # Coordinates of a cable loop's two joints, and the gradients of its wheels' angles.
+    cable_coordinates: NDArray[np.int64]  # (16,)
+    wheel_gradient: NDArray[np.float64]  # (2, 16)
     elements: ElementSlopes
 
 
@@ -70,6 +73,8 @@ def make_tangent_scratch(work: Workspace) -> TangentScratch:
         stiffness_product=np.zeros((4, 8)),
         damping_product=np.zeros((4, 8)),
         angle_gradient=np.zeros((joints, 8)),
+        cable_coordinates=np.zeros(16, dtype=np.int64),
+        wheel_gradient=np.zeros((2, 16)),
         elements=make_element_slopes(),
     )
 
@@ -209,18 +214,7 @@ def fill_tangents(model, joint_states, q, v, tangent, by_q, by_v):
         subtract_hessian(outboard, q, fx, fy, outboard_torque, elimination, by_q)
         subtract_hessian(inboard, q, -fx, -fy, inboard_torque, elimination, by_q)
     for k in range(cables.size):
-        cable = cables[k]
-        a, o = cable.joint_a, cable.joint_b
-        _, slope, _ = cable_torque(cable, cable.wheel_ratio * loads[a, ANGLE] - loads[o, ANGLE])
-        for r in range(8):
-            for c in range(8):
-                ga, gb = tangent.angle_gradient[a, c], tangent.angle_gradient[o, c]
-                weight_a = -cable.torque_ratio * slope * tangent.angle_gradient[a, r]
-                weight_b = slope * tangent.angle_gradient[o, r]
-                add_entry(elimination, by_q, index[a, r], index[a, c], -weight_a * cable.wheel_ratio * ga)
-                add_entry(elimination, by_q, index[a, r], index[o, c], weight_a * gb)
-                add_entry(elimination, by_q, index[o, r], index[a, c], -weight_b * cable.wheel_ratio * ga)
-                add_entry(elimination, by_q, index[o, r], index[o, c], weight_b * gb)
+        add_cable_slopes(model, cables[k], q, v, tangent, by_q)
     for k in range(model.loads.size):
         load = model.loads[k]
         subtract_hessian(markers[load.marker], q, load.force_x, load.force_y, load.torque, elimination, by_q)

@@ -16,6 +16,7 @@ from solar_env.mechanics.bodies.markers import (
     place,
     velocity,
 )
+from solar_env.mechanics.joints.cable_loop import cable_torque, inner_wheel_rate, move_to_chord, wheel_angles
 from solar_env.mechanics.joints.contact.normal_force import normal_force
 from solar_env.mechanics.joints.friction.friction_share import friction_share
 from solar_env.mechanics.joints.sliding import contact_motion
@@ -137,27 +138,12 @@ def stop_energy(joint, own, angle):
     return joint.stop_stiffness * depth ** (joint.stop_exponent + 1.0) / (joint.stop_exponent + 1.0)
 
 
-@kernel(inlined=True)
-def cable_torque(cable, stretch):
-    """Torque of a closed cable loop on its outer joint, its slope, and its energy, at a wheel-angle mismatch [rad].
-
-    Two strands of equal stiffness; when the torque reaches twice the preload's, one is slack and only the other acts
-    on (tensions are never negative: paper, Eqs 2-4).
-    """
-    taut_limit = 2.0 * cable.preload_torque / cable.stiffness if cable.stiffness > 0.0 else math.inf
-    if abs(stretch) <= taut_limit:
-        return cable.stiffness * stretch, cable.stiffness, 0.5 * cable.stiffness * stretch * stretch
-    excess = abs(stretch) - taut_limit
-    torque = 2.0 * cable.preload_torque + 0.5 * cable.stiffness * excess
-    energy = (
-        0.5 * cable.stiffness * taut_limit**2 + (cable.preload_torque * 2.0 + 0.25 * cable.stiffness * excess) * excess
-    )
-    return math.copysign(torque, stretch), 0.5 * cable.stiffness, energy
-
-
 @kernel(inner=True)
-def joint_torques(model, joint_states, q, v, loads, power):
-    """Fill angles, rates, spins and the spring, stop, motor and cable torques of every joint; their powers too."""
+def joint_torques(model, joint_states, q, v, loads, force, power):
+    """Fill angles, rates, spins and the spring, stop, motor and cable torques of every joint; their powers too.
+
+    To `force` it adds what a cable loop does to a body that bends besides these torques.
+    """
     joints, markers, cables = model.joints, model.markers, model.cables
     for j in range(joints.size):
         joint = joints[j]
@@ -180,13 +166,15 @@ def joint_torques(model, joint_states, q, v, loads, power):
     for c in range(cables.size):
         cable = cables[c]
         a, b = cable.joint_a, cable.joint_b
-        torque, _, _ = cable_torque(cable, cable.wheel_ratio * loads[a, ANGLE] - loads[b, ANGLE])
+        inner, outer = wheel_angles(cable, joints, markers, q, loads[a, ANGLE], loads[b, ANGLE])
+        torque, _, _ = cable_torque(cable, cable.wheel_ratio * inner - outer)
         loads[a, CABLE_TORQUE] -= cable.torque_ratio * torque
         loads[b, CABLE_TORQUE] += torque
         # Nothing unless the torque ratio differs from the wheel ratio.
-        power[m.INTEGRALS_PER_JOINT * a + m.CABLE_WORK] += (
-            torque * (cable.wheel_ratio - cable.torque_ratio) * loads[a, RATE]
-        )
+        rate = inner_wheel_rate(cable, joints, markers, q, v, loads[a, RATE])
+        power[m.INTEGRALS_PER_JOINT * a + m.CABLE_WORK] += torque * (cable.wheel_ratio - cable.torque_ratio) * rate
+        if cable.chord_sense != 0:
+            move_to_chord(cable, joints, markers, q, torque, force)
 
 
 @kernel(inlined=True)
@@ -199,7 +187,7 @@ def joint_forces(model, joint_states, impact_speeds, q, v, loads, force, power):
         loads: (joints, LOAD_COLUMNS), filled.
         power: time derivatives of the state's integrals, filled.
     """
-    joint_torques(model, joint_states, q, v, loads, power)
+    joint_torques(model, joint_states, q, v, loads, force, power)
     joints, markers = model.joints, model.markers
     for j in range(joints.size):
         joint = joints[j]

@@ -133,13 +133,16 @@ class Joint:
 
 @dataclass(frozen=True)
 class CableLoop:
-    """Closed cable loop over the wheels of two joints (paper, Eqs 2-4).
+    """Closed cable loop over the wheels of two joints: a belt along the body between them (paper, Eqs 2-4).
 
-    With the mismatch s = wheel_ratio * angle_a - angle_b, the torque on joint b is K s and on joint a
-    -torque_ratio * K s while both strands are taut. The loop conserves energy if the two ratios are equal.
+    The wheel at joint a is fixed to that joint's inboard body, the one at joint b to its outboard body; the strands run
+    from hinge to hinge, along the chord of the body between. The wheels' angles are those of the joints, but counted
+    from the chord where that body bends. With the mismatch s = wheel_ratio * angle_a - angle_b, the torque on the wheel
+    at joint b is K s and on that at joint a -torque_ratio * K s while both strands are taut; what these two leave acts
+    on the body between, as a pair of forces at its hinges. The loop conserves energy if the two ratios are equal.
 
     Attributes:
-        joint_a, joint_b: joint names.
+        joint_a, joint_b: joint names; the outboard body of joint a is the inboard body of joint b.
         stiffness: K [N m/rad].
         wheel_ratio: dimensionless.
         torque_ratio: dimensionless.
@@ -250,9 +253,10 @@ class Mechanism:
         for part in attached:
             _require(part.body != GROUND, part, "body", part.body, "does not move; attach to a body")
             _require(part.body in known, part, "body", part.body, f"is not a body of the mechanism {sorted(known)}")
-        joint_names = {joint.name for joint in self.joints}
+        by_name = {joint.name: joint for joint in self.joints}
         for cable in self.cables:
             for name in (cable.joint_a, cable.joint_b):
-                _require(
-                    name in joint_names, cable, "joint", name, f"is not a joint of the mechanism {sorted(joint_names)}"
-                )
+                _require(name in by_name, cable, "joint", name, f"is not a joint of the mechanism {sorted(by_name)}")
+            carrier = by_name[cable.joint_a].outboard
+            rule = f"must have {carrier!r}, the outboard body of {cable.joint_a!r}, as its inboard body"
+            _require(by_name[cable.joint_b].inboard == carrier, cable, "joint_b", cable.joint_b, rule)

@@ -59,10 +59,17 @@ attachment_type = record([("body", np.int64), ("end", np.int64), ("x", np.float6
 MOTION_COLUMNS = 15
 
 # Loads of a joint: normal and tangential force of a contact, or the two components of an ideal joint's reaction on its
-# outboard body; then the torque on the joint angle, without the motor's.
+# outboard body; then the torque on the joint angle, without the motor's and the cable loops'.
 LOADS = 3
-# Kinds of unknown.
-TORQUE, NORMAL, TANGENTIAL, REACTION_X, REACTION_Y = range(5)
+# Kinds of unknown; the reactions last.
+TORQUE, CABLE, NORMAL, TANGENTIAL, REACTION_X, REACTION_Y = range(6)
+
+# Columns of a cable loop's motion: mismatch of the wheels' angles, rate of the inner one's, and force at the outer
+# joint by a unit of moment on a chord, which is none where the body between the joints is rigid.
+STRETCH, WHEEL_RATE, ACROSS_X, ACROSS_Y = range(4)
+CABLE_COLUMNS = 4
+# Attachments that a load works on: of a joint two, of a cable loop four.
+FACES = 4
 
 
 class ModalModel(NamedTuple):
@@ -86,6 +93,7 @@ class ModalState(NamedTuple):
     v: Array  # (n,) velocities
     loads: Array  # (joints, LOADS) at the end of the last step
     load_rates: Array  # (joints, LOADS) of the last step's collocation polynomial
+    cable_loads: Array  # (cables, 2) torque on the outer joint at the end of the last step, and its rate
     coupling: Array  # (panels, GROUPS, LOW) modal forces of foreshortening at the end of the last step
     integrals: Array
     joints: NDArray[np.void]
@@ -94,7 +102,7 @@ class ModalState(NamedTuple):
     clock: NDArray[np.void]  # (1,)
 
 
-# Scratch by body, attachment, joint and unknown. Axes of SLOTS and of the two stages come first.
+# Scratch by body, attachment, joint, cable loop and unknown. Axes of SLOTS and of the two stages come first.
 body_scratch = record(
     [
         ("place", np.float64, (SLOTS, 3)),  # centre of mass and angle
@@ -117,23 +125,39 @@ joint_scratch = record(
         ("motion", np.float64, (SLOTS, MOTION_COLUMNS)),
         ("load", np.float64, (2, LOADS)),
         ("torque", np.float64),  # of the laws
+        ("torque_by_angle", np.float64),
         ("torque_by_rate", np.float64),
+        ("angle_by_torque", np.float64),  # greatest change over a step [rad/(N m)]
         ("torque_unknown", np.int64),  # number of the unknown, or -1
         ("torque_tolerance", np.float64),
         ("depth", np.float64),  # at the start of the step
         ("sliding_work", np.float64),  # of the step
     ]
 )
+cable_scratch = record(
+    [
+        ("motion", np.float64, (SLOTS, CABLE_COLUMNS)),
+        ("load", np.float64, 2),  # torque on the outer joint, by stage
+        ("torque", np.float64),  # of the law
+        ("slope", np.float64),  # of the law by the mismatch
+        ("unknown", np.int64),  # number of the unknown, or -1
+        ("tolerance", np.float64),
+    ]
+)
 unknown_scratch = record(
     [
         ("kind", np.int64),
-        ("joint", np.int64),
-        ("attachment", np.int64, 2),  # outboard and inboard
+        ("owner", np.int64),  # joint or cable loop
+        ("faces", np.int64),  # number of attachments
+        # Outboard and inboard; of a cable loop those with the wheels, then both ends of the body between.
+        ("attachment", np.int64, FACES),
         ("tolerance", np.float64),
-        # A unit of it on outboard and inboard body, in their frames: force, torque, moment about the centre of mass.
-        ("load", np.float64, (2, 4)),
+        # A unit of it on these bodies, in their frames: force, torque, moment about the centre of mass.
+        ("load", np.float64, (FACES, 4)),
+        # The loads that read off the motion it works on: the same, but for a loop that does not conserve energy.
+        ("reading", np.float64, (FACES, 4)),
         # Motion by it of both ends of these bodies: along, across, turning; without the frame's.
-        ("motion", np.float64, (2, 2, 3, 8)),
+        ("motion", np.float64, (FACES, 2, 3, 8)),
     ]
 )
 
@@ -145,7 +169,7 @@ ITERATIONS, EVENTS, UNKNOWNS = range(3)
 
 
 class Workspace(NamedTuple):
-    """Scratch arrays; nothing in them outlives a call. J joints, R unknowns.
+    """Scratch arrays; nothing in them outlives a call. J joints, C cable loops, R unknowns.
 
     Rows of records have the same layout for every mechanism, which spares the kernels the shapes of a dozen arrays.
     """
@@ -153,11 +177,11 @@ class Workspace(NamedTuple):
     bodies: NDArray[np.void]
     attachments: NDArray[np.void]
     joints: NDArray[np.void]
+    cables: NDArray[np.void]
     panels: NDArray[np.void]
     unknowns: NDArray[np.void]  # (R,)
     rigid: Array  # (8,) motion of a unit mass by a unit load, as the columns of the mobility
     mobility: NDArray[np.void]  # (R, R) rows of `mobility_type`
-    torque_slope: Array  # (J, J) slopes of the laws' torques by the angles
     matrix: Array  # (2 R, 2 R)
     correction: Array  # (2 R,)
     counts: NDArray[np.int64]  # (3,)
@@ -176,17 +200,17 @@ class Workspace(NamedTuple):
 
 def make_workspace(model: ModalModel, state: ModalState) -> Workspace:
     """Allocate scratch arrays for a mechanism."""
-    joints, zeros = model.joints.size, np.zeros
-    unknowns = 3 * joints
+    joints, cables, zeros = model.joints.size, model.cables.size, np.zeros
+    unknowns = 3 * joints + cables
     return Workspace(
         bodies=zeros(model.bodies.size, body_scratch),
         attachments=zeros(model.attachments.size, attachment_scratch),
         joints=zeros(joints, joint_scratch),
+        cables=zeros(cables, cable_scratch),
         panels=zeros(len(state.coupling), panel_scratch),
         unknowns=zeros(unknowns, unknown_scratch),
         rigid=zeros(8),
         mobility=zeros((unknowns, unknowns), mobility_type),
-        torque_slope=zeros((joints, joints)),
         matrix=zeros((2 * unknowns, 2 * unknowns)),
         correction=zeros(2 * unknowns),
         counts=zeros(3, np.int64),

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from solar_env.mechanics.bodies.beam_modes import EndModes, axial_modes, bending_modes
 from solar_env.mechanics.bodies.description import GROUND, AnyBody, Body, ModalPanel, Point, ReferencePointBody
 from solar_env.mechanics.equations.build import compile_mechanism
+from solar_env.mechanics.equations.joint_rows import chord_sense
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.modal.arrays import RIGID_BODY, ModalModel, ModalState, attachment_type, body_type
 from solar_env.mechanics.modal.panel.foreshortening import AXIAL_MODES, BENDING_MODES, quadratic_forms
@@ -158,12 +159,14 @@ def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
         tables,
         model.length_scale,
     )
+    model.cables["chord_sense"] = [chord_sense(mechanism, cable) for cable in mechanism.cables]
     joints = len(mechanism.joints)
     initial = ModalState(
         q=coordinates,
         v=velocities,
         loads=np.zeros((joints, 3)),
         load_rates=np.zeros((joints, 3)),
+        cable_loads=np.zeros((len(mechanism.cables), 2)),
         coupling=np.zeros((int((bodies["panel"] >= 0).sum()), GROUPS, LOW)),
         integrals=state.integrals,
         joints=state.joints,

@@ -218,7 +218,7 @@ def everything() -> Mechanism:
     joints = (
         Joint("joint 0", "fixed", "arm", (0.3, 0.2), (0.0, 0.1), spring=ROUND_SPRING, stop=ROUND_STOP, stow_angle=4.0),
         Joint("joint 1", "arm", "beam", (0.9, 0.0), (0.4, 0.0), sign=-1, spring=ROUND_SPRING),
-        Joint("joint 2", "other", "beam", (0.0, 0.0), (1.2, 0.0), bearing=bearing),
+        Joint("joint 2", "beam", "other", (1.2, 0.0), (0.0, 0.0), bearing=bearing),
         Joint("joint 3", "other", "last", (1.2, 0.0), (0.1, 0.2), bearing=bearing, spring=ROUND_SPRING),
     )
     cables = (replace(LOOP, joint_a="joint 1", joint_b="joint 2"), replace(LOOP, joint_a="joint 2", joint_b="joint 3"))

@@ -14,7 +14,7 @@ from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.bodies.markers import place, velocity
 from solar_env.mechanics.joints import joint as columns
 from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS
-from solar_env.mechanics.joints.joint import cable_torque, one_sided_stop, penetration, stop_torque
+from solar_env.mechanics.joints.joint import one_sided_stop, penetration, stop_torque
 from solar_env.mechanics.mechanism.description import CableLoop, Mechanism, Spring
 
 # Angle of either joint relative to the latch at 0.9 and the stow stop at 0, both with 0.05 of free play.
@@ -201,45 +201,6 @@ def test_sliding_work_and_impulse_grow_with_the_normal_force() -> None:
     powers = forces.integral_powers()[0]
     assert powers[m.IMPULSE] == normal
     assert powers[m.SLIDING_WORK] == pytest.approx(5.0 * normal, rel=1e-14)
-
-
-CABLE = CableLoop("a", "b", stiffness=4.0, wheel_ratio=2.0, torque_ratio=2.0, preload_torque=0.6)
-
-
-def cable_row(cable: CableLoop) -> np.record:
-    row = np.zeros(1, dtype=m.cable_type)
-    for name in ("stiffness", "wheel_ratio", "torque_ratio", "preload_torque"):
-        row[name] = getattr(cable, name)
-    return row[0]
-
-
-def test_a_cable_loop_halves_its_stiffness_when_one_strand_goes_slack() -> None:
-    # Slack at twice the preload's torque: 2 * 0.6 / 4 = 0.3 rad.
-    row = cable_row(CABLE)
-    for stretch, torque, slope in ((0.1, 0.4, 4.0), (-0.2, -0.8, 4.0), (0.5, 1.2 + 0.4, 2.0), (-1.3, -1.2 - 2.0, 2.0)):
-        found = cable_torque(row, stretch)
-        assert found[:2] == pytest.approx((torque, slope), rel=1e-14)
-    below, above = cable_torque(row, 0.3 - 1e-12), cable_torque(row, 0.3 + 1e-12)
-    assert above[0] - below[0] == pytest.approx(0.0, abs=1e-11)
-    assert above[2] - below[2] == pytest.approx(0.0, abs=1e-11)
-
-
-def test_a_cable_torque_is_the_slope_of_its_energy() -> None:
-    row = cable_row(CABLE)
-    for stretch in (-1.0, -0.31, -0.1, 0.0, 0.2, 0.29, 0.7):
-        # Quadratic pieces: no truncation.
-        slope = (cable_torque(row, stretch + 1e-4)[2] - cable_torque(row, stretch - 1e-4)[2]) / 2e-4
-        assert cable_torque(row, stretch)[0] == pytest.approx(slope, abs=1e-11)
-
-
-def test_a_cable_of_infinite_preload_never_slackens_and_one_of_none_is_slack_at_once() -> None:
-    tight, loose = (cable_row(replace(CABLE, preload_torque=p)) for p in (math.inf, 0.0))
-    assert cable_torque(tight, 1e6)[0] == pytest.approx(4e6)
-    assert cable_torque(loose, 0.1)[0] == pytest.approx(0.2)
-
-
-def test_a_cable_of_no_stiffness_pulls_on_nothing() -> None:
-    assert cable_torque(cable_row(replace(CABLE, stiffness=0.0)), 0.7) == (0.0, 0.0, 0.0)
 
 
 @pytest.mark.parametrize("torque_ratio", [2.0, 1.0])

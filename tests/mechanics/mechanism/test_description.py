@@ -35,7 +35,7 @@ SPRING = Spring(1.0, 0.5)
 STOP = Stop(0.01, 100.0, 1.0, 1e-3, 1.0)
 BEARING = Bearing(1e-3, 0.01, PowerLaw(1e9))
 JOINT = Joint("pin", GROUND, "arm", (0.0, 0.0), (0.0, 0.0), spring=SPRING, stop=STOP, lock_angle=1.0)
-OTHER = replace(JOINT, name="other")
+OTHER = replace(JOINT, name="other", inboard="arm", outboard="beam")
 CABLE = CableLoop("pin", "other", 1.0, 2.0, 2.0)
 GUIDE = Guide("arm", (0.0, 0.0), (0.0, 1.0))
 DRIVE = Drive("arm", 0.0, 1.0)
@@ -175,6 +175,10 @@ def test_the_nodes_of_a_beam_are_found_by_their_points() -> None:
         ({"loads": (replace(LOAD, body=GROUND),)}, "'ground': does not move"),
         ({"drives": (replace(DRIVE, body=GROUND),)}, "'ground': does not move"),
         ({"cables": (replace(CABLE, joint_b="knee"),)}, "'knee': is not a joint of the mechanism ['other', 'pin']"),
+        (
+            {"joints": (JOINT, replace(OTHER, inboard=GROUND))},
+            "CableLoop.joint_b = 'other': must have 'arm', the outboard body of 'pin', as its inboard body",
+        ),
     ],
 )
 def test_a_mechanism_whose_parts_do_not_fit_is_refused(changes: dict[str, Any], message: str) -> None:

@@ -65,7 +65,7 @@ class Lagrangian:
         return q[first] + c * x - s * y, q[first + 1] + s * x + c * y, q[first + 2] + turn
 
     def potential(self, q: Complex) -> Complex:
-        """Strain, weight, springs and Hertzian contacts [J]; further axes of `q` are other configurations."""
+        """Strain, weight, springs, taut loops and Hertzian contacts [J]; further axes of `q` are others."""
         model, panels, total = self.model, self.model.panels, 0.0 * q[0]
         for body in model.bodies:
             first, d = body["offset"], body["design"]
@@ -87,7 +87,24 @@ class Lagrangian:
             depth = np.sqrt((x - inner_x) ** 2 + (y - inner_y) ** 2) - joint["clearance"]
             pressed = np.where(depth.real > 0.0, depth, 0.0)
             total = total + 0.4 * joint["contact"][0] * pressed * pressed * np.sqrt(pressed)
+        for cable in model.cables:
+            total = total + 0.5 * cable["stiffness"] * self.mismatch(q, cable) ** 2
         return total
+
+    def mismatch(self, q: Complex, cable: np.void) -> Complex:
+        """Of a loop's wheels, whose angles count from the chord between its joints; it is short of a quarter turn."""
+        model, (a, b) = self.model, (self.model.joints[cable["joint_a"]], self.model.joints[cable["joint_b"]])
+        (ax, ay, _), (bx, by, _) = (self.attachment(q, number) for number in (a["outboard"], b["inboard"]))
+        turn = q[model.bodies[model.attachments[a["outboard"]]["body"]]["offset"] + 2]
+        x, y = (
+            (np.cos(turn) * (bx - ax) + np.sin(turn) * (by - ay)),
+            (np.cos(turn) * (by - ay) - np.sin(turn) * (bx - ax)),
+        )
+        chord = turn + np.arctan(y / x)
+        (_, _, base), (_, _, last) = (self.attachment(q, number) for number in (a["inboard"], b["outboard"]))
+        inner = a["sign"] * (chord - base - model.folded_angle[cable["joint_a"]])
+        outer = b["sign"] * (last - chord - model.folded_angle[cable["joint_b"]])
+        return cable["wheel_ratio"] * inner - outer
 
     def acceleration(self, q: NDArray[np.float64]) -> NDArray[np.float64]:
         """Accelerations of all coordinates."""

@@ -22,6 +22,7 @@ from solar_env.mechanics.mechanism.description import (
     GROUND,
     Bearing,
     Body,
+    CableLoop,
     FlexibleBody,
     Joint,
     Load,
@@ -89,6 +90,48 @@ def test_motion_converges_with_third_order_to_that_of_the_lagrangian_system() ->
     followed = frequencies * level_size(14) < 0.7
     assert followed.sum() > 12
     assert errors[-1, : frequencies.size][followed].max() < 3e-8
+
+
+def belted_panels(stiffness: float) -> Mechanism:
+    """A body and two panels apart from each other's bearings, which a spring, a cable loop and their motion bend."""
+    wide = replace(SOFT_BEARING, clearance=1.0, journal_radius=3.0)
+    panel = replace(PANEL, axial_stiffness=500.0, bending_stiffness=50.0, modes=0, spin=0.6, velocity=(0.1, 0.2))
+    # The loop's carrier lies against its chord, and the other panel is bent by the spring.
+    carrier = replace(panel, angle=2.9, position=(2.0, 0.1), spin=-0.4)
+    other = replace(panel, name="other", position=(2.1, 0.0), angle=0.4)
+    base = Body("base", 5.0, 2.0, 1.0, (0.3, 0.1), position=(-0.9, 0.0))
+    joints = (
+        Joint("inner", "base", "panel", (0.9, 0.0), (2.0, 0.0), folded_angle=math.pi, middle=0.2, bearing=wide),
+        Joint("outer", "panel", "other", (0.0, 0.0), (0.0, 0.0), sign=-1, folded_angle=-math.pi, bearing=wide),
+    )
+    joints = (joints[0], replace(joints[1], spring=Spring(3.0, 0.4)))
+    return Mechanism((base, carrier, other), joints, (CableLoop("inner", "outer", stiffness, 2.0, 2.0),))
+
+
+@pytest.mark.parametrize("stiffness", [4.0, 400.0])
+def test_belt_along_the_chord_moves_panels_as_the_lagrangian_system_has_it(stiffness: float) -> None:
+    """Torques that follow from iteration to iteration, and such that Newton's method solves for."""
+    mechanism, duration = belted_panels(stiffness), 0.032
+    simulation = Simulation(mechanism, ModalRadau())
+    start, turns = simulation.state, simulation.model.bodies["offset"] + 2
+    reference, _ = Lagrangian(simulation.model).run(start.q, start.v, duration, rtol=1e-7)
+    found = coordinates_after(mechanism, duration, fixed_steps(12))
+    moved = np.abs(reference - start.q - duration * start.v)[turns].min()
+    assert found[turns] == pytest.approx(reference[turns], abs=1e-4 * moved)
+
+
+@pytest.mark.parametrize("torque_ratio", [2.0, 1.0])
+def test_belt_keeps_momentum_and_energy(torque_ratio: float) -> None:
+    mechanism = belted_panels(400.0)
+    mechanism = replace(mechanism, cables=(replace(mechanism.cables[0], torque_ratio=torque_ratio),))
+    simulation = Simulation(mechanism, ModalRadau(rtol=1e-5))
+    before = simulation.momenta()
+    simulation.advance(0.3)
+    residual, turnover = simulation.energy_book()
+    assert abs(residual) < 1e-5 * turnover
+    assert simulation.momenta() == pytest.approx(before, abs=1e-9)
+    work = m.joint_integrals(simulation.state.integrals)[:, m.CABLE_WORK].sum()
+    assert (work == 0.0) == (torque_ratio == 2.0)
 
 
 def test_ideal_pendulum_of_a_stiff_panel_is_the_rigid_one() -> None:

@@ -21,13 +21,23 @@ from solar_env.mechanics.arrays.model import (
     SPRING,
     STOP_DISSIPATION,
 )
+from solar_env.mechanics.joints.cable_loop import cable_torque
 from solar_env.mechanics.joints.contact.normal_force import contact_energy, normal_force
-from solar_env.mechanics.joints.joint import cable_torque, stop_energy, stop_torque
-from solar_env.mechanics.modal.arrays import ANGLE, DEPTH, DEPTH_RATE, RATE, RIGID_BODY, SLIDING_SPEED, SLIP
+from solar_env.mechanics.joints.joint import stop_energy, stop_torque
+from solar_env.mechanics.modal.arrays import (
+    ANGLE,
+    DEPTH,
+    DEPTH_RATE,
+    RATE,
+    RIGID_BODY,
+    SLIDING_SPEED,
+    SLIP,
+    STRETCH,
+    WHEEL_RATE,
+)
 from solar_env.mechanics.modal.panel.coupling import axial_form, foreshorten_pose
 from solar_env.mechanics.modal.panel.oscillators import WEIGHT_A, WEIGHT_B
 from solar_env.mechanics.modal.panel.tables import AXIAL_EVEN, GROUPS
-from solar_env.mechanics.modal.step.equations import cable_stretch
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.records.history import note_force
 
@@ -60,8 +70,9 @@ def add_integrals(model, state, work, h):
         a = cable.joint_a
         for s in range(2):
             weight = h * (WEIGHT_A if s == 0 else WEIGHT_B)
-            torque, _, _ = cable_torque(cable, cable_stretch(cable, work.joints, s))
-            power = torque * (cable.wheel_ratio - cable.torque_ratio) * work.joints[a].motion[s, RATE]
+            motion = work.cables[c].motion[s]
+            torque, _, _ = cable_torque(cable, motion[STRETCH])
+            power = torque * (cable.wheel_ratio - cable.torque_ratio) * motion[WHEEL_RATE]
             integrals[INTEGRALS_PER_JOINT * a + CABLE_WORK] += weight * power
 
 
@@ -118,6 +129,5 @@ def stored_energies(model, state, q, v, work, slot, energies):
         if joint.kind == CLEARANCE:
             energies[CONTACT] += contact_energy(joint, motion[DEPTH])
     for c in range(model.cables.size):
-        cable = model.cables[c]
-        _, _, energy = cable_torque(cable, cable_stretch(cable, work.joints, slot))
+        _, _, energy = cable_torque(model.cables[c], work.cables[c].motion[slot, STRETCH])
         energies[CABLE] += energy

@@ -80,6 +80,8 @@ def start_loads(model, state, work):
     fill_torques(model, state, work, START)
     for j in range(model.joints.size):
         state.loads[j, 2] = work.joints[j].torque
+    for c in range(model.cables.size):
+        state.cable_loads[c, 0] = work.cables[c].torque
 
 
 @kernel(inner=True)

@@ -4,8 +4,9 @@ import math
 
 from solar_env.mechanics.arrays.model import IDEAL
 from solar_env.mechanics.joints import joint as columns
+from solar_env.mechanics.joints.cable_loop import cable_torque
 from solar_env.mechanics.joints.friction.friction_share import friction_share
-from solar_env.mechanics.joints.joint import cable_torque, stop_torque
+from solar_env.mechanics.joints.joint import stop_torque
 from solar_env.mechanics.modal.arrays import (
     ANGLE,
     DEPTH,
@@ -16,11 +17,11 @@ from solar_env.mechanics.modal.arrays import (
     OUTBOARD_SPIN,
     RATE,
     SLIDING_SPEED,
+    STRETCH,
 )
 from solar_env.mechanics.modal.run.books import stored_energies
 from solar_env.mechanics.modal.run.events import cubic
 from solar_env.mechanics.modal.step.bodies import outboard_load
-from solar_env.mechanics.modal.step.equations import cable_stretch
 from solar_env.mechanics.modal.step.motion import look_at
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.records.recording import RECORDED_LOADS
@@ -49,7 +50,7 @@ def fill_load_table(model, state, work, slot, loads, table):
         row[columns.CABLE_TORQUE] = 0.0
     for c in range(model.cables.size):
         cable = model.cables[c]
-        torque, _, _ = cable_torque(cable, cable_stretch(cable, work.joints, slot))
+        torque, _, _ = cable_torque(cable, work.cables[c].motion[slot, STRETCH])
         table[cable.joint_a, columns.CABLE_TORQUE] -= cable.torque_ratio * torque
         table[cable.joint_b, columns.CABLE_TORQUE] += torque
 

@@ -1,10 +1,11 @@
 """End of a step: its error over the tolerances, and the state moved to where it leads."""
 
 from solar_env.mechanics.arrays.model import MATERIAL_DISSIPATION
-from solar_env.mechanics.modal.arrays import REACTION_X, RIGID_BODY, SECOND, START, UNKNOWNS
+from solar_env.mechanics.modal.arrays import CABLE, REACTION_X, RIGID_BODY, SECOND, START, UNKNOWNS
 from solar_env.mechanics.modal.panel.oscillators import WEIGHT_A, WEIGHT_B
 from solar_env.mechanics.modal.panel.tables import AXIAL_EVEN, AXIAL_ODD, BENDING_EVEN, BENDING_ODD, GROUPS, values_of
 from solar_env.mechanics.modal.step.bodies import distribute_loads, stage_frames
+from solar_env.mechanics.modal.step.cables import distribute_cables
 from solar_env.mechanics.modal.step.motion import place_bodies
 from solar_env.mechanics.modal.step.rows import load_column
 from solar_env.mechanics.numerics.jit import kernel
@@ -40,9 +41,13 @@ def step_error(model, state, work, settings, tables, level, h):
         if work.joints[j].torque_unknown < 0:
             deviation = state.loads[j, 2] - 1.5 * work.joints[j].load[0, 2] + 0.5 * work.joints[j].load[1, 2]
             error = max(error, abs(deviation) / work.joints[j].torque_tolerance)
+    for c in range(model.cables.size):
+        own = work.cables[c]
+        deviation = state.cable_loads[c, 0] - 1.5 * own.load[0] + 0.5 * own.load[1]
+        error = max(error, abs(deviation) / own.tolerance)
     for r in range(work.counts[UNKNOWNS]):
-        kind, j = work.unknowns[r].kind, work.unknowns[r].joint
-        if settled or kind < REACTION_X:
+        kind, j = work.unknowns[r].kind, work.unknowns[r].owner
+        if kind != CABLE and (settled or kind < REACTION_X):
             c = load_column(kind)
             deviation = state.loads[j, c] - 1.5 * work.joints[j].load[0, c] + 0.5 * work.joints[j].load[1, c]
             error = max(error, abs(deviation) / work.unknowns[r].tolerance)
@@ -128,6 +133,7 @@ def move_panel(panels, own, answers, d, q, v):
 def commit_step(model, state, work, tables, level, h):
     """Move the state to the end of the step that has been solved, and fill the motion there."""
     distribute_loads(model, state, work)
+    distribute_cables(model, work)
     stage_frames(model, state, work, h)
     power = 0.0
     for b in range(model.bodies.size):
@@ -151,5 +157,8 @@ def keep_loads(state, work, h):
         for c in range(3):
             state.loads[j, c] = load[1, c]
             state.load_rates[j, c] = 1.5 * (load[1, c] - load[0, c]) / h
+    for c in range(work.cables.size):
+        load = work.cables[c].load
+        state.cable_loads[c, 0], state.cable_loads[c, 1] = load[1], 1.5 * (load[1] - load[0]) / h
     for p in range(work.panels.size):
         copy_rows(state.coupling[p], work.panels[p].coupling[1])

@@ -51,7 +51,10 @@ def outboard_load(joint, own, load, motion):
 
 @kernel(inlined=True)
 def distribute_loads(model, state, work):
-    """Fill the loads of bodies and ends at both stages from those of the joints, in the directions there now."""
+    """Fill the loads of bodies and ends at both stages from those of the joints, in the directions there now.
+
+    Those of cable loops are added by `cables.distribute_cables`.
+    """
     for b in range(model.bodies.size):
         for s in range(2):
             for i in range(3):

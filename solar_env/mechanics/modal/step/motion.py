@@ -24,6 +24,7 @@ from solar_env.mechanics.modal.arrays import (
 )
 from solar_env.mechanics.modal.panel.coupling import foreshorten_pose, shorten_ends
 from solar_env.mechanics.modal.panel.tables import AXIAL_EVEN, AXIAL_ODD, BENDING_EVEN, BENDING_ODD, GROUPS, side
+from solar_env.mechanics.modal.step.cables import move_cables
 from solar_env.mechanics.numerics.jit import kernel
 
 
@@ -111,6 +112,7 @@ def place_bodies(model, q, v, work, slot):
             shorten_ends(panel)
     move_attachments(model, work, slot)
     move_joints(model, work, slot)
+    move_cables(model, work, slot)
 
 
 @kernel

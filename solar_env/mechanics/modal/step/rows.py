@@ -6,6 +6,8 @@ the unknown works on: a joint angle, minus a depth, a sliding speed, a component
 
 from solar_env.mechanics.arrays.model import IDEAL
 from solar_env.mechanics.modal.arrays import (
+    CABLE,
+    FACES,
     LEVER,
     NORMAL,
     NORMAL_X,
@@ -19,7 +21,9 @@ from solar_env.mechanics.modal.arrays import (
 )
 from solar_env.mechanics.modal.panel.oscillators import A, B
 from solar_env.mechanics.modal.panel.tables import AXIAL_EVEN, AXIAL_ODD, BENDING_EVEN, BENDING_ODD, side
+from solar_env.mechanics.modal.step.cables import face_load, list_cables
 from solar_env.mechanics.numerics.jit import kernel
+from solar_env.mechanics.numerics.linear import copy_into
 
 # Change of a torque by the motion that it causes, over itself, that converges at once without Newton's matrix.
 _SOFT = 0.05
@@ -41,22 +45,10 @@ def angle_by_torque(model, tables, level, h, j):
 
 
 @kernel(inlined=True)
-def torque_stiffness(model, j):
-    """Stiffness [N m/rad] of spring and cable loops about a joint's angle, those of its neighbours included."""
-    stiffness = model.joints[j].spring_stiffness
-    for c in range(model.cables.size):
-        cable = model.cables[c]
-        if cable.joint_a == j or cable.joint_b == j:
-            ratio = max(cable.wheel_ratio, 1.0)
-            stiffness += cable.stiffness * ratio * max(cable.torque_ratio, 1.0)
-    return stiffness
-
-
-@kernel(inlined=True)
 def list_unknown(model, work, r, kind, j):
     """Enter unknown `r` of joint `j`."""
     own, joint = work.unknowns[r], model.joints[j]
-    own.kind, own.joint = kind, j
+    own.kind, own.owner, own.faces = kind, j, 2
     own.attachment[0], own.attachment[1] = joint.outboard, joint.inboard
 
 
@@ -68,11 +60,9 @@ def list_rows(model, state, work, tables, level, h):
     """
     n = 0
     for j in range(model.joints.size):
-        work.joints[j].torque_unknown = -1
-        if (
-            state.joints[j].stop_engaged
-            or torque_stiffness(model, j) * angle_by_torque(model, tables, level, h, j) > _SOFT
-        ):
+        give = angle_by_torque(model, tables, level, h, j)
+        work.joints[j].torque_unknown, work.joints[j].angle_by_torque = -1, give
+        if state.joints[j].stop_engaged or model.joints[j].spring_stiffness * give > _SOFT:
             work.joints[j].torque_unknown = n
             list_unknown(model, work, n, TORQUE, j)
             n += 1
@@ -84,7 +74,7 @@ def list_rows(model, state, work, tables, level, h):
             list_unknown(model, work, n, NORMAL, j)
             list_unknown(model, work, n + 1, TANGENTIAL, j)
             n += 2
-    return n
+    return list_cables(model, work, n, _SOFT)
 
 
 @kernel(inlined=True)
@@ -112,21 +102,33 @@ def unit_load(model, work, kind, j):
 
 
 @kernel(inlined=True)
+def enter_load(model, work, number, fx, fy, torque, load):
+    """Enter a load on an attachment as its body's frame has it, in the directions of the second stage."""
+    body, local = work.bodies[model.attachments[number].body], work.attachments[number].local
+    c, s = body.turn[SECOND, 0], body.turn[SECOND, 1]
+    along, across = c * fx + s * fy, c * fy - s * fx
+    load[0], load[1], load[2] = along, across, torque
+    load[3] = torque + local[SECOND, 0] * across - local[SECOND, 1] * along
+
+
+@kernel(inlined=True)
 def fill_unit_loads(model, work, n):
     """Unit loads of the unknowns in the frames of their bodies, as the second stage has them."""
     for r in range(n):
         own = work.unknowns[r]
-        fx, fy, outboard, inboard = unit_load(model, work, own.kind, own.joint)
-        for face in range(2):
-            number = own.attachment[face]
-            body, local = work.bodies[model.attachments[number].body], work.attachments[number].local
-            c, s = body.turn[SECOND, 0], body.turn[SECOND, 1]
-            sign = 1.0 if face == 0 else -1.0
-            along, across = sign * (c * fx + s * fy), sign * (c * fy - s * fx)
-            torque = outboard if face == 0 else inboard
-            load = own.load[face]
-            load[0], load[1], load[2] = along, across, torque
-            load[3] = torque + local[SECOND, 0] * across - local[SECOND, 1] * along
+        if own.kind == CABLE:
+            cable, motion = model.cables[own.owner], work.cables[own.owner].motion[SECOND]
+            for face in range(FACES):
+                fx, fy, torque = face_load(model, cable, motion, face, 1.0, cable.torque_ratio)
+                enter_load(model, work, own.attachment[face], fx, fy, torque, own.load[face])
+                fx, fy, torque = face_load(model, cable, motion, face, 1.0, cable.wheel_ratio)
+                enter_load(model, work, own.attachment[face], fx, fy, torque, own.reading[face])
+        else:
+            fx, fy, outboard, inboard = unit_load(model, work, own.kind, own.owner)
+            for face in range(2):
+                sign, torque = (1.0, outboard) if face == 0 else (-1.0, inboard)
+                enter_load(model, work, own.attachment[face], sign * fx, sign * fy, torque, own.load[face])
+                copy_into(own.reading[face], own.load[face])
 
 
 @kernel(inlined=True)
@@ -166,6 +168,22 @@ def add_shared(body, first, second, motion, rigid, shared):
             shared[c] += along * motion[0, c] + across * motion[1, c] + torque * motion[2, c]
 
 
+@kernel(inner=True)
+def share_motion(model, work, p, q):
+    """Fill the motion that unknown `p` reads off by a unit of unknown `q`."""
+    shared = work.mobility[p, q].response
+    for c in range(8):
+        shared[c] = 0.0
+    own, other = work.unknowns[p], work.unknowns[q]
+    for face in range(own.faces):
+        first = model.attachments[own.attachment[face]]
+        body = model.bodies[first.body]
+        for opposite in range(other.faces):
+            if model.attachments[other.attachment[opposite]].body == first.body:
+                motion = other.motion[opposite, first.end]
+                add_shared(body, own.reading[face], other.load[opposite], motion, work.rigid, shared)
+
+
 @kernel(inlined=True)
 def fill_mobility(model, work, tables, level, h, n):
     """Motion that each unknown works on by a unit of each other, at both stages."""
@@ -175,7 +193,7 @@ def fill_mobility(model, work, tables, level, h, n):
             work.rigid[4 * k + 2 * s], work.rigid[4 * k + 2 * s + 1] = h * h * B[s][k], h * A[s][k]
     for q in range(n):
         own = work.unknowns[q]
-        for face in range(2):
+        for face in range(own.faces):
             attachment = model.attachments[own.attachment[face]]
             body = model.bodies[attachment.body]
             if body.panel != RIGID_BODY:
@@ -183,16 +201,8 @@ def fill_mobility(model, work, tables, level, h, n):
                 move_ends(response, own.load[face], side(attachment.end), own.motion[face])
     for p in range(n):
         for q in range(p + 1):
-            shared = work.mobility[p, q].response
-            for c in range(8):
-                shared[c] = 0.0
-            for face in range(2):
-                first = model.attachments[work.unknowns[p].attachment[face]]
-                body, load = model.bodies[first.body], work.unknowns[p].load[face]
-                for opposite in range(2):
-                    other = work.unknowns[q]
-                    if model.attachments[other.attachment[opposite]].body == first.body:
-                        motion = other.motion[opposite, first.end]
-                        add_shared(body, load, other.load[opposite], motion, work.rigid, shared)
-            for c in range(8):
-                work.mobility[q, p].response[c] = shared[c]
+            share_motion(model, work, p, q)
+            if work.unknowns[p].kind == CABLE or work.unknowns[q].kind == CABLE:
+                share_motion(model, work, q, p)
+            else:
+                copy_into(work.mobility[q, p].response, work.mobility[p, q].response)

@@ -12,6 +12,7 @@ from typing import NamedTuple
 from solar_env.mechanics.arrays.model import IDEAL
 from solar_env.mechanics.modal.arrays import (
     ANGLE,
+    CABLE,
     DEPTH,
     DEPTH_RATE,
     ITERATIONS,
@@ -24,6 +25,7 @@ from solar_env.mechanics.modal.arrays import (
     SLIDING_SPEED,
     SLIP,
     START,
+    STRETCH,
     TANGENTIAL,
     TORQUE,
     UNKNOWNS,
@@ -33,6 +35,13 @@ from solar_env.mechanics.modal.panel.ends import add_modal_forces, forced_ends, 
 from solar_env.mechanics.modal.panel.oscillators import NODES
 from solar_env.mechanics.modal.panel.tables import BENDING_EVEN, BENDING_ODD
 from solar_env.mechanics.modal.step.bodies import distribute_loads, stage_frames
+from solar_env.mechanics.modal.step.cables import (
+    cable_row,
+    distribute_cables,
+    move_cables,
+    set_cable_tolerances,
+    start_cables,
+)
 from solar_env.mechanics.modal.step.equations import contact_rows, fill_torques, reaction_row, torque_row
 from solar_env.mechanics.modal.step.motion import move_attachments, move_joints
 from solar_env.mechanics.modal.step.rows import fill_mobility, list_rows, load_column
@@ -98,6 +107,7 @@ def start_stages(model, state, work, h):
                 new.load[s, c] = guess if c == 2 or ideal or own.in_contact else 0.0
             if own.in_contact:
                 new.load[s, 0] = max(new.load[s, 0], 0.0)
+    start_cables(state, work, h)
 
 
 @kernel(inlined=True)
@@ -107,6 +117,7 @@ def move_stages(model, state, work, tables, level, h, coupled):
     The forces of foreshortening are renewed where `coupled`; they belong to amplitudes under those of before.
     """
     distribute_loads(model, state, work)
+    distribute_cables(model, work)
     stage_frames(model, state, work, h)
     for b in range(model.bodies.size):
         p, d = model.bodies[b].panel, model.bodies[b].design
@@ -120,6 +131,7 @@ def move_stages(model, state, work, tables, level, h, coupled):
     for s in range(2):
         move_attachments(model, work, s)
         move_joints(model, work, s)
+        move_cables(model, work, s)
 
 
 @kernel(inlined=True)
@@ -145,12 +157,17 @@ def set_tolerances(model, state, work, settings, tables, level, h, n):
     limit = settings.rtol * settings.velocity_scale
     for j in range(model.joints.size):
         work.joints[j].torque_tolerance = limit / (_DEVIATION * velocity_by_torque(model, work, tables, level, h, j))
+    set_cable_tolerances(model, work)
     for r in range(n):
-        j, kind = work.unknowns[r].joint, work.unknowns[r].kind
+        j, kind = work.unknowns[r].owner, work.unknowns[r].kind
+        if kind in (TORQUE, CABLE):
+            tolerance = work.joints[j].torque_tolerance if kind == TORQUE else work.cables[j].tolerance
+            work.unknowns[r].tolerance = tolerance
+            continue
         # Without signs: a vibration may have turned back by the end of the step.
         own = work.mobility[r, r].response
         gain = _DEVIATION * (abs(own[3]) + abs(own[7]))
-        work.unknowns[r].tolerance = work.joints[j].torque_tolerance if kind == TORQUE else limit / gain
+        work.unknowns[r].tolerance = limit / gain
         if kind == NORMAL:
             own = state.joints[j]
             least = _LEAST_DEPTH / _HERTZ * own.impact_speed * own.contact_duration
@@ -176,7 +193,9 @@ def correct_loads(model, state, work, n, h, renewed):
         for r in range(n):
             kind = work.unknowns[r].kind
             if kind == TORQUE:
-                torque_row(model, work, s, n, r, renewed)
+                torque_row(work, s, n, r, renewed)
+            elif kind == CABLE:
+                cable_row(work, s, n, r, renewed)
             elif kind == NORMAL:
                 contact_rows(model, state, work, s, n, r, renewed)
             elif kind != TANGENTIAL:
@@ -187,14 +206,24 @@ def correct_loads(model, state, work, n, h, renewed):
                 work.joints[j].load[s, 2] += change
                 total += change
                 apart = max(apart, abs(change) / work.joints[j].torque_tolerance)
+        for c in range(model.cables.size):
+            own = work.cables[c]
+            if own.unknown < 0:
+                change = own.torque - own.load[s]
+                own.load[s] += change
+                total += change
+                apart = max(apart, abs(change) / own.tolerance)
     if n > 0:
         if renewed and not lu_factor(work.matrix, 2 * n):
             return math.inf, math.inf
         lu_solve(work.matrix, 2 * n, work.correction)
     for s in range(2):
         for r in range(n):
-            change = work.correction[s * n + r]
-            work.joints[work.unknowns[r].joint].load[s, load_column(work.unknowns[r].kind)] += change
+            change, owner, kind = work.correction[s * n + r], work.unknowns[r].owner, work.unknowns[r].kind
+            if kind == CABLE:
+                work.cables[owner].load[s] += change
+            else:
+                work.joints[owner].load[s, load_column(kind)] += change
             total += change
             size = max(size, abs(change) / work.unknowns[r].tolerance)
     return (size, apart) if math.isfinite(total) else (math.inf, math.inf)
@@ -211,8 +240,8 @@ def shift_stages(model, work, n):
     """
     greatest = 0.0
     for r in range(n):
-        j, kind = work.unknowns[r].joint, work.unknowns[r].kind
-        joint = model.joints[j]
+        j, kind = work.unknowns[r].owner, work.unknowns[r].kind
+        joint = model.joints[model.cables[j].joint_b if kind == CABLE else j]
         for s in range(2):
             value, rate = 0.0, 0.0
             for c in range(n):
@@ -220,6 +249,10 @@ def shift_stages(model, work, n):
                 for k in range(2):
                     value += own[4 * k + 2 * s] * work.correction[k * n + c]
                     rate += own[4 * k + 2 * s + 1] * work.correction[k * n + c]
+            if kind == CABLE:
+                work.cables[j].motion[s, STRETCH] -= value
+                greatest = max(greatest, abs(value) * model.length_scale / joint.clearance)
+                continue
             motion = work.joints[j].motion[s]
             if kind == TORQUE:
                 motion[ANGLE] += value

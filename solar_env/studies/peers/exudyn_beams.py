@@ -8,6 +8,9 @@ import numpy as np
 
 from solar_env.studies.peers.exudyn_parts import Builder, items
 
+# Of each joint: rotation of the outboard relative to the inboard side when folded [rad], sense of the joint angle.
+FOLDED = ((-math.pi / 2, 1.0), (math.pi, -1.0))
+
 
 def joint_angles(turn: Any, root: Any, tip: Any, outer: Any) -> tuple[Any, Any]:
     """Joint angles of flexible panels [rad] from the main body's turn and three slope vectors (x, y)."""
@@ -83,11 +86,10 @@ class FlexibleBuilder(Builder):
         self.latches([(self.ground, marker) for marker in coordinates], angles)
 
     def _torques(self, ends: Any, markers: list[tuple[int, int]]) -> list[int]:
-        """Springs and cable loop between the slopes; returns markers of the relative rotations."""
+        """Springs between the slopes, and the cable loop; returns markers of the relative rotations."""
         p, system = self.p, self.system
         rotations = []
-        # Rotation of the outboard relative to the inboard side when folded, and sense of the joint angle.
-        for j, (folded, sense) in enumerate(((-math.pi / 2, 1.0), (math.pi, -1.0))):
+        for j, (folded, sense) in enumerate(FOLDED):
             data = system.AddNode(items.NodeGenericData(initialCoordinates=[folded], numberOfDataCoordinates=1))
             system.AddObject(
                 items.ObjectConnectorTorsionalSpringDamper(
@@ -97,23 +99,50 @@ class FlexibleBuilder(Builder):
                     offset=folded + sense * p.by_joint("spring_preload_angle", j),
                 )
             )
-            data = system.AddNode(items.NodeGenericData(initialCoordinates=[0.0], numberOfDataCoordinates=1))
-            (inner, *at_inner), (outer, *at_outer) = ends[j]
-            rotations.append(
-                system.AddMarker(
-                    items.MarkerBodiesRelativeRotationCoordinate(
-                        bodyNumbers=[inner, outer],
-                        nodeNumber=data,
-                        localPosition0=[*at_inner, 0.0],
-                        localPosition1=[*at_outer, 0.0],
-                        axis0=[0, 0, 1],
-                        offset=folded,
-                    )
-                )
-            )
+            inner, outer = ends[j]
+            rotations.append(self._rotation(inner, outer, folded))
+        belt = self._belt(ends)
+        wheels = [
+            self._rotation(ends[0][0], (belt, 0.0, 0.0), FOLDED[0][0]),
+            self._rotation((belt, 0.0, 0.0), ends[1][1], FOLDED[1][0]),
+        ]
         system.AddObject(
             items.ObjectConnectorCoordinateSpringDamperExt(
-                markerNumbers=rotations, stiffness=p.cable_stiffness, factor0=-2.0, factor1=1.0
+                markerNumbers=wheels, stiffness=p.cable_stiffness, factor0=-2.0, factor1=1.0
             )
         )
         return rotations
+
+    def _rotation(self, inner: Any, outer: Any, folded: float) -> int:
+        """Marker of the rotation of one (body, x, y) relative to another, from where it is folded."""
+        system = self.system
+        data = system.AddNode(items.NodeGenericData(initialCoordinates=[0.0], numberOfDataCoordinates=1))
+        marker = items.MarkerBodiesRelativeRotationCoordinate(
+            bodyNumbers=[inner[0], outer[0]],
+            nodeNumber=data,
+            localPosition0=[inner[1], inner[2], 0.0],
+            localPosition1=[outer[1], outer[2], 0.0],
+            axis0=[0, 0, 1],
+            offset=folded,
+        )
+        return int(system.AddMarker(marker))
+
+    def _belt(self, ends: Any) -> int:
+        """A massless body along the chord of the inner panel: pinned to its one end, sliding on its other."""
+        p, system = self.p, self.system
+        speed, spin = self.release()[0]
+        node = items.NodeRigidBody2D(
+            referenceCoordinates=[p.hinge_x, p.hinge_y, -math.pi / 2], initialVelocities=[speed, 0.0, spin]
+        )
+        belt = system.AddObject(items.ObjectRigidBody2D(mass=0.0, inertia=0.0, nodeNumber=system.AddNode(node)))
+        root, tip = self.point(*ends[0][1]), self.point(*ends[1][0])
+        system.AddObject(items.ObjectJointRevolute2D(markerNumbers=[root, self.point(belt, 0.0)]))
+        system.AddObject(
+            items.ObjectJointPrismatic2D(
+                markerNumbers=[tip, self.point(belt, 0.0)],
+                axisMarker0=[1.0, 0.0, 0.0],
+                normalMarker1=[0.0, 1.0, 0.0],
+                constrainRotation=False,
+            )
+        )
+        return int(belt)

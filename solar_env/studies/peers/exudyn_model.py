@@ -5,7 +5,8 @@ Everything on the way of a force is a compiled object of the library, chosen for
 * rigid panels: bodies in the plane with three coordinates, springs and cable loop together as one linear stiffness
   matrix over their rotations;
 * rigid panels with ideal joints, for explicit solvers: a kinematic tree, which has no constraints;
-* flexible panels: cable elements in absolute nodal coordinates, Kelvin-Voigt damping as ours;
+* flexible panels: cable elements in absolute nodal coordinates, Kelvin-Voigt damping as ours, and a massless body along
+  the chord of the inner panel, against which the wheels of the cable loop turn;
 * clearance: a sphere in a hollow sphere with exponent 1.5 and Hunt and Crossley's damping 3 (1 - e) / 2, in which the
   coefficient of restitution e is set so that the damping factor is ours;
 * latches: the torque of the stop as a symbolic expression, which the library evaluates itself.

@@ -70,12 +70,18 @@ cable_type = record(
     [
         ("joint_a", np.int64),
         ("joint_b", np.int64),
-        # Of a body between the joints that bends: 1 if its axis runs from joint a to joint b, -1 if back; else 0.
+        # Whether the wheels turn against a chord of their own, and not against the axis of the body between the joints:
+        # 1 if that axis runs from joint a to joint b, -1 if back; else 0.
         ("chord_sense", np.int64),
+        ("first", np.int64),  # markers at the ends of the chord
+        ("last", np.int64),
         ("wheel_ratio", np.float64),
         ("torque_ratio", np.float64),
         ("stiffness", np.float64),
         ("preload_torque", np.float64),
+        ("wheel_radius", np.float64),  # of the outer wheel, if the loop pulls on the bearings; else 0
+        ("strand_offset", np.float64),  # difference of the wheels' radii, or their sum where the strands cross
+        ("rest_distance", np.float64),  # of the wheels' centres, at which the strands have their preload
     ]
 )
 

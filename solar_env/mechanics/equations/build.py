@@ -13,7 +13,7 @@ from solar_env.mechanics.bodies.cable_element.element import element_blocks
 from solar_env.mechanics.bodies.kind import BodyKind
 from solar_env.mechanics.bodies.kinds import KINDS, body_type, code_of, marker_type
 from solar_env.mechanics.bodies.linear_marker import pair_coordinates, place_row
-from solar_env.mechanics.equations.joint_rows import chord_sense, fill_bearing, fill_joint
+from solar_env.mechanics.equations.joint_rows import fill_bearing, fill_cable, fill_joint
 from solar_env.mechanics.mechanism.description import GROUND, AnyBody, Body, Mechanism, ModalPanel, Point
 from solar_env.mechanics.numerics.profile import BLOCK, Elimination, make_elimination
 
@@ -186,15 +186,7 @@ class _Compiler:
         cables = np.zeros(len(self.mechanism.cables), dtype=m.cable_type)
         names = {joint.name: k for k, joint in enumerate(self.mechanism.joints)}
         for k, cable in enumerate(self.mechanism.cables):
-            cables[k] = (
-                names[cable.joint_a],
-                names[cable.joint_b],
-                chord_sense(self.mechanism, cable),
-                cable.wheel_ratio,
-                cable.torque_ratio,
-                cable.stiffness,
-                cable.preload_torque,
-            )
+            fill_cable(cables[k], cable, self.mechanism, joints)
             joints["angle_limited"][[names[cable.joint_a], names[cable.joint_b]]] = 1
         return cables
 

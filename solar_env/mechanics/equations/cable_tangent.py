@@ -1,17 +1,24 @@
 """Tangents of closed cable loops, for `tangent.fill_tangents`.
 
-With the gradients a and b of the angles of a loop's inner and outer wheel, the ratios r of the wheels and t of the
-torques, and the torque T(r angle_a - angle_b), the generalized force is T (b - t a), so that
+Let a and b be the gradients of the angles of a loop's inner and outer wheel, c and d those of the angle and of the
+length of its chord, r the ratio of the wheels and t that of the torques. With the torque T and the pull N, functions of
+the mismatch s = r angle_a - angle_b and of the length, the generalized force is T (b - t a) - N d, so that
 
-dQ/dq = T' (b - t a) (r a - b)^T + T (Hessian of angle_b - t times that of angle_a).
+dQ/dq = (b - t a) (T_s (r a - b) + T_d d)^T - d (N_s (r a - b) + N_d d)^T - N length c c^T + what the Hessians of the
+directions and of the chord's angle, and those of the places of its ends, add.
 """
+
+import math
 
 from solar_env.mechanics.bodies.linear_marker import angle_hessian
 from solar_env.mechanics.bodies.markers import fill_slopes, subtract_hessian
-from solar_env.mechanics.joints.cable_loop import cable_torque, chord, end_torques, wheel_angles
+from solar_env.mechanics.joints.cable_loop import belt_loads, chord, chord_force, end_torques, wheel_motion
 from solar_env.mechanics.joints.joint import ANGLE
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.profile import add_entry
+
+# Rows of the gradients: of the wheels' angles, of the chord's angle and of its length.
+_INNER, _OUTER, _TURN, _LENGTH = range(4)
 
 
 @kernel(inner=True)
@@ -19,54 +26,66 @@ def add_cable_slopes(model, cable, q, v, tangent, by_q):
     """Subtract a loop's dQ/dq from the stiffness, whose part by torques on the joints' slopes is there already."""
     joints, markers, elimination, loads = model.joints, model.markers, model.elimination, tangent.loads
     a, o = cable.joint_a, cable.joint_b
-    index, gradient = tangent.cable_coordinates, tangent.wheel_gradient
+    index, gradient = tangent.cable_coordinates, tangent.cable_gradient
+    if cable.chord_sense != 0:
+        tangent.b[:] = 0.0
+        fill_slopes(markers[cable.first], q, v, 0, index, tangent.b, tangent.rate_slope)
+        fill_slopes(markers[cable.last], q, v, 1, index, tangent.b, tangent.rate_slope)
+    gradient[:] = 0.0
     for c in range(8):
         index[c], index[8 + c] = tangent.coordinates[a, c], tangent.coordinates[o, c]
-        gradient[0, c], gradient[0, 8 + c] = tangent.angle_gradient[a, c], 0.0
-        gradient[1, c], gradient[1, 8 + c] = 0.0, tangent.angle_gradient[o, c]
-    inner, outer = wheel_angles(cable, joints, markers, q, loads[a, ANGLE], loads[o, ANGLE])
-    torque, slope, _ = cable_torque(cable, cable.wheel_ratio * inner - outer)
+        gradient[_INNER, c], gradient[_OUTER, 8 + c] = tangent.angle_gradient[a, c], tangent.angle_gradient[o, c]
+    stretch, length = wheel_motion(cable, joints, markers, q, loads[a, ANGLE], loads[o, ANGLE])
+    torque, pull, _, slope, cross, pull_slope = belt_loads(cable, stretch, length)
     if cable.chord_sense != 0:
-        add_chord_slopes(model, cable, q, v, torque, tangent, by_q)
+        add_chord_slopes(model, cable, q, torque, pull, tangent, by_q)
     for r in range(16):
-        push = slope * (gradient[1, r] - cable.torque_ratio * gradient[0, r])
-        if push != 0.0:
-            for c in range(16):
-                value = push * (cable.wheel_ratio * gradient[0, c] - gradient[1, c])
-                if value != 0.0:
-                    add_entry(elimination, by_q, index[r], index[c], -value)
+        push = gradient[_OUTER, r] - cable.torque_ratio * gradient[_INNER, r]
+        for c in range(16):
+            mismatch, longer = cable.wheel_ratio * gradient[_INNER, c] - gradient[_OUTER, c], gradient[_LENGTH, c]
+            value = push * (slope * mismatch + cross * longer)
+            value -= gradient[_LENGTH, r] * (cross * mismatch + pull_slope * longer)
+            value -= pull * length * gradient[_TURN, r] * gradient[_TURN, c]
+            if value != 0.0:
+                add_entry(elimination, by_q, index[r], index[c], -value)
 
 
 @kernel(inner=True)
-def add_chord_slopes(model, cable, q, v, torque, tangent, by_q):
-    """Let the wheels' gradients count from the chord of a carrier that bends, and take the Hessians there."""
+def add_chord_slopes(model, cable, q, torque, pull, tangent, by_q):
+    """Let the wheels' gradients count from the chord, fill its own, and take the Hessians there."""
     joints, markers, elimination = model.joints, model.markers, model.elimination
     inner, outer = joints[cable.joint_a], joints[cable.joint_b]
-    first, last = markers[inner.outboard], markers[outer.inboard]
-    places, index, gradient = tangent.b, tangent.cable_coordinates, tangent.wheel_gradient
-    places[:] = 0.0
-    # Its coordinates are the first four and the last four of the loop's sixteen.
-    fill_slopes(first, q, v, 0, tangent.coordinates[cable.joint_a], places, tangent.rate_slope)
-    fill_slopes(last, q, v, 1, tangent.coordinates[cable.joint_b], places, tangent.rate_slope)
-    x, y = chord(cable, joints, markers, q)
+    places, index, gradient = tangent.b, tangent.cable_coordinates, tangent.cable_gradient
+    x, y = chord(cable, markers, q)
     square = x * x + y * y
+    length = math.sqrt(square)
+    for c in range(4):
+        gradient[_INNER, c] = gradient[_OUTER, 12 + c] = 0.0
+    # Of the loop's sixteen coordinates, by joint those of the outboard and then those of the inboard body.
+    first, last = (0, 12) if cable.first == inner.outboard else (4, 8)
     for c in range(8):
-        sense = cable.chord_sense if c >= 4 else -cable.chord_sense
+        sense = 1.0 if c >= 4 else -1.0
         places[0, c] *= sense
         places[1, c] *= sense
-        turn = (x * places[1, c] - y * places[0, c]) / square
-        k = c if c < 4 else 8 + c
-        gradient[0, k], gradient[1, k] = inner.sign * turn, -outer.sign * turn
+        k = last + c - 4 if c >= 4 else first + c
+        gradient[_TURN, k] = (x * places[1, c] - y * places[0, c]) / square
+        gradient[_LENGTH, k] = (x * places[0, c] + y * places[1, c]) / length
+    for k in range(16):
+        gradient[_INNER, k] += inner.sign * gradient[_TURN, k]
+        gradient[_OUTER, k] -= outer.sign * gradient[_TURN, k]
     inner_torque, outer_torque = end_torques(cable, joints, torque)
-    subtract_hessian(first, q, 0.0, 0.0, -inner_torque, elimination, by_q)
-    subtract_hessian(last, q, 0.0, 0.0, -outer_torque, elimination, by_q)
-    # Places of bodies that bend are linear in their coordinates.
-    hxx, hxy = angle_hessian(x, y)
+    subtract_hessian(markers[inner.outboard], q, 0.0, 0.0, -inner_torque, elimination, by_q)
+    subtract_hessian(markers[outer.inboard], q, 0.0, 0.0, -outer_torque, elimination, by_q)
     moment = inner_torque + outer_torque
+    fx, fy = chord_force(cable, markers, q, moment, pull)
+    subtract_hessian(markers[cable.first], q, -fx, -fy, 0.0, elimination, by_q)
+    subtract_hessian(markers[cable.last], q, fx, fy, 0.0, elimination, by_q)
+    hxx, hxy = angle_hessian(x, y)
     for r in range(8):
         along, across = hxx * places[0, r] + hxy * places[1, r], hxy * places[0, r] - hxx * places[1, r]
+        row = last + r - 4 if r >= 4 else first + r
         for c in range(8):
             value = moment * (along * places[0, c] + across * places[1, c])
             if value != 0.0:
-                row, column = r if r < 4 else 8 + r, c if c < 4 else 8 + c
+                column = last + c - 4 if c >= 4 else first + c
                 add_entry(elimination, by_q, index[row], index[column], -value)

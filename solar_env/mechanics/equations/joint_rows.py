@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS
 from solar_env.mechanics.mechanism.description import Bearing, CableLoop, FlexibleBody, Joint, Mechanism, ModalPanel
@@ -45,23 +46,56 @@ def fill_bearing(record: np.void, bearing: Bearing) -> None:
     record["bearing_width"] = bearing.width
 
 
-def chord_sense(mechanism: Mechanism, cable: CableLoop) -> int:
-    """Whether the axis of a body that bends runs from a cable loop's first joint to its second (1) or back (-1).
+def fill_cable(record: np.void, cable: CableLoop, mechanism: Mechanism, joints: NDArray[np.void]) -> None:
+    """Fill a cable loop's row, of `model.cable_type`.
 
-    0 on a rigid body, against whose chord a wheel turns as against the body.
+    Args:
+        record: the row.
+        cable: the loop.
+        mechanism: that it belongs to.
+        joints: rows of the joints, whose markers are filled.
 
     Raises:
-        ValueError: if both joints attach to one point of a body that bends.
+        ValueError: if the loop has no chord or its wheels do not fit.
+    """
+    places = {joint.name: k for k, joint in enumerate(mechanism.joints)}
+    a, b = (record["joint_a"], record["joint_b"]) = places[cable.joint_a], places[cable.joint_b]
+    for name in ("wheel_ratio", "torque_ratio", "stiffness", "preload_torque"):
+        record[name] = getattr(cable, name)
+    record["chord_sense"] = chord_sense(mechanism, cable)
+    record["first"], record["last"] = joints[a]["outboard"], joints[b]["inboard"]
+    if cable.wheel_radius is not None:
+        reach = mechanism.joints[b].inboard_point[0] - mechanism.joints[a].outboard_point[0]
+        radii = cable.wheel_radius * (1.0 + cable.wheel_ratio)
+        if radii >= abs(reach):
+            raise ValueError(
+                f"CableLoop.wheel_radius = {cable.wheel_radius!r}: two wheels of {radii:.6g} m together do not fit "
+                f"between joints {abs(reach):.6g} m apart"
+            )
+        crossing = mechanism.joints[a].sign * mechanism.joints[b].sign
+        record["strand_offset"] = cable.wheel_radius * (cable.wheel_ratio + crossing)
+        record["first"], record["last"] = joints[a]["inboard"], joints[b]["outboard"]
+        record["wheel_radius"], record["rest_distance"] = cable.wheel_radius, abs(reach)
+
+
+def chord_sense(mechanism: Mechanism, cable: CableLoop) -> int:
+    """Whether the axis of the body between a cable loop's joints runs from the first to the second (1) or back (-1).
+
+    0 where the wheels need no chord of their own: on a rigid body, against which they turn as against its chord, unless
+    the loop pulls on the bearings.
+
+    Raises:
+        ValueError: if the body needs two points on its axis and has them not.
     """
     joints = {joint.name: joint for joint in mechanism.joints}
     first, last = joints[cable.joint_a], joints[cable.joint_b]
-    carrier = next((body for body in mechanism.bodies if body.name == first.outboard), None)
-    if not isinstance(carrier, FlexibleBody | ModalPanel):
+    carrier = next(body for body in mechanism.bodies if body.name == first.outboard)
+    if not isinstance(carrier, FlexibleBody | ModalPanel) and cable.wheel_radius is None:
         return 0
-    reach = last.inboard_point[0] - first.outboard_point[0]
-    if abs(reach) < 1e-9 * carrier.length:
+    along, across = (last.inboard_point[k] - first.outboard_point[k] for k in (0, 1))
+    if abs(along) < 1e-9 or abs(across) > 1e-9 * abs(along):
         raise ValueError(
-            f"CableLoop.joint_b = {cable.joint_b!r}: attaches to {carrier.name!r} where {cable.joint_a!r} does; a belt "
-            "along a body that bends needs two points of it"
+            f"CableLoop.joint_b = {cable.joint_b!r}: must attach to {carrier.name!r} at another point of its axis than "
+            f"{cable.joint_a!r}, for a belt runs from one to the other"
         )
-    return 1 if reach > 0.0 else -1
+    return 1 if along > 0.0 else -1

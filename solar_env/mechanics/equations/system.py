@@ -48,7 +48,7 @@ from solar_env.mechanics.equations.constraints import (
     set_drive_rows,
     subtract_response,
 )
-from solar_env.mechanics.joints.cable_loop import cable_torque, wheel_angles
+from solar_env.mechanics.joints.cable_loop import belt_loads, wheel_motion
 from solar_env.mechanics.joints.contact.normal_force import contact_energy
 from solar_env.mechanics.joints.joint import (
     ANGLE,
@@ -238,8 +238,8 @@ def stored_energies(model, joint_states, q, v, loads, energies):
     for c in range(model.cables.size):
         cable = model.cables[c]
         angles = loads[cable.joint_a, ANGLE], loads[cable.joint_b, ANGLE]
-        inner, outer = wheel_angles(cable, model.joints, model.markers, q, angles[0], angles[1])
-        _, _, energy = cable_torque(cable, cable.wheel_ratio * inner - outer)
+        stretch, length = wheel_motion(cable, model.joints, model.markers, q, angles[0], angles[1])
+        _, _, energy, _, _, _ = belt_loads(cable, stretch, length)
         energies[CABLE] += energy
 
 

@@ -19,7 +19,7 @@ from solar_env.mechanics.equations.cable_tangent import add_cable_slopes
 from solar_env.mechanics.equations.system import Workspace
 from solar_env.mechanics.joints.contact.normal_force import normal_force
 from solar_env.mechanics.joints.friction.friction_share import friction_share
-from solar_env.mechanics.joints.friction.laws import MATERIAL
+from solar_env.mechanics.joints.friction.laws import MATERIAL, PLACES
 from solar_env.mechanics.joints.joint import (
     ANGLE,
     CABLE_TORQUE,
@@ -35,7 +35,7 @@ from solar_env.mechanics.joints.joint import (
     relative_velocity,
     stop_torque,
 )
-from solar_env.mechanics.joints.sliding import contact_motion
+from solar_env.mechanics.joints.sliding import contact_motion, sliding_share
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.profile import add_entry, clear
 
@@ -53,9 +53,9 @@ class TangentScratch(NamedTuple):
     stiffness_product: NDArray[np.float64]  # (4, 8)
     damping_product: NDArray[np.float64]  # (4, 8)
     angle_gradient: NDArray[np.float64]  # (joints, 8)
-    # Coordinates of a cable loop's two joints, and the gradients of its wheels' angles.
+    # Coordinates of a cable loop's two joints, and the gradients of its wheels' angles and of its chord.
     cable_coordinates: NDArray[np.int64]  # (16,)
-    wheel_gradient: NDArray[np.float64]  # (2, 16)
+    cable_gradient: NDArray[np.float64]  # (4, 16)
     elements: ElementSlopes
 
 
@@ -74,7 +74,7 @@ def make_tangent_scratch(work: Workspace) -> TangentScratch:
         damping_product=np.zeros((4, 8)),
         angle_gradient=np.zeros((joints, 8)),
         cable_coordinates=np.zeros(16, dtype=np.int64),
-        wheel_gradient=np.zeros((2, 16)),
+        cable_gradient=np.zeros((4, 16)),
         elements=make_element_slopes(),
     )
 
@@ -116,14 +116,17 @@ def contact_tangent(joint, markers, q, v, outboard_spin, inboard_spin, impact_sp
     per_slip = -joint.friction_coefficient * slope * normal
     tangential = per_normal * normal
     turn = motion.centre_speed / radius
+    share_of_centres = sliding_share(joint, motion.depth)
+    share_by_radius = joint.clearance / (radius * radius) if joint.sliding == PLACES else 0.0
     for k in range(2):
         n_k = nx if k == 0 else ny
         t_k = tx if k == 0 else ty
         normal_by_e = by_depth * n_k + by_rate * turn * t_k
-        slip_by_e = -rate / radius * t_k - (inboard_spin * n_k if material else 0.0)
+        slip_by_e = -share_of_centres * rate / radius * t_k + share_by_radius * motion.centre_speed * n_k
+        slip_by_e -= inboard_spin * n_k if material else 0.0
         tangential_by_e = per_normal * normal_by_e + per_slip * slip_by_e
         normal_by_u = by_rate * n_k
-        tangential_by_u = per_normal * normal_by_u + per_slip * t_k
+        tangential_by_u = per_normal * normal_by_u + per_slip * share_of_centres * t_k
         stiffness[0, k] += -nx * normal_by_e - normal * tx * t_k / radius
         stiffness[0, k] += tx * tangential_by_e - tangential * nx * t_k / radius
         stiffness[1, k] += -ny * normal_by_e - normal * ty * t_k / radius

@@ -4,6 +4,13 @@ The inner wheel is fixed to the body inboard of the inner joint, the outer one t
 The strands run from hinge to hinge, along the chord of the body between, its carrier: the angle by which a wheel turns
 counts from there. On a rigid carrier that is the joint's angle. On one that bends the loop pulls at the hinges, across
 the chord, and not at the slopes of the carrier's ends; its generalized forces are the gradients of the wheels' angles.
+
+A loop that pulls on the bearings (Eq 3) runs from wheel centre to wheel centre, which are the hinges but for the
+clearances. Two strands touch wheels of radii r1 and r2 at the distance d; each is longer by the growth of
+sqrt(d^2 - (r1 - r2)^2) + (r1 - r2) asin((r1 - r2) / d), whose slope is cos phi with sin phi = (r1 - r2) / d. With the
+tensions F1 and F2 the wheels feel (F1 - F2) r1 and (F1 - F2) r2, and their centres (F1 + F2) cos phi along and, so that
+the forces have a potential, (F1 - F2) sin phi across their line; the paper prints (F1 + F2) sin phi. Where both joints'
+angles grow in one sense the strands cross, and r1 + r2 takes the place of r1 - r2.
 """
 
 import math
@@ -31,40 +38,88 @@ def cable_torque(cable, stretch):
 
 
 @kernel(inlined=True)
-def chord(cable, joints, markers, q):
-    """Vector [m] along a carrier that bends, from hinge to hinge; it points as the carrier's directions do."""
-    ax, ay = place(markers[joints[cable.joint_a].outboard], q)
-    bx, by = place(markers[joints[cable.joint_b].inboard], q)
-    return cable.chord_sense * (bx - ax), cable.chord_sense * (by - ay)
+def strand(cable, elongation):
+    """Tension of a strand [N], its stiffness, and its energy beyond that of the preload, by its elongation [m]."""
+    stiffness = 0.5 * cable.stiffness / (cable.wheel_radius * cable.wheel_radius)
+    preload = cable.preload_torque / cable.wheel_radius
+    tension = preload + stiffness * elongation
+    if tension <= 0.0:
+        return 0.0, 0.0, -0.5 * preload * preload / stiffness
+    return tension, stiffness, (preload + 0.5 * stiffness * elongation) * elongation
 
 
 @kernel(inlined=True)
-def wheel_angles(cable, joints, markers, q, inner, outer):
-    """Angles [rad] of the inner and the outer wheel against the chord, at those of the loop's joints."""
+def strand_length(offset, distance):
+    """Length of a strand [m] but for a constant, by what the radii differ (or add up to) and the wheels' distance."""
+    return math.sqrt(distance * distance - offset * offset) + offset * math.asin(offset / distance)
+
+
+@kernel(inlined=True)
+def belt_loads(cable, stretch, distance):
+    """Torque on the outer wheel and pull on the wheels' centres, with slopes and energy.
+
+    Args:
+        cable: row of the loop.
+        stretch: mismatch of the wheels' angles [rad].
+        distance: of the wheels' centres [m]; of no account where the loop does not pull.
+
+    Returns:
+        Torque [N m], pull [N], energy [J]; slopes of the torque by the mismatch, of either by the other's variable, and
+        of the pull by the distance.
+    """
+    if cable.wheel_radius == 0.0:
+        torque, slope, energy = cable_torque(cable, stretch)
+        return torque, 0.0, energy, slope, 0.0, 0.0
+    radius = cable.wheel_radius
+    offset = cable.strand_offset
+    longer = strand_length(offset, distance) - strand_length(offset, cable.rest_distance)
+    tight, k1, energy1 = strand(cable, longer + radius * stretch)
+    loose, k2, energy2 = strand(cable, longer - radius * stretch)
+    cosine = math.sqrt(1.0 - (offset / distance) ** 2)
+    by_distance = (k1 + k2) * cosine * cosine + (tight + loose) * offset * offset / (distance**3 * cosine)
+    cross = radius * (k1 - k2) * cosine
+    torque, pull = radius * (tight - loose), (tight + loose) * cosine
+    return torque, pull, energy1 + energy2, radius * radius * (k1 + k2), cross, by_distance
+
+
+@kernel(inlined=True)
+def chord(cable, markers, q):
+    """Vector [m] along which the belt runs, from the inner to the outer joint."""
+    ax, ay = place(markers[cable.first], q)
+    bx, by = place(markers[cable.last], q)
+    return bx - ax, by - ay
+
+
+@kernel(inlined=True)
+def wheel_motion(cable, joints, markers, q, inner, outer):
+    """Mismatch [rad] of the wheels' angles against the chord, and the chord's length [m], at the joints' angles."""
+    length = 0.0
     if cable.chord_sense != 0:
         a, b = joints[cable.joint_a], joints[cable.joint_b]
-        x, y = chord(cable, joints, markers, q)
+        x, y = chord(cable, markers, q)
+        length = math.sqrt(x * x + y * y)
+        x, y = cable.chord_sense * x, cable.chord_sense * y
         inner += a.sign * vector_angle(markers[a.outboard], q, x, y)
         outer -= b.sign * vector_angle(markers[b.inboard], q, x, y)
-    return inner, outer
+    return cable.wheel_ratio * inner - outer, length
 
 
 @kernel(inlined=True)
 def inner_wheel_rate(cable, joints, markers, q, v, rate):
     """Rate [rad/s] of the inner wheel's angle, at that of its joint."""
     if cable.chord_sense != 0:
-        a, b = joints[cable.joint_a], joints[cable.joint_b]
-        x, y = chord(cable, joints, markers, q)
-        ax, ay = velocity(markers[a.outboard], q, v)
-        bx, by = velocity(markers[b.inboard], q, v)
-        turn = cable.chord_sense * (x * (by - ay) - y * (bx - ax)) / (x * x + y * y)
+        a = joints[cable.joint_a]
+        x, y = chord(cable, markers, q)
+        ax, ay = velocity(markers[cable.first], q, v)
+        bx, by = velocity(markers[cable.last], q, v)
+        turn = (x * (by - ay) - y * (bx - ax)) / (x * x + y * y)
         rate += a.sign * (turn - spin(markers[a.outboard], q, v))
     return rate
 
 
 @kernel(inlined=True)
 def end_torques(cable, joints, torque):
-    """Torques [N m] that the wheels exert on the carrier: at the inner and at the outer joint.
+    """Torques [N m] of the wheels on what they turn against: at the inner and at the outer joint.
 
     Args:
         cable: row of the loop.
@@ -75,21 +130,29 @@ def end_torques(cable, joints, torque):
 
 
 @kernel(inlined=True)
-def move_to_chord(cable, joints, markers, q, torque, force):
-    """Turn the torques on the slopes of a carrier's ends, as of the joints, into forces across its chord.
+def chord_force(cable, markers, q, moment, pull):
+    """Force [N] on a chord's last end by a moment [N m] on the chord and a pull [N] along it; opposite at its first."""
+    x, y = chord(cable, markers, q)
+    square = x * x + y * y
+    along = pull / math.sqrt(square)
+    return -moment * y / square - along * x, moment * x / square - along * y
+
+
+@kernel(inlined=True)
+def move_to_chord(cable, joints, markers, q, torque, pull, force):
+    """Turn the torques on the slopes of a carrier's ends, as of the joints, into forces at the chord's ends.
 
     Args:
-        cable: row of a loop whose carrier bends.
+        cable: row of a loop with a chord of its own.
         joints, markers: of the model.
         q: (n,) coordinates.
         torque: of the loop on its outer joint [N m].
+        pull: on the wheels' centres [N].
         force: (n,) generalized force, changed.
     """
     inner, outer = end_torques(cable, joints, torque)
-    first, last = markers[joints[cable.joint_a].outboard], markers[joints[cable.joint_b].inboard]
-    add_torque(first, q, -inner, force)
-    add_torque(last, q, -outer, force)
-    x, y = chord(cable, joints, markers, q)
-    scale = cable.chord_sense * (inner + outer) / (x * x + y * y)
-    add_point_force(first, q, scale * y, -scale * x, force)
-    add_point_force(last, q, -scale * y, scale * x, force)
+    add_torque(markers[joints[cable.joint_a].outboard], q, -inner, force)
+    add_torque(markers[joints[cable.joint_b].inboard], q, -outer, force)
+    fx, fy = chord_force(cable, markers, q, inner + outer, pull)
+    add_point_force(markers[cable.first], q, -fx, -fy, force)
+    add_point_force(markers[cable.last], q, fx, fy, force)

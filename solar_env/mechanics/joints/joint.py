@@ -16,7 +16,7 @@ from solar_env.mechanics.bodies.markers import (
     place,
     velocity,
 )
-from solar_env.mechanics.joints.cable_loop import cable_torque, inner_wheel_rate, move_to_chord, wheel_angles
+from solar_env.mechanics.joints.cable_loop import belt_loads, inner_wheel_rate, move_to_chord, wheel_motion
 from solar_env.mechanics.joints.contact.normal_force import normal_force
 from solar_env.mechanics.joints.friction.friction_share import friction_share
 from solar_env.mechanics.joints.sliding import contact_motion
@@ -142,7 +142,7 @@ def stop_energy(joint, own, angle):
 def joint_torques(model, joint_states, q, v, loads, force, power):
     """Fill angles, rates, spins and the spring, stop, motor and cable torques of every joint; their powers too.
 
-    To `force` it adds what a cable loop does to a body that bends besides these torques.
+    To `force` it adds what a cable loop does besides these torques.
     """
     joints, markers, cables = model.joints, model.markers, model.cables
     for j in range(joints.size):
@@ -166,15 +166,15 @@ def joint_torques(model, joint_states, q, v, loads, force, power):
     for c in range(cables.size):
         cable = cables[c]
         a, b = cable.joint_a, cable.joint_b
-        inner, outer = wheel_angles(cable, joints, markers, q, loads[a, ANGLE], loads[b, ANGLE])
-        torque, _, _ = cable_torque(cable, cable.wheel_ratio * inner - outer)
+        stretch, length = wheel_motion(cable, joints, markers, q, loads[a, ANGLE], loads[b, ANGLE])
+        torque, pull, _, _, _, _ = belt_loads(cable, stretch, length)
         loads[a, CABLE_TORQUE] -= cable.torque_ratio * torque
         loads[b, CABLE_TORQUE] += torque
         # Nothing unless the torque ratio differs from the wheel ratio.
         rate = inner_wheel_rate(cable, joints, markers, q, v, loads[a, RATE])
         power[m.INTEGRALS_PER_JOINT * a + m.CABLE_WORK] += torque * (cable.wheel_ratio - cable.torque_ratio) * rate
         if cable.chord_sense != 0:
-            move_to_chord(cable, joints, markers, q, torque, force)
+            move_to_chord(cable, joints, markers, q, torque, pull, force)
 
 
 @kernel(inlined=True)

@@ -3,7 +3,7 @@
 import math
 from typing import NamedTuple
 
-from solar_env.mechanics.joints.friction.laws import MATERIAL
+from solar_env.mechanics.joints.friction.laws import MATERIAL, PLACES
 from solar_env.mechanics.numerics.jit import kernel
 
 
@@ -18,7 +18,8 @@ class ContactMotion(NamedTuple):
         rate: of the depth [m/s].
         centre_speed: of the journal's centre across the line of centres, relative to the bearing's [m/s].
         slip: of the journal's material point over the bearing's [m/s].
-        sliding_speed: the one of the last two that the joint's friction and wear go by [m/s].
+        sliding_speed: the one that the joint's friction and wear go by [m/s]: the slip, the centres' speed, or that of
+            the places of contact.
     """
 
     depth: float
@@ -30,6 +31,12 @@ class ContactMotion(NamedTuple):
     centre_speed: float
     slip: float
     sliding_speed: float
+
+
+@kernel(inlined=True)
+def sliding_share(joint, depth):
+    """Sliding speed over the slip or, where the bodies' rotation is left out, over the centres' speed."""
+    return depth / (joint.clearance + depth) if joint.sliding == PLACES and depth > 0.0 else 1.0
 
 
 @kernel(inlined=True)
@@ -58,5 +65,5 @@ def contact_motion(joint, ex, ey, ux, uy, outboard_spin, inboard_spin):
         rate=ux * nx + uy * ny,
         centre_speed=across,
         slip=slip,
-        sliding_speed=slip if joint.sliding == MATERIAL else across,
+        sliding_speed=slip if joint.sliding == MATERIAL else across * sliding_share(joint, radius - joint.clearance),
     )

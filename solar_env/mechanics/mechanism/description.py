@@ -68,7 +68,8 @@ class Bearing:
         friction_coefficient: Coulomb's.
         friction: law of the share of Coulomb's force that acts.
         sliding: speed that friction and wear go by: "material" for that of the material points in contact, "centres"
-            for that of the joint's centres (paper, Eq 35, which leaves the bodies' rotation out).
+            for that of the joint's centres, "places" for that of the places of contact, which travel round with the
+            line of centres: some percent of it (paper, Eq 35 as printed; both leave the bodies' rotation out).
         wear_coefficient: Archard's k [m2/N].
         width: axial length of the bearing [m].
     """
@@ -87,7 +88,7 @@ class Bearing:
         _require_finite(self)
         positive = ("clearance", "journal_radius", "minimum_impact_speed", "width")
         _require_signs(self, positive, not_negative=("friction_coefficient", "wear_coefficient"))
-        _require(self.sliding in SLIDING_READINGS, self, "sliding", self.sliding, "must be material or centres")
+        _require(self.sliding in SLIDING_READINGS, self, "sliding", self.sliding, f"must be one of {SLIDING_READINGS}")
 
 
 @dataclass(frozen=True)
@@ -147,6 +148,8 @@ class CableLoop:
         wheel_ratio: dimensionless.
         torque_ratio: dimensionless.
         preload_torque: strand preload times the wheel radius of joint b [N m]; infinite for a loop that never slackens.
+        wheel_radius: of the wheel at joint b [m], if the strands pull on the bearings, too (Eq 3); they then run from
+            wheel centre to wheel centre. None leaves these forces out.
     """
 
     joint_a: str
@@ -155,10 +158,14 @@ class CableLoop:
     wheel_ratio: float
     torque_ratio: float
     preload_torque: float = math.inf
+    wheel_radius: float | None = None
 
     def __post_init__(self) -> None:
         _require_finite(self, "preload_torque")
         _require_signs(self, ("wheel_ratio",), not_negative=("stiffness", "torque_ratio", "preload_torque"))
+        if self.wheel_radius is not None:
+            _require_signs(self, ("wheel_radius", "stiffness"))
+            _require(math.isfinite(self.preload_torque), self, "preload_torque", self.preload_torque, "must be finite")
 
 
 @dataclass(frozen=True)

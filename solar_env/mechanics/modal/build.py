@@ -159,6 +159,12 @@ def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
         tables,
         model.length_scale,
     )
+    for cable in mechanism.cables:
+        if cable.wheel_radius is not None:
+            raise ValueError(
+                f"CableLoop.wheel_radius = {cable.wheel_radius!r}: ModalRadau takes no loops that pull on bearings; "
+                "choose panels of cable elements or rigid ones"
+            )
     model.cables["chord_sense"] = [chord_sense(mechanism, cable) for cable in mechanism.cables]
     joints = len(mechanism.joints)
     initial = ModalState(

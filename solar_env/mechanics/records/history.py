@@ -91,6 +91,8 @@ def wear_contact(joint, state, j, journal_angle, bearing_angle, depth, sliding_w
 @kernel(inlined=True)
 def release_stop(joint, own, angle, rate):
     """Book that a stop which is engaged has opened, if it has."""
+    if own.latched and joint.stop_gap == 0.0:
+        return  # the two faces are one, on which the joint stays
     depth, sign = stop_depth(joint, own.latched, angle)
     # On the very face it stays engaged unless it opens, or the same engagement would be found for ever.
     own.stop_engaged = depth > 0.0 or (depth > -1e-9 and sign * rate <= 0.0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import belts
 import numpy as np
 import pytest
 from helpers import ROUND_BEARING, ROUND_SPRING, ROUND_STOP, Forces, Vector, central_difference, chain, pendulum
@@ -137,6 +138,20 @@ def test_stop(seed: int, angles: tuple[float, float], latched: bool) -> None:
 @pytest.mark.parametrize("torque_ratio", [1.0, 2.0])
 def test_cable(seed: int, preload: float, torque_ratio: float) -> None:
     check(scene(seed, cables=(replace(LOOP, preload_torque=preload, torque_ratio=torque_ratio),)))
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("loop", [belts.LOOP, belts.PULLING], ids=["chord", "pulling"])
+@pytest.mark.parametrize("torque_ratio", [1.0, 2.0])
+def test_cable_along_a_beam(seed: int, loop: CableLoop, torque_ratio: float) -> None:
+    loop = replace(loop, torque_ratio=torque_ratio)
+    forces = belts.belt(seed, reverse=bool(seed % 2), cable=loop)
+    # Of the beam itself, which is no force of a joint.
+    slack = belts.belt(seed, reverse=bool(seed % 2), cable=replace(loop, stiffness=1e-300, preload_torque=0.0))
+    q, v = forces.state.q, forces.state.v
+    found = tangents(forces)[0] - tangents(slack)[0]
+    expected = central_difference(lambda x: forces.force(x, v), q)
+    assert found == pytest.approx(expected, abs=1e-8 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("seed", SEEDS)

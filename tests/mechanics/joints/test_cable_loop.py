@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from belts import LOOP, PULLING, belt
 from helpers import ROUND_BEARING, Forces, central_difference, rigid_motions
 
 from solar_env.mechanics.analysis.statics import static_equilibrium
@@ -56,30 +57,6 @@ def test_a_cable_of_no_stiffness_pulls_on_nothing() -> None:
     assert cable_torque(cable_row(replace(CABLE, stiffness=0.0)), 0.7) == (0.0, 0.0, 0.0)
 
 
-LOOP = CableLoop("inner", "outer", 1.7, 2.0, 2.0)
-
-
-def belt(seed: int, *, reverse: bool = False, cable: CableLoop = LOOP) -> Forces:
-    """A bent beam between two rigid bodies, in a random motion, with a loop along it; its axis may run back."""
-    rng = np.random.default_rng(seed)
-    beam = FlexibleBody("beam", 1.2, 2, 0.8, axial_stiffness=4.0, bending_stiffness=0.6, angle=0.3)
-    ends = ((1.2, 0.0), (0.0, 0.0)) if reverse else ((0.0, 0.0), (1.2, 0.0))
-    bodies = (
-        Body("base", 1.5, 0.3, 0.9, (0.4, 0.1), angle=-0.4),
-        beam,
-        Body("last", 0.7, 0.1, 0.8, (0.3, -0.1), angle=0.9),
-    )
-    joints = (
-        Joint("inner", "base", "beam", (0.9, 0.1), ends[0], folded_angle=0.2, bearing=ROUND_BEARING),
-        Joint("outer", "beam", "last", ends[1], (0.1, 0.2), sign=-1, folded_angle=-0.3, bearing=ROUND_BEARING),
-    )
-    forces = Forces(Mechanism(bodies, joints, (cable,)))
-    state, first = forces.state, forces.model.bodies[1]["offset"]
-    state.q[first : first + 12] += 0.15 * rng.normal(size=12)
-    state.v[:] = rng.normal(size=state.v.size)
-    return forces
-
-
 def mismatch(forces: Forces, reverse: bool) -> float:
     """Of the wheels against the chord, from the bodies' places and directions."""
     markers, joints, q = forces.model.markers, forces.model.joints, forces.state.q
@@ -104,16 +81,18 @@ def test_a_belt_pulls_by_its_mismatch_against_the_chord(seed: int, reverse: bool
 
 
 @pytest.mark.parametrize(("seed", "reverse"), BELTS)
-def test_the_forces_of_a_belt_are_the_slope_of_its_energy(seed: int, reverse: bool) -> None:
-    forces = belt(seed, reverse=reverse)
+@pytest.mark.parametrize("loop", [LOOP, PULLING], ids=["chord", "pulling"])
+def test_the_forces_of_a_belt_are_the_slope_of_its_energy(seed: int, reverse: bool, loop: CableLoop) -> None:
+    forces = belt(seed, reverse=reverse, cable=loop)
     q, v = forces.state.q, forces.state.v
     slope = central_difference(lambda x: forces.stored(x, v)[[m.CABLE]], q)[0]
     assert forces.force(q, v) == pytest.approx(-slope, abs=1e-9 * np.abs(slope).max())
 
 
 @pytest.mark.parametrize(("seed", "reverse"), BELTS)
-def test_the_work_of_a_belt_of_other_torque_ratio_is_booked(seed: int, reverse: bool) -> None:
-    forces = belt(seed, reverse=reverse, cable=replace(LOOP, torque_ratio=1.0))
+@pytest.mark.parametrize("loop", [LOOP, PULLING], ids=["chord", "pulling"])
+def test_the_work_of_a_belt_of_other_torque_ratio_is_booked(seed: int, reverse: bool, loop: CableLoop) -> None:
+    forces = belt(seed, reverse=reverse, cable=replace(loop, torque_ratio=1.0))
     q, v = forces.state.q, forces.state.v
     growth = central_difference(lambda t: forces.stored(q + t[0] * v, v)[[m.CABLE]], np.zeros(1))[0, 0]
     force = forces.force(q, v)
@@ -122,8 +101,9 @@ def test_the_work_of_a_belt_of_other_torque_ratio_is_booked(seed: int, reverse: 
 
 
 @pytest.mark.parametrize("torque_ratio", [2.0, 1.0])
-def test_a_belt_changes_no_momentum(torque_ratio: float) -> None:
-    forces = belt(0, cable=replace(LOOP, torque_ratio=torque_ratio))
+@pytest.mark.parametrize("loop", [LOOP, PULLING], ids=["chord", "pulling"])
+def test_a_belt_changes_no_momentum(torque_ratio: float, loop: CableLoop) -> None:
+    forces = belt(0, cable=replace(loop, torque_ratio=torque_ratio))
     force = forces.force(forces.state.q, forces.state.v)
     for field in rigid_motions(forces.model, forces.state.q):
         assert force @ field == pytest.approx(0.0, abs=1e-13 * float(np.abs(force) @ np.abs(field)))
@@ -159,5 +139,37 @@ def test_a_belt_between_two_joints_at_one_point_of_a_beam_is_refused() -> None:
         Joint("outer", "beam", "arm", (0.0, 0.0), (0.0, 0.0)),
     )
     arm = Body("arm", 1.0, 0.1, 0.5, (0.2, 0.0))
-    with pytest.raises(ValueError, match="'outer': attaches to 'beam' where 'inner' does"):
+    with pytest.raises(ValueError, match="'outer': must attach to 'beam' at another point of its axis than 'inner'"):
         compile_mechanism(Mechanism((beam, arm), joints, (LOOP,)))
+
+
+@pytest.mark.parametrize(("sign", "offset"), [(-1, 0.05), (1, 0.15)])
+def test_the_pull_on_the_bearings_is_that_of_two_strands(sign: int, offset: float) -> None:
+    """At rest at the joints' distance: twice the preload times the cosine of the slope of strands, open or crossed."""
+    bodies = (
+        Body("base", 1.0, 0.1, 1.0, (0.0, 0.0)),
+        Body("arm", 1.0, 0.1, 1.5, (0.5, 0.0)),
+        Body("last", 1.0, 0.1, 1.0, (0.5, 0.0), position=(1.5, 0.0)),
+    )
+    joints = (
+        Joint("inner", "base", "arm", (0.0, 0.0), (0.0, 0.0), bearing=ROUND_BEARING),
+        Joint("outer", "arm", "last", (1.5, 0.0), (0.0, 0.0), sign=sign, bearing=ROUND_BEARING),
+    )
+    loop = CableLoop("inner", "outer", 20.0, 2.0, 2.0, preload_torque=50.0 * 0.05, wheel_radius=0.05)
+    forces = Forces(Mechanism(bodies, joints, (loop,)))
+    force = forces.force(forces.state.q, forces.state.v)
+    along, across = (sum(force[:4][k::2]) for k in (0, 1))
+    assert along == pytest.approx(100.0 * math.sqrt(1.0 - (offset / 1.5) ** 2), rel=1e-12)
+    assert across == pytest.approx(0.0, abs=1e-12)
+    # Turned by 0.01 rad, the last body stretches one strand and eases the other: 0.2 N m on it, 4 N of difference.
+    turned = replace(bodies[2], angle=0.01)
+    forces = Forces(Mechanism((*bodies[:2], turned), joints, (loop,)))
+    force = forces.force(forces.state.q, forces.state.v)
+    assert sum(force[1:4:2]) == pytest.approx(-sign * 4.0 * offset / 1.5, rel=1e-9)
+
+
+def test_wheels_that_do_not_fit_are_refused() -> None:
+    with pytest.raises(ValueError, match=r"two wheels of 1\.8 m together do not fit between joints 1\.2 m apart"):
+        belt(0, cable=replace(PULLING, wheel_radius=0.6))
+    with pytest.raises(ValueError, match=r"CableLoop\.preload_torque = inf: must be finite"):
+        replace(LOOP, wheel_radius=0.1)

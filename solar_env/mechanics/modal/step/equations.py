@@ -3,6 +3,7 @@
 from solar_env.mechanics.joints.contact.normal_force import normal_force
 from solar_env.mechanics.joints.friction.friction_share import friction_share
 from solar_env.mechanics.joints.joint import stop_torque
+from solar_env.mechanics.joints.sliding import sliding_share
 from solar_env.mechanics.modal.arrays import (
     ANGLE,
     DEPTH,
@@ -57,6 +58,7 @@ def contact_rows(model, state, work, s, n, r, renewed):
     joint, own, motion, load = model.joints[j], state.joints[j], work.joints[j].motion[s], work.joints[j].load[s]
     force, _, by_depth, by_rate = normal_force(joint, motion[DEPTH], motion[DEPTH_RATE], own.impact_speed)
     share, by_slip = friction_share(joint, motion[SLIDING_SPEED])
+    by_slip *= sliding_share(joint, motion[DEPTH])
     share, by_slip = -joint.friction_coefficient * share, -joint.friction_coefficient * by_slip
     pressing = max(load[0], 0.0)
     work.correction[s * n + r] = force - load[0]

@@ -4,6 +4,8 @@ A unit of an unknown loads the two bodies of its joint. By reciprocity, the same
 the unknown works on: a joint angle, minus a depth, a sliding speed, a component of the relative velocity.
 """
 
+import math
+
 from solar_env.mechanics.arrays.model import IDEAL
 from solar_env.mechanics.modal.arrays import (
     CABLE,
@@ -41,6 +43,23 @@ def angle_by_torque(model, tables, level, h, j):
             response = tables.responses[body.design, level].response
             even, odd = response[BENDING_EVEN, 1, 1], response[BENDING_ODD, 1, 1]
             total += abs(even[2] + odd[2]) + abs(even[6] + odd[6])
+    return total
+
+
+@kernel(inlined=True)
+def velocity_by_torque(model, work, tables, level, h, j):
+    """Velocity [m/s] of the two points that joint `j` joins by a unit of its torque over a step, without signs."""
+    joint, total = model.joints[j], 0.0
+    for face in range(2):
+        number = joint.outboard if face == 0 else joint.inboard
+        attachment = model.attachments[number]
+        body = model.bodies[attachment.body]
+        lever = math.hypot(work.attachments[number].local[SECOND, 0], work.attachments[number].local[SECOND, 1])
+        total += lever * body.inverse_inertia * h
+        if body.panel != RIGID_BODY:
+            response = tables.responses[body.design, level].response
+            even, odd = response[BENDING_EVEN, 0, 1], response[BENDING_ODD, 0, 1]
+            total += abs(even[3] + odd[3] + even[7] + odd[7])
     return total
 
 

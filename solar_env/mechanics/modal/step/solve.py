@@ -10,6 +10,7 @@ import math
 from typing import NamedTuple
 
 from solar_env.mechanics.arrays.model import IDEAL
+from solar_env.mechanics.joints.sliding import sliding_share
 from solar_env.mechanics.modal.arrays import (
     ANGLE,
     CABLE,
@@ -33,7 +34,6 @@ from solar_env.mechanics.modal.arrays import (
 from solar_env.mechanics.modal.panel.coupling import couple, shorten_ends
 from solar_env.mechanics.modal.panel.ends import add_modal_forces, forced_ends, free_ends
 from solar_env.mechanics.modal.panel.oscillators import NODES
-from solar_env.mechanics.modal.panel.tables import BENDING_EVEN, BENDING_ODD
 from solar_env.mechanics.modal.step.bodies import distribute_loads, stage_frames
 from solar_env.mechanics.modal.step.cables import (
     cable_row,
@@ -44,7 +44,7 @@ from solar_env.mechanics.modal.step.cables import (
 )
 from solar_env.mechanics.modal.step.equations import contact_rows, fill_torques, reaction_row, torque_row
 from solar_env.mechanics.modal.step.motion import move_attachments, move_joints
-from solar_env.mechanics.modal.step.rows import fill_mobility, list_rows, load_column
+from solar_env.mechanics.modal.step.rows import fill_mobility, list_rows, load_column, velocity_by_torque
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_rows, lu_factor, lu_solve
 
@@ -132,23 +132,6 @@ def move_stages(model, state, work, tables, level, h, coupled):
         move_attachments(model, work, s)
         move_joints(model, work, s)
         move_cables(model, work, s)
-
-
-@kernel(inlined=True)
-def velocity_by_torque(model, work, tables, level, h, j):
-    """Velocity [m/s] of the two points that joint `j` joins by a unit of its torque over a step, without signs."""
-    joint, total = model.joints[j], 0.0
-    for face in range(2):
-        number = joint.outboard if face == 0 else joint.inboard
-        attachment = model.attachments[number]
-        body = model.bodies[attachment.body]
-        lever = math.hypot(work.attachments[number].local[SECOND, 0], work.attachments[number].local[SECOND, 1])
-        total += lever * body.inverse_inertia * h
-        if body.panel != RIGID_BODY:
-            response = tables.responses[body.design, level].response
-            even, odd = response[BENDING_EVEN, 0, 1], response[BENDING_ODD, 0, 1]
-            total += abs(even[3] + odd[3] + even[7] + odd[7])
-    return total
 
 
 @kernel(inlined=True)
@@ -264,7 +247,7 @@ def shift_stages(model, work, n):
                 motion[DEPTH_RATE] -= rate
             else:
                 motion[SLIP] += rate
-                motion[SLIDING_SPEED] += rate
+                motion[SLIDING_SPEED] += rate * sliding_share(joint, motion[DEPTH])
                 greatest = max(greatest, abs(value) / joint.clearance)
     return greatest
 

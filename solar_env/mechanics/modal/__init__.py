@@ -11,9 +11,9 @@ raise the squared frequency of a free panel's lowest mode by 2.05 spin^2: at spi
 (2.0 and 6.8 rad/s for a panel of the array) the frequency is 0.1 and 1.0 % too low. Of bending, terms beyond the
 second order: a static tip deflection is too small by some 0.04 of the squared slope of the end against the frame,
 0.15 % at 0.2 rad. A run warns where either leaves out 1 % of stiffness or shortening (`verification.panels` measures
-both). Besides, foreshortening couples the six lowest bending modes with the three lowest axial ones, and moves the
-ends at once with the rest: with ideal joints, whose reactions follow every axial vibration, the array's peak reaction
-in joint 2 comes out 2 % below that of beams (9.19 against 9.36 N); with twelve bending and the same axial modes 8 %.
+both). Besides, foreshortening has the shapes of the four lowest bending modes alone, while all others enter together,
+with the shapes in which loads at the ends bend a panel; of the axial modes it excites three, and moves the ends at once
+with the rest: the array's peak reactions with ideal joints come within 0.1 % of those of beams with 48 elements.
 
 Imports `records` and the rooms below.
 """

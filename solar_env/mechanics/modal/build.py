@@ -60,17 +60,19 @@ def _groups(modes: EndModes) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     return np.flatnonzero(even), np.flatnonzero(~even)
 
 
-def _packed_forms(project: NDArray[np.float64], ends: NDArray[np.float64]) -> NDArray[np.float64]:
+def _packed_forms(project: NDArray[np.float64], ends: NDArray[np.float64], coupled: int) -> NDArray[np.float64]:
     """(2, LOW, LOW, FORMS) quadratic forms by bending groups; products of another parity vanish."""
     forms = np.zeros((2, LOW, LOW, FORMS))
+    # The lowest bending modes are even and odd by turns; then comes the rest of the end values.
+    rest = range(coupled, coupled + VALUES), range(coupled + VALUES, coupled + 2 * VALUES)
+    groups = [[*range(group, coupled, 2), *rest[group]] for group in range(2)]
     odd, even = list(project[::2]), list(project[1::2])
     whole = {ODD_ENDS: 0.5 * (ends[0] - ends[1]), EVEN_ENDS: 0.5 * (ends[0] + ends[1])}
     whole |= {ODD_FIRST + k: form for k, form in enumerate(odd)} | {EVEN_FIRST + k: form for k, form in enumerate(even)}
     for number, form in whole.items():
         for group in range(2):
-            # The lowest bending modes are even and odd by turns.
             partner = group if number < EVEN_FIRST else 1 - group
-            block = form[group::2, partner::2]
+            block = form[np.ix_(groups[group], groups[partner])]
             forms[group, : block.shape[0], : block.shape[1], number] = block
     return forms
 
@@ -93,7 +95,7 @@ def _design_modes(chosen: _Design) -> _PanelModes:
         np.array([(coupled + 1) // 2, coupled // 2, coupled_axial // 2, (coupled_axial + 1) // 2]),
         np.concatenate(frequencies),
         np.concatenate(rows),
-        _packed_forms(*quadratic_forms(length, mass, coupled, coupled_axial)),
+        _packed_forms(*quadratic_forms(length, mass, coupled, coupled_axial), coupled),
     )
 
 

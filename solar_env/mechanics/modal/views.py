@@ -14,16 +14,28 @@ from solar_env.mechanics.modal.panel.tables import (
     AXIAL_EVEN,
     AXIAL_ODD,
     BENDING_EVEN,
-    BENDING_ODD,
     EVEN_ENDS,
     GROUPS,
     ODD_ENDS,
+    VALUES,
     side,
 )
 from solar_env.mechanics.numerics.jit import kernel
 
 # Parts of a panel's axis, each with as many points as an element of a beam.
 _PARTS = 8
+
+
+@kernel(inner=True)
+def coupled_coordinate(panels, d, group, r, q):
+    """Coordinate `r` of a bending group that foreshortening couples, from a panel's amplitudes."""
+    first, coupled = panels.first[group], panels.coupled[group]
+    if r < coupled:
+        return q[first + r]
+    value = 0.0
+    for k in range(first + coupled, panels.first[group + 1]):
+        value += panels.modes[d, k].row[r - coupled] * q[k]
+    return value
 
 
 @kernel(inner=True)
@@ -48,12 +60,13 @@ def attachment_place(model, q, v, number):
                 else:
                     x += value
         for group in range(2):
-            for r in range(panels.coupled[group]):
-                for partner in range(2):
-                    form, sign = (ODD_ENDS, odd) if partner == group else (EVEN_ENDS, 1.0)
-                    for k in range(panels.coupled[partner]):
-                        product = q[first_mode + panels.first[group] + r] * q[first_mode + panels.first[partner] + k]
-                        x += 0.5 * sign * forms[group, r, k, form] * product
+            for partner in range(2):
+                form, sign = (ODD_ENDS, odd) if partner == group else (EVEN_ENDS, 1.0)
+                for r in range(panels.coupled[group] + VALUES):
+                    own = coupled_coordinate(panels, d, group, r, q[first_mode:])
+                    for k in range(panels.coupled[partner] + VALUES):
+                        other = coupled_coordinate(panels, d, partner, k, q[first_mode:])
+                        x += 0.5 * sign * forms[group, r, k, form] * own * other
     return q[first] + c * x - s * y, q[first + 1] + s * x + c * y, turn, spin
 
 
@@ -93,10 +106,13 @@ def _panel_axis(model: ModalModel, row: np.void, amplitudes: Array, points: int)
     rows = [panels.rows[d, start:stop] for start, stop in itertools.pairwise(panels.first)]
     # Values of the first end by the pseudo-modes of each group, and by foreshortening.
     rest = [group[..., k:] @ row[k:] for group, k, row in zip(groups, kept, rows, strict=True)]
-    low = [groups[g][..., : panels.coupled[g]] for g in (BENDING_EVEN, BENDING_ODD)]
+    low = [
+        np.concatenate([groups[g][..., :k], groups[g][..., k:] @ rows[g][k:]], axis=-1)
+        for g, k in enumerate(panels.coupled[:2])
+    ]
     for g in range(2):
         for partner, form, axial in ((g, ODD_ENDS, AXIAL_ODD), (1 - g, EVEN_ENDS, AXIAL_EVEN)):
-            block = panels.forms[d, g, : panels.coupled[g], : panels.coupled[partner], form]
+            block = panels.forms[d, g, : low[g].shape[-1], : low[partner].shape[-1], form]
             rest[axial][..., 0] += 0.5 * np.einsum("ij,...i,...j->...", block, low[g], low[partner])
     (w, slope), (odd_w, odd_slope) = (np.moveaxis(value, -1, 0) for value in rest[:2])
     u, odd_u = rest[AXIAL_EVEN][..., 0], rest[AXIAL_ODD][..., 0]

@@ -46,6 +46,12 @@ class Lagrangian:
         groups = [q[first + group.start : first + group.stop] for group in self.groups]
         low = np.empty((coupled[0] + coupled[1], *q.shape[1:]), q.dtype)
         low[::2], low[1::2] = groups[0][: coupled[0]], groups[1][: coupled[1]]
+        rows = self.model.panels.rows[body["design"]]
+        rest = [
+            rows[part][count:].T @ group[count:]
+            for part, group, count in zip(self.groups[:2], groups[:2], coupled[:2], strict=True)
+        ]
+        low = np.concatenate([low, *rest])
         forms = self.forms[body["panel"]]
         return groups, tuple(0.5 * np.einsum("i...,kij,j...->k...", low, form, low) for form in forms)
 

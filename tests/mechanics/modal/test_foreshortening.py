@@ -8,8 +8,8 @@ import mpmath
 import numpy as np
 import pytest
 
-from solar_env.mechanics.bodies.beam_modes import wave_number
-from solar_env.mechanics.modal.panel.foreshortening import quadratic_forms, slopes
+from solar_env.mechanics.bodies.beam_modes import bending_modes, wave_number
+from solar_env.mechanics.modal.panel.foreshortening import quadratic_forms, rest_slopes, slopes
 
 LENGTH, MASS, BENDING, AXIAL = 1.5, 6.0, 6, 3
 
@@ -30,11 +30,26 @@ def test_slopes_are_those_of_the_modes_in_extended_precision() -> None:
                 )
 
 
+def test_the_rest_of_the_end_values_bends_the_panel_as_all_higher_modes_do_under_loads_at_an_end() -> None:
+    kept, many, x = 4, 200, np.linspace(0.1, 0.9, 5)
+    rest = bending_modes(1.0, 1.0, 1.0, kept)
+    series = bending_modes(1.0, 1.0, 1.0, many, blocks=0)
+    shapes, higher = rest_slopes(1.0, kept, x), slopes(1.0, 1.0, many, x)
+    for group in range(2):
+        # Pseudo-modes know the exact end values: four of each symmetry.
+        own = slice(kept + 4 * group, kept + 4 * group + 4)
+        values = rest.rows[:2, own] / rest.frequencies[own] ** 2 @ rest.rows[:2, own].T
+        modes = np.arange(kept + group, many, 2)
+        expected = series.rows[:2, modes] / series.frequencies[modes] ** 2 @ higher[modes]
+        assert values @ shapes[2 * group : 2 * group + 2] == pytest.approx(expected, abs=2e-5)
+
+
 def test_projections_and_the_rest_at_the_ends_add_up_to_the_shortening() -> None:
-    amplitudes = np.random.default_rng(1).normal(size=BENDING) * 0.01
+    amplitudes = np.random.default_rng(1).normal(size=BENDING + 4) * 0.01
     project, ends = quadratic_forms(LENGTH, MASS, BENDING, AXIAL)
     x = np.linspace(0.0, LENGTH, 200001)
-    rate = -0.5 * (amplitudes @ slopes(LENGTH, MASS, BENDING, x)) ** 2
+    slope = np.concatenate([slopes(LENGTH, MASS, BENDING, x), rest_slopes(LENGTH, BENDING, x)])
+    rate = -0.5 * (amplitudes @ slope) ** 2
     step = x[1] - x[0]
     shortening = np.concatenate([[0.0], np.cumsum(0.5 * step * (rate[1:] + rate[:-1]))])
     shortening -= np.trapezoid(shortening, x) / LENGTH

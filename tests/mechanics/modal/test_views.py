@@ -84,13 +84,13 @@ def test_the_axis_of_a_panel_in_one_mode_has_its_shape(k: int) -> None:
 def test_a_panel_that_bends_without_strain_keeps_its_length() -> None:
     simulation = panel(6)
     model, q = simulation.model, simulation.state.q
-    bending = 0.05 * np.array([1.0, -0.4, 0.2, 0.0, 0.0, 0.0])
+    bending = 0.05 * np.array([1.0, -0.4, 0.2, 0.0])
     even, odd, axial, axial_odd = 3 + model.panels.first[:4]
-    q[even : even + 3], q[odd : odd + 3] = bending[::2], bending[1::2]
+    q[even : even + 2], q[odd : odd + 2] = bending[::2], bending[1::2]
     axis = centreline(model, q, 0, 50)
     stretched = np.hypot(*np.diff(axis, axis=0).T).sum() - LENGTH
-    project, _ = quadratic_forms(LENGTH, MASS, 6, 3)
-    shortening = 0.5 * np.einsum("kij,i,j->k", project, bending, bending)
+    project, _ = quadratic_forms(LENGTH, MASS, bending.size, 3)
+    shortening = 0.5 * np.einsum("kij,i,j->k", project[:, :4, :4], bending, bending)
     q[axial_odd : axial_odd + 2], q[axial] = shortening[::2], shortening[1]
     axis = centreline(model, q, 0, 50)
     kept = np.hypot(*np.diff(axis, axis=0).T).sum() - LENGTH

@@ -14,6 +14,7 @@ from solar_env.mechanics.modal.panel.tables import (
     LOW,
     ODD_ENDS,
     ODD_FIRST,
+    VALUES,
     values_of,
 )
 from solar_env.mechanics.numerics.jit import kernel
@@ -25,9 +26,9 @@ def foreshorten(forms, low, column, gradient, shortening):
 
     Args:
         forms: (2, LOW, LOW, FORMS), see `Panels`.
-        low: (2, LOW, 4) motion of the lowest modes of the two bending groups.
-        column: of it that holds the amplitudes; the next one holds the rates.
-        gradient: (2, LOW, FORMS) by amplitude.
+        low: (2, LOW, 4) motion of the coupled coordinates of the two bending groups.
+        column: of it that holds their values; the next one holds the rates.
+        gradient: (2, LOW, FORMS) by coordinate.
         shortening: (2, FORMS) values, rates.
     """
     value0 = value1 = value2 = value3 = value4 = 0.0
@@ -63,27 +64,44 @@ def foreshorten(forms, low, column, gradient, shortening):
 
 @kernel(inlined=True)
 def foreshorten_pose(panels, own, d, q, v):
-    """Foreshortening of a panel, as of the first stage, in a pose given by its amplitudes and their rates."""
-    for group in range(GROUPS):
-        for r in range(panels.coupled[group]):
+    """Foreshortening of a panel, as of the first stage, in a pose: amplitudes, their rates, and the ends' values."""
+    for group in range(AXIAL_EVEN):
+        coupled = panels.coupled[group]
+        for i in range(VALUES):
+            for c in range(2):
+                own.low[group, coupled + i, c] = own.ends[group, i, c]
+        for r in range(coupled):
             k = panels.first[group] + r
             own.low[group, r, 0], own.low[group, r, 1] = q[k], v[k]
+            for i in range(VALUES):
+                own.low[group, coupled + i, 0] -= panels.modes[d, k].row[i] * q[k]
+                own.low[group, coupled + i, 1] -= panels.modes[d, k].row[i] * v[k]
     foreshorten(panels.forms[d], own.low, 0, own.gradient[0], own.shortening[0])
 
 
 @kernel(inlined=True)
 def move_low(panels, own, answers, d, group):
-    """Motion of the coupled modes of a group at both stages under the loads and the present modal forces."""
-    for r in range(panels.coupled[group]):
+    """Motion of the coupled coordinates of a group at both stages under the loads and the present modal forces."""
+    coupled = panels.coupled[group]
+    if group < AXIAL_EVEN:
+        for i in range(VALUES):
+            for c in range(4):
+                own.low[group, coupled + i, c] = own.ends[group, i, c]
+    for r in range(coupled):
         k = panels.first[group] + r
-        first, second = own.coupling[0, group, r], own.coupling[1, group, r]
-        mode, answer = panels.modes[d, k], answers[k].coefficient
+        mode, answer, first, second = panels.modes[d, k], answers[k].coefficient, 0.0, 0.0
         for i in range(values_of(group)):
             first += mode.row[i] * own.load[0, group, i]
             second += mode.row[i] * own.load[1, group, i]
         for c in range(4):
-            moved = own.low_free[group, r, c] + answer[FROM_LOAD + c] * first
-            own.low[group, r, c] = moved + answer[FROM_LOAD + 4 + c] * second
+            by_first, by_second = answer[FROM_LOAD + c], answer[FROM_LOAD + 4 + c]
+            moved = own.low_free[group, r, c] + by_first * first + by_second * second
+            if group < AXIAL_EVEN:
+                # The ends have moved by the loads, not yet by the modal forces.
+                for i in range(VALUES):
+                    own.low[group, coupled + i, c] -= mode.row[i] * moved
+            moved += by_first * own.coupling[0, group, r] + by_second * own.coupling[1, group, r]
+            own.low[group, r, c] = moved
 
 
 @kernel(inlined=True)
@@ -104,7 +122,7 @@ def push_axial(panels, own, d, s):
 
 @kernel(inlined=True)
 def push_bending(panels, own, d, s):
-    """Modal forces of the tension on the bending modes of a panel at stage `s`."""
+    """Forces of the tension on the bending coordinates of a panel at stage `s`."""
     for f in range(FORMS):
         own.tension[f] = 0.0
     own.tension[EVEN_ENDS] = own.load[s, AXIAL_EVEN, 0]
@@ -117,16 +135,26 @@ def push_bending(panels, own, d, s):
             force = frequency * frequency * (value + panels.damping[d] * rate)
             own.tension[f] = force - own.coupling[s, group, r]
     for group in range(AXIAL_EVEN):
-        for r in range(panels.coupled[group]):
+        coupled = panels.coupled[group]
+        for r in range(coupled + VALUES):
             force = 0.0
             for f in range(FORMS):
                 force += own.tension[f] * own.gradient[s, group, r, f]
+            if r >= coupled:
+                own.load[s, group, r - coupled] += force - own.coupling[s, group, r]
             own.coupling[s, group, r] = force
+        for r in range(coupled):
+            for i in range(VALUES):
+                share = panels.modes[d, panels.first[group] + r].row[i]
+                own.coupling[s, group, r] -= share * own.coupling[s, group, coupled + i]
 
 
 @kernel(inlined=True)
 def couple(panels, own, answers, d):
-    """Modal forces of foreshortening in a panel at both stages, the axial ones first: tension is what they leave."""
+    """Forces of foreshortening in a panel at both stages, the axial ones first: tension is what they leave.
+
+    The ends must have moved by their loads, among which are the forces on the rest of their values: these change here.
+    """
     for group in range(AXIAL_EVEN):
         move_low(panels, own, answers, d, group)
     for s in range(2):

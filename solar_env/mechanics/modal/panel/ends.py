@@ -66,9 +66,9 @@ def free_ends(panels, own, answers, d, q, v):
 
 
 @kernel(inlined=True)
-def forced_ends(own, response):
-    """Motion of the ends of a panel at both stages, free and by the loads there."""
-    for group in range(GROUPS):
+def forced_ends(own, response, groups):
+    """Motion of the ends of a panel at both stages in the first `groups` groups, free and by the loads there."""
+    for group in range(groups):
         for i in range(values_of(group)):
             for c in range(4):
                 total = own.free[group, i, c]

@@ -1,23 +1,35 @@
-"""Shortening of a bent panel along its axis, to second order in the bending amplitudes.
+"""Shortening of a bent panel along its axis, to second order in the bending coordinates.
 
 A beam that bends without stretching moves its points along the axis by u with u' = -w'^2 / 2, u free of its mean.
 Of u the lowest axial modes take their projections s_k = b^T K_k b / 2; the rest is felt at the ends alone, as
 b^T S_e b / 2. Its transpose is the tension's action on bending (J. C. Simo and L. Vu-Quoc, J. Sound Vib. 119 (1987)
 487, doi:10.1016/0022-460X(87)90410-X, on why it must not be left out).
+
+The coordinates b are the amplitudes of the lowest bending modes and what all other modes add to deflection and slope of
+the ends, as one static shape each. Without these the series is slow: acceleration of the ends by foreshortening then
+errs as one over the number of modes (12, 24 modes: 8 and 2 % of the peak reaction in the array's second joint).
 """
 
 import math
 from functools import lru_cache
 
 import numpy as np
+from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from solar_env.mechanics.bodies.beam_modes import slope_factor, wave_number
 
 # Bending and axial modes that enter. More change the forces after latching by less than one part in a thousand.
-BENDING_MODES = 6
+BENDING_MODES = 4
 AXIAL_MODES = 3
 _NODES = 200  # of Gauss, for products of two slopes with at most seven waves each
+# Shapes of a free beam of unit length, mass and stiffness under a unit force and a unit moment at its first end, which
+# accelerate it, less its rigid motion.
+_STATIC = (
+    Polynomial([1.0 / 105.0, -11.0 / 210.0, 0.0, 1.0 / 6.0, -1.0 / 6.0, 1.0 / 20.0]),
+    Polynomial([-11.0 / 210.0, 13.0 / 35.0, -1.0 / 2.0, 0.0, 1.0 / 4.0, -1.0 / 10.0]),
+)
+_MIRRORED = Polynomial([1.0, -1.0])
 
 
 def slopes(length: float, mass: float, modes: int, x: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -36,19 +48,42 @@ def slopes(length: float, mass: float, modes: int, x: NDArray[np.float64]) -> ND
     return found
 
 
+def rest_slopes(length: float, bending: int, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(4, points) slopes at the points `x` [m] by what the modes above the lowest `bending` add to the end values.
+
+    By a deflection [1/m] and a slope at the first end, both even about the middle, then both odd. The shapes are those
+    into which loads at the ends bend the beam statically, less what its lowest modes take of them.
+    """
+    s, found = x / length, []
+    shapes = slopes(1.0, 1.0, bending, s)
+    for group, sign in enumerate((1.0, -1.0)):
+        bent = [0.5 * (shape + sign * shape(_MIRRORED)) for shape in _STATIC]
+        slope = np.stack([shape.deriv()(s) for shape in bent])
+        values = np.array([(shape(0.0), shape.deriv()(0.0)) for shape in bent])
+        for k in range(group, bending, 2):
+            number = wave_number(k + 1)
+            own, square = np.array([2.0, -2.0 * float(slope_factor(number) * number)]), float(number) ** 4
+            slope -= np.outer(own, shapes[k]) / square
+            values -= np.outer(own, own) / square
+        found.append(np.linalg.solve(values, slope) / np.array([[length], [1.0]]))
+    return np.concatenate(found)
+
+
 def quadratic_forms(
     length: float, mass: float, bending: int, axial: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """K (axial, bending, bending) and S (2, bending, bending) [1/m, and 1/(kg m) as the modes are mass-normalised].
+    """K (axial, n, n) and S (2, n, n), n = bending + 4, by bending amplitudes and by the rest of the end values.
 
     Args:
         length: [m].
         mass: [kg].
-        bending: number of bending modes that enter.
+        bending: number of bending modes that enter; they are mass-normalised.
         axial: number of axial modes that enter.
     """
     project, ends = _unit_forms(bending, axial)
-    return project / (math.sqrt(mass) * length), ends / (mass * length)
+    scale = np.array([*[1.0 / math.sqrt(mass)] * bending, *[1.0, length] * 2]) / math.sqrt(length)
+    both = np.outer(scale, scale)
+    return math.sqrt(mass) * project * both, ends * both
 
 
 @lru_cache(maxsize=64)
@@ -56,7 +91,7 @@ def _unit_forms(bending: int, axial: int) -> tuple[NDArray[np.float64], NDArray[
     """Both for a panel of unit length and mass."""
     nodes, weights = np.polynomial.legendre.leggauss(_NODES)
     x, w = 0.5 * (nodes + 1.0), 0.5 * weights
-    slope = slopes(1.0, 1.0, bending, x)
+    slope = np.concatenate([slopes(1.0, 1.0, bending, x), rest_slopes(1.0, bending, x)])
     numbers = np.arange(1, axial + 1)[:, None]
     # Integrals of rho times the axial modes from the first end, which is the weight of u' in their projections.
     integrated = math.sqrt(2.0) / (numbers * math.pi) * np.sin(numbers * math.pi * x)

@@ -28,8 +28,8 @@ LEVELS = 50
 BENDING_EVEN, BENDING_ODD, AXIAL_EVEN, AXIAL_ODD = range(4)
 GROUPS = 4
 VALUES = 2
-# Most modes of a bending group that foreshortening couples, and most of an axial group.
-LOW, LOW_AXIAL = 3, 2
+# Most coordinates of a group that foreshortening couples: modes and, in bending, what the others add to the end values.
+LOW = 4
 # Quadratic forms of foreshortening: projections on the coupled axial modes, odd and even ones, and the rest that the
 # ends feel, opposite and alike.
 ODD_FIRST, ODD_SECOND, ODD_ENDS, EVEN_FIRST, EVEN_ENDS = range(5)
@@ -65,15 +65,17 @@ response_type = record(
 panel_scratch = record(
     [
         ("load", np.float64, (2, GROUPS, VALUES)),  # of the ends, by stage: transverse force and moment, or axial force
-        ("coupling", np.float64, (2, GROUPS, LOW)),  # modal forces of foreshortening, by stage
+        # Forces of foreshortening by stage: on the coupled modes, and on the rest of the end values, whose forces load
+        # all modes, the coupled ones too, where the former take them back.
+        ("coupling", np.float64, (2, GROUPS, LOW)),
         # Rates of the coupled axial amplitudes less those of foreshortening, by stage.
         ("strain_rate", np.float64, (2, GROUPS, LOW)),
         ("free", np.float64, (GROUPS, VALUES, 4)),  # free motion of the ends
         ("defect", np.float64, GROUPS),  # of the first value's rate at the end of the step
         ("ends", np.float64, (GROUPS, VALUES, 4)),  # motion of the ends
         ("low_free", np.float64, (GROUPS, LOW, 4)),  # free motion of the modes that foreshortening couples
-        ("low", np.float64, (GROUPS, LOW, 4)),  # their motion
-        ("gradient", np.float64, (2, 2, LOW, FORMS)),  # of the forms by the bending amplitudes, by stage
+        ("low", np.float64, (GROUPS, LOW, 4)),  # motion of the coupled coordinates
+        ("gradient", np.float64, (2, 2, LOW, FORMS)),  # of the forms by those of bending, by stage
         ("shortening", np.float64, (2, 2, FORMS)),  # values of the forms and their rates, by stage
         ("tension", np.float64, FORMS),  # that works on the forms
     ]
@@ -87,8 +89,8 @@ class Panels(NamedTuple):
     coupled: NDArray[np.int64]  # (GROUPS,) number of lowest modes that foreshortening couples
     damping: Array  # (D,) retardation time [s]
     modes: NDArray[np.void]  # (D, modes) rows of `mode_type`
-    # (D, 2, LOW, LOW, FORMS) by mode of a bending group and by mode of its partner: the same group for the odd forms,
-    # the other one for the even forms.
+    # (D, 2, LOW, LOW, FORMS) by coordinate of a bending group and of its partner: the same group for the odd forms, the
+    # other one for the even forms.
     forms: Array
 
     @property

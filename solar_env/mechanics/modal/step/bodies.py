@@ -5,7 +5,15 @@ import math
 from solar_env.mechanics.arrays.model import IDEAL
 from solar_env.mechanics.modal.arrays import LEVER, NORMAL_X, NORMAL_Y, RIGID_BODY, START
 from solar_env.mechanics.modal.panel.oscillators import NODES, A, B
-from solar_env.mechanics.modal.panel.tables import AXIAL_EVEN, AXIAL_ODD, BENDING_EVEN, BENDING_ODD, GROUPS, side
+from solar_env.mechanics.modal.panel.tables import (
+    AXIAL_EVEN,
+    AXIAL_ODD,
+    BENDING_EVEN,
+    BENDING_ODD,
+    GROUPS,
+    VALUES,
+    side,
+)
 from solar_env.mechanics.numerics.jit import kernel
 
 # Below this angle [rad] three terms of the series of sine and cosine hold all digits.
@@ -60,9 +68,13 @@ def distribute_loads(model, state, work):
             for i in range(3):
                 work.bodies[b].load[s, i] = 0.0
     for p in range(work.panels.size):
+        own = work.panels[p]
         for s in range(2):
             for group in range(GROUPS):
-                work.panels[p].load[s, group, 0] = work.panels[p].load[s, group, 1] = 0.0
+                for i in range(VALUES):
+                    # What foreshortening does to the rest of the end values is a load of the ends.
+                    bending, rest = group < AXIAL_EVEN, model.panels.coupled[group] + i
+                    own.load[s, group, i] = own.coupling[s, group, rest] if bending else 0.0
     for j in range(model.joints.size):
         joint, own = model.joints[j], work.joints[j]
         for s in range(2):

@@ -34,6 +34,7 @@ from solar_env.mechanics.modal.arrays import (
 from solar_env.mechanics.modal.panel.coupling import couple, shorten_ends
 from solar_env.mechanics.modal.panel.ends import add_modal_forces, forced_ends, free_ends
 from solar_env.mechanics.modal.panel.oscillators import NODES
+from solar_env.mechanics.modal.panel.tables import AXIAL_EVEN, GROUPS
 from solar_env.mechanics.modal.step.bodies import distribute_loads, stage_frames
 from solar_env.mechanics.modal.step.cables import (
     cable_row,
@@ -123,9 +124,11 @@ def move_stages(model, state, work, tables, level, h, coupled):
         p, d = model.bodies[b].panel, model.bodies[b].design
         if p != RIGID_BODY:
             own, answers = work.panels[p], tables.answers[d, level]
-            forced_ends(own, tables.responses[d, level].response)
+            forced_ends(own, tables.responses[d, level].response, GROUPS)
             if coupled:
                 couple(model.panels, own, answers, d)
+                # The forces on the rest of the end values are among the loads.
+                forced_ends(own, tables.responses[d, level].response, AXIAL_EVEN)
             add_modal_forces(model.panels, own, answers, d)
             shorten_ends(own)
     for s in range(2):

@@ -1,6 +1,6 @@
-"""Train a controller that deploys the solar array softly, and compare it with the baselines.
+"""Command that trains a controller and compares it with the baselines: `solar-env train`, or `python train.py`.
 
-`python train.py` trains on flexible panels, or on the physics of `--model`, and leaves a run folder;
+It trains on flexible panels, or on the physics of `--model`, and leaves a run folder;
 `tensorboard --logdir runs` shows the training, `python -m agents.evaluate --controllers passive runs/<run>`
 compares runs.
 """
@@ -32,6 +32,7 @@ from agents.learning import configurations, learn
 from agents.rollout import Step, run_episode
 from agents.torque_laws import Signals
 
+PROG = "python train.py"
 BASELINES = ("passive", "servo-untuned", "servo")
 # As many as leave a training with its comparison within ten minutes on two cores.
 TIMESTEPS = 86_400
@@ -72,7 +73,12 @@ class Args(ModelOptions, TrainingOptions):
     """torch device; for networks this small the CPU is faster"""
 
 
-def main(args: Args, command: str) -> Path:
+def main(argv: Sequence[str] | None = None) -> None:
+    """Run the command; see `Args`."""
+    run(parse_arguments(Args, argv, PROG), command_line(PROG, argv))
+
+
+def run(args: Args, command: str) -> Path:
     """Train, compare, and return the run folder."""
     if args.seeds:
         return train_seeds(args, command)
@@ -190,4 +196,4 @@ def draw(folder: Path, config: configurations.Configuration, returns: dict[str, 
 
 
 if __name__ == "__main__":
-    run_command(lambda: main(parse_arguments(Args), command_line("python train.py", None)))
+    run_command(main)

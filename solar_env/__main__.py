@@ -32,6 +32,7 @@ COMMANDS = {
         "loads": Command("solar_env.commands.loads", "say how hard hinges and hub are hit, and how sure that is"),
     },
     "controllers": {
+        "train": Command("agents.train", "train an agent, and compare it with the baselines"),
         "tune": Command("agents.tune", "tune a law"),
         "evaluate": Command("agents.evaluate", "compare controllers on the same episodes"),
         "play": Command("solar_env.commands.play", "drive the array by hand, in a window"),

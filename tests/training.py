@@ -16,4 +16,4 @@ SMALL = {
 
 def run(*arguments):
     args = parse_arguments(train.Args, ["--quiet", "--eval-episodes", "2", *map(str, arguments)])
-    return train.main(args, "python train.py ...")
+    return train.run(args, "python train.py ...")

@@ -19,13 +19,13 @@ class ModelOptions:
     """Physics of the environments of a command."""
 
     model: str | None = None
-    """rigid-ideal, rigid-clearance, flexible-ideal, flexible-clearance or auto; None: see above"""
+    """rigid-ideal, rigid-clearance, flexible-ideal, flexible-clearance or auto; by default see above"""
     panels: str | None = None
-    """modal or ancf: model of flexible panels; None: what elements or modes ask for, else modal"""
+    """modal or ancf: model of flexible panels; by default what elements or modes ask for, else modal"""
     elements: int | None = None
-    """beam elements of each panel; None: 6 where panels are ancf"""
+    """beam elements of each panel; by default 6 where panels are ancf"""
     modes: int | None = None
-    """bending modes of each modal panel; None: see above, or 24 for a model that is named"""
+    """bending modes of each modal panel; by default see above, or 24 for a model that is named"""
     env_kwargs: Assignments = dataclasses.field(default_factory=dict)
     """environment keywords, for example torque_limit=0.3 observation=privileged"""
 
@@ -41,9 +41,9 @@ class TrainingOptions(WorkerOptions):
     """Settings of trainings in place of those in agents/configs."""
 
     timesteps: int | None = None
-    """environment steps of every training; None: the number in agents/configs"""
+    """environment steps of every training; by default the number in agents/configs"""
     landings: int | None = None
-    """episodes of the law alone with whose landings training begins; None: the number in agents/configs"""
+    """episodes of the law alone with whose landings training begins; by default the number in agents/configs"""
     hyperparams: Assignments = dataclasses.field(default_factory=dict)
     """hyperparameters in place of those in agents/configs, for example learning_rate=1e-3"""
 

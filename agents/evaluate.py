@@ -16,6 +16,7 @@ from agents.comparison.suites import MODEL, SUITES, suite_controllers
 from agents.environments import completed, with_sampling
 from agents.laws.table import LAWS
 from solar_env.support.readme import Section
+from solar_env.support.terminal import print_markdown
 
 PROG = "python -m agents.evaluate"
 FIGURE = "comparison.png"
@@ -48,7 +49,7 @@ class Args(ModelOptions, WorkerOptions):
     """folder (evaluation, or evaluation/SUITE) for episodes.csv, metrics.json, comparison.md and comparison.png, and
     for the finished episodes, with which an interrupted evaluation goes on"""
     env_id: str | None = None
-    """environment id; None: that of the suite, else of the trained controllers given, else solar_env/Deploy-v0"""
+    """environment id; by default that of the suite, else of the trained controllers given, else solar_env/Deploy-v0"""
     readme: bool = False
     """write a suite's table into the README, and its figure beside the README's others"""
 
@@ -77,7 +78,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     if args.readme:
         shutil.copy(out / FIGURE, COMPARISON / "figures" / f"suite-{args.suite}.png")
         _section(args).write(tables.folded().strip())
-    print(tables)
+    print_markdown(str(tables))
     print(f"written to {out}")
 
 

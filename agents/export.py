@@ -37,7 +37,7 @@ class Args:
     """name of the policy: letters, digits, dots, dashes and underscores"""
     scores: str | None = None
     """folder of a comparison (`agents.evaluate`) in which the run, or the policy of this name, was measured, for the
-    card; None: the run's own, or that of all seeds it was trained with"""
+    card; by default the run's own, or that of all seeds it was trained with"""
 
 
 def observed(policy: ShippedPolicy, env: gymnasium.Env, seed: int) -> np.ndarray:

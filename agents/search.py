@@ -89,7 +89,7 @@ class Args(ModelOptions, WorkerOptions):
     timesteps: int = 40_000
     """environment steps of every run"""
     landings: int | None = None
-    """episodes of the law alone with whose landings training begins; None: the number in agents/configs"""
+    """episodes of the law alone with whose landings training begins; by default the number in agents/configs"""
     seed: int = 0
     """seed of the search and of the runs"""
     env_id: str = DEFAULT_ENV_ID

@@ -31,6 +31,7 @@ from agents.laws.table import TUNABLE
 from agents.learning import configurations, learn
 from agents.rollout import Step, run_episode
 from agents.torque_laws import Signals
+from solar_env.support.terminal import print_markdown
 
 PROG = "python train.py"
 BASELINES = ("passive", "servo-untuned", "servo")
@@ -48,25 +49,25 @@ class Args(ModelOptions, TrainingOptions):
     """
 
     algo: str | None = None
-    """algorithm: ppo, sac or td3; None: ppo"""
+    """algorithm: ppo, sac or td3; by default ppo"""
     seed: int | None = None
-    """seed of networks, exploration and training episodes, and chooses those of the comparison; None: 0; beside
+    """seed of networks, exploration and training episodes, and chooses those of the comparison; by default 0; beside
     --seeds it chooses the comparison's alone"""
     seeds: list[int] = field(default_factory=list)
     """train a run for each of these seeds, side by side, and compare them with the baselines as one controller; runs
     that are complete are not trained again"""
     env_id: str | None = None
-    """environment id; None: solar_env/Deploy-v0"""
+    """environment id; by default solar_env/Deploy-v0"""
     n_envs: int | None = None
-    """environments stepped together; None: the number in agents/configs"""
+    """environments stepped together; by default the number in agents/configs"""
     residual: float | None = None
     """the agent adds up to this share of the torque limit to the torque of a tuned law; 0: it commands the whole
-    torque; None: as in agents/configs"""
-    law: Annotated[str | None, tyro.conf.arg(help=f"that law: {', '.join(TUNABLE)}; None: servo")] = None
+    torque; by default as in agents/configs"""
+    law: Annotated[str | None, tyro.conf.arg(help=f"that law: {', '.join(TUNABLE)}; by default servo")] = None
     resume: str | None = None
     """run folder to go on from, with its algorithm, environment, seed, hyperparameters, residual and landings"""
     out: str | None = None
-    """run folder; None: runs/<id>__<algo>__<seed>__<timestamp>"""
+    """run folder; by default runs/<id>__<algo>__<seed>__<timestamp>"""
     eval_episodes: int = 30
     """held-out episodes of the comparison with the baselines"""
     device: str = "cpu"
@@ -94,7 +95,7 @@ def run(args: Args, command: str) -> Path:
 
     summary, tables = compare(args, config, [folder], folder, command)
     draw(folder, config, {name: entry["return"].mean for name, entry in summary.items()})
-    print(tables)
+    print_markdown(str(tables))
     print(f"written to {folder}")
     return folder
 
@@ -125,7 +126,7 @@ def train_seeds(args: Args, command: str) -> Path:
     wanted = {out / f"seed-{seed}": configuration(args, seed) for seed in args.seeds}
     learn.train_missing(wanted, command, args.device, args.workers, not args.quiet)
     _, tables = compare(args, wanted[out / f"seed-{args.seeds[-1]}"], list(wanted), out, command)
-    print(tables)
+    print_markdown(str(tables))
     print(f"written to {out}")
     return out
 

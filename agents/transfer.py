@@ -15,6 +15,7 @@ from agents.comparison.statistics import Estimate
 from agents.environments import DEFAULT_ENV_ID, check_distinct_seeds, check_episode_seeds, with_model
 from agents.learning import configurations, learn
 from solar_env.support.readme import Section
+from solar_env.support.terminal import print_markdown
 
 PROG = "python -m agents.transfer"
 FIGURE, TABLE = "transfer.png", "transfer.md"
@@ -138,7 +139,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     if args.readme:
         shutil.copy(out / FIGURE, COMPARISON / "figures" / FIGURE)
         SECTION.write(markdown(returns).strip())
-    print(markdown(returns))
+    print_markdown(markdown(returns))
     print(f"written to {out}")
 
 

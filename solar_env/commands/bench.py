@@ -9,6 +9,7 @@ from solar_env.array import MODELS, check_model
 from solar_env.commands.arguments import QuietOption
 from solar_env.support.progress import counting_bar
 from solar_env.support.readme import STUDIES, Section
+from solar_env.support.terminal import print_markdown
 
 FILE = "bench.md"
 SECTION = Section(STUDIES / "throughput" / "README.md", "bench", "python -m solar_env bench --readme")
@@ -47,7 +48,7 @@ def run_command(args: Args) -> int:
             results[key] = measure()
             bar.advance(task)
     text = tables(results)
-    print(text)
+    print_markdown(text)
     if args.out is not None:
         args.out.mkdir(parents=True, exist_ok=True)
         (args.out / FILE).write_text(text + "\n", encoding="utf-8")

@@ -17,6 +17,8 @@ from solar_env.array.parameters import ArrayParameters
 from solar_env.commands.arguments import WorkerOptions
 from solar_env.support.files import check_target
 
+_NARROWEST = 140  # columns, where the output is not a terminal
+
 
 @dataclass
 class Args(WorkerOptions):
@@ -76,6 +78,8 @@ def run_command(args: Args) -> int:
         warm_up(console, level.model, default_integrator(level.model, level.panels).name)
     loads = measure_loads(plan, args.out, args.workers, console)
     printed = Console()
+    if not printed.is_terminal:
+        printed.width = max(printed.width, _NARROWEST)
     for line in answer(loads, args.wear_limit):
         printed.print(line, highlight=False)
     for table in tables(loads):

@@ -44,9 +44,9 @@ def peaks_between(trajectory: Trajectory, kept: NDArray[np.intp]) -> Array:
     return np.asarray(np.maximum.reduceat(forces, kept, axis=0))
 
 
-def _in_words(values: Iterable[float], digits: int = 3) -> str:
+def _in_words(values: Iterable[float]) -> str:
     """Numbers with few digits, as in "12.3 and 12.4"."""
-    return " and ".join(f"{value:.{digits}g}" for value in values)
+    return " and ".join(f"{value:.3g}" for value in values)
 
 
 def motion_of(trajectory: Trajectory, name: str) -> Motion:
@@ -113,7 +113,7 @@ def charts_of(trajectories: Mapping[str, Trajectory]) -> list[Chart]:
 def _single_titles(trajectory: Trajectory) -> dict[str, str]:
     lost = sum(float(trajectory.energies[part][-1]) for part in _LOST) / trajectory.energy_put_in
     return {
-        "angles": f"The joints latch after {_in_words(trajectory.latch_times, 4)} s",
+        "angles": f"The joints latch after {' and '.join(f'{time:.2f}' for time in trajectory.latch_times)} s",
         "forces": f"Contact forces peak at {_in_words(trajectory.peak_force)} N",
         "torques": f"Latch torques reach {_in_words(np.abs(trajectory.latch_torque).max(axis=0))} N m",
         "energies": f"{lost:.0%} of the energy put in is lost by the end",

@@ -6,15 +6,15 @@ file and of every file of the package that this imports, so that any edit compil
 """
 
 import hashlib
-import os
 import re
-import tempfile
 from collections.abc import Callable
 from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
 import numba
+
+from solar_env.mechanics.numerics.kernel_cache import KernelCache, cache_root, private_folder
 
 _PACKAGE = Path(__file__).resolve().parents[2]
 
@@ -49,24 +49,13 @@ def cache_folder(path: Path) -> str:
     """Folder of the compiled kernels of a source file; it is there and can be written.
 
     Raises:
-        OSError: if there is none.
+        OSError: if there is none, or others can write there.
     """
     digest = hashlib.sha256()
     for source in kernel_sources(path):
         digest.update(source.relative_to(_PACKAGE).as_posix().encode())
         digest.update(source.read_bytes())
-    base = os.environ.get("NUMBA_CACHE_DIR") or os.path.join(
-        os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache"), "solar_env"
-    )
-    for root in (base, os.path.join(tempfile.gettempdir(), "solar_env")):
-        folder = os.path.join(root, digest.hexdigest()[:16])
-        try:
-            os.makedirs(folder, exist_ok=True)
-        except OSError:
-            continue
-        if os.access(folder, os.W_OK):
-            return folder
-    raise OSError(f"no writable folder for compiled kernels (tried {base!r}); set NUMBA_CACHE_DIR to one")
+    return str(private_folder(cache_root() / digest.hexdigest()[:16]))
 
 
 def kernel(
@@ -99,8 +88,7 @@ def kernel(
     previous = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = cache_folder(Path(function.__code__.co_filename).resolve())
     try:
-        return numba.njit(
-            cache=True,
+        compiled = numba.njit(
             nogil=True,
             error_model="numpy",
             fastmath={"contract"},
@@ -108,5 +96,8 @@ def kernel(
             _nrt=False,
             **options,
         )(function)
+        if not numba.config.DISABLE_JIT:
+            compiled._cache = KernelCache(function)
+        return compiled
     finally:
         numba.config.CACHE_DIR = previous

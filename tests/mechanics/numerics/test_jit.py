@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import ast
+import errno
 import importlib
+import os
 import shutil
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numba
 import pytest
 
 import solar_env
+from solar_env.mechanics.numerics import kernel_cache
 from solar_env.mechanics.numerics.jit import cache_folder, kernel_sources
+from solar_env.mechanics.numerics.kernel_cache import private_folder
 
 PROGRAM = """
 import sys
@@ -22,6 +27,7 @@ from solar_env.mechanics.numerics import jit
 assert jit.__file__.startswith(sys.argv[1])
 print(jit.cache_folder(Path(sys.argv[1]).resolve() / "solar_env" / sys.argv[2]))
 """
+needs_compiler = pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
 ROOT = Path(solar_env.__file__).resolve().parent
 COMPILING = [path for path in sorted(ROOT.rglob("*.py")) if "@kernel" in path.read_text(encoding="utf-8")]
 
@@ -114,11 +120,94 @@ def test_a_folder_that_cannot_be_written_is_replaced_by_a_temporary_one(
     assert tmp_path in folder.parents
 
 
+def cached(function: Callable[..., Any], folder: Path) -> Any:
+    """A function that is compiled, with a cache in a folder."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(numba.config, "CACHE_DIR", str(folder))
+        compiled = numba.njit(function)
+        compiled._cache = kernel_cache.KernelCache(function)
+    return compiled
+
+
+def double(x: float) -> float:
+    return 2.0 * x
+
+
+@needs_compiler
+@pytest.mark.parametrize("ending", [".nbi", ".nbc"])
+@pytest.mark.parametrize("damage", ["emptied", "truncated", "changed"])
+def test_a_damaged_cache_is_compiled_anew_and_holds_from_then_on(tmp_path: Path, ending: str, damage: str) -> None:
+    def hits() -> int:
+        compiled = cached(double, tmp_path)
+        assert compiled(2.0) == 4.0
+        return sum(compiled.stats.cache_hits.values())
+
+    assert [hits(), hits()] == [0, 1]
+    (path,) = tmp_path.glob(f"*{ending}")
+    content = path.read_bytes()
+    middle = len(content) // 2
+    changed = content[:middle] + bytes([content[middle] ^ 255]) + content[middle + 1 :]
+    path.write_bytes({"emptied": b"", "truncated": content[:middle], "changed": changed}[damage])
+    assert [hits(), hits()] == [0, 1]
+
+
+@needs_compiler
+def test_a_full_disk_costs_the_cache_and_not_the_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(kernel_cache._CheckedFile, "_save_index", full)
+    compiled = cached(double, tmp_path)
+    with pytest.warns(UserWarning, match="could not be kept"):
+        assert compiled(2.0) == 4.0
+
+
+KERNEL = """
+import sys
+sys.path.insert(0, sys.argv[1])
+from solar_env.mechanics.joints.wear import pressed_half_angle
+pressed_half_angle(1e-4, 1e-4)
+print(sum(pressed_half_angle.stats.cache_hits.values()))
+"""
+
+
+@needs_compiler
+def test_compiled_kernels_are_found_again_wherever_the_package_lies(
+    package: Path, tmp_path: Path, run_python: Callable[..., str]
+) -> None:
+    environment = {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONDONTWRITEBYTECODE": "1"}
+    run_python(KERNEL, str(package), **environment)
+    moved = shutil.copytree(package, tmp_path / "elsewhere", copy_function=shutil.copyfile)
+    assert run_python(KERNEL, str(moved), **environment).strip() == "1"
+
+
+@pytest.mark.skipif(not hasattr(os, "getuid"), reason="permissions of POSIX")
+@pytest.mark.parametrize("above", [False, True])
+def test_a_folder_of_kernels_that_others_can_write_is_refused(tmp_path: Path, above: bool) -> None:
+    folder = private_folder(tmp_path / "own" / "cache")
+    assert folder.stat().st_mode & 0o777 == 0o700
+    (folder.parent if above else folder).chmod(0o777)
+    with pytest.raises(OSError, match=r"others can write in .*chmod go-w"):
+        private_folder(folder)
+
+
+@pytest.mark.skipif(not hasattr(os, "getuid") or os.getuid() != 0, reason="only root gives files away")
+def test_a_folder_of_kernels_of_another_user_is_refused(tmp_path: Path) -> None:
+    os.chown(tmp_path, 12345, -1)
+    with pytest.raises(OSError, match="belongs to another user"):
+        private_folder(tmp_path)
+
+
+def test_a_folder_with_the_sticky_bit_may_lie_above(tmp_path: Path) -> None:
+    tmp_path.chmod(0o1777)
+    assert private_folder(tmp_path / "cache").is_dir()
+
+
 def test_the_compilers_own_settings_are_left_alone() -> None:
     assert cache_folder(COMPILING[0]) != numba.config.CACHE_DIR
 
 
-@pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
+@needs_compiler
 @pytest.mark.parametrize("path", COMPILING, ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_a_kernel_says_itself_whether_it_is_inlined(path: Path) -> None:
     module = importlib.import_module(".".join(path.relative_to(ROOT.parent).with_suffix("").parts))

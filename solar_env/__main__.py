@@ -10,6 +10,8 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from typing import Any, NamedTuple
 
+from solar_env.support.interruption import report_interruption
+
 PROG = "solar-env"
 
 
@@ -88,7 +90,10 @@ def overview() -> str:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a command; returns the exit status: 0 done, 1 a verification or map failed, 2 wrong input or a failed run."""
+    """Run a command; returns the exit status.
+
+    0: done; 1: a verification or map failed; 2: wrong input or a failed run; 130: interrupted by Ctrl-C.
+    """
     words = list(sys.argv[1:] if arguments is None else arguments)
     if not words or words[0] in ("-h", "--help"):
         print(overview(), end="", file=sys.stdout if words else sys.stderr)
@@ -103,6 +108,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (ValueError, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
+    except KeyboardInterrupt as stop:
+        return report_interruption(stop)
     finally:
         warnings.formatwarning = usual
 

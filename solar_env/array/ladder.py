@@ -85,7 +85,7 @@ def read_answers(path: Path = PACKAGED_TABLE) -> tuple[Answer, ...]:
         rows = csv.DictReader(line for line in file if not line.startswith("# "))
         try:
             return tuple(Answer(**{name: kind(row[name]) for name, kind in kinds.items()}) for row in rows)
-        except (KeyError, TypeError, ValueError) as error:
+        except (KeyError, TypeError, ValueError, OverflowError, csv.Error) as error:
             raise ValueError(f"{path} is not a table of the ladder: {error!r}") from error
 
 

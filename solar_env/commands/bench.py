@@ -7,6 +7,7 @@ from rich.console import Console
 
 from solar_env.array import MODELS, check_model
 from solar_env.commands.arguments import QuietOption
+from solar_env.support.files import make_folder, write_text
 from solar_env.support.progress import counting_bar
 from solar_env.support.readme import STUDIES, Section
 from solar_env.support.terminal import print_markdown
@@ -36,6 +37,8 @@ def run_command(args: Args) -> int:
 
     for model in args.models:
         check_model(model)
+    if args.out is not None:
+        make_folder(args.out)
     if args.readme:
         SECTION.read()  # refuses a page without a place before everything is measured
     console = Console(stderr=True, quiet=args.quiet)
@@ -50,8 +53,7 @@ def run_command(args: Args) -> int:
     text = tables(results)
     print_markdown(text)
     if args.out is not None:
-        args.out.mkdir(parents=True, exist_ok=True)
-        (args.out / FILE).write_text(text + "\n", encoding="utf-8")
+        write_text(args.out / FILE, text + "\n")
     if args.readme:
         SECTION.write(text)
     return 0

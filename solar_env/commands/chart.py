@@ -6,6 +6,7 @@ from rich.console import Console
 
 from solar_env.commands.arguments import FolderOptions, QuietOption, check_choice
 from solar_env.support.campaigns import Workers
+from solar_env.support.files import make_folder
 from solar_env.support.readme import STUDIES as STUDY_FOLDER
 from solar_env.support.readme import Section
 
@@ -42,6 +43,8 @@ def run_command(args: Args) -> int:
     if args.readme:
         for section in SECTIONS.values():
             section.read()  # refuses a page without a place before everything is measured
+    for folder in (tables, figures):
+        make_folder(folder)
     if not args.draw:
         measure_charts(names, args.quick, tables, Console(stderr=True, quiet=args.quiet), Workers(args.jobs))
     for path in draw(names, tables, figures):

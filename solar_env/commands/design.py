@@ -6,6 +6,7 @@ from pathlib import Path
 from rich.console import Console
 
 from solar_env.commands.arguments import WorkerOptions
+from solar_env.support.files import make_folder
 from solar_env.support.readme import STUDIES
 
 
@@ -33,8 +34,9 @@ def run_command(args: Args) -> int:
 
     if args.members < 1:
         raise ValueError(f"members = {args.members} must be at least 1")
+    pictures = make_folder(STUDIES / "design" / "figures" if args.readme else args.out)
     if not args.draw:
         workers = args.workers
         print(measure_design(args.preset, args.members, workers, args.out, Console(stderr=True, quiet=args.quiet)))
-    print(draw_design(read_table(args.out / FILE), STUDIES / "design" / "figures" if args.readme else args.out))
+    print(draw_design(read_table(args.out / FILE), pictures))
     return 0

@@ -8,6 +8,7 @@ import numpy as np
 from rich.progress import track
 
 from solar_env.commands.arguments import QuietOption
+from solar_env.support.files import make_folder, writing
 from solar_env.support.readme import PACKAGE, STUDIES
 
 # A moment after latching, with the journals in flight.
@@ -33,7 +34,8 @@ def draw_frame(path: Path) -> None:
     env.reset(seed=0)
     for _ in range(round(FRAME_TIME / 0.1)):
         env.step(np.zeros(1, dtype=np.float32))
-    Image.fromarray(np.asarray(env.render())).save(path, optimize=True)
+    with writing(path) as file:
+        Image.fromarray(np.asarray(env.render())).save(file, "png", optimize=True)
 
 
 def draw_deployment(path: Path) -> None:
@@ -79,7 +81,7 @@ def run_command(args: Args) -> int:
     """Draw every picture."""
     for place, draw in track(PICTURES.items(), description="drawing", disable=args.quiet):
         path = place if args.out is None else args.out / place.name
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make_folder(path.parent)
         draw(path)
         print(path)
     return 0

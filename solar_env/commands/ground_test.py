@@ -6,6 +6,7 @@ from rich.console import Console
 
 from solar_env.array import ArrayParameters
 from solar_env.commands.arguments import FolderOptions, WorkerOptions
+from solar_env.support.files import make_folder
 from solar_env.support.progress import counting_bar
 from solar_env.support.readme import STUDIES
 
@@ -42,6 +43,8 @@ def run_command(args: Args) -> int:
     if not 0 <= check <= args.deployments:
         raise ValueError(f"check = {check} must lie between 0 and the {args.deployments} deployments")
     parameters = replace(ArrayParameters.preset(args.preset), wear_coefficient=args.wear_coefficient)
+    make_folder(out)
+    pictures = make_folder(STUDIES / "design" / "figures" if args.readme else out)
     workers = args.workers
     campaigns: dict[str, list[Deployment]] = {}
     plans = {"extrapolated": (args.deployments, args.growth)} | ({"direct": (check, 0.0)} if check else {})
@@ -59,7 +62,7 @@ def run_command(args: Args) -> int:
     )  # fmt: skip
     write_table(out / FILE, rows, made_by)
     print(out / FILE)
-    print(draw_ground_test(read_table(out / FILE), STUDIES / "design" / "figures" if args.readme else out))
+    print(draw_ground_test(read_table(out / FILE), pictures))
     for kind, campaign in campaigns.items():
         after = check or args.deployments
         clearance, error = clearances_after(campaign, after)

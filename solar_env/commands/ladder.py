@@ -8,6 +8,7 @@ from rich.table import Table
 
 from solar_env.array.ladder import PACKAGED_TABLE, QUESTIONS, Answer, read_answers, steps
 from solar_env.commands.arguments import FolderOptions, QuietOption
+from solar_env.support.files import make_folder
 from solar_env.support.readme import STUDIES
 
 
@@ -32,6 +33,8 @@ def run_command(args: Args) -> int:
 
     out = args.folder("ladder")
     tables, figures = (PACKAGED_TABLE.parent, STUDIES / "ladder" / "figures") if args.readme else (out, out)
+    for folder in (tables, figures):
+        make_folder(folder)
     if not args.draw:
         measure_ladder(args.quick, tables, Console(stderr=True, quiet=args.quiet))
     answers = read_answers(tables / FILE)

@@ -6,6 +6,7 @@ from rich.console import Console
 
 from solar_env.commands.arguments import FolderOptions, WorkerOptions
 from solar_env.support.campaigns import each_done
+from solar_env.support.files import make_folder, write_text
 from solar_env.support.progress import counting_bar
 from solar_env.support.readme import STUDIES, Section
 
@@ -49,7 +50,7 @@ def run_command(args: Args) -> int:
     runs = dict.fromkeys([*wanted, *(Run(case) for figure in figures for case in figure.cases)])
     pictures = FOLDER / "figures" if args.readme else out
     for folder in (pictures, out):
-        folder.mkdir(parents=True, exist_ok=True)
+        make_folder(folder)
     with counting_bar(Console(stderr=True, quiet=args.quiet)) as bar:
         done = each_done(simulate_run, runs, args.workers)
         motions = dict(bar.track(done, len(runs), description="deployments"))
@@ -64,11 +65,11 @@ def run_command(args: Args) -> int:
     findings = [judge(claim, motions) for claim in CLAIMS]
     text = as_json(findings)
     claims = FOLDER / "claims.json" if args.readme else out / "claims.json"
-    claims.write_text(text + "\n", encoding="utf-8")
+    write_text(claims, text + "\n")
     if args.readme:
         SECTION.write(as_markdown(findings).rstrip("\n"))
     else:
-        (out / "claims.md").write_text(as_markdown(findings), encoding="utf-8")
+        write_text(out / "claims.md", as_markdown(findings))
     if args.json:
         print(text)
     else:

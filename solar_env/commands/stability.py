@@ -7,6 +7,7 @@ from pathlib import Path
 from rich.console import Console
 
 from solar_env.commands.arguments import QuietOption
+from solar_env.support.files import make_folder
 from solar_env.support.progress import counting_bar
 
 _COLUMNS = 100
@@ -33,6 +34,7 @@ def run_command(args: Args) -> int:
     if args.only is not None and args.only not in MAPS:
         raise ValueError(f"map {args.only!r} is unknown; choose from {', '.join(MAPS)}")
     names = list(MAPS) if args.only is None else [args.only]
+    make_folder(args.out)
     if args.draw:
         return max(_report(name, args.out) for name in names)
     cells = sum(1 for name in names for _ in MAPS[name].cells(args.quick))

@@ -7,6 +7,7 @@ from pathlib import Path
 from rich.console import Console
 
 from solar_env.commands.arguments import QuietOption
+from solar_env.support.files import check_target, write_text
 from solar_env.support.progress import counting_bar
 from solar_env.verification.report import make_table, to_json
 
@@ -29,8 +30,8 @@ def run_command(args: Args) -> int:
 
     names = select(args.only)
     to_standard_output = str(args.json) == "-"
-    if args.json and not to_standard_output and not args.json.parent.is_dir():
-        raise ValueError(f"the folder of {args.json} does not exist")
+    if args.json and not to_standard_output:
+        check_target(args.json)
     begun = itertools.count()
     with counting_bar(Console(stderr=True, quiet=args.quiet)) as progress:
         task = progress.add_task("", total=len(names))
@@ -49,5 +50,5 @@ def run_command(args: Args) -> int:
             console.width = max(console.width, _NARROWEST)
         console.print(make_table(rows))
         if args.json:
-            args.json.write_text(to_json(rows) + "\n")
+            write_text(args.json, to_json(rows) + "\n")
     return 0 if all(row.passed for row in rows) else 1

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.pictures.style import BROWN, COLOURS, FAINT, GREY, STEEL, STYLE, VERMILLION, VIOLET
+from solar_env.support.files import save_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -152,7 +153,7 @@ def _figure(width: float, height: float) -> Figure:
 
 def _save(figure: Figure, path: str | Path, suffix: str) -> None:
     """Write a figure without the date, so that the same data give the same file."""
-    figure.savefig(path, dpi=160, metadata={DATE_KEY[suffix]: None} if suffix in DATE_KEY else {})
+    save_figure(figure, path, dpi=160, metadata={DATE_KEY[suffix]: None} if suffix in DATE_KEY else {})
 
 
 def _cells(figure: Figure, rows: int, columns: int, edges: tuple[float, float, float, float], **how: Any) -> Any:

@@ -15,6 +15,10 @@ from typing import Any, TypeVar
 
 from joblib import Parallel, delayed
 
+from solar_env.support.files import make_folder, write_text
+from solar_env.support.interruption import keeping, leave_interruption_to_parent
+from solar_env.support.plain_arrays import parse_json
+
 Task = TypeVar("Task")
 Result = TypeVar("Result")
 Cell = Mapping[str, Any]
@@ -94,6 +98,7 @@ def each_done(
 
 
 def _with_task(function: Callable[[Task], Result], task: Task) -> tuple[Task, Result]:
+    leave_interruption_to_parent()
     return task, function(task)
 
 
@@ -129,27 +134,28 @@ class Campaign:
         name = f"{function.__module__}.{function.__qualname__}"
         self._made_by = {"function": name, "code": _code_digest(), "settings": dict(settings or {})}
         self._results: dict[str, Any] = {}
-        kept = store.read_text(encoding="utf-8").splitlines(keepends=True) if store.exists() else []
+        kept = store.read_text(encoding="utf-8", errors="replace").splitlines(keepends=True) if store.exists() else []
         # An interruption may have cut the last line short: then its cell is done again.
         whole = [line for line in kept if line.endswith("\n")]
         if whole:
             self._load(whole, set(keys))
             if len(whole) < len(kept):
-                store.write_text("".join(whole), encoding="utf-8")
+                write_text(store, "".join(whole))
         else:
-            store.parent.mkdir(parents=True, exist_ok=True)
-            store.write_text(json.dumps(self._made_by, sort_keys=True) + "\n", encoding="utf-8")
+            make_folder(store.parent)
+            write_text(store, json.dumps(self._made_by, sort_keys=True) + "\n")
 
     def _load(self, lines: Sequence[str], keys: set[str]) -> None:
-        if json.loads(lines[0]) != json.loads(json.dumps(self._made_by)):
+        try:
+            made_by, *rows = [parse_json(line) for line in lines]
+            found = {_key(row["cell"]): row["result"] for row in rows}
+        except (KeyError, TypeError, ValueError) as error:
+            raise ValueError(f"{self._store} is damaged ({error}); delete it, and the work is done again") from error
+        if made_by != json.loads(json.dumps(self._made_by)):
             raise ValueError(
                 f"{self._store} was made by other code or with other settings; delete it or choose another"
             )
-        for line in lines[1:]:
-            row = json.loads(line)
-            key = _key(row["cell"])
-            if key in keys:
-                self._results[key] = row["result"]
+        self._results.update((key, result) for key, result in found.items() if key in keys)
 
     @property
     def missing(self) -> tuple[Cell, ...]:
@@ -158,12 +164,16 @@ class Campaign:
 
     def run(self, workers: Workers = ONE) -> Iterator[Cell]:
         """Do what is missing, and yield each cell when its result is in the file."""
-        with self._store.open("a", encoding="utf-8") as file:
+        with self._store.open("a", encoding="utf-8") as file, keeping(self._kept):
             for cell, result in each_done(self._function, self.missing, workers):
                 file.write(json.dumps({"cell": dict(cell), "result": result}) + "\n")
                 file.flush()
                 self._results[_key(cell)] = json.loads(json.dumps(result))
                 yield cell
+
+    def _kept(self) -> str:
+        done, total = len(self.cells) - len(self.missing), len(self.cells)
+        return f"kept {done} of {total} results in {self._store}; the same command goes on from there"
 
     def results(self) -> list[Any]:
         """The results of all cells, in their order.

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from solar_env.support.files import write_text
+
 PACKAGE = Path(__file__).resolve().parent.parent
 STUDIES = PACKAGE / "studies"
 
@@ -58,4 +60,4 @@ class Section:
             ValueError, OSError: as `read`, or the page cannot be written.
         """
         before, _, after = self._split()
-        self.page.write_text(f"{before}{self.begin}\n\n{text}\n\n{self.end}{after}", encoding="utf-8")
+        write_text(self.page, f"{before}{self.begin}\n\n{text}\n\n{self.end}{after}")

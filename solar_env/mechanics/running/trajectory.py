@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import zipfile
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from solar_env.support.files import writing
+from solar_env.support.plain_arrays import MOST_BYTES, parse_json, read_arrays
+
 Array = NDArray[np.float64]
+_STORED = ("kinetic", "spring", "cable", "latch", "contact", "elastic")
+_PUT_IN = ("motor_work", "cable_work", "external_work")
+_ENERGIES = "energies/"  # before the names of their arrays in a file
 # Entries of the metadata that a summary shows.
 _COSTS_AND_LIMITS = (
     "steps", "rejected_steps", "evaluations", "factorizations", "stability_bound_steps", "slow_contacts",
@@ -106,11 +111,8 @@ class Trajectory:
 
         What they took out in the end does not count.
         """
-        names = ("kinetic", "spring", "cable", "latch", "contact", "elastic")
-        stored = sum(float(self.energies[name][0]) for name in names)
-        return stored + sum(
-            max(float(self.energies[name][-1]), 0.0) for name in ("motor_work", "cable_work", "external_work")
-        )
+        stored = sum(float(self.energies[name][0]) for name in _STORED)
+        return stored + sum(max(float(self.energies[name][-1]), 0.0) for name in _PUT_IN)
 
     @property
     def energy_residual(self) -> float:
@@ -165,30 +167,76 @@ class Trajectory:
         for item in fields(self):
             value = getattr(self, item.name)
             if item.name == "energies":
-                arrays.update({f"energies/{name}": series for name, series in value.items()})
+                arrays.update({f"{_ENERGIES}{name}": series for name, series in value.items()})
             elif item.name == "metadata":
                 arrays["metadata"] = np.array(json.dumps(value))
             else:
                 arrays[item.name] = value
-        with open(path, "wb") as file:
+        with writing(path) as file:
             np.savez_compressed(file, **arrays)
 
     @classmethod
-    def load(cls, path: str | Path) -> Trajectory:
-        """Read a file that `save` wrote.
+    def load(cls, path: str | Path, most_bytes: int = MOST_BYTES) -> Trajectory:
+        """Read a file that `save` wrote; nothing in it is executed.
+
+        Args:
+            path: of the file.
+            most_bytes: of all arrays together; a larger file is refused before it is inflated.
 
         Raises:
-            ValueError: if the file is not such a file.
+            OSError: if the file cannot be opened.
+            ValueError: if it is not such a file, is damaged or too large.
         """
-        with open(path, "rb") as file:
-            if not zipfile.is_zipfile(file):
-                raise ValueError(f"{path} is not a saved trajectory: it is no npz file")
-        with np.load(path, allow_pickle=False) as data:
-            missing = [f.name for f in fields(cls) if f.name != "energies" and f.name not in data]
+        plain = {item.name for item in fields(cls)} - {"energies"}
+        try:
+            data = read_arrays(path, lambda name: name in plain or name.startswith(_ENERGIES), most_bytes)
+            missing = [item.name for item in fields(cls) if item.name in plain and item.name not in data]
             if missing:
-                raise ValueError(f"{path} is not a saved trajectory: it lacks {', '.join(missing)}")
-            prefix = "energies/"
-            values: dict[str, Any] = {f.name: data[f.name] for f in fields(cls) if f.name in data}
-            values["energies"] = {k[len(prefix) :]: data[k] for k in data.files if k.startswith(prefix)}
-            values["metadata"] = json.loads(str(data["metadata"]))
+                raise ValueError(f"it lacks {', '.join(missing)}")
+            values: dict[str, Any] = {name: data[name] for name in plain}
+            values["energies"] = {k.removeprefix(_ENERGIES): v for k, v in data.items() if k.startswith(_ENERGIES)}
+            values["metadata"] = parse_json(str(data["metadata"]))
+            _check_arrays(values)
+        except ValueError as error:
+            raise ValueError(f"{path} is not a saved trajectory: {error}") from error
         return cls(**values)
+
+
+def _check_arrays(values: dict[str, Any]) -> None:
+    """Refuse arrays whose types or shapes are not those of a trajectory."""
+    sizes = {"2": 2}
+    if not isinstance(values["metadata"], dict):
+        raise ValueError("its metadata are no mapping")
+    for name, dimensions in {**_SHAPES, **{f"{_ENERGIES}{name}": ("nt",) for name in values["energies"]}}.items():
+        array = values["energies"][name.removeprefix(_ENERGIES)] if name.startswith(_ENERGIES) else values[name]
+        expected = _TYPES.get(name, np.dtype(np.float64))
+        if array.dtype != expected:
+            raise ValueError(f"{name} is of the type {array.dtype}; expected {expected}")
+        shape = tuple(sizes.setdefault(letter, size) for letter, size in zip(dimensions, array.shape, strict=False))
+        if array.shape != shape or len(dimensions) != array.ndim:
+            raise ValueError(f"{name} has the shape {array.shape}, which does not fit {dimensions} of the others")
+    if missing := {*_STORED, *_PUT_IN, "residual"} - set(values["energies"]):
+        raise ValueError(f"it lacks the energies {', '.join(sorted(missing))}")
+    if not sizes["nt"] or not sizes["bins"]:
+        raise ValueError("it has no samples, or no bins of wear")
+
+
+_BY_SAMPLE_AND_JOINT = (
+    "angles", "rates", "penetration", "normal_force", "tangential_force", "spring_torque", "cable_torque",
+    "latch_torque", "motor_torque", "sliding_work", "impulse",
+)  # fmt: skip
+_BY_JOINT = (
+    "latch_times", "peak_force", "postlock_peak_force", "postlock_impulse", "postlock_sliding_work", "contact_starts",
+    "clearance", "journal_radius",
+)  # fmt: skip
+_SHAPES = {
+    "time": ("nt",),
+    "coordinates": ("nt", "n"),
+    "velocities": ("nt", "n"),
+    **dict.fromkeys(_BY_SAMPLE_AND_JOINT, ("nt", "nj")),
+    **dict.fromkeys(("eccentricity", "joint_force"), ("nt", "nj", "2")),
+    **dict.fromkeys(("wear_journal", "wear_bearing"), ("nj", "bins")),
+    **dict.fromkeys(_BY_JOINT, ("nj",)),
+    "contacts": ("contacts",),
+}
+_TYPES: dict[str, np.dtype[Any]] = {"contacts": contact_record, "contact_starts": np.dtype(np.int64)}

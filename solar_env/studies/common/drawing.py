@@ -15,6 +15,7 @@ from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 
 from solar_env.pictures.style import FAINT, STYLE, Look
+from solar_env.support.files import save_figure
 
 _ABOVE = 0.72  # room for titles [inch]
 _TITLE_CHARACTERS = 10  # of the figure's title, for each inch of its width
@@ -90,8 +91,7 @@ def save(figure: Figure, path: Path, looks: Mapping[str, Look], title: str, note
         figure.suptitle(lines, y=1.0 - 0.06 / figure.get_figheight(), va="top")
         if note:
             figure.text(0.5, 0.04 / figure.get_figheight(), note, ha="center", va="bottom", fontsize=7)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        figure.savefig(path, dpi=160)
+        save_figure(figure, path, dpi=160)
 
 
 def short(value: float) -> str:

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import csv
+import io
 import os
 import platform
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from solar_env.support.files import write_text
 
 Cell = float | int | str
 Row = dict[str, Cell]
@@ -70,13 +74,13 @@ def write_table(path: Path, rows: Sequence[Mapping[str, Cell]], made_by: Mapping
     columns = list(rows[0])
     if any(list(row) != columns for row in rows):
         raise ValueError(f"the rows for {path} differ in their columns")
+    text = io.StringIO()
+    text.writelines(f"# {name}: {value}\n" for name, value in made_by.items())
+    writer = csv.DictWriter(text, columns, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
     path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("w", newline="") as file:
-        for name, value in made_by.items():
-            file.write(f"# {name}: {value}\n")
-        writer = csv.DictWriter(file, columns, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+    write_text(path, text.getvalue())
 
 
 def markdown_table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -86,15 +90,36 @@ def markdown_table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str
 
 
 def read_table(path: Path) -> Table:
-    """Read what `write_table` wrote: cells that read as numbers are numbers."""
-    made_by: dict[str, str] = {}
-    with path.open(newline="") as file:
-        lines = list(file)
-    while lines and lines[0].startswith("# "):
-        name, _, value = lines.pop(0)[2:].rstrip("\n").partition(": ")
-        made_by[name] = value
-    rows = [{name: _number(cell) for name, cell in row.items()} for row in csv.DictReader(lines)]
+    """Read what `write_table` wrote: cells that read as numbers are numbers.
+
+    Raises:
+        OSError: if the file cannot be read.
+        ValueError: if it is damaged; or later, when it turns out to lack a column that is looked for.
+    """
+    made_by = _Row(path, ())
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
+        while lines and lines[0].startswith("# "):
+            name, _, value = lines.pop(0)[2:].rstrip("\n").partition(": ")
+            made_by[name] = value
+        header, *cells = csv.reader(lines)
+        rows = [_Row(path, zip(header, map(_number, row), strict=True)) for row in cells]
+    except (ValueError, csv.Error) as error:
+        raise ValueError(f"{path} is damaged, or no table of measured rows ({error}); measure it anew") from error
+    if not rows:
+        raise ValueError(f"{path} has no rows; measure it anew")
     return Table(tuple(rows), made_by)
+
+
+class _Row(dict[str, Any]):
+    """A row of a file, or its provenance, that says of which one where an entry is missing."""
+
+    def __init__(self, path: Path, cells: Iterable[tuple[str, Any]]) -> None:
+        super().__init__(cells)
+        self._path = path
+
+    def __missing__(self, name: str) -> Cell:
+        raise ValueError(f"{self._path} lacks {name!r}; measure it anew")
 
 
 def _number(cell: str) -> Cell:

@@ -13,6 +13,7 @@ from solar_env.pictures.style import STYLE
 from solar_env.studies.common.drawing import short
 from solar_env.studies.common.tables import Table
 from solar_env.studies.design.design_map import MAPS, DesignMap
+from solar_env.support.files import save_figure
 
 PICTURE = "design.png"
 QUANTITIES = {
@@ -37,7 +38,7 @@ def draw_design(table: Table, folder: Path) -> Path:
             f"{wear.max() / wear.min():.1f}-fold"
         )
         path = folder / PICTURE
-        figure.savefig(path, dpi=100)
+        save_figure(figure, path, dpi=100)
     return path
 
 

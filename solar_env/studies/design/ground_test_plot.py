@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from solar_env.pictures.style import COLOURS, STYLE
 from solar_env.studies.common.tables import Table
+from solar_env.support.files import save_figure
 
 PICTURE = "ground_test.png"
 JOINTS = (1, 2)
@@ -42,5 +43,5 @@ def draw_ground_test(table: Table, folder: Path) -> Path:
         growth = max(float(last[-1][f"clearance_{j}_m"]) / float(last[0][f"clearance_{j}_m"]) for j in JOINTS)
         figure.suptitle(f"Wear feeds back: clearances grow {growth:.1f}-fold, and forces with them")
         path = folder / PICTURE
-        figure.savefig(path, dpi=100)
+        save_figure(figure, path, dpi=100)
     return path

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from solar_env.array import MODELS
 from solar_env.pictures.style import COLOURS, FAINT, STEEL, STYLE
 from solar_env.studies.common.tables import Table
+from solar_env.support.files import save_figure
 
 JOINTS = (1, 2)  # as the columns of the tables count them
 PHASES = ("initial", "deployment", "after latching")
@@ -25,7 +26,7 @@ def draw_figure(table: Table, kind: str, title: str, path: Path) -> None:
         FigureCanvasAgg(figure)
         DRAWERS[kind](figure, table)
         figure.suptitle(title, fontsize=9)
-        figure.savefig(path, dpi=80)
+        save_figure(figure, path, dpi=80)
 
 
 def _draw_angles(figure: Figure, table: Table) -> None:

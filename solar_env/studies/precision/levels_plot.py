@@ -11,6 +11,7 @@ from solar_env.pictures.style import LEVEL_LOOKS, STYLE, Look, look_of
 from solar_env.studies.common.bootstrap import mean_band
 from solar_env.studies.common.drawing import make_figure, save, use_decades
 from solar_env.studies.common.tables import Table, markdown_table
+from solar_env.support.files import write_text
 
 ERRORS = {
     "angle_error_rad": "error of angles before the latch [rad]",
@@ -52,7 +53,7 @@ def draw_levels(rows: Table, members: Table, folder: Path) -> list[Path]:
     picture, page = folder / "levels.png", folder / "levels.md"
     note = "with clearance: after the first latching (wear: of the whole run), means and their 95 % bootstrap bands"
     save(figure, picture, looks, conclusion(members), note)
-    page.write_text(_page(rows, members), encoding="utf-8")
+    write_text(page, _page(rows, members))
     return [picture, page]
 
 

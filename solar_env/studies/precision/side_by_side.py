@@ -23,6 +23,7 @@ from solar_env.studies.common.plans import Plan
 from solar_env.studies.common.tables import Row, Table, markdown_table
 from solar_env.studies.common.timing import Job, Measured
 from solar_env.studies.precision.methods import find_method
+from solar_env.support.files import write_text
 
 Array = NDArray[np.float64]
 
@@ -225,9 +226,8 @@ def write_side_by_side(rows: Table, folder: Path) -> list[Path]:
         wall = float(row["wall_s"])
         errors = f"{row['angle_error_rad']:.1e}", f"{row['latch_error_s']:.1e}"
         lines.append([*cells, f"{wall:.3g}", f"{float(row['duration_s']) / wall:.3g}", *errors, _forces(row), ratio])
-    folder.mkdir(parents=True, exist_ok=True)
     path = folder / "side_by_side.md"
-    path.write_text(markdown_table(_COLUMNS, lines), encoding="utf-8")
+    write_text(path, markdown_table(_COLUMNS, lines))
     return [path]
 
 

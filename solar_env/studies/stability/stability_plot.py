@@ -16,6 +16,7 @@ from solar_env.pictures.style import STYLE
 from solar_env.studies.common.drawing import short
 from solar_env.studies.common.tables import Table, read_table
 from solar_env.studies.stability.maps import Kind, Said
+from solar_env.support.files import save_figure
 
 # After P. Tol, "Colour schemes", SRON technical note 2021 (muted): told apart by colour-blind readers.
 COLOURS = {
@@ -75,7 +76,7 @@ def draw_map(table_path: Path, figure_path: Path) -> None:
         figure.text(0.5, 1.0 - 0.18 / height, about["title"], ha="center", va="center", fontsize=9.5, weight="bold")
         _draw_legend(figure, table, (0.5, (_LINE * len(foot) + 0.1) / height))
         figure.text(0.5, 0.1 / height, "\n".join(foot), ha="center", va="bottom", linespacing=1.2)
-        figure.savefig(figure_path, dpi=160)
+        save_figure(figure, figure_path, dpi=160)
 
 
 def _foot(table: Table, characters: int) -> list[str]:

@@ -258,7 +258,7 @@ def test_metadata_say_what_was_run_and_how(run: Trajectory) -> None:
 
 
 def foreign_npz(path: Path) -> None:
-    np.savez(path, time=np.zeros(3), other=np.ones(2))
+    np.savez(path, time=np.zeros(3))
 
 
 def single_array(path: Path) -> None:
@@ -287,6 +287,32 @@ def test_a_foreign_npz_is_refused_with_what_it_lacks(tmp_path: Path) -> None:
     foreign_npz(path)
     with pytest.raises(ValueError, match="it lacks coordinates, velocities, angles"):
         Trajectory.load(path)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"other": np.ones(2)}, "it holds 'other.npy', which does not belong there"),
+        ({"angles": np.zeros((3, 2))}, r"angles has the shape \(3, 2\), which does not fit"),
+        ({"time": np.zeros((3, 1))}, r"time has the shape \(3, 1\)"),
+        ({"peak_force": np.zeros(2, dtype=np.float32)}, "peak_force is of the type float32; expected float64"),
+        ({"contacts": np.zeros(3)}, "contacts is of the type float64"),
+        ({"metadata": np.array("[1]")}, "its metadata are no mapping"),
+        ({"metadata": np.array("[" * 100_000)}, "it is no JSON"),
+        ({"energies/kinetic": np.zeros(2)}, r"energies/kinetic has the shape \(2,\)"),
+        ({"energies/spring": None}, "it lacks the energies spring"),
+        ({"wear_journal": np.zeros((2, 0)), "wear_bearing": np.zeros((2, 0))}, "no bins of wear"),
+    ],
+)
+def test_a_file_with_arrays_of_other_types_or_shapes_is_refused(
+    run: Trajectory, tmp_path: Path, changes: dict[str, Any], message: str
+) -> None:
+    run.save(tmp_path / "run.npz")
+    with np.load(tmp_path / "run.npz") as data:
+        arrays = {**data, **changes}
+    np.savez(tmp_path / "run.npz", **{name: array for name, array in arrays.items() if array is not None})
+    with pytest.raises(ValueError, match=rf"run\.npz is not a saved trajectory: .*{message}"):
+        Trajectory.load(tmp_path / "run.npz")
 
 
 def test_a_missing_file_is_reported_as_missing(tmp_path: Path) -> None:

@@ -1,0 +1,100 @@
+"""Reading npz files and JSON from anywhere: nothing is executed or inflated unseen, and every fault is a ValueError.
+
+NumPy's own reader believes sizes that a file states, and reports faults by a dozen kinds of exceptions.
+"""
+
+import json
+import math
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+from numpy.lib import format as npy
+from numpy.typing import NDArray
+
+MOST_BYTES = 2**30
+_LONGEST_JSON = 2**24
+_SUFFIX = ".npy"
+
+
+def read_arrays(
+    path: str | Path, admits: Callable[[str], bool], most_bytes: int = MOST_BYTES
+) -> dict[str, NDArray[Any]]:
+    """Read the arrays of an npz file.
+
+    Args:
+        path: of the file.
+        admits: whether an array of this name belongs there.
+        most_bytes: of all arrays together; more are not inflated.
+
+    Raises:
+        OSError: the file cannot be opened.
+        ValueError: it is no npz file, is damaged, holds something else than plain arrays, or is too large.
+    """
+    with open(path, "rb") as file:
+        try:
+            with zipfile.ZipFile(file) as archive:
+                members = {member.filename.removesuffix(_SUFFIX): member for member in archive.infolist()}
+                if len(members) < len(archive.infolist()):
+                    raise ValueError("two of its members have the same name")
+                for name, member in members.items():
+                    if not member.filename.endswith(_SUFFIX) or not admits(name):
+                        raise ValueError(f"it holds {member.filename[:80]!r}, which does not belong there")
+                size = sum(member.file_size for member in members.values())
+                if size > most_bytes:
+                    raise ValueError(f"it holds {size:,} bytes, more than the {most_bytes:,} that are read")
+                return {name: _read_member(archive, member) for name, member in members.items()}
+        except Exception as error:  # whatever the readers make of bytes that no writer wrote
+            raise ValueError(_sentence(error)) from error
+
+
+def _read_member(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[Any]:
+    with archive.open(member) as file:
+        shape, by_columns, dtype = _read_header(file)
+        if dtype.hasobject or dtype.itemsize == 0:
+            raise ValueError(f"Objects of the type {dtype} in {member.filename!r} are no plain numbers or text")
+        size = math.prod(shape) * dtype.itemsize
+        content = bytearray(file.read())
+        if min(shape, default=0) < 0 or size != len(content):
+            raise ValueError(f"{member.filename!r} is to hold {size} bytes and holds {len(content)}")
+    array = np.frombuffer(content, dtype)
+    return array.reshape(shape[::-1]).T if by_columns else array.reshape(shape)
+
+
+def _read_header(file: IO[bytes]) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
+    read = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}
+    version = npy.read_magic(file)
+    if version not in read:
+        raise ValueError(f"an array is of the format {version}, which is not read")
+    return read[version](file)
+
+
+def read_json(path: str | Path) -> Any:
+    """Read a JSON file.
+
+    Raises:
+        OSError: the file cannot be read.
+        ValueError: it is no JSON, nested too deeply, or too large; the message names the file.
+    """
+    with open(path, "rb") as file:
+        content = file.read(_LONGEST_JSON + 1)
+    if len(content) > _LONGEST_JSON:
+        raise ValueError(f"{path} is longer than the {_LONGEST_JSON:,} bytes that are read")
+    try:
+        return parse_json(content)
+    except ValueError as error:
+        raise ValueError(f"{path} is damaged: {error}; restore it, or make it anew") from error
+
+
+def parse_json(content: str | bytes) -> Any:
+    """Parse JSON; raises a ValueError where it is none, or nested too deeply."""
+    try:
+        return json.loads(content)
+    except (ValueError, RecursionError) as error:
+        raise ValueError(f"it is no JSON: {_sentence(error)}") from error
+
+
+def _sentence(error: Exception) -> str:
+    return " ".join(str(error).split())[:300] or type(error).__name__

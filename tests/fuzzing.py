@@ -1,0 +1,205 @@
+"""Fuzzing of everything that reads what users hand over: files, parameters, command lines.
+
+`python tests/fuzzing.py TARGET --seconds 3600 --corpus FOLDER` searches with atheris, guided by coverage, from the
+inputs that the target begins with and those of the folder, which keeps what it finds; `--list` names the targets. An
+input that ends in anything but the documented exceptions ends the search and is kept. The suite tries a few thousand
+changed inputs of every target.
+"""
+
+import argparse
+import contextlib
+import io
+import json
+import sys
+import tempfile
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+FOLDER = Path(tempfile.mkdtemp(prefix="fuzzing-"))
+
+
+@dataclass(frozen=True)
+class Target:
+    """What reads bytes, what may come of it, and what a search begins with."""
+
+    read: Callable[[bytes], object]
+    documented: tuple[type[BaseException], ...]
+    beginnings: Callable[[], list[bytes]]
+
+
+def written(name: str, content: bytes) -> Path:
+    path = FOLDER / name
+    path.write_bytes(content)
+    return path
+
+
+def trajectory(content: bytes) -> None:
+    from solar_env.mechanics.running.trajectory import Trajectory
+
+    loaded = Trajectory.load(written("run.npz", content), most_bytes=2**20)
+    json.dumps(loaded.summary())
+
+
+def a_trajectory() -> list[bytes]:
+    from solar_env.array.deployment import simulate
+
+    simulate(model="rigid-ideal", duration=0.02, output_step=0.01).save(FOLDER / "whole.npz")
+    return [(FOLDER / "whole.npz").read_bytes()]
+
+
+SPLIT = b"\n---\n"  # between the two files of a policy
+
+
+def policy(content: bytes) -> None:
+    from agents import shipped
+
+    description, _, arrays = content.partition(SPLIT)
+    written(shipped.DESCRIPTION, description)
+    written(shipped.ARRAYS, arrays)
+    loaded = shipped.load_shipped(FOLDER)
+    with np.errstate(all="ignore"):
+        loaded.act(np.zeros(len(loaded.description.observation_names), np.float32))
+
+
+def policies() -> list[bytes]:
+    from agents import shipped
+
+    folders = [shipped.SHIPPED / name for name in shipped.available()]
+    return [
+        SPLIT.join((folder / name).read_bytes() for name in (shipped.DESCRIPTION, shipped.ARRAYS)) for folder in folders
+    ]
+
+
+def run_folder(content: bytes) -> None:
+    from agents import runs
+
+    written(runs.CONFIG, content)
+    runs.read_config(FOLDER)
+
+
+def sealed_file(content: bytes) -> None:
+    from agents.trust import unsealed
+
+    unsealed(written("checkpoint.pkl", content))
+
+
+def table(content: bytes) -> None:
+    from solar_env.studies.common.tables import read_table
+
+    found = read_table(written("table.csv", content))
+    found.column("error")
+
+
+def ladder(content: bytes) -> None:
+    from solar_env.array.ladder import QUESTIONS, cheapest, read_answers
+
+    cheapest(read_answers(written("ladder.csv", content)), next(iter(QUESTIONS)), 0.5)
+
+
+def results(content: bytes) -> None:
+    from solar_env.support.campaigns import Campaign
+
+    Campaign(json.dumps, [{"a": 1}], written("results.jsonl", content))
+
+
+def parameters(content: bytes) -> None:
+    from solar_env.array import ArrayParameters
+    from solar_env.support.plain_arrays import parse_json
+
+    changes = parse_json(content)
+    ArrayParameters().with_changes(changes if isinstance(changes, dict) else {"clearance": changes})
+
+
+def command_line(content: bytes) -> None:
+    from agents.arguments import parse_assignments
+    from solar_env.__main__ import parse
+    from solar_env.commands.simulate import parse_changes
+
+    words = content.decode(errors="replace").split("\n")
+    with contextlib.suppress(ValueError):
+        parse_changes(words)
+    with contextlib.suppress(ValueError):
+        parse_assignments(words)
+    with contextlib.redirect_stderr(io.StringIO()), contextlib.redirect_stdout(io.StringIO()):
+        parse(["simulate", *words])
+
+
+def nothing_else() -> list[bytes]:
+    return [b""]
+
+
+TARGETS = {
+    "trajectory": Target(trajectory, (ValueError,), a_trajectory),
+    "policy": Target(policy, (ValueError, FileNotFoundError), policies),
+    "run-folder": Target(
+        run_folder,
+        (ValueError,),
+        lambda: [b'{"env_id": "solar_env/Deploy-v0", "env_kwargs": {}, "algo": "ppo", "residual": null, "seal": "0"}'],
+    ),
+    "sealed-file": Target(sealed_file, (ValueError,), lambda: [b"content\nsolar_env " + b"0" * 64 + b" " + b"0" * 64]),
+    "table": Target(table, (ValueError,), lambda: [b"# command: x\nmethod,error,wall_s\nours,0.1,2\nother,1e-3,5\n"]),
+    "ladder": Target(ladder, (ValueError,), lambda: [_packaged_ladder().read_bytes()]),
+    "results": Target(results, (ValueError,), lambda: [b'{"code": "0"}\n{"cell": {"a": 1}, "result": 2}\n']),
+    "parameters": Target(
+        parameters, (ValueError,), lambda: [b'{"clearance": [1e-4, 2e-4], "contact_law": "flores"}', b"1e-4"]
+    ),
+    "command-line": Target(
+        command_line,
+        (SystemExit,),
+        lambda: [b"--set\nclearance=1e-4,2e-4\n--duration\n3\n--json\n-", b"--model\nrigid-ideal\nrandomize={'a': 1}"],
+    ),
+}
+
+
+def _packaged_ladder() -> Path:
+    from solar_env.array.ladder import PACKAGED_TABLE
+
+    return PACKAGED_TABLE
+
+
+def try_input(target: Target, content: bytes) -> bool:
+    """Read an input; whether it was refused as documented. Anything else is raised."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            target.read(content)
+        except target.documented:
+            return True
+    return False
+
+
+def main() -> None:
+    """Search; see the top of the file."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("target", nargs="?", choices=TARGETS)
+    parser.add_argument("--seconds", type=int, default=60)
+    parser.add_argument("--corpus", type=Path, default=Path("corpus"))
+    parser.add_argument("--list", action="store_true")
+    args = parser.parse_args()
+    if args.list or args.target is None:
+        print("\n".join(TARGETS))
+        return
+    import atheris
+
+    target, corpus = TARGETS[args.target], args.corpus / args.target
+    corpus.mkdir(parents=True, exist_ok=True)
+    for number, content in enumerate(target.beginnings()):
+        (corpus / f"beginning-{number}").write_bytes(content)
+        # What it imports is counted only if it is instrumented, and kernels must not be.
+        try_input(target, content)
+    readers = ["solar_env.support", "solar_env.mechanics.running.trajectory", "agents.policies", "agents.shipped"]
+    for name in [name for name in sys.modules if any(name.startswith(reader) for reader in readers)]:
+        del sys.modules[name]
+    with atheris.instrument_imports(include=readers):
+        try_input(target, target.beginnings()[0])
+    options = [f"-max_total_time={args.seconds}", f"-artifact_prefix={corpus}/failed-", "-print_final_stats=1"]
+    atheris.Setup([sys.argv[0], *options, str(corpus)], lambda content: (try_input(target, content), None)[1])
+    atheris.Fuzz()
+
+
+if __name__ == "__main__":
+    main()

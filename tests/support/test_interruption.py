@@ -1,0 +1,100 @@
+"""Ctrl-C ends every command with exit status 130 and one line of what was kept, in worker processes too."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from agents.arguments import run_command
+from solar_env import __main__ as command_line
+from solar_env.support.campaigns import Campaign
+
+ROOT = Path(command_line.__file__).resolve().parent.parent
+pytestmark = pytest.mark.skipif(not hasattr(os, "killpg"), reason="signals of POSIX")
+
+
+def interrupt(*notes):
+    stop = KeyboardInterrupt()
+    for note in notes:
+        stop.add_note(note)
+    raise stop
+
+
+@pytest.mark.parametrize("name", command_line.COMMANDS)
+def test_every_command_ends_with_130_and_one_line(name, monkeypatch, capsys):
+    monkeypatch.setattr("importlib.import_module", lambda _: interrupt("kept the half of it"))
+    assert command_line.main([name]) == 130
+    assert capsys.readouterr().err == "interrupted; kept the half of it\n"
+
+
+def test_so_do_the_commands_of_the_agents(capsys):
+    with pytest.raises(SystemExit) as end:
+        run_command(interrupt)
+    assert end.value.code == 130
+    assert capsys.readouterr().err == "interrupted; nothing was kept\n"
+
+
+def stop_at_three(cell):
+    if cell["number"] == 3:
+        raise KeyboardInterrupt
+    return cell["number"]
+
+
+def test_a_campaign_says_what_it_has_kept_and_goes_on_from_there(tmp_path):
+    cells = [{"number": number} for number in range(5)]
+    campaign = Campaign(stop_at_three, cells, tmp_path / "results.jsonl")
+    with pytest.raises(KeyboardInterrupt) as stop:
+        list(campaign.run())
+    assert stop.value.__notes__ == [
+        f"kept 3 of 5 results in {tmp_path / 'results.jsonl'}; the same command goes on from there"
+    ]
+    assert [cell["number"] for cell in Campaign(stop_at_three, cells, tmp_path / "results.jsonl").missing] == [3, 4]
+
+
+SMALL_TRAINING = [
+    "train.py", "--residual", "0", "--model", "rigid-ideal", "--timesteps", "100000", "--n-envs", "2",
+    "--hyperparams", "n_steps=20", "batch_size=20", "--checkpoint-interval", "40", "--quiet",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("arguments", "begun", "kept"),
+    [
+        (["-m", "solar_env", "simulate", "--duration", "1e6", "--output-step", "1e5"], None, "nothing was kept"),
+        (
+            ["-m", "solar_env", "design", "--members", "1", "--jobs", "2", "--out", "{}"],
+            "*.jsonl", "kept .* results in .*; the same command goes on from there",
+        ),
+        ([*SMALL_TRAINING, "--out", "{}"], "checkpoint-previous.pkl", "kept the checkpoint of step .* --resume .*"),
+    ],
+    ids=["simulate", "design", "train"],
+)  # fmt: skip
+def test_ctrl_c_in_a_terminal_ends_a_command_at_once(tmp_path, arguments, begun, kept):
+    words = [word.format(tmp_path / "out") for word in arguments]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    # A group of its own: Ctrl-C reaches all its processes, as from a terminal.
+    process = subprocess.Popen(
+        [sys.executable, *words], cwd=ROOT, env=environment, text=True, stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True,
+    )  # fmt: skip
+    deadline = time.monotonic() + 120
+    while time.monotonic() < deadline and process.poll() is None:
+        time.sleep(0.2)
+        if begun is None and time.monotonic() > deadline - 105:
+            break
+        if begun is not None and any(path.stat().st_size > 500 for path in tmp_path.glob(f"out/{begun}")):
+            break
+    os.killpg(process.pid, signal.SIGINT)
+    pressed = time.monotonic()
+    _, error = process.communicate(timeout=60)
+    assert process.returncode == 130, error
+    assert time.monotonic() - pressed < 5.0, "a second, and what a machine under load takes to end a process"
+    assert "Traceback" not in error
+    lines = [line for line in error.splitlines() if line.startswith("interrupted")]
+    assert len(lines) == 1
+    assert re.fullmatch(f"interrupted; {kept}", lines[0])

@@ -30,6 +30,8 @@ def checked_ranges(parameters: ArrayParameters, ranges: Ranges) -> Ranges:
     Raises:
         ValueError: for an unknown parameter, or a range in which not every value is acceptable.
     """
+    if not isinstance(ranges, Mapping):
+        raise ValueError(f"randomize = {ranges!r} must be a mapping of parameter names to pairs (low, high)")
     checked: dict[str, tuple[Bound, Bound]] = {}
     for name, bounds in ranges.items():
         if name not in vars(parameters):

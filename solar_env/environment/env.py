@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters
 from solar_env.environment.episodes import Episodes
+from solar_env.environment.exclusive import Exclusive
 from solar_env.environment.settings import RENDER_MODES, EnvironmentSettings
 from solar_env.environment.task.observations import observation_table
 from solar_env.environment.task.reward import reward_table
@@ -98,7 +99,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     `solar_env.environment.settings.EnvironmentSettings` describes the keywords: `model`, `parameters`, `panels`,
     `elements`, `modes`, `question`, `tolerance`, `torque_limit`, `control_period`, `deadline`, `postlock_window`,
-    `driven_joint`, `observation`, `reward`, `scenario`, `randomize`, `hardware` and `render_mode`.
+    `driven_joint`, `observation`, `reward`, `scenario`, `randomize`, `hardware`, `render_mode` and `max_steps`.
 
     `reset(options={"parameters": {...}})` changes parameters for one episode, after `randomize`, but for `panel_count`,
     `body_fixed` and `wear_bins`, on which the mechanism's structure depends.
@@ -127,6 +128,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self._episodes = Episodes(settings, [self.parameters])
         self._lane = np.zeros(1, dtype=np.int64)
         self._action = np.zeros(1)
+        self._exclusive = Exclusive()
 
     @property
     def simulation(self) -> Simulation:
@@ -157,15 +159,17 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
         Raises:
             ValueError: for unknown options, parameters or refused values; the present episode goes on then.
+            RuntimeError: if another thread is in a call of this environment.
         """
         unknown = set(options or {}) - RESET_OPTIONS
         if unknown:
             raise ValueError(f"reset options {sorted(unknown)} are unknown; the one option is 'parameters'")
         changes = [(options or {}).get("parameters") or {}]
-        self._episodes.check_changes(self._lane, changes)
-        super().reset(seed=seed)
-        self._episodes.reset(self._lane, [self.np_random], changes)
-        return self._episodes.observations[0].copy(), self._episodes.info(0)
+        with self._exclusive:
+            self._episodes.check_changes(self._lane, changes)
+            super().reset(seed=seed)
+            self._episodes.reset(self._lane, [self.np_random], changes)
+            return self._episodes.observations[0].copy(), self._episodes.info(0)
 
     def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Hold a motor torque for one control period.
@@ -176,25 +180,28 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         Raises:
             gymnasium.error.ResetNeeded: before the first reset and after the end of an episode.
             ValueError: if the action has the wrong shape or is not finite.
-            SimulationError: if the simulation cannot go on.
+            SimulationError: if the simulation cannot go on, or takes more than `max_steps` steps.
+            RuntimeError: if another thread is in a call of this environment.
+            KeyboardInterrupt: within a second of Ctrl-C; the simulation stays at an accepted step.
 
         Warns:
             SimulationWarning: if the episode was less accurate than it looks, see `Simulation.check`.
         """
         episodes = self._episodes
-        if episodes.terminated[0]:
-            raise gymnasium.error.ResetNeeded(f"the episode ended at {self.simulation.time:g} s: call reset()")
         values = np.asarray(action, dtype=np.float64)
         if values.shape != self.action_space.shape:
             raise ValueError(f"action has shape {values.shape}, expected {self.action_space.shape}")
         if not np.isfinite(values[0]):
             raise ValueError(f"action = {values!r} is not finite")
-        self._action[0] = values[0]
-        episodes.step(self._lane, self._action)
-        terminated, info = bool(episodes.terminated[0]), episodes.info(0)
-        if terminated:
-            info["deployment"] = episodes.figures(0)
-        return episodes.observations[0].copy(), float(episodes.rewards[0]), terminated, False, info
+        with self._exclusive:
+            if episodes.terminated[0]:
+                raise gymnasium.error.ResetNeeded(f"the episode ended at {self.simulation.time:g} s: call reset()")
+            self._action[0] = values[0]
+            episodes.step(self._lane, self._action)
+            terminated, info = bool(episodes.terminated[0]), episodes.info(0)
+            if terminated:
+                info["deployment"] = episodes.figures(0)
+            return episodes.observations[0].copy(), float(episodes.rewards[0]), terminated, False, info
 
     def render(self) -> NDArray[np.uint8] | None:
         """Draw the present state; (540, 960, 3) uint8, or None without a render mode."""

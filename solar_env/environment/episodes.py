@@ -14,6 +14,7 @@ from solar_env.environment.task.periods import begin_periods, end_periods, obser
 from solar_env.environment.task.sensors import Memory
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.running.batch import Batch
+from solar_env.mechanics.running.errors import SimulationError
 
 
 class SavedEpisode(NamedTuple):
@@ -154,6 +155,18 @@ class Episodes:
         self.begin(lanes, actions)
         self.batch.advance(lanes, self._end_times)
         self.end(lanes)
+
+    def attempt(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> dict[int, SimulationError]:
+        """`step` that hands back failures, lane -> why its simulation cannot go on; mostly there are none.
+
+        A lane that fails keeps what it observed last, and earns nothing.
+        """
+        self.begin(lanes, actions)
+        failures = self.batch.attempt(lanes, self._end_times)
+        failed = list(failures)
+        self.terms[failed], self.rewards[failed] = 0.0, 0.0
+        self.end(np.setdiff1d(lanes, failed) if failed else lanes)
+        return failures
 
     def begin(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> None:
         """Set the motor torques of a control period, and when it ends."""

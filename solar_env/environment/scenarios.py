@@ -33,6 +33,14 @@ class Scenario:
         """
         return parameters if isinstance(parameters, ArrayParameters) else self.parameters.with_changes(parameters or {})
 
+    def ranges(self, joints: int) -> Ranges:
+        """What is drawn for an array of so many joints: bounds by joint from the root on, as many as there are."""
+
+        def fitted(bound: Bound) -> Bound:
+            return bound[:joints] if isinstance(bound, tuple) else bound
+
+        return {name: (fitted(low), fitted(high)) for name, (low, high) in self.randomize.items()}
+
 
 def _around(value: float | tuple[float, ...], share: float) -> tuple[Bound, Bound]:
     """Bounds at a share below and above a nominal value."""

@@ -19,6 +19,7 @@ from solar_env.environment.task.observations import Entry, Names, observation_en
 from solar_env.environment.task.reward import Reward
 from solar_env.environment.task.sensors import Sensors
 from solar_env.environment.task.task import Task
+from solar_env.mechanics.integrators.settings import Integrator
 from solar_env.mechanics.running.simulation import Simulation
 
 RENDER_MODES = ("rgb_array",)
@@ -52,6 +53,7 @@ class EnvironmentSettings:
             joint where the parameter is by joint, and there each bound may be one by joint.
         hardware: a `solar_env.Hardware`, or a mapping of changes to the scenario's.
         render_mode: "rgb_array" or None.
+        max_steps: bound on the integration steps of one control period, tried ones included; usual are some hundred.
 
     Raises:
         ValueError: on construction, for an unknown name or a refused value; the message says which.
@@ -75,12 +77,13 @@ class EnvironmentSettings:
     randomize: Ranges | None = None
     hardware: Hardware | Changes | None = None
     render_mode: str | None = None
+    max_steps: int = 1_000_000
 
     def __post_init__(self) -> None:
         if self.render_mode not in (None, *RENDER_MODES):
             raise ValueError(f"render_mode {self.render_mode!r} is unknown; choose {', '.join(RENDER_MODES)} or None")
         # Whatever follows from the keywords refuses values that it cannot follow from.
-        for name in ("level", "array", "ranges", "drive", "task", "entries", "prices"):
+        for name in ("level", "integrator", "array", "ranges", "drive", "task", "entries", "prices"):
             getattr(self, name)
 
     @classmethod
@@ -119,6 +122,11 @@ class EnvironmentSettings:
         return chosen.model, chosen.panel_model
 
     @cached_property
+    def integrator(self) -> Integrator:
+        """Method of the model, with the bound on its steps."""
+        return replace(default_integrator(*self.level), max_steps=self.max_steps)
+
+    @cached_property
     def array(self) -> ArrayParameters:
         """Parameters of the array, before anything is drawn."""
         return scenario_named(self.scenario).design(self.parameters)
@@ -126,8 +134,8 @@ class EnvironmentSettings:
     @cached_property
     def ranges(self) -> Ranges:
         """Parameter -> (low, high), by joint where the parameter is."""
-        named = scenario_named(self.scenario)
-        return checked_ranges(self.array, named.randomize if self.randomize is None else self.randomize)
+        usual = scenario_named(self.scenario).ranges(self.array.panel_count)
+        return checked_ranges(self.array, usual if self.randomize is None else self.randomize)
 
     @cached_property
     def drive(self) -> Hardware:
@@ -210,4 +218,4 @@ class EnvironmentSettings:
     def simulation(self, parameters: ArrayParameters) -> Simulation:
         """A folded array at rest."""
         model, panels = self.level
-        return Simulation(build(parameters, model, panels=panels), default_integrator(model, panels))
+        return Simulation(build(parameters, model, panels=panels), self.integrator)

@@ -14,10 +14,12 @@ from numpy.typing import NDArray
 
 from solar_env.environment.env import RESET_OPTIONS, Observation, SolarArrayEnv
 from solar_env.environment.episodes import Episodes, SavedEpisode
+from solar_env.environment.exclusive import Exclusive
 from solar_env.environment.lane import Lane
 from solar_env.environment.scenarios import scenario_named
 from solar_env.environment.settings import EnvironmentSettings
 
+ON_FAILURE = ("truncate", "raise")
 Actions = NDArray[np.float32]
 Flags = NDArray[np.bool_]
 Results = tuple[Observation, NDArray[np.float64], Flags, Flags, dict[str, Any]]
@@ -40,9 +42,14 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         max_episode_steps: control periods after which an episode is truncated; None for none.
         autoreset_mode: a `gymnasium.vector.AutoresetMode`, or its value.
         num_threads: most threads; by default as many as there are processors for this process.
+        on_failure: what becomes of a lane whose simulation cannot go on: "truncate" ends its episode with the reward 0,
+            the last observation once more, and the error's message in `info["failure"]`; "raise" raises its
+            `SimulationError`. The other lanes go on in either case.
         keywords: those of `solar_env.environment.settings.EnvironmentSettings`; `parameters` may also be a
             sequence with an entry for every lane.
     """
+
+    closed = True  # until there is something to close: Gymnasium closes a vector that was refused, too
 
     def __init__(
         self,
@@ -51,6 +58,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         max_episode_steps: int | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         num_threads: int | None = None,
+        on_failure: str = "truncate",
         **keywords: Any,
     ) -> None:
         """See the class.
@@ -64,7 +72,9 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
             whole = isinstance(number, Integral) and not isinstance(number, bool)
             if number is not None and not (whole and number >= 1):
                 raise ValueError(f"{name} = {number!r} must be a whole number, at least 1")
-        self.num_envs = int(num_envs)
+        if on_failure not in ON_FAILURE:
+            raise ValueError(f"on_failure = {on_failure!r} is unknown; choose from {', '.join(ON_FAILURE)}")
+        self.num_envs, self._on_failure = int(num_envs), on_failure
         by_lane = _by_lane("parameters", keywords.get("parameters"), self.num_envs)
         settings = EnvironmentSettings.of({**keywords, "parameters": by_lane[0]})
         self.render_mode, self.scenario = settings.render_mode, settings.scenario
@@ -85,6 +95,8 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         self._elapsed = np.zeros(num_envs, dtype=np.int64)
         self._ended = np.zeros(num_envs, dtype=np.bool_)
         self._actions = np.zeros((num_envs, 1))
+        self._exclusive = Exclusive()
+        self.closed = False
 
     @property  # type: ignore[misc]
     def np_random(self) -> tuple[np.random.Generator, ...]:  # type: ignore[override]
@@ -119,6 +131,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
                 episodes go on then.
             TypeError: if the mask is no array of bool.
             gymnasium.error.ResetNeeded: if a mask leaves out lanes that have never been reset.
+            RuntimeError: if another thread is in a call of this environment.
         """
         given = dict(options or {})
         mask = given.pop("reset_mask", None)
@@ -137,15 +150,16 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         lanes = self._all_lanes if mask is None else np.flatnonzero(mask)
         by_lane = _by_lane("options['parameters']", given.get("parameters") or {}, self.num_envs)
         chosen = [by_lane[lane] for lane in lanes]
-        self.episodes.check_changes(lanes, chosen)
-        for lane in lanes:
-            if seeds[lane] is not None:
-                self._generators[lane], self._seeds[lane] = seeding.np_random(index(seeds[lane]))
-        self._fold(lanes, chosen)
-        infos: dict[str, Any] = {}
-        for begun in lanes.tolist():
-            self._add_info(infos, self.episodes.info(begun), begun)
-        return self.episodes.observations.copy(), infos
+        with self._exclusive:
+            self.episodes.check_changes(lanes, chosen)
+            for lane in lanes:
+                if seeds[lane] is not None:
+                    self._generators[lane], self._seeds[lane] = seeding.np_random(index(seeds[lane]))
+            self._fold(lanes, chosen)
+            infos: dict[str, Any] = {}
+            for begun in lanes.tolist():
+                self._add_info(infos, self.episodes.info(begun), begun)
+            return self.episodes.observations.copy(), infos
 
     def _fold(self, lanes: NDArray[np.int64], changes: Sequence[Mapping[str, Any]]) -> None:
         self.episodes.reset(lanes, [self._generator(int(lane)) for lane in lanes], changes)
@@ -161,17 +175,25 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         Raises:
             gymnasium.error.ResetNeeded: before the first reset, and where an episode has ended with autoreset disabled.
             ValueError: if the actions have the wrong shape or are not finite.
-            SimulationError: if a simulation cannot go on.
+            SimulationError: with `on_failure="raise"`, if a simulation cannot go on, or needs more than `max_steps`.
+            RuntimeError: if another thread is in a call of this environment.
+            KeyboardInterrupt: within a second of Ctrl-C; the simulations stay at accepted steps.
 
         Warns:
             SimulationWarning: if an episode was less accurate than it looks, see `Simulation.check`.
         """
         if np.shape(actions) != self._actions.shape:
             raise ValueError(f"actions have shape {np.shape(actions)}, expected {self._actions.shape}")
-        self._actions[...] = actions
-        if not np.isfinite(self._actions).all():
-            lane = int(np.argmin(np.isfinite(self._actions[:, 0])))
-            raise ValueError(f"action = {self._actions[lane]!r} of lane {lane} is not finite")
+        given = np.array(actions, dtype=np.float64)
+        if not np.isfinite(given).all():
+            lane = int(np.argmin(np.isfinite(given[:, 0])))
+            raise ValueError(f"action = {given[lane]!r} of lane {lane} is not finite")
+        with self._exclusive:
+            self._actions[...] = given
+            return self._step()
+
+    def _step(self) -> Results:
+        """Hold the torques of `_actions` for one control period."""
         episodes, lanes = self.episodes, self._all_lanes
         if self._ended.any():
             folded = np.flatnonzero(self._ended)
@@ -181,16 +203,23 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
                 )
             lanes = np.flatnonzero(~self._ended)
             self._fold(folded, [{}] * folded.size)
-        episodes.step(lanes, self._actions[:, 0])
+        if self._on_failure == "raise":
+            episodes.step(lanes, self._actions[:, 0])
+            failures = {}
+        else:
+            failures = episodes.attempt(lanes, self._actions[:, 0])
         self._elapsed[lanes] += 1
         terminations = episodes.terminated.copy()
         truncations = np.zeros(self.num_envs, dtype=np.bool_)
         if self._longest is not None:
             np.greater_equal(self._elapsed, self._longest, out=truncations)
+        truncations[list(failures)] = True
         np.logical_or(terminations, truncations, out=self._ended)
         rewards, infos = episodes.rewards.copy(), self._infos()
         if self._ended.any():
-            self._end_episodes(np.flatnonzero(self._ended), terminations, infos)
+            figures = {int(lane): {"deployment": episodes.figures(int(lane))} for lane in np.flatnonzero(terminations)}
+            last = figures | {lane: {"failure": str(error)} for lane, error in failures.items()}
+            self._end_episodes(np.flatnonzero(self._ended), last, infos)
         return episodes.observations.copy(), rewards, terminations, truncations, infos
 
     def _infos(self) -> dict[str, Any]:
@@ -201,18 +230,17 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
             terms[f"_{name}"] = np.ones(self.num_envs, dtype=np.bool_)
         return {"time_s": self.episodes.times, "reward_terms": terms, **everywhere}
 
-    def _end_episodes(self, lanes: NDArray[np.int64], terminations: Flags, infos: dict[str, Any]) -> None:
+    def _end_episodes(
+        self, lanes: NDArray[np.int64], last: Mapping[int, dict[str, Any]], infos: dict[str, Any]
+    ) -> None:
         """Add the information of last steps of episodes, and begin the next ones if that is to be in the same step."""
         episodes = self.episodes
-        figures = {lane: episodes.figures(lane) for lane in lanes.tolist() if terminations[lane]}
         if self.autoreset_mode is not AutoresetMode.SAME_STEP:
-            for lane, deployment in figures.items():
-                self._add_info(infos, {"deployment": deployment}, lane)
+            for lane, told in last.items():
+                self._add_info(infos, told, lane)
             return
         for lane in lanes.tolist():
-            final = episodes.info(lane)
-            if lane in figures:
-                final["deployment"] = figures[lane]
+            final = {**episodes.info(lane), **last.get(lane, {})}
             self._add_info(infos, {"final_obs": episodes.observations[lane].copy(), "final_info": final}, lane)
         self._fold(lanes, [{}] * lanes.size)
         for lane in lanes.tolist():

@@ -268,3 +268,23 @@ def test_the_privileged_observation_shows_what_is_behind_the_sensors():
     beyond = SINCE_LATCH + 1
     assert np.array_equal(behind[0][:, beyond:], behind[1][:, beyond:])
     assert not np.array_equal(behind[0][:, RATES], behind[1][:, RATES])
+
+
+@pytest.mark.parametrize("name", ENVIRONMENTS)
+@pytest.mark.parametrize("panels", [1, 2, 3])
+def test_every_scenario_takes_arrays_of_other_numbers_of_panels(name, panels):
+    env = make(name, parameters={"panel_count": panels})
+    env.reset(seed=0)
+    observation, *_ = env.step(np.ones(1))
+    assert np.isfinite(observation).all()
+
+
+@pytest.mark.parametrize("ranges", [[1], 3, "clearance", [("clearance", (1e-4, 2e-4))]])
+def test_ranges_that_are_no_mapping_are_refused(ranges):
+    with pytest.raises(ValueError, match=r"randomize = .* must be a mapping of parameter names to pairs"):
+        make(randomize=ranges)
+
+
+def test_more_panels_than_there_may_be_are_refused():
+    with pytest.raises(ValueError, match="panel_count = 1000 must lie between 1 and 100"):
+        make(parameters={"panel_count": 1000})

@@ -5,7 +5,6 @@ from solar_env.mechanics.arrays.model import DONE, PAUSED, TOO_MANY_STEPS
 from solar_env.mechanics.integrators.adaptive import begin_adaptive, take_adaptive_step
 from solar_env.mechanics.integrators.methods.table import kernel_of
 from solar_env.mechanics.numerics.jit import kernel
-from solar_env.mechanics.records.history import fail
 from solar_env.mechanics.records.recording import pause_due
 
 _begin_call = kernel_of(lambda kernels: getattr(kernels, "begin_call", begin_adaptive))
@@ -14,7 +13,10 @@ _take_step = kernel_of(lambda kernels: getattr(kernels, "take_step", take_adapti
 
 @kernel(single_caller=True)
 def advance(model, state, settings, recorder, end_time, arrays):
-    """Advance `state` in place to `end_time` [s]; returns a status code."""
+    """Advance `state` in place to `end_time` [s], by at most `settings.max_steps` steps; returns a status code.
+
+    A call that stops for the number of its steps lands on nothing: the next one goes on to the same bits.
+    """
     clock = state.clock[0]
     status = _begin_call(settings)(model, state, settings, recorder, arrays)
     taken = 0
@@ -22,7 +24,7 @@ def advance(model, state, settings, recorder, end_time, arrays):
         if pause_due(recorder, clock.time, model.joints.size):
             return PAUSED
         if taken >= settings.max_steps:
-            return fail(state, TOO_MANY_STEPS, -1, float(taken))
+            return TOO_MANY_STEPS
         taken += 1
         status = _take_step(settings)(model, state, settings, recorder, end_time, arrays)
     return status

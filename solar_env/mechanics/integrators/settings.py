@@ -25,7 +25,7 @@ class RungeKutta:
         velocity_scale: [m/s].
         max_step: [s].
         impact_resolution: least number of steps per predicted duration of an impact, `fewest_steps` or more.
-        max_steps: bound on the steps of one call.
+        max_steps: bound on the steps of one call, tried ones included; the default is about a minute of rigid panels.
 
     A run asks the same of every method: `name`; whether it `takes_drives`; whether its multipliers only settle to
     the constraint forces after a change of step (`settles_forces`); `steps_needed_per_impact`, None if its steps
@@ -36,7 +36,7 @@ class RungeKutta:
     velocity_scale: float = 0.1
     max_step: float = math.inf
     impact_resolution: float = 16.0
-    max_steps: int = 100_000_000
+    max_steps: int = 20_000_000
 
     name = "runge-kutta"
     takes_drives = True
@@ -112,7 +112,7 @@ class GeneralizedAlpha:
         impact_resolution: least number of adaptive steps per predicted duration of an impact, at least
             `steps_per_impact`.
         newton_tolerance: of a Newton correction, relative to the length scale.
-        max_steps: bound on the steps of one call.
+        max_steps: bound on the steps of one call, tried ones included; the default is about a minute of rigid panels.
     """
 
     step: float = 1e-4
@@ -122,7 +122,7 @@ class GeneralizedAlpha:
     max_step: float = 1e-2
     impact_resolution: float = 24.0
     newton_tolerance: float = 1e-13
-    max_steps: int = 100_000_000
+    max_steps: int = 20_000_000
 
     name = "generalized-alpha"
     takes_drives = True

@@ -3,7 +3,7 @@
 import math
 import os
 import time
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from functools import cached_property
 from typing import Any
 
@@ -17,6 +17,8 @@ from solar_env.mechanics.integrators.driver import advance_lanes
 from solar_env.mechanics.integrators.methods.table import method_of
 from solar_env.mechanics.records.recording import Recorder, make_recorder
 from solar_env.mechanics.running.accuracy import STEPS_BETWEEN_LOOKS
+from solar_env.mechanics.running.errors import SimulationError
+from solar_env.mechanics.running.pace import Pace
 from solar_env.mechanics.running.simulation import Simulation
 
 # Time that a further thread must save [s]: waking one takes about as long.
@@ -65,6 +67,7 @@ class Batch:
         self._statuses, self._counter = np.zeros(count, dtype=np.int64), np.zeros(1, dtype=np.int64)
         self._steps, self._last_steps, self._steps_looked = (np.zeros(count, dtype=np.int64) for _ in range(3))
         self._work_expected = math.inf
+        self._pace = Pace()
         self._process = os.getpid()
         self.simulations = list(simulations)
         for lane, simulation in enumerate(simulations):
@@ -120,28 +123,64 @@ class Batch:
         Raises:
             SimulationError: if a lane cannot go on; a note names the lane. It stays at its last accepted step, the
                 others have advanced.
+            KeyboardInterrupt: within a second of Ctrl-C; every lane stays at an accepted step.
 
         Warns:
             SimulationWarning: as `Simulation.check`.
         """
+        failures = self.attempt(lanes, end_times)
+        if failures:
+            lane, *others = failures
+            failures[lane].add_note(f"in lane {lane} of the batch{f', and others in {others}' if others else ''}")
+            raise failures[lane]
+
+    def attempt(self, lanes: NDArray[np.int64], end_times: NDArray[np.float64]) -> dict[int, SimulationError]:
+        """`advance` that hands back failures: lane -> why it cannot go on, by lane; mostly there are none."""
         queue = lanes[np.argsort(-self._last_steps[lanes], kind="stable")]
+        left, clock = self.integrator.max_steps, self.states.clock
+        while queue.size and left > 0:
+            threads = max(1, int(min(self.threads, queue.size, self._work_expected / _WORK_FOR_A_THREAD)))
+            allowed = min(self._pace.begin(queue.size / threads), left)
+            since = self._times.copy()
+            self._advance_once(queue, end_times, allowed, threads)
+            left -= allowed
+            queue = queue[self._statuses[queue] == m.TOO_MANY_STEPS]
+            if queue.size:
+                self._pace.stopped(allowed, queue.size / threads, bool((self._times > since)[queue].all()))
+        steps = clock["steps"][:, 0]
+        np.subtract(steps, self._steps, out=self._last_steps)
+        self._steps[:] = steps
+        failed = np.sort(lanes[self._statuses[lanes] != m.DONE])
+        if queue.size:
+            clock["failure_joint"][queue], clock["failure_value"][queue] = -1, self.integrator.max_steps
+        for lane in np.flatnonzero(np.abs(steps - self._steps_looked) >= STEPS_BETWEEN_LOOKS):
+            self._steps_looked[lane] = steps[lane]
+            if lane not in failed:
+                self.simulations[lane].check()
+        return {int(lane): self._failure(int(lane)) for lane in failed}
+
+    @property
+    def _times(self) -> NDArray[np.float64]:
+        return self.states.clock["time"][:, 0]
+
+    def _advance_once(
+        self, queue: NDArray[np.int64], end_times: NDArray[np.float64], allowed: int, threads: int
+    ) -> None:
+        """Advance lanes by a number of steps at most, which leaves the status TOO_MANY_STEPS where they are too few."""
+        if allowed != self._settings.max_steps:
+            self._settings = self._settings._replace(max_steps=allowed)
         self._counter[0] = 0
-        worth = self._work_expected / _WORK_FOR_A_THREAD
-        threads = max(1, int(min(self.threads, queue.size, worth)))
         start = time.perf_counter()
         helpers = [self._pool.submit(self._work, k, queue, end_times) for k in range(1, threads)]
-        self._work(0, queue, end_times)
+        try:
+            self._work(0, queue, end_times)
+        finally:
+            # Also on Ctrl-C: they are still at work on the states.
+            if helpers:
+                wait(helpers)
         for helper in helpers:
             helper.result()
         self._work_expected = threads * (time.perf_counter() - start)
-        steps = self.states.clock["steps"][:, 0]
-        np.subtract(steps, self._steps, out=self._last_steps)
-        self._steps[:] = steps
-        if self._statuses[lanes].any():
-            self._raise_first_failure(lanes)
-        for lane in np.flatnonzero(np.abs(steps - self._steps_looked) >= STEPS_BETWEEN_LOOKS):
-            self._steps_looked[lane] = steps[lane]
-            self.simulations[lane].check()
 
     def _work(self, thread: int, queue: NDArray[np.int64], end_times: NDArray[np.float64]) -> None:
         advance_lanes(
@@ -156,14 +195,12 @@ class Batch:
             self._arrays[thread],
         )
 
-    def _raise_first_failure(self, lanes: NDArray[np.int64]) -> None:
-        failed = [int(lane) for lane in np.sort(lanes) if self._statuses[lane] != m.DONE]
+    def _failure(self, lane: int) -> SimulationError:
         try:
-            self.simulations[failed[0]].raise_unless_done(int(self._statuses[failed[0]]))
-        except Exception as error:
-            others = f", and others in {failed[1:]}" if len(failed) > 1 else ""
-            error.add_note(f"in lane {failed[0]} of the batch{others}")
-            raise
+            self.simulations[lane].raise_unless_done(int(self._statuses[lane]))
+        except SimulationError as error:
+            return error
+        raise AssertionError
 
     @property
     def _pool(self) -> ThreadPoolExecutor:

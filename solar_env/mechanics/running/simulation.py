@@ -23,6 +23,7 @@ from solar_env.mechanics.records.recording import RECORDED_LOADS, Recorder, make
 from solar_env.mechanics.running.accuracy import AccuracyWatch
 from solar_env.mechanics.running.assembly import assemble, contact_table, energy_flows
 from solar_env.mechanics.running.errors import raise_for_status
+from solar_env.mechanics.running.pace import Pace, tried_steps
 from solar_env.mechanics.running.trajectory import Trajectory
 
 _CONTACTS_PER_DRAIN = 4096
@@ -65,6 +66,7 @@ class Simulation:
         self.state.clock["energy_scale"] = max(np.abs(energies).sum(), _SMALLEST_ENERGY_SCALE)
         self._unrecorded = make_recorder(self.model, self.state, np.zeros(0), 0)
         self._watch = AccuracyWatch(self)
+        self._pace = Pace()
 
     def _check_initial_state(self) -> None:
         values = self.formulation.drift(self.model, self.state)
@@ -141,7 +143,9 @@ class Simulation:
 
         Raises:
             ValueError: if `end_time` is not finite or lies before the present time.
-            SimulationError: if the run cannot go on; the state stays at the last accepted step.
+            SimulationError: if the run cannot go on, or takes more than `integrator.max_steps` steps; the state stays
+                at the last accepted step.
+            KeyboardInterrupt: within a second of Ctrl-C; the state stays at an accepted step.
 
         Warns:
             SimulationWarning: as `check`.
@@ -175,7 +179,7 @@ class Simulation:
         """Model and state as those of a single lane, and scratch arrays by the name of a method."""
         return with_lane_axis(self.model), with_lane_axis(self.state), {}
 
-    def _advance(self, end_time: float, recorder: Recorder) -> int:
+    def _advance(self, end_time: float, recorder: Recorder, most_steps: int | None = None) -> int:
         method = method_of(self.integrator)
         if method.formulation is not self.formulation:
             raise ValueError(
@@ -187,8 +191,19 @@ class Simulation:
             scratch[self.integrator.name] = method.arrays(self.model, self.state)
         queue, counter, status = np.zeros(1, np.int64), np.zeros(1, np.int64), np.zeros(1, np.int64)
         settings, end_times = method.convert(self.integrator), np.array([end_time], np.float64)
-        arrays = scratch[self.integrator.name]
-        advance_lanes(models, states, settings, recorder, queue, counter, end_times, status, arrays)
+        arrays, clock = scratch[self.integrator.name], self.state.clock[0]
+        left = self.integrator.max_steps if most_steps is None else most_steps
+        status[0] = m.TOO_MANY_STEPS
+        while status[0] == m.TOO_MANY_STEPS and left > 0:
+            since, allowed = clock["time"], min(self._pace.begin(), left)
+            counter[0] = 0
+            chunk = settings._replace(max_steps=allowed)
+            advance_lanes(models, states, chunk, recorder, queue, counter, end_times, status, arrays)
+            left -= allowed
+            if status[0] == m.TOO_MANY_STEPS:
+                self._pace.stopped(allowed, 1.0, clock["time"] > since)
+        if status[0] == m.TOO_MANY_STEPS:
+            clock["failure_joint"], clock["failure_value"] = -1, self.integrator.max_steps
         return int(status[0])
 
     def joint_loads(self) -> NDArray[np.float64]:
@@ -254,7 +269,8 @@ def simulate(
 
     Raises:
         ValueError: if duration or output_step is not positive and finite.
-        SimulationError: if the run cannot go on.
+        SimulationError: if the run cannot go on, or takes more than `integrator.max_steps` steps.
+        KeyboardInterrupt: within a second of Ctrl-C.
 
     Warns:
         SimulationWarning: if the result is less accurate than it looks, see `Simulation.check`.
@@ -267,11 +283,12 @@ def simulate(
     recorder = make_recorder(simulation.model, simulation.state, times, _CONTACTS_PER_DRAIN)
     contacts: list[NDArray[np.float64]] = []
     start = time.perf_counter()
-    status = m.PAUSED
+    status, left = m.PAUSED, simulation.integrator.max_steps
     while status == m.PAUSED:
         if progress:
             recorder.pause[0] = simulation.time + duration / _PROGRESS_CALLS
-        status = simulation._advance(duration, recorder)
+        status = simulation._advance(duration, recorder, left)
+        left = simulation.integrator.max_steps - tried_steps(simulation.state.clock)
         contacts.append(recorder.contacts[: recorder.filled[1]].copy())
         recorder.filled[1] = 0
         if progress:

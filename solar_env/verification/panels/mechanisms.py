@@ -14,7 +14,7 @@ from solar_env.mechanics.running.simulation import Simulation
 _FAR = 1e6  # m
 
 
-def start(mechanism: Mechanism, rtol: float = 1e-6, max_steps: int = 100_000_000) -> Simulation:
+def start(mechanism: Mechanism, rtol: float = 1e-6, max_steps: int = 20_000_000) -> Simulation:
     """The mechanism in its initial state, to be run by the method for modal panels."""
     return Simulation(mechanism, ModalRadau(rtol=rtol, max_steps=max_steps))
 

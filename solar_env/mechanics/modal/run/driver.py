@@ -257,6 +257,8 @@ def take_modal_step(model, state, settings, recorder, end_time, work):
     if kind != NONE and share < 1.0:
         last = False
         h, joint, kind = cut_at_event(model, state, work, settings, h, share, joint, kind)
+        clock.evaluations += work.counts[ITERATIONS]
+        work.counts[ITERATIONS] = 0
         tables, level = work.tables, _CUT
         if h < 0.0:
             reject_step(clock, -h, False, math.inf)

@@ -12,6 +12,16 @@ from solar_env.commands.arguments import Assignments as Assignments
 from solar_env.commands.arguments import WorkerOptions as WorkerOptions
 from solar_env.commands.arguments import parse_arguments as parse_arguments
 from solar_env.commands.arguments import parse_assignments as parse_assignments
+from solar_env.support.interruption import report_interruption
+
+
+@dataclasses.dataclass
+class TrustOption:
+    """Whether run folders of others are loaded."""
+
+    trust: bool = False
+    """take over run folders that were made elsewhere, whose files execute code when they are loaded: they are sealed as
+    yours from now on; policies exported by agents.export need no trust"""
 
 
 @dataclasses.dataclass
@@ -54,9 +64,14 @@ def command_line(prog: str, argv: Sequence[str] | None) -> str:
 
 
 def run_command(main: Callable[[], object]) -> None:
-    """Run `main`; input that it refuses, and runs that fail, end the process with their message and status 2."""
+    """Run `main`; input that it refuses, and runs that fail, end the process with their message and status 2.
+
+    Ctrl-C ends it with status 130 and a line that says what was kept.
+    """
     try:
         main()
     except (ValueError, OSError, SimulationError) as error:
         print(f"error: {error}", file=sys.stderr)
         sys.exit(2)
+    except KeyboardInterrupt as stop:
+        sys.exit(report_interruption(stop))

@@ -1,8 +1,8 @@
 """Command that draws learning curves of every agent on every scenario: `python -m agents.curves`."""
 
 import csv
+import io
 import itertools
-import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,6 +16,7 @@ from agents.comparison.suites import MODEL, SUITES, WHOLE_TORQUE_MODEL
 from agents.environments import check_distinct_seeds
 from agents.learning import configurations, learn
 from solar_env.environment.registration import ENVIRONMENTS
+from solar_env.support.files import copy_file, make_folder, write_text
 
 PROG = "python -m agents.curves"
 FIGURE, TABLE = "learning_curves.png", "learning_curves.csv"
@@ -68,18 +69,19 @@ def wanted_runs(args: Args) -> dict[tuple[str, str], dict[Path, configurations.C
 
 def curve(folders: Sequence[Path]) -> tuple[np.ndarray, np.ndarray]:
     """Read steps (validations,) and mean validation returns (runs, validations) of runs of one configuration."""
-    histories = [np.load(folder / "evaluations.npz") for folder in folders]
+    histories = [runs.read_evaluations(folder) for folder in folders]
     return histories[0]["timesteps"], np.array([history["results"].mean(axis=1) for history in histories])
 
 
 def write_table(curves: Curves, seeds: Sequence[int], path: Path) -> None:
     """Write a CSV file with a row for each validation of each run; the runs of an agent are those of the seeds."""
-    with path.open("w", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(["task", "algorithm", "seed", "steps", "validation return"])
-        for (panel, algo), (steps, returns) in curves.items():
-            for seed, history in zip(seeds, returns, strict=True):
-                writer.writerows([panel, algo, seed, int(s), float(r)] for s, r in zip(steps, history, strict=True))
+    text = io.StringIO(newline="")
+    writer = csv.writer(text)
+    writer.writerow(["task", "algorithm", "seed", "steps", "validation return"])
+    for (panel, algo), (steps, returns) in curves.items():
+        for seed, history in zip(seeds, returns, strict=True):
+            writer.writerows([panel, algo, seed, int(s), float(r)] for s, r in zip(steps, history, strict=True))
+    write_text(path, text.getvalue())
 
 
 def main(argv: Sequence[str] | None = None) -> None:
@@ -90,15 +92,15 @@ def main(argv: Sequence[str] | None = None) -> None:
         raise ValueError(f"no suite {unknown[0]!r}; available: {', '.join(SUITES)}")
     check_distinct_seeds(args.seeds)
     wanted = wanted_runs(args)
+    out = make_folder(args.out)
     everything = {folder: config for of_agent in wanted.values() for folder, config in of_agent.items()}
     learn.train_missing(everything, command_line(PROG, argv), "cpu", args.workers, not args.quiet)
     curves: Curves = {key: curve(list(of_agent)) for key, of_agent in wanted.items()}
-    out = Path(args.out)
     write_table(curves, args.seeds, out / TABLE)
     learning_curves_figure(curves, out / FIGURE)
     if args.readme:
         for name in (FIGURE, TABLE):
-            shutil.copy(out / name, Path(__file__).parent / "figures" / name)
+            copy_file(out / name, Path(__file__).parent / "figures" / name)
     print(f"written to {out}")
 
 

@@ -1,6 +1,5 @@
 """Command that compares controllers on the same episodes: `python -m agents.evaluate`."""
 
-import shutil
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -8,13 +7,15 @@ from typing import Annotated, Any
 
 import tyro
 
-from agents.arguments import ModelOptions, WorkerOptions, command_line, parse_arguments, run_command
+from agents.arguments import ModelOptions, TrustOption, WorkerOptions, command_line, parse_arguments, run_command
+from agents.comparison.controllers import trust_runs
 from agents.comparison.evaluation import STORE, common_env_id, common_env_kwargs, efforts, evaluate
 from agents.comparison.figures import comparison_figure
 from agents.comparison.report import write_comparison
 from agents.comparison.suites import MODEL, SUITES, suite_controllers
 from agents.environments import completed, with_sampling
 from agents.laws.table import LAWS
+from solar_env.support.files import copy_file, make_folder
 from solar_env.support.readme import Section
 from solar_env.support.terminal import print_markdown
 
@@ -30,7 +31,7 @@ CONTROLLERS = (
 
 
 @dataclass
-class Args(ModelOptions, WorkerOptions):
+class Args(ModelOptions, WorkerOptions, TrustOption):
     """Compare controllers on the same evaluation episodes.
 
     Environment keywords that are not given are those of the suite, else those that the trained controllers have in
@@ -59,6 +60,8 @@ def main(argv: Sequence[str] | None = None) -> None:
     args = parse_arguments(Args, argv, PROG)
     if args.readme:
         _section(args).read()  # refuses a page without a place before everything is evaluated
+    if args.trust:
+        trust_runs(args.controllers)
     if args.suite:
         env_id, controllers, common = suite_named(args.suite, args.env_id, args.controllers)
     else:
@@ -68,6 +71,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     given = args.keywords(env_id)
     given = completed(given, common or common_env_kwargs(controllers, env_id, given))
     out = Path(args.out or (Path("evaluation") / (args.suite or "")))
+    make_folder(out)
     env_kwargs = with_sampling(given, env_id)
     rows = evaluate(
         controllers, args.episodes, args.seed, env_id, env_kwargs, not args.quiet, args.workers, out / STORE
@@ -76,7 +80,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     summary, tables = write_comparison(out, rows, settings, efforts(controllers, env_id, env_kwargs))
     comparison_figure(summary, out / FIGURE)
     if args.readme:
-        shutil.copy(out / FIGURE, COMPARISON / "figures" / f"suite-{args.suite}.png")
+        copy_file(out / FIGURE, COMPARISON / "figures" / f"suite-{args.suite}.png")
         _section(args).write(tables.folded().strip())
     print_markdown(str(tables))
     print(f"written to {out}")

@@ -1,7 +1,6 @@
 """Command that ships a trained policy as plain arrays and as ONNX, with a card: `python -m agents.export`."""
 
 import csv
-import json
 import re
 import sys
 from collections.abc import Mapping, Sequence
@@ -13,7 +12,7 @@ import gymnasium
 import numpy as np
 
 from agents import runs, shipped
-from agents.arguments import parse_arguments, run_command
+from agents.arguments import TrustOption, parse_arguments, run_command
 from agents.comparison.report import Row, tabulate
 from agents.environments import episode_seeds, make_env
 from agents.laws.table import BASELINES, LAWS
@@ -23,12 +22,14 @@ from agents.policies.onnx_form import difference, onnx_model
 from agents.policies.policy import Description, ShippedPolicy
 from agents.rollout import run_episode
 from agents.torque_laws import Signals
+from solar_env.support.files import write_bytes, write_text
+from solar_env.support.plain_arrays import read_json
 
 TOLERANCE = 1e-5  # of actions, between the network and Stable-Baselines3
 
 
 @dataclass
-class Args:
+class Args(TrustOption):
     """Write the best policy of a run to agents/policies as arrays and as ONNX, with a card."""
 
     run: str | None = None
@@ -92,8 +93,8 @@ def export(run: str | Path, folder: Path, comparison: str | Path | None = None) 
         text = card(folder.name, config, policy, env.unwrapped, scores, found)
     folder.mkdir(parents=True)
     shipped.save(folder, policy)
-    (folder / shipped.ONNX).write_bytes(onnx_bytes)
-    (folder / shipped.CARD).write_text(text)
+    write_bytes(folder / shipped.ONNX, onnx_bytes)
+    write_text(folder / shipped.CARD, text)
     return policy
 
 
@@ -114,7 +115,7 @@ def _scores(run: Path, name: str, comparison: Path | None) -> str:
             rows = [_numbers(row) for row in csv.DictReader(file)]
         own = [row for row in rows if row["spec"] not in BASELINES and is_own(row["spec"])]
         if own:
-            settings = json.loads((folder / "metrics.json").read_text())["settings"]
+            settings = read_json(folder / "metrics.json")["settings"]
             tables = tabulate([row for row in rows if row["spec"] in BASELINES] + own).folded().strip()
             return f"`{own[0]['controller']}` is this policy. Measured by `{settings['command']}`.\n\n{tables}"
     if comparison is not None:
@@ -144,6 +145,8 @@ def main(argv: Sequence[str] | None = None) -> None:
     if args.name in LAWS:
         raise ValueError(f"name is {args.name!r}, which is that of a controller without learning; choose another one")
     folder = shipped.SHIPPED / str(args.name)
+    if args.trust:
+        runs.trust_run(args.run)
     export(args.run, folder, args.scores)
     print(f"written to {folder}")
 

@@ -1,28 +1,44 @@
 """Run folders: the files that a training run leaves, and the loading of its policy."""
 
+import io
 import json
 import platform
 import re
-import shutil
 from collections.abc import Mapping
+from contextlib import suppress
 from datetime import datetime
 from importlib import metadata
 from pathlib import Path
 from typing import Any
 
 import gymnasium
+import numpy as np
 from stable_baselines3 import PPO, SAC, TD3
 from stable_baselines3.common.base_class import BaseAlgorithm
 
 from agents.environments import make_env
 from agents.laws.residual import ResidualController
 from agents.torque_laws import Controller, Signals
+from agents.trust import (
+    SEAL,
+    DamagedFileError,
+    UntrustedFileError,
+    check_record,
+    sealed,
+    sealed_record,
+    trust,
+    unsealed,
+)
+from solar_env.support.files import make_folder, write_bytes, write_text
+from solar_env.support.plain_arrays import read_arrays, read_json
 
 ALGORITHMS: dict[str, type[BaseAlgorithm]] = {"ppo": PPO, "sac": SAC, "td3": TD3}
 
 CONFIG = "config.json"
 POLICY = "policy.zip"
-CHECKPOINT = "checkpoint"
+CHECKPOINTS = ("checkpoint.pkl", "checkpoint-previous.pkl")  # newest first
+EVALUATIONS = "evaluations.npz"
+HISTORY = ("timesteps", "results", "ep_lengths")  # its arrays
 TIMING = "timing.json"  # written last: the run is complete
 
 
@@ -47,13 +63,17 @@ def new_run_folder(out: str | Path | None, env_id: str, algo: str, seed: int) ->
     folder = Path(out) if out else Path("runs") / name
     if (folder / CONFIG).exists():
         raise FileExistsError(f"{folder} holds a run already; choose another --out, or go on from it with --resume")
-    folder.mkdir(parents=True, exist_ok=True)
-    return folder
+    return make_folder(folder)
 
 
 def write_json(path: Path, content: Any) -> None:
     """Write `content` as indented JSON."""
-    path.write_text(json.dumps(content, indent=2, allow_nan=False) + "\n")
+    write_text(path, json.dumps(content, indent=2, allow_nan=False) + "\n")
+
+
+def write_config(folder: Path, record: Mapping[str, Any]) -> None:
+    """Write the configuration of a run, sealed as one that was made on this account."""
+    write_json(folder / CONFIG, sealed_record(record))
 
 
 def read_config(folder: str | Path) -> dict[str, Any]:
@@ -61,22 +81,38 @@ def read_config(folder: str | Path) -> dict[str, Any]:
 
     Raises:
         FileNotFoundError: `folder` is not a run folder.
+        DamagedFileError: The file is not whole, or describes no run.
+        UntrustedFileError: The run was not made on this account, and not taken over by `trust_run`.
     """
     path = Path(folder) / CONFIG
     if not path.is_file():
         raise FileNotFoundError(f"{folder} is not a run folder: it has no {CONFIG}; train.py writes such folders")
-    return json.loads(path.read_text())
+    try:
+        record = read_json(path)
+    except ValueError as error:
+        raise DamagedFileError(str(error)) from error
+    if not isinstance(record, dict) or not {"env_id", "env_kwargs", "algo", "residual"} <= set(record):
+        raise DamagedFileError(f"{path} describes no training run; name a folder that train.py has written")
+    check_record(record, path)
+    return {name: value for name, value in record.items() if name != SEAL}
+
+
+def trust_run(folder: str | Path) -> None:
+    """Take over a run that was made elsewhere: seal its files as this user's. Only for runs whose author you trust.
+
+    Raises:
+        FileNotFoundError: `folder` is not a run folder.
+        DamagedFileError: One of its files is not whole.
+        OSError: A file cannot be written.
+    """
+    with suppress(UntrustedFileError):
+        read_config(folder)
+    trust(Path(folder), CONFIG, (POLICY, *CHECKPOINTS))
 
 
 def is_complete(folder: str | Path) -> bool:
     """Return whether the training in `folder` has run to its end."""
     return (Path(folder) / TIMING).is_file()
-
-
-def discard_incomplete(folder: str | Path) -> None:
-    """Remove the run in `folder` if it was interrupted; anything else stays."""
-    if (Path(folder) / CONFIG).is_file() and not is_complete(folder):
-        shutil.rmtree(folder)
 
 
 def policy_path(folder: str | Path) -> Path:
@@ -96,23 +132,59 @@ def load_policy(folder: str | Path, env: gymnasium.Env) -> Controller:
     """Load the best policy of the run in `folder`, with the law that it adds to if there is one, for use on `env`.
 
     Raises:
-        FileNotFoundError, ValueError: As `load_model`.
+        FileNotFoundError, DamagedFileError, UntrustedFileError, ValueError: As `load_model`.
     """
     residual, model = read_config(folder)["residual"], load_model(folder, env)
     return ResidualController(model, residual, Signals.of(env)) if residual else model
 
 
+def check_policy(folder: str | Path) -> None:
+    """Refuse a run whose policy cannot be loaded, before any work that needs it.
+
+    Raises:
+        FileNotFoundError, DamagedFileError, UntrustedFileError: As `load_model`.
+    """
+    unsealed(policy_path(folder))
+
+
+def read_evaluations(folder: Path) -> dict[str, np.ndarray]:
+    """Read the history of a run's validations: steps (n,), and returns and lengths (n, episodes).
+
+    Raises:
+        OSError: The file cannot be read.
+        DamagedFileError: It is not whole, or no such history.
+    """
+    path = folder / EVALUATIONS
+    try:
+        arrays = read_arrays(path, lambda name: name in HISTORY)
+        if set(arrays) != set(HISTORY) or arrays["results"].ndim != 2:
+            raise ValueError(f"it holds {sorted(arrays)}")
+    except ValueError as error:
+        raise DamagedFileError(f"{path} is no history of validations ({error}); train the run anew") from error
+    return arrays
+
+
+def save_policy(folder: Path, model: BaseAlgorithm) -> None:
+    """Write the network as the best one of the run in `folder`."""
+    file = io.BytesIO()
+    model.save(file)
+    write_bytes(folder / POLICY, sealed(file.getvalue()))
+
+
 def load_model(folder: str | Path, env: gymnasium.Env) -> BaseAlgorithm:
-    """Load the network of the run in `folder`, for use on `env`. Load only runs you trust: it is a pickle.
+    """Load the network of the run in `folder`, for use on `env`. It is a pickle: only runs of this account are loaded.
 
     Raises:
         FileNotFoundError: There is no run, or it was interrupted before its first validation.
+        DamagedFileError: The policy's file is not whole.
+        UntrustedFileError: The run was not made on this account, see `trust_run`.
         ValueError: Observations or actions of `env` have another meaning than in training.
     """
     path, config = policy_path(folder), read_config(folder)
+    policy = io.BytesIO(unsealed(path))
     with make_env(config["env_id"], config["env_kwargs"]) as trained:
         Signals.of(trained).check(env, f"{config['env_id']} with {config['env_kwargs']}")
-    return algorithm(config["algo"]).load(path, device="cpu")
+    return algorithm(config["algo"]).load(policy, device="cpu")
 
 
 def versions() -> dict[str, str]:

@@ -16,6 +16,8 @@ from agents.environments import DEFAULT_ENV_ID
 from agents.laws.baselines import CONFIGS
 from agents.learning import configurations, learn
 from agents.learning.minimisation import minimise
+from solar_env.support.files import check_target, make_folder
+from solar_env.support.plain_arrays import read_json
 
 PROG = "python -m agents.search"
 SIGNIFICANT_DIGITS = 3
@@ -146,15 +148,14 @@ def score(folder: Path) -> float:
 
     A training keeps its best validation, but a single one is a noisy score: episodes with clearance scatter.
     """
-    with np.load(folder / "evaluations.npz") as history:
-        means = history["results"].mean(axis=1)
+    means = runs.read_evaluations(folder)["results"].mean(axis=1)
     return float(means[-math.ceil(len(means) / 3) :].mean())
 
 
 def store(algo: str, env_id: str, config: configurations.Configuration, record: dict[str, Any]) -> Path:
     """Write the best hyperparameters to their file in `CONFIGS`, with the record of the search."""
     path = CONFIGS / f"{algo}.json"
-    entries = json.loads(path.read_text())
+    entries = read_json(path)
     found = {"hyperparameters": config.hyperparameters, "search": record}
     if config.residual is None:
         entries[env_id]["whole_torque"] |= found
@@ -171,6 +172,8 @@ def main(argv: Sequence[str] | None = None) -> None:
         raise ValueError(f"nothing to search for {args.algo!r}; choose from {', '.join(SPACES)}")
     default = WHOLE_TORQUE_MODEL if args.whole else MODEL
     env_kwargs = args.keywords(args.env_id, default)
+    make_folder(args.out)
+    check_target(CONFIGS / f"{args.algo}.json")
     command = command_line(PROG, argv)
     scores: dict[Path, float] = {}
     configs: dict[Path, configurations.Configuration] = {}

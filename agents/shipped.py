@@ -5,7 +5,7 @@ A shipped policy is a folder with `policy.npz`, `policy.json`, `policy.onnx` and
 """
 
 import json
-import zipfile
+import re
 from dataclasses import asdict, fields
 from pathlib import Path
 
@@ -13,6 +13,8 @@ import numpy as np
 
 from agents.policies.network import Layer, PolicyNetwork
 from agents.policies.policy import Description, ShippedPolicy
+from solar_env.support.files import write_text, writing
+from solar_env.support.plain_arrays import read_arrays, read_json
 
 SHIPPED = Path(__file__).parent / "policies"
 ARRAYS = "policy.npz"
@@ -21,15 +23,18 @@ ONNX = "policy.onnx"
 CARD = "card.md"
 FORMAT = 3
 GATES = "gates"  # in place of the number of a layer
+_MEMBER = re.compile(rf"({'|'.join(Layer._fields)})_(\d{{1,3}}|{GATES})")
+_MOST_BYTES = 2**26
 
 
 def save(folder: Path, policy: ShippedPolicy) -> None:
     """Write `policy.npz`, which holds plain arrays alone, and `policy.json` into an existing folder."""
     layers = dict(enumerate(policy.network.layers, start=1)) | {GATES: policy.network.gates}
     arrays = {f"{name}_{key}": array for key, layer in layers.items() for name, array in layer._asdict().items()}
-    np.savez(folder / ARRAYS, **arrays)
+    with writing(folder / ARRAYS) as file:
+        np.savez(file, **arrays)
     content = {"format": FORMAT, **asdict(policy.description)}
-    (folder / DESCRIPTION).write_text(json.dumps(content, indent=2, allow_nan=False) + "\n")
+    write_text(folder / DESCRIPTION, json.dumps(content, indent=2, allow_nan=False) + "\n")
 
 
 def available() -> list[str]:
@@ -42,11 +47,12 @@ def load_shipped(name: str | Path) -> ShippedPolicy:
 
     Raises:
         FileNotFoundError: There is none.
-        ValueError: Its files are of another format, hold pickled objects, or do not fit each other; the message names
-            the file.
+        OSError: A file cannot be read.
+        ValueError: Its files are damaged, too large, of another format, hold pickled objects, or do not fit each other;
+            the message names the file.
     """
-    folder = next((path for path in (SHIPPED / name, Path(name)) if (path / DESCRIPTION).is_file()), None)
-    if folder is None:
+    folder = SHIPPED / name if str(name) in available() else Path(name)
+    if not (folder / DESCRIPTION).is_file():
         raise FileNotFoundError(
             f"no shipped policy {str(name)!r}, and no folder of that name with a {DESCRIPTION}; "
             f"available: {', '.join(available()) or 'none'}"
@@ -57,27 +63,27 @@ def load_shipped(name: str | Path) -> ShippedPolicy:
         d = description
         network = PolicyNetwork(tuple(layers), gates, d.feature_limit, d.activation, d.output, d.mean_limit)
         return ShippedPolicy(network, description)
-    except (TypeError, ValueError) as error:
+    except ValueError as error:
         raise ValueError(f"{folder}: {error}") from error
 
 
 def _read_description(path: Path) -> Description:
-    content = json.loads(path.read_text())
+    content = read_json(path)
     found = content.pop("format", None) if isinstance(content, dict) else None
     if found != FORMAT:
         raise ValueError(f"{path.name} has format {found!r}; this version reads format {FORMAT}")
     expected = {field.name for field in fields(Description)}
     if set(content) != expected:
         raise ValueError(f"{path.name} has the keys {sorted(content)}; expected {sorted(expected)}")
-    return Description(**{**content, "observation_names": tuple(content["observation_names"])})
+    names = content["observation_names"]
+    return Description(**{**content, "observation_names": tuple(names) if isinstance(names, list) else names})
 
 
 def _read_layers(path: Path) -> tuple[Layer, ...]:
     """Read the layers in their order, and last the gates."""
     try:
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {name: np.asarray(file[name]) for name in file.files}
-    except (EOFError, OSError, TypeError, ValueError, zipfile.BadZipFile) as error:
+        arrays = read_arrays(path, lambda name: _MEMBER.fullmatch(name) is not None, _MOST_BYTES)
+    except ValueError as error:
         raise ValueError(f"{path.name} cannot be read as plain arrays, and is not unpickled: {error}") from error
     keys = [*range(1, len(arrays) // 2), GATES]
     if not arrays or set(arrays) != {f"{name}_{key}" for key in keys for name in Layer._fields}:

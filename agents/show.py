@@ -1,6 +1,5 @@
 """Command that draws and animates one episode of several controllers: `python -m agents.show`."""
 
-import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -10,13 +9,14 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 from rich.console import Console
 
-from agents.arguments import ModelOptions, parse_arguments, run_command
-from agents.comparison.controllers import parse_controllers
+from agents.arguments import ModelOptions, TrustOption, parse_arguments, run_command
+from agents.comparison.controllers import parse_controllers, trust_runs
 from agents.comparison.figures import deployments_figure
 from agents.comparison.suites import MODEL
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_sampling
 from agents.rollout import Step, run_episode
 from agents.torque_laws import Controller, Signals
+from solar_env.support.files import copy_file, make_folder, writing
 from solar_env.support.progress import counting_bar
 
 FIGURE, ANIMATION = "deployments.png", "deployments.gif"
@@ -26,7 +26,7 @@ FRAMES_PER_SECOND = 10
 
 
 @dataclass
-class Args(ModelOptions):
+class Args(ModelOptions, TrustOption):
     """Draw one episode of several controllers, the same for all, and animate them one above the other.
 
     The model is flexible-clearance unless another is named.
@@ -51,22 +51,26 @@ def main(argv: Sequence[str] | None = None) -> None:
     args = parse_arguments(Args, argv, prog="python -m agents.show")
     keywords = args.keywords(args.env_id, MODEL)
     seed = episode_seeds("evaluation", args.seed, 1)[0]
+    if args.trust:
+        trust_runs(args.controllers)
+    named_controllers = parse_controllers(args.controllers)
+    for named in named_controllers:
+        named.check()
+    out = make_folder(args.out)
     episodes: dict[str, list[Step]] = {}
     films: list[list[Image.Image]] = []
     with counting_bar(Console(stderr=True, quiet=args.quiet)) as bar:
-        for named in bar.track(parse_controllers(args.controllers), description="episodes"):
+        for named in bar.track(named_controllers, description="episodes"):
             drawn = {**keywords, **named.observation(), "render_mode": "rgb_array"}
             env = make_env(args.env_id, with_sampling(drawn, args.env_id))
             signals = Signals.of(env)
             episodes[named.name], film = _filmed(env, named.load(env), named.name, seed)
             films.append(film)
-    out = Path(args.out)
-    out.mkdir(parents=True, exist_ok=True)
     deployments_figure(episodes, signals.names, signals.torque_limit, out / FIGURE)
     animate(films, out / ANIMATION)
     if args.readme:
         for name in (FIGURE, ANIMATION):
-            shutil.copy(out / name, Path(__file__).parent / "comparison" / "figures" / name)
+            copy_file(out / name, Path(__file__).parent / "comparison" / "figures" / name)
     print(f"written to {out}")
 
 
@@ -104,9 +108,9 @@ def animate(films: Sequence[Sequence[Image.Image]], path: Path) -> None:
         for row, film in enumerate(films):
             frame.paste(film[min(k, len(film) - 1)], (0, height * row))
         frames.append(frame.quantize(64, dither=Image.Dither.NONE))
-    frames[0].save(
-        path, save_all=True, append_images=frames[1:], duration=1000 // FRAMES_PER_SECOND, loop=0, optimize=True
-    )
+    timing = {"duration": 1000 // FRAMES_PER_SECOND, "loop": 0}
+    with writing(path) as file:
+        frames[0].save(file, "gif", save_all=True, append_images=frames[1:], optimize=True, **timing)
 
 
 if __name__ == "__main__":

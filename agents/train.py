@@ -13,7 +13,7 @@ from typing import Annotated
 import tyro
 
 from agents import runs
-from agents.arguments import ModelOptions, TrainingOptions, command_line, parse_arguments, run_command
+from agents.arguments import ModelOptions, TrainingOptions, TrustOption, command_line, parse_arguments, run_command
 from agents.comparison.evaluation import efforts, evaluate
 from agents.comparison.figures import run_figure
 from agents.comparison.report import Summary, Tables, write_comparison
@@ -40,7 +40,7 @@ TIMESTEPS = 86_400
 
 
 @dataclass
-class Args(ModelOptions, TrainingOptions):
+class Args(ModelOptions, TrainingOptions, TrustOption):
     """Train a controller that deploys the solar array softly, and compare it with the baselines.
 
     The model is flexible-clearance, or rigid-clearance for the whole torque, unless another is named;
@@ -65,9 +65,12 @@ class Args(ModelOptions, TrainingOptions):
     torque; by default as in agents/configs"""
     law: Annotated[str | None, tyro.conf.arg(help=f"that law: {', '.join(TUNABLE)}; by default servo")] = None
     resume: str | None = None
-    """run folder to go on from, with its algorithm, environment, seed, hyperparameters, residual and landings"""
+    """run folder to go on from, with its algorithm, environment, seed, hyperparameters, residual and landings: to its
+    end if it was interrupted, by as many steps again, or --timesteps, if it is complete"""
     out: str | None = None
-    """run folder; by default runs/<id>__<algo>__<seed>__<timestamp>"""
+    """run folder; by default runs/<id>__<algo>__<seed>__<timestamp>, or that of the run to resume if it was interrupted"""
+    checkpoint_interval: int = learn.CHECKPOINT_INTERVAL
+    """environment steps between checkpoints, the most that is lost; they are written between rollouts"""
     eval_episodes: int = 30
     """held-out episodes of the comparison with the baselines"""
     device: str = "cpu"
@@ -84,14 +87,23 @@ def run(args: Args, command: str) -> Path:
     if args.seeds:
         return train_seeds(args, command)
     if args.resume:
+        if args.trust:
+            runs.trust_run(args.resume)
         config = configurations.resumed_configuration(args.resume, args.timesteps)
         check_resumable(args, config)
     else:
         config = configuration(args, args.seed or 0)
     check_comparison(args, config.seed)
-    folder = runs.new_run_folder(args.out, config.env_id, config.algo, config.seed)
+    if args.resume and args.out is None and not runs.is_complete(args.resume):
+        folder = Path(args.resume)
+    else:
+        folder = runs.new_run_folder(args.out, config.env_id, config.algo, config.seed)
     print(f"{config.algo} on {config.env_id}, {config.timesteps} steps -> {folder}")
-    learn.train(learn.Training(config, folder, args.resume, command, args.device, progress=not args.quiet))
+    learn.train(
+        learn.Training(
+            config, folder, args.resume, command, args.device, not args.quiet, None, args.checkpoint_interval
+        )
+    )
 
     summary, tables = compare(args, config, [folder], folder, command)
     draw(folder, config, {name: entry["return"].mean for name, entry in summary.items()})
@@ -134,6 +146,8 @@ def train_seeds(args: Args, command: str) -> Path:
 def check_comparison(args: Args, seed: int) -> None:
     """Refuse settings of the comparison, by a ValueError, before anything is trained."""
     args.workers  # noqa: B018 (checks them)
+    if args.checkpoint_interval < 1:
+        raise ValueError(f"--checkpoint-interval is {args.checkpoint_interval}; give a positive number of steps")
     check_episode_seeds(seed, args.eval_episodes)
 
 

@@ -1,6 +1,5 @@
 """Command that trains agents on every level of the model and judges each on all: `python -m agents.transfer`."""
 
-import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,6 +13,7 @@ from agents.comparison.report import header, summarize
 from agents.comparison.statistics import Estimate
 from agents.environments import DEFAULT_ENV_ID, check_distinct_seeds, check_episode_seeds, with_model
 from agents.learning import configurations, learn
+from solar_env.support.files import copy_file, make_folder, write_text
 from solar_env.support.readme import Section
 from solar_env.support.terminal import print_markdown
 
@@ -129,15 +129,15 @@ def main(argv: Sequence[str] | None = None) -> None:
     check_distinct_seeds(args.seeds)
     if args.residual == 0.0:
         raise ValueError("--residual 0: levels are compared by agents that add to the same law; give a positive share")
+    out = make_folder(args.out)
     returns = judge_all(args, train_all(args, command_line(PROG, argv)))
-    out = Path(args.out)
-    (out / TABLE).write_text(markdown(returns))
+    write_text(out / TABLE, markdown(returns))
     runs.write_json(
         out / "transfer.json", {level: {k: vars(v) for k, v in row.items()} for level, row in returns.items()}
     )
     transfer_figure({level: {k: v.mean for k, v in row.items()} for level, row in returns.items()}, out / FIGURE)
     if args.readme:
-        shutil.copy(out / FIGURE, COMPARISON / "figures" / FIGURE)
+        copy_file(out / FIGURE, COMPARISON / "figures" / FIGURE)
         SECTION.write(markdown(returns).strip())
     print_markdown(markdown(returns))
     print(f"written to {out}")

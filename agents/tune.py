@@ -13,9 +13,10 @@ from agents import runs
 from agents.arguments import ModelOptions, WorkerOptions, command_line, parse_arguments, run_command
 from agents.comparison.episodes import mean_returns
 from agents.environments import DEFAULT_ENV_ID, environment_settings, episode_seeds, with_sampling
-from agents.laws.baselines import episodes_spent, load_parameters, store_parameters
+from agents.laws.baselines import CONFIGS, episodes_spent, load_parameters, store_parameters
 from agents.laws.table import TUNABLE
 from agents.learning.minimisation import minimise
+from solar_env.support.files import check_target
 
 PROG = "python -m agents.tune"
 
@@ -73,6 +74,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     args = parse_arguments(Args, argv, PROG)
     if args.controller not in TUNABLE:
         raise ValueError(f"nothing to tune in {args.controller!r}; choose from {', '.join(TUNABLE)}")
+    check_target(CONFIGS / f"{args.controller}.json")
     untuned = TUNABLE[args.controller].defaults
     env_kwargs = with_sampling(args.keywords(args.env_id), args.env_id)
 

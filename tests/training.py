@@ -1,7 +1,10 @@
 """The training command for tests: quick options for every algorithm."""
 
-from agents import train
+import io
+
+from agents import runs, train
 from agents.arguments import parse_arguments
+from agents.learning import checkpoints
 
 RIGID = ["--model", "rigid-clearance"]
 OFF_POLICY = [*RIGID, "--n-envs", "1", "--landings", "4"]
@@ -17,3 +20,8 @@ SMALL = {
 def run(*arguments):
     args = parse_arguments(train.Args, ["--quiet", "--eval-episodes", "2", *map(str, arguments)])
     return train.run(args, "python train.py ...")
+
+
+def last_model(folder):
+    """The model that the run in a folder has come to."""
+    return runs.algorithm(runs.read_config(folder)["algo"]).load(io.BytesIO(checkpoints.read(folder).model))

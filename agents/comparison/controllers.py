@@ -32,11 +32,19 @@ class NamedController(ABC):
 
     @abstractmethod
     def load(self, env: gymnasium.Env) -> Controller:
-        """Make the controller for `env`. Load only runs you trust: they are pickles."""
+        """Make the controller for `env`; runs that were not made on this account are refused."""
 
     def files(self) -> list[Path]:
         """List the files that determine a trained controller; none for a law."""
         return []
+
+    def check(self) -> None:
+        """Read these files, before any work: what is damaged, or not made on this account, is refused now.
+
+        Raises:
+            FileNotFoundError, ValueError: It is; the message names the file.
+        """
+        self.training()
 
     def training(self) -> Mapping[str, Any]:
         """Return the record of the training, with `env_id` and `env_kwargs`; empty for a law."""
@@ -97,6 +105,10 @@ class _Run(NamedController):
         self.training()
         return [runs.policy_path(self.spec), Path(self.spec) / runs.CONFIG]
 
+    def check(self) -> None:
+        self.training()
+        runs.check_policy(self.spec)
+
     def training(self) -> Mapping[str, Any]:
         if not (Path(self.spec) / runs.CONFIG).is_file():
             known = ", ".join((*LAWS, *shipped.available()))
@@ -128,6 +140,13 @@ def parse_controller(text: str) -> NamedController:
         name, spec = Path(text).name or Path(text).resolve().name, text
     kind = _Law if spec in LAWS else _ShippedPolicy if spec in shipped.available() else _Run
     return kind(name, spec)
+
+
+def trust_runs(texts: Sequence[str]) -> None:
+    """Take over the run folders among controllers, see `agents.runs.trust_run`."""
+    for controller in map(parse_controller, texts):
+        if isinstance(controller, _Run):
+            runs.trust_run(controller.spec)
 
 
 def parse_controllers(texts: Sequence[str]) -> list[NamedController]:

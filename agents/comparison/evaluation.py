@@ -50,6 +50,8 @@ def evaluate(
             another one; or the environment refuses its keywords.
     """
     named = parse_controllers(controllers)
+    for controller in named:
+        controller.check()
     seeds = episode_seeds("evaluation", seed, episodes)
     sampled = with_sampling(env_kwargs or {}, env_id)
     labels: list[Row] = []

@@ -15,6 +15,7 @@ from agents import runs
 from agents.comparison.report import HIGHER_IS_BETTER, TABLE
 from agents.rollout import Step
 from solar_env.pictures.style import CONTROLLER_LOOKS, STYLE, controller_looks, look_of
+from solar_env.support.files import save_figure
 
 OPENING, RATES = "opening [lock angle]", "joint rates [rad/s]"
 COMMAND, TORQUE = "commanded torque [N m]", "motor torque [N m]"
@@ -25,16 +26,30 @@ def plot_learning_curve(axes: Axes, folder: Path, reference_returns: Mapping[str
     """Plot minus the returns of training and validation episodes over environment steps, with references as lines."""
     config = runs.read_config(folder)
     color = look_of(config["algo"], CONTROLLER_LOOKS)["color"]
-    episodes = np.genfromtxt(folder / "monitor.csv", delimiter=",", skip_header=1, names=True, ndmin=1)
-    with np.load(folder / "evaluations.npz") as history:
-        steps, validation = history["timesteps"], history["results"].mean(axis=1)
-    ends = config["timesteps_before"] + np.cumsum(episodes["l"])
-    axes.plot(ends, -episodes["r"], ".", color=color, ms=2, alpha=0.4, label="training episode")
+    history = runs.read_evaluations(folder)
+    steps, validation = history["timesteps"], history["results"].mean(axis=1)
+    ends, returns = training_episodes(folder)
+    axes.plot(ends, -returns, ".", color=color, ms=2, alpha=0.4, label="training episode")
     axes.plot(steps, -validation, "o-", color=color, ms=3, label="validation, mean")
     for name, look in controller_looks(list(reference_returns)).items():
         axes.axhline(-reference_returns[name], ls="--", color=look["color"], label=name)
     axes.set(xlabel="environment steps", ylabel="minus the return", yscale="log")
     axes.legend()
+
+
+def training_episodes(folder: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Read the environment steps (n,) at which training episodes of a run ended, and their returns (n,).
+
+    A run that was interrupted has a further log for every time that it went on, which begins at its checkpoint.
+    """
+    logs = {int(path.name.split(".")[0].replace("monitor", "0")): path for path in folder.glob("*monitor.csv")}
+    ends, returns = np.zeros(0), np.zeros(0)
+    for start, path in sorted(logs.items()):
+        rows = np.array([line.split(",")[:2] for line in path.read_text().splitlines()[2:]], dtype=float).reshape(-1, 2)
+        before = ends <= start
+        ends = np.concatenate([ends[before], start + np.cumsum(rows[:, 1])])
+        returns = np.concatenate([returns[before], rows[:, 0]])
+    return ends, returns
 
 
 def plot_episodes(
@@ -88,7 +103,7 @@ def run_figure(
     plot_learning_curve(axes[0, 0], folder, reference_returns)
     panels = {OPENING: axes[0, 1], COMMAND: axes[1, 0], CHARGED: axes[1, 1]}
     plot_episodes(panels, episodes, names, torque_limit)
-    figure.savefig(folder / "figure.png", dpi=150)
+    save_figure(figure, folder / "figure.png", dpi=150)
 
 
 @rc_context(STYLE)
@@ -124,7 +139,7 @@ def comparison_figure(summary: Mapping[str, Mapping[str, Any]], path: Path) -> N
         axes.set_xlabel(label)
         axes.grid(visible=False, axis="y")
     figure.suptitle("interquartile mean with 95 % interval; x: worst episode")
-    figure.savefig(path, dpi=130)
+    save_figure(figure, path, dpi=130)
 
 
 @rc_context({**STYLE, "axes.grid": False})
@@ -141,7 +156,7 @@ def transfer_figure(returns: Mapping[str, Mapping[str, float]], path: Path) -> N
     axes.set_yticks(range(len(down)), down)
     axes.set(xlabel="judged on", ylabel="trained on")
     figure.colorbar(image, label="log10 of minus the return")
-    figure.savefig(path, dpi=130)
+    save_figure(figure, path, dpi=130)
 
 
 @rc_context(STYLE)
@@ -165,7 +180,7 @@ def learning_curves_figure(curves: Mapping[tuple[str, str], tuple[np.ndarray, np
         axes.yaxis.set_major_formatter("{x:g}")
         axes.yaxis.set_minor_formatter(NullFormatter())
         axes.legend()
-    figure.savefig(path, dpi=130)
+    save_figure(figure, path, dpi=130)
 
 
 @rc_context(STYLE)
@@ -180,4 +195,4 @@ def deployments_figure(
     panels[CHARGED].set_yscale("symlog", linthresh=1e-3)
     for axes in panels.values():
         axes.label_outer()
-    figure.savefig(path, dpi=130)
+    save_figure(figure, path, dpi=130)

@@ -1,6 +1,7 @@
 """A comparison of controllers as numbers, as tables in Markdown, and as files."""
 
 import csv
+import io
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -12,6 +13,7 @@ import numpy as np
 from agents import runs
 from agents.comparison.statistics import Estimate, difference, estimate, improvement, interquartile_mean
 from agents.laws.table import BASELINES
+from solar_env.support.files import make_folder, write_text
 
 # Figure -> (heading, factor to the heading's unit); the tables show these, the CSV file has all.
 TABLE: dict[str, tuple[str, float]] = {
@@ -150,19 +152,20 @@ def write_comparison(
 
     `rows` and `effort` are what `evaluate` and `efforts` of `agents.comparison.evaluation` return.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     columns = list(dict.fromkeys(column for row in rows for column in row))
-    with (folder / "episodes.csv").open("w", newline="") as file:
-        writer = csv.DictWriter(file, columns)
-        writer.writeheader()
-        writer.writerows(rows)
+    text = io.StringIO(newline="")
+    writer = csv.DictWriter(text, columns)
+    writer.writeheader()
+    writer.writerows(rows)
+    make_folder(folder)
+    write_text(folder / "episodes.csv", text.getvalue())
     summary = summarize(rows)
     spent = ", ".join(f"{name} {what}" for name, what in effort.items())
     tables = tabulate(rows, summary, f"Simulated to tune or train: {spent}." if spent else "")
     controllers = {name: {key: _plain(value) for key, value in entry.items()} for name, entry in summary.items()}
     content = {"settings": settings, "versions": runs.versions(), "controllers": controllers}
     runs.write_json(folder / "metrics.json", content)
-    (folder / "comparison.md").write_text(str(tables))
+    write_text(folder / "comparison.md", str(tables))
     return summary, tables
 
 

@@ -10,6 +10,8 @@ import gymnasium
 from agents.laws.receding_horizon import RecedingHorizon
 from agents.laws.table import LAWS, TUNABLE
 from agents.torque_laws import Controller, LawParameters, Signals
+from solar_env.support.files import write_text
+from solar_env.support.plain_arrays import read_json
 
 CONFIGS = Path(__file__).parents[1] / "configs"
 FALLBACK_MODEL = "rigid-clearance"
@@ -43,7 +45,7 @@ def store_parameters(name: str, env_id: str, model: str, entry: dict[str, Any]) 
     path = CONFIGS / f"{name}.json"
     entries = _entries(name)
     entries.setdefault(env_id, {})[model] = entry
-    path.write_text(json.dumps(entries, indent=2, allow_nan=False) + "\n")
+    write_text(path, json.dumps(entries, indent=2, allow_nan=False) + "\n")
     return path
 
 
@@ -65,7 +67,7 @@ def episodes_spent(name: str, env_id: str, model: str) -> int:
 def _entries(name: str) -> dict[str, Any]:
     """Environment id -> model -> entry of the law's file."""
     path = CONFIGS / f"{name}.json"
-    return json.loads(path.read_text()) if path.exists() else {}
+    return read_json(path) if path.exists() else {}
 
 
 def _entry(name: str, env_id: str, model: str) -> tuple[dict[str, Any], str]:

@@ -1,5 +1,6 @@
 """Callbacks of a training run: physical figures in the log, validation on fixed episodes, checkpoints."""
 
+import io
 import time
 from collections import defaultdict
 from collections.abc import Callable, Mapping
@@ -8,10 +9,11 @@ from typing import Any
 
 import numpy as np
 from stable_baselines3.common.callbacks import BaseCallback, EvalCallback
-from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
+from stable_baselines3.common.vec_env import VecEnv
 
 from agents import runs
 from agents.rollout import episode_figures
+from solar_env.support.files import write_bytes
 
 LOGGED = (
     "latched",
@@ -25,17 +27,23 @@ LOGGED = (
 
 
 class DeploymentLogger(BaseCallback):
-    """Logs reward terms and physical figures of finished training episodes, as means between log lines."""
+    """Logs reward terms and physical figures of finished training episodes, as means between log lines.
+
+    Attributes:
+        terms: By lane, sums of the reward's terms over the present episode.
+    """
 
     def _on_training_start(self) -> None:
-        self._terms: list[defaultdict[str, float]] = [defaultdict(float) for _ in range(self.training_env.num_envs)]
+        self.terms: list[defaultdict[str, float]] = [defaultdict(float) for _ in range(self.training_env.num_envs)]
 
     def _on_step(self) -> bool:
-        for terms, info, done in zip(self._terms, self.locals["infos"], self.locals["dones"], strict=True):
+        for terms, info, done in zip(self.terms, self.locals["infos"], self.locals["dones"], strict=True):
             for name, value in info["reward_terms"].items():
                 terms[name] += value
             if done:
-                self._log_episode(info, terms)
+                # There are no figures of an episode that a failure has ended.
+                if "deployment" in info:
+                    self._log_episode(info, terms)
                 terms.clear()
         return True
 
@@ -61,26 +69,35 @@ class Call(BaseCallback):
         return True
 
 
-def save_checkpoint(folder: Path, model: Any) -> None:
-    """Save the model, the reward normalisation and, for off-policy algorithms, the replay buffer."""
-    checkpoint = folder / runs.CHECKPOINT
-    checkpoint.mkdir(exist_ok=True)
-    model.save(checkpoint / "model.zip")
-    model.get_vec_normalize_env().save(str(checkpoint / "vecnormalize.pkl"))
-    if isinstance(model, OffPolicyAlgorithm):
-        model.save_replay_buffer(checkpoint / "replay_buffer.pkl")
-
-
 class Validation(EvalCallback):
     """Stable-Baselines3's `EvalCallback` that begins with the untrained policy, or where an earlier run ended.
 
     The policy kept of an agent that adds to a law is thereby never worse, in validation, than the law.
+
+    Args:
+        env: As for `EvalCallback`.
+        folder: Of the run, for `evaluations.npz` and the best policy.
+        every: Steps of all environments together between two validations.
+        episodes: Of a validation.
 
     Attributes:
         wall_time: Wall time of all validations so far [s].
     """
 
     wall_time = 0.0
+    _HISTORY = (
+        "n_calls",
+        "best_mean_reward",
+        "last_mean_reward",
+        "evaluations_timesteps",
+        "evaluations_results",
+        "evaluations_length",
+    )
+
+    def __init__(self, env: VecEnv, folder: Path, every: int, episodes: int) -> None:
+        keep = Call(lambda model: runs.save_policy(folder, model))
+        super().__init__(env, keep, None, episodes, every, str(folder), verbose=0)
+        self._log = folder / runs.EVALUATIONS
 
     def _on_training_start(self) -> None:
         if not self.evaluations_timesteps:
@@ -88,14 +105,20 @@ class Validation(EvalCallback):
 
     def _on_step(self) -> bool:
         start = time.perf_counter()
+        # Into memory first: NumPy's way to a file is not whole or not at all.
+        table: Any = io.BytesIO()
+        self.log_path = table
         goes_on = super()._on_step()
+        if table.getvalue():
+            write_bytes(self._log, table.getvalue())
         self.wall_time += time.perf_counter() - start
         return goes_on
 
-    def restore(self, log: Path) -> None:
-        """Continue the history in `log`, an `evaluations.npz`, and its best mean return."""
-        with np.load(log) as history:
-            self.evaluations_timesteps = history["timesteps"].tolist()
-            self.evaluations_results = history["results"].tolist()
-            self.evaluations_length = history["ep_lengths"].tolist()
-        self.best_mean_reward = max(float(np.mean(returns)) for returns in self.evaluations_results)
+    @property
+    def history(self) -> dict[str, Any]:
+        """Everything that later validations depend on; it can be set to go on from there."""
+        return {name: getattr(self, name) for name in self._HISTORY}
+
+    @history.setter
+    def history(self, history: Mapping[str, Any]) -> None:
+        vars(self).update(history)

@@ -1,10 +1,9 @@
 """Configurations of training runs: those in agents/configs, with single values replaced by those asked for."""
 
 import inspect
-import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +11,7 @@ from agents import runs
 from agents.environments import EPISODES_PER_SEED, check_episode_seeds, environment_settings, with_sampling
 from agents.laws.baselines import CONFIGS
 from agents.laws.residual import DEFAULT_LAW, residual_on
+from solar_env.support.plain_arrays import read_json
 
 # Arguments of the Stable-Baselines3 classes that are no hyperparameters.
 NOT_HYPERPARAMETERS = {"policy", "env", "seed", "device", "verbose", "tensorboard_log", "_init_setup_model"} | {
@@ -32,7 +32,7 @@ class Configuration:
         env_kwargs: Environment keywords, with the ranges to randomise.
         seed: Run seed; networks, exploration and episodes follow from it.
         n_envs: Environments stepped together.
-        timesteps: Environment steps to train for; those of a resumed run come on top of earlier ones.
+        timesteps: Environment steps to train for; those of a run that goes on with a complete one come on top of its.
         hyperparameters: Keywords of the Stable-Baselines3 class, and for SAC and TD3 `actor_learning_rate`, in place
             of the `learning_rate` that is then the critics' alone, and `exploration_noise`, the standard deviation of
             an action noise, see `agents.learning.models.make_model`. Learning rates are those of the first update and
@@ -40,7 +40,6 @@ class Configuration:
             left.
         residual: Law that the agent adds to, see `agents.laws.residual.residual_on`; None: it commands all torque.
         landings: Episodes of that law alone that training begins with, see `agents.learning.landings`; 0 without a law.
-        segments: Number of times that training has been resumed.
     """
 
     algo: str
@@ -52,15 +51,10 @@ class Configuration:
     hyperparameters: dict[str, Any]
     residual: dict[str, Any] | None = None
     landings: int = 0
-    segments: int = 0
 
     def __post_init__(self) -> None:
-        recorded = (self.segments + 1) * self.landings
-        if recorded > EPISODES_PER_SEED:
-            raise ValueError(
-                f"landings is {self.landings}: with those of runs it goes on from that makes {recorded}, but a seed "
-                f"has {EPISODES_PER_SEED:,} episodes; give fewer, or begin a new run"
-            )
+        if self.landings > EPISODES_PER_SEED:
+            raise ValueError(f"landings is {self.landings}, but a seed has {EPISODES_PER_SEED:,} episodes; give fewer")
 
 
 def entry(algo: str, env_id: str, whole: bool = False) -> dict[str, Any]:
@@ -73,7 +67,7 @@ def entry(algo: str, env_id: str, whole: bool = False) -> dict[str, Any]:
         ValueError: There is no algorithm of this name, or no entry.
     """
     runs.algorithm(algo)
-    entries = json.loads((CONFIGS / f"{algo}.json").read_text())
+    entries = read_json(CONFIGS / f"{algo}.json")
     if env_id not in entries:
         raise ValueError(f"{algo}.json has no hyperparameters for {env_id!r}; it has {', '.join(entries)}")
     found = dict(entries[env_id])
@@ -142,28 +136,25 @@ def stored_configuration(folder: str | Path) -> Configuration:
         ValueError: The run is of an older version that recorded less.
     """
     stored = runs.read_config(folder)
-    names = inspect.signature(Configuration).parameters
+    names = [field.name for field in fields(Configuration)]
     if missing := [name for name in names if name not in stored]:
         raise ValueError(f"{folder} says nothing of {', '.join(missing)}: an older version trained it; train it anew")
     return Configuration(**{name: stored[name] for name in names})
 
 
 def resumed_configuration(folder: str | Path, timesteps: int | None = None) -> Configuration:
-    """Make the configuration that continues the run in `folder` for `timesteps`, by default as many as before.
+    """Make the configuration that goes on with the run in `folder`.
 
-    The landings that it records are added to the episodes that its law has cost.
+    A run that was interrupted goes on to its end, or until it has trained for `timesteps`; one that is complete trains
+    for `timesteps` more, by default as many as before.
 
     Raises:
-        FileNotFoundError, ValueError: As `stored_configuration`, or the number of steps is not positive, or there are
-            no episodes left to record.
+        FileNotFoundError, ValueError: As `stored_configuration`, or the number of steps is not positive.
     """
     previous = stored_configuration(folder)
     timesteps = previous.timesteps if timesteps is None else timesteps
     _check_positive("timesteps", timesteps)
-    residual = previous.residual
-    if residual is not None:
-        residual = {**residual, "tuning_episodes": residual["tuning_episodes"] + previous.landings}
-    return replace(previous, timesteps=timesteps, segments=previous.segments + 1, residual=residual)
+    return replace(previous, timesteps=timesteps)
 
 
 def _check_positive(name: str, number: int) -> None:

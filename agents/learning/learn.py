@@ -1,12 +1,11 @@
 """Training PPO, SAC and TD3 through Stable-Baselines3, from a configuration to a run folder."""
 
 import json
-import shutil
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass
-from functools import lru_cache, partial
+from functools import lru_cache
 from pathlib import Path
 
 import torch
@@ -17,17 +16,21 @@ from stable_baselines3.common.vec_env import VecEnv, VecMonitor, VecNormalize
 
 from agents import runs
 from agents.environments import EPISODES_PER_SEED, environment_settings, episode_seeds
-from agents.learning.callbacks import Call, DeploymentLogger, Validation, save_checkpoint
+from agents.learning import checkpoints
+from agents.learning.callbacks import Call, DeploymentLogger, Validation
 from agents.learning.configurations import Configuration, stored_configuration
 from agents.learning.features import Features, landing, whole_motion
 from agents.learning.landings import Landing, LandingVecEnv, record
-from agents.learning.models import load_checkpoint, make_model
+from agents.learning.models import make_model
+from agents.trust import sealed
 from agents.vec_env import FixedSeeds, LogarithmicCharges, NativeVecEnv, ResidualVecEnv
 from solar_env.support.campaigns import Workers, each_done
+from solar_env.support.files import make_folder, write_bytes
 from solar_env.support.progress import counting_bar
 
 VALIDATION_EPISODES = 24
 VALIDATIONS = 5
+CHECKPOINT_INTERVAL = 2000  # environment steps; a rollout that is longer sets the distance
 SHORTEST_VALIDATION_INTERVAL = 2000  # environment steps; a validation takes about as many itself
 CHARGE_SCALE = 0.5  # above the cost of any soft landing; see `LogarithmicCharges`
 
@@ -66,7 +69,7 @@ def prepare(config: Configuration, threads: int | None = None) -> tuple[Features
         ValueError: The law does not land the array.
     """
     if config.residual is not None:
-        first = episode_seeds("training", config.seed, EPISODES_PER_SEED)[-(config.segments + 1) * config.landings]
+        first = episode_seeds("training", config.seed, EPISODES_PER_SEED)[-config.landings]
         law = {**config.residual, "scale": 1.0}  # nothing is added, whatever the scale
         return _recorded(config.env_id, json.dumps(config.env_kwargs), json.dumps(law), config.landings, first, threads)
     return whole_motion(environment_settings(config.env_id, config.env_kwargs).observation_names), []
@@ -89,56 +92,68 @@ class Training:
 
     config: Configuration
     folder: Path  # existing, without a run
-    resume: str | Path | None = None  # folder of the run to go on from
+    resume: str | Path | None = None  # folder of the run to go on from; may be the same
     command: str = ""  # command line to record
     device: str = "cpu"  # Torch's name of it
     progress: bool = True  # show a progress bar
     threads: int | None = None  # greatest number that steps environments; None: one per processor
+    checkpoint_interval: int = CHECKPOINT_INTERVAL  # environment steps
 
 
 def train(training: Training) -> None:
-    """Train and fill the run folder with policy, checkpoint, configuration and logs.
+    """Train and fill the run folder with policy, checkpoints, configuration and logs.
 
-    Ctrl-C leaves a checkpoint before it ends the process.
+    A run that was interrupted goes on to its end, and repeats one that was not, bit for bit, on the same versions and
+    device; one that is complete trains for as many steps as the configuration says once more.
+
+    Raises:
+        FileNotFoundError, DamagedFileError, UntrustedFileError: There is no checkpoint to go on from, see
+            `checkpoints.read`.
+        OSError: A file cannot be written; the checkpoints before are still there.
+        KeyboardInterrupt: Ctrl-C; a note says what was kept.
     """
-    config, folder, resume, threads = training.config, training.folder, training.resume, training.threads
+    config, folder, threads = training.config, training.folder, training.threads
     torch.set_num_threads(1)  # small networks: more threads only contend
     start = time.perf_counter()
-    features, landings = prepare(config, threads)
+    restored = checkpoints.read(training.resume) if training.resume else None
+    done = restored.timesteps if restored else 0
+    before = _steps_before(training.resume, done)
+    left = before + config.timesteps - done
+    if left < 0:
+        raise ValueError(
+            f"timesteps is {config.timesteps}: {training.resume} has trained for {done - before} steps; give more"
+        )
+    features, landings = (None, restored.landings) if restored else prepare(config, threads)
     preparing = time.perf_counter() - start
-    venv = make_training_env(config, landings, folder / "monitor.csv", threads)
-    if resume:
-        model = load_checkpoint(config, resume, venv, training.device)
+    monitor = f"{done}.monitor.csv" if restored else "monitor.csv"
+    venv = make_training_env(config, landings, folder / monitor, threads)
+    if restored:
+        model = restored.restore(config, venv, training.device)
     else:
-        model = make_model(config, venv, features, training.device)
-    before = model.num_timesteps
-    record = {**asdict(config), "resumed_from": str(resume) if resume else None, "timesteps_before": before}
-    runs.write_json(folder / runs.CONFIG, {**record, "command": training.command, "versions": runs.versions()})
+        model = make_model(config, venv, features, training.device)  # type: ignore[arg-type]
+    record = {**asdict(config), "resumed_from": str(training.resume) if restored else None, "timesteps_before": before}
+    runs.write_config(folder, {**record, "command": training.command, "versions": runs.versions()})
     model.set_logger(configure(str(folder / "tensorboard"), ["tensorboard"]))
 
     interval = max(config.timesteps // VALIDATIONS, min(config.timesteps, SHORTEST_VALIDATION_INTERVAL))
-    validation = Validation(
-        make_validation_env(config, threads),
-        callback_on_new_best=Call(lambda model: model.save(folder / runs.POLICY)),
-        callback_after_eval=Call(partial(save_checkpoint, folder)),
-        n_eval_episodes=VALIDATION_EPISODES,
-        eval_freq=max(interval // config.n_envs, 1),
-        log_path=str(folder),
-        verbose=0,
-    )
-    if resume and (Path(resume) / runs.POLICY).is_file():
-        for name in (runs.POLICY, "evaluations.npz"):
-            shutil.copy(Path(resume) / name, folder / name)
-        validation.restore(folder / "evaluations.npz")
+    every = max(interval // config.n_envs, 1)
+    validation = Validation(make_validation_env(config, threads), folder, every, VALIDATION_EPISODES)
+    logger = DeploymentLogger()
+    keeping = checkpoints.Checkpoints(folder, training.checkpoint_interval, validation, logger, restored)
+    if restored:
+        validation.history = restored.history
+        if restored.policy is not None:
+            write_bytes(folder / runs.POLICY, sealed(restored.policy))
     try:
         with counting_bar(Console(stderr=True, quiet=not training.progress)) as bar:
-            task = bar.add_task("steps", total=config.timesteps)
-            callbacks = CallbackList(
-                [DeploymentLogger(), validation, Call(lambda model: bar.advance(task, model.n_envs))]
-            )
-            model.learn(config.timesteps, callbacks, reset_num_timesteps=not resume)
+            task = bar.add_task("steps", total=config.timesteps, completed=config.timesteps - left)
+            shown = Call(lambda model: bar.advance(task, model.n_envs))
+            model.learn(left, CallbackList([logger, validation, shown, keeping]), reset_num_timesteps=not restored)
+    except KeyboardInterrupt as stop:
+        if keeping.latest is not None:
+            stop.add_note(f"kept the checkpoint of step {keeping.latest}; python -m agents.train --resume {folder} goes on")
+        raise
     finally:
-        save_checkpoint(folder, model)
         model.logger.close()
         validation.eval_env.close()
         venv.close()
@@ -153,10 +168,24 @@ def train(training: Training) -> None:
     runs.write_json(folder / runs.TIMING, timing)
 
 
+def has_checkpoint(folder: Path) -> bool:
+    """Return whether the run in `folder` can go on."""
+    return any((folder / name).is_file() for name in runs.CHECKPOINTS)
+
+
+def _steps_before(resume: str | Path | None, steps: int) -> int:
+    """Environment steps of the runs before: all of a complete one, those before its own of an interrupted one."""
+    if resume is None:
+        return 0
+    return steps if runs.is_complete(resume) else int(runs.read_config(resume)["timesteps_before"])
+
+
 def train_missing(
     wanted: Mapping[Path, Configuration], command: str, device: str, workers: Workers, progress: bool = True
 ) -> None:
     """Train those of the runs `wanted`, run folder -> configuration, that are not complete, side by side on `workers`.
+
+    Those that were interrupted go on.
 
     Raises:
         ValueError: A run has another configuration.
@@ -164,15 +193,17 @@ def train_missing(
     for folder, config in wanted.items():
         if (folder / runs.CONFIG).is_file() and asdict(stored_configuration(folder)) != runs.jsonable(asdict(config)):
             raise ValueError(f"{folder} holds a run with another configuration; choose another --out")
+    for folder in wanted:
+        if runs.is_complete(folder):
+            runs.check_policy(folder)
     # One thread each and no bar of their own: they run side by side.
     missing = [
-        Training(config, folder, None, command, device, progress=False, threads=1)
+        Training(config, folder, folder if has_checkpoint(folder) else None, command, device, False, 1)
         for folder, config in wanted.items()
         if not runs.is_complete(folder)
     ]
     for training in missing:
-        runs.discard_incomplete(training.folder)
-        runs.new_run_folder(training.folder, training.config.env_id, training.config.algo, training.config.seed)
+        make_folder(training.folder)
     with counting_bar(Console(stderr=True, quiet=not progress)) as bar:
         task = bar.add_task("runs", total=len(wanted), completed=len(wanted) - len(missing))
         for _ in each_done(train, missing, workers):

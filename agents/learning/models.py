@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,6 @@ import torch
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.buffers import NStepReplayBuffer
 from stable_baselines3.common.noise import OrnsteinUhlenbeckActionNoise
-from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
 from stable_baselines3.common.policies import ActorCriticPolicy
 from stable_baselines3.common.utils import LinearSchedule
@@ -88,7 +86,7 @@ def make_model(config: Configuration, venv: VecEnv, features: Features, device: 
         for layer in _actor_layers(model):
             torch.nn.init.zeros_(layer.weight)
             torch.nn.init.zeros_(layer.bias)
-        _freeze_bias(model)
+        freeze_bias(model)
     return model
 
 
@@ -109,39 +107,7 @@ def _actor_layers(model: BaseAlgorithm) -> list[torch.nn.Linear]:
     return [[layer for layer in actor.modules() if isinstance(layer, torch.nn.Linear)][-1] for actor in actors]
 
 
-def _freeze_bias(model: BaseAlgorithm) -> None:
+def freeze_bias(model: BaseAlgorithm) -> None:
     """Keep the bias of the actor's last layer from learning, which a saved model does not remember."""
     for layer in _actor_layers(model):
         layer.bias.requires_grad_(False)
-
-
-def load_checkpoint(config: Configuration, folder: str | Path, venv: VecEnv, device: str = "cpu") -> BaseAlgorithm:
-    """Load the model that the run in `folder` left, with optimiser, step count, normalisation and replay buffer.
-
-    Random number generators are not part of it: a resumed run gets new training episodes, and so does not
-    repeat an uninterrupted one bit by bit. Load only runs you trust: the files are pickles.
-
-    Raises:
-        FileNotFoundError: The run left no checkpoint.
-    """
-    checkpoint = Path(folder) / runs.CHECKPOINT
-    if not (checkpoint / "model.zip").is_file():
-        raise FileNotFoundError(f"{folder} has no checkpoint to resume from; start a new run")
-    normalized = VecNormalize.load(str(checkpoint / "vecnormalize.pkl"), venv)
-    model = runs.algorithm(config.algo).load(checkpoint / "model.zip", env=normalized, device=device)
-    if config.residual:
-        _freeze_bias(model)
-    if isinstance(model, OffPolicyAlgorithm):
-        model.load_replay_buffer(checkpoint / "replay_buffer.pkl")
-        _end_last_episodes(model)
-    # One seed an environment and segment, all within the run's own training block.
-    first = config.segments * config.n_envs
-    model.set_random_seed(episode_seeds("training", config.seed, first + 1)[first])
-    return model
-
-
-def _end_last_episodes(model: OffPolicyAlgorithm) -> None:
-    """Mark the last transitions as truncated: the next ones begin new episodes, not the rest of these."""
-    buffer: Any = model.replay_buffer
-    last = buffer.pos - 1
-    buffer.timeouts[last] = np.logical_or(buffer.timeouts[last], buffer.dones[last] == 0)

@@ -1,5 +1,6 @@
 """A trained policy with the description of its training, as a controller."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,6 +10,33 @@ import numpy as np
 from agents.laws.residual import ResidualController
 from agents.policies.network import PolicyNetwork
 from agents.torque_laws import Controller, DeterministicController, Signals
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e300
+
+
+# Names, what holds of their values, and how to say it.
+_RULES: tuple[tuple[tuple[str, ...], Callable[[Any], bool], str], ...] = (
+    (("algorithm", "activation", "output"), lambda value: isinstance(value, str), "a name"),
+    # Gymnasium imports what stands before a colon.
+    (("env_id",), lambda value: isinstance(value, str) and ":" not in value, "an environment id that names no module"),
+    (("feature_limit",), _is_number, "a number"),
+    (
+        ("torque_limit", "deadline", "control_period", "postlock_window"),
+        lambda value: _is_number(value) and value > 0.0,
+        "a positive number",
+    ),
+    (("mean_limit",), lambda value: value is None or _is_number(value), "a number or null"),
+    (("training_steps",), lambda value: type(value) is int and value >= 0, "a whole number"),
+    (("env_kwargs",), lambda value: isinstance(value, dict), "a mapping"),
+    (("residual",), lambda value: value is None or isinstance(value, dict), "a mapping or null"),
+    (
+        ("observation_names",),
+        lambda value: isinstance(value, tuple) and all(isinstance(name, str) for name in value),
+        "a list of names",
+    ),
+)
 
 
 @dataclass(frozen=True)
@@ -42,6 +70,13 @@ class Description:
     control_period: float
     postlock_window: float
     residual: dict[str, Any] | None
+
+    def __post_init__(self) -> None:
+        for names, holds, wanted in _RULES:
+            for name in names:
+                value = getattr(self, name)
+                if not holds(value):
+                    raise ValueError(f"{name} is {str(value)[:100]!r}; expected {wanted}")
 
     @property
     def signals(self) -> Signals:

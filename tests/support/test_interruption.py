@@ -57,7 +57,7 @@ def test_a_campaign_says_what_it_has_kept_and_goes_on_from_there(tmp_path):
 
 
 SMALL_TRAINING = [
-    "train.py", "--residual", "0", "--model", "rigid-ideal", "--timesteps", "100000", "--n-envs", "2",
+    "-m", "agents.train", "--residual", "0", "--model", "rigid-ideal", "--timesteps", "100000", "--n-envs", "2",
     "--hyperparams", "n_steps=20", "batch_size=20", "--checkpoint-interval", "40", "--quiet",
 ]  # fmt: skip
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import torch
 from stable_baselines3.common.logger import Logger
-from training import RIGID, run
+from training import RIGID, last_model, run
 
 from agents import runs
 from agents.comparison.suites import SUITES
@@ -14,7 +14,7 @@ from agents.environments import make_env
 from agents.laws.baselines import load_parameters, make_baseline
 from agents.laws.open_loop import OpenLoopParameters, OpenLoopTorque
 from agents.laws.residual import ResidualController
-from agents.learning import configurations, learn
+from agents.learning import checkpoints, configurations, learn
 from agents.torque_laws import Signals
 
 pytestmark = pytest.mark.usefixtures("few_validation_episodes")
@@ -67,9 +67,9 @@ def test_an_agent_adds_nothing_to_a_law_where_it_has_no_features_however_long_it
     )
     learn.train(learn.Training(config, tmp_path, progress=False))
     venv = learn.make_training_env(config, [], None, threads=1)
-    resumed = learn.load_checkpoint(config, tmp_path, venv)
+    resumed = checkpoints.read(tmp_path).restore(config, venv)
     resumed.learn(600)
-    before = runs.algorithm(algo).load(tmp_path / "checkpoint" / "model.zip")
+    before = last_model(tmp_path)
     folded = np.zeros((1, *venv.observation_space.shape), dtype=np.float32)
     latched = np.ones_like(folded)
     latched[:, venv.get_attr("observation_names", 0)[0].index("time_since_latch")] = 0.0
@@ -96,7 +96,7 @@ def test_agents_with_a_replay_buffer_learn_from_returns_over_many_periods_and_ev
     small |= {"train_freq": 20, "gradient_steps": 2}
     config = configurations.complete(algo, "solar_env/Deploy-v0", {}, 0, 1, 40, small, residual=0.3, landings=1)
     learn.train(learn.Training(config, tmp_path, progress=False))
-    resumed = learn.load_checkpoint(config, tmp_path, learn.make_training_env(config, [], None, threads=1))
+    resumed = checkpoints.read(tmp_path).restore(config, learn.make_training_env(config, [], None, threads=1))
     assert (resumed.replay_buffer.n_steps, resumed.replay_buffer.gamma) == (7, config.hyperparameters["gamma"])
     assert [resumed.lr_schedule(left) for left in (1.0, 0.5, 0.0)] == pytest.approx([1e-3, 0.5e-3, 0.0])
 
@@ -110,7 +110,7 @@ def test_the_actor_learns_at_a_rate_of_its_own_in_a_resumed_run_too(algo, tmp_pa
     made = "solar_env/Deploy-v0", {"model": "rigid-ideal"}, 0, 1
     config = configurations.complete(algo, *made, 200, small, residual=0.3, landings=1)
     learn.train(learn.Training(config, tmp_path, progress=False))
-    resumed = learn.load_checkpoint(config, tmp_path, learn.make_training_env(config, [], None, threads=1))
+    resumed = checkpoints.read(tmp_path).restore(config, learn.make_training_env(config, [], None, threads=1))
     networks = resumed.policy.actor.mu, resumed.policy.critic
     before = [[weights.clone() for weights in network.parameters()] for network in networks]
     resumed.lr_schedule = lambda left: 1e-2
@@ -154,7 +154,7 @@ def test_one_rollout_trains_too(ppo_run):
     config = configurations.stored_configuration(ppo_run)
     venv = learn.make_training_env(config, [], None, threads=1)
     fresh = learn.make_model(config, venv, learn.prepare(config)[0])
-    trained = runs.algorithm("ppo").load(ppo_run / "checkpoint" / "model.zip")
+    trained = last_model(ppo_run)
     assert not torch.equal(fresh.policy.action_net.weight, trained.policy.action_net.weight)
 
 

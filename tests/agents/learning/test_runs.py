@@ -7,12 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
-from training import SMALL, run
+from training import SMALL, last_model, run
 
 from agents import runs
 from agents.comparison.evaluation import common_env_kwargs, evaluate
-from agents.learning import configurations, learn
-from agents.learning.callbacks import DeploymentLogger
+from agents.learning import checkpoints, configurations, learn
 from solar_env.array import MODELS
 from solar_env.support.campaigns import Workers
 
@@ -37,14 +36,14 @@ def test_a_run_keeps_its_model_and_elements_and_is_resumed_and_evaluated_on_them
 
 
 def policy_weights(folder):
-    model = runs.algorithm("ppo").load(folder / "checkpoint" / "model.zip")
+    model = last_model(folder)
     return np.concatenate([weights.detach().numpy().ravel() for weights in model.policy.parameters()])
 
 
 def test_a_run_folder_holds_all_that_describes_the_run(ppo_run):
     expected = {
         "policy.zip",
-        "checkpoint",
+        *runs.CHECKPOINTS,
         "config.json",
         "monitor.csv",
         "evaluations.npz",
@@ -127,8 +126,7 @@ def test_resuming_continues_step_count_normalisation_and_validation_history(ppo_
     assert config["resumed_from"] == str(ppo_run)
     assert config["timesteps_before"] == 600
     assert config["hyperparameters"]["n_steps"] == 300
-    stored = runs.algorithm("ppo").load(resumed / "checkpoint" / "model.zip")
-    assert stored.num_timesteps == 1200
+    assert last_model(resumed).num_timesteps == 1200
     before, after = (normalisation_count(folder) for folder in (ppo_run, resumed))
     assert after == pytest.approx(before + 600, rel=1e-3)
     with np.load(ppo_run / "evaluations.npz") as old, np.load(resumed / "evaluations.npz") as new:
@@ -137,19 +135,16 @@ def test_resuming_continues_step_count_normalisation_and_validation_history(ppo_
 
 
 def normalisation_count(folder):
-    config = configurations.complete("ppo", "solar_env/Deploy-v0", {}, seed=0, n_envs=2)
-    venv = learn.make_training_env(config, [], None)
-    return learn.VecNormalize.load(str(folder / "checkpoint" / "vecnormalize.pkl"), venv).ret_rms.count
+    return checkpoints.read(folder).lanes[0]["ret_rms"].count
 
 
 @pytest.mark.parametrize("algo", ["sac", "td3"])
 def test_resuming_an_off_policy_run_continues_its_replay_buffer(tmp_path, algo):
     first = run("--algo", algo, "--timesteps", 300, "--out", tmp_path / "first", *SMALL[algo])
     second = run("--resume", first, "--timesteps", 100, "--out", tmp_path / "second")
-    costs = [runs.read_config(folder)["residual"]["tuning_episodes"] for folder in (first, second)]
-    assert costs[1] == costs[0] + 4  # landings that were recorded anew
-    config = configurations.resumed_configuration(second)
-    model = learn.load_checkpoint(config, second, learn.make_training_env(config, [], None))
+    config = configurations.stored_configuration(second)
+    assert config.residual == runs.read_config(first)["residual"], "no landings were recorded anew"
+    model = checkpoints.read(second).restore(config, learn.make_training_env(config, [], None))
     assert model.num_timesteps == 400
     assert model.replay_buffer.size() == 400
     buffer = model.replay_buffer
@@ -158,73 +153,6 @@ def test_resuming_an_off_policy_run_continues_its_replay_buffer(tmp_path, algo):
         np.isclose(buffer.next_observations[: buffer.pos - 1], buffer.observations[1 : buffer.pos]), axis=2
     )
     assert np.all(continues | ends[:-1]), "no return reaches from one episode into another"
-    assert np.all(ends[-1]), "nor into what is collected next"
-
-
-def test_a_resumed_run_sees_other_landings_than_the_first(ppo_run):
-    first, resumed = (
-        {landing.episode.parameters.hinge_x for landing in learn.prepare(config)[1]}
-        for config in (configurations.stored_configuration(ppo_run), configurations.resumed_configuration(ppo_run))
-    )
-    assert len(first) == len(resumed) == 4
-    assert first.isdisjoint(resumed)
-
-
-def test_a_resumed_agent_of_the_whole_torque_sees_other_training_episodes_than_the_first(tmp_path):
-    quick = {"n_steps": 10, "batch_size": 10}
-    config = configurations.complete(
-        "ppo", "solar_env/Deploy-v0", {"model": "rigid-ideal"}, 0, 2, 20, quick, residual=0.0
-    )
-    learn.train(learn.Training(config, tmp_path, progress=False))
-    seen = []
-    for segment in (config, configurations.resumed_configuration(tmp_path)):
-        venv = learn.make_training_env(segment, [], None, threads=1)
-        if segment is config:
-            model = learn.make_model(segment, venv, learn.prepare(segment)[0])
-        else:
-            model = learn.load_checkpoint(segment, tmp_path, venv)
-        model.env.reset()
-        seen.append({design.hinge_x for design in venv.get_attr("episode_parameters")})
-    assert len(seen[0]) == len(seen[1]) == 2
-    assert seen[0].isdisjoint(seen[1])
-
-
-def test_ctrl_c_leaves_a_run_that_is_not_complete_and_can_be_resumed(tmp_path, monkeypatch):
-    steps = []
-
-    def interrupt(self):
-        steps.append(self.num_timesteps)
-        if len(steps) == 15:
-            raise KeyboardInterrupt
-        return True
-
-    monkeypatch.setattr(DeploymentLogger, "_on_step", interrupt)
-    quick = {"n_steps": 10, "batch_size": 10}
-    config = configurations.complete(
-        "ppo", "solar_env/Deploy-v0", {"model": "rigid-ideal"}, 0, 1, 40, quick, residual=0.0
-    )
-    first, second = tmp_path / "first", tmp_path / "second"
-    for folder in (first, second):
-        folder.mkdir()
-    with pytest.raises(KeyboardInterrupt):
-        learn.train(learn.Training(config, first, progress=False))
-    assert not runs.is_complete(first)
-    learn.train(learn.Training(configurations.resumed_configuration(first, 10), second, first, progress=False))
-    assert runs.is_complete(second)
-    assert runs.algorithm("ppo").load(second / "checkpoint" / "model.zip").num_timesteps == 15 + 10
-
-
-def test_only_runs_that_were_interrupted_are_discarded(tmp_path, ppo_run):
-    notes, interrupted = tmp_path / "notes", tmp_path / "interrupted"
-    for folder in (notes, interrupted):
-        folder.mkdir()
-    (notes / "mine.txt").touch()
-    (interrupted / runs.CONFIG).write_bytes((ppo_run / runs.CONFIG).read_bytes())
-    for folder in (notes, interrupted, ppo_run, tmp_path / "nothing"):
-        runs.discard_incomplete(folder)
-    assert (notes / "mine.txt").exists()
-    assert (ppo_run / runs.POLICY).exists()
-    assert not interrupted.exists()
 
 
 @pytest.mark.parametrize("complete", [True, False])
@@ -242,7 +170,7 @@ def test_a_run_with_another_configuration_is_neither_taken_nor_removed(tmp_path,
 def test_a_run_that_says_too_little_is_refused(tmp_path, ppo_run):
     stored = json.loads((ppo_run / runs.CONFIG).read_text())
     del stored["landings"]
-    (tmp_path / runs.CONFIG).write_text(json.dumps(stored))
+    runs.write_config(tmp_path, stored)
     with pytest.raises(ValueError, match="says nothing of landings: an older version trained it; train it anew"):
         configurations.stored_configuration(tmp_path)
 

@@ -1,0 +1,227 @@
+"""A training loses no more than an interval, whatever ends it, and goes on as if nothing had."""
+
+import errno
+import os
+import pickle
+import signal
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from agents import runs
+from agents.environments import DEFAULT_ENV_ID
+from agents.learning import checkpoints, configurations, learn
+from agents.learning.callbacks import DeploymentLogger
+from agents.trust import DamagedFileError, UntrustedFileError, sealed
+from solar_env.support import files
+
+pytestmark = [
+    pytest.mark.usefixtures("few_validation_episodes"),
+    pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned"),
+]
+QUICK = {"model": "rigid-ideal", "control_period": 0.5, "postlock_window": 2.0, "observation": "drive"}
+ON_POLICY = {"n_steps": 20, "batch_size": 20}
+OFF_POLICY = {"learning_starts": 30, "buffer_size": 500, "batch_size": 16, "train_freq": 10, "gradient_steps": 2}
+# Name -> algorithm, hyperparameters, scale of the residual.
+AGENTS = {
+    "ppo": ("ppo", ON_POLICY, 0.0),
+    "sac": ("sac", OFF_POLICY, 0.0),
+    "td3": ("td3", {**OFF_POLICY, "exploration_noise": 0.2}, 0.0),
+    "residual": ("ppo", ON_POLICY, 0.3),
+}
+
+
+def configuration(name="ppo", timesteps=200):
+    algo, hyperparameters, residual = AGENTS[name]
+    return configurations.complete(
+        algo, DEFAULT_ENV_ID, QUICK, 5, 2, timesteps, hyperparameters, residual, 2 if residual else None
+    )
+
+
+def train(folder, config, resume=None):
+    folder.mkdir(exist_ok=True)
+    learn.train(learn.Training(config, folder, resume, progress=False, threads=1, checkpoint_interval=40))
+    return folder
+
+
+def train_until(step, folder, config):
+    """Train, and let Ctrl-C come at a step; returns what it left to be read."""
+    with pytest.MonkeyPatch.context() as patch:
+        interrupt_at(patch, step)
+        with pytest.raises(KeyboardInterrupt) as stop:
+            train(folder, config)
+    return stop.value.__notes__
+
+
+def interrupt_at(monkeypatch, step):
+    logged = DeploymentLogger._on_step
+
+    def interrupted(self):
+        if self.num_timesteps >= step:
+            raise KeyboardInterrupt
+        return logged(self)
+
+    monkeypatch.setattr(DeploymentLogger, "_on_step", interrupted)
+
+
+def content(folder):
+    """What a training has come to: weights and optimiser, replay buffer, random states, validations."""
+    found = checkpoints.read(folder)
+    config = configurations.stored_configuration(folder)
+    venv = learn.make_training_env(config, found.landings, None, 1)
+    model = found.restore(config, venv)
+    weights = model.policy.state_dict()
+    buffer = vars(model.replay_buffer) if hasattr(model, "replay_buffer") else {}
+    arrays = [value.numpy() for value in weights.values()]
+    arrays += [value for value in buffer.values() if isinstance(value, np.ndarray)]
+    arrays += [found.random["numpy"][1], found.random["torch"].numpy(), model._last_obs]
+    arrays += [model.get_vec_normalize_env().returns]
+    return [array.tobytes() for array in arrays], found.history, found.timesteps
+
+
+@pytest.mark.parametrize("name", AGENTS)
+def test_an_interrupted_training_goes_on_bit_for_bit(name, tmp_path):
+    config = configuration(name)
+    whole = train(tmp_path / "whole", config)
+    (note,) = train_until(135, tmp_path / "cut", config)
+    assert note.startswith("kept the checkpoint of step 120; python -m agents.train --resume ")
+    assert not runs.is_complete(tmp_path / "cut")
+    for folder in (tmp_path / "other", tmp_path / "cut"):  # into another folder, and into its own
+        train(folder, configurations.resumed_configuration(tmp_path / "cut"), tmp_path / "cut")
+        assert runs.is_complete(folder)
+        assert content(folder) == content(whole)
+        record, of_whole = runs.read_config(folder), runs.read_config(whole)
+        assert {**record, "resumed_from": None} == of_whole
+        policies = [
+            runs.algorithm(config.algo).load(path / runs.POLICY).policy.state_dict() for path in (folder, whole)
+        ]
+        assert all(np.array_equal(policies[0][key], policies[1][key]) for key in policies[1])
+
+
+def test_a_training_that_is_complete_goes_on_for_as_many_steps_again(tmp_path):
+    first = train(tmp_path / "first", configuration(timesteps=80))
+    second = train(tmp_path / "second", configurations.resumed_configuration(first), first)
+    assert checkpoints.read(second).timesteps == 160
+    assert runs.read_config(second)["timesteps_before"] == 80
+    steps = checkpoints.read(second).history["evaluations_timesteps"]
+    assert steps[0] == 0
+    assert steps == sorted(set(steps))
+
+
+def test_fewer_steps_than_an_interrupted_training_has_done_are_refused(tmp_path):
+    train_until(135, tmp_path / "cut", configuration())
+    with pytest.raises(ValueError, match=r"timesteps is 50: .* has trained for 120 steps; give more"):
+        train(tmp_path / "other", configurations.resumed_configuration(tmp_path / "cut", 50), tmp_path / "cut")
+
+
+def test_a_training_that_ended_before_it_could_say_so_only_says_so(tmp_path):
+    folder = train(tmp_path / "run", configuration(timesteps=80))
+    before = content(folder)
+    (folder / runs.TIMING).unlink()
+    train(folder, configurations.resumed_configuration(folder), folder)
+    assert runs.is_complete(folder)
+    assert content(folder) == before
+
+
+@pytest.mark.parametrize("damage", [b"", b"half"])
+def test_where_the_newest_checkpoint_is_damaged_the_one_before_is_taken(tmp_path, damage):
+    folder = train(tmp_path / "run", configuration(timesteps=120))
+    newest = folder / runs.CHECKPOINTS[0]
+    whole = newest.read_bytes()
+    newest.write_bytes(whole[: len(whole) // 2] if damage else b"")
+    with pytest.warns(UserWarning, match="checkpoint.pkl is damaged; the checkpoint before it is taken"):
+        assert checkpoints.read(folder).timesteps == 80
+    (folder / runs.CHECKPOINTS[1]).write_bytes(damage)
+    with (
+        pytest.warns(UserWarning, match="is damaged"),
+        pytest.raises(DamagedFileError, match=r"no checkpoint in .* can be read"),
+    ):
+        checkpoints.read(folder)
+
+
+@pytest.fixture(scope="module")
+def taken(tmp_path_factory):
+    """A checkpoint of a small training."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(learn, "VALIDATION_EPISODES", 2)
+        return checkpoints.read(train(tmp_path_factory.mktemp("taken") / "run", configuration(timesteps=40)))
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="kills a child process")
+@pytest.mark.parametrize("share", [0.0, 0.3, 0.999, 1.0])
+@pytest.mark.parametrize("older", [1, 2])
+def test_a_kill_while_a_checkpoint_is_written_leaves_a_whole_one(tmp_path, taken, share, older):
+    size = len(sealed(pickle.dumps(taken)))
+    for number in range(older):
+        checkpoints.write(tmp_path, replace(taken, timesteps=number))
+    child = os.fork()
+    if child == 0:
+        with pytest.MonkeyPatch.context() as patch:
+            after_bytes(patch, share * size, lambda: os.kill(os.getpid(), signal.SIGKILL))
+            checkpoints.write(tmp_path, replace(taken, timesteps=older))
+        os._exit(0)
+    _, status = os.waitpid(child, 0)
+    assert os.WIFSIGNALED(status)
+    assert checkpoints.read(tmp_path).timesteps == older - 1
+
+
+@pytest.mark.parametrize("moment", [1, 2])
+def test_a_kill_between_the_two_generations_leaves_a_whole_one(tmp_path, taken, moment, monkeypatch):
+    for number in range(2):
+        checkpoints.write(tmp_path, replace(taken, timesteps=number))
+    moves = []
+    move = checkpoints.Path.replace
+
+    def stopped(self, target):
+        moves.append(target)
+        if self.suffix != files.PART and len(moves) > moment:
+            raise KeyboardInterrupt
+        return move(self, target)
+
+    monkeypatch.setattr(checkpoints.Path, "replace", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        checkpoints.write(tmp_path, replace(taken, timesteps=2))
+    assert checkpoints.read(tmp_path).timesteps == 1
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5, 0.999])
+def test_a_full_disk_ends_a_training_and_leaves_the_checkpoint_before(tmp_path, taken, share, monkeypatch):
+    for number in range(2):
+        checkpoints.write(tmp_path, replace(taken, timesteps=number))
+
+    def full():
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    after_bytes(monkeypatch, share * len(sealed(pickle.dumps(taken))), full)
+    with pytest.raises(OSError, match="No space left"):
+        checkpoints.write(tmp_path, replace(taken, timesteps=2))
+    assert checkpoints.read(tmp_path).timesteps == 1
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(runs.CHECKPOINTS)
+
+
+def after_bytes(patch, count, act):
+    """Write in small pieces, and act when `count` bytes are on the way to the disk."""
+
+    def write_bytes(path, content):
+        with files.writing(path) as file:
+            for start in range(0, len(content), 997):
+                if start >= count:
+                    act()
+                file.write(content[start : start + 997])
+                file.flush()
+            act()
+
+    patch.setattr(checkpoints, "write_bytes", write_bytes)
+
+
+def test_a_checkpoint_of_a_stranger_is_not_unpickled(tmp_path, taken, monkeypatch):
+    class Trap:
+        def __reduce__(self):
+            return pytest.fail, ("a stranger's file was executed",)
+
+    with monkeypatch.context() as patch:
+        patch.setattr("agents.trust.key", lambda: b"of somebody else")
+        (tmp_path / runs.CHECKPOINTS[0]).write_bytes(sealed(pickle.dumps(Trap())))
+    with pytest.raises(UntrustedFileError, match="was not made on this account"):
+        checkpoints.read(tmp_path)

@@ -68,7 +68,8 @@ class Args(ModelOptions, TrainingOptions, TrustOption):
     """run folder to go on from, with its algorithm, environment, seed, hyperparameters, residual and landings: to its
     end if it was interrupted, by as many steps again, or --timesteps, if it is complete"""
     out: str | None = None
-    """run folder; by default runs/<id>__<algo>__<seed>__<timestamp>, or that of the run to resume if it was interrupted"""
+    """run folder; by default runs/<id>__<algo>__<seed>__<timestamp>, or the folder of the run to resume if that was
+    interrupted"""
     checkpoint_interval: int = learn.CHECKPOINT_INTERVAL
     """environment steps between checkpoints, the most that is lost; they are written between rollouts"""
     eval_episodes: int = 30

@@ -151,7 +151,7 @@ def train(training: Training) -> None:
             model.learn(left, CallbackList([logger, validation, shown, keeping]), reset_num_timesteps=not restored)
     except KeyboardInterrupt as stop:
         if keeping.latest is not None:
-            stop.add_note(f"kept the checkpoint of step {keeping.latest}; python -m agents.train --resume {folder} goes on")
+            stop.add_note(f"kept the checkpoint of step {keeping.latest}; solar-env train --resume {folder} goes on")
         raise
     finally:
         model.logger.close()

@@ -19,28 +19,32 @@ import solar_env
 PACKAGE_PARENT = Path(solar_env.__file__).resolve().parent.parent
 
 
-@pytest.fixture(scope="session", autouse=True)
-def kernels(request: pytest.FixtureRequest) -> None:
-    """Compile the kernels once, or load them from the cache, and say so: it can take two minutes."""
-    reporter = request.config.pluginmanager.get_plugin("terminalreporter")
-    capture = request.config.pluginmanager.get_plugin("capturemanager")
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Compile the kernels if they are not in the cache, and say so: it takes minutes.
 
-    def say(text: str) -> None:
-        if reporter is not None and capture is not None:
-            with capture.global_and_fixture_disabled():
-                reporter.ensure_newline()
-                reporter.write_line(text)
-
-    say("loading the compiled kernels (the first time compiles them, which takes two minutes) ...")
-    start = time.perf_counter()
-    from solar_env.commands.warmup import compile_side_by_side, kernels_are_compiled, load_all_models
+    Where tests are distributed over processes, this is done before those begin.
+    """
+    if hasattr(session.config, "workerinput") or session.config.option.collectonly:
+        return
+    from solar_env.commands.warmup import compile_side_by_side, kernels_are_compiled
     from solar_env.mechanics.integrators.settings import INTEGRATORS
 
     if not all(kernels_are_compiled(integrator) for integrator in INTEGRATORS):
+        reporter = session.config.pluginmanager.get_plugin("terminalreporter")
+        reporter.write_line("compiling the kernels, which takes two to four minutes the first time ...")
+        start = time.perf_counter()
         list(compile_side_by_side())
+        reporter.write_line(f"kernels compiled in {time.perf_counter() - start:.0f} s")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def kernels() -> None:
+    """Load the compiled kernels once."""
+    from solar_env.commands.warmup import load_all_models
+    from solar_env.mechanics.integrators.settings import INTEGRATORS
+
     for integrator in INTEGRATORS:
         load_all_models(integrator)
-    say(f"kernels loaded in {time.perf_counter() - start:.1f} s")
 
 
 @pytest.fixture(scope="session")

@@ -61,7 +61,7 @@ def build(
             fixed=p.body_fixed,
         )
     ]
-    joints, cables, stop = [], [], p.stop()
+    joints, cables = [], []
     hinge = (p.hinge_x, p.hinge_y)
     velocity, spin = _turning(p.initial_spin, hinge), p.initial_spin
     for k in range(p.panel_count):
@@ -83,7 +83,7 @@ def build(
                 middle=lock / 2,
                 bearing=p.bearing(k) if has_clearance(model) else None,
                 spring=Spring(p.by_joint("spring_stiffness", k), p.by_joint("spring_preload_angle", k)),
-                stop=stop,
+                stop=p.stop(k),
                 lock_angle=lock,
                 stow_angle=0.0,
             )
@@ -94,10 +94,11 @@ def build(
                 CableLoop(
                     joints[k - 1].name,
                     joints[k].name,
-                    p.cable_stiffness,
+                    p.by_joint("cable_stiffness", k - 1),
                     wheel_ratio=ratio,
                     torque_ratio=ratio if p.cable_torque_ratio is None else p.cable_torque_ratio,
                     preload_torque=p.cable_preload_force * p.cable_wheel_radius,
+                    wheel_radius=p.cable_wheel_radius if p.cable_bearing_forces else None,
                 )
             )
         # Folded, a panel lies along the y axis.

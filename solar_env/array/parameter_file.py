@@ -16,7 +16,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from solar_env.array.names import unknown_name
-from solar_env.array.parameters import OPTIONAL, ArrayParameters
+from solar_env.array.parameter_checks import OPTIONAL
+from solar_env.array.parameters import ArrayParameters
 from solar_env.array.ranges import Ranges, checked_ranges
 
 TOLERANCE, RANDOMIZE = "tolerance", "randomize"

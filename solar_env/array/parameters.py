@@ -17,23 +17,11 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from solar_env.array.names import changed, unknown_name
+from solar_env.array.parameter_checks import check_parameters
 from solar_env.mechanics.joints.contact.laws import ContactLaw, contact_law
 from solar_env.mechanics.joints.contact.surfaces import Surfaces
-from solar_env.mechanics.joints.friction.laws import FRICTION_LAWS, SLIDING_READINGS, FrictionLaw
+from solar_env.mechanics.joints.friction.laws import FRICTION_LAWS, FrictionLaw
 from solar_env.mechanics.mechanism.description import Bearing, Stop
-from solar_env.mechanics.running.diagnosis import check_restitution
-
-_POSITIVE = (
-    "body_mass", "body_inertia", "body_size", "panel_length", "panel_width", "panel_thickness", "panel_density",
-    "panel_young", "cable_wheel_radius", "latch_stiffness", "latch_ramp_depth", "journal_radius", "journal_young",
-    "bearing_young", "minimum_impact_speed", "bearing_width",
-)  # fmt: skip
-_NOT_NEGATIVE = (
-    "panel_damping", "cable_stiffness", "cable_preload_force", "latch_gap", "latch_damping", "friction_coefficient",
-    "friction_speed_zero", "wear_coefficient",
-)  # fmt: skip
-# Parameters for which None is a value.
-OPTIONAL = ("cable_torque_ratio", "contact_stiffness")
 
 
 @dataclass(frozen=True)
@@ -42,8 +30,9 @@ class ArrayParameters:
 
     A contact law that turns the restitution into quite another exit speed is accepted with a SimulationWarning.
 
-    Quantities by joint or by panel take one number, or a sequence whose last entry also holds for all further joints.
-    Lists and arrays become tuples, NumPy's numbers Python's.
+    Springs, latches, contacts, friction and initial rates may differ by joint, and cable stiffnesses by loop, both
+    counted from the root: such a quantity takes one number, or a sequence whose last entry also holds for all further
+    joints. Lists and arrays become tuples, NumPy's numbers Python's.
 
     Attributes:
         panel_count: number of panels N; the paper's is 2.
@@ -60,16 +49,19 @@ class ArrayParameters:
             (chosen: it damps kilohertz modes and leaves bending below 100 Hz alone; the paper has none).
         spring_stiffness: of the torsion springs, by joint [N m/rad].
         spring_preload_angle: angle at which a spring is relaxed, by joint [rad].
-        cable_stiffness: of the closed cable loops between neighbouring joints [N m/rad] (chosen: keeps the joint angles
-            at 1 : 2 within a degree up to the latching).
+        cable_stiffness: of the closed cable loops between neighbouring joints, by loop [N m/rad] (chosen: keeps the
+            joint angles at 1 : 2 within a degree up to the latching).
         cable_torque_ratio: torque on the inner over that on the outer joint of a loop; None takes the wheel ratio
-            (2 at the root), which conserves energy (chosen); 1 is the couple that the paper's latch time points to.
+            (2 at the root), which conserves energy (chosen); 1 is the couple that the paper's latch time points to, and
+            destroys half of what the springs put in: 0.24 of 0.49 J by the latching.
         cable_preload_force: of a strand [N]; a strand's tension is never negative (chosen: no strand goes
             slack).
-        cable_wheel_radius: of the outer joint's wheel [m] (chosen: it sets only the torque at which a strand
-            goes slack).
-        latch_gap: free play of latch and stow stop to either side [rad] (chosen, like the four below: together they
-            give contact forces of some hundred newtons after latching, like the paper's Fig. 10).
+        cable_wheel_radius: of the outer joint's wheel [m] (chosen: unless cable_bearing_forces, it sets only the torque
+            at which a strand goes slack).
+        cable_bearing_forces: whether the strands also pull on the bearings (Eq 3, with a potential; not on modal
+            panels). The paper's solution steps use Eq 4 alone.
+        latch_gap: free play of latch and stow stop to either side [rad], 0 included (chosen, like the four below:
+            together they give contact forces of some hundred newtons after latching, like the paper's Fig. 10).
         latch_stiffness: of latch and stow stop [N m/rad^exponent].
         latch_exponent: of the stop's elastic torque.
         latch_ramp_depth: depth over which the stop's damping is ramped in [rad].
@@ -91,8 +83,9 @@ class ArrayParameters:
         static_friction_ratio: coefficient of static over that of sliding friction, at least 1; 1 for "ramp".
         friction_speed_zero, friction_speed_full: sliding speeds between which friction sets in [m/s] (chosen: below
             those of impacts, which see all of Coulomb's friction); "brown-mcphee" peaks at the second.
-        friction_sliding: "material" for the speed of the material points in contact; "centres" for the paper's Eq 35,
-            which leaves the bodies' rotation out.
+        friction_sliding: "material" for the speed of the material points in contact; "centres" for that of the joint's
+            centres, and "places" for that of the places of contact, which is depth / (clearance + depth) of it, as the
+            paper's Eq 35 has it literally: both leave the bodies' rotation out.
         wear_coefficient: Archard's k = K_W/H [m2/N] (chosen so that the deepest bin of one deployment comes to the
             order of 1e-14 to 1e-13 m, as the paper reports).
         bearing_width: axial length of the bearings [m] (chosen: the hinge line spans the panel).
@@ -102,7 +95,15 @@ class ArrayParameters:
     """
 
     # Quantities that may differ from joint to joint.
-    BY_JOINT: ClassVar[tuple[str, ...]] = ("spring_stiffness", "spring_preload_angle", "clearance", "initial_rate")
+    BY_JOINT: ClassVar[tuple[str, ...]] = (
+        "spring_stiffness", "spring_preload_angle", "cable_stiffness", "latch_gap", "latch_stiffness", "latch_exponent",
+        "latch_ramp_depth", "latch_damping", "clearance", "restitution", "contact_stiffness", "friction_coefficient",
+        "static_friction_ratio", "friction_speed_zero", "friction_speed_full", "initial_rate",
+    )  # fmt: skip
+    # Of these, what also differs from joint to joint where one range is drawn from.
+    DRAWN_BY_JOINT: ClassVar[tuple[str, ...]] = (
+        "spring_stiffness", "spring_preload_angle", "clearance", "initial_rate",
+    )  # fmt: skip
     # They decide how many numbers describe the mechanism and its state.
     STRUCTURAL: ClassVar[tuple[str, ...]] = ("panel_count", "body_fixed", "wear_bins")
     # Everything that is a real number.
@@ -125,30 +126,31 @@ class ArrayParameters:
     panel_damping: float = 1e-5
     spring_stiffness: float | tuple[float, ...] = (0.1, 0.075)
     spring_preload_angle: float | tuple[float, ...] = (math.pi / 2, math.pi)
-    cable_stiffness: float = 20.0
+    cable_stiffness: float | tuple[float, ...] = 20.0
     cable_torque_ratio: float | None = None
     cable_preload_force: float = 50.0
     cable_wheel_radius: float = 0.05
-    latch_gap: float = 0.01
-    latch_stiffness: float = 1e3
-    latch_exponent: float = 1.0
-    latch_ramp_depth: float = 1e-3
-    latch_damping: float = 10.0
+    cable_bearing_forces: bool = False
+    latch_gap: float | tuple[float, ...] = 0.01
+    latch_stiffness: float | tuple[float, ...] = 1e3
+    latch_exponent: float | tuple[float, ...] = 1.0
+    latch_ramp_depth: float | tuple[float, ...] = 1e-3
+    latch_damping: float | tuple[float, ...] = 10.0
     clearance: float | tuple[float, ...] = 2e-4
     journal_radius: float = 0.01
     contact_law: str = "lankarani-nikravesh"
-    restitution: float = 0.9
-    contact_stiffness: float | None = 7.39e10
+    restitution: float | tuple[float, ...] = 0.9
+    contact_stiffness: float | tuple[float, ...] | None = 7.39e10
     journal_young: float = 207e9
     journal_poisson: float = 0.3
     bearing_young: float = 105e9
     bearing_poisson: float = 0.34
     minimum_impact_speed: float = 1e-4
     friction_law: str = "ramp"
-    friction_coefficient: float = 0.15
-    static_friction_ratio: float = 1.0
-    friction_speed_zero: float = 1e-4
-    friction_speed_full: float = 1e-3
+    friction_coefficient: float | tuple[float, ...] = 0.15
+    static_friction_ratio: float | tuple[float, ...] = 1.0
+    friction_speed_zero: float | tuple[float, ...] = 1e-4
+    friction_speed_full: float | tuple[float, ...] = 1e-3
     friction_sliding: str = "material"
     wear_coefficient: float = 1e-14
     bearing_width: float = 1.0
@@ -159,77 +161,27 @@ class ArrayParameters:
     def __post_init__(self) -> None:
         for item in fields(self):
             object.__setattr__(self, item.name, _plain(getattr(self, item.name)))
-            self._check_type(item.name, getattr(self, item.name), item.default)
-        for name in _POSITIVE:
-            self._require(name, getattr(self, name) > 0.0, "must be positive")
-        for name in _NOT_NEGATIVE:
-            self._require(name, getattr(self, name) >= 0.0, "must not be negative")
-        self._require("hinge_x", self.hinge_x >= 0.0, "must not be negative: the panels open towards +x")
-        self._require("latch_exponent", self.latch_exponent >= 1.0, "must be at least 1")
-        for name in ("journal_poisson", "bearing_poisson"):
-            self._require(name, -1.0 < getattr(self, name) <= 0.5, "must lie in (-1, 0.5]")
-        rule = f"must be below friction_speed_full = {self.friction_speed_full!r}"
-        self._require("friction_speed_zero", self.friction_speed_zero < self.friction_speed_full, rule)
-        self._require("panel_count", 1 <= self.panel_count <= 100, "must lie between 1 and 100")
-        self._require("wear_bins", 1 <= self.wear_bins <= 100_000, "must lie between 1 and 100000")
-        clearances = self._entries("clearance")
-        self._require("clearance", min(clearances) > 0.0, "must be positive; for no clearance choose an ideal model")
-        self._require("clearance", max(clearances) < self.journal_radius, "must be below journal_radius")
-        self._require("spring_stiffness", min(self._entries("spring_stiffness")) >= 0.0, "must not be negative")
-        self._require("restitution", 0.0 < self.restitution <= 1.0, "must lie in (0, 1]")
-        self._require("friction_sliding", self.friction_sliding in SLIDING_READINGS, "must be material or centres")
-        self._require("friction_law", self.friction_law in FRICTION_LAWS, f"must be one of {', '.join(FRICTION_LAWS)}")
-        self._require("static_friction_ratio", self.static_friction_ratio >= 1.0, "must be at least 1")
-        self.friction()
-        self._require("initial_spin", self.initial_spin == 0.0 or not self.body_fixed, "needs a body that is not fixed")
-        stiffness = self.contact_stiffness
-        self._require("contact_stiffness", stiffness is None or stiffness > 0.0, "must be positive")
-        for joint in range(self.panel_count):
-            contact = self.contact(joint)
-        given = contact.exit_speed_ratio()
-        # A law that conserves energy does so whatever it is asked for.
-        if given < 1.0:
-            check_restitution(self.contact_law, self.restitution, given)
-        if self.cable_torque_ratio is not None:
-            self._require("cable_torque_ratio", self.cable_torque_ratio >= 0.0, "must not be negative")
+        check_parameters(self)
 
-    def _check_type(self, name: str, value: Any, default: Any) -> None:
-        if isinstance(default, (str, bool)):
-            self._require(name, isinstance(value, type(default)), f"must be of type {type(default).__name__}")
-            return
-        if value is None and name in OPTIONAL:
-            return
-        entries = value if isinstance(value, tuple) else (value,)
-        self._require(name, name in self.BY_JOINT or not isinstance(value, tuple), "must be a single number")
-        self._require(name, len(entries) > 0, "must not be empty")
-        for entry in entries:
-            number = isinstance(entry, (int, float)) and not isinstance(entry, bool)
-            self._require(name, number and math.isfinite(entry), "must be a finite number")
-        if isinstance(default, int):
-            self._require(name, isinstance(value, int), "must be a whole number")
-        if isinstance(value, tuple) and value != default:
-            self._require(name, len(value) <= self.panel_count, f"has more entries than panels ({self.panel_count})")
-
-    def _require(self, name: str, condition: bool, rule: str) -> None:
-        if not condition:
-            raise ValueError(f"{name} = {getattr(self, name)!r} {rule}")
-
-    def _entries(self, name: str) -> tuple[float, ...]:
+    def entries(self, name: str) -> tuple[Any, ...]:
+        """The values given for a quantity: one, or one for each of the first joints."""
         value = getattr(self, name)
         return value if isinstance(value, tuple) else (value,)
 
-    def by_joint(self, name: str, joint: int) -> float:
+    def by_joint(self, name: str, joint: int) -> Any:
         """Entry of a quantity by joint for `joint`, counted from 0; the last one holds for all further joints."""
-        entries = self._entries(name)
-        return float(entries[min(joint, len(entries) - 1)])
+        entries = self.entries(name)
+        entry = entries[min(joint, len(entries) - 1)]
+        return None if entry is None else float(entry)
 
     @classmethod
     def preset(cls, name: str) -> Self:
         """Named parameter sets: "default", and "paper", which reads the paper as literally as its results allow.
 
         "paper": hinge at the side's end that the folded panels point away from and a cable couple of torque ratio 1,
-        which together reproduce its latch time; sliding speed of the joint centres (its Eq 35). Where a preset is
-        named to simulate, its flexible panels are beams of cable elements, too.
+        which together reproduce its latch time, though the couple destroys half of the springs' energy; no damping of
+        the panels; a wear coefficient that puts the deepest bin where its figures do. Where a preset is named to
+        simulate, its flexible panels are beams of cable elements, too.
 
         Raises:
             ValueError: if the name is unknown.
@@ -250,10 +202,10 @@ class ArrayParameters:
         """Angle at which a joint latches [rad]: pi/2 at the root, pi further out."""
         return math.pi / 2 if joint == 0 else math.pi
 
-    def stop(self) -> Stop:
-        """The stop of latch and stow stop."""
-        p = self
-        return Stop(p.latch_gap, p.latch_stiffness, p.latch_exponent, p.latch_ramp_depth, p.latch_damping)
+    def stop(self, joint: int) -> Stop:
+        """The stop of a joint's latch and stow stop, counted from 0."""
+        names = ("latch_gap", "latch_stiffness", "latch_exponent", "latch_ramp_depth", "latch_damping")
+        return Stop(*(self.by_joint(name, joint) for name in names))
 
     def surfaces(self, joint: int) -> Surfaces:
         """Journal and bearing of a joint, counted from 0, as its contact law takes them."""
@@ -265,17 +217,17 @@ class ArrayParameters:
             bearing_poisson=self.bearing_poisson,
             journal_young=self.journal_young,
             journal_poisson=self.journal_poisson,
-            stiffness=self.contact_stiffness,
+            stiffness=self.by_joint("contact_stiffness", joint),
         )
 
     def contact(self, joint: int) -> ContactLaw:
         """The contact law of a joint, counted from 0."""
-        return contact_law(self.contact_law, self.surfaces(joint), self.restitution)
+        return contact_law(self.contact_law, self.surfaces(joint), self.by_joint("restitution", joint))
 
-    def friction(self) -> FrictionLaw:
-        """The friction law of all joints."""
-        law = FRICTION_LAWS[self.friction_law]
-        return law(self.friction_speed_zero, self.friction_speed_full, self.static_friction_ratio)
+    def friction(self, joint: int) -> FrictionLaw:
+        """The friction law of a joint, counted from 0."""
+        names = ("friction_speed_zero", "friction_speed_full", "static_friction_ratio")
+        return FRICTION_LAWS[self.friction_law](*(self.by_joint(name, joint) for name in names))
 
     def bearing(self, joint: int) -> Bearing:
         """The clearance bearing of a joint, counted from 0."""
@@ -284,8 +236,8 @@ class ArrayParameters:
             journal_radius=self.journal_radius,
             contact=self.contact(joint),
             minimum_impact_speed=self.minimum_impact_speed,
-            friction_coefficient=self.friction_coefficient,
-            friction=self.friction(),
+            friction_coefficient=self.by_joint("friction_coefficient", joint),
+            friction=self.friction(joint),
             sliding=self.friction_sliding,
             wear_coefficient=self.wear_coefficient,
             width=self.bearing_width,
@@ -310,5 +262,5 @@ def _plain(value: Any) -> Any:
 
 PRESETS: dict[str, dict[str, Any]] = {
     "default": {},
-    "paper": {"hinge_y": -0.5, "cable_torque_ratio": 1.0, "friction_sliding": "centres", "panel_damping": 0.0},
+    "paper": {"hinge_y": -0.5, "cable_torque_ratio": 1.0, "panel_damping": 0.0, "wear_coefficient": 4e-15},
 }

@@ -9,9 +9,12 @@ from solar_env.support.campaigns import each_done
 from solar_env.support.files import make_folder, write_text
 from solar_env.support.progress import counting_bar
 from solar_env.support.readme import STUDIES, Section
+from solar_env.support.terminal import print_markdown
 
 FOLDER = STUDIES / "paper"
 SECTION = Section(FOLDER / "README.md", "claims", "python -m solar_env paper --readme")
+INDEX_SECTION = Section(FOLDER / "README.md", "index", "python -m solar_env paper --readme")
+LEVELS_SECTION = Section(FOLDER / "README.md", "levels", "python -m solar_env paper --levels --readme")
 
 
 @dataclass
@@ -23,18 +26,46 @@ class Args(FolderOptions, WorkerOptions):
 
     figure: list[int] = field(default_factory=list)
     """these figures of the paper (5 to 23), without the claims"""
+    levels: bool = False
+    """judge the claims on flexible panels over mesh and damping instead; what is there of an earlier run is kept"""
     json: bool = False
     """print the claims as JSON"""
 
 
+def _run_levels(args: Args) -> int:
+    """Measure the claims on flexible panels over mesh and damping."""
+    from solar_env.studies.paper import levels
+    from solar_env.support.campaigns import Campaign
+
+    out = args.folder("paper")
+    if args.readme:
+        LEVELS_SECTION.read()
+    campaign = Campaign(levels.measure, list(levels.cells()), out / levels.STORE)
+    left = len(campaign.missing)
+    with counting_bar(Console(stderr=True, quiet=args.quiet)) as bar:
+        list(bar.track(campaign.run(args.workers), left, description="deployments"))
+    text = levels.as_markdown(campaign.results())
+    if args.readme:
+        LEVELS_SECTION.write(text)
+    else:
+        write_text(out / "levels.md", text + "\n")
+    print_markdown(text)
+    return 0
+
+
 def run_command(args: Args) -> int:
     """Simulate, write the tables, draw the figures, and judge the claims."""
+    if args.levels:
+        if args.figure or args.json:
+            raise ValueError("--levels judges claims on flexible panels alone; give neither --figure nor --json")
+        return _run_levels(args)
     from solar_env.studies.common.tables import provenance, read_table, write_table
+    from solar_env.studies.paper import index
     from solar_env.studies.paper.cases import Run, simulate_run
     from solar_env.studies.paper.claims import CLAIMS
     from solar_env.studies.paper.drawings import draw_figure
     from solar_env.studies.paper.figures import FIGURES
-    from solar_env.studies.paper.survey import as_json, as_markdown, judge, planned_runs
+    from solar_env.studies.paper.survey import as_json, as_markdown, judge, planned_runs, summary
 
     out = args.folder("paper")
     unknown = [number for number in args.figure if number not in FIGURES]
@@ -44,7 +75,8 @@ def run_command(args: Args) -> int:
     if args.figure and args.json:
         raise ValueError("--json prints the claims, which --figure leaves out; give one of the two")
     if args.readme:
-        SECTION.read()  # refuses a page without a place before everything is simulated
+        for section in (SECTION, INDEX_SECTION):  # refuse a page without a place before everything is simulated
+            section.read()
     figures = [FIGURES[number] for number in args.figure or FIGURES]
     wanted = [] if args.figure else planned_runs()
     runs = dict.fromkeys([*wanted, *(Run(case) for figure in figures for case in figure.cases)])
@@ -68,11 +100,11 @@ def run_command(args: Args) -> int:
     write_text(claims, text + "\n")
     if args.readme:
         SECTION.write(as_markdown(findings).rstrip("\n"))
+        INDEX_SECTION.write(index.as_markdown())
     else:
         write_text(out / "claims.md", as_markdown(findings))
     if args.json:
         print(text)
     else:
-        agreeing = sum(finding.agrees for finding in findings)
-        print(f"{agreeing} of {len(findings)} claims agree; tables, pictures and claims in {out}")
+        print(f"{summary(findings)} Tables, pictures and claims in {out}.")
     return 0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+import warnings
 from dataclasses import fields
 from typing import Any
 
@@ -19,9 +20,11 @@ from solar_env.array import (
 )
 from solar_env.array.deployment import simulate
 from solar_env.mechanics.joints.friction.ramp import RampedCoulomb
+from solar_env.mechanics.mechanism.description import Stop
+from solar_env.mechanics.running.diagnosis import SimulationWarning
 
 NUMBERS = [f.name for f in fields(ArrayParameters) if not isinstance(f.default, (str, bool))]
-PER_JOINT = ("spring_stiffness", "spring_preload_angle", "clearance", "initial_rate")
+PER_JOINT = ArrayParameters.BY_JOINT
 
 
 def refused(changes: dict[str, Any], message: str) -> None:
@@ -116,7 +119,7 @@ def test_other_values_without_sense_are_refused() -> None:
     refused({"restitution": 1.1}, "restitution = 1.1 must lie in (0, 1]")
     refused({"contact_law": "dubowsky"}, "contact law 'dubowsky' is unknown")
     refused({"contact_law": 3}, "contact_law = 3 must be of type str")
-    refused({"friction_sliding": "paper"}, "friction_sliding = 'paper' must be material or centres")
+    refused({"friction_sliding": "paper"}, "friction_sliding = 'paper' must be one of material, centres, places")
     refused({"friction_law": "stribeck"}, "friction_law = 'stribeck' must be one of ramp, brown-mcphee")
     refused({"static_friction_ratio": 0.9}, "static_friction_ratio = 0.9 must be at least 1")
     refused({"static_friction_ratio": 1.5}, "static_friction_ratio = 1.5 must be 1 with friction_law = 'ramp'")
@@ -142,10 +145,49 @@ def test_only_quantities_by_joint_take_several_entries(name: str) -> None:
 
 @pytest.mark.parametrize("name", PER_JOINT)
 def test_the_last_entry_of_a_quantity_by_joint_holds_for_all_further_joints(name: str) -> None:
-    p = ArrayParameters(panel_count=4).with_changes({name: [0.001, 0.002]})
-    assert [p.by_joint(name, j) for j in range(4)] == [0.001, 0.002, 0.002, 0.002]
-    assert [ArrayParameters().with_changes({name: 0.003}).by_joint(name, j) for j in range(2)] == [0.003] * 2
-    refused({name: (0.001, 0.002, 0.003)}, f"{name} = (0.001, 0.002, 0.003) has more entries than panels (2)")
+    unit = {"latch_exponent": 1.0, "friction_speed_full": 1.0, "friction_speed_zero": 1e-5}.get(name, 1e-3)
+    one, two = (1.0, 1.0) if name == "static_friction_ratio" else (unit, 1.1 * unit)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SimulationWarning)
+        p = ArrayParameters(panel_count=4).with_changes({name: [one, two]})
+        assert [p.by_joint(name, j) for j in range(4)] == [one, two, two, two]
+        assert [ArrayParameters().with_changes({name: two}).by_joint(name, j) for j in range(2)] == [two] * 2
+        refused({name: (one, two, two)}, f"{name} = {(one, two, two)} has more entries than panels (2)")
+
+
+def test_hinges_and_loops_that_differ_become_those_of_the_mechanism() -> None:
+    p = ArrayParameters(
+        panel_count=3, cable_stiffness=(20.0, 30.0), latch_gap=(0.0, 0.01, 0.02), latch_stiffness=(1e3, 2e3),
+        latch_exponent=(1.0, 1.5), latch_ramp_depth=(1e-3, 2e-3), latch_damping=(10.0, 5.0), restitution=(0.9, 0.8),
+        contact_stiffness=(7e10, 6e10), friction_law="brown-mcphee", friction_coefficient=(0.1, 0.2),
+        static_friction_ratio=(1.1, 1.2), friction_speed_zero=(0.0, 1e-4), friction_speed_full=(1e-3, 2e-3),
+        contact_law="restitution",
+    )  # fmt: skip
+    mechanism = build(p)
+    assert [cable.stiffness for cable in mechanism.cables] == [20.0, 30.0]
+    assert [joint.stop for joint in mechanism.joints] == [
+        Stop(0.0, 1e3, 1.0, 1e-3, 10.0), Stop(0.01, 2e3, 1.5, 2e-3, 5.0), Stop(0.02, 2e3, 1.5, 2e-3, 5.0),
+    ]  # fmt: skip
+    bearings = [joint.bearing for joint in mechanism.joints]
+    assert [bearing.contact.stiffness for bearing in bearings] == [7e10, 6e10, 6e10]
+    ratios = [bearing.contact.exit_speed_ratio() for bearing in bearings]
+    assert ratios == pytest.approx([0.9, 0.8, 0.8], rel=1e-6)
+    assert [bearing.friction_coefficient for bearing in bearings] == [0.1, 0.2, 0.2]
+    assert [bearing.friction for bearing in bearings] == [p.friction(joint) for joint in range(3)]
+    assert bearings[0].friction != bearings[1].friction == bearings[2].friction
+    assert ArrayParameters().with_changes(json.loads(json.dumps(p.to_dict()))) == p
+
+
+def test_friction_speeds_are_compared_joint_by_joint() -> None:
+    refused({"friction_speed_zero": (1e-4, 2e-3)}, "friction_speed_zero = (0.0001, 0.002) must be below")
+    ArrayParameters(friction_speed_zero=(1e-4, 2e-3), friction_speed_full=(1e-3, 3e-3))
+
+
+def test_a_cable_that_pulls_on_the_bearings_has_its_wheel() -> None:
+    assert build(ArrayParameters()).cables[0].wheel_radius is None
+    assert build(ArrayParameters(cable_bearing_forces=True)).cables[0].wheel_radius == 0.05
+    with pytest.raises(ValueError, match="ModalRadau takes no loops that pull on bearings; choose panels of cable"):
+        simulate({"cable_bearing_forces": True}, model="flexible-ideal", duration=0.1)
 
 
 def test_the_default_entries_by_joint_also_serve_a_single_panel() -> None:
@@ -193,7 +235,7 @@ def test_numpys_numbers_and_arrays_are_taken_as_pythons(name: str, given: Any, k
 
 def test_the_papers_preset_differs_in_these_four_parameters_alone() -> None:
     assert ArrayParameters.preset("paper") == ArrayParameters(
-        hinge_y=-0.5, cable_torque_ratio=1.0, friction_sliding="centres", panel_damping=0.0
+        hinge_y=-0.5, cable_torque_ratio=1.0, panel_damping=0.0, wear_coefficient=4e-15
     )
 
 
@@ -202,7 +244,7 @@ def test_presets() -> None:
     paper = ArrayParameters.preset("paper")
     assert (paper.hinge_x, paper.hinge_y) == (0.5, -0.5)
     assert paper.cable_torque_ratio == 1.0
-    assert paper.friction_sliding == "centres"
+    assert paper.friction_sliding == "material"
     for name in PRESETS:
         assert ArrayParameters.preset(name).with_changes({}) == ArrayParameters.preset(name)
     with pytest.raises(ValueError, match="preset 'papper' is unknown; did you mean 'paper'"):
@@ -228,4 +270,4 @@ def test_a_bearing_takes_over_its_parameters() -> None:
     assert bearing.clearance == 3e-4
     assert bearing.contact.damping == pytest.approx(1.6, rel=1e-14)
     assert bearing.sliding == "centres"
-    assert bearing.friction == RampedCoulomb(p.friction_speed_zero, p.friction_speed_full)
+    assert bearing.friction == RampedCoulomb(1e-4, 1e-3)

@@ -104,6 +104,16 @@ def test_keywords_change_a_scenario_or_take_the_place_of_its_parts():
     )
 
 
+def test_hinges_differ_where_their_range_does_and_else_in_what_varies_from_hinge_to_hinge():
+    ranges = {"clearance": (1e-4, 3e-4), "latch_gap": ((0.0, 0.01), 0.02), "latch_damping": (5.0, 20.0)}
+    env = make(randomize=ranges)
+    env.reset(seed=0)
+    drawn = env.episode_parameters
+    assert len(drawn.clearance) == len(drawn.latch_gap) == 2
+    assert drawn.latch_gap[1] >= 0.01
+    assert isinstance(drawn.latch_damping, float)
+
+
 def test_noise_has_the_standard_deviation_asked_for_and_leaves_the_rest_alone():
     hardware = {"angle_noise": 1e-3, "rate_noise": 2e-3}
     exact = watch(make(), [0.0] * 110)

@@ -12,11 +12,13 @@ import pytest
 
 from solar_env.__main__ import main
 from solar_env.commands import paper
+from solar_env.mechanics.mechanism.textbook import STANDARD_GRAVITY, Link
 from solar_env.mechanics.running.trajectory import Trajectory, contact_record
 from solar_env.studies.common.tables import read_table, write_table
 from solar_env.studies.paper import cases, phases, survey
 from solar_env.studies.paper.claims import CLAIMS
 from solar_env.studies.paper.figures import FIGURES
+from solar_env.verification.linkages.linkage_theory import four_bar_state
 
 TIME = np.linspace(0.0, 30.0, 3001)
 MEASURED = {row["key"]: row for row in json.loads((paper.FOLDER / "claims.json").read_text(encoding="utf-8"))}
@@ -119,7 +121,7 @@ def test_the_command_writes_table_and_picture_of_one_figure(tmp_path: Any) -> No
     assert main(["paper", "--figure", "6", "--jobs", "1", "--out", str(tmp_path)]) == 0
     assert {path.name for path in tmp_path.iterdir()} == {"figure-06.csv", "figure-06.png"}
     table = read_table(tmp_path / "figure-06.csv")
-    assert table.column("angle_2_deg")[-1] == pytest.approx(180.0, abs=2.0)
+    assert table.column("angle_2_rad")[-1] == pytest.approx(math.pi, abs=0.03)
     assert table.provenance["figure"] == "6"
 
 
@@ -136,11 +138,51 @@ def test_four_bar_wears_more_with_every_turn_and_its_books_close() -> None:
     assert abs(motions[1].energy_residual) < 1e-4 * np.abs(motions[1].energies["external_work"]).max()
 
 
-def test_the_crank_moment_of_the_last_turn_does_the_work_that_is_lost_or_stored() -> None:
-    rows = [row for row in FIGURES[5].rows({}) if row["quantity"] == "crank moment [N m]"]
-    ideal, worn = ([row["value"] for row in rows if row["turns"] == turns] for turns in (0, 25))
+@pytest.fixture(scope="module")
+def linkage() -> dict[tuple[str, int], Any]:
+    """The curves of Figure 5 by quantity and turns."""
+    curves: dict[tuple[str, int], Any] = {}
+    for row in FIGURES[5].rows({}):
+        curves.setdefault((str(row["quantity"]), int(row["turns"])), []).append((row["place"], row["value"]))
+    return {key: np.array(curve) for key, curve in curves.items()}
+
+
+def test_figure_5_shows_the_turn_on_the_papers_axis_and_three_stages_of_wear(
+    linkage: dict[tuple[str, int], Any],
+) -> None:
+    assert sorted(linkage) == [
+        ("crank moment [N m]", 0), ("crank moment [N m]", 26), ("rocker speed [rad/s]", 0),
+        ("rocker speed [rad/s]", 26), *(("wear depth of the journal [m]", turns) for turns in (6, 16, 26)),
+    ]  # fmt: skip
+    for (quantity, _), curve in linkage.items():
+        if "wear" not in quantity:
+            assert curve[[0, -1], 0] == pytest.approx([2.0, 2.08], abs=1e-4)
+    worn = [linkage["wear depth of the journal [m]", turns][:, 1].sum() for turns in (6, 16, 26)]
+    assert worn == pytest.approx(np.array([6, 16, 26]) * worn[2] / 26, rel=0.1)
+
+
+def test_moment_and_speed_of_figure_5_are_those_of_inverse_dynamics(linkage: dict[tuple[str, int], Any]) -> None:
+    """With an ideal joint at every angle; with clearance the rocker's speed but for what the play leaves it."""
+    links = [Link.slender(length, length) for length in (0.10, 0.35, 0.25)]
+    turned = (np.arange(cases.SAMPLES_PER_TURN) + 0.5) / cases.SAMPLES_PER_TURN
+    states = [
+        four_bar_state(*links, 0.40, cases.FOUR_BAR_RATE, math.pi * (0.5 + 2.0 * turn), STANDARD_GRAVITY)
+        for turn in turned
+    ]
+    moments, speeds = (np.array([getattr(state, name) for state in states]) for name in ("crank_moment", "output_rate"))
+    scale = np.abs(moments).max()
+    assert linkage["crank moment [N m]", 0][:, 1] == pytest.approx(moments, abs=2e-4 * scale)
+    assert linkage["rocker speed [rad/s]", 0][:, 1] == pytest.approx(speeds, abs=2e-4 * np.abs(speeds).max())
+    loose = linkage["rocker speed [rad/s]", 26][:, 1]
+    assert np.sqrt(np.mean((loose - speeds) ** 2)) < 0.05 * np.abs(speeds).max()
+
+
+def test_the_crank_moment_of_the_last_turn_does_the_work_that_is_lost_or_stored(
+    linkage: dict[tuple[str, int], Any],
+) -> None:
+    ideal, worn = (linkage["crank moment [N m]", turns][:, 1] for turns in (0, 26))
     assert np.mean(ideal) == pytest.approx(0.0, abs=1e-6 * np.abs(ideal).max())
-    energies = cases.simulate_four_bar(25, with_clearance=True).energies
+    energies = cases.simulate_four_bar(26, with_clearance=True).energies
     names = ("friction_dissipation", "contact_dissipation", "kinetic", "contact", "gravity")
     balance = np.sum([energies[name] for name in names], axis=0)
     work = balance[-1] - balance[-1 - cases.SAMPLES_PER_TURN]

@@ -44,10 +44,10 @@ class Run:
     case: str
     member: int = 0
     parameter: str = ""
-    value: float | str = 0.0
+    value: float | str | None = 0.0
 
     @property
-    def changes(self) -> dict[str, float | str]:
+    def changes(self) -> dict[str, float | str | None]:
         """Parameters that differ from those of the case."""
         return {self.parameter: self.value} if self.parameter else {}
 
@@ -68,11 +68,11 @@ def simulate_run(run: Run) -> Trajectory:
 
 # The four-bar linkage: the paper's data are not all published. Links of the default crank-rocker, 1 kg a metre; the
 # clearance and the contact law are those of the array's joints, with the sliding speed of the material points: that of
-# the joint's centres (Eq 35) would have friction drive the crank. 25 turns in the 2.08 s that the paper's 416,000 steps
-# of 5e-6 s make.
+# the joint's centres would have friction drive the crank. The axis of Fig 5, 2.00 to 2.08 s, is the 26th turn at 12.5
+# turns a second, which end with the 416,000 steps of 5e-6 s that the paper takes.
 FOUR_BAR_PIN = "crank-coupler"
-FOUR_BAR_RATE = 2.0 * math.pi * 25.0 / 2.08  # rad/s
-FOUR_BAR_TURNS = (5, 15, 25)
+FOUR_BAR_RATE = 2.0 * math.pi * 12.5  # rad/s
+FOUR_BAR_TURNS = (6, 16, 26)
 FOUR_BAR_WIDTH = 0.02  # m, of the bearing
 SAMPLES_PER_TURN = 720
 

@@ -17,6 +17,8 @@ from solar_env.support.files import save_figure
 
 JOINTS = (1, 2)  # as the columns of the tables count them
 PHASES = ("initial", "deployment", "after latching")
+# Where the paper's axes end: Figs 20 and 21 [N], 22 and 23 [m], and 5 [s].
+PAPER_FORCE, PAPER_WEAR, PAPER_TURN = 300.0, 7e-14, (2.00, 2.08)
 
 
 def draw_figure(table: Table, kind: str, title: str, path: Path) -> None:
@@ -33,8 +35,8 @@ def _draw_angles(figure: Figure, table: Table) -> None:
     figure.set_size_inches(5.0, 3.0)
     axis = figure.subplots()
     for joint in JOINTS:
-        axis.plot(table.column("time_s"), table.column(f"angle_{joint}_deg"), color=COLOURS[joint - 1])
-    _finish_time(axis, table, "joint angle [deg]")
+        axis.plot(table.column("time_s"), table.column(f"angle_{joint}_rad"), color=COLOURS[joint - 1])
+    _finish_time(axis, table, "joint angle [rad]")
     axis.legend([f"joint {joint}" for joint in JOINTS])
 
 
@@ -68,7 +70,7 @@ def _draw_models(figure: Figure, table: Table) -> None:
     """Angles or rates of the models, and their differences from the first model's in each of the three phases."""
     figure.set_size_inches(13.0, 5.0)
     time, phase = table.column("time_s"), table.column("phase")
-    quantity, unit = ("angles", "deg") if f"{MODELS[0]}_angles_1_deg" in table.rows[0] else ("rates", "deg_s")
+    quantity, unit = ("angles", "rad") if f"{MODELS[0]}_angles_1_rad" in table.rows[0] else ("rates", "rad_s")
     for joint, row in zip(JOINTS, figure.subplots(2, 4, sharex="col"), strict=True):
         reference = table.column(f"{MODELS[0]}_{quantity}_{joint}_{unit}")
         for colour, model in zip(COLOURS, MODELS, strict=False):
@@ -87,27 +89,40 @@ def _draw_models(figure: Figure, table: Table) -> None:
 
 
 def _draw_wear(figure: Figure, table: Table) -> None:
-    figure.set_size_inches(7.0, 3.6)
-    angle = np.radians(table.column("angle_deg"))
-    for joint, axis in zip(JOINTS, figure.subplots(1, 2, subplot_kw={"projection": "polar"}), strict=True):
-        for surface, colour in (("bearing", STEEL), ("journal", COLOURS[1])):
-            depth = table.column(f"{surface}_{joint}_m")
-            axis.plot(np.append(angle, angle[0]), np.append(depth, depth[0]), color=colour, label=surface)
-        axis.set_title(f"joint {joint}: wear depth [m]")
-    figure.legend(["bearing", "journal"], loc="outside lower center", ncols=2)
+    figure.set_size_inches(6.0, 3.6)
+    axis, angle = figure.subplots(), table.column("angle_deg")
+    for joint in JOINTS:
+        for surface, line in (("bearing", "-"), ("journal", ":")):
+            depth, label = table.column(f"{surface}_{joint}_m"), f"joint {joint}, {surface}"
+            axis.plot(angle, depth, line, color=COLOURS[joint - 1], label=label, linewidth=0.8)
+    _frame(axis, PAPER_WEAR)
+    axis.set(xlabel="angle round the bearing, or the journal [deg]", ylabel="wear depth [m]", xlim=(0.0, 360.0))
+    axis.legend()
+
+
+def _draw_small_forces(figure: Figure, table: Table) -> None:
+    _draw_by_joint("force_{}_N", "contact force [N]", figure, table)
+    for axis in figure.axes:
+        _frame(axis, PAPER_FORCE)
+
+
+def _frame(axis: Axes, top: float) -> None:
+    """The end of the paper's axis."""
+    axis.axhline(top, color=FAINT, linestyle="--", label="end of the paper's axis")
 
 
 def _draw_four_bar(figure: Figure, table: Table) -> None:
-    figure.set_size_inches(9.0, 3.4)
-    for axis, quantity in zip(figure.subplots(1, 2), table.values("quantity"), strict=True):
+    figure.set_size_inches(12.0, 3.4)
+    for axis, quantity in zip(figure.subplots(1, 3), table.values("quantity"), strict=True):
         for colour, turns in zip(COLOURS, table.where(quantity=quantity).values("turns"), strict=False):
             own = table.where(quantity=quantity, turns=turns)
             label = f"turn {turns}" if turns else "ideal joint"
-            axis.plot(own.column("angle_deg"), own.column("value"), color=colour, label=label, linewidth=0.7)
-        axis.set(ylabel=quantity, xlim=(0.0, 360.0))
-    for axis, label in zip(figure.axes, ("crank angle", "angle round the bearing"), strict=True):
-        axis.set_xlabel(f"{label} [deg]")
+            axis.plot(own.column("place"), own.column("value"), color=colour, label=label, linewidth=0.7)
+        axis.set(ylabel=quantity)
         axis.legend()
+    for axis in figure.axes[:2]:
+        axis.set(xlabel="time [s]", xlim=PAPER_TURN)
+    figure.axes[2].set(xlabel="angle round the journal [deg]", xlim=(0.0, 360.0))
 
 
 def _finish_time(axis: Axes, table: Table, label: str) -> None:
@@ -119,6 +134,7 @@ DRAWERS: Mapping[str, Callable[[Figure, Table], None]] = {
     "angles": _draw_angles,
     "path": _draw_path,
     "forces": partial(_draw_by_joint, "force_{}_N", "contact force [N]"),
+    "small-forces": _draw_small_forces,
     "torques": partial(_draw_by_joint, "torque_{}_Nm", "torque [N m]"),
     "models": _draw_models,
     "wear": _draw_wear,

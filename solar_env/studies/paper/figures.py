@@ -1,7 +1,7 @@
 """One function per figure of the paper: from trajectories to the rows of its table.
 
-The paper's figures are drawn from these tables alone (`drawings.py`). Angles are in degrees and paths in micrometres,
-as on its axes.
+The paper's figures are drawn from these tables alone (`drawings.py`). Angles are in radians, those round a bearing in
+degrees and paths in micrometres, as on its axes.
 """
 
 import math
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from solar_env.array import MODELS
 from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.studies.common.tables import Row
-from solar_env.studies.paper.cases import FOUR_BAR_TURNS, SAMPLES_PER_TURN, Member, simulate_four_bar
+from solar_env.studies.paper.cases import FOUR_BAR_RATE, FOUR_BAR_TURNS, SAMPLES_PER_TURN, Member, simulate_four_bar
 from solar_env.studies.paper.phases import greatest_force, phase_of
 
 Array = NDArray[np.float64]
@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 # s; forces are the greatest of windows of this length, for samples would miss impacts.
 FORCE_WINDOW = 0.01
 JOINTS = (0, 1)
+_TURN = 2.0 * math.pi / FOUR_BAR_RATE  # s
 
 
 @dataclass(frozen=True)
@@ -58,7 +59,7 @@ def _rows(columns: Mapping[str, Array]) -> list[Row]:
 
 def _angles(case: str, member: Member) -> list[Row]:
     motion = member[case]
-    return _rows({"time_s": motion.time, **_by_joint("angle", "deg", np.degrees(motion.angles))})
+    return _rows({"time_s": motion.time, **_by_joint("angle", "rad", motion.angles)})
 
 
 def _by_joint(name: str, unit: str, values: Array) -> dict[str, Array]:
@@ -89,8 +90,7 @@ def _four_models(quantity: str, unit: str, member: Member) -> list[Row]:
     reference = member["rigid-clearance"]
     columns = {"time_s": reference.time, "phase": phase_of(reference, 0).astype(float)}
     for model in MODELS:
-        values = np.degrees(getattr(member[model], quantity))
-        columns |= _by_joint(f"{model}_{quantity}", unit, values)
+        columns |= _by_joint(f"{model}_{quantity}", unit, getattr(member[model], quantity))
     return _rows(columns)
 
 
@@ -105,31 +105,35 @@ def _wear(case: str, member: Member) -> list[Row]:
 
 
 def _four_bar(member: Member) -> list[Row]:
-    """Crank moment in the last of 5, 15 and 25 turns, and of the ideal linkage (0 turns), and the wear by then."""
-    rows: list[Row] = []
+    """Crank moment and rocker speed in the last of 26 turns, of the ideal linkage (0 turns) too; wear by then."""
     motions = {0: simulate_four_bar(1, with_clearance=False)}
     motions |= {turns: simulate_four_bar(turns, with_clearance=True) for turns in FOUR_BAR_TURNS}
-    for turns, motion in motions.items():
-        rows += [
-            {"quantity": "crank moment [N m]", "turns": turns, "angle_deg": angle, "value": value}
-            for angle, value in _moment_of_last_turn(motion)
-        ]
-        if turns:
-            depths = motion.wear_bearing.max(axis=0)
-            rows += [
-                {"quantity": "wear depth [m]", "turns": turns, "angle_deg": (b + 0.5) * 360.0 / len(depths), "value": d}
-                for b, d in enumerate(depths.tolist())
-            ]
+    rows: list[Row] = []
+    for turns in (0, FOUR_BAR_TURNS[-1]):
+        for quantity, values in _last_turn(motions[turns]).items():
+            times = (FOUR_BAR_TURNS[-1] - 1 + (np.arange(len(values)) + 0.5) / len(values)) * _TURN
+            rows += _curve(quantity, turns, times, values)
+    for turns in FOUR_BAR_TURNS:
+        depths = motions[turns].wear_journal.max(axis=0)
+        angles = (np.arange(len(depths)) + 0.5) * 360.0 / len(depths)
+        rows += _curve("wear depth of the journal [m]", turns, angles, depths)
     return rows
 
 
-def _moment_of_last_turn(motion: Trajectory) -> Iterator[tuple[float, float]]:
-    """Crank angle [deg] since the start of the last turn, and the drive's mean moment [N m] over each sample."""
+def _curve(quantity: str, turns: int, places: Array, values: Array) -> list[Row]:
+    """A curve over time [s] or an angle [deg]."""
+    pairs = zip(places.tolist(), values.tolist(), strict=True)
+    return [{"quantity": quantity, "turns": turns, "place": place, "value": value} for place, value in pairs]
+
+
+def _last_turn(motion: Trajectory) -> dict[str, Array]:
+    """The drive's mean moment [N m] over each sample of the last turn, and the rocker's speed in its middle [rad/s]."""
     work = motion.energies["external_work"][-SAMPLES_PER_TURN - 1 :]
-    angle = 2.0 * math.pi / SAMPLES_PER_TURN
-    moments = np.diff(work) / angle
-    for k, moment in enumerate(moments.tolist()):
-        yield (k + 0.5) * math.degrees(angle), moment
+    speed = motion.rates[-SAMPLES_PER_TURN - 1 :, -1]
+    return {
+        "crank moment [N m]": np.diff(work) * SAMPLES_PER_TURN / (2.0 * math.pi),
+        "rocker speed [rad/s]": 0.5 * (speed[1:] + speed[:-1]),
+    }
 
 
 def _of_model(first: int, case: str) -> Iterator[PaperFigure]:
@@ -144,7 +148,9 @@ def _of_model(first: int, case: str) -> Iterator[PaperFigure]:
 
 
 def _all() -> Iterator[PaperFigure]:
-    yield PaperFigure(5, "four-bar linkage with a clearance joint: crank moment and wear", "four-bar", (), _four_bar)
+    yield PaperFigure(
+        5, "four-bar linkage with a clearance joint: crank moment, rocker speed and wear", "four-bar", (), _four_bar
+    )
     for number, case in ((6, "rigid-ideal"), (7, "flexible-ideal")):
         yield PaperFigure(number, f"joint angles, {case}", "angles", (case,), partial(_angles, case))
     yield from _of_model(8, "rigid-clearance")
@@ -154,20 +160,24 @@ def _all() -> Iterator[PaperFigure]:
         "joint angles of the four models and their differences",
         "models",
         MODELS,
-        partial(_four_models, "angles", "deg"),
+        partial(_four_models, "angles", "rad"),
     )
     yield PaperFigure(
         19,
         "joint rates of the four models and their differences",
         "models",
         MODELS,
-        partial(_four_models, "rates", "deg_s"),
+        partial(_four_models, "rates", "rad_s"),
     )
     for model in (1, 2):
         case = f"distribution-{model}"
         sizes = "0.1 and 0.2 mm" if model == 1 else "0.2 and 0.1 mm"
         yield PaperFigure(
-            19 + model, f"contact forces, model {model} ({sizes})", "forces", (case,), partial(_contact_forces, case)
+            19 + model,
+            f"contact forces, model {model} ({sizes})",
+            "small-forces",
+            (case,),
+            partial(_contact_forces, case),
         )
         yield PaperFigure(21 + model, f"wear depth, model {model} ({sizes})", "wear", (case,), partial(_wear, case))
 

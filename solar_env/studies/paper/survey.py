@@ -13,16 +13,17 @@ from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.studies.paper.cases import Run
 from solar_env.studies.paper.claims import CLAIMS, Claim
 
-Value = float | str
+Value = float | str | None
 
 MEMBERS = 6
 # Of parameters that the paper leaves open, besides their defaults; and of the sliding speed, which wear hangs on.
 RANGES: Mapping[str, tuple[Value, ...]] = {
-    "friction_sliding": ("material",),
+    "friction_sliding": ("centres", "places"),
     "cable_stiffness": (5.0, 10.0, 40.0, 80.0),
     "latch_stiffness": (300.0, 3e3, 1e4),
     "latch_damping": (1.0, 3.0, 30.0),
     "latch_gap": (0.003, 0.03),
+    "contact_stiffness": (None,),  # of Eq 40
 }
 # Members at each value; one where flexible panels, whose runs take long, are needed.
 RANGE_MEMBERS = 3
@@ -41,6 +42,7 @@ class Finding:
         holds_for: by parameter that the paper leaves open, the values at which it holds; the default's included.
         fails_for: the values at which it does not.
         why: if it differs: why.
+        by_construction: parameters that have been chosen for it; empty where none have.
     """
 
     key: str
@@ -57,6 +59,7 @@ class Finding:
     holds_for: Mapping[str, tuple[Value, ...]]
     fails_for: Mapping[str, tuple[Value, ...]]
     why: str
+    by_construction: str
 
 
 def planned_runs(claims: Sequence[Claim] = CLAIMS, members: int = MEMBERS) -> list[Run]:
@@ -100,8 +103,8 @@ def judge(claim: Claim, motions: Mapping[Run, Trajectory]) -> Finding:
         for value in RANGES[parameter]:
             found = [_figure(claim, motions, member, parameter, value) for member in _range_members(claim)]
             figure_at[value] = float(np.median(found))
-        holds[parameter] = tuple(value for value in sorted(figure_at) if claim.holds(figure_at[value]))
-        fails[parameter] = tuple(sorted(figure_at.keys() - holds[parameter]))
+        holds[parameter] = tuple(value for value in sorted(figure_at, key=_order) if claim.holds(figure_at[value]))
+        fails[parameter] = tuple(sorted(figure_at.keys() - set(holds[parameter]), key=_order))
     agrees = claim.holds(median)
     return Finding(
         key=claim.key,
@@ -118,6 +121,7 @@ def judge(claim: Claim, motions: Mapping[Run, Trajectory]) -> Finding:
         holds_for=holds,
         fails_for=fails,
         why="" if agrees else claim.why,
+        by_construction=claim.by_construction,
     )
 
 
@@ -125,6 +129,10 @@ def _figure(
     claim: Claim, motions: Mapping[Run, Trajectory], member: int, parameter: str = "", value: Value = 0.0
 ) -> float:
     return claim.measure({case: motions[Run(case, member, parameter, value)] for case in claim.cases})
+
+
+def _order(value: Value) -> tuple[bool, float, str]:
+    return (not isinstance(value, float), value if isinstance(value, float) else 0.0, str(value))
 
 
 def as_json(findings: Iterable[Finding]) -> str:
@@ -137,9 +145,25 @@ def as_json(findings: Iterable[Finding]) -> str:
     return json.dumps(rows, indent=1)
 
 
-def as_markdown(findings: Iterable[Finding]) -> str:
-    """The findings as a table in Markdown."""
-    lines = ["| the paper says | there | here: median [least, greatest] | agrees from, to | |", "|---|---|---|---|---|"]
+def summary(findings: Sequence[Finding]) -> str:
+    """How many claims agree, in a sentence."""
+    free = [finding for finding in findings if not finding.by_construction]
+    agreeing = sum(finding.agrees for finding in free)
+    chosen = len(findings) - len(free)
+    return (
+        f"{agreeing} of {len(free)} claims agree ({agreeing / max(len(free), 1):.0%}); {chosen} more, of which "
+        f"{sum(finding.agrees for finding in findings) - agreeing} agree, have had a parameter chosen for them."
+    )
+
+
+def as_markdown(findings: Sequence[Finding]) -> str:
+    """The findings as a sentence and a table in Markdown."""
+    lines = [
+        summary(findings),
+        "",
+        "| the paper says | there | here: median [least, greatest] | agrees from, to | |",
+        "|---|---|---|---|---|",
+    ]
     for finding in findings:
         values = f"{_number(finding.median)} [{_number(finding.least)}, {_number(finding.greatest)}] {finding.unit}"
         lines.append(
@@ -158,6 +182,9 @@ def _interval(finding: Finding) -> str:
 
 def _verdict(finding: Finding) -> str:
     words = "agrees" if finding.agrees else f"**differs**: {finding.why}"
+    if finding.by_construction:
+        chosen = ", ".join(f"`{name}`" for name in finding.by_construction.split(", "))
+        words += f" by construction: {chosen} chosen for it"
     if 0.0 < finding.agreeing < 1.0:
         words += f" ({finding.agreeing:.0%} of the runs agree)"
     everywhere: list[str] = []
@@ -176,7 +203,7 @@ def _verdict(finding: Finding) -> str:
 
 
 def _listed(values: Iterable[Value]) -> str:
-    return ", ".join(value if isinstance(value, str) else f"{value:g}" for value in values)
+    return ", ".join("by Eq 40" if v is None else v if isinstance(v, str) else f"{v:g}" for v in values)
 
 
 def _number(value: float) -> str:

@@ -108,7 +108,7 @@ class FlexibleBuilder(Builder):
         ]
         system.AddObject(
             items.ObjectConnectorCoordinateSpringDamperExt(
-                markerNumbers=wheels, stiffness=p.cable_stiffness, factor0=-2.0, factor1=1.0
+                markerNumbers=wheels, stiffness=p.by_joint("cable_stiffness", 0), factor0=-2.0, factor1=1.0
             )
         )
         return rotations

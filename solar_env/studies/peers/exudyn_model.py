@@ -36,8 +36,9 @@ def check_supported(scene: Scene) -> None:
     for name, fits in (
         ("panel_count", p.panel_count == 2),
         ("friction_law", p.friction_law == "ramp"),
-        ("friction_speed_zero", p.friction_speed_zero == 0.0),
+        ("friction_speed_zero", max(p.entries("friction_speed_zero")) == 0.0),
         ("friction_sliding", p.friction_sliding == "material"),
+        ("cable_bearing_forces", not p.cable_bearing_forces),
         ("cable_torque_ratio", p.cable_torque_ratio in (None, 2.0)),
         ("body_fixed", not p.body_fixed),
         ("initial_spin", p.initial_spin == 0.0),

@@ -12,6 +12,7 @@ import numpy as np
 from exudyn.utilities import CreateSymbolicUserFunction
 
 from solar_env.array import ArrayParameters, has_clearance
+from solar_env.mechanics.mechanism.description import Stop
 from solar_env.studies.common.motion import Scene
 
 items = exudyn.itemInterface
@@ -77,7 +78,7 @@ class Builder(ABC):
         springs = [p.by_joint("spring_stiffness", j) for j in (0, 1)]
         relaxed = [p.by_joint("spring_preload_angle", j) for j in (0, 1)]
         rows = np.vstack([to_angles, 2.0 * to_angles[0] - to_angles[1]])
-        stiffness = rows.T @ np.diag([*springs, p.cable_stiffness]) @ rows
+        stiffness = rows.T @ np.diag([*springs, p.by_joint("cable_stiffness", 0)]) @ rows
         self.system.AddObject(
             items.ObjectGenericODE2(
                 nodeNumbers=nodes,
@@ -105,8 +106,8 @@ class Builder(ABC):
                     nodeNumber=data,
                     spheresRadii=[p.journal_radius, p.journal_radius + p.by_joint("clearance", j)],
                     isHollowSphere1=True,
-                    dynamicFriction=p.friction_coefficient,
-                    frictionProportionalZone=p.friction_speed_full,
+                    dynamicFriction=p.by_joint("friction_coefficient", j),
+                    frictionProportionalZone=p.by_joint("friction_speed_full", j),
                     contactStiffness=p.contact(j).stiffness,
                     contactStiffnessExponent=p.contact(j).exponent,
                     impactModel=1,
@@ -135,10 +136,10 @@ class Builder(ABC):
         for j, pair in enumerate(coordinates):
             latch = system.AddObject(
                 items.ObjectConnectorCoordinateSpringDamper(
-                    markerNumbers=list(pair), stiffness=self.p.latch_stiffness, damping=0.0, activeConnector=False
+                    markerNumbers=list(pair), stiffness=self.p.stop(j).stiffness, damping=0.0, activeConnector=False
                 )
             )
-            torque = _stop_expression(self.p, _SENSES[j] * self.p.lock_angle(j))
+            torque = _stop_expression(self.p.stop(j), _SENSES[j] * self.p.lock_angle(j))
             symbolic = CreateSymbolicUserFunction(system, torque, "springForceUserFunction", latch)
             system.SetObjectParameter(latch, "springForceUserFunction", symbolic)
             array.kept_alive += [torque, symbolic]
@@ -165,20 +166,20 @@ class Builder(ABC):
         system.SetPreStepUserFunction(engage)
 
 
-def _stop_expression(p: ArrayParameters, lock: float) -> Callable[..., Any]:
+def _stop_expression(stop: Stop, lock: float) -> Callable[..., Any]:
     """Torque of a two-sided stop round a locked coordinate, on the left-hand side of the equations."""
     symbolic = exudyn.symbolic
 
     def one_side(depth: Any, closing_rate: Any) -> Any:
-        share = symbolic.min(symbolic.max(depth / p.latch_ramp_depth, 0.0), 1.0)
-        damping = p.latch_damping * share * share * (3.0 - 2.0 * share)
-        elastic = p.latch_stiffness * symbolic.pow(symbolic.max(depth, 0.0), p.latch_exponent)
+        share = symbolic.min(symbolic.max(depth / stop.ramp_depth, 0.0), 1.0)
+        damping = stop.damping * share * share * (3.0 - 2.0 * share)
+        elastic = stop.stiffness * symbolic.pow(symbolic.max(depth, 0.0), stop.exponent)
         return symbolic.max(elastic + damping * closing_rate, 0.0)
 
     def torque(
         mbs: Any, t: Any, itemNumber: Any, displacement: Any, velocity: Any, stiffness: Any, damping: Any, offset: Any
     ) -> Any:
-        below, above = lock - p.latch_gap - displacement, displacement - lock - p.latch_gap
+        below, above = lock - stop.gap - displacement, displacement - lock - stop.gap
         return symbolic.IfThenElse(
             below > 0.0,
             -one_side(below, -1.0 * velocity),

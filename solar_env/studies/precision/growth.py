@@ -74,7 +74,9 @@ def _scene(plan: Plan, case: Case) -> Scene:
 def with_panels(parameters: ArrayParameters, count: int) -> ArrayParameters:
     """Parameters of an array of another number of panels: further joints are like the last, fewer drop the last."""
     by_joint = {
-        name: tuple(parameters.by_joint(name, joint) for joint in range(count)) for name in ArrayParameters.BY_JOINT
+        name: tuple(parameters.by_joint(name, joint) for joint in range(count))
+        for name in ArrayParameters.BY_JOINT
+        if isinstance(getattr(parameters, name), tuple)
     }
     return replace(parameters, panel_count=count, **by_joint)  # type: ignore[arg-type]
 

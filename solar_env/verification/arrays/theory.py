@@ -53,7 +53,7 @@ def cable_torques(p: ArrayParameters, joint_angles: Array) -> Array:
     total = np.zeros(p.panel_count)
     for k in range(1, p.panel_count):
         ratio = 2.0 if k == 1 else 1.0
-        torque = p.cable_stiffness * (ratio * joint_angles[k - 1] - joint_angles[k])
+        torque = p.by_joint("cable_stiffness", k - 1) * (ratio * joint_angles[k - 1] - joint_angles[k])
         total[k] += torque
         total[k - 1] -= (ratio if p.cable_torque_ratio is None else p.cable_torque_ratio) * torque
     return total

@@ -183,7 +183,7 @@ def test_a_journal_that_spins_in_place_slides_at_its_material_points_only() -> N
 
 
 def test_the_places_of_contact_slide_by_the_share_of_the_depth_in_the_distance_of_the_centres() -> None:
-    # 0.1 of 0.2 m: half of 5 m/s, of which the ramp from 0.2 to 3 m/s makes so much; the spin counts for nothing.
+    # 0.1 of 0.2 m: half of 5 m/s, on the ramp from 0.2 to 3 m/s; the journal's spin counts for nothing.
     share = (0.5 * 5.0 - 0.2) / (3.0 - 0.2)
     tangential = contact_of_block((0.1, 5.0), sliding="places", spin=20.0)[columns.TANGENTIAL]
     assert tangential == pytest.approx(-0.4 * share * 50.0 * 0.1**1.5 * (1.0 + 0.7 * 0.1), rel=1e-12)

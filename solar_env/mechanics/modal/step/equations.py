@@ -20,8 +20,9 @@ from solar_env.mechanics.modal.arrays import (
 from solar_env.mechanics.modal.step.cables import fill_cable_torques
 from solar_env.mechanics.numerics.jit import kernel
 
-# Least time [s] over which a gap of an ideal joint is closed: at once, it would be felt as a blow.
-_RETURN_TIME = 1e-3
+# Least time [s] over which a gap of an ideal joint is closed, and the greatest speed, over the one that errors may
+# have: faster, it would be felt as a blow, which no step is short enough for.
+_RETURN_TIME, _RETURN_SPEED = 1e-3, 3.0
 
 
 @kernel(inlined=True)
@@ -79,14 +80,18 @@ def contact_rows(model, state, work, s, n, r, renewed):
 
 
 @kernel(inlined=True)
-def reaction_row(work, s, n, r, h, renewed):
-    """Row of a component of an ideal joint's reaction, as of a torque: of its relative velocity."""
+def reaction_row(work, s, n, r, h, limit, renewed):
+    """Row of a component of an ideal joint's reaction, as of a torque: of its relative velocity.
+
+    `limit` is the velocity [m/s] that errors may have.
+    """
     j, kind = work.unknowns[r].owner, work.unknowns[r].kind
     own = work.mobility[r, r].response
     scale = 1.0 / (abs(own[3]) + abs(own[7]))
     rate = work.joints[j].motion[s, VELOCITY_X if kind == REACTION_X else VELOCITY_Y]
     gap = work.joints[j].motion[START, ECCENTRICITY_X if kind == REACTION_X else ECCENTRICITY_Y]
-    work.correction[s * n + r] = -scale * (rate + gap / max(h, _RETURN_TIME))
+    back = min(max(gap / max(h, _RETURN_TIME), -_RETURN_SPEED * limit), _RETURN_SPEED * limit)
+    work.correction[s * n + r] = -scale * (rate + back)
     if not renewed:
         return
     row = work.matrix[s * n + r]

@@ -166,8 +166,10 @@ def set_tolerances(model, state, work, settings, tables, level, h, n):
 
 
 @kernel(inlined=True)
-def correct_loads(model, state, work, n, h, renewed):
+def correct_loads(model, state, work, n, h, limit, renewed):
     """One correction of the loads by Newton's method, whose matrix is kept unless `renewed`.
+
+    `limit` is the velocity [m/s] that errors may have.
 
     Returns:
         Greatest change of an unknown, and of a torque that is none, over their tolerances; infinite if the matrix is
@@ -185,7 +187,7 @@ def correct_loads(model, state, work, n, h, renewed):
             elif kind == NORMAL:
                 contact_rows(model, state, work, s, n, r, renewed)
             elif kind != TANGENTIAL:
-                reaction_row(work, s, n, r, h, renewed)
+                reaction_row(work, s, n, r, h, limit, renewed)
         for j in range(model.joints.size):
             if work.joints[j].torque_unknown < 0:
                 change = work.joints[j].torque - work.joints[j].load[s, 2]
@@ -283,7 +285,7 @@ def solve_step(model, state, work, settings, tables, level, h):
             fill_mobility(model, work, tables, level, h, n)
         # Anew each time: the depth that a journal would reach freely is no measure of that which it does reach.
         set_tolerances(model, state, work, settings, tables, level, h, n)
-        size, apart = correct_loads(model, state, work, n, h, renewed)
+        size, apart = correct_loads(model, state, work, n, h, settings.rtol * settings.velocity_scale, renewed)
         if size == math.inf:
             return False
         # A small correction leaves the matrix and all directions as they are; a second one in a row does not.

@@ -1,0 +1,104 @@
+"""What array parameters are refused for, each by name, value and rule."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any
+
+from solar_env.mechanics.joints.friction.laws import FRICTION_LAWS, SLIDING_READINGS
+from solar_env.mechanics.running.diagnosis import check_restitution
+
+if TYPE_CHECKING:
+    from solar_env.array.parameters import ArrayParameters
+
+_POSITIVE = (
+    "body_mass", "body_inertia", "body_size", "panel_length", "panel_width", "panel_thickness", "panel_density",
+    "panel_young", "cable_wheel_radius", "latch_stiffness", "latch_ramp_depth", "journal_radius", "journal_young",
+    "bearing_young", "minimum_impact_speed", "bearing_width",
+)  # fmt: skip
+_NOT_NEGATIVE = (
+    "panel_damping", "spring_stiffness", "cable_stiffness", "cable_preload_force", "latch_gap", "latch_damping",
+    "friction_coefficient", "friction_speed_zero", "wear_coefficient",
+)  # fmt: skip
+# Parameters for which None is a value.
+OPTIONAL = ("cable_torque_ratio", "contact_stiffness")
+
+
+def check_parameters(p: ArrayParameters) -> None:
+    """Refuse parameters without sense.
+
+    Raises:
+        ValueError: naming the first of them.
+    """
+    for item in fields(p):
+        _check_type(p, item.name, item.default)
+    for name in _POSITIVE:
+        _require(p, name, min(p.entries(name)) > 0.0, "must be positive")
+    for name in _NOT_NEGATIVE:
+        _require(p, name, min(p.entries(name)) >= 0.0, "must not be negative")
+    _require(p, "hinge_x", p.hinge_x >= 0.0, "must not be negative: the panels open towards +x")
+    _require(p, "latch_exponent", min(p.entries("latch_exponent")) >= 1.0, "must be at least 1")
+    for name in ("journal_poisson", "bearing_poisson"):
+        _require(p, name, -1.0 < getattr(p, name) <= 0.5, "must lie in (-1, 0.5]")
+    _require(p, "panel_count", 1 <= p.panel_count <= 100, "must lie between 1 and 100")
+    _require(p, "wear_bins", 1 <= p.wear_bins <= 100_000, "must lie between 1 and 100000")
+    clearances = p.entries("clearance")
+    _require(p, "clearance", min(clearances) > 0.0, "must be positive; for no clearance choose an ideal model")
+    _require(p, "clearance", max(clearances) < p.journal_radius, "must be below journal_radius")
+    _require(p, "initial_spin", p.initial_spin == 0.0 or not p.body_fixed, "needs a body that is not fixed")
+    if p.cable_torque_ratio is not None:
+        _require(p, "cable_torque_ratio", p.cable_torque_ratio >= 0.0, "must not be negative")
+    _check_friction(p)
+    _check_contact(p)
+
+
+def _check_friction(p: ArrayParameters) -> None:
+    rule = f"must be below friction_speed_full = {p.friction_speed_full!r}"
+    for joint in range(p.panel_count):
+        below = p.by_joint("friction_speed_zero", joint) < p.by_joint("friction_speed_full", joint)
+        _require(p, "friction_speed_zero", below, rule)
+    readings = f"must be one of {', '.join(SLIDING_READINGS)}"
+    _require(p, "friction_sliding", p.friction_sliding in SLIDING_READINGS, readings)
+    _require(p, "friction_law", p.friction_law in FRICTION_LAWS, f"must be one of {', '.join(FRICTION_LAWS)}")
+    _require(p, "static_friction_ratio", min(p.entries("static_friction_ratio")) >= 1.0, "must be at least 1")
+    for joint in range(p.panel_count):
+        p.friction(joint)
+
+
+def _check_contact(p: ArrayParameters) -> None:
+    for restitution in p.entries("restitution"):
+        _require(p, "restitution", 0.0 < restitution <= 1.0, "must lie in (0, 1]")
+    for stiffness in p.entries("contact_stiffness"):
+        _require(p, "contact_stiffness", stiffness is None or stiffness > 0.0, "must be positive")
+    told = set()
+    for joint in range(p.panel_count):
+        given, restitution = p.contact(joint).exit_speed_ratio(), p.by_joint("restitution", joint)
+        # A law that conserves energy does so whatever it is asked for.
+        if given < 1.0 and restitution not in told:
+            told.add(restitution)
+            check_restitution(p.contact_law, restitution, given)
+
+
+def _check_type(p: ArrayParameters, name: str, default: Any) -> None:
+    value = getattr(p, name)
+    if isinstance(default, (str, bool)):
+        _require(p, name, isinstance(value, type(default)), f"must be of type {type(default).__name__}")
+        return
+    if value is None and name in OPTIONAL:
+        return
+    entries = p.entries(name)
+    _require(p, name, name in p.BY_JOINT or not isinstance(value, tuple), "must be a single number")
+    _require(p, name, len(entries) > 0, "must not be empty")
+    for entry in entries:
+        number = isinstance(entry, (int, float)) and not isinstance(entry, bool)
+        _require(p, name, number and math.isfinite(entry), "must be a finite number")
+    if isinstance(default, int):
+        _require(p, name, isinstance(value, int), "must be a whole number")
+    if isinstance(value, tuple) and value != default:
+        _require(p, name, len(value) <= p.panel_count, f"has more entries than panels ({p.panel_count})")
+
+
+def _require(p: ArrayParameters, name: str, condition: bool, rule: str) -> None:
+    if not condition:
+        raise ValueError(f"{name} = {getattr(p, name)!r} {rule}")

@@ -1,0 +1,109 @@
+"""Which statements on flexible panels are physics, which the mesh's, and which hang on the material's missing damping.
+
+The paper's panels have six elements and no damping. Every claim on flexible panels is measured on them, with damping,
+on a finer mesh, and on converged panels (modes) over two decades of damping.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from solar_env.array import ArrayParameters, PanelModel
+from solar_env.array.panels import ANCF, MODAL
+from solar_env.studies.common.levels import Level
+from solar_env.studies.paper.cases import DURATION, OUTPUT_STEP
+from solar_env.studies.paper.claims import CLAIMS, Claim
+
+MEMBERS = 3
+STORE = "levels.jsonl"
+
+
+@dataclass(frozen=True)
+class PanelLevel:
+    """Panels with a damping.
+
+    Attributes:
+        panels: their model.
+        damping: retardation time of the material [s].
+    """
+
+    panels: PanelModel
+    damping: float
+
+    @property
+    def name(self) -> str:
+        """The level in words."""
+        return f"{self.panels.size}, " + (f"{self.damping:g} s" if self.damping else "undamped")
+
+
+PAPER, DAMPED, FINER = (
+    PanelLevel(PanelModel(ANCF, 6), 0.0),
+    PanelLevel(PanelModel(ANCF, 6), 1e-5),
+    PanelLevel(PanelModel(ANCF, 12), 0.0),
+)
+CONVERGED = (
+    PanelLevel(PanelModel(MODAL, 48), 1e-6),
+    PanelLevel(PanelModel(MODAL, 24), 1e-5),
+    PanelLevel(PanelModel(MODAL, 24), 1e-4),
+)
+LEVELS = (PAPER, FINER, DAMPED, *CONVERGED)
+FLEXIBLE_CLAIMS: tuple[Claim, ...] = tuple(
+    claim for claim in CLAIMS if any(case.startswith("flexible") for case in claim.cases)
+)
+
+
+def cells() -> Iterator[dict[str, Any]]:
+    """Deployments to measure: a level and the member of an ensemble, those that are done soonest first."""
+    for number in sorted(range(len(LEVELS)), key=lambda k: (LEVELS[k].panels.kind == ANCF, LEVELS[k].panels.count)):
+        for member in range(MEMBERS):
+            yield {"level": LEVELS[number].name, "member": member}
+
+
+def measure(cell: Mapping[str, Any]) -> dict[str, float]:
+    """Figures of all claims on flexible panels by key, of a cell.
+
+    Raises:
+        SimulationError: if a run cannot go on.
+    """
+    level = next(level for level in LEVELS if level.name == cell["level"])
+    parameters = ArrayParameters.preset("paper").with_changes({"panel_damping": level.damping})
+    member = {}
+    for model in dict.fromkeys(case for claim in FLEXIBLE_CLAIMS for case in claim.cases):
+        panels = level.panels if model.startswith("flexible") else None
+        member[model] = Level(model, panels).deploy(parameters, cell["member"], DURATION, OUTPUT_STEP)
+    return {claim.key: claim.measure(member) for claim in FLEXIBLE_CLAIMS}
+
+
+def verdict(holds: Mapping[PanelLevel, bool]) -> str:
+    """What a claim is owed to, by the levels at which it holds."""
+    converged = [holds[level] for level in CONVERGED]
+    if all(converged):
+        return "physics" if holds[PAPER] else "physics, but not on the paper's mesh"
+    if any(converged):
+        dampings = ", ".join(f"{level.damping:g} s" for level, held in zip(CONVERGED, converged, strict=True) if held)
+        return f"physics, if the damping is {dampings}"
+    if holds[DAMPED]:
+        return "the mesh's"
+    if holds[PAPER]:
+        return "missing damping's" if holds[FINER] else "the mesh's, undamped"
+    return "holds nowhere"
+
+
+def as_markdown(results: Sequence[Mapping[str, Any]]) -> str:
+    """A table of the claims by level from the results of all cells, in their order."""
+    found: dict[str, list[Mapping[str, float]]] = {}
+    for cell, result in zip(cells(), results, strict=True):
+        found.setdefault(cell["level"], []).append(result)
+    lines = [
+        "| claim | " + " | ".join(level.name for level in LEVELS) + " | verdict |",
+        "|---" * (len(LEVELS) + 2) + "|",
+    ]
+    for claim in FLEXIBLE_CLAIMS:
+        medians = {level: float(np.median([one[claim.key] for one in found[level.name]])) for level in LEVELS}
+        holds = {level: claim.holds(value) for level, value in medians.items()}
+        figures = [f"**{value:.3g}**" if holds[level] else f"{value:.3g}" for level, value in medians.items()]
+        unit = f" [{claim.unit}]" if claim.unit else ""
+        lines.append(f"| {claim.statement}{unit} | " + " | ".join(figures) + f" | {verdict(holds)} |")
+    return "\n".join(lines)

@@ -1,0 +1,29 @@
+"""The index of the paper's equations, figures and tables: complete, and true of the code."""
+
+from pathlib import Path
+
+import pytest
+
+from solar_env.commands.paper import INDEX_SECTION
+from solar_env.studies.paper.figures import FIGURES
+from solar_env.studies.paper.index import INDEX, Entry, as_markdown
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_every_equation_and_figure_is_listed_once() -> None:
+    for kind, all_numbers in (("Eq", range(1, 47)), ("Fig", FIGURES)):
+        listed = [number for entry in INDEX if entry.place.startswith(kind) for number in entry.numbers]
+        assert listed == list(all_numbers)
+
+
+@pytest.mark.parametrize("entry", INDEX, ids=lambda entry: entry.place)
+def test_what_is_listed_is_there(entry: Entry) -> None:
+    for place in (entry.code, entry.test):
+        file, name = place.split(":")
+        text = (ROOT / file).read_text(encoding="utf-8")
+        assert any(f"\n{word}{name}" in text for word in ("def ", "class ", "")), place
+
+
+def test_the_page_holds_the_index() -> None:
+    assert INDEX_SECTION.read() == as_markdown()

@@ -67,7 +67,8 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     ## Starting State
 
     Folded, at rest unless the parameters say otherwise, journals centred. Parameters are drawn anew from `randomize` at
-    every reset.
+    every reset: springs, clearances and initial rates of every joint by themselves, other quantities by joint where
+    their bounds are given by joint.
 
     ## Scenarios
 

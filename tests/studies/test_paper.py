@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from solar_env.__main__ import main
+from solar_env.array import ArrayParameters
 from solar_env.commands import paper
 from solar_env.mechanics.mechanism.textbook import STANDARD_GRAVITY, Link
 from solar_env.mechanics.running.trajectory import Trajectory, contact_record
@@ -18,6 +19,7 @@ from solar_env.studies.common.tables import read_table, write_table
 from solar_env.studies.paper import cases, phases, survey
 from solar_env.studies.paper.claims import CLAIMS
 from solar_env.studies.paper.figures import FIGURES
+from solar_env.verification.arrays import theory
 from solar_env.verification.linkages.linkage_theory import four_bar_state
 
 TIME = np.linspace(0.0, 30.0, 3001)
@@ -188,6 +190,24 @@ def test_the_crank_moment_of_the_last_turn_does_the_work_that_is_lost_or_stored(
     work = balance[-1] - balance[-1 - cases.SAMPLES_PER_TURN]
     assert np.mean(worn) * 2.0 * math.pi == pytest.approx(work, rel=1e-3)
     assert energies["friction_dissipation"][-1] > 0.0
+
+
+def test_with_the_tangential_force_the_couple_latches_a_second_before_the_paper() -> None:
+    """Rigid panels on ideal hinges: torques on main body and panels by a unit of the cable's."""
+    p = ArrayParameters.preset("paper")
+    chain, start, matrix = theory.make_chain(p), theory.folded_angles(p), theory.hinge_map(p)
+    latch_times = []
+    for shares in ((1.0, 0.0, -1.0), (1.0, -1.0, -1.0)):
+
+        def torques(angles: Any, _: Any, shares: tuple[float, ...] = shares) -> Any:
+            joints = matrix @ (angles - start)
+            cable = p.by_joint("cable_stiffness", 0) * (2.0 * joints[0] - joints[1])
+            return matrix.T @ theory.spring_torques(p, joints) + cable * np.array(shares)
+
+        times = np.arange(11.5, 14.0, 0.02)
+        angles = chain.solve(list(start), [0.0] * 3, torques, list(times)).y[:3].T - start
+        latch_times.append(float(np.interp(math.pi / 2, (angles @ matrix.T)[:, 0], times)))
+    assert latch_times == pytest.approx([13.2, 12.15], abs=0.05)
 
 
 def judged(values: list[float], at: dict[float, float], monkeypatch: pytest.MonkeyPatch) -> survey.Finding:

@@ -158,6 +158,8 @@ class Trajectory:
             "theta_end_rad": plain(self.angles[-1]),
             "energy_residual_J": self.energy_residual,
             "energy_put_in_J": self.energy_put_in,
+            # Of a cable loop whose torque ratio is not its wheel ratio: what it destroys is negative.
+            "cable_work_J": float(self.energies["cable_work"][-1]) or None,
             **{name: self.metadata.get(name) for name in _COSTS_AND_LIMITS},
         }
 

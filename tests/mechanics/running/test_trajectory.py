@@ -198,6 +198,7 @@ def test_each_figure_of_the_summary_is_the_one_that_its_name_says(run: Trajector
         "theta_end_rad": run.angles[-1].tolist(),
         "energy_residual_J": np.abs(run.energies["residual"]).max(),
         "energy_put_in_J": run.energy_put_in,
+        "cable_work_J": float(run.energies["cable_work"][-1]) or None,
     }
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import gymnasium
 import numpy as np
 
-EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "plan_with_saved_states.py"
+EXAMPLE = Path(__file__).resolve().parents[1] / "examples" / "plan_with_saved_states.py"
 
 
 def test_looking_ahead_beats_the_springs_alone():

@@ -1,7 +1,7 @@
 """The loads of a deploying array on a spacecraft in Basilisk: `pip install bsk`, then
 
 solar-env loads my_array.toml --hub hub.csv
-python examples/basilisk_playback.py hub.csv
+python tests/examples/basilisk_playback.py hub.csv
 
 `extForceTorque` holds each row's mean force and torque for its time. Basilisk's spacecraft then has the momentum of
 the deployment's hub at every row; its attitude differs by what the torque varies within a row.

@@ -1,6 +1,6 @@
 """Planning with saved states: try torques from where the array is, to the end of the episode, take the best, go on.
 
-python examples/plan_with_saved_states.py
+python tests/examples/plan_with_saved_states.py
 """
 
 import gymnasium

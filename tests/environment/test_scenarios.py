@@ -246,7 +246,7 @@ def test_impossible_hardware_is_refused_by_name(changes, words):
 @pytest.mark.parametrize(
     ("ranges", "words"),
     [
-        ({"friction_coefficient": ((0.1, 0.1), (0.2, 0.2))}, ["friction_coefficient", "single number"]),
+        ({"wear_coefficient": ((1e-14, 1e-14), (2e-14, 2e-14))}, ["wear_coefficient", "single number"]),
         ({"clearance": ((1e-4, 3e-4), (2e-4, 2e-4))}, ["clearance", "low <= high"]),
         ({"clearance": (1e-4, 2e-4, 3e-4)}, ["clearance", "pair"]),
         ({"clearance": ((1e-4, 1e-4, 1e-4), 2e-4)}, ["clearance", "1 to 2 entries"]),

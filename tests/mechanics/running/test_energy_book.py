@@ -99,7 +99,7 @@ def test_the_work_of_a_motor_is_torque_times_angle_and_balances(
     simulation = Simulation(array(integrator, model), integrator)
     torque, work, angle = 0.3, 0.0, 0.0
     for k in range(1, 9):
-        held = torque if k % 2 else -torque
+        held = torque if k % 2 else 0.5 * torque
         simulation.set_motor_torque(0, held)
         simulation.advance(0.5 * k)
         turned = float(simulation.joint_loads()[0, ANGLE])

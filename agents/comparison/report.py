@@ -104,9 +104,10 @@ def tabulate(rows: Sequence[Row], summary: Summary | None = None, effort: str = 
     figures = [figure for figure in TABLE if figure in summary[names[0]]]
     episodes = len({row["episode"] for row in rows})
     head = ["controller", "latched", *(TABLE[figure][0] for figure in figures)]
+    few = " One episode says nothing of another: evaluate more." if episodes == 1 else ""
     scores = [
         f"Interquartile mean over {episodes} evaluation episodes, the same for every controller, with a 95 % "
-        "bootstrap interval, and the worst episode. Post-lock figures are those of deployments that latched.",
+        f"bootstrap interval, and the worst episode. Post-lock figures are those of deployments that latched.{few}",
         "",
         *header(head),
     ]
@@ -126,7 +127,9 @@ def tabulate(rows: Sequence[Row], summary: Summary | None = None, effort: str = 
             if name != reference:
                 cells = [_cell(summary[name][f"{figure} - {reference}"], figure, worst=False) for figure in figures]
                 better = summary[name][f"better than {reference}"]
-                share = f"{better.mean:.0%} [{better.lower:.0%}, {better.upper:.0%}]"
+                share = f"{better.mean:.0%}"
+                if better.count > 1:
+                    share += f" [{better.lower:.0%}, {better.upper:.0%}]"
                 differences.append(f"| {name} | " + " | ".join([*cells, share]) + " |")
     return Tables("\n".join(scores), "\n".join(differences[1:]), effort)
 
@@ -140,7 +143,9 @@ def _cell(value: Estimate, figure: str, worst: bool = True) -> str:
     if value.count == 0:
         return "-"
     factor = TABLE[figure][1]
-    text = f"{value.mean * factor:.4g} [{value.lower * factor:.4g}, {value.upper * factor:.4g}]"
+    text = f"{value.mean * factor:.4g}"
+    if value.count > 1:  # a single episode has no interval
+        text += f" [{value.lower * factor:.4g}, {value.upper * factor:.4g}]"
     extreme = value.minimum if figure in HIGHER_IS_BETTER else value.maximum
     return text + (f"; worst {extreme * factor:.4g}" if worst else "")
 

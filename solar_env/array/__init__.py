@@ -2,8 +2,9 @@
 
 `names` refuses unknown names; `models` names the four models, `parameters` holds the values and their checks,
 `panels` says how panels are modelled, `construction` turns both into a mechanism, `methods` says which integrator a
-model gets, `deployment` simulates one, `ladder` chooses the cheapest model for a question; `ranges` says
-what is drawn where a value is not known exactly, `parameter_file` reads and writes parameters as TOML.
+model gets, `compilation` whether it is compiled; `deployment` simulates one, `ladder` chooses the cheapest model for a
+question; `ranges` says what is drawn where a value is not known exactly, `parameter_file` reads and writes parameters
+as TOML.
 
 Imports `mechanics` alone. A new parameter is a field of `ArrayParameters` and its use in `construction`.
 """

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from solar_env.array.compilation import announce_compilation, mark_compiled
 from solar_env.array.construction import build
 from solar_env.array.methods import default_integrator
 from solar_env.array.panels import PanelModel
@@ -61,14 +62,18 @@ def simulate(
     if not isinstance(parameters, ArrayParameters):
         parameters = ArrayParameters.preset(preset).with_changes(parameters or {})
     chosen = PanelModel.of(model, panels, elements, modes, integrator.name if integrator else None, preset)
-    return simulate_mechanism(
+    integrator = integrator or default_integrator(model, chosen)
+    announce_compilation(integrator.name)
+    trajectory = simulate_mechanism(
         build(parameters, model, panels=chosen),
         duration,
-        integrator=integrator or default_integrator(model, chosen),
+        integrator=integrator,
         output_step=output_step,
         progress=progress,
         metadata={"model": model, **chosen.keywords, "parameters": parameters.to_dict()},
     )
+    mark_compiled(integrator.name)
+    return trajectory
 
 
 def panel_deflections(trajectory: Trajectory) -> NDArray[np.float64]:

@@ -77,16 +77,6 @@ def run_command(args: Args) -> int:
     for level in plan.levels:
         warm_up(console, level.model, default_integrator(level.model, level.panels).name)
     loads = measure_loads(plan, args.out, args.workers, console)
-    printed = Console()
-    if not printed.is_terminal:
-        printed.width = max(printed.width, _NARROWEST)
-    for line in answer(loads, args.wear_limit):
-        printed.print(line, highlight=False)
-    for table in tables(loads):
-        shown = Table(*table.columns, title=table.title)
-        for row in table.rows:
-            shown.add_row(*row)
-        printed.print(shown)
     if args.html or args.data or args.hub:
         nominal = nominal_deployment(plan)
     if args.html:
@@ -102,4 +92,14 @@ def run_command(args: Args) -> int:
         write_data(nominal.trajectory, args.data)
     if args.hub:
         write_hub_loads(nominal.trajectory.time, nominal.hub_loads, args.hub)
+    printed = Console()
+    if not printed.is_terminal:
+        printed.width = max(printed.width, _NARROWEST)
+    for line in answer(loads, args.wear_limit):
+        printed.print(line, highlight=False)
+    for table in tables(loads):
+        shown = Table(*table.columns, title=table.title)
+        for row in table.rows:
+            shown.add_row(*row)
+        printed.print(shown)
     return 0

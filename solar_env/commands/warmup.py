@@ -5,11 +5,11 @@ import time
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
-from pathlib import Path
 
 from rich.console import Console
 
 from solar_env.array import MODELS, ArrayParameters, PanelModel, build
+from solar_env.array.compilation import kernels_are_compiled, mark_compiled
 from solar_env.array.methods import make_integrator
 from solar_env.mechanics.integrators.settings import INTEGRATORS
 
@@ -29,7 +29,7 @@ def load_kernels(model: str, integrator: str) -> float:
     start = time.perf_counter()
     panels = PanelModel.of(model, integrator=integrator)
     Simulation(build(ArrayParameters(), model, panels=panels), make_integrator(integrator, model)).advance(1e-3)
-    _mark(integrator).touch()
+    mark_compiled(integrator)
     return time.perf_counter() - start
 
 
@@ -57,22 +57,6 @@ def compile_side_by_side(integrators: Sequence[str] = tuple(INTEGRATORS)) -> Ite
         jobs = {pool.submit(load_all_models, integrator): integrator for integrator in integrators}
         for job in as_completed(jobs):
             yield jobs[job], job.result()
-
-
-def kernels_are_compiled(integrator: str) -> bool:
-    """Whether the cache holds the kernels of an integrator for these very sources, or none are to be compiled."""
-    import numba
-
-    return bool(numba.config.DISABLE_JIT) or _mark(integrator).exists()
-
-
-def _mark(integrator: str) -> Path:
-    """File beside the kernels of the driver that tells that an integrator has run with them."""
-    from solar_env.mechanics.integrators import driver
-    from solar_env.mechanics.numerics.jit import cache_folder
-
-    method = make_integrator(integrator, MODELS[0]).name
-    return Path(cache_folder(Path(driver.__file__).resolve())) / f"{method}.compiled"
 
 
 def warm_up(console: Console, model: str, integrator: str) -> None:

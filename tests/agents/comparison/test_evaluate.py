@@ -310,3 +310,12 @@ def test_the_command_runs_a_suite_in_a_folder_of_its_own(tmp_path, monkeypatch):
     settings = json.loads((tmp_path / "evaluation" / "robust" / "metrics.json").read_text())["settings"]
     assert settings["env_id"] == "solar_env/DeployRandomised-v0"
     assert settings["env_kwargs"] == {"model": "flexible-clearance", "elements": 1}
+
+
+def test_a_single_episode_has_no_interval():
+    text = str(tabulate([episode(name, name, 0, force) for name, force in (("passive", 100.0), ("x", 900.0))]))
+    assert "[" not in text
+    assert "One episode says nothing of another" in text
+    more = str(tabulate([episode("x", "x", i, 100.0) for i in range(2)]))
+    assert "[" in more
+    assert "One episode" not in more

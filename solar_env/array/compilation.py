@@ -1,0 +1,38 @@
+"""Whether the kernels of an integrator are compiled already, and a word before they are."""
+
+import sys
+from functools import cache
+from pathlib import Path
+
+from solar_env.array.methods import make_integrator
+from solar_env.array.models import MODELS
+
+
+def kernels_are_compiled(integrator: str) -> bool:
+    """Whether the cache holds the kernels of an integrator for these very sources, or none are to be compiled."""
+    import numba
+
+    return bool(numba.config.DISABLE_JIT) or _mark(integrator).exists()
+
+
+@cache
+def announce_compilation(integrator: str) -> None:
+    """Say on standard error, once a process, that kernels are going to be compiled."""
+    if not kernels_are_compiled(integrator):
+        note = f"solar_env compiles the kernels of {integrator}: minutes, this time alone; later runs load them"
+        print(note, file=sys.stderr, flush=True)
+
+
+@cache
+def mark_compiled(integrator: str) -> None:
+    """Remember that an integrator has run, and its kernels lie in the cache."""
+    _mark(integrator).touch()
+
+
+def _mark(integrator: str) -> Path:
+    """File beside the kernels of the driver."""
+    from solar_env.mechanics.integrators import driver
+    from solar_env.mechanics.numerics.jit import cache_folder
+
+    method = make_integrator(integrator, MODELS[0]).name
+    return Path(cache_folder(Path(driver.__file__).resolve())) / f"{method}.compiled"

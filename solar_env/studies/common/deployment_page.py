@@ -46,7 +46,7 @@ def peaks_between(trajectory: Trajectory, kept: NDArray[np.intp]) -> Array:
 
 def _in_words(values: Iterable[float]) -> str:
     """Numbers with few digits, as in "12.3 and 12.4"."""
-    return " and ".join(f"{value:.3g}" for value in values)
+    return " and ".join(f"{float(f'{value:.3g}'):g}" for value in values)
 
 
 def motion_of(trajectory: Trajectory, name: str) -> Motion:

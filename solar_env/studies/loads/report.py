@@ -7,7 +7,7 @@ import numpy as np
 from solar_env.pictures.page.content import Table
 from solar_env.studies.loads.ensemble import Loads
 from solar_env.studies.loads.quantities import HUB_QUANTITIES, JOINT_QUANTITIES, QUANTITIES
-from solar_env.studies.loads.statistics import FEWEST, Figure, rounded
+from solar_env.studies.loads.statistics import FEWEST, Figure, rounded, shortened
 
 COLUMNS = ("quantity", "", "mean", "95 % interval", "99 % of runs below", "at 95 % confidence", "model error")
 
@@ -40,7 +40,7 @@ def answer(loads: Loads, wear_limit: float) -> list[str]:
     deployments = wear_limit / deepest.mean if deepest.mean > 0.0 else math.inf
     lines.append(
         f"Wear: {rounded(1e15 * deepest.mean, 1e15 * deepest.uncertainty)} fm a deployment at the deepest place; "
-        f"{_short(deployments)} deployments to {1e6 * wear_limit:g} micrometres, if every one wears the same place."
+        f"{shortened(deployments)} deployments to {1e6 * wear_limit:g} micrometres, if every one wears the same place."
     )
     lines.append(_basis(loads))
     return lines
@@ -95,7 +95,7 @@ def _row(loads: Loads, name: str, index: int) -> list[str]:
     error = "-"
     if math.isfinite(figure.model_low):
         half = 0.5 * (figure.model_high - figure.model_low)
-        error = f"{_signed(scale * figure.model_error, scale * half)} \u00b1 {_short(scale * half, 1)}"
+        error = f"{_signed(scale * figure.model_error, scale * half)} \u00b1 {shortened(scale * half, 1)}"
     return [
         quantity.name,
         quantity.unit,
@@ -118,31 +118,20 @@ def _signed(value: float, uncertainty: float) -> str:
 def _spectrum_row(loads: Loads, joint: int) -> list[list[str]]:
     means = loads.hinge_spectrum[..., joint].mean(axis=1) if loads.hinge_spectrum.size else np.zeros((2, 0))
     labels = (f"force of hinge {joint + 1} [N]", "  finer level")
-    return [[label, *map(_short, level[_SHOWN])] for label, level in zip(labels, means, strict=True)]
+    return [[label, *map(shortened, level[_SHOWN])] for label, level in zip(labels, means, strict=True)]
 
 
 def _hub_spectrum_rows(loads: Loads) -> list[list[str]]:
     means = loads.hub_spectrum.mean(axis=1) if loads.hub_spectrum.size else np.zeros((2, 0))
     labels = ("acceleration of the hub [m/s2]", "  finer level")
-    return [[label, *map(_short, level[_SHOWN])] for label, level in zip(labels, means, strict=True)]
+    return [[label, *map(shortened, level[_SHOWN])] for label, level in zip(labels, means, strict=True)]
 
 
 def _with_interval(figure: Figure, unit: str, scale: float = 1.0) -> str:
     text = f"{rounded(scale * figure.mean, scale * figure.uncertainty)} {unit}"
     if not math.isfinite(figure.low):
         return text
-    return f"{text} (\u00b1 {_short(scale * 0.5 * (figure.high - figure.low), 1)})"
-
-
-def _short(value: float, digits: int = 2) -> str:
-    """A figure with few digits and no more zeros than needed."""
-    if not math.isfinite(value):
-        return "-" if math.isnan(value) else "infinitely many"
-    if value == 0.0:
-        return "0"
-    shown = float(f"{value:.{digits}g}")
-    places = max(digits - 1 - math.floor(math.log10(abs(shown))), 0)
-    return f"{shown:.{places}f}" if 1e-3 <= abs(shown) < 1e5 else f"{shown:.{digits - 1}e}"
+    return f"{text} (\u00b1 {shortened(scale * 0.5 * (figure.high - figure.low), 1)})"
 
 
 def _or_zero(value: float) -> float:

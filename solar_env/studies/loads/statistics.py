@@ -96,7 +96,7 @@ def rounded(value: float, uncertainty: float) -> str:
     if not math.isfinite(value):
         return "-"
     if not math.isfinite(uncertainty) or uncertainty < 0.0:
-        return f"{value:.2g}"
+        return shortened(value)
     if uncertainty == 0.0:
         return f"{value:.6g}"
     exponent = math.floor(math.log10(uncertainty))
@@ -107,3 +107,14 @@ def rounded(value: float, uncertainty: float) -> str:
         leading = math.floor(math.log10(abs(shown))) if shown else exponent
         return f"{shown:.{max(leading - exponent, 0)}e}"
     return f"{shown:.{max(-exponent, 0)}f}"
+
+
+def shortened(value: float, digits: int = 2) -> str:
+    """A figure with few digits and no more zeros than needed."""
+    if not math.isfinite(value):
+        return "-" if math.isnan(value) else "infinitely many"
+    if value == 0.0:
+        return "0"
+    shown = float(f"{value:.{digits}g}")
+    places = max(digits - 1 - math.floor(math.log10(abs(shown))), 0)
+    return f"{shown:.{places}f}" if 1e-3 <= abs(shown) < 1e5 else f"{shown:.{digits - 1}e}"

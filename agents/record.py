@@ -9,8 +9,8 @@ import numpy as np
 from PIL import Image
 from rich.console import Console
 
-from agents.arguments import ModelOptions, parse_arguments, run_command
-from agents.comparison.controllers import parse_controllers
+from agents.arguments import ModelOptions, TrustOption, parse_arguments, run_command
+from agents.comparison.controllers import parse_controllers, trust_runs
 from agents.comparison.suites import MODEL
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_sampling
 from agents.rollout import Step, run_episode
@@ -23,7 +23,7 @@ GIF_WIDTH = 640  # pixels; a GIF in full size has tens of megabytes
 
 
 @dataclass
-class Args(ModelOptions):
+class Args(ModelOptions, TrustOption):
     """Film one episode of a controller, in real time unless told otherwise.
 
     The model is flexible-clearance unless another is named.
@@ -54,6 +54,8 @@ def main(argv: Sequence[str] | None = None) -> None:
     if args.out.suffix.lower() == ".mp4":
         _encoder()  # refuses before the episode
     keywords = args.keywords(args.env_id, MODEL)
+    if args.trust:
+        trust_runs([args.controller])
     (named,) = parse_controllers([args.controller])
     drawn = {**keywords, **named.observation(), "render_mode": "rgb_array"}
     env = make_env(args.env_id, with_sampling(drawn, args.env_id))

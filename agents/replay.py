@@ -7,8 +7,8 @@ from typing import Any
 
 from rich.console import Console
 
-from agents.arguments import ModelOptions, command_line, parse_arguments, run_command
-from agents.comparison.controllers import parse_controllers
+from agents.arguments import ModelOptions, TrustOption, command_line, parse_arguments, run_command
+from agents.comparison.controllers import parse_controllers, trust_runs
 from agents.comparison.suites import MODEL
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_sampling
 from agents.rollout import run_episode
@@ -35,7 +35,7 @@ SHOWN = {
 
 
 @dataclass
-class Args(ModelOptions):
+class Args(ModelOptions, TrustOption):
     """Show one episode of several controllers, the same for all, in motion, side by side on one page.
 
     The model is flexible-clearance unless another is named.
@@ -59,6 +59,8 @@ def main(argv: Sequence[str] | None = None) -> None:
     check_target(args.html)
     keywords = args.keywords(args.env_id, MODEL)
     seed = episode_seeds("evaluation", args.seed, 1)[0]
+    if args.trust:
+        trust_runs(args.controllers)
     named_controllers = parse_controllers(args.controllers)
     episodes: dict[str, Trajectory] = {}
     figures: dict[str, dict[str, Any]] = {}

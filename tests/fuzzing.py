@@ -115,17 +115,17 @@ def parameters(content: bytes) -> None:
 
 
 def command_line(content: bytes) -> None:
-    from agents.arguments import parse_assignments
-    from solar_env.__main__ import parse
-    from solar_env.commands.simulate import parse_changes
+    from solar_env.commands.arguments import parse_arguments
+    from solar_env.commands.simulate import Args
 
-    words = content.decode(errors="replace").split("\n")
-    with contextlib.suppress(ValueError):
-        parse_changes(words)
-    with contextlib.suppress(ValueError):
-        parse_assignments(words)
     with contextlib.redirect_stderr(io.StringIO()), contextlib.redirect_stdout(io.StringIO()):
-        parse(["simulate", *words])
+        parse_arguments(Args, content.decode(errors="replace").split("\n"))
+
+
+def array_file(content: bytes) -> None:
+    from solar_env.array import read_parameters
+
+    read_parameters(written("array.toml", content))
 
 
 def nothing_else() -> list[bytes]:
@@ -146,6 +146,9 @@ TARGETS = {
     "results": Target(results, (ValueError,), lambda: [b'{"code": "0"}\n{"cell": {"a": 1}, "result": 2}\n']),
     "parameters": Target(
         parameters, (ValueError,), lambda: [b'{"clearance": [1e-4, 2e-4], "contact_law": "flores"}', b"1e-4"]
+    ),
+    "array-file": Target(
+        array_file, (ValueError,), lambda: [b"clearance = [1e-4, 2e-4]\n[tolerance]\nspring_stiffness = 0.01\n"]
     ),
     "command-line": Target(
         command_line,

@@ -26,9 +26,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
-import train
-from agents import evaluate, runs, tune
+from agents import evaluate, runs, train, tune
 from agents.arguments import parse_arguments, run_command
 from agents.laws import baselines
 from agents.learning import checkpoints, learn

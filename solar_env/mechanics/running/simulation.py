@@ -26,8 +26,7 @@ from solar_env.mechanics.running.errors import raise_for_status
 from solar_env.mechanics.running.pace import Pace, tried_steps
 from solar_env.mechanics.running.trajectory import Trajectory
 
-_CONTACTS_PER_DRAIN = 4096
-_PROGRESS_CALLS = 20
+_CONTACTS_PER_DRAIN, _PROGRESS_CALLS = 4096, 20
 _SMALLEST_ENERGY_SCALE = 1e-9  # J, for a mechanism that starts without energy
 
 
@@ -189,11 +188,10 @@ class Simulation:
         models, states, scratch = self._lane
         if self.integrator.name not in scratch:
             scratch[self.integrator.name] = method.arrays(self.model, self.state)
-        queue, counter, status = np.zeros(1, np.int64), np.zeros(1, np.int64), np.zeros(1, np.int64)
+        queue, counter, status = np.zeros(1, np.int64), np.zeros(1, np.int64), np.full(1, m.TOO_MANY_STEPS)
         settings, end_times = method.convert(self.integrator), np.array([end_time], np.float64)
         arrays, clock = scratch[self.integrator.name], self.state.clock[0]
         left = self.integrator.max_steps if most_steps is None else most_steps
-        status[0] = m.TOO_MANY_STEPS
         while status[0] == m.TOO_MANY_STEPS and left > 0:
             since, allowed = clock["time"], min(self._pace.begin(), left)
             counter[0] = 0
@@ -294,10 +292,9 @@ def simulate(
         if progress:
             progress(simulation.time)
     simulation.raise_unless_done(status)
-    wall = time.perf_counter() - start
-    chosen = simulation.integrator
-    settings = {name: None if value == math.inf else value for name, value in asdict(chosen).items()}
-    details = {"integrator": chosen.name, "wall_time_s": wall, "integrator_settings": settings}
+    details: dict[str, Any] = {"wall_time_s": time.perf_counter() - start, "integrator": simulation.integrator.name}
+    settings = asdict(simulation.integrator).items()
+    details["integrator_settings"] = {name: None if value == math.inf else value for name, value in settings}
     table = contact_table(simulation.state, np.concatenate(contacts))
     simulation._watch.check_impacts(table)
     simulation.check()

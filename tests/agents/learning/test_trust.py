@@ -74,6 +74,9 @@ def test_a_configuration_that_was_changed_by_hand_is_no_longer_ones_own(folder):
     (folder / runs.CONFIG).write_text(json.dumps({**record, "env_id": "module_of_a_stranger:Env-v0"}))
     with pytest.raises(UntrustedFileError):
         runs.read_config(folder)
+    (folder / runs.CONFIG).write_text(json.dumps({**record, "seal": "é"}))
+    with pytest.raises(UntrustedFileError):
+        runs.read_config(folder)
 
 
 def test_a_run_that_is_trusted_once_is_ones_own_from_then_on(folder, tmp_path, monkeypatch):

@@ -72,7 +72,7 @@ SMALL_TRAINING = [
         ),
         (
             [*SMALL_TRAINING, "--out", "{}"],
-            "checkpoint-previous.pkl", "kept the checkpoint of step .* --resume .* goes on from there",
+            "checkpoint-previous.pkl", "kept the checkpoint of step .* --resume .* goes on",
         ),
     ],
     ids=["simulate", "design", "train"],

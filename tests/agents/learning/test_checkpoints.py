@@ -85,7 +85,7 @@ def test_an_interrupted_training_goes_on_bit_for_bit(name, tmp_path):
     config = configuration(name)
     whole = train(tmp_path / "whole", config)
     (note,) = train_until(135, tmp_path / "cut", config)
-    assert note.startswith("kept the checkpoint of step 120; --resume ")
+    assert note.startswith("kept the checkpoint of step 120; solar-env train --resume ")
     assert not runs.is_complete(tmp_path / "cut")
     for folder in (tmp_path / "other", tmp_path / "cut"):  # into another folder, and into its own
         train(folder, configurations.resumed_configuration(tmp_path / "cut"), tmp_path / "cut")

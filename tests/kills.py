@@ -27,7 +27,7 @@ import numpy as np
 from PIL import Image
 
 from agents import evaluate, runs, train, tune
-from agents.arguments import parse_arguments, run_command
+from agents.arguments import run_command
 from agents.laws import baselines
 from agents.learning import checkpoints, learn
 from agents.trust import unsealed
@@ -55,8 +55,8 @@ class Command:
 
 
 def _train(folder: Path) -> None:
-    words = ["--resume", str(folder)] if checkpoints_of(folder) else [*SMALL, "--out", str(folder)]
-    run_command(lambda: train.main(parse_arguments(train.Args, [*words, "--quiet"]), "train"))
+    words = ["--resume", str(folder), "--quiet"] if checkpoints_of(folder) else [*SMALL, "--out", str(folder)]
+    run_command(lambda: train.main(words))
 
 
 def _tune(folder: Path) -> None:

@@ -183,7 +183,7 @@ def _claims() -> Iterator[Claim]:
     yield Claim(
         "distribution-force", "models 1 and 2 of the clearances: greatest contact force", "below 300 N", DISTRIBUTIONS,
         measures.greatest_distributed, 0.0, 300.0, unit="N", open_parameters=_OPEN_SIZES,
-        why="equal clearances of 0.2 mm give about 600 N; with 0.1 mm in joint 1 it is less, with 0.1 mm in joint 2 more",
+        why="equal clearances of 0.2 mm give about 600 N, 0.1 mm in joint 1 gives less, in joint 2 more",
     )  # fmt: skip
     yield Claim(
         "distribution-density", "clearances of 0.1 against 0.2 mm: more impacts (least ratio of both joints)",

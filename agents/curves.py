@@ -33,7 +33,7 @@ class Args(ModelOptions, TrainingOptions):
     """
 
     algos: list[str] = field(default_factory=lambda: sorted(runs.ALGORITHMS))
-    """algorithms: ppo, sac and td3"""
+    """algorithms; ars and cma-es command the whole torque alone"""
     seeds: list[int] = field(default_factory=lambda: [0, 1, 2, 3, 4])
     """training seeds of every agent"""
     suites: list[str] = field(default_factory=lambda: list(SUITES))
@@ -55,10 +55,12 @@ def wanted_runs(args: Args) -> dict[tuple[str, str], dict[Path, configurations.C
             keywords = {**args.env_kwargs, **WHOLE_TORQUE_MODEL}
         else:
             keywords = args.keywords(env_id, MODEL)
-        panel = f"{ENVIRONMENTS[env_id]}, {keywords['model']}, {'whole torque' if whole else 'added to the servo'}"
+        panel = f"{ENVIRONMENTS[env_id][0]}, {keywords['model']}, {'whole torque' if whole else 'added to the servo'}"
         residual, landings = (0.0, None) if whole else (None, args.landings)
         numbers = None, args.timesteps, args.hyperparams, residual, landings
         for algo in args.algos:
+            if not whole and not configurations.entry(algo, env_id)["residual"]:
+                continue  # it adds to no law
             name = f"{suite}-{algo}{'-whole' if whole else ''}"
             wanted[panel, algo] = {
                 Path(args.out) / f"{name}-{seed}": configurations.complete(algo, env_id, keywords, seed, *numbers)

@@ -9,11 +9,14 @@ import gymnasium
 import solar_env  # noqa: F401  (registers the environment ids)
 from solar_env.environment.settings import EnvironmentSettings
 
-DEFAULT_ENV_ID = "solar_env/Deploy-v0"
+DEFAULT_ENV_ID = "solar_env/Deploy-v1"
 
 # The nominal scenario is deterministic, and impacts are chaotic: the figures of a single deployment would be arbitrary.
 # Episodes therefore differ by micrometres in the place of the root hinge, as those of the paper's ensembles here.
 SAMPLED, HALF_WIDTH = "hinge_x", 5e-6
+
+# They say what is observed and what an action is: each controller has its own.
+INTERFACE = ("observation", "action")
 
 # One of them says how panels are modelled, and two may contradict each other.
 PANEL_KEYWORDS = ("panels", "elements", "modes")

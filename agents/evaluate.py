@@ -50,7 +50,7 @@ class Args(ModelOptions, WorkerOptions, TrustOption):
     """folder (evaluation, or evaluation/SUITE) for episodes.csv, metrics.json, comparison.md and comparison.png, and
     for the finished episodes, with which an interrupted evaluation goes on"""
     env_id: str | None = None
-    """environment id; by default that of the suite, else of the trained controllers given, else solar_env/Deploy-v0"""
+    """environment id; by default that of the suite, else of the trained controllers given, else solar_env/Deploy-v1"""
     readme: bool = False
     """write a suite's table into the README, and its figure beside the README's others"""
 

@@ -72,7 +72,7 @@ def export(run: str | Path, folder: Path, comparison: str | Path | None = None) 
         model = runs.load_model(run, env)
         network = network_of(model)
         signals = dict(vars(Signals.of(env)))
-        del signals["driven_joint"]  # the keywords of the environment hold it
+        del signals["driven_joint"], signals["action"]  # the keywords of the environment hold them
         description = Description(
             algorithm=config["algo"],
             **{name: getattr(network, name) for name in ("feature_limit", "activation", "output", "mean_limit")},

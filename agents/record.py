@@ -57,7 +57,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     if args.trust:
         trust_runs([args.controller])
     (named,) = parse_controllers([args.controller])
-    drawn = {**keywords, **named.observation(), "render_mode": "rgb_array"}
+    drawn = {**keywords, **named.interface(), "render_mode": "rgb_array"}
     env = make_env(args.env_id, with_sampling(drawn, args.env_id))
     frames: list[np.ndarray] = []
     with counting_bar(Console(stderr=True, quiet=args.quiet)) as bar:

@@ -66,7 +66,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     figures: dict[str, dict[str, Any]] = {}
     with counting_bar(Console(stderr=True, quiet=args.quiet)) as bar:
         for named in bar.track(named_controllers, description="episodes"):
-            keywords_seen = with_sampling({**keywords, **named.observation()}, args.env_id)
+            keywords_seen = with_sampling({**keywords, **named.interface()}, args.env_id)
             env = RecordTrajectory(make_env(args.env_id, keywords_seen))
             figures[named.name] = run_episode(env, named.load(env), seed)
             episodes[named.name] = env.trajectory

@@ -10,6 +10,7 @@ import gymnasium
 import numpy as np
 
 from agents.torque_laws import Controller
+from solar_env.mechanics.joints.joint import ANGLE, RATE
 
 UNITS = ("s", "N", "Ns", "J", "m")
 """Ends of the names of figures: `contact_starts` has no unit."""
@@ -20,8 +21,11 @@ class Step:
     """Record of one control period, for figures."""
 
     time_s: float
-    observation: np.ndarray
+    observation: np.ndarray  # at the end of the period
     action: np.ndarray
+    openings: np.ndarray  # (joints,) angles in units of their lock angles
+    rates: np.ndarray  # (joints,) [rad/s]
+    motor_torque: float  # at the end of the period [N m]
     peak_forces: np.ndarray  # (joints,) greatest contact force of the period [N]; with ideal joints the reaction
     reward_terms: dict[str, float]
 
@@ -44,10 +48,18 @@ def run_episode(
         for name, value in info["reward_terms"].items():
             terms[name] += value
         if record is not None:
-            forces = env.get_wrapper_attr("simulation").state.joints["recent_peak_force"].copy()
-            record(Step(info["time_s"], observation, action, forces, info["reward_terms"]))
+            record(_step(env.unwrapped, observation, action, info))
         if terminated or truncated:
             return {"seed": seed, **episode_figures(info["deployment"], terms)}
+
+
+def _step(env: Any, observation: np.ndarray, action: np.ndarray, info: Mapping[str, Any]) -> Step:
+    """Make the record of the control period that has just ended."""
+    joints, loads, array = env.simulation.state.joints, env.simulation.joint_loads(), env.episode_parameters
+    openings = loads[:, ANGLE] / [array.lock_angle(joint) for joint in range(len(loads))]
+    torque, forces = float(joints["motor_torque"][env.task.driven_joint]), joints["recent_peak_force"].copy()
+    rates = loads[:, RATE].copy()
+    return Step(info["time_s"], observation, action, openings, rates, torque, forces, info["reward_terms"])
 
 
 def episode_figures(deployment: Mapping[str, Any], reward_terms: Mapping[str, float]) -> dict[str, float | int | bool]:

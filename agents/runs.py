@@ -29,10 +29,17 @@ from agents.trust import (
     trust,
     unsealed,
 )
+from agents.weight_search import CMAES, WeightSearch
 from solar_env.support.files import make_folder, write_bytes, write_text
 from solar_env.support.plain_arrays import read_arrays, read_json
 
-ALGORITHMS: dict[str, type[BaseAlgorithm]] = {"ppo": PPO, "sac": SAC, "td3": TD3}
+ALGORITHMS: dict[str, type[BaseAlgorithm]] = {
+    "ppo": PPO,
+    "sac": SAC,
+    "td3": TD3,
+    "ars": WeightSearch,
+    "cma-es": CMAES,
+}
 
 CONFIG = "config.json"
 POLICY = "policy.zip"

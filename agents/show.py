@@ -15,7 +15,7 @@ from agents.comparison.figures import deployments_figure
 from agents.comparison.suites import MODEL
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_sampling
 from agents.rollout import Step, run_episode
-from agents.torque_laws import Controller, Signals
+from agents.torque_laws import Controller
 from solar_env.support.files import copy_file, make_folder, writing
 from solar_env.support.progress import counting_bar
 
@@ -61,12 +61,11 @@ def main(argv: Sequence[str] | None = None) -> None:
     films: list[list[Image.Image]] = []
     with counting_bar(Console(stderr=True, quiet=args.quiet)) as bar:
         for named in bar.track(named_controllers, description="episodes"):
-            drawn = {**keywords, **named.observation(), "render_mode": "rgb_array"}
+            drawn = {**keywords, **named.interface(), "render_mode": "rgb_array"}
             env = make_env(args.env_id, with_sampling(drawn, args.env_id))
-            signals = Signals.of(env)
             episodes[named.name], film = _filmed(env, named.load(env), named.name, seed)
             films.append(film)
-    deployments_figure(episodes, signals.names, signals.torque_limit, out / FIGURE)
+    deployments_figure(episodes, out / FIGURE)
     animate(films, out / ANIMATION)
     if args.readme:
         for name in (FIGURE, ANIMATION):

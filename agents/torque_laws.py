@@ -40,6 +40,7 @@ class Signals:
         control_period: Time for which an action is held [s].
         postlock_window: Unit of the observed time since the last latch [s].
         driven_joint: Index of the joint that the motor works on; 0 is the root hinge.
+        action: What an action is: "torque" or "rate", see `solar_env.environment.task.task.Task`.
     """
 
     names: tuple[str, ...]
@@ -48,6 +49,7 @@ class Signals:
     control_period: float = 0.1
     postlock_window: float = 10.0
     driven_joint: int = 0
+    action: str = "torque"
 
     @classmethod
     def of(cls, env: gymnasium.Env) -> Self:
@@ -101,13 +103,18 @@ class TorqueLaw(DeterministicController):
         signals: Names and units of the environment.
 
     Raises:
-        ValueError: An entry that the law reads is not observed.
+        ValueError: An entry that the law reads is not observed, or actions are no torques.
     """
 
     reads: ClassVar[tuple[str, ...]] = ()
     """Entries of the observation that the law needs."""
 
     def __init__(self, signals: Signals) -> None:
+        if signals.action != "torque":
+            raise ValueError(
+                f"{type(self).__name__} is a law of the torque, but the environment's action is {signals.action!r}; "
+                "leave the keyword action out"
+            )
         names = list(signals.names)
         read = {name: name.replace("driven", str(signals.driven_joint + 1)) for name in self.reads}
         missing = [entry for entry in dict.fromkeys(read.values()) if entry not in names]

@@ -8,7 +8,7 @@ compares runs.
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import tyro
 
@@ -20,6 +20,7 @@ from agents.comparison.report import Summary, Tables, write_comparison
 from agents.comparison.suites import MODEL, WHOLE_TORQUE_MODEL
 from agents.environments import (
     DEFAULT_ENV_ID,
+    INTERFACE,
     check_distinct_seeds,
     check_episode_seeds,
     environment_settings,
@@ -30,7 +31,6 @@ from agents.laws.baselines import make_baseline
 from agents.laws.table import TUNABLE
 from agents.learning import configurations, learn
 from agents.rollout import Step, run_episode
-from agents.torque_laws import Signals
 from solar_env.support.terminal import print_markdown
 
 PROG = "python train.py"
@@ -43,13 +43,13 @@ TIMESTEPS = 86_400
 class Args(ModelOptions, TrainingOptions, TrustOption):
     """Train a controller that deploys the solar array softly, and compare it with the baselines.
 
-    The model is flexible-clearance, or rigid-clearance for the whole torque, unless another is named;
-    training takes at most 86,400 steps where neither a model, the whole torque nor a number of steps is asked for. With
+    The model is flexible-clearance, or rigid-clearance for agents without a law, unless another is named; training
+    takes at most 86,400 steps where neither a model, an agent without a law nor a number of steps is asked for. With
     --resume all that is not given is as in the run to resume.
     """
 
     algo: str | None = None
-    """algorithm: ppo, sac or td3; by default ppo"""
+    """algorithm: ppo, sac or td3; cma-es or ars, which add to no law; by default ppo"""
     seed: int | None = None
     """seed of networks, exploration and training episodes, and chooses those of the comparison; by default 0; beside
     --seeds it chooses the comparison's alone"""
@@ -57,7 +57,7 @@ class Args(ModelOptions, TrainingOptions, TrustOption):
     """train a run for each of these seeds, side by side, and compare them with the baselines as one controller; runs
     that are complete are not trained again"""
     env_id: str | None = None
-    """environment id; by default solar_env/Deploy-v0"""
+    """environment id; by default solar_env/Deploy-v1"""
     n_envs: int | None = None
     """environments stepped together; by default the number in agents/configs"""
     residual: float | None = None
@@ -116,11 +116,12 @@ def run(args: Args, command: str) -> Path:
 def configuration(args: Args, seed: int) -> configurations.Configuration:
     """Make the configuration that the arguments ask for, with a seed."""
     env_id = args.env_id or DEFAULT_ENV_ID
-    whole = args.residual == 0.0
+    algo = args.algo or "ppo"
+    whole = args.residual == 0.0 or not configurations.entry(algo, env_id)["residual"]
     named = args.model or args.env_kwargs.get("model")
     keywords = args.keywords(env_id, WHOLE_TORQUE_MODEL if whole else MODEL)
     numbers = args.n_envs, args.timesteps, args.hyperparams, args.residual, args.landings, args.law
-    config = configurations.complete(args.algo or "ppo", env_id, keywords, seed, *numbers)
+    config = configurations.complete(algo, env_id, keywords, seed, *numbers)
     quick = args.timesteps is None and not (named or whole)
     return replace(config, timesteps=min(config.timesteps, TIMESTEPS)) if quick else config
 
@@ -164,10 +165,15 @@ def compare(
     """Compare runs, as training seeds of one controller, with the baselines; for the rest see `write_comparison`."""
     seed = args.seed or 0 if args.seeds else config.seed
     controllers = [*references(config), *(f"{config.algo}={folder}" for folder in folders)]
-    env_id, env_kwargs = config.env_id, config.env_kwargs
+    env_id, env_kwargs = config.env_id, _of_laws(config)
     rows = evaluate(controllers, args.eval_episodes, seed, env_id, env_kwargs, not args.quiet, args.workers)
     settings = {"command": command, "eval_episodes": args.eval_episodes, "seed": seed}
     return write_comparison(out, rows, settings, efforts(controllers, config.env_id, config.env_kwargs))
+
+
+def _of_laws(config: configurations.Configuration) -> dict[str, Any]:
+    """Environment keywords without what the agent alone observes and does."""
+    return {name: value for name, value in config.env_kwargs.items() if name not in INTERFACE}
 
 
 def check_resumable(args: Args, config: configurations.Configuration) -> None:
@@ -201,14 +207,12 @@ def check_resumable(args: Args, config: configurations.Configuration) -> None:
 
 def draw(folder: Path, config: configurations.Configuration, returns: dict[str, float]) -> None:
     """Draw the run's figure: the learning curve, and one evaluation episode, learned and passive."""
-    env = make_env(config.env_id, config.env_kwargs)
+    env, of_laws = (make_env(config.env_id, keywords) for keywords in (config.env_kwargs, _of_laws(config)))
     seed = episode_seeds("evaluation", config.seed, 1)[0]
     episodes: dict[str, list[Step]] = {config.algo: [], "passive": []}
     run_episode(env, runs.load_policy(folder, env), seed, episodes[config.algo].append)
-    run_episode(env, make_baseline("passive", env), seed, episodes["passive"].append)
-    levels = {name: returns[name] for name in references(config)}
-    signals = Signals.of(env)
-    run_figure(folder, levels, episodes, signals.names, signals.torque_limit)
+    run_episode(of_laws, make_baseline("passive", of_laws), seed, episodes["passive"].append)
+    run_figure(folder, {name: returns[name] for name in references(config)}, episodes)
 
 
 if __name__ == "__main__":

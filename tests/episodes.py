@@ -7,7 +7,7 @@ import numpy as np
 
 from solar_env.array import MODELS
 
-ID = "solar_env/Deploy-v0"
+ID = "solar_env/Deploy-v1"
 RANGES = {"clearance": (1e-4, 3e-4), "friction_coefficient": (0.05, 0.3)}
 # Few elements and modes, which is quick.
 LEVELS = {model: {"model": model, "elements": 2} for model in MODELS}

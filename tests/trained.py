@@ -19,6 +19,7 @@ TRAINED = {
     "ppo": ("ppo", ON_POLICY, 0.0),
     "sac": ("sac", OFF_POLICY, 0.0),
     "td3": ("td3", OFF_POLICY, 0.0),
+    "cma-es": ("cma-es", {"population": 4}, 0.0),
     "residual": ("ppo", ON_POLICY, 0.3),
 }
 

@@ -9,6 +9,7 @@ from typing import Any
 import gymnasium
 
 from agents import runs, shipped
+from agents.environments import INTERFACE
 from agents.laws.baselines import episodes_spent, make_baseline
 from agents.laws.table import LAWS, TUNABLE
 from agents.torque_laws import Controller
@@ -59,10 +60,10 @@ class NamedController(ABC):
         """Spec that names the same controller from any working directory."""
         return self.spec
 
-    def observation(self) -> dict[str, Any]:
-        """Return the environment keyword "observation" of the training; empty where there was none."""
+    def interface(self) -> dict[str, Any]:
+        """Return the environment keywords of the training that say what is observed and what an action is."""
         trained = self.training().get("env_kwargs", {})
-        return {"observation": trained["observation"]} if "observation" in trained else {}
+        return {name: trained[name] for name in INTERFACE if name in trained}
 
 
 class _Law(NamedController):

@@ -9,6 +9,7 @@ from agents.comparison.episodes import episode_cell, run_cells
 from agents.comparison.report import Row
 from agents.environments import (
     DEFAULT_ENV_ID,
+    INTERFACE,
     PANEL_KEYWORDS,
     environment_settings,
     episode_seeds,
@@ -38,8 +39,8 @@ def evaluate(
             environment's model, see `agents.laws.baselines.load_parameters`.
         episodes: Episodes of each controller.
         seed: Chooses the block of evaluation seeds.
-        env_id, env_kwargs: Environment; without "randomize", that of `with_sampling`. The "observation" that a policy
-            was trained with takes precedence for it.
+        env_id, env_kwargs: Environment; without "randomize", that of `with_sampling`. The observation and the action
+            that a policy was trained with take precedence for it.
         progress, workers, store: As for `agents.comparison.episodes.run_cells`.
 
     Returns:
@@ -57,7 +58,7 @@ def evaluate(
     labels: list[Row] = []
     cells: list[Cell] = []
     for controller in named:
-        keywords = sampled | controller.observation()
+        keywords = sampled | controller.interface()
         for episode, episode_seed in enumerate(seeds):
             labels.append({"controller": controller.name, "spec": controller.spec, "episode": episode})
             cells.append(episode_cell(controller, env_id, keywords, episode_seed))
@@ -106,7 +107,7 @@ def common_env_kwargs(
     physics: dict[str, dict[str, Any]] = {}
     for controller in map(parse_controller, controllers):
         if training := controller.training():
-            left_out = {"observation", *given, *(() if training["env_id"] == env_id else ("randomize",))}
+            left_out = {*INTERFACE, *given, *(() if training["env_id"] == env_id else ("randomize",))}
             left_out |= set(PANEL_KEYWORDS) if left_out.intersection(PANEL_KEYWORDS) else set()
             asked = without_sampling(training["env_kwargs"], training["env_id"])
             physics[controller.spec] = {k: v for k, v in asked.items() if k not in left_out}

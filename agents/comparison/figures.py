@@ -18,8 +18,7 @@ from solar_env.pictures.style import CONTROLLER_LOOKS, STYLE, controller_looks, 
 from solar_env.support.files import save_figure
 
 OPENING, RATES = "opening [lock angle]", "joint rates [rad/s]"
-COMMAND, TORQUE = "commanded torque [N m]", "motor torque [N m]"
-FORCE, CHARGED = "peak force in a period [N]", "charged so far"
+TORQUE, FORCE, CHARGED = "motor torque [N m]", "peak force in a period [N]", "charged so far"
 
 
 def plot_learning_curve(axes: Axes, folder: Path, reference_returns: Mapping[str, float]) -> None:
@@ -52,27 +51,24 @@ def training_episodes(folder: Path) -> tuple[np.ndarray, np.ndarray]:
     return ends, returns
 
 
-def plot_episodes(
-    panels: Mapping[str, Axes], episodes: Mapping[str, Sequence[Step]], names: Sequence[str], torque_limit: float
-) -> None:
+def plot_episodes(panels: Mapping[str, Axes], episodes: Mapping[str, Sequence[Step]]) -> None:
     """Plot one episode of each controller over time.
 
     Args:
         panels: Quantity with its unit, one of those in `series`, -> axes that show it.
         episodes: Controller -> steps of one episode.
-        names: Names of the observation entries.
-        torque_limit: Motor torque of a unit action [N m].
     """
     looks = controller_looks(list(episodes))
     for controller, steps in episodes.items():
         time = [step.time_s for step in steps]
-        observed = dict(zip(names, np.array([step.observation for step in steps]).T, strict=True))
-        joints = [name.removeprefix("theta_") for name in names if name.startswith("theta_")]
+        openings, rates = (
+            {f", joint {k}": of_joint for k, of_joint in enumerate(np.transpose(values), start=1)}
+            for values in ([step.openings for step in steps], [step.rates for step in steps])
+        )
         series: dict[str, tuple[str, dict[str, Any]]] = {
-            OPENING: ("default", {f", joint {joint}": observed[f"theta_{joint}"] for joint in joints}),
-            RATES: ("default", {f", joint {joint}": observed[f"rate_{joint}"] for joint in joints}),
-            COMMAND: ("steps-pre", {"": [float(step.action[0]) * torque_limit for step in steps]}),
-            TORQUE: ("steps-pre", {"": observed["motor_torque"] * torque_limit}),
+            OPENING: ("default", openings),
+            RATES: ("default", rates),
+            TORQUE: ("steps-pre", {"": [step.motor_torque for step in steps]}),
             FORCE: ("steps-pre", {"": [step.peak_forces.max() for step in steps]}),
             CHARGED: ("steps-post", {"": -np.cumsum([sum(step.reward_terms.values()) for step in steps])}),
         }
@@ -91,8 +87,6 @@ def run_figure(
     folder: Path,
     reference_returns: Mapping[str, float],
     episodes: Mapping[str, Sequence[Step]],
-    names: Sequence[str],
-    torque_limit: float,
 ) -> None:
     """Draw `figure.png` of the finished run in `folder`.
 
@@ -101,8 +95,7 @@ def run_figure(
     figure = Figure(figsize=(11, 7), layout="constrained")
     axes = figure.subplots(2, 2)
     plot_learning_curve(axes[0, 0], folder, reference_returns)
-    panels = {OPENING: axes[0, 1], COMMAND: axes[1, 0], CHARGED: axes[1, 1]}
-    plot_episodes(panels, episodes, names, torque_limit)
+    plot_episodes({OPENING: axes[0, 1], TORQUE: axes[1, 0], CHARGED: axes[1, 1]}, episodes)
     save_figure(figure, folder / "figure.png", dpi=150)
 
 
@@ -114,7 +107,7 @@ def comparison_figure(summary: Mapping[str, Mapping[str, Any]], path: Path) -> N
     `agents.comparison.report.summarize`.
     """
     panels = [("return", "minus return", -1.0)]
-    for key in ("peak_postlock_force_N", "postlock_sliding_work_J", "wear_depth_max_m"):
+    for key in ("peak_postlock_force_N", "sliding_work_J", "wear_depth_max_m"):
         if any(of[key].mean > 0 for of in summary.values()):
             panels.append((key, *TABLE[key]))
     names, looks = list(summary)[::-1], controller_looks(list(summary))
@@ -184,13 +177,11 @@ def learning_curves_figure(curves: Mapping[tuple[str, str], tuple[np.ndarray, np
 
 
 @rc_context(STYLE)
-def deployments_figure(
-    episodes: Mapping[str, Sequence[Step]], names: Sequence[str], torque_limit: float, path: Path
-) -> None:
+def deployments_figure(episodes: Mapping[str, Sequence[Step]], path: Path) -> None:
     """Draw one episode of each controller: torque, rates, forces and charged costs over time; see `plot_episodes`."""
     figure = Figure(figsize=(10, 9), layout="constrained")
     panels = dict(zip((TORQUE, RATES, FORCE, CHARGED), figure.subplots(4, 1, sharex=True), strict=True))
-    plot_episodes(panels, episodes, names, torque_limit)
+    plot_episodes(panels, episodes)
     panels[FORCE].set_yscale("symlog", linthresh=1.0)
     panels[CHARGED].set_yscale("symlog", linthresh=1e-3)
     for axes in panels.values():

@@ -19,6 +19,7 @@ from solar_env.support.files import make_folder, write_text
 TABLE: dict[str, tuple[str, float]] = {
     "return": ("return", 1.0),
     "peak_postlock_force_N": ("peak post-lock force [N]", 1.0),
+    "sliding_work_J": ("sliding work [mJ]", 1e3),
     "postlock_impulse_Ns": ("post-lock impulse [N s]", 1.0),
     "postlock_sliding_work_J": ("post-lock sliding work [mJ]", 1e3),
     "wear_depth_max_m": ("largest wear depth [1e-15 m]", 1e15),

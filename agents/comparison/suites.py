@@ -13,7 +13,7 @@ MODEL: dict[str, Any] = {"model": "flexible-clearance", "modes": 24}
 # Agents without a law need more episodes than there is time for with flexible panels.
 WHOLE_TORQUE_MODEL: dict[str, Any] = {"model": "rigid-clearance"}
 # Name -> environment id of the scenario.
-SUITES = {"paper": "solar_env/Deploy-v0", "robust": "solar_env/DeployRandomised-v0"}
+SUITES = {"paper": "solar_env/Deploy-v1", "robust": "solar_env/DeployRandomised-v1"}
 
 
 def suite_controllers(env_id: str) -> list[str]:

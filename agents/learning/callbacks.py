@@ -20,6 +20,7 @@ LOGGED = (
     "latch_times_s",
     "peak_postlock_force_N",
     "postlock_impulse_Ns",
+    "sliding_work_J",
     "postlock_sliding_work_J",
     "wear_depth_max_m",
     "motor_work_J",
@@ -66,6 +67,30 @@ class Call(BaseCallback):
 
     def _on_step(self) -> bool:
         self._function(self.model)
+        return True
+
+
+class ReverseCurriculum(BaseCallback):
+    """Lets episodes begin near the latches at first, then ever further away, and at last as the environment says.
+
+    For environments with the keyword `starts`; usable with any algorithm of Stable-Baselines3 (C. Florensa et al.,
+    Reverse Curriculum Generation for Reinforcement Learning, 2017, arXiv:1707.05300; here the distance is a schedule).
+
+    Args:
+        first: Least opening of the first episodes, in units of the lock angles.
+        folded: Share of the episodes that begin folded when the schedule has ended.
+        over: Share of the training over which the schedule goes.
+    """
+
+    def __init__(self, first: float = 0.95, folded: float = 0.2, over: float = 0.7) -> None:
+        super().__init__()
+        self._first, self._folded, self._over = first, folded, over
+
+    def _on_rollout_start(self) -> None:
+        share = min(self.num_timesteps / (self._over * self.model._total_timesteps), 1.0)
+        self.training_env.env_method("narrow_starts", (1.0 - share) * self._first, share * self._folded, indices=0)
+
+    def _on_step(self) -> bool:
         return True
 
 

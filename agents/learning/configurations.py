@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from agents import runs
-from agents.environments import EPISODES_PER_SEED, check_episode_seeds, environment_settings, with_sampling
+from agents.environments import EPISODES_PER_SEED, INTERFACE, check_episode_seeds, environment_settings, with_sampling
 from agents.laws.baselines import CONFIGS
 from agents.laws.residual import DEFAULT_LAW, residual_on
+from agents.weight_search import WeightSearch
 from solar_env.support.plain_arrays import read_json
 
 # Arguments of the Stable-Baselines3 classes that are no hyperparameters.
@@ -18,6 +19,7 @@ NOT_HYPERPARAMETERS = {"policy", "env", "seed", "device", "verbose", "tensorboar
     f"{kind}_buffer_{part}" for kind in ("replay", "rollout") for part in ("class", "kwargs")
 }
 COUNTS = {"batch_size", "buffer_size", "n_epochs", "n_steps", "policy_delay", "train_freq"}
+COUNTS |= {"n_delta", "n_top", "population", "generations_between", "finalists", "episodes"}
 SHARES = {"gamma", "tau"}
 NOT_NEGATIVE = {"learning_rate", "exploration_noise"}
 
@@ -27,7 +29,7 @@ class Configuration:
     """Complete settings of a training run: it follows from these alone.
 
     Attributes:
-        algo: Name of the algorithm: ppo, sac or td3.
+        algo: Name of the algorithm, one of `agents.runs.ALGORITHMS`.
         env_id: Environment id.
         env_kwargs: Environment keywords, with the ranges to randomise.
         seed: Run seed; networks, exploration and episodes follow from it.
@@ -108,12 +110,15 @@ def complete(
     asked = {"n_envs": n_envs, "timesteps": timesteps, "landings": landings}
     scale = entry(algo, env_id)["residual"] if residual is None else residual
     found = entry(algo, env_id, whole=not scale)
+    if scale and issubclass(runs.algorithm(algo), WeightSearch):
+        raise ValueError(f"residual is {scale!r}, but {algo} searches the weights of a policy alone; leave it out")
     _check_hyperparameters(algo, hyperparameters or {})
     counts = {name: found[name] if number is None else number for name, number in asked.items()}
     for name in ("n_envs", "timesteps", *(["landings"] if scale else [])):
         _check_positive(name, counts[name])
     check_episode_seeds(seed, counts["n_envs"])
-    keywords = with_sampling({"observation": found["observation"], **env_kwargs}, env_id)
+    interface = {name: found[name] for name in INTERFACE if name in found}
+    keywords = with_sampling({**interface, **env_kwargs}, env_id)
     model = environment_settings(env_id, keywords).model
     for name, given in (("landings", landings), ("law", law)):
         if given and not scale:

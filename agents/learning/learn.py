@@ -1,4 +1,4 @@
-"""Training PPO, SAC and TD3 through Stable-Baselines3, from a configuration to a run folder."""
+"""Training through Stable-Baselines3, from a configuration to a run folder."""
 
 import json
 import time
@@ -24,12 +24,13 @@ from agents.learning.landings import Landing, LandingVecEnv, record
 from agents.learning.models import make_model
 from agents.trust import sealed
 from agents.vec_env import FixedSeeds, LogarithmicCharges, NativeVecEnv, ResidualVecEnv
+from agents.weight_search import WeightSearch
 from solar_env.support.campaigns import Workers, each_done
 from solar_env.support.files import make_folder, write_bytes
 from solar_env.support.progress import counting_bar
 
 VALIDATION_EPISODES = 24
-VALIDATIONS = 5
+VALIDATIONS, VALIDATIONS_OF_WEIGHTS = 5, 12
 CHECKPOINT_INTERVAL = 2000  # environment steps; a rollout that is longer sets the distance
 SHORTEST_VALIDATION_INTERVAL = 2000  # environment steps; a validation takes about as many itself
 CHARGE_SCALE = 0.5  # above the cost of any soft landing; see `LogarithmicCharges`
@@ -135,7 +136,9 @@ def train(training: Training) -> None:
     runs.write_config(folder, {**record, "command": training.command, "versions": runs.versions()})
     model.set_logger(configure(str(folder / "tensorboard"), ["tensorboard"]))
 
-    interval = max(config.timesteps // VALIDATIONS, min(config.timesteps, SHORTEST_VALIDATION_INTERVAL))
+    # The mean of a search wanders: more of them are looked at.
+    validations = VALIDATIONS_OF_WEIGHTS if isinstance(model, WeightSearch) else VALIDATIONS
+    interval = max(config.timesteps // validations, min(config.timesteps, SHORTEST_VALIDATION_INTERVAL))
     every = max(interval // config.n_envs, 1)
     validation = Validation(make_validation_env(config, threads), folder, every, VALIDATION_EPISODES)
     logger = DeploymentLogger()

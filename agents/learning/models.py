@@ -18,6 +18,7 @@ from agents import runs
 from agents.environments import episode_seeds
 from agents.learning.configurations import Configuration
 from agents.learning.features import DriveFeatures, Features
+from agents.weight_search import WeightSearch
 
 SHARE = "share"
 NOISE_PERIODS = 100
@@ -45,11 +46,18 @@ class SlowedAdam(torch.optim.Adam):
 def make_model(config: Configuration, venv: VecEnv, features: Features, device: str = "cpu") -> BaseAlgorithm:
     """Make a fresh model on `venv` with normalised rewards, whose networks see `features`.
 
+    A search over weights has rewards as they are, and its policy sees the observation.
+
     An agent that adds to a law begins with nothing to add: the last layer of its actor is zero (T. Silver et al.,
     Residual Policy Learning, 2018, arXiv:1812.06298). That layer has no bias: where its features are zero, exploration
     noise is almost zero, any bias would be most improbable, and the bias's gradient would exceed all others.
     """
+    seed = episode_seeds("training", config.seed, 1)[0]
+    cls: Any = runs.algorithm(config.algo)
     hyperparameters = dict(config.hyperparameters)
+    if issubclass(cls, WeightSearch):
+        unchanged = VecNormalize(venv, norm_obs=False, norm_reward=False)
+        return cls("LinearPolicy", unchanged, seed=seed, device=device, **hyperparameters)
     hyperparameters["policy_kwargs"] = {
         **hyperparameters.get("policy_kwargs", {}),
         "features_extractor_class": DriveFeatures,
@@ -67,8 +75,6 @@ def make_model(config: Configuration, venv: VecEnv, features: Features, device: 
         hyperparameters["action_noise"] = OrnsteinUhlenbeckActionNoise(np.zeros(n_actions), spread, forgetting, dt=1.0)
     gamma = hyperparameters.get("gamma", 0.99)
     normalized = VecNormalize(venv, norm_obs=False, gamma=gamma)
-    seed = episode_seeds("training", config.seed, 1)[0]
-    cls: Any = runs.algorithm(config.algo)
     # Returns scatter so much that steps of constant size would end in a random walk. The rate given is that of the
     # first update, which PPO makes at the end of the first rollout; after the last update it would be zero.
     rate, step = hyperparameters["learning_rate"], 0.0

@@ -2,6 +2,7 @@
 
 from typing import Any, cast
 
+import numpy as np
 import torch
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.policies import ActorCriticPolicy
@@ -10,6 +11,9 @@ from torch import nn
 
 from agents.learning.features import LIMIT, DriveFeatures
 from agents.policies.network import Layer, PolicyNetwork
+from agents.weight_search import WeightSearch
+
+GREATEST = 1e6  # above whatever is observed
 
 ACTIVATIONS: dict[type[nn.Module], str] = {nn.ReLU: "relu", nn.Tanh: "tanh"}
 
@@ -21,6 +25,8 @@ def network_of(model: BaseAlgorithm) -> PolicyNetwork:
         ValueError: The policy has layers that `PolicyNetwork` has not.
     """
     policy: Any = model.policy
+    if isinstance(model, WeightSearch):
+        return _linear(policy.action_net[0].weight)
     if isinstance(policy, ActorCriticPolicy):
         parts: list[nn.Module] = [policy.pi_features_extractor, policy.mlp_extractor.policy_net, policy.action_net]
     elif isinstance(policy, SACPolicy):
@@ -55,6 +61,14 @@ def network_of(model: BaseAlgorithm) -> PolicyNetwork:
         # SAC with state-dependent exploration keeps the mean away from where tanh is flat.
         mean_limit=next((float(leaf.max_val) for leaf in after if isinstance(leaf, nn.Hardtanh)), None),
     )
+
+
+def _linear(weights: torch.Tensor) -> PolicyNetwork:
+    """The network of a linear policy without a bias, whose features are the entries of the observation."""
+    entries = weights.shape[1]
+    features, gates = Layer(np.eye(entries), np.zeros(entries)), Layer(np.zeros((entries, entries)), np.ones(entries))
+    last = _layer(weights, torch.zeros(1))
+    return PolicyNetwork((features, last), gates, feature_limit=GREATEST, activation="tanh", output="clip")
 
 
 def _layer(weights: torch.Tensor, biases: torch.Tensor) -> Layer:

@@ -82,7 +82,8 @@ class Description:
     def signals(self) -> Signals:
         """Names and units of the environment that it was trained on."""
         units = (self.torque_limit, self.deadline, self.control_period, self.postlock_window)
-        return Signals(self.observation_names, *units, self.env_kwargs.get("driven_joint", 0))
+        keywords = {name: self.env_kwargs[name] for name in ("driven_joint", "action") if name in self.env_kwargs}
+        return Signals(self.observation_names, *units, **keywords)
 
 
 class ShippedPolicy(DeterministicController):

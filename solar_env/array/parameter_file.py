@@ -29,7 +29,7 @@ _WIDTH = 100  # characters of an explanation's line
 class ParameterFile(NamedTuple):
     """What a file says: the array, and what of it is drawn anew for every run.
 
-    `gymnasium.make("solar_env/Deploy-v0", **solar_env.read_parameters("my_array.toml")._asdict())` makes an environment
+    `gymnasium.make("solar_env/Deploy-v1", **solar_env.read_parameters("my_array.toml")._asdict())` makes an environment
     of it.
 
     Attributes:

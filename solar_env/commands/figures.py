@@ -30,7 +30,7 @@ def draw_frame(path: Path) -> None:
     import gymnasium
     from PIL import Image
 
-    env = gymnasium.make("solar_env/Deploy-v0", render_mode="rgb_array")
+    env = gymnasium.make("solar_env/Deploy-v1", render_mode="rgb_array")
     env.reset(seed=0)
     for _ in range(round(FRAME_TIME / 0.1)):
         env.step(np.zeros(1, dtype=np.float32))

@@ -20,7 +20,7 @@ class Args:
     pauses, n goes on by a single step, r begins anew, q ends.
     """
 
-    env_id: str = "solar_env/Deploy-v0"
+    env_id: str = "solar_env/Deploy-v1"
     """environment id"""
     model: str = "flexible-clearance"
     """rigid-ideal, rigid-clearance, flexible-ideal or flexible-clearance"""
@@ -144,7 +144,7 @@ def run_command(args: Args) -> int:
     import solar_env  # noqa: F401 (registers the environments)
 
     if args.env_id not in gymnasium.registry:
-        raise ValueError(f"environment {args.env_id!r} is not registered; take solar_env/Deploy-v0")
+        raise ValueError(f"environment {args.env_id!r} is not registered; take solar_env/Deploy-v1")
     keywords: dict[str, Any] = {"model": args.model, **args.env_kwargs}
     try:
         env = gymnasium.make(args.env_id, render_mode="rgb_array", **keywords)

@@ -71,7 +71,7 @@ def run_command(args: Args) -> int:
     """Compile the kernels of all models and integrators, those of the environments included."""
     import gymnasium
 
-    from solar_env.environment.registration import ENVIRONMENTS
+    from solar_env.environment.registration import CURRENT
 
     console = Console()
     start = time.perf_counter()
@@ -79,7 +79,7 @@ def run_command(args: Args) -> int:
         for integrator, times in compile_side_by_side():
             for model, seconds in zip(MODELS, times, strict=True):
                 console.print(f"{model}, {integrator}: {seconds:.1f} s")
-    for name in ENVIRONMENTS:
+    for name in CURRENT:
         before = time.perf_counter()
         gymnasium.make(name).reset(seed=0)
         console.print(f"{name}: {time.perf_counter() - before:.1f} s")

@@ -23,7 +23,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     A spacecraft's folded solar panels swing open on torsion springs, synchronised by cable loops, latch, and then
     hammer in the clearances of their hinges. A motor on one hinge, by default the root's, adds a torque to the
-    spring's. The task is to deploy in time and softly: with little peak force and little wear after latching.
+    spring's. The task is to deploy in time and softly: with little peak force after latching, and little wear.
 
     The physics is that of Li, Wang and Huang, Mech. Syst. Signal Process. 117 (2019) 188-209, simulated with adaptive
     steps between two actions: of 1e-5 to 1e-2 s with rigid panels, of 1e-5 to 3e-3 s with flexible ones.
@@ -37,6 +37,10 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     |-----|--------|-----|-----|------|
     | 0   | Motor torque on the driven hinge, positive opens; held for a period | -1 | 1 | `torque_limit` (N m) |
 
+    With `action="rate"` the action a is the setpoint 5e-4 sinh(7 a) rad/s, up to 0.27 either way, of the hinge drive's
+    own rate loop: a motor torque of `rate_loop_gain` times the error of the hinge's rate, at most the torque limit, is
+    set `rate_loop_frequency` times in a second. Both are of the keyword `hardware`, by default 12 N m s/rad and 10 Hz.
+
     ## Observation Space
 
     `Box` of float32. Values are clipped to the bounds; `observation_names` names the entries in order. The keyword
@@ -49,8 +53,10 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
       `time_to_deadline`, `time_since_latch`.
     * "history" appends angles, rates and motor torque as they were observed one, two and three periods ago
       (`theta_1_1_ago`, ...); before the first step they are the first ones.
-    * "privileged" appends what only a simulator knows, for analysis and bounds: `eccentricity_x_i`, `eccentricity_y_i`
-      (inertial axes) and `in_contact_i` joint by joint, and `main_body_spin`.
+    * "landing" has the features of the table's end, for agents that learn from nothing: a linear function of them,
+      as a setpoint of `action="rate"`, deploys and lands the array.
+    * "privileged" extends "drive" by what only a simulator knows, for analysis and bounds: `eccentricity_x_i`,
+      `eccentricity_y_i` (inertial axes) and `in_contact_i` joint by joint, and `main_body_spin`.
 
     ## Rewards
 
@@ -62,18 +68,20 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     Forces and sliding work are summed over the joints, spins read at the ends of the control periods, and the motor's
     work counts whether it drives or brakes. A missed deadline must cost more than all other terms can together. The
-    passive deployment (no motor torque) returns about -3.4.
+    passive deployment (no motor torque) returns about -2.8.
 
     ## Starting State
 
     Folded, at rest unless the parameters say otherwise, journals centred. Parameters are drawn anew from `randomize` at
     every reset: springs, clearances and initial rates of every joint by themselves, other quantities by joint where
     their bounds are given by joint.
+    With `starts={"opening": (0.8, 0.98)}` four of five episodes begin where one of 96 approaches at a constant rate has
+    come, with its clock, its parameters and its contacts; see `solar_env.environment.starts`.
 
     ## Scenarios
 
-    * "nominal" (`solar_env/Deploy-v0`): nothing is drawn, sensors and motor are perfect.
-    * "randomised" (`solar_env/DeployRandomised-v0`): clearances of 0.05 to 0.5 mm each, friction of 0.05 to 0.3,
+    * "nominal" (`solar_env/Deploy-v1`): nothing is drawn, sensors and motor are perfect.
+    * "randomised" (`solar_env/DeployRandomised-v1`): clearances of 0.05 to 0.5 mm each, friction of 0.05 to 0.3,
       restitution of 0.7 to 0.95 (law of Flores et al.), springs, cable and panels 10 % softer or stiffer, joints that
       open by up to 0.01 rad/s and a main body that turns by up to 0.005 rad/s at release; noise of 5e-4 rad and
       1e-3 rad/s, an encoder of 13 bits, observations of angles, rates and latches a control period late; a motor that
@@ -88,25 +96,29 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     ## Information
 
     Every step: `time_s` and `reward_terms`. The last step also: `deployment`, the physical figures of the episode
-    (`latched`, `latch_times_s`, `peak_postlock_force_N`, `postlock_impulse_Ns`, `postlock_sliding_work_J`,
-    `wear_depth_max_m`, `contact_starts`, each a list by joint but the first, `motor_work_J`, `energy_residual_J`,
-    `duration_s`).
+    (`latched`, `latch_times_s`, `peak_postlock_force_N`, `sliding_work_J`, `postlock_impulse_Ns`,
+    `postlock_sliding_work_J`, `wear_depth_max_m`, `contact_starts`, each a list by joint but the first, `motor_work_J`,
+    `energy_residual_J`, `duration_s`).
 
     ## Arguments
 
     ```python
-    gymnasium.make("solar_env/Deploy-v0", model="rigid-clearance", randomize={"clearance": (5e-5, 5e-4)})
+    gymnasium.make("solar_env/Deploy-v1", model="rigid-clearance", randomize={"clearance": (5e-5, 5e-4)})
     ```
 
     `solar_env.environment.settings.EnvironmentSettings` describes the keywords: `model`, `parameters`, `panels`,
     `elements`, `modes`, `question`, `tolerance`, `torque_limit`, `control_period`, `deadline`, `postlock_window`,
-    `driven_joint`, `observation`, `reward`, `scenario`, `randomize`, `hardware`, `render_mode` and `max_steps`.
+    `driven_joint`, `action`, `observation`, `prices`, `reward`, `starts`, `scenario`, `randomize`, `hardware`,
+    `render_mode` and `max_steps`.
 
     `reset(options={"parameters": {...}})` changes parameters for one episode, after `randomize`, but for `panel_count`,
     `body_fixed` and `wear_bins`, on which the mechanism's structure depends.
 
     ## Version History
 
+    * v1: wear is charged whenever it happens, by the sliding work of the whole episode over 0.1 J. In v0
+      (`prices="v0"`) it was that after the first latching, over 0.05 J (`postlock_wear`); nearly all of what a good
+      controller wears comes before.
     * v0: first version.
     """
 
@@ -124,7 +136,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self.metadata = {**self.metadata, "render_fps": 1.0 / settings.control_period}
         self.model, self.panels = settings.level
         self.parameters, self.randomize, self.hardware = settings.array, settings.ranges, settings.drive
-        self.task, self.reward, self.observation_names = settings.task, settings.prices, settings.observation_names
+        self.task, self.reward, self.observation_names = settings.task, settings.terms, settings.observation_names
         self.observation_space, self.action_space = settings.observation_space(), settings.action_space()
         self._episodes = Episodes(settings, [self.parameters])
         self._lane = np.zeros(1, dtype=np.int64)

@@ -1,6 +1,7 @@
 """Episodes of the control task, lane by lane, of a single environment and of a vector of them."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple, Self
 
 import gymnasium
@@ -8,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters
+from solar_env.environment.figures import episode_figures
 from solar_env.environment.film import Film
 from solar_env.environment.settings import Changes, EnvironmentSettings
-from solar_env.environment.task.periods import begin_periods, end_periods, observe_lanes
+from solar_env.environment.starts import Starts, run_approaches
+from solar_env.environment.task.periods import begin_periods, begin_samples, end_periods, observe_lanes
 from solar_env.environment.task.sensors import Memory
-from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.running.batch import Batch
 from solar_env.mechanics.running.errors import SimulationError
 
@@ -45,9 +47,11 @@ class Episodes:
         designs: parameters by lane, before anything is drawn.
         parameters: by lane, of the present episode.
         observations: (lanes, entries) float32, the latest, as the sensors show them.
-        terms: (lanes, terms) of the latest reward, in the order of `settings.prices.names`.
+        terms: (lanes, terms) of the latest reward, in the order of `settings.terms.names`.
         rewards: (lanes,) their sums.
         terminated: (lanes,) whether the present episode has ended.
+        starts_from: least opening of the starts that the next episodes begin at; a curriculum lowers it.
+        starts_folded: share of the next episodes that begin folded.
     """
 
     def __init__(
@@ -61,14 +65,16 @@ class Episodes:
             threads: see `Batch`.
         """
         self.settings, self.designs, self.parameters = settings, tuple(designs), list(designs)
-        lanes, terms = len(designs), len(settings.prices.names)
+        lanes, terms = len(designs), len(settings.terms.names)
         self._sensors = settings.sensors(lanes)
         self.observations = self._sensors.observed
         self.terms, self._charged = np.zeros((lanes, terms)), np.zeros((lanes, terms, 2))
-        self.rewards, self._end_times = np.zeros(lanes), np.zeros(lanes)
+        self.rewards, self._end_times, self._sample_ends = np.zeros(lanes), np.zeros(lanes), np.zeros(lanes)
         self.terminated = np.zeros(lanes, dtype=np.bool_)
-        self._numbers = settings.task.numbers(settings.drive)
+        self._numbers, self._samples = settings.task.numbers(settings.drive), settings.task.samples(settings.drive)
         self._threads = threads
+        self._approaches: list[tuple[float, SavedEpisode]] | None = None
+        self.starts_from, self.starts_folded = 0.0, settings.beginnings.folded if settings.beginnings else 1.0
         self._batch: Batch | None = None
         self._films: list[Film] | None = [Film(settings) for _ in range(lanes)] if settings.render_mode else None
 
@@ -100,12 +106,12 @@ class Episodes:
     def reset(
         self, lanes: NDArray[np.int64], generators: Sequence[np.random.Generator], changes: Sequence[Changes]
     ) -> None:
-        """Fold arrays and draw their parameters.
+        """Begin episodes: folded, with parameters that are drawn, or at one of the settings' starts.
 
         Args:
             lanes: (k,) which; the first time all, in order.
             generators: (k,) of random numbers.
-            changes: (k,) of parameters, after the draw.
+            changes: (k,) of parameters, after the draw; an episode with changes begins folded.
 
         Raises:
             gymnasium.error.ResetNeeded: if not all lanes have begun an episode yet.
@@ -114,11 +120,15 @@ class Episodes:
         """
         if self._batch is None and lanes.size < len(self.parameters):
             raise gymnasium.error.ResetNeeded("the first reset must be one of all lanes")
+        begun = [self._start(generator, change) for generator, change in zip(generators, changes, strict=True)]
         drawn = [
-            self.settings.draw(self.designs[lane], generator, change)
-            for lane, generator, change in zip(lanes, generators, changes, strict=True)
+            start.parameters if start else self.settings.draw(self.designs[lane], generator, change)
+            for start, lane, generator, change in zip(begun, lanes, generators, changes, strict=True)
         ]
         simulations = [self.settings.simulation(parameters) for parameters in drawn]
+        for start, simulation in zip(begun, simulations, strict=True):
+            if start:
+                simulation.restore(start.state)
         if self._batch is None:
             self._batch = Batch(simulations, self._threads)
         else:
@@ -130,9 +140,27 @@ class Episodes:
                 self._films[lane] = Film(self.settings)
         self.terminated[lanes] = False
         self.terms[lanes], self.rewards[lanes] = 0.0, 0.0
-        self._charged[lanes] = 0.0
+        for lane, start in zip(lanes, begun, strict=True):
+            self._charged[lane] = start.charged if start else 0.0
         self._observe(lanes)
         self._sensors.begin(lanes, generators)
+
+    def _start(self, generator: np.random.Generator, changes: Changes) -> SavedEpisode | None:
+        """Where an episode begins; None: folded."""
+        if self.settings.beginnings is None or changes:
+            return None
+        if self._approaches is None:
+            self._approaches = self._run_approaches(self.settings.beginnings)
+        if generator.random() < self.starts_folded:
+            return None
+        late_enough = [start for opening, start in self._approaches if opening >= self.starts_from]
+        return late_enough[generator.integers(len(late_enough))] if late_enough else self._approaches[-1][1]
+
+    def _run_approaches(self, starts: Starts) -> list[tuple[float, SavedEpisode]]:
+        """Run the approaches whose ends episodes begin at; see `starts.run_approaches`."""
+        settings = replace(self.settings.with_exact_observations(), action="rate", starts=None, render_mode=None)
+        designs = [self.designs[k % len(self.designs)] for k in range(starts.count)]
+        return run_approaches(type(self)(settings, designs, self._threads), starts)
 
     def _observe(self, lanes: NDArray[np.int64]) -> None:
         """Observe the present states with ideal sensors."""
@@ -140,11 +168,11 @@ class Episodes:
         observe_lanes(batch.models, batch.states, self._numbers, self._sensors.channels, lanes, self._sensors.exact)
 
     def step(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> None:
-        """Hold motor torques for one control period.
+        """Hold actions for one control period.
 
         Args:
             lanes: (k,) which.
-            actions: (lanes,) motor torques in units of the torque limit; clipped to [-1, 1].
+            actions: (lanes,) see `Task.action`; clipped to [-1, 1].
 
         Raises:
             SimulationError: if a simulation cannot go on.
@@ -152,8 +180,10 @@ class Episodes:
         Warns:
             SimulationWarning: as `Simulation.check`.
         """
-        self.begin(lanes, actions)
-        self.batch.advance(lanes, self._end_times)
+        begin_periods(self.batch.states, self._numbers, lanes, self._end_times)
+        for _ in range(self._samples):
+            self._hold(lanes, actions)
+            self.batch.advance(lanes, self._sample_ends)
         self.end(lanes)
 
     def attempt(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> dict[int, SimulationError]:
@@ -161,22 +191,29 @@ class Episodes:
 
         A lane that fails keeps what it observed last, and earns nothing.
         """
-        self.begin(lanes, actions)
-        failures = self.batch.attempt(lanes, self._end_times)
+        begin_periods(self.batch.states, self._numbers, lanes, self._end_times)
+        failures: dict[int, SimulationError] = {}
+        for _ in range(self._samples):
+            self._hold(lanes, actions)
+            failures |= self.batch.attempt(lanes, self._sample_ends)
+            lanes = np.setdiff1d(lanes, list(failures)) if failures else lanes
         failed = list(failures)
         self.terms[failed], self.rewards[failed] = 0.0, 0.0
-        self.end(np.setdiff1d(lanes, failed) if failed else lanes)
+        self.end(lanes)
         return failures
 
-    def begin(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> None:
-        """Set the motor torques of a control period, and when it ends."""
-        begin_periods(self.batch.states, self._numbers, lanes, actions, self._end_times)
+    def _hold(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> None:
+        """Set the motor torques until the drive's next sample."""
+        begin_samples(
+            self.batch.models, self.batch.states, self._numbers, lanes, actions, self._sensors.rate_errors(lanes),
+            self._end_times, self._sample_ends,
+        )  # fmt: skip
 
     def end(self, lanes: NDArray[np.int64]) -> None:
         """Charge and observe a control period."""
         batch, sensors = self.batch, self._sensors
         end_periods(
-            batch.models, batch.states, self._numbers, sensors.channels, self.settings.prices.charges, lanes,
+            batch.models, batch.states, self._numbers, sensors.channels, self.settings.terms.charges, lanes,
             self._charged, self.terms, self.rewards, sensors.exact, self.terminated,
         )  # fmt: skip
         sensors.measure(lanes)
@@ -192,7 +229,7 @@ class Episodes:
         """
         state = self.batch.simulations[lane].snapshot()
         charged, terms = self._charged[lane].copy(), self.terms[lane].copy()
-        names, sensors = self.settings.prices.names, self._sensors.memory(lane)
+        names, sensors = self.settings.terms.names, self._sensors.memory(lane)
         return SavedEpisode(self.parameters[lane], state, charged, terms, names, sensors)
 
     def restore(self, lane: int, saved: SavedEpisode) -> None:
@@ -203,10 +240,10 @@ class Episodes:
             ValueError: if the episode's structure is not that of these settings, or other entries were observed or
                 other terms charged; the present episode goes on then.
         """
-        if saved.names != self.settings.prices.names:
+        if saved.names != self.settings.terms.names:
             raise ValueError(
                 f"the saved episode was charged for {', '.join(saved.names)}, this one for "
-                f"{', '.join(self.settings.prices.names)}: go on with it where the same terms are charged"
+                f"{', '.join(self.settings.terms.names)}: go on with it where the same terms are charged"
             )
         self._sensors.check(saved.sensors)
         simulation = self.settings.simulation(saved.parameters)
@@ -249,33 +286,12 @@ class Episodes:
 
     def info(self, lane: int) -> dict[str, Any]:
         """Information of every step: time [s] and terms of the reward."""
-        terms = dict(zip(self.settings.prices.names, self.terms[lane].tolist(), strict=True))
+        terms = dict(zip(self.settings.terms.names, self.terms[lane].tolist(), strict=True))
         return {"time_s": self.batch.simulations[lane].time, "reward_terms": terms}
 
     def figures(self, lane: int) -> dict[str, Any]:
-        """The physical figures of an episode, after a look at its accuracy.
-
-        Warns:
-            SimulationWarning: if it was less accurate than it looks, see `Simulation.check`.
-        """
-        simulation = self.batch.simulations[lane]
-        simulation.check()
-        state, joints = simulation.state, simulation.state.joints
-        by_joint = m.joint_integrals(state.integrals)
-        locked = float(state.clock["latched_joints"][0] > 0)
-        latches = zip(joints["latch_time"], joints["latched"], strict=True)
-        return {
-            "latched": bool(joints["latched"].all()),
-            "latch_times_s": [float(time) if latched else None for time, latched in latches],
-            "peak_postlock_force_N": joints["postlock_peak_force"].tolist(),
-            "postlock_impulse_Ns": ((by_joint[:, m.IMPULSE] - joints["lock_impulse"]) * locked).tolist(),
-            "postlock_sliding_work_J": ((by_joint[:, m.SLIDING_WORK] - joints["lock_sliding_work"]) * locked).tolist(),
-            "wear_depth_max_m": np.maximum(state.wear_journal.max(axis=1), state.wear_bearing.max(axis=1)).tolist(),
-            "contact_starts": joints["contact_starts"].tolist(),
-            "motor_work_J": float(by_joint[self.settings.task.driven_joint, m.MOTOR_WORK]),
-            "energy_residual_J": simulation.energy_residual(),
-            "duration_s": simulation.time,
-        }
+        """The physical figures of an episode, after a look at its accuracy; see `figures.episode_figures`."""
+        return episode_figures(self.batch.simulations[lane], self.settings.task.driven_joint)
 
     def close(self) -> None:
         """End the threads."""

@@ -20,6 +20,9 @@ class Hardware:
         motor_lag: time constant with which the motor torque follows the action [s]; 0 for none.
         torque_rate_limit: greatest rate of change of the motor torque [N m/s].
         attitude_noise: standard deviation of the noise of the measured direction of the main body [rad].
+        rate_loop_gain: torque of the drive's own rate loop per error of the rate [N m s/rad]; of `action="rate"`.
+        rate_loop_frequency: samples of that loop in a second [Hz]; it reads its rate with `rate_noise` and without
+            delay, and holds its torque from one sample to the next.
 
     Raises:
         ValueError: on construction, for a value out of range.
@@ -32,6 +35,8 @@ class Hardware:
     motor_lag: float = 0.0
     torque_rate_limit: float = math.inf
     attitude_noise: float = 0.0
+    rate_loop_gain: float = 12.0
+    rate_loop_frequency: float = 10.0
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
@@ -45,11 +50,19 @@ class Hardware:
             raise ValueError(f"sensor_delay = {self.sensor_delay!r} must be a whole number of periods from 0 to 100")
         if not self.torque_rate_limit > 0.0:
             raise ValueError(f"torque_rate_limit = {self.torque_rate_limit!r} must be positive")
+        for name in ("rate_loop_gain", "rate_loop_frequency"):
+            if not 0.0 < getattr(self, name) < math.inf:
+                raise ValueError(f"{name} = {getattr(self, name)!r} must be positive and finite")
 
     @property
     def ideal_sensors(self) -> bool:
         """Whether observations are exact and shown at once."""
-        return replace(self, motor_lag=0.0, torque_rate_limit=math.inf) == Hardware()
+        return self == self.with_ideal_sensors()
+
+    def with_ideal_sensors(self) -> Self:
+        """A copy whose sensors are perfect; the motor and its loop stay as they are."""
+        perfect = {"angle_noise": 0.0, "rate_noise": 0.0, "encoder_resolution": 0.0, "attitude_noise": 0.0}
+        return replace(self, sensor_delay=0, **perfect)
 
     def with_changes(self, changes: Mapping[str, Any]) -> Self:
         """A copy with some values changed.

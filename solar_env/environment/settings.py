@@ -15,6 +15,7 @@ from solar_env.array.names import unknown_name
 from solar_env.array.ranges import Ranges, checked_ranges, drawn
 from solar_env.environment.hardware import Hardware
 from solar_env.environment.scenarios import scenario_named
+from solar_env.environment.starts import Starts
 from solar_env.environment.task.observations import Entry, Names, observation_entries
 from solar_env.environment.task.reward import Reward
 from solar_env.environment.task.sensors import Sensors
@@ -45,9 +46,14 @@ class EnvironmentSettings:
         question, tolerance: of `model="auto"`: one of `solar_env.array.ladder.QUESTIONS` and the error allowed. By
             default at most a fifth of the pairs of controllers may be ranked wrongly ("controller-ranking", 0.2).
         torque_limit, control_period, deadline, postlock_window, driven_joint: see `task.task.Task`.
-        observation: "drive", "history" or "privileged", or a list of names of observables, such as
+        action: "torque" or "rate", see `task.task.Task`.
+        observation: "drive", "history", "landing" or "privileged", or a list of names of observables, such as
             `["theta", "rate", "rate_1_ago", "time_to_deadline"]`; "rate_1_ago" is the rate of one period ago.
+        prices: version of the reward's prices, "v1" or "v0"; the next keyword changes them.
         reward: mapping of terms to their weights, or to mappings of "scale", "weight" and "bound".
+        starts: mapping of changes to a `starts.Starts`: episodes begin where approaches at a constant rate have come,
+            so that an agent sees landings from the first one on; None: folded. `reset(options={"parameters": ...})`
+            always begins folded.
         scenario: "nominal" or "randomised"; the two keywords that follow change it.
         randomize: mapping of parameter names to (low, high), in place of the scenario's; each reset draws uniformly, by
             joint where the parameter is by joint, and there each bound may be one by joint.
@@ -71,8 +77,11 @@ class EnvironmentSettings:
     deadline: float = Task.deadline
     postlock_window: float = Task.postlock_window
     driven_joint: int = Task.driven_joint
+    action: str = Task.action
     observation: str | Names = "drive"
+    prices: str = "v1"
     reward: Changes | None = None
+    starts: Changes | None = None
     scenario: str = "nominal"
     randomize: Ranges | None = None
     hardware: Hardware | Changes | None = None
@@ -83,7 +92,7 @@ class EnvironmentSettings:
         if self.render_mode not in (None, *RENDER_MODES):
             raise ValueError(f"render_mode {self.render_mode!r} is unknown; choose {', '.join(RENDER_MODES)} or None")
         # Whatever follows from the keywords refuses values that it cannot follow from.
-        for name in ("level", "integrator", "array", "ranges", "drive", "task", "entries", "prices"):
+        for name in ("level", "integrator", "array", "ranges", "drive", "task", "entries", "terms", "beginnings"):
             getattr(self, name)
 
     @classmethod
@@ -147,12 +156,14 @@ class EnvironmentSettings:
     @cached_property
     def task(self) -> Task:
         """Limits, durations and the driven joint."""
-        task = Task(self.torque_limit, self.control_period, self.deadline, self.postlock_window, self.driven_joint)
+        durations = self.control_period, self.deadline, self.postlock_window
+        task = Task(self.torque_limit, *durations, self.driven_joint, self.action)
         if task.driven_joint >= self.array.panel_count:
             raise ValueError(
                 f"driven_joint = {task.driven_joint!r} must be below panel_count = {self.array.panel_count}, the "
                 "number of joints; the root has index 0"
             )
+        task.samples(self.drive)  # refuses a loop whose samples do not fit into a control period
         return task
 
     @cached_property
@@ -166,14 +177,19 @@ class EnvironmentSettings:
         return tuple(entry.name for entry in self.entries)
 
     @cached_property
-    def prices(self) -> Reward:
+    def terms(self) -> Reward:
         """The terms of the reward with their prices."""
-        return Reward(self.reward)
+        return Reward(self.reward, self.prices)
+
+    @cached_property
+    def beginnings(self) -> Starts | None:
+        """Where episodes begin; None: folded."""
+        return None if self.starts is None else Starts.of(self.starts)
 
     def sensors(self, lanes: int) -> Sensors:
         """The sensors of several arrays."""
         lock_angles = [self.array.lock_angle(j) for j in range(self.array.panel_count)]
-        return Sensors(lanes, lock_angles, self.entries, self.drive)
+        return Sensors(lanes, lock_angles, self.entries, self.drive, self.deadline)
 
     def observation_space(self) -> gymnasium.Space[Any]:
         """Space of one observation."""
@@ -186,8 +202,7 @@ class EnvironmentSettings:
 
     def with_exact_observations(self) -> Self:
         """The same with perfect sensors that show the entries of the observation "drive"; the motor stays as it is."""
-        motor = Hardware(motor_lag=self.drive.motor_lag, torque_rate_limit=self.drive.torque_rate_limit)
-        return replace(self, hardware=motor, observation="drive")
+        return replace(self, hardware=self.drive.with_ideal_sensors(), observation="drive")
 
     def check_changes(self, design: ArrayParameters, changes: Changes) -> None:
         """Check changes of the parameters of one episode, before anything is drawn.

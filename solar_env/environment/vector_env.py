@@ -28,7 +28,7 @@ Results = tuple[Observation, NDArray[np.float64], Flags, Flags, dict[str, Any]]
 class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
     """Several of `solar_env.SolarArrayEnv`, which describes actions, observations, rewards and info.
 
-    `gymnasium.make_vec("solar_env/Deploy-v0", num_envs=64)` makes it. All lanes advance in one compiled call a
+    `gymnasium.make_vec("solar_env/Deploy-v1", num_envs=64)` makes it. All lanes advance in one compiled call a
     thread, without the interpreter lock; the threads share a queue of lanes, so that lanes full of impacts do not keep
     the others waiting. Lane i gives what a single environment gives with the same seed and actions, to the last bit,
     whatever the number of lanes and threads. Returned arrays are the caller's.
@@ -81,7 +81,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         self.parameters = [scenario_named(self.scenario).design(entry) for entry in by_lane]
         self.model, self.panels = settings.level
         self.randomize, self.hardware = settings.ranges, settings.drive
-        self.task, self.reward, self.observation_names = settings.task, settings.prices, settings.observation_names
+        self.task, self.reward, self.observation_names = settings.task, settings.terms, settings.observation_names
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         timing = {"render_fps": 1.0 / settings.control_period, "autoreset_mode": self.autoreset_mode}
         self.metadata = {**SolarArrayEnv.metadata, **timing}
@@ -251,6 +251,10 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         self.episodes.restore(lane, saved)
         self._ended[lane] = False
         self._elapsed[lane] = round(self.episodes.times[lane] / self.task.control_period)
+
+    def narrow_starts(self, opening: float, folded: float) -> None:
+        """Let the next episodes begin at starts of at least an opening, and a share of them folded: for curricula."""
+        self.episodes.starts_from, self.episodes.starts_folded = opening, folded
 
     def lane(self, lane: int) -> Lane:
         """One lane as a single environment."""

@@ -95,9 +95,11 @@ CONTROLLER_LOOKS: Mapping[str, Look] = {
     "ppo": _look(VERMILLION, "P"),
     "sac": _look(VIOLET, "X"),
     "td3": _look(BROWN, "p"),
+    "cma-es": _look("#2ab7a9", "H"),
+    "ars": _look("#9aa300", "1"),
 }
 # Of controllers that have no look of their own, as those of training runs.
-_OTHERS = (_look("#ff5fa2", "h"), _look("#2ab7a9", "H"), _look("#9aa300", "1"), _look("#a05fff", "8"))
+_OTHERS = (_look("#ff5fa2", "h"), _look("#6b8e23", "2"), _look("#a05fff", "8"))
 
 
 def look_of(name: str, looks: Mapping[str, Look]) -> Look:
@@ -121,7 +123,7 @@ def controller_looks(names: Sequence[str]) -> dict[str, Look]:
     taken, spare = list(looks.values()), list(_OTHERS)
     for name in names:
         if name not in looks:
-            own = CONTROLLER_LOOKS.get(name.partition("-")[0])
+            own = next((look for row, look in CONTROLLER_LOOKS.items() if name.startswith(f"{row}-")), None)
             look = own if own is not None and own not in taken else spare[0]
             spare = spare[1:] + spare[:1] if look is spare[0] else spare
             taken.append(look)

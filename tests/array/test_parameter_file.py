@@ -52,7 +52,7 @@ def test_tolerances_are_ranges_about_the_values_and_environments_take_both(file)
     np.testing.assert_allclose(read.randomize["clearance"], [[0.8e-4, 1.8e-4], [1.2e-4, 2.2e-4]], rtol=1e-12)
     np.testing.assert_allclose(read.randomize["restitution"], [0.85, 0.95], rtol=1e-12)
     assert read.randomize["body_mass"] == (1e3, 2e3)
-    settings = EnvironmentSettings.of(gymnasium.make("solar_env/Deploy-v0", **read._asdict()).spec.kwargs)
+    settings = EnvironmentSettings.of(gymnasium.make("solar_env/Deploy-v1", **read._asdict()).spec.kwargs)
     assert settings.array == read.parameters
     assert settings.ranges == read.randomize
 

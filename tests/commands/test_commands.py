@@ -159,7 +159,7 @@ def test_without_flexible_panels_or_explicit_steps_simulate_says_nothing_of_stab
 def test_warmup_names_every_model_and_environment(capsys):
     assert main(["warmup"]) == 0
     printed = capsys.readouterr().out
-    for name in (*MODELS, "solar_env/Deploy-v0"):
+    for name in (*MODELS, "solar_env/Deploy-v1"):
         assert name in printed
 
 

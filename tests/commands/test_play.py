@@ -20,7 +20,7 @@ def no_display(monkeypatch):
 def player():
     from solar_env.commands.play import Player
 
-    env = gymnasium.make("solar_env/Deploy-v0", render_mode="rgb_array", model="rigid-ideal")
+    env = gymnasium.make("solar_env/Deploy-v1", render_mode="rgb_array", model="rigid-ideal")
     player = Player(env, seed=0)
     yield player
     player.close()
@@ -76,7 +76,7 @@ def test_an_episode_is_paused_stepped_played_and_begun_anew(player):
 
 def test_an_episode_that_has_ended_stays_and_its_score_is_the_return(player):
     press(player, pygame.K_SPACE)
-    env = gymnasium.make("solar_env/Deploy-v0", model="rigid-ideal")
+    env = gymnasium.make("solar_env/Deploy-v1", model="rigid-ideal")
     env.reset(seed=0)
     expected, ended = 0.0, False
     while not ended:
@@ -107,7 +107,7 @@ def test_wrong_input_is_refused(options, word, capsys):
 
 @pytest.mark.filterwarnings("ignore:.*HumanRendering")
 def test_gymnasiums_own_window_works():
-    env = gymnasium.make("solar_env/Deploy-v0", render_mode="human", model="rigid-ideal")
+    env = gymnasium.make("solar_env/Deploy-v1", render_mode="human", model="rigid-ideal")
     env.reset(seed=0)
     env.step(env.action_space.sample())
     assert pygame.display.get_surface().get_size() == (960, 540)

@@ -16,7 +16,7 @@ from agents.laws.shaped import InputShapedProfile
 from agents.torque_laws import Signals
 from solar_env.environment.task.observations import observation_entries
 
-ID = "solar_env/Deploy-v0"
+ID = "solar_env/Deploy-v1"
 SHORT = {"model": "rigid-ideal", "control_period": 1e-3}
 joints = pytest.mark.parametrize("joint", [0, 1])
 

@@ -20,7 +20,7 @@ def passive(request):
 
 @pytest.mark.parametrize("model", LEVELS)
 def test_reward_terms_sum_to_the_reward_and_each_adds_up_to_its_figure_over_a_deployment(model):
-    env = make(model, reward={"attitude_disturbance": 1.0, "prelatch_wear": 2.0, "missed_deadline": 100.0})
+    env = make(model, reward={"attitude_disturbance": 1.0, "postlock_wear": 2.0, "missed_deadline": 100.0})
     env.reset(seed=0)
     sums, spin, terminated = dict.fromkeys(env.reward.names, 0.0), 0.0, False
     while not terminated:
@@ -31,10 +31,11 @@ def test_reward_terms_sum_to_the_reward_and_each_adds_up_to_its_figure_over_a_de
         spin = max(spin, abs(main_body_spin(env.simulation.state)))
     figures = info["deployment"]
     after = sum(figures["postlock_sliding_work_J"])
-    before = joint_integrals(env.simulation.state.integrals)[:, SLIDING_WORK].sum() - after
+    whole = joint_integrals(env.simulation.state.integrals)[:, SLIDING_WORK].sum()
+    assert sum(figures["sliding_work_J"]) == pytest.approx(whole)
     assert sums["peak_impact"] == pytest.approx(-sum(figures["peak_postlock_force_N"]) / 500.0, rel=1e-9)
-    assert sums["wear"] == pytest.approx(-after / 0.05, rel=1e-9)
-    assert sums["prelatch_wear"] == pytest.approx(-2.0 * before / 0.05, rel=1e-9)
+    assert sums["wear"] == pytest.approx(-whole / 0.1, rel=1e-9)
+    assert sums["postlock_wear"] == pytest.approx(-2.0 * after / 0.05, rel=1e-9)
     assert sums["attitude_disturbance"] == pytest.approx(-spin / 0.01, rel=1e-9)
     assert sums["missed_deadline"] == 0.0
 
@@ -75,7 +76,7 @@ def test_a_missed_deadline_terminates_and_costs_more_than_the_worst_deployment()
     total, steps, info = deploy(env, lambda observation: [-1.0])
     assert not info["deployment"]["latched"]
     assert steps == 200
-    assert total == -25.0
+    assert -25.1 < total <= -25.0, "and what it has worn until then"
     # Driving at full torque throughout, after latching too, is about the worst that a deployment can be.
     hard, _, _ = deploy(env, lambda observation: [1.0 if observation[2] >= 0.0 else -1.0])
     assert total < -env.reward.largest_cost < hard < 0.0
@@ -85,7 +86,8 @@ def test_a_missed_deadline_terminates_and_costs_more_than_the_worst_deployment()
 def test_a_deadline_ends_the_episode_of_every_model(model):
     env = make(model, deadline=0.55)
     total, steps, info = deploy(env, lambda observation: [-1.0])
-    assert (total, steps) == (-25.0, 6)
+    assert steps == 6
+    assert -25.01 < total <= -25.0
     assert info["deployment"]["latch_times_s"] == [None, None]
     assert info["deployment"]["duration_s"] == pytest.approx(0.55, abs=1e-12)
 

@@ -86,19 +86,19 @@ def test_limits_durations_and_prices_are_the_documented_ones():
     assert env.reward.prices["missed_deadline"] == Price(1.0, MISSED, 1.0)
 
 
-def test_500_newtons_and_a_twentieth_of_a_joule_cost_one_each(passive):
+def test_500_newtons_and_a_tenth_of_a_joule_cost_one_each(passive):
     for run in passive:
         peak_impact, wear, missed = np.sum(run.terms, axis=0)
         assert peak_impact == pytest.approx(-run.force / 500.0, rel=1e-9)
-        assert wear == pytest.approx(-run.work / 0.05, rel=1e-9)
+        assert wear == pytest.approx(-run.work / 0.1, rel=1e-9)
         assert missed == 0.0
 
 
 def test_the_passive_deployment_returns_what_the_documentation_promises(passive):
     """Up to the spread of deployments that differ by micrometres, which another processor's rounding spreads too."""
     alone = deploy([constant(0.0)])[0]
-    assert alone.total == pytest.approx(-3.4, abs=0.2)
-    assert mean_total(passive) == pytest.approx(-3.4, abs=0.2)
+    assert alone.total == pytest.approx(-2.8, abs=0.2)
+    assert mean_total(passive) == pytest.approx(-2.8, abs=0.2)
 
 
 def test_the_return_ranks_deployments_as_force_and_wear_together_do(deployments):
@@ -155,7 +155,8 @@ def test_holding_the_array_folded_or_short_of_its_latches_never_pays(passive):
     runs = deploy([constant(-1.0), *(held_short_at(opening) for opening in (0.5, 0.9, 0.985))])
     for run in runs:
         assert run.figures["latch_times_s"] == [None, None]
-        assert run.total == -MISSED < WORST_DEPLOYMENT < min(alone.total for alone in passive)
+        assert np.sum(run.terms, axis=0)[2] == -MISSED
+        assert run.total <= -MISSED < WORST_DEPLOYMENT < min(alone.total for alone in passive)
 
 
 @pytest.mark.parametrize(
@@ -201,7 +202,7 @@ def test_what_happens_after_the_deadline_is_charged_as_an_array_without_one_feel
     assert_charged(late.terms, record.peaks, record.work, first, len(late.times) - 1)
 
 
-def test_only_what_happens_after_the_first_latching_is_charged_and_then_in_both_joints():
+def test_peaks_are_charged_after_the_first_latching_and_then_in_both_joints_and_wear_from_the_start():
     """Of an array whose root latches nine seconds after the outer joint."""
     run = deploy([constant(0.0)], parameters=SOFT_CABLE, control_period=0.02)[0]
     root, outer = run.figures["latch_times_s"]
@@ -211,7 +212,8 @@ def test_only_what_happens_after_the_first_latching_is_charged_and_then_in_both_
     first, second = step_of(outer, run), step_of(root, run)
     assert np.all(peaks[:first].max(axis=0) > 10.0)
     assert np.all(work[first - 1] > 1e-3)
-    assert not np.any(run.terms[:first])
+    assert not np.any(np.array(run.terms)[:first, 0])
+    assert np.sum(run.terms[:first], axis=0)[1] == pytest.approx(-work[first - 1].sum() / WORK_SCALE, rel=1e-9)
     before = second - 1
     assert peaks[first + 1 : second, 0].max() > 10.0, "the open joint has a share in what comes next"
     assert work[before, 0] > work[first, 0] + 1e-3
@@ -306,4 +308,4 @@ def test_charges_stop_at_their_bound_however_violent_the_deployment():
     for run in (shaken, thrown, dropped):
         assert np.max(run.terms) <= 0.0
         assert np.cumsum(run.terms, axis=0).min() >= -MISSED - 1e-12
-    assert dropped.total == -MISSED < shaken.total < thrown.total
+    assert dropped.total <= -MISSED < shaken.total < thrown.total

@@ -12,7 +12,7 @@ import solar_env
 from solar_env.environment.task.reward import REWARD_TERMS, Price, Reward
 from solar_env.mechanics.arrays import model as m
 
-ID = "solar_env/Deploy-v0"
+ID = "solar_env/Deploy-v1"
 PERIODS, LATCHING = 12, 5
 DEFAULT = ("peak_impact", "wear", "missed_deadline")
 # What a missed deadline must cost for every other term to be charged at the same time.
@@ -57,10 +57,10 @@ def figures(lane):
     at_latching = total[LATCHING]
     return {
         "peak_impact": np.where(after, (peaks - peaks[LATCHING]).sum(axis=1), 0.0),
-        "wear": np.where(after, total - at_latching, 0.0),
+        "wear": total,
         "missed_deadline": (index == PERIODS - 1).astype(float),
         "attitude_disturbance": np.maximum.accumulate(np.abs(spin)),
-        "prelatch_wear": np.where(after, at_latching, total),
+        "postlock_wear": np.where(after, total - at_latching, 0.0),
         "motor_work": np.abs(np.diff(motor, prepend=0.0)).cumsum(),
     }
 

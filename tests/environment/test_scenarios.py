@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 
 import gymnasium
 import numpy as np
@@ -11,10 +12,11 @@ import pytest
 from solar_env import ArrayParameters, Hardware
 from solar_env.environment.registration import ENVIRONMENTS
 from solar_env.environment.scenarios import SCENARIOS
+from solar_env.environment.task.reward import PRICES
 from solar_env.mechanics.arrays.model import MOTOR_WORK, joint_integrals
 from solar_env.mechanics.joints.joint import ANGLE
 
-NOMINAL, RANDOMISED = "solar_env/Deploy-v0", "solar_env/DeployRandomised-v0"
+NOMINAL, RANDOMISED = "solar_env/Deploy-v1", "solar_env/DeployRandomised-v1"
 JOINTS = 2
 ANGLES, RATES, LATCHED = range(JOINTS), range(JOINTS, 2 * JOINTS), range(2 * JOINTS, 3 * JOINTS)
 TORQUE, SINCE_LATCH = 3 * JOINTS, 3 * JOINTS + 2
@@ -34,9 +36,14 @@ def watch(env, actions, seed=0):
 
 
 def test_every_scenario_is_made_by_its_id_or_by_the_keyword():
-    assert set(ENVIRONMENTS.values()) == set(SCENARIOS)
-    for name, scenario in ENVIRONMENTS.items():
-        by_id, by_keyword = make(name), make(scenario=scenario)
+    assert {scenario for scenario, _ in ENVIRONMENTS.values()} == set(SCENARIOS)
+    assert {prices for _, prices in ENVIRONMENTS.values()} == set(PRICES)
+    for name, (scenario, prices) in ENVIRONMENTS.items():
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", ".*is out of date", DeprecationWarning)
+            by_id = make(name)
+        by_keyword = make(scenario=scenario, prices=prices)
+        assert by_id.reward.prices == by_keyword.reward.prices
         assert by_id.scenario == scenario
         assert np.array_equal(watch(by_id, [0.1, -0.2, 0.3]), watch(by_keyword, [0.1, -0.2, 0.3]))
     with pytest.raises(ValueError, match=r"calm.*nominal, randomised"):

@@ -10,7 +10,7 @@ import pytest
 import solar_env
 from solar_env.environment.settings import EnvironmentSettings
 
-ID = "solar_env/Deploy-v0"
+ID = "solar_env/Deploy-v1"
 KEYWORDS = [item.name for item in fields(EnvironmentSettings)]
 
 

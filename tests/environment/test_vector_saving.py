@@ -131,7 +131,7 @@ def test_it_goes_on_in_a_forked_process(run_python):
     program = """
 import os
 import gymnasium, numpy as np, solar_env
-env = gymnasium.make_vec("solar_env/Deploy-v0", num_envs=4, num_threads=2)
+env = gymnasium.make_vec("solar_env/Deploy-v1", num_envs=4, num_threads=2)
 env.reset(seed=0)
 first = env.step(np.zeros((4, 1)))[0]
 reader, writer = os.pipe()

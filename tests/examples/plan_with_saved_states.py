@@ -31,6 +31,6 @@ def plan(env: gymnasium.Env) -> float:
 
 
 if __name__ == "__main__":
-    environment = gymnasium.make("solar_env/Deploy-v0")
+    environment = gymnasium.make("solar_env/Deploy-v1")
     environment.reset(seed=0)
     print(f"return {plan(environment):.3f}")

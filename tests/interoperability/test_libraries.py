@@ -25,7 +25,7 @@ def test_a_loop_in_the_style_of_cleanrl_learns_from_the_vector_environment():
     """One update of a policy's gradient on 8 arrays, landings and automatic resets included."""
     import torch
 
-    envs = gymnasium.make_vec("solar_env/Deploy-v0", num_envs=8, model="rigid-ideal")
+    envs = gymnasium.make_vec("solar_env/Deploy-v1", num_envs=8, model="rigid-ideal")
     torch.manual_seed(0)
     actor = torch.nn.Linear(int(np.prod(envs.single_observation_space.shape)), 1)
     optimizer = torch.optim.Adam(actor.parameters(), lr=1e-2)
@@ -48,7 +48,7 @@ def test_a_loop_in_the_style_of_cleanrl_learns_from_the_vector_environment():
 
 def test_the_zoos_hyperparameters_are_those_of_the_tuned_agent():
     """Without the zoo: the file says what agents/configs/ppo.json says."""
-    tuned = json.loads((ROOT / "agents" / "configs" / "ppo.json").read_text())["solar_env/Deploy-v0"]
+    tuned = json.loads((ROOT / "agents" / "configs" / "ppo.json").read_text())["solar_env/Deploy-v1"]
     whole = tuned["whole_torque"]
     lines = [line.split("#")[0].strip() for line in ZOO.read_text().splitlines()]
     told = dict(line.split(": ", 1) for line in lines if ": " in line)
@@ -65,7 +65,7 @@ def test_the_zoos_hyperparameters_are_those_of_the_tuned_agent():
 def test_the_zoo_trains_with_the_shipped_hyperparameters(tmp_path):
     pytest.importorskip("rl_zoo3")
     command = [
-        *(sys.executable, "-W", "ignore", "-m", "rl_zoo3.train", "--algo", "ppo", "--env", "solar_env/Deploy-v0"),
+        *(sys.executable, "-W", "ignore", "-m", "rl_zoo3.train", "--algo", "ppo", "--env", "solar_env/Deploy-v1"),
         *("--gym-packages", "solar_env", "--conf-file", str(ZOO), "-n", "300", "--eval-freq", "-1"),
         *("--hyperparams", "n_envs:2", "n_steps:150", "batch_size:50", "--env-kwargs", "model:'rigid-ideal'"),
         *("--log-folder", str(tmp_path), "--seed", "1"),
@@ -73,7 +73,7 @@ def test_the_zoo_trains_with_the_shipped_hyperparameters(tmp_path):
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
     done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False, env=environment)
     assert done.returncode == 0, done.stderr[-2000:]
-    assert list(tmp_path.rglob("solar_env-Deploy-v0.zip"))
+    assert list(tmp_path.rglob("solar_env-Deploy-v1.zip"))
 
 
 @pytest.mark.interoperability
@@ -83,7 +83,7 @@ def test_minari_collects_episodes_of_a_shipped_policy(tmp_path, monkeypatch):
     monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))
     policy = load_shipped("ppo-nominal")
     keywords = {**policy.description.env_kwargs, "model": "rigid-ideal"}
-    env = minari.DataCollector(make_env("solar_env/Deploy-v0", keywords))
+    env = minari.DataCollector(make_env("solar_env/Deploy-v1", keywords))
     policy.check(env)
     observation, _ = env.reset(seed=0)
     total, ended = 0.0, False
@@ -100,7 +100,7 @@ def test_minari_collects_episodes_of_a_shipped_policy(tmp_path, monkeypatch):
 @pytest.mark.filterwarnings("ignore")
 def test_torchrl_collects_a_rollout():
     torchrl = pytest.importorskip("torchrl.envs")
-    env = gymnasium.make("solar_env/Deploy-v0", **SHORT)
+    env = gymnasium.make("solar_env/Deploy-v1", **SHORT)
     rollout = torchrl.GymWrapper(env).rollout(20)
     assert rollout["next", "reward"].shape == (20, 1)
     assert rollout["observation"].shape == (20, *env.observation_space.shape)

@@ -80,4 +80,4 @@ def test_importing_the_package_registers_its_environments() -> None:
 
     import solar_env  # noqa: F401
 
-    assert gymnasium.spec("solar_env/Deploy-v0").entry_point == "solar_env.environment.env:SolarArrayEnv"
+    assert gymnasium.spec("solar_env/Deploy-v1").entry_point == "solar_env.environment.env:SolarArrayEnv"

@@ -75,8 +75,8 @@ assert abs(ends[0][2] + 0.09) < 1e-12
     "Observation": """
 import gymnasium
 keywords = {"model": "rigid-ideal", "observation": ["theta", "postlatch_force", "postlatch_force_1_ago"]}
-env = gymnasium.make("solar_env/Deploy-v0", **keywords)
-envs = gymnasium.make_vec("solar_env/Deploy-v0", num_envs=2, **keywords)
+env = gymnasium.make("solar_env/Deploy-v1", **keywords)
+envs = gymnasium.make_vec("solar_env/Deploy-v1", num_envs=2, **keywords)
 assert env.unwrapped.observation_names[2:] == (
     "postlatch_force_1", "postlatch_force_2", "postlatch_force_1_1_ago", "postlatch_force_2_1_ago"
 )
@@ -86,14 +86,14 @@ assert "`postlatch_force_i`" in solar_env.SolarArrayEnv.__doc__
 """,
     "Reward term": """
 price = {"impact_count": {"weight": 1.0, "scale": 200.0, "bound": 0.5}}
-env = gymnasium.make("solar_env/Deploy-v0", reward=price)
+env = gymnasium.make("solar_env/Deploy-v1", reward=price)
 assert env.unwrapped.reward.prices["impact_count"].scale == 200.0
 env.reset(seed=0)
 assert "impact_count" in env.unwrapped.reward.names
-assert "impact_count" not in gymnasium.make("solar_env/Deploy-v0").unwrapped.reward.names
+assert "impact_count" not in gymnasium.make("solar_env/Deploy-v1").unwrapped.reward.names
 """,
     "Driven joint": """
-env = gymnasium.make("solar_env/Deploy-v0", model="rigid-ideal", driven_joint=1, control_period=1e-3)
+env = gymnasium.make("solar_env/Deploy-v1", model="rigid-ideal", driven_joint=1, control_period=1e-3)
 assert env.unwrapped.task.driven_joint == 1
 env.reset(seed=0)
 env.step([1.0])
@@ -104,7 +104,7 @@ from agents.environments import make_env
 from agents.laws.baselines import make_baseline
 from solar_env.__main__ import main
 from solar_env.verification.suite import run
-env = gymnasium.make("solar_env/DeployLate-v0", model="rigid-ideal")
+env = gymnasium.make("solar_env/DeployLate-v1", model="rigid-ideal")
 assert env.unwrapped.hardware.sensor_delay == 2
 law = make_baseline("push", env)
 assert abs(law.predict(env.reset(seed=0)[0])[0][0] - 0.1) < 1e-7

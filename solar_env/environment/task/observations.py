@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array.names import unknown_name
+from solar_env.environment.task.features import FEATURES, MEASURED, Feature
 from solar_env.environment.task.task import last_latch
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.formulations import view_joint_of
@@ -75,7 +76,7 @@ OBSERVABLES = (
     Observable("peak_force", "greatest joint force in the last period", "kN", 0.0, 10.0, PEAK_FORCE, True),
 )
 
-_BY_NAME = {row.name: row for row in OBSERVABLES}
+_BY_NAME: dict[str, Observable | Feature] = {row.name: row for row in (*OBSERVABLES, *FEATURES)}
 
 # Names of an observation, in order; those in a tuple take turns joint by joint.
 Names = Sequence[str | tuple[str, ...]]
@@ -84,6 +85,7 @@ _PAST = tuple(f"{name}_{age}_ago" for age in (1, 2, 3) for name in ("theta", "ra
 OBSERVATIONS: dict[str, Names] = {
     "drive": _DRIVE,
     "history": (*_DRIVE, *_PAST),
+    "landing": tuple(row.name for row in FEATURES),
     "privileged": (*_DRIVE, ("eccentricity_x", "eccentricity_y", "in_contact"), "main_body_spin"),
 }
 
@@ -92,12 +94,12 @@ class Entry(NamedTuple):
     """One entry of an observation.
 
     Attributes:
-        observable: what is observed.
+        observable: what is observed, or the feature of it.
         joint: index of the joint; 0 where there is one entry for the array.
         age: control periods since it was first shown.
     """
 
-    observable: Observable
+    observable: Observable | Feature
     joint: int
     age: int
 
@@ -113,8 +115,8 @@ def observation_entries(joints: int, observation: str | Names) -> tuple[Entry, .
 
     Args:
         joints: number of joints.
-        observation: one of `OBSERVATIONS`, or names of `OBSERVABLES`; "theta_2_ago" is the theta of two control
-            periods ago, and the names in a tuple take turns joint by joint.
+        observation: one of `OBSERVATIONS`, or names of `OBSERVABLES` and `FEATURES`; "theta_2_ago" is the theta of two
+            control periods ago, and the names in a tuple take turns joint by joint.
 
     Raises:
         ValueError: for an unknown name, one that is listed twice, or none at all.
@@ -133,8 +135,8 @@ def observation_entries(joints: int, observation: str | Names) -> tuple[Entry, .
     return tuple(entries)
 
 
-def _observable(name: str) -> tuple[Observable, int]:
-    """The observable that a name of an observation stands for, and its age [control periods]."""
+def _observable(name: str) -> tuple[Observable | Feature, int]:
+    """The observable or feature that a name of an observation stands for, and its age [control periods]."""
     past = re.fullmatch(r"(\w+)_([1-9]\d*)_ago", str(name))
     stem, age = (past[1], int(past[2])) if past else (name, 0)
     if stem not in _BY_NAME:
@@ -147,6 +149,18 @@ def _observable(name: str) -> tuple[Observable, int]:
 channel_type = np.dtype(
     (np.record, np.dtype([("code", "i8"), ("joint", "i8"), ("low", "f4"), ("high", "f4")], align=True))
 )
+
+
+def measured_for(entries: Sequence[Entry], joints: int) -> list[tuple[Observable, int]]:
+    """What is to be measured, and at which joint, for entries of an observation to be shown."""
+    wanted: list[tuple[Observable, int]] = []
+    for entry in entries:
+        if isinstance(entry.observable, Observable):
+            wanted.append((entry.observable, entry.joint))
+    if len(wanted) < len(entries):
+        rows = [row for row in OBSERVABLES if row.name in MEASURED]
+        wanted += [(row, joint) for row in rows for joint in range(joints if row.by_joint else 1)]
+    return list(dict.fromkeys(wanted))
 
 
 def channels(measured: Sequence[tuple[Observable, int]]) -> NDArray[np.void]:
@@ -204,4 +218,7 @@ def observation_table() -> str:
         sensors = ", ".join(f"`{name}`" for name in sensed if name) or "exact"
         name = f"`{row.name}_i`" if row.by_joint else f"`{row.name}`"
         lines.append(f"| {name} | {row.meaning} | {row.low:.4g} | {row.high:.4g} | {row.unit} | {sensors} |")
+    for feature in FEATURES:
+        name, bounds = f"`{feature.name}{'_i' if feature.by_joint else ''}`", f"{feature.low:.4g} | {feature.high:.4g}"
+        lines.append(f"| {name} | {feature.meaning} | {bounds} | {feature.unit} | as what it is made of |")
     return "\n".join(lines)

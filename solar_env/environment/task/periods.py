@@ -2,16 +2,34 @@
 
 from solar_env.environment.task.observations import observe
 from solar_env.environment.task.reward import charge
-from solar_env.environment.task.task import begin_period, has_ended
+from solar_env.environment.task.task import begin_period, begin_sample, has_ended
 from solar_env.mechanics.arrays.lanes import lane_view
 from solar_env.mechanics.numerics.jit import kernel
 
 
 @kernel
-def begin_periods(states, task, lanes, actions, end_times):
-    """Set the motor torques of the lanes (k,) named; actions and ends of the periods are by lane."""
+def begin_periods(states, task, lanes, end_times):
+    """Begin a control period in the lanes (k,) named; its ends (lanes,) [s] are written."""
     for lane in lanes:
-        end_times[lane] = begin_period(lane_view(states, lane), task, actions[lane])
+        end_times[lane] = begin_period(lane_view(states, lane), task)
+
+
+@kernel
+def begin_samples(models, states, task, lanes, actions, rate_errors, end_times, sample_ends):
+    """Set the motor torques of the lanes (k,) named until the drive's next sample.
+
+    Args:
+        models, states: arrays of all lanes.
+        task: TaskNumbers.
+        lanes: (k,) indices.
+        actions: (lanes,) in [-1, 1].
+        rate_errors: (lanes,) of the rates that the drives' loops measure [rad/s].
+        end_times: (lanes,) ends of the control period [s].
+        sample_ends: (lanes,) times of the next samples [s]; written.
+    """
+    for lane in lanes:
+        model, state = lane_view(models, lane), lane_view(states, lane)
+        sample_ends[lane] = begin_sample(model, state, task, actions[lane], rate_errors[lane], end_times[lane])
 
 
 @kernel

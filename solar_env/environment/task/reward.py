@@ -14,7 +14,7 @@ from solar_env.mechanics.integrators.formulations import view_joint_of
 from solar_env.mechanics.numerics.jit import kernel
 
 # Codes of `reading`.
-PEAK_IMPACT, WEAR, MISSED_DEADLINE, ATTITUDE_DISTURBANCE, PRELATCH_WEAR, MOTOR_WORK = range(6)
+PEAK_IMPACT, WEAR, MISSED_DEADLINE, ATTITUDE_DISTURBANCE, POSTLOCK_WEAR, MOTOR_WORK = range(6)
 # How a figure grows with its readings at the ends of the control periods: it is the latest one (of what never falls),
 # the greatest magnitude, or the sum of the magnitudes of their changes.
 LATEST, GREATEST, CHANGES = range(3)
@@ -69,12 +69,11 @@ class RewardTerm(NamedTuple):
     price: Price
 
 
-_POSTLOCK, _PRELATCH, _WHOLE = "from the first latching", "before the first latching", "whole episode"
-_DEADLINE = "at the deadline"
+_POSTLOCK, _WHOLE, _DEADLINE = "from the first latching", "whole episode", "at the deadline"
 REWARD_TERMS = (
     RewardTerm("peak_impact", "peak force, over all joints", _POSTLOCK, "N", PEAK_IMPACT, LATEST, Price(500.0)),
     # Wear is proportional to the integral of normal force times sliding speed (Archard, J. Appl. Phys. 24 (1953) 981).
-    RewardTerm("wear", "sliding work, over all joints", _POSTLOCK, "J", WEAR, LATEST, Price(0.05)),
+    RewardTerm("wear", "sliding work, over all joints", _WHOLE, "J", WEAR, LATEST, Price(0.1)),
     RewardTerm(
         "missed_deadline", "1 if a joint is open", _DEADLINE, "-", MISSED_DEADLINE, LATEST, Price(1.0, 25.0, 1.0)
     ),
@@ -82,12 +81,15 @@ REWARD_TERMS = (
         "attitude_disturbance", "peak main body spin", _WHOLE, "rad/s", ATTITUDE_DISTURBANCE, GREATEST, Price(0.01, 0.0)
     ),
     RewardTerm(
-        "prelatch_wear", "sliding work, over all joints", _PRELATCH, "J", PRELATCH_WEAR, LATEST, Price(0.05, 0.0)
+        "postlock_wear", "sliding work, over all joints", _POSTLOCK, "J", POSTLOCK_WEAR, LATEST, Price(0.05, 0.0)
     ),
     RewardTerm(
         "motor_work", "magnitudes of the motor's work by period", _WHOLE, "J", MOTOR_WORK, CHANGES, Price(0.5, 0.0)
     ),
 )
+
+# Version of the reward -> what it changes of the prices above.
+PRICES: dict[str, dict[str, Any]] = {"v1": {}, "v0": {"wear": 0.0, "postlock_wear": 1.0}}
 
 _CHARGE = [("code", "i8"), ("growth", "i8"), ("scale", "f8"), ("weight", "f8"), ("bound", "f8")]
 charge_type = np.dtype((np.record, np.dtype(_CHARGE, align=True)))
@@ -102,11 +104,12 @@ class Reward:
         charges: (names,) codes, growths and prices of these terms, for the kernels.
     """
 
-    def __init__(self, changes: Mapping[str, Any] | None = None) -> None:
-        """The default prices with some changed.
+    def __init__(self, changes: Mapping[str, Any] | None = None, prices: str = "v1") -> None:
+        """The prices of a version with some changed.
 
         Args:
             changes: term -> its weight, a mapping of changes to "scale", "weight" and "bound", or a `Price`.
+            prices: version, one of `PRICES`.
 
         Raises:
             ValueError: for an unknown name or a refused value, or if a missed deadline costs no more than all the other
@@ -115,7 +118,9 @@ class Reward:
         self.prices = {term.name: term.price for term in REWARD_TERMS}
         if not isinstance(changes or {}, Mapping):
             raise ValueError(f"reward = {changes!r} must be a mapping of terms to weights or prices")
-        for name, change in (changes or {}).items():
+        if prices not in PRICES:
+            raise ValueError(unknown_name("the version of the prices", prices, PRICES))
+        for name, change in (*PRICES[prices].items(), *(changes or {}).items()):
             if name not in self.prices:
                 raise ValueError(unknown_name("the term of the reward", name, self.prices))
             self.prices[name] = _changed(name, self.prices[name], change)
@@ -163,10 +168,10 @@ def reading(code, model, state, task):
         own, work = state.joints[j], state.integrals[m.INTEGRALS_PER_JOINT * j + m.SLIDING_WORK]
         if code == PEAK_IMPACT and postlock:
             total += own.postlock_peak_force
-        if code == WEAR and postlock:
+        if code == WEAR:
+            total += work
+        if code == POSTLOCK_WEAR and postlock:
             total += work - own.lock_sliding_work
-        if code == PRELATCH_WEAR:
-            total += own.lock_sliding_work if postlock else work
     return total
 
 

@@ -2,13 +2,14 @@
 
 from collections.abc import Sequence
 from copy import deepcopy
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.environment.hardware import Hardware
-from solar_env.environment.task.observations import LOCK_ANGLE, Entry, channels
+from solar_env.environment.task.features import MEASURED, Feature, Shown
+from solar_env.environment.task.observations import LOCK_ANGLE, Entry, channels, measured_for
 
 
 class Memory(NamedTuple):
@@ -29,6 +30,7 @@ class Sensors:
         lock_angles: (joints,) [rad], the units in which angles are observed.
         entries: of an observation.
         hardware: how imperfect the sensors are.
+        deadline: of the task [s].
 
     Attributes:
         channels: (measured,) every quantity of a joint that the entries show, now or later.
@@ -36,16 +38,26 @@ class Sensors:
         observed: (lanes, entries) float32, as the controller gets them.
     """
 
-    def __init__(self, lanes: int, lock_angles: Sequence[float], entries: Sequence[Entry], hardware: Hardware) -> None:
-        measured = list(dict.fromkeys((entry.observable, entry.joint) for entry in entries))
+    def __init__(
+        self, lanes: int, lock_angles: Sequence[float], entries: Sequence[Entry], hardware: Hardware, deadline: float
+    ) -> None:
+        measured = measured_for(entries, len(lock_angles))
         rows = [row for row, _ in measured]
         self.channels = channels(measured)
         self._low, self._high = self.channels["low"], self.channels["high"]
-        self._shown = np.array([measured.index((entry.observable, entry.joint)) for entry in entries])
+        columns: dict[Any, int] = {pair: k for k, pair in enumerate(measured)}
+        # Features stand in for nothing until they are computed.
+        self._shown = np.array([columns.get((entry.observable, entry.joint), 0) for entry in entries])
         self._age = np.array([entry.age for entry in entries])
+        self._features: dict[int, list[tuple[Feature, int, int]]] = {}
+        for k, entry in enumerate(entries):
+            if isinstance(entry.observable, Feature):
+                self._features.setdefault(entry.age, []).append((entry.observable, entry.joint, k))
+        self._sources = {name: [k for k, row in enumerate(rows) if row.name == name] for name in MEASURED}
+        self._lock_angles, self._deadline = np.array(lock_angles), deadline
         self._late = np.flatnonzero([row.delayed for row in rows])
         self.exact = np.zeros((lanes, len(measured)), dtype=np.float32)
-        self._transparent = hardware.ideal_sensors and not self._age.any()
+        self._transparent = hardware.ideal_sensors and not self._age.any() and not self._features
         self.observed = self.exact if self._transparent else np.zeros((lanes, len(entries)), dtype=np.float32)
         per_unit = np.array([1.0 / lock_angles[j] if row.unit == LOCK_ANGLE else 1.0 for row, j in measured])
         self._noisy = np.flatnonzero([row.noise is not None for row in rows])
@@ -56,6 +68,16 @@ class Sensors:
         self._past = np.zeros((lanes, self._age.max() + 1, len(measured)), dtype=np.float32)
         self._arrays = (self.exact, self.observed, self._pipeline, self._past)
         self._generators: list[np.random.Generator | None] = [None] * lanes
+        self._rate_noise, self._rate_errors = hardware.rate_noise, np.zeros(lanes)
+
+    def rate_errors(self, lanes: NDArray[np.int64]) -> NDArray[np.float64]:
+        """(all lanes,) errors of a rate that the loops of the drives in some lanes (k,) measure now [rad/s]."""
+        if self._rate_noise > 0.0:
+            for lane in lanes:
+                generator = self._generators[lane]
+                assert generator is not None
+                self._rate_errors[lane] = self._rate_noise * generator.standard_normal()
+        return self._rate_errors
 
     def begin(self, lanes: NDArray[np.int64], generators: Sequence[np.random.Generator]) -> None:
         """Observe the first state of new episodes in some lanes (k,), as if it had lasted.
@@ -86,7 +108,15 @@ class Sensors:
 
     def _show(self, lanes: NDArray[np.int64]) -> None:
         """Let the controller see what was measured, now and before."""
-        self.observed[lanes] = self._past[lanes][:, self._age, self._shown]
+        past = self._past[lanes]
+        observed = past[:, self._age, self._shown]
+        for age, features in self._features.items():
+            moment = past[:, age].astype(np.float64)
+            seen = {name: moment[:, columns] for name, columns in self._sources.items()}
+            shown = Shown(seen, self._lock_angles, self._deadline)
+            for feature, joint, k in features:
+                observed[:, k] = np.clip(feature.of(shown)[:, joint], feature.low, feature.high)
+        self.observed[lanes] = observed
 
     def memory(self, lane: int) -> Memory:
         """A copy of the memory of a lane, with the values that it shows now."""

@@ -1,23 +1,36 @@
-"""The control task: limits and durations, the motor's torque in a control period, the end of an episode."""
+"""The control task: limits and durations, the motor's torque, the drive's own rate loop, the end of an episode."""
 
 import math
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
+from solar_env.array.names import unknown_name
 from solar_env.environment.hardware import Hardware
+from solar_env.mechanics.integrators.formulations import view_joint_of
 from solar_env.mechanics.numerics.jit import kernel
+
+ACTIONS = ("torque", "rate")
+# An action a of "rate" asks for a rate of SLOWEST sinh(STEEPNESS a): evenly spaced in its logarithm, and signed. The
+# fastest, 0.27 rad/s, is twice what a deployment in time takes; rates of a soft landing are a thousandth of it.
+SLOWEST, STEEPNESS = 5e-4, 7.0  # [rad/s], -
 
 
 class TaskNumbers(NamedTuple):
-    """A `Task` for kernels, with what the motor can do in a period: share of the way, and greatest change."""
+    """A `Task` for kernels, with the drive: what the motor can do between two of its samples, and the rate loop.
+
+    `motor_response` is the share of the way to a new torque, `largest_change` that of the torque [N m]; `rate_gain`
+    is that of the rate loop [N m s/rad], 0 where actions are torques.
+    """
 
     torque_limit: float
     control_period: float
     deadline: float
     postlock_window: float
     driven_joint: int
+    sample_period: float
     motor_response: float
     largest_change: float
+    rate_gain: float
 
 
 @dataclass(frozen=True)
@@ -30,6 +43,9 @@ class Task:
         deadline: time by which every joint must have latched [s].
         postlock_window: time after the last latching during which the episode goes on [s].
         driven_joint: index of the joint that the motor works on; 0 is the root hinge.
+        action: "torque", in units of the torque limit, or "rate": the setpoint 5e-4 sinh(7 a) rad/s, from -0.27 to
+            0.27, of the rate loop of the hinge drive, whose torque is `Hardware.rate_loop_gain` times the error of the
+            rate, at most the torque limit, anew `Hardware.rate_loop_frequency` times in a second.
 
     Raises:
         ValueError: on construction, for a value out of range.
@@ -40,8 +56,11 @@ class Task:
     deadline: float = 20.0
     postlock_window: float = 10.0
     driven_joint: int = 0
+    action: str = "torque"
 
     def __post_init__(self) -> None:
+        if self.action not in ACTIONS:
+            raise ValueError(unknown_name("the action", self.action, ACTIONS))
         for name in ("torque_limit", "control_period", "deadline", "postlock_window"):
             value = getattr(self, name)
             if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 < value < math.inf:
@@ -55,12 +74,35 @@ class Task:
         if isinstance(joint, bool) or not isinstance(joint, int) or joint < 0:
             raise ValueError(f"driven_joint = {joint!r} must be the index of a joint, a whole number from 0")
 
+    def samples(self, hardware: Hardware) -> int:
+        """Samples of the drive in a control period: 1 where actions are torques.
+
+        Raises:
+            ValueError: if the samples of the rate loop do not fill a control period.
+        """
+        if self.action == "torque":
+            return 1
+        samples = self.control_period * hardware.rate_loop_frequency
+        if round(samples) < 1 or not math.isclose(samples, round(samples), rel_tol=1e-9):
+            raise ValueError(
+                f"rate_loop_frequency = {hardware.rate_loop_frequency!r} Hz makes {samples:g} samples of a control "
+                f"period of {self.control_period!r} s; give one that makes a whole number, at least 1"
+            )
+        return round(samples)
+
     def numbers(self, hardware: Hardware) -> TaskNumbers:
-        """The task, with the motor that it is done with, as the kernels take it."""
-        numbers: dict[str, Any] = {name: float(value) for name, value in vars(self).items()}
-        numbers["driven_joint"] = self.driven_joint
-        response, rate = hardware.motor_response(self.control_period), hardware.torque_rate_limit
-        return TaskNumbers(**numbers, motor_response=response, largest_change=float(rate * self.control_period))
+        """The task, with the drive that it is done with, as the kernels take it."""
+        given = {name: float(getattr(self, name)) for name in ("torque_limit", "control_period", "deadline")}
+        period = self.control_period / self.samples(hardware)
+        return TaskNumbers(
+            **given,
+            postlock_window=float(self.postlock_window),
+            driven_joint=self.driven_joint,
+            sample_period=period,
+            motor_response=hardware.motor_response(period),
+            largest_change=float(hardware.torque_rate_limit * period),
+            rate_gain=float(hardware.rate_loop_gain) if self.action == "rate" else 0.0,
+        )
 
 
 @kernel(single_caller=True)
@@ -75,15 +117,39 @@ def last_latch(joint_states):
 
 
 @kernel(single_caller=True)
-def begin_period(state, task, action):
-    """Set the motor torque for an action, and return when its period ends [s].
+def begin_period(state, task):
+    """Forget the peak forces of the last control period, and return when the next one ends [s].
 
-    The torque is the one that the motor, with its lag and its rate limit, reaches in the period. The period ends after
-    a whole number of control periods, which are counted so that rounding does not build up, or with the episode if that
-    ends before.
+    It ends after a whole number of control periods, which are counted so that rounding does not build up, or with the
+    episode if that ends before.
+    """
+    for j in range(state.joints.size):
+        state.joints[j].recent_peak_force = 0.0
+    end = (round(state.clock[0].time / task.control_period) + 1) * task.control_period
+    latched_at = last_latch(state.joints)
+    return min(end, latched_at + task.postlock_window if latched_at == latched_at else task.deadline)
+
+
+@kernel(single_caller=True)
+def begin_sample(model, state, task, action, rate_error, period_end):
+    """Set the motor torque for an action, and return until when the drive holds it [s].
+
+    The torque is the one that the motor, with its lag and its rate limit, reaches in that time.
+
+    Args:
+        model, state: of the array.
+        task: TaskNumbers.
+        action: torque in units of the limit, or the rate's setpoint; clipped to [-1, 1].
+        rate_error: of the rate that the drive's loop measures [rad/s].
+        period_end: end of the control period [s].
     """
     own, clock = state.joints[task.driven_joint], state.clock[0]
-    torque = task.torque_limit * min(max(action, -1.0), 1.0)
+    action = min(max(action, -1.0), 1.0)
+    torque = task.torque_limit * action
+    if task.rate_gain > 0.0:
+        rate = view_joint_of(model)(model, state, task.driven_joint).rate + rate_error
+        torque = task.rate_gain * (SLOWEST * math.sinh(STEEPNESS * action) - rate)
+        torque = min(max(torque, -task.torque_limit), task.torque_limit)
     if task.motor_response < 1.0:
         torque = own.motor_torque + task.motor_response * (torque - own.motor_torque)
     change = task.largest_change
@@ -91,11 +157,8 @@ def begin_period(state, task, action):
     if own.motor_torque != torque:
         own.motor_torque = torque
         clock.acceleration_current = 0
-    for j in range(state.joints.size):
-        state.joints[j].recent_peak_force = 0.0
-    end = (round(clock.time / task.control_period) + 1) * task.control_period
-    latched_at = last_latch(state.joints)
-    return min(end, latched_at + task.postlock_window if latched_at == latched_at else task.deadline)
+    end = (round(clock.time / task.sample_period) + 1) * task.sample_period
+    return end if end < period_end - 1e-6 * task.sample_period else period_end
 
 
 @kernel(inner=True)

@@ -22,7 +22,7 @@ from solar_env.environment.vector_env import SolarArrayVectorEnv
 from solar_env.mechanics.arrays.model import State
 from solar_env.mechanics.running.batch import available_processors
 
-ID = "solar_env/Deploy-v0"
+ID = "solar_env/Deploy-v1"
 LANES = (1, 2, 16, 64, 256)
 SCALED_LANES = 64
 COMPARED_LANES = 8

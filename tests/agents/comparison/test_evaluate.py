@@ -131,7 +131,7 @@ def test_an_array_is_the_one_asked_for_whatever_a_policy_was_trained_on(tmp_path
 
 
 def test_a_scenario_as_a_keyword_is_refused_since_nothing_is_tuned_by_it(tmp_path):
-    with pytest.raises(ValueError, match=r"choose --env-id, one of .*DeployRandomised-v0"):
+    with pytest.raises(ValueError, match=r"choose --env-id, one of .*DeployRandomised-v1"):
         evaluated_on(tmp_path, "--controllers", "servo", "--env-kwargs", "scenario=randomised")
 
 
@@ -151,7 +151,7 @@ def test_what_was_drawn_in_training_does_not_replace_the_draws_of_another_scenar
     drawn = {"model": "rigid-ideal", "randomize": {"hinge_x": [0.499, 0.501]}}
     (tmp_path / "config.json").write_text(json.dumps({"env_id": DEFAULT_ENV_ID, "env_kwargs": drawn}))
     assert common_env_kwargs([str(tmp_path)], DEFAULT_ENV_ID) == drawn
-    assert common_env_kwargs([str(tmp_path)], "solar_env/DeployRandomised-v0") == {"model": "rigid-ideal"}
+    assert common_env_kwargs([str(tmp_path)], "solar_env/DeployRandomised-v1") == {"model": "rigid-ideal"}
 
 
 def test_an_option_that_contradicts_the_keywords_is_refused(tmp_path):
@@ -217,11 +217,11 @@ def test_nothing_counts_twice_and_nothing_is_taken_for_a_seed_of_a_baseline(cont
 
 
 def test_trained_controllers_are_compared_on_the_scenario_they_were_trained_on(tmp_path):
-    for name, env_id in (("a", "solar_env/DeployRandomised-v0"), ("b", DEFAULT_ENV_ID)):
+    for name, env_id in (("a", "solar_env/DeployRandomised-v1"), ("b", DEFAULT_ENV_ID)):
         (tmp_path / name).mkdir()
         (tmp_path / name / "config.json").write_text(json.dumps({"env_id": env_id}))
     first, second = str(tmp_path / "a"), str(tmp_path / "b")
-    assert common_env_id(["passive", f"agent={first}"]) == "solar_env/DeployRandomised-v0"
+    assert common_env_id(["passive", f"agent={first}"]) == "solar_env/DeployRandomised-v1"
     assert common_env_id(["passive"]) == DEFAULT_ENV_ID
     with pytest.raises(ValueError, match=r"trained on different environments: .*; say with --env-id which"):
         common_env_id([first, second])
@@ -284,7 +284,7 @@ def test_a_run_without_policy_says_so(tmp_path):
         evaluate([str(tmp_path)], episodes=1, seed=0, progress=False)
 
 
-@pytest.mark.parametrize(("name", "env_id"), [("paper", DEFAULT_ENV_ID), ("robust", "solar_env/DeployRandomised-v0")])
+@pytest.mark.parametrize(("name", "env_id"), [("paper", DEFAULT_ENV_ID), ("robust", "solar_env/DeployRandomised-v1")])
 def test_a_suite_is_a_scenario_with_all_that_was_tuned_and_trained_for_it_on_modal_panels(name, env_id):
     found, controllers, env_kwargs = suite_named(name, None, [])
     assert found == env_id
@@ -300,15 +300,15 @@ def test_what_is_given_takes_the_place_of_a_suites_parts():
     assert suite_named("paper", None, ["servo"])[1] == ["servo"]
     with pytest.raises(ValueError, match="no suite 'fast'; available: paper, robust"):
         suite_named("fast", None, [])
-    with pytest.raises(ValueError, match="--suite paper is about solar_env/Deploy-v0"):
-        suite_named("paper", "solar_env/DeployRandomised-v0", [])
+    with pytest.raises(ValueError, match="--suite paper is about solar_env/Deploy-v1"):
+        suite_named("paper", "solar_env/DeployRandomised-v1", [])
 
 
 def test_the_command_runs_a_suite_in_a_folder_of_its_own(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     main(["--suite", "robust", "--controllers", "passive", "--elements", "1", "--episodes", "1", "--quiet"])
     settings = json.loads((tmp_path / "evaluation" / "robust" / "metrics.json").read_text())["settings"]
-    assert settings["env_id"] == "solar_env/DeployRandomised-v0"
+    assert settings["env_id"] == "solar_env/DeployRandomised-v1"
     assert settings["env_kwargs"] == {"model": "flexible-clearance", "elements": 1}
 
 

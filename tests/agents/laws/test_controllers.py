@@ -40,7 +40,7 @@ def policy(env, tmp_path, monkeypatch):
         output="clip",
         mean_limit=None,
         training_steps=12_000,
-        env_id="solar_env/Deploy-v0",
+        env_id="solar_env/Deploy-v1",
         env_kwargs={"model": "rigid-clearance", "observation": "drive"},
         observation_names=signals.names,
         torque_limit=signals.torque_limit,
@@ -57,8 +57,8 @@ def policy(env, tmp_path, monkeypatch):
 
 
 def test_a_trained_controller_observes_what_it_did_in_training_and_any_other_what_it_is_given(policy):
-    assert parse_controller("third").observation() == {"observation": "drive"}
-    assert parse_controller("servo").observation() == {}
+    assert parse_controller("third").interface() == {"observation": "drive"}
+    assert parse_controller("servo").interface() == {}
 
 
 def test_a_shipped_policy_is_a_controller_by_its_name(env, policy):
@@ -84,7 +84,7 @@ def test_a_law_is_that_of_its_row_and_has_neither_files_nor_training_data(env, n
     law = controller.load(env)
     assert type(law) is LAWS[name].cls
     if name in TUNABLE:
-        assert law.parameters == load_parameters(name, "solar_env/Deploy-v0", "rigid-clearance")
+        assert law.parameters == load_parameters(name, "solar_env/Deploy-v1", "rigid-clearance")
     elif name == "servo-untuned":
         assert law.parameters == ServoParameters()
 

@@ -15,7 +15,7 @@ from agents.laws.table import BASELINES
 from agents.rollout import run_episode
 from agents.torque_laws import Signals
 
-RANDOMISED = "solar_env/DeployRandomised-v0"
+RANDOMISED = "solar_env/DeployRandomised-v1"
 # Strong springs deploy the array within three seconds.
 SHORT = {
     "parameters": {"spring_stiffness": 2.0},

@@ -124,7 +124,7 @@ def test_there_must_be_a_search_to_repeat(written):
     entries = json.loads((written / "sac.json").read_text())
     entries[DEFAULT_ENV_ID]["whole_torque"].pop("search", None)
     (written / "sac.json").write_text(json.dumps(entries))
-    with pytest.raises(ValueError, match=r"sac\.json records no such search for 'solar_env/Deploy-v0'"):
+    with pytest.raises(ValueError, match=r"sac\.json records no such search for 'solar_env/Deploy-v1'"):
         search.main(["--algo", "sac", "--whole", "--repeat"])
 
 

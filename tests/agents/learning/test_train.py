@@ -3,7 +3,7 @@
 import pytest
 from training import run
 
-from agents import runs, train
+from agents import search, train
 from agents.arguments import parse_arguments
 from agents.comparison.suites import SUITES
 from agents.learning import configurations
@@ -14,15 +14,17 @@ pytestmark = pytest.mark.usefixtures("few_validation_episodes")
 @pytest.mark.parametrize(
     ("arguments", "model", "panels", "timesteps"),
     [
-        ([], "flexible-clearance", {"modes": 24}, 86_400),
-        (["--elements", "4", "--timesteps", "500"], "flexible-clearance", {"elements": 4}, 500),
+        ([], "rigid-clearance", {}, 700_000),
+        (["--law", "servo"], "flexible-clearance", {"modes": 24}, 86_400),
+        (["--algo", "ppo"], "flexible-clearance", {"modes": 24}, 86_400),
+        (["--algo", "ppo", "--elements", "4", "--timesteps", "500"], "flexible-clearance", {"elements": 4}, 500),
         (["--algo", "sac"], "flexible-clearance", {"modes": 24}, 86_400),
-        (["--model", "flexible-clearance"], "flexible-clearance", {}, 216_000),
-        (["--env-kwargs", "model=rigid-clearance"], "rigid-clearance", {}, 216_000),
-        (["--residual", "0"], "rigid-clearance", {}, 432_000),
+        (["--algo", "ppo", "--model", "flexible-clearance"], "flexible-clearance", {}, 216_000),
+        (["--algo", "ppo", "--env-kwargs", "model=rigid-clearance"], "rigid-clearance", {}, 216_000),
+        (["--algo", "ppo", "--residual", "0"], "rigid-clearance", {}, 432_000),
     ],
 )
-def test_a_short_training_on_flexible_panels_unless_a_model_is_named_or_there_is_no_law(
+def test_a_search_from_nothing_on_rigid_panels_or_a_short_training_on_flexible_ones_to_add_to_a_law(
     arguments, model, panels, timesteps
 ):
     config = train.configuration(parse_arguments(train.Args, arguments), seed=0)
@@ -53,7 +55,7 @@ def test_one_of_the_keywords_of_a_policy_leaves_the_others_as_they_are():
 
 @pytest.mark.parametrize("env_id", SUITES.values(), ids=SUITES)
 @pytest.mark.parametrize("residual", [None, 0.0], ids=["added", "whole"])
-@pytest.mark.parametrize("algo", sorted(runs.ALGORITHMS))
+@pytest.mark.parametrize("algo", sorted(search.SPACES))
 def test_the_discount_reaches_over_a_whole_episode(algo, residual, env_id):
     config = configurations.complete(algo, env_id, {"model": "rigid-clearance"}, seed=0, residual=residual)
     assert 1.0 / (1.0 - config.hyperparameters["gamma"]) >= 300.0
@@ -98,7 +100,7 @@ def test_the_discount_reaches_over_a_whole_episode(algo, residual, env_id):
 )
 def test_wrong_arguments_are_named_before_training(tmp_path, arguments, message):
     with pytest.raises(ValueError, match=message):
-        run("--out", tmp_path / "run", *arguments)
+        run("--out", tmp_path / "run", *([] if "--algo" in arguments else ["--algo", "ppo"]), *arguments)
     assert not (tmp_path / "run").exists()
 
 

@@ -128,6 +128,6 @@ def test_json_that_is_no_configuration_is_refused(folder):
 def test_a_damaged_file_of_tuned_parameters_is_named(configs):
     from agents.laws.baselines import load_parameters
 
-    (configs / "brake.json").write_text('{"solar_env/Deploy-v0" {}')
+    (configs / "brake.json").write_text('{"solar_env/Deploy-v1" {}')
     with pytest.raises(ValueError, match=r"brake\.json is damaged: it is no JSON: Expecting.*; restore it"):
-        load_parameters("brake", "solar_env/Deploy-v0", "rigid-clearance")
+        load_parameters("brake", "solar_env/Deploy-v1", "rigid-clearance")

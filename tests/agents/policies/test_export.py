@@ -21,7 +21,7 @@ from agents.shipped import Layer, load_shipped
 def test_a_shipped_network_acts_as_stable_baselines3_in_numpy_and_in_onnx(finished, name):
     run, folder = finished[name]
     observations = random_observations(500)
-    network, env = load_shipped(folder).network, make_env(env_kwargs=QUICK)
+    network, env = load_shipped(folder).network, make_env(env_kwargs=runs.read_config(run)["env_kwargs"])
     expected, _ = runs.load_model(run, env).predict(observations, deterministic=True)
     actions, _ = network.predict(observations)
     assert (actions.shape, actions.dtype) == ((500, 1), np.float32)

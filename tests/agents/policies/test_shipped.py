@@ -177,7 +177,9 @@ def test_descriptions_that_do_not_fit_are_named(own, changes, message):
 
 def test_an_unknown_policy_is_answered_with_those_that_there_are(finished, monkeypatch):
     monkeypatch.setattr(shipped, "SHIPPED", finished["ppo"][1].parent)
-    with pytest.raises(FileNotFoundError, match=r"no shipped policy 'nobody'.*available: ppo, residual, sac, td3"):
+    with pytest.raises(
+        FileNotFoundError, match=r"no shipped policy 'nobody'.*available: cma-es, ppo, residual, sac, td3"
+    ):
         load_shipped("nobody")
     assert load_shipped("td3").description.algorithm == "td3"
 

@@ -130,7 +130,7 @@ def test_the_defaults_are_silent_for_a_whole_deployment() -> None:
 
 
 def test_the_environment_looks_at_the_accuracy_when_an_episode_ends() -> None:
-    env = gymnasium.make("solar_env/Deploy-v0").unwrapped
+    env = gymnasium.make("solar_env/Deploy-v1").unwrapped
     env.reset(seed=0)
     # Energy from nowhere.
     env.simulation.state.clock["initial_energy"] -= 0.1

@@ -1,0 +1,138 @@
+"""Command that searches for torques that the reward pays without a soft landing: `python -m agents.attack`."""
+
+import json
+import math
+from collections.abc import Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from gymnasium.vector import AutoresetMode
+
+from agents import runs
+from agents.arguments import ModelOptions, command_line, parse_arguments, run_command
+from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_vector_env, with_sampling
+from agents.learning.minimisation import minimise
+from solar_env.environment.task.task import Task
+
+PROG = "python -m agents.attack"
+# A profile has `KNOTS` torques and, for the time before and the time after the first latch each, the share of the
+# torque limit with which it chatters, its half-period and its phase: numbers in [0, 1].
+KNOTS = 30
+NUMBERS = KNOTS + 2 * 3
+LONGEST_HALF_PERIOD = 4  # control periods
+
+
+@dataclass
+class Args(ModelOptions):
+    """Search for torque profiles with chattering that the reward pays best, by CMA-ES, from the passive deployment.
+
+    The model is rigid-clearance unless another is named.
+    """
+
+    episodes: int = 1920
+    """budget of episodes"""
+    seed: int = 0
+    """seed of the search and of its episodes"""
+    env_id: str = DEFAULT_ENV_ID
+    """environment id"""
+    out: str = "attack.json"
+    """file of the result"""
+    quiet: bool = False
+    """no progress bar"""
+
+
+def actions(profiles: np.ndarray, times: np.ndarray, latched: np.ndarray, task: Task) -> np.ndarray:
+    """Return the actions (lanes,) of profiles (lanes, NUMBERS) at times (lanes,) [s].
+
+    `latched` (lanes,) says where a joint has latched.
+    """
+    knots = np.linspace(0.0, task.deadline, KNOTS)
+    steady = np.array([np.interp(t, knots, 2.0 * of[:KNOTS] - 1.0) for t, of in zip(times, profiles, strict=True)])
+    chatter = np.where(latched[:, None], profiles[:, KNOTS + 3 :], profiles[:, KNOTS : KNOTS + 3])
+    share, half_period = chatter[:, 0], np.ceil(np.maximum(chatter[:, 1] * LONGEST_HALF_PERIOD, 1e-9))
+    period = np.rint(times / task.control_period + chatter[:, 2] * 2.0 * half_period)
+    sign = np.where((period // half_period) % 2 == 0, 1.0, -1.0)
+    return np.clip((1.0 - share) * steady + share * sign, -1.0, 1.0)
+
+
+def passive_profile() -> np.ndarray:
+    """Return the profile (NUMBERS,) without torque and without chatter, at half-periods of one."""
+    return np.concatenate([np.full(KNOTS, 0.5), [0.0, 0.25, 0.0], [0.0, 0.25, 0.0]])
+
+
+class Deployments:
+    """Runs profiles, as many at once as are given, and keeps their returns and figures.
+
+    Args:
+        env_id, env_kwargs: Environment.
+        lanes: Most profiles at once.
+    """
+
+    def __init__(self, env_id: str, env_kwargs: dict[str, Any], lanes: int) -> None:
+        keywords = {**with_sampling(env_kwargs, env_id), "autoreset_mode": AutoresetMode.DISABLED}
+        self._env: Any = make_vector_env(lanes, env_id, keywords)
+        self.lanes = lanes
+
+    def run(self, profiles: Sequence[np.ndarray], seeds: Sequence[int]) -> list[dict[str, Any]]:
+        """Run an episode of each profile; returns "return" and the figures of `info["deployment"]`."""
+        env = self._env.unwrapped
+        given = np.stack([*profiles, *[passive_profile()] * (self.lanes - len(profiles))])
+        env.reset(seed=[*seeds, *[0] * (self.lanes - len(profiles))])
+        episodes, going = env.episodes, np.arange(len(profiles))
+        totals = np.zeros(self.lanes)
+        results: list[dict[str, Any]] = [{} for _ in profiles]
+        while going.size:
+            latched = episodes.batch.states.clock["latched_joints"][:, 0] > 0
+            episodes.step(going, actions(given, episodes.times, latched, env.task))
+            totals[going] += episodes.rewards[going]
+            for lane in going[episodes.terminated[going]]:
+                results[lane] = {"return": float(totals[lane]), **episodes.figures(int(lane))}
+            going = going[~episodes.terminated[going]]
+        return results
+
+    def close(self) -> None:
+        """End the threads."""
+        self._env.close()
+
+
+def main(argv: Sequence[str] | None = None) -> None:
+    """Run the command; see `Args`."""
+    args = parse_arguments(Args, argv, PROG)
+    env_kwargs = args.keywords(args.env_id)
+    lanes = 4 + math.floor(3 * math.log(NUMBERS))  # as many as pycma's generations have
+    with closing(Deployments(args.env_id, env_kwargs, lanes)) as deployments:
+        used = 0
+
+        def costs(points: Sequence[np.ndarray]) -> list[float]:
+            nonlocal used
+            seeds = episode_seeds("training", args.seed, used + len(points))[-len(points) :]
+            used += len(points)
+            return [-result["return"] for result in deployments.run(points, seeds)]
+
+        start = passive_profile()
+        found = minimise(costs, start, args.episodes, args.seed, not args.quiet, spread=0.2)
+        seeds = episode_seeds("validation", args.seed, lanes)
+        named = zip(("passive", "best episode", "mean of the search"), found, strict=True)
+        results = {name: deployments.run([profile] * lanes, seeds) for name, profile in named}
+    summary = {
+        name: {
+            "return": float(np.median([each["return"] for each in of])),
+            "latched": float(np.mean([each["latched"] for each in of])),
+            "peak_postlock_force_N": float(np.median([sum(each["peak_postlock_force_N"]) for each in of])),
+            "sliding_work_J": float(np.median([sum(each["sliding_work_J"]) for each in of])),
+            "wear_depth_max_m": float(np.median([max(each["wear_depth_max_m"]) for each in of])),
+        }
+        for name, of in results.items()
+    }
+    profiles = {name: profile.tolist() for name, profile in zip(results, found, strict=True)}
+    record = {"command": command_line(PROG, argv), "episodes": used, "medians": summary, "profiles": profiles}
+    runs.write_json(Path(args.out), record)
+    print(json.dumps(summary, indent=2))
+    print(f"written to {args.out}")
+
+
+if __name__ == "__main__":
+    run_command(main)

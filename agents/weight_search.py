@@ -1,0 +1,182 @@
+"""Search over the weights of a linear policy by whole episodes: CMA-ES, and ARS with a candidate in every lane.
+
+Noise on the weights tries one behaviour for a whole deployment, while noise on actions drowns in the shaking that it
+causes itself. Candidates are compared by the returns of their episodes alone, so that neither the flat cost of missed
+deadlines nor the delay between a landing and its cost stands in the way of a gradient.
+"""
+
+from typing import Any
+
+import cma
+import numpy as np
+import torch
+from sb3_contrib import ARS
+from sb3_contrib.common.vec_env.async_eval import AsyncEval
+from stable_baselines3.common.callbacks import BaseCallback
+
+
+class WeightSearch(ARS):
+    """ARS of sb3-contrib that evaluates as many candidates at once as there are environments.
+
+    The policy is linear without a bias, `clip(weights observation, -1, 1)`, and begins with one weight that is not
+    zero, that of the first entry of the observation: in the observation "landing" it is 1 until the last latch.
+
+    Args:
+        policy, env, n_delta, n_top, learning_rate, delta_std, seed, device: See `sb3_contrib.ARS`.
+        first_weight: Weight of the first entry at the beginning.
+    """
+
+    def __init__(
+        self,
+        policy: Any,
+        env: Any,
+        n_delta: int = 8,
+        n_top: int | None = None,
+        learning_rate: Any = 0.02,
+        delta_std: Any = 0.05,
+        first_weight: float = 0.0,
+        seed: int | None = None,
+        device: str = "cpu",
+        _init_setup_model: bool = True,
+    ) -> None:
+        self.first_weight = first_weight
+        super().__init__(
+            policy,
+            env,
+            n_delta=n_delta,
+            n_top=n_top,
+            learning_rate=learning_rate,
+            delta_std=delta_std,
+            seed=seed,
+            device=device,
+            _init_setup_model=_init_setup_model,
+        )
+
+    def _setup_model(self) -> None:
+        super()._setup_model()
+        self._use(np.eye(1, self.n_params)[0] * self.first_weight)
+
+    def _use(self, weights: np.ndarray) -> None:
+        """Let the policy have the weights (entries,)."""
+        vector = np.asarray(weights, dtype=np.float32)
+        self.weights: Any = torch.from_numpy(vector)
+        self.policy.load_from_vector(vector)
+
+    def set_parameters(self, *args: Any, **kwargs: Any) -> None:
+        """Load parameters, see `BaseAlgorithm`; the search goes on from the policy's weights."""
+        super().set_parameters(*args, **kwargs)
+        self.weights = torch.nn.utils.parameters_to_vector(self.policy.parameters()).detach().clone()
+
+    def _do_one_update(self, callback: BaseCallback, async_eval: AsyncEval | None) -> None:
+        callback.on_rollout_start()  # before anything is drawn: checkpoints are written here
+        self._update(callback, async_eval)
+        callback.on_rollout_end()
+
+    def _update(self, callback: BaseCallback, async_eval: AsyncEval | None) -> None:
+        """One step of the search."""
+        super()._do_one_update(callback, async_eval)
+
+    def evaluate_candidates(
+        self, candidate_weights: torch.Tensor, callback: BaseCallback, async_eval: AsyncEval | None
+    ) -> torch.Tensor:
+        """Run an episode of every candidate (candidates, entries); returns their returns (candidates,)."""
+        weights = candidate_weights.numpy()
+        env: Any = self.env
+        parts = (weights[first : first + env.num_envs] for first in range(0, len(weights), env.num_envs))
+        returns = np.concatenate([self._returns(part, callback) for part in parts])
+        return torch.as_tensor(returns, dtype=torch.float32)
+
+    def _returns(self, weights: np.ndarray, callback: BaseCallback) -> np.ndarray:
+        """Returns (k,) of candidates (k, entries) that fit into the environments."""
+        env: Any = self.env
+        returns, running = np.zeros(len(weights)), np.ones(len(weights), dtype=bool)
+        observations = env.reset()
+        while running.any():
+            # Lanes that have nothing to do are kept folded, which costs next to no time.
+            actions = np.full((env.num_envs, 1), -1.0, dtype=np.float32)
+            linear = np.einsum("ij,ij->i", observations[: len(weights)], weights)
+            actions[: len(weights), 0] = np.where(running, np.clip(linear, -1.0, 1.0), -1.0)
+            observations, rewards, dones, infos = env.step(actions)
+            returns += np.where(running, rewards[: len(weights)], 0.0)
+            self.num_timesteps += int(running.sum())
+            callback.update_locals({"infos": infos, "dones": dones})
+            callback.on_step()
+            running &= ~dones[: len(weights)]
+        return returns
+
+
+class CMAES(WeightSearch):
+    """CMA-ES over the weights (N. Hansen, 2016, arXiv:1604.00772), whose policy is the best candidate so far.
+
+    The mean of the distribution wanders over a rough landscape, and a single episode flatters. Every few generations
+    the best candidates since the last time, the mean, and the policy compete over some episodes each. In the middle of
+    the training the search begins again around the policy, with a small spread.
+
+    Args:
+        policy, env, first_weight, seed, device: See `WeightSearch`.
+        population: Candidates of a generation.
+        deviation: Standard deviation of every weight in the first generation.
+        restart_deviation: The same when the search begins again.
+        generations_between: Generations from one competition to the next.
+        finalists: Candidates that compete with the mean and the policy.
+        episodes: Episodes of each of these.
+    """
+
+    def __init__(
+        self,
+        policy: Any,
+        env: Any,
+        population: int = 16,
+        deviation: float = 0.1,
+        restart_deviation: float = 0.03,
+        generations_between: int = 10,
+        finalists: int = 3,
+        episodes: int = 4,
+        first_weight: float = 0.0,
+        seed: int | None = None,
+        device: str = "cpu",
+        _init_setup_model: bool = True,
+    ) -> None:
+        self.population, self.deviation, self.restart_deviation = population, deviation, restart_deviation
+        self.generations_between, self.finalists, self.episodes = generations_between, finalists, episodes
+        self.search: Any = None
+        super().__init__(
+            policy, env, first_weight=first_weight, seed=seed, device=device, _init_setup_model=_init_setup_model
+        )
+
+    def _setup_model(self) -> None:
+        super()._setup_model()
+        if self.search is None:  # else a saved search is being loaded
+            # Left to itself pycma draws from NumPy's global generator.
+            self.random = np.random.RandomState(self.seed)
+            self._begin(self.deviation)
+            self.seen: list[tuple[float, np.ndarray]] = []
+            self.restarted = False
+
+    def _begin(self, deviation: float) -> None:
+        """Begin a search around the policy."""
+        options: dict[str, Any] = {"popsize": self.population, "seed": np.nan, "verbose": -9}
+        options["randn"] = self.random.randn
+        self.search = cma.CMAEvolutionStrategy(self.weights.numpy().astype(float), deviation, options)
+
+    def _update(self, callback: BaseCallback, async_eval: AsyncEval | None) -> None:
+        if not self.restarted and self._current_progress_remaining < 0.5:
+            self.restarted = True
+            self._begin(self.restart_deviation)
+        asked = self.search.ask()
+        returns = self._evaluated(asked, callback)
+        self.search.tell(asked, (-returns).tolist())
+        self.seen += zip(returns.tolist(), asked, strict=True)
+        self._n_updates += 1
+        if self._n_updates % self.generations_between == 0:
+            best = sorted(self.seen, key=lambda pair: -pair[0])[: self.finalists]
+            competing = [self.weights.numpy(), self.search.mean, *(weights for _, weights in best)]
+            returns = self._evaluated(np.repeat(competing, self.episodes, axis=0), callback)
+            self._use(competing[int(np.argmax(returns.reshape(-1, self.episodes).mean(axis=1)))])
+            self.seen.clear()
+        self.logger.record("train/deviation", self.search.sigma)
+
+    def _evaluated(self, candidates: Any, callback: BaseCallback) -> np.ndarray:
+        """Returns (candidates,) of an episode of each of the weights (candidates, entries)."""
+        weights = torch.from_numpy(np.asarray(candidates, dtype=np.float32))
+        return self.evaluate_candidates(weights, callback, None).numpy()

@@ -1,0 +1,143 @@
+"""The table of features: functions of what the sensors show, of order one, for agents that learn."""
+
+from collections.abc import Callable, Mapping
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Values = NDArray[Any]
+DISTANCE = 2e-4  # below which a distance to the lock, in units of the lock angle, counts as proportional
+RATE = 3e-4  # the same of an opening rate [1/s]; 5e-4 rad/s of the root hinge
+MEASURED = ("theta", "rate", "latched", "time_to_deadline")
+"""Observables that features are made of."""
+
+
+def signed_logarithm(values: Values, unit: float) -> Values:
+    """`sign(x) ln(1 + |x| / unit)`: proportional where x is small, logarithmic where it is large."""
+    return np.sign(values) * np.log1p(np.abs(values) / unit)
+
+
+class Shown:
+    """What the sensors of several arrays show at one moment, and the opening that follows from it.
+
+    Args:
+        measured: by the names in `MEASURED`: (lanes, joints) angles in units of the lock angles, rates [rad/s] and
+            latch switches, (lanes, 1) time left in units of the deadline.
+        lock_angles: (joints,) [rad].
+        deadline: [s].
+
+    Attributes:
+        distances: (lanes, joints) to the lock, in units of the lock angle.
+        rates: (lanes, joints) of the opening [1/s].
+        time_to_deadline: (lanes, 1) in units of the deadline.
+    """
+
+    def __init__(self, measured: Mapping[str, Values], lock_angles: Values, deadline: float) -> None:
+        self.distances, self.rates = 1.0 - measured["theta"], measured["rate"] / lock_angles
+        self._latched, self.time_to_deadline, self._deadline = (
+            measured["latched"],
+            measured["time_to_deadline"],
+            deadline,
+        )
+
+    @cached_property
+    def approach(self) -> Values:
+        """(lanes, 1) 1 until all joints have latched, then 0."""
+        return 1.0 - np.all(self._latched > 0.5, axis=1, keepdims=True)
+
+    @cached_property
+    def distance(self) -> Values:
+        """(lanes, 1) mean distance to the lock, in units of the lock angle."""
+        return self.distances.mean(axis=1, keepdims=True)
+
+    @cached_property
+    def opening_rate(self) -> Values:
+        """(lanes, 1) mean rate of the opening [1/s]."""
+        return self.rates.mean(axis=1, keepdims=True)
+
+    @property
+    def deceleration(self) -> Values:
+        """(lanes, 1) with which the opening would just stop at the lock [1/s^2]; 0 where it is closing or beyond."""
+        return np.maximum(self.opening_rate, 0.0) ** 2 / (2.0 * np.maximum(self.distance, DISTANCE))
+
+    @property
+    def time_needed(self) -> Values:
+        """(lanes, 1) share of the time left that the rest of the opening takes at this rate."""
+        left = np.maximum(self.time_to_deadline * self._deadline, 0.1)
+        return np.maximum(self.distance, 0.0) / (np.maximum(self.opening_rate, RATE) * left)
+
+
+def ahead(values: Values) -> Values:
+    """(lanes, 1) by how much the first joint exceeds the mean of the others; 0 where it is alone."""
+    if values.shape[1] == 1:
+        return np.zeros_like(values)
+    return values[:, :1] - values[:, 1:].mean(axis=1, keepdims=True)
+
+
+class Feature(NamedTuple):
+    """A function of what the sensors show.
+
+    Attributes:
+        name: that an observation lists.
+        meaning: for the documentation.
+        unit: as observed.
+        low, high: bounds to which it is clipped.
+        of: maps what is shown to (lanes, joints), or (lanes, 1) where it is not by joint.
+        by_joint: whether there is one entry a joint.
+    """
+
+    name: str
+    meaning: str
+    unit: str
+    low: float
+    high: float
+    of: Callable[[Shown], Values]
+    by_joint: bool = False
+
+
+_UNTIL, _AFTER = "until the last latch, then 0", "after the last latch, before it 0"
+FEATURES = (
+    Feature("approach", f"1 {_UNTIL}", "0 or 1", 0, 1, lambda s: s.approach),
+    Feature(
+        "approach_opening", f"twice the mean opening less 0.8, {_UNTIL}", "lock angle", -4, 4,
+        lambda s: s.approach * 2.0 * (0.2 - s.distance),
+    ),
+    Feature(
+        "approach_distance", f"mean distance to the lock, logarithmic, {_UNTIL}", "-", -8, 8,
+        lambda s: s.approach * (signed_logarithm(s.distance, DISTANCE) - 4.0) / 2.0,
+    ),
+    Feature(
+        "approach_rate", f"mean opening rate, logarithmic, {_UNTIL}", "-", -16, 8,
+        lambda s: s.approach * (signed_logarithm(s.opening_rate, RATE) - 5.0),
+    ),
+    Feature(
+        "approach_lead", f"opening of joint 1 beyond the others, logarithmic, {_UNTIL}", "-", -8, 8,
+        lambda s: s.approach * signed_logarithm(-ahead(s.distances), DISTANCE) / 2.0,
+    ),
+    Feature(
+        "approach_lead_rate", f"opening rate of joint 1 beyond the others, logarithmic, {_UNTIL}", "-", -8, 8,
+        lambda s: s.approach * signed_logarithm(ahead(s.rates), RATE) / 3.0,
+    ),
+    Feature(
+        "approach_time", f"twice the time left less 0.3, {_UNTIL}", "deadline", -2, 2,
+        lambda s: s.approach * 2.0 * (s.time_to_deadline - 0.3),
+    ),
+    Feature(
+        "approach_deceleration", f"rate squared over twice the distance, logarithmic, {_UNTIL}", "-", -8, 8,
+        lambda s: s.approach * (signed_logarithm(s.deceleration, 1e-4) - 4.0) / 2.0,
+    ),
+    Feature(
+        "approach_time_needed", f"time still needed at this rate over the time left, logarithmic, {_UNTIL}", "-", -8, 8,
+        lambda s: s.approach * np.log(np.maximum(s.time_needed, 1e-3)),
+    ),
+    Feature(
+        "settling_rate", f"opening rate, logarithmic, {_AFTER}", "-", -4, 4,
+        lambda s: (1.0 - s.approach) * signed_logarithm(s.rates, RATE) / 4.0, True,
+    ),
+    Feature(
+        "settling_distance", f"distance to the lock, logarithmic, {_AFTER}", "-", -4, 4,
+        lambda s: (1.0 - s.approach) * signed_logarithm(s.distances, DISTANCE) / 3.0, True,
+    ),
+)  # fmt: skip

@@ -1,0 +1,122 @@
+"""Searches over weights find the best ones of a task with a known answer, and judge candidates by whole episodes."""
+
+import gymnasium
+import numpy as np
+import pytest
+import torch
+from stable_baselines3.common.callbacks import CallbackList
+from stable_baselines3.common.evaluation import evaluate_policy
+from stable_baselines3.common.logger import configure
+from stable_baselines3.common.vec_env import DummyVecEnv, VecEnvWrapper
+
+from agents.environments import DEFAULT_ENV_ID
+from agents.learning import configurations
+from agents.vec_env import FixedSeeds, NativeVecEnv
+from agents.weight_search import CMAES, WeightSearch
+
+TARGET = np.array([0.6, -0.3, 0.2])
+SEARCHES = {
+    "ars": (WeightSearch, {"n_delta": 4, "learning_rate": 0.01, "delta_std": 0.02}),
+    "cma-es": (CMAES, {"population": 8, "generations_between": 3}),
+}
+QUICK = {"model": "rigid-ideal", "control_period": 0.5, "postlock_window": 2.0}
+QUICK |= {"action": "rate", "observation": "landing"}
+
+each = pytest.mark.parametrize("name", SEARCHES)
+
+
+class OneByOne(gymnasium.Env):
+    """Shows one entry after the other; an action costs the square of its distance from the entry's target."""
+
+    observation_space = gymnasium.spaces.Box(0.0, 1.0, (3,))
+    action_space = gymnasium.spaces.Box(-1.0, 1.0, (1,))
+
+    def reset(self, *, seed=None, options=None):
+        super().reset(seed=seed)
+        self.index = 0
+        return np.eye(3, dtype=np.float32)[0], {}
+
+    def step(self, action):
+        cost = float((action[0] - TARGET[self.index]) ** 2)
+        self.index += 1
+        return np.eye(3, dtype=np.float32)[self.index % 3], -cost, self.index == 3, False, {}
+
+
+def made(name, env, **changes):
+    cls, keywords = SEARCHES[name]
+    return cls("LinearPolicy", env, seed=3, **{**keywords, **changes})
+
+
+@each
+@pytest.mark.parametrize("lanes", [3, 8])
+def test_the_best_weights_of_a_known_task_are_found_whatever_the_number_of_environments(name, lanes):
+    model = made(name, DummyVecEnv([OneByOne] * lanes), first_weight=0.5)
+    assert model.weights.tolist() == [0.5, 0.0, 0.0]
+    model.learn(6000)
+    assert model.policy.action_net[0].weight.detach().numpy()[0] == pytest.approx(TARGET, abs=0.03)
+
+
+@each
+def test_the_same_seed_gives_the_same_weights_and_a_saved_search_goes_on(name, tmp_path):
+    one, other = (made(name, DummyVecEnv([OneByOne] * 4)).learn(300) for _ in range(2))
+    assert one.weights.tolist() == other.weights.tolist()
+    one.save(tmp_path / "model.zip")
+    loaded = SEARCHES[name][0].load(tmp_path / "model.zip", env=DummyVecEnv([OneByOne] * 4))
+    seen = np.random.default_rng(0).random((5, 3), dtype=np.float32)
+    assert loaded.predict(seen)[0].tolist() == one.predict(seen)[0].tolist()
+    before = loaded.num_timesteps
+    loaded.learn(300, reset_num_timesteps=False)
+    assert loaded.num_timesteps >= before + 300
+    assert loaded.weights.tolist() != one.weights.tolist()
+
+
+class Recorded(VecEnvWrapper):
+    """Keeps the actions and whether an episode has ended in each lane."""
+
+    def __init__(self, venv):
+        super().__init__(venv)
+        self.actions, self.ended = [], []
+
+    def reset(self):
+        return self.venv.reset()
+
+    def step_async(self, actions):
+        self.actions.append(actions.copy())
+        super().step_async(actions)
+
+    def step_wait(self):
+        result = self.venv.step_wait()
+        self.ended.append(result[2])
+        return result
+
+
+def test_candidates_have_the_returns_of_their_policies_and_who_has_ended_is_kept_folded():
+    lanes = 3
+    venv = Recorded(FixedSeeds(NativeVecEnv(lanes, DEFAULT_ENV_ID, QUICK), 5))
+    model = made("cma-es", venv)
+    model._logger = configure(None, [])
+    candidates = torch.zeros(lanes, model.n_params)
+    candidates[:, 0] = torch.tensor([0.2, 0.9, 0.95])
+    callback = model._init_callback(CallbackList([]))
+    together = model.evaluate_candidates(candidates, callback, None).numpy()
+    assert model.num_timesteps < lanes * len(venv.ended), "lanes that have ended are not counted"
+    assert len(set(together)) == lanes
+    over = np.cumsum(venv.ended, axis=0)[:-1] > 0
+    assert np.all(np.array(venv.actions)[1:, :, 0][over] == -1.0)
+    assert over.any()
+    for lane in range(lanes):
+        model._use(candidates[lane].numpy())
+        single = FixedSeeds(NativeVecEnv(1, DEFAULT_ENV_ID, QUICK), 5 + lane)
+        alone, _ = evaluate_policy(model, single, 1, warn=False)
+        assert alone == pytest.approx(together[lane], rel=1e-5)
+
+
+def test_a_search_over_weights_adds_to_no_law():
+    with pytest.raises(ValueError, match=r"residual is 0\.1, but cma-es searches the weights"):
+        configurations.complete("cma-es", DEFAULT_ENV_ID, {}, 0, residual=0.1)
+    config = configurations.complete("cma-es", DEFAULT_ENV_ID, {}, 0)
+    assert (config.residual, config.landings) == (None, 0)
+    assert {name: config.env_kwargs[name] for name in ("action", "observation")} == {
+        "action": "rate",
+        "observation": "landing",
+    }

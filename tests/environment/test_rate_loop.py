@@ -1,0 +1,97 @@
+"""The drive's own rate loop: its torque by formula, its samples, its noise, and what it cannot do."""
+
+from __future__ import annotations
+
+import math
+
+import gymnasium
+import numpy as np
+import pytest
+
+from solar_env.mechanics.joints.joint import RATE
+
+ID = "solar_env/Deploy-v1"
+RATE_LOOP = {"model": "rigid-ideal", "action": "rate"}
+GAIN = 12.0
+
+
+def make(**keywords):
+    env = gymnasium.make(ID, **{**RATE_LOOP, **keywords}).unwrapped
+    env.reset(seed=0)
+    return env
+
+
+def setpoint(action):
+    return 5e-4 * math.sinh(7.0 * action)
+
+
+def rate(env, joint=0):
+    return env.simulation.joint_loads()[joint, RATE]
+
+
+@pytest.mark.parametrize("driven", [0, 1])
+def test_the_torque_is_the_gain_times_the_error_of_the_rate_held_for_a_sample(driven):
+    env = make(driven_joint=driven)
+    for action in (0.3, 0.45, -0.2, 0.0, 0.4):
+        expected = np.clip(GAIN * (setpoint(action) - rate(env, driven)), -0.5, 0.5)
+        env.step([action])
+        assert env.simulation.state.joints["motor_torque"][driven] == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_faster_loop_is_the_same_as_as_many_slow_control_periods():
+    fast = make(hardware={"rate_loop_frequency": 50.0})
+    slow = make(hardware={"rate_loop_frequency": 50.0}, control_period=0.02)
+    for action in (0.8, 0.5, -0.3):
+        *_, info = fast.step([action])
+        for _ in range(5):
+            *_, told = slow.step([action])
+        assert info["time_s"] == pytest.approx(told["time_s"], abs=1e-12)
+        assert fast.simulation.state.q == pytest.approx(slow.simulation.state.q, abs=1e-12)
+
+
+def test_a_fast_loop_comes_near_to_a_damper_at_the_setpoint_and_the_nearer_the_faster():
+    """Until the torque is at its limit no more, the hinge's rate goes to where spring and loop are in balance."""
+    offsets = []
+    for frequency in (10.0, 40.0, 160.0):
+        env = make(hardware={"rate_loop_frequency": frequency}, parameters={"cable_stiffness": 0.5})
+        for _ in range(20):
+            env.step([0.7])
+        torque = env.simulation.state.joints["motor_torque"][0]
+        offsets.append(abs(torque - GAIN * (setpoint(0.7) - rate(env))))
+    assert offsets[0] > 3.0 * offsets[1] > 9.0 * offsets[2]
+
+
+def test_the_torque_stays_within_the_limit_and_follows_the_motors_lag_and_rate_limit():
+    env = make()
+    env.step([1.0])
+    assert env.simulation.state.joints["motor_torque"][0] == 0.5
+    slow = make(hardware={"motor_lag": 0.1, "torque_rate_limit": 0.2, "rate_loop_frequency": 20.0})
+    slow.step([1.0])
+    assert slow.simulation.state.joints["motor_torque"][0] == pytest.approx(0.02, rel=1e-12), "0.2 N m/s for 0.1 s"
+
+
+def test_the_loop_measures_its_rate_with_the_noise_of_the_hardware_and_the_same_in_a_vector():
+    noisy = {"rate_noise": 1e-3}
+    single, vector = make(hardware=noisy), gymnasium.make_vec(ID, 2, hardware=noisy, **RATE_LOOP)
+    vector.reset(seed=0)
+    errors = []
+    for _ in range(50):
+        before = rate(single)
+        one, many = single.step([0.0])[0], vector.step(np.zeros((2, 1), np.float32))[0]
+        assert one.tobytes() == many[0].tobytes()
+        errors.append(-single.simulation.state.joints["motor_torque"][0] / GAIN - before)
+    assert np.std(errors) == pytest.approx(1e-3, rel=0.3)
+
+
+@pytest.mark.parametrize(
+    ("keywords", "words"),
+    [
+        ({"action": "speed"}, ["speed", "torque"]),
+        ({"action": "rate", "hardware": {"rate_loop_frequency": 15.0}}, ["15.0 Hz", "1.5 samples", "whole number"]),
+        ({"action": "rate", "control_period": 0.01}, ["rate_loop_frequency", "0.1 samples"]),
+        ({"hardware": {"rate_loop_gain": 0.0}}, ["rate_loop_gain", "0.0", "positive"]),
+    ],
+)
+def test_a_loop_that_cannot_be_is_refused_by_name(keywords, words):
+    with pytest.raises(ValueError, match="(?s)" + ".*".join(words)):
+        gymnasium.make(ID, **keywords)

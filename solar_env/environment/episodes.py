@@ -153,19 +153,18 @@ class Episodes:
             self._approaches = self._run_approaches(self.settings.beginnings)
         if generator.random() < self.starts_folded:
             return None
-        late_enough = [start for opening, start in self._approaches if opening >= self.starts_from]
-        return late_enough[generator.integers(len(late_enough))] if late_enough else self._approaches[-1][1]
+        late = [start for opening, start in self._approaches if opening >= self.starts_from]
+        return late[generator.integers(len(late))] if late else self._approaches[-1][1]
 
     def _run_approaches(self, starts: Starts) -> list[tuple[float, SavedEpisode]]:
-        """Run the approaches whose ends episodes begin at; see `starts.run_approaches`."""
         settings = replace(self.settings.with_exact_observations(), action="rate", starts=None, render_mode=None)
-        designs = [self.designs[k % len(self.designs)] for k in range(starts.count)]
+        designs = (self.designs * starts.count)[: starts.count]
         return run_approaches(type(self)(settings, designs, self._threads), starts)
 
     def _observe(self, lanes: NDArray[np.int64]) -> None:
         """Observe the present states with ideal sensors."""
-        batch = self.batch
-        observe_lanes(batch.models, batch.states, self._numbers, self._sensors.channels, lanes, self._sensors.exact)
+        states, sensors = self.batch.states, self._sensors
+        observe_lanes(self.batch.models, states, self._numbers, sensors.channels, lanes, sensors.exact)
 
     def step(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> None:
         """Hold actions for one control period.
@@ -174,11 +173,7 @@ class Episodes:
             lanes: (k,) which.
             actions: (lanes,) see `Task.action`; clipped to [-1, 1].
 
-        Raises:
-            SimulationError: if a simulation cannot go on.
-
-        Warns:
-            SimulationWarning: as `Simulation.check`.
+        Raises, Warns: as `Batch.advance`.
         """
         begin_periods(self.batch.states, self._numbers, lanes, self._end_times)
         for _ in range(self._samples):
@@ -204,10 +199,9 @@ class Episodes:
 
     def _hold(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> None:
         """Set the motor torques until the drive's next sample."""
-        begin_samples(
-            self.batch.models, self.batch.states, self._numbers, lanes, actions, self._sensors.rate_errors(lanes),
-            self._end_times, self._sample_ends,
-        )  # fmt: skip
+        states, errors = self.batch.states, self._sensors.rate_errors(lanes)
+        ends = self._end_times, self._sample_ends
+        begin_samples(self.batch.models, states, self._numbers, lanes, actions, errors, *ends)
 
     def end(self, lanes: NDArray[np.int64]) -> None:
         """Charge and observe a control period."""
@@ -279,8 +273,7 @@ class Episodes:
         copies = type(self)(self.settings.with_exact_observations(), [parameters] * count, threads)
         copies._batch = Batch(simulations, threads)
         copies.terms[:], copies.rewards[:] = self.terms[lane], self.rewards[lane]
-        copies.terminated[:] = self.terminated[lane]
-        copies._charged[:] = self._charged[lane]
+        copies.terminated[:], copies._charged[:] = self.terminated[lane], self._charged[lane]
         copies._observe(np.arange(count))
         return copies
 
@@ -290,7 +283,7 @@ class Episodes:
         return {"time_s": self.batch.simulations[lane].time, "reward_terms": terms}
 
     def figures(self, lane: int) -> dict[str, Any]:
-        """The physical figures of an episode, after a look at its accuracy; see `figures.episode_figures`."""
+        """The physical figures of an episode; see `figures.episode_figures`."""
         return episode_figures(self.batch.simulations[lane], self.settings.task.driven_joint)
 
     def close(self) -> None:

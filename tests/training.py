@@ -2,6 +2,8 @@
 
 import io
 
+import numpy as np
+
 from agents import runs, train
 from agents.arguments import parse_arguments
 from agents.learning import checkpoints
@@ -20,6 +22,13 @@ SMALL = {
 def run(*arguments):
     args = parse_arguments(train.Args, ["--quiet", "--eval-episodes", "2", *map(str, arguments)])
     return train.run(args, "python train.py ...")
+
+
+def write_history(folder, results, timesteps=None):
+    """Write the history of a run's validations, (n, episodes) returns."""
+    results = np.asarray(results, dtype=float)
+    steps = np.arange(len(results)) if timesteps is None else timesteps
+    np.savez(folder / runs.EVALUATIONS, timesteps=steps, results=results, ep_lengths=np.ones(results.shape, dtype=int))
 
 
 def last_model(folder):

@@ -50,7 +50,8 @@ sys.modules["solar_env"] = package
 import importlib
 importlib.import_module("solar_env.mechanics." + sys.argv[2])
 print(*[name for name in ("gymnasium", "torch", "stable_baselines3", "matplotlib", "PIL") if name in sys.modules])
-print(*[name for name in sys.modules if name.startswith("solar_env.") and not name.startswith("solar_env.mechanics")])
+below = ("solar_env.mechanics", "solar_env.support")
+print(*[name for name in sys.modules if name.startswith("solar_env.") and not name.startswith(below)])
 """
     from pathlib import Path
 

@@ -5,6 +5,7 @@ import itertools
 
 import numpy as np
 import pytest
+from training import write_history
 
 from agents import curves
 from agents.learning import configurations, learn
@@ -48,9 +49,7 @@ def test_every_agent_has_a_curve_of_every_seed_in_every_scenario(tmp_path, monke
 def test_a_curve_is_the_mean_of_each_validation(tmp_path):
     for seed in range(2):
         (tmp_path / str(seed)).mkdir()
-        np.savez(
-            tmp_path / str(seed) / "evaluations.npz", timesteps=[5, 10], results=[[seed, seed + 2.0], [seed, seed]]
-        )
+        write_history(tmp_path / str(seed), [[seed, seed + 2.0], [seed, seed]], [5, 10])
     steps, returns = curves.curve([tmp_path / "0", tmp_path / "1"])
     assert steps.tolist() == [5, 10]
     assert returns.tolist() == [[1.0, 0.0], [2.0, 1.0]]

@@ -7,12 +7,14 @@ from dataclasses import asdict
 import numpy as np
 import pytest
 from stable_baselines3.common.utils import set_random_seed
+from training import write_history
 
 from agents import runs, search
 from agents.comparison.suites import SUITES
 from agents.environments import DEFAULT_ENV_ID
 from agents.laws.baselines import CONFIGS
 from agents.learning import configurations, learn
+from agents.trust import sealed
 
 
 @pytest.mark.parametrize("env_id", SUITES.values(), ids=SUITES)
@@ -67,8 +69,9 @@ def train_best_at(monkeypatch, name, best):
         set_random_seed(0)  # as every training does
         trained.append(training.folder.name)
         value = -abs(np.log(chosen(training.config, name) / best))
-        np.savez(training.folder / "evaluations.npz", results=np.array([[value - 1.0], [value]]))
-        runs.write_json(training.folder / runs.CONFIG, asdict(training.config))
+        write_history(training.folder, [[value - 1.0], [value]])
+        runs.write_config(training.folder, asdict(training.config))
+        (training.folder / runs.POLICY).write_bytes(sealed(b"a policy"))
         runs.write_json(training.folder / runs.TIMING, {})
 
     monkeypatch.setattr(learn, "train", pretend)
@@ -139,5 +142,5 @@ def test_what_cannot_be_searched_is_refused():
 
 
 def test_a_run_is_scored_by_the_last_third_of_its_validations(tmp_path):
-    np.savez(tmp_path / "evaluations.npz", results=-np.repeat([9.0, 1.0, 7.0, 4.0, 3.0], 2).reshape(5, 2))
+    write_history(tmp_path, -np.repeat([9.0, 1.0, 7.0, 4.0, 3.0], 2).reshape(5, 2))
     assert search.score(tmp_path) == -3.5

@@ -257,7 +257,7 @@ def test_the_readme_holds_the_claims_as_measured() -> None:
         assert row["agrees"] == own.holds(row["median"])
         assert row["agrees"] or row["why"] == own.why != ""
         row["low"], row["high"] = own.low, own.high
-    assert paper.SECTION.read() == survey.as_markdown(survey.Finding(**row) for row in rows).strip()
+    assert paper.SECTION.read() == survey.as_markdown([survey.Finding(**row) for row in rows]).strip()
 
 
 def test_wear_and_impacts_are_compared_joint_by_joint() -> None:

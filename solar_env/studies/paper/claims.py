@@ -117,13 +117,11 @@ def _claims() -> Iterator[Claim]:
         yield Claim(
             f"flexible-initial-{joint + 1}", f"flexible panels: initial impacts of joint {joint + 1} end, within 25 %",
             f"{settled} s", (FLEXIBLE,), measures.settled(FLEXIBLE, joint), *_within(settled, 0.25), unit="s",
-            why="friction between surfaces that turn ends the first impacts sooner: by the centres' speed it is 1.1 s",
         )  # fmt: skip
     yield Claim(
         "longer", "flexible panels: the initial phase lasts longer than with rigid ones (ratio, both joints)",
         "above 1", BOTH,
         measures.longer_settling, 1.0, math.inf,
-        why="at joint 2 alone: as for the end of its initial impacts",
     )  # fmt: skip
     yield Claim(
         "impacts-later", "flexible panels: impacts during the deployment too", "some", (FLEXIBLE,),

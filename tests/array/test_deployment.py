@@ -146,3 +146,33 @@ def test_initial_rates_are_those_asked_for_and_strain_nothing(model: str, hinge:
 def test_a_body_that_is_held_cannot_turn() -> None:
     with pytest.raises(ValueError, match=r"initial_spin = 0\.1 needs a body that is not fixed"):
         ArrayParameters(body_fixed=True, initial_spin=0.1)
+
+
+FAST = {"spring_stiffness": (2.5, 1.875), "cable_preload_force": 1250.0}
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("gap", [0.0, 1e-9])
+def test_a_latch_without_free_play_holds_its_joint(model: str, gap: float) -> None:
+    motion = simulate({**FAST, "latch_gap": gap}, model=model, duration=4.0)
+    assert motion.latch_times.max() < 3.0
+    late = motion.time > motion.latch_times.max()
+    beyond = motion.angles[late] - [math.pi / 2, math.pi]
+    # No deeper in a latch of 1000 N m/rad than the energy allows, and to both sides of the lock angle.
+    assert 0.5 * 1e3 * np.abs(beyond).max() ** 2 < motion.energy_put_in
+    assert beyond.min(axis=0).max() < 0.0 < beyond.max(axis=0).min()
+    assert motion.energy_residual < 1e-3 * motion.energy_put_in
+
+
+def test_free_play_that_vanishes_is_the_limit_of_little() -> None:
+    none, little = (simulate({**FAST, "latch_gap": gap}, model="rigid-ideal", duration=4.0) for gap in (0.0, 1e-9))
+    assert none.angles == pytest.approx(little.angles, abs=1e-6)
+    assert none.energies["latch"].max() > 0.01
+
+
+def test_strands_that_pull_on_the_bearings_close_the_book() -> None:
+    motion = simulate({"cable_bearing_forces": True, "cable_preload_force": 10.0}, duration=2.0)
+    assert motion.energy_residual < 1e-5 * motion.energy_put_in
+    # Journals on their walls ease strands of 4000 N/m by twice the clearance.
+    pull = 2.0 * (10.0 - 4000.0 * 2.0 * 2e-4)
+    assert np.median(motion.normal_force[motion.time > 1.0], axis=0) == pytest.approx([pull, pull], rel=0.01)

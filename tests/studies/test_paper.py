@@ -49,8 +49,10 @@ def claim(key: str) -> Any:
 
 
 @pytest.mark.parametrize("key", [c.key for c in CLAIMS if c.cases == ("rigid-clearance",)])
-def test_rigid_panels_do_what_the_paper_says(rigid: dict[str, Trajectory], key: str) -> None:
-    assert claim(key).holds(claim(key).measure(rigid))
+def test_rigid_panels_do_what_the_paper_says_or_differ_as_the_table_of_claims_has_it(
+    rigid: dict[str, Trajectory], key: str
+) -> None:
+    assert claim(key).holds(claim(key).measure(rigid)) == MEASURED[key]["agrees"]
 
 
 @pytest.mark.slow

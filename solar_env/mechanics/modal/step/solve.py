@@ -147,8 +147,7 @@ def set_tolerances(model, state, work, settings, tables, level, h, n):
     for r in range(n):
         j, kind = work.unknowns[r].owner, work.unknowns[r].kind
         if kind in (TORQUE, CABLE):
-            tolerance = work.joints[j].torque_tolerance if kind == TORQUE else work.cables[j].tolerance
-            work.unknowns[r].tolerance = tolerance
+            work.unknowns[r].tolerance = work.joints[j].torque_tolerance if kind == TORQUE else work.cables[j].tolerance
             continue
         # Without signs: a vibration may have turned back by the end of the step.
         own = work.mobility[r, r].response

@@ -45,12 +45,12 @@ def test_what_the_file_leaves_out_has_its_default(file):
 
 def test_tolerances_are_ranges_about_the_values_and_environments_take_both(file):
     content = (
-        "clearance = [1e-4, 2e-4]\n[tolerance]\nclearance = 2e-5\nrestitution=0.05\n[randomize]\nbody_mass=[1e3,2e3]"
+        "clearance = [1e-4, 2e-4]\n[tolerance]\nclearance = 2e-5\nbody_inertia=5\n[randomize]\nbody_mass=[1e3,2e3]"
     )
     read = solar_env.read_parameters(file(content))
-    assert set(read.randomize) == {"clearance", "restitution", "body_mass"}
+    assert set(read.randomize) == {"clearance", "body_inertia", "body_mass"}
     np.testing.assert_allclose(read.randomize["clearance"], [[0.8e-4, 1.8e-4], [1.2e-4, 2.2e-4]], rtol=1e-12)
-    np.testing.assert_allclose(read.randomize["restitution"], [0.85, 0.95], rtol=1e-12)
+    np.testing.assert_allclose(read.randomize["body_inertia"], [245.0, 255.0], rtol=1e-12)
     assert read.randomize["body_mass"] == (1e3, 2e3)
     settings = EnvironmentSettings.of(gymnasium.make("solar_env/Deploy-v1", **read._asdict()).spec.kwargs)
     assert settings.array == read.parameters

@@ -199,9 +199,8 @@ class Episodes:
 
     def _hold(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> None:
         """Set the motor torques until the drive's next sample."""
-        states, errors = self.batch.states, self._sensors.rate_errors(lanes)
-        ends = self._end_times, self._sample_ends
-        begin_samples(self.batch.models, states, self._numbers, lanes, actions, errors, *ends)
+        batch, errors, ends = self.batch, self._sensors.rate_errors(lanes), (self._end_times, self._sample_ends)
+        begin_samples(batch.models, batch.states, self._numbers, lanes, actions, errors, *ends)
 
     def end(self, lanes: NDArray[np.int64]) -> None:
         """Charge and observe a control period."""

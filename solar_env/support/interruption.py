@@ -9,19 +9,28 @@ from multiprocessing import parent_process
 EXIT_STATUS = 130  # 128 + SIGINT, as shells have it
 
 
+_waiting: list[Callable[[], str]] = []  # of blocks that have not ended, those of generators that wait included
+
+
 @contextmanager
 def keeping(kept: Callable[[], str]) -> Iterator[None]:
-    """Let Ctrl-C within the block say what was kept, in the words of `kept`."""
+    """Let Ctrl-C before the end of the block say what was kept, in the words of `kept`.
+
+    The block may be that of a generator: where its caller is interrupted, it hears nothing of that itself.
+    """
+    _waiting.append(kept)
     try:
         yield
     except KeyboardInterrupt as stop:
         stop.add_note(kept())
         raise
+    finally:
+        _waiting.remove(kept)
 
 
 def report_interruption(stop: KeyboardInterrupt) -> int:
-    """Say in one line what the notes of an interruption say was kept; returns the exit status."""
-    notes = getattr(stop, "__notes__", [])
+    """Say in one line what was kept, by the notes of an interruption and by what waits; returns the exit status."""
+    notes = [*getattr(stop, "__notes__", []), *(kept() for kept in _waiting)]
     print(f"interrupted; {'; '.join(notes) or 'nothing was kept'}", file=sys.stderr)
     return EXIT_STATUS
 

@@ -56,6 +56,16 @@ def test_a_campaign_says_what_it_has_kept_and_goes_on_from_there(tmp_path):
     assert [cell["number"] for cell in Campaign(stop_at_three, cells, tmp_path / "results.jsonl").missing] == [3, 4]
 
 
+def test_it_says_so_too_where_ctrl_c_comes_between_two_results(tmp_path, capsys):
+    def go():
+        for _ in Campaign(stop_at_three, [{"number": 0}, {"number": 1}], tmp_path / "results.jsonl").run():
+            raise KeyboardInterrupt
+
+    with pytest.raises(SystemExit):
+        run_command(go)
+    assert capsys.readouterr().err.startswith("interrupted; kept 1 of 2 results in ")
+
+
 SMALL_TRAINING = [
     "-m", "agents.train", "--residual", "0", "--model", "rigid-ideal", "--timesteps", "100000", "--n-envs", "2",
     "--hyperparams", "n_steps=20", "batch_size=20", "--checkpoint-interval", "40", "--quiet",

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from agents import shipped
+from agents import runs, shipped
 from agents.comparison.controllers import parse_controller, parse_controllers
 from agents.comparison.evaluation import common_env_id, common_env_kwargs, evaluate
 from agents.comparison.report import references, summarize, tabulate
@@ -140,11 +140,15 @@ def test_a_scenario_as_a_keyword_is_refused_since_nothing_is_tuned_by_it(tmp_pat
         evaluated_on(tmp_path, "--controllers", "servo", "--env-kwargs", "scenario=randomised")
 
 
+def describe_run(folder, **config):
+    """Write the configuration of a run into a folder."""
+    runs.write_config(folder, {"algo": "ppo", "residual": None, "env_id": DEFAULT_ENV_ID, "env_kwargs": {}, **config})
+
+
 def test_the_model_of_run_folders_holds_unless_another_is_asked_for(tmp_path):
     for name, model in (("a", "flexible-ideal"), ("b", "rigid-ideal")):
         (tmp_path / name).mkdir()
-        config = {"env_id": DEFAULT_ENV_ID, "env_kwargs": {"model": model, "elements": 1, "deadline": 0.5}}
-        write_config(tmp_path / name, RUN | config)
+        describe_run(tmp_path / name, env_kwargs={"model": model, "elements": 1, "deadline": 0.5})
     first, second = str(tmp_path / "a"), str(tmp_path / "b")
     assert common_env_kwargs([first])["model"] == "flexible-ideal"
     with pytest.raises(ValueError, match="say with --env-kwargs"):
@@ -154,7 +158,7 @@ def test_the_model_of_run_folders_holds_unless_another_is_asked_for(tmp_path):
 
 def test_what_was_drawn_in_training_does_not_replace_the_draws_of_another_scenario(tmp_path):
     drawn = {"model": "rigid-ideal", "randomize": {"hinge_x": [0.499, 0.501]}}
-    write_config(tmp_path, RUN | {"env_id": DEFAULT_ENV_ID, "env_kwargs": drawn})
+    describe_run(tmp_path, env_kwargs=drawn)
     assert common_env_kwargs([str(tmp_path)], DEFAULT_ENV_ID) == drawn
     assert common_env_kwargs([str(tmp_path)], "solar_env/DeployRandomised-v1") == {"model": "rigid-ideal"}
 
@@ -224,7 +228,7 @@ def test_nothing_counts_twice_and_nothing_is_taken_for_a_seed_of_a_baseline(cont
 def test_trained_controllers_are_compared_on_the_scenario_they_were_trained_on(tmp_path):
     for name, env_id in (("a", "solar_env/DeployRandomised-v1"), ("b", DEFAULT_ENV_ID)):
         (tmp_path / name).mkdir()
-        write_config(tmp_path / name, RUN | {"env_id": env_id})
+        describe_run(tmp_path / name, env_id=env_id)
     first, second = str(tmp_path / "a"), str(tmp_path / "b")
     assert common_env_id(["passive", f"agent={first}"]) == "solar_env/DeployRandomised-v1"
     assert common_env_id(["passive"]) == DEFAULT_ENV_ID
@@ -284,7 +288,7 @@ def test_something_that_is_neither_baseline_nor_run_is_refused(tmp_path):
 
 
 def test_a_run_without_policy_says_so(tmp_path):
-    write_config(tmp_path, RUN | {"algo": "ppo", "env_kwargs": {}})
+    describe_run(tmp_path)
     with pytest.raises(FileNotFoundError, match=r"has no policy\.zip"):
         evaluate([str(tmp_path)], episodes=1, seed=0, progress=False)
 

@@ -31,6 +31,7 @@ from agents.trust import (
 )
 from agents.weight_search import CMAES, WeightSearch
 from solar_env.support.files import make_folder, write_bytes, write_text
+from solar_env.support.interruption import deaf
 from solar_env.support.plain_arrays import read_arrays, read_json
 
 ALGORITHMS: dict[str, type[BaseAlgorithm]] = {
@@ -174,8 +175,9 @@ def read_evaluations(folder: Path) -> dict[str, np.ndarray]:
 def save_policy(folder: Path, model: BaseAlgorithm) -> None:
     """Write the network as the best one of the run in `folder`."""
     file = io.BytesIO()
-    model.save(file)
-    write_bytes(folder / POLICY, sealed(file.getvalue()))
+    with deaf():  # torch takes an interruption for a fault of its own
+        model.save(file)
+        write_bytes(folder / POLICY, sealed(file.getvalue()))
 
 
 def load_model(folder: str | Path, env: gymnasium.Env) -> BaseAlgorithm:

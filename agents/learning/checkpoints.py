@@ -31,6 +31,7 @@ from agents.learning.landings import Landing
 from agents.learning.models import freeze_bias
 from agents.trust import DamagedFileError, UntrustedFileError, sealed, unsealed
 from solar_env.support.files import write_bytes
+from solar_env.support.interruption import deaf
 
 # Attributes of environments that belong to the process: files, clocks, and what is made anew.
 _OF_THE_PROCESS = {"venv", "class_attributes", "results_writer", "t_start", "stepping_time", "_law"}
@@ -225,5 +226,6 @@ class Checkpoints(BaseCallback):
             self._restored = None
 
     def _write(self) -> None:
-        write(self._folder, _taken(self.model, self._validation, self._deployments, self._folder))
+        with deaf():  # torch takes an interruption for a fault of its own
+            write(self._folder, _taken(self.model, self._validation, self._deployments, self._folder))
         self.latest = self.num_timesteps

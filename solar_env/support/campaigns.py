@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 from joblib import Parallel, delayed
 
 from solar_env.support.files import make_folder, write_text
-from solar_env.support.interruption import keeping, leave_interruption_to_parent
+from solar_env.support.interruption import keeping, starting_workers
 from solar_env.support.plain_arrays import parse_json
 
 Task = TypeVar("Task")
@@ -85,7 +85,9 @@ def each_done(
     """
     calls = (delayed(_with_task)(function, task) for task in tasks)
     if workers.cluster is None:
-        yield from Parallel(n_jobs=workers.jobs or -1, return_as="generator_unordered")(calls)
+        with starting_workers():
+            results = Parallel(n_jobs=workers.jobs or -1, return_as="generator_unordered")(calls)
+        yield from results
         return
     # Joblib's way to Ray hands results over only when all are there: hence some at a time.
     processors = _join_ray()
@@ -98,7 +100,6 @@ def each_done(
 
 
 def _with_task(function: Callable[[Task], Result], task: Task) -> tuple[Task, Result]:
-    leave_interruption_to_parent()
     return task, function(task)
 
 

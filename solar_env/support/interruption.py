@@ -2,40 +2,63 @@
 
 import signal
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from multiprocessing import parent_process
 
 EXIT_STATUS = 130  # 128 + SIGINT, as shells have it
 
 
-_waiting: list[Callable[[], str]] = []  # of blocks that have not ended, those of generators that wait included
+_left: list[str] = []  # what the last generator said that was left before its end
 
 
 @contextmanager
 def keeping(kept: Callable[[], str]) -> Iterator[None]:
-    """Let Ctrl-C before the end of the block say what was kept, in the words of `kept`.
+    """Let Ctrl-C within the block say what was kept, in the words of `kept`.
 
-    The block may be that of a generator: where its caller is interrupted, it hears nothing of that itself.
+    The block may be that of a generator. Where its caller is interrupted, it is only closed, and does not hear why.
     """
-    _waiting.append(kept)
     try:
         yield
     except KeyboardInterrupt as stop:
         stop.add_note(kept())
         raise
-    finally:
-        _waiting.remove(kept)
+    except GeneratorExit:
+        _left[:] = [kept()]
+        raise
 
 
 def report_interruption(stop: KeyboardInterrupt) -> int:
-    """Say in one line what was kept, by the notes of an interruption and by what waits; returns the exit status."""
-    notes = [*getattr(stop, "__notes__", []), *(kept() for kept in _waiting)]
+    """Say in one line what was kept, by the notes of an interruption or what was left; returns the exit status."""
+    notes = getattr(stop, "__notes__", _left)
     print(f"interrupted; {'; '.join(notes) or 'nothing was kept'}", file=sys.stderr)
     return EXIT_STATUS
 
 
-def leave_interruption_to_parent() -> None:
-    """In a worker process: let Ctrl-C, which reaches all processes of a terminal, be the parent's alone to answer."""
-    if parent_process() is not None:
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
+@contextmanager
+def deaf() -> Iterator[None]:
+    """Hear Ctrl-C only at the end of the block, for what must not be torn."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
+def starting_workers() -> Iterator[None]:
+    """Let processes that start within the block ignore Ctrl-C for good, which reaches all processes of a terminal.
+
+    It is for their parent to answer, though not within the block.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)

@@ -12,6 +12,7 @@ import pytest
 
 from agents.arguments import run_command
 from solar_env import __main__ as command_line
+from solar_env.support import interruption
 from solar_env.support.campaigns import Campaign
 
 ROOT = Path(command_line.__file__).resolve().parent.parent
@@ -32,7 +33,8 @@ def test_every_command_ends_with_130_and_one_line(name, monkeypatch, capsys):
     assert capsys.readouterr().err == "interrupted; kept the half of it\n"
 
 
-def test_so_do_the_commands_of_the_agents(capsys):
+def test_so_do_the_commands_of_the_agents(capsys, monkeypatch):
+    monkeypatch.setattr(interruption, "_left", [])
     with pytest.raises(SystemExit) as end:
         run_command(interrupt)
     assert end.value.code == 130

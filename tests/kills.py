@@ -55,7 +55,11 @@ class Command:
 
 
 def _train(folder: Path) -> None:
-    words = ["--resume", str(folder), "--quiet"] if checkpoints_of(folder) else [*SMALL, "--out", str(folder)]
+    words = (
+        ["--resume", str(folder), "--jobs", "1", "--quiet"]
+        if checkpoints_of(folder)
+        else [*SMALL, "--out", str(folder)]
+    )
     run_command(lambda: train.main(words))
 
 
@@ -115,9 +119,11 @@ def attempt(
         os._exit(status)
     os.close(terminal)
     disturb(process)
+    _, status = os.waitpid(process, 0)
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(process, signal.SIGKILL)  # workers that a disturbed process has left hold the terminal open
     with open(said, errors="replace") as log:
         text = log.read()
-    _, status = os.waitpid(process, 0)
     return os.waitstatus_to_exitcode(status), text
 
 

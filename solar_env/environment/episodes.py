@@ -177,7 +177,7 @@ class Episodes:
         """
         begin_periods(self.batch.states, self._numbers, lanes, self._end_times)
         for _ in range(self._samples):
-            self._hold(lanes, actions)
+            self.hold(lanes, actions)
             self.batch.advance(lanes, self._sample_ends)
         self.end(lanes)
 
@@ -189,7 +189,7 @@ class Episodes:
         begin_periods(self.batch.states, self._numbers, lanes, self._end_times)
         failures: dict[int, SimulationError] = {}
         for _ in range(self._samples):
-            self._hold(lanes, actions)
+            self.hold(lanes, actions)
             failures |= self.batch.attempt(lanes, self._sample_ends)
             lanes = np.setdiff1d(lanes, list(failures)) if failures else lanes
         failed = list(failures)
@@ -197,7 +197,7 @@ class Episodes:
         self.end(lanes)
         return failures
 
-    def _hold(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> None:
+    def hold(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> None:
         """Set the motor torques until the drive's next sample."""
         batch, errors, ends = self.batch, self._sensors.rate_errors(lanes), (self._end_times, self._sample_ends)
         begin_samples(batch.models, batch.states, self._numbers, lanes, actions, errors, *ends)

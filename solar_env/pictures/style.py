@@ -99,7 +99,7 @@ CONTROLLER_LOOKS: Mapping[str, Look] = {
     "ars": _look("#9aa300", "1"),
 }
 # Of controllers that have no look of their own, as those of training runs.
-_OTHERS = (_look("#ff5fa2", "h"), _look("#6b8e23", "2"), _look("#a05fff", "8"))
+_OTHERS = (_look("#ff5fa2", "h"), _look("#6b8e23", "2"), _look("#a05fff", "8"), _look("#3d3d8f", "4"))
 
 
 def look_of(name: str, looks: Mapping[str, Look]) -> Look:

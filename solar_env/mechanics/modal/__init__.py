@@ -9,11 +9,15 @@ the rest of the package what the arrays say.
 Two things are left out. The inertia of the turning frame (centrifugal and Coriolis forces on the amplitudes) would
 raise the squared frequency of a free panel's lowest mode by 2.05 spin^2: at spins of 3 and 10 % of that frequency
 (2.0 and 6.8 rad/s for a panel of the array) the frequency is 0.1 and 1.0 % too low. Of bending, terms beyond the
-second order: a static tip deflection is too small by some 0.04 of the squared slope of the end against the frame,
-0.15 % at 0.2 rad. A run warns where either leaves out 1 % of stiffness or shortening (`verification.panels` measures
-both). Besides, foreshortening has the shapes of the four lowest bending modes alone, while all others enter together,
-with the shapes in which loads at the ends bend a panel; of the axial modes it excites three, and moves the ends at once
-with the rest: the array's peak reactions with ideal joints come within 0.1 % of those of beams with 48 elements.
+second order: a static tip deflection is too small by 0.05 of the squared slope of the end against the frame, 0.2 % at
+0.2 rad. A run warns where either leaves out 1 % of stiffness or shortening (`verification.panels` measures both).
+
+Besides, foreshortening has the shapes of the four lowest bending modes alone, while all others enter together, with the
+shapes in which loads at the ends bend a panel; of the axial modes it excites three, and moves the ends at once with the
+rest: the array's peak reactions with ideal joints come within 0.1 % of those of beams with 48 elements.
+
+The method's third order holds where panels bend little; with ideal joints, whose reactions follow foreshortening, it
+falls to 1.6 where they bend much.
 
 Imports `records` and the rooms below.
 """

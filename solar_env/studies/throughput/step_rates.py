@@ -114,7 +114,7 @@ def measure_native(model: str, lanes: int) -> Split:
     env = make_native(model, lanes)
     clock = _Clock()
     episodes = env.episodes
-    for owner, name in ((episodes.batch, "advance"), (episodes, "begin"), (episodes, "end")):
+    for owner, name in ((episodes.batch, "attempt"), (episodes, "hold"), (episodes, "end")):
         setattr(owner, name, clock.timed(name, getattr(owner, name)))
     actions = np.zeros((lanes, 1), dtype=np.float32)
     env.step(actions)
@@ -128,7 +128,7 @@ def measure_native(model: str, lanes: int) -> Split:
             wall += time.perf_counter() - start
             steps += lanes
     env.close()
-    return Split(steps, wall, clock.total("advance"), clock.total("begin") + clock.total("end"))
+    return Split(steps, wall, clock.total("attempt"), clock.total("hold") + clock.total("end"))
 
 
 class _Clock:

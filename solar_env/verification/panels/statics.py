@@ -64,8 +64,8 @@ def large_deflections() -> Iterator[Check]:
             yield Check(
                 quantity=f"{name}: relative error of the tip's {quantity}",
                 obtained=error,
-                # Second order leaves out a twentieth of the squared slope.
-                tolerance=0.05 * slope**2 + 1e-6,
+                # Second order leaves out 0.0512 of the squared slope, however many modes foreshortening takes along.
+                tolerance=0.052 * slope**2 + 1e-6,
                 source=EXTENSIBLE,
             )
         yield Check(

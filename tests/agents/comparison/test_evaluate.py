@@ -18,7 +18,6 @@ from agents.evaluate import main, suite_named, suite_section
 from agents.laws.baselines import episodes_spent, is_tuned, make_baseline
 from agents.laws.table import TUNABLE
 from agents.rollout import run_episode
-from agents.runs import write_config
 from agents.shipped import load_shipped
 from solar_env.array import MODELS
 

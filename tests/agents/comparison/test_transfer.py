@@ -12,7 +12,7 @@ from agents.laws.baselines import load_parameters, make_baseline
 from agents.learning import configurations, learn
 from agents.rollout import run_episode
 
-TASK = {"parameters": {"spring_stiffness": 2.0}, "postlock_window": 0.5}  # deploys within three seconds
+TASK = {"parameters": {"spring_stiffness": 1.0}, "postlock_window": 0.5}  # deploys within five seconds
 QUICK = [
     *["--timesteps", "20", "--residual", "0.1", "--landings", "2", "--episodes", "1", "--quiet", "--jobs", "1"],
     *[

@@ -1,6 +1,5 @@
 """Controllers of every kind are found by name, and a name that is none says so."""
 
-import json
 import shutil
 from dataclasses import replace
 
@@ -17,6 +16,7 @@ from agents.environments import DEFAULT_ENV_ID, make_env
 from agents.laws.baselines import CONFIGS, load_parameters
 from agents.laws.servo import ServoParameters
 from agents.laws.table import LAWS, TUNABLE
+from agents.runs import write_config
 from agents.shipped import Description, Layer, PolicyNetwork, ShippedPolicy
 from agents.torque_laws import Signals
 
@@ -96,13 +96,13 @@ def test_a_run_is_not_used_where_its_actions_mean_something_else(finished):
 
 
 def test_what_a_run_cost_are_its_steps_those_of_the_runs_before_it_and_the_episodes_of_its_law(tmp_path):
-    config = {"timesteps": 300, "timesteps_before": 1_000, "residual": {"tuning_episodes": 1_874}}
-    (tmp_path / "config.json").write_text(json.dumps(config))
+    run = {"env_id": DEFAULT_ENV_ID, "env_kwargs": {}, "algo": "ppo", "timesteps": 300, "timesteps_before": 1_000}
+    write_config(tmp_path, {**run, "residual": {"tuning_episodes": 1_874}})
     assert (
         parse_controller(str(tmp_path)).effort(DEFAULT_ENV_ID, "rigid-clearance")
         == "1,300 steps and 1,874 episodes for the law"
     )
-    (tmp_path / "config.json").write_text(json.dumps({**config, "residual": None}))
+    write_config(tmp_path, {**run, "residual": None})
     runs = [f"ppo={tmp_path}", f"ppo={tmp_path}/", "passive"]
     assert efforts(runs, DEFAULT_ENV_ID, {}) == {"ppo": "2 x 1,300 steps"}
 

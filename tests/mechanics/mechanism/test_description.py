@@ -109,8 +109,8 @@ def test_a_stop_softer_than_linear_is_refused() -> None:
     refuses(STOP, "exponent", 0.5, "must be at least 1")
 
 
-def test_a_sliding_speed_has_two_readings() -> None:
-    refuses(BEARING, "sliding", "paper", "must be material or centres")
+def test_a_sliding_speed_has_three_readings() -> None:
+    refuses(BEARING, "sliding", "paper", "must be one of ('material', 'centres', 'places')")
 
 
 def test_a_direction_must_have_length_one() -> None:

@@ -4,6 +4,7 @@
 """
 
 import importlib
+import os
 import sys
 import warnings
 from collections.abc import Sequence
@@ -42,6 +43,7 @@ COMMANDS = {
         "replay": Command("agents.replay", "show controllers side by side, in motion, on a page"),
         "show": Command("agents.show", "draw one episode of several controllers, and animate them"),
         "search": Command("agents.search", "search hyperparameters of an agent"),
+        "attack": Command("agents.attack", "search torques for what the reward would pay for"),
         "curves": Command("agents.curves", "train over seeds and draw the learning curves"),
         "transfer": Command("agents.transfer", "train on every level of the model, judge on all"),
         "export": Command("agents.export", "ship a trained policy"),
@@ -104,7 +106,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     usual = warnings.formatwarning
     warnings.formatwarning = lambda message, *_, **__: f"warning: {message}\n"  # without the line of code
     try:
-        return _run(words[0], words[1:])
+        status = _run(words[0], words[1:])
+        sys.stdout.flush()
+        return status
+    except BrokenPipeError:  # who reads the output has left, as `head` does
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
     except (ValueError, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 2

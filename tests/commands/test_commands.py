@@ -284,3 +284,11 @@ def test_simulate_shows_a_warning_on_one_line(capsys):
     (line,) = (line for line in done.stderr.splitlines() if "an impact of" in line)
     assert line.startswith("warning: an impact of")
     assert "give rtol" in line
+
+
+def test_a_reader_who_leaves_early_is_no_error():
+    command = [sys.executable, "-m", "solar_env", "parameters"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    process.stdout.close()
+    assert process.stderr.read() == ""
+    assert process.wait() == 0

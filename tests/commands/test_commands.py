@@ -288,7 +288,7 @@ def test_simulate_shows_a_warning_on_one_line(capsys):
 
 def test_a_reader_who_leaves_early_is_no_error():
     command = [sys.executable, "-m", "solar_env", "parameters"]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    process.stdout.close()
-    assert process.stderr.read() == ""
-    assert process.wait() == 0
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        process.stdout.close()
+        assert process.stderr.read() == ""
+    assert process.returncode == 0

@@ -31,7 +31,7 @@ class Args(WorkerOptions):
     array: Annotated[Path | None, tyro.conf.Positional] = None
     """file of parameters (TOML), see solar-env parameters; by default the array of Li, Wang and Huang (2019)"""
     question: Annotated[str, tyro.conf.arg(help=f"what must be right: {', '.join(QUESTIONS)}")] = "peak-force"
-    tolerance: float = 0.1
+    tolerance: float = 0.15
     """greatest error of that which the level may have, as a share"""
     runs: int = 16
     """deployments at each of the two levels"""

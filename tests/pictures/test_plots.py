@@ -103,7 +103,7 @@ def curves(figure, label):
 
 
 @pytest.fixture(scope="module")
-def distinct():
+def distinct(tmp_path_factory):
     """A trajectory in which no two curves are alike and no two surfaces wear alike, and its figure."""
     trajectory = make_trajectory()
     shares = np.array([1.0, 0.7])
@@ -118,7 +118,7 @@ def distinct():
     figures = []
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("matplotlib.figure.Figure.savefig", lambda figure, *how, **more: figures.append(figure))
-        plot_deployment(trajectory, "figure.png")
+        plot_deployment(trajectory, tmp_path_factory.mktemp("drawn") / "figure.png")
     return trajectory, figures[0]
 
 

@@ -44,7 +44,7 @@ class Plan:
 
     array: ParameterFile
     question: str = "peak-force"
-    tolerance: float = 0.1
+    tolerance: float = 0.15
     members: int = 16
     window: float = 10.0
     deadline: float = 60.0

@@ -47,6 +47,20 @@ class ModelOptions:
 
 
 @dataclasses.dataclass
+class ShowingOptions(ModelOptions, TrustOption):
+    """Controllers that are shown in one episode, the same for all."""
+
+    controllers: list[str] = dataclasses.field(default_factory=lambda: ["passive", "servo"])
+    """laws, shipped policies and run folders, see solar-env evaluate --help; each once"""
+    seed: int = 0
+    """chooses the evaluation episode"""
+    env_id: str = DEFAULT_ENV_ID
+    """environment id"""
+    quiet: bool = False
+    """no progress bar"""
+
+
+@dataclasses.dataclass
 class TrainingOptions(WorkerOptions):
     """Settings of trainings in place of those in agents/configs."""
 

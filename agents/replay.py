@@ -1,16 +1,16 @@
 """Command that shows one episode of several controllers, in motion, on one page: `solar-env replay`."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from rich.console import Console
 
-from agents.arguments import ModelOptions, TrustOption, command_line, parse_arguments, run_command
+from agents.arguments import ShowingOptions, command_line, parse_arguments, run_command
 from agents.comparison.controllers import parse_controllers, trust_runs
 from agents.comparison.suites import MODEL
-from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_sampling
+from agents.environments import episode_seeds, make_env, with_sampling
 from agents.rollout import run_episode
 from solar_env.environment.recording import RecordTrajectory
 from solar_env.mechanics.running.trajectory import Trajectory
@@ -35,22 +35,14 @@ SHOWN = {
 
 
 @dataclass
-class Args(ModelOptions, TrustOption):
+class Args(ShowingOptions):
     """Show one episode of several controllers, the same for all, in motion, side by side on one page.
 
     The model is flexible-clearance unless another is named.
     """
 
-    controllers: list[str] = field(default_factory=lambda: ["passive", "servo"])
-    """laws, shipped policies and run folders, see solar-env evaluate --help; each once"""
-    seed: int = 0
-    """chooses the evaluation episode"""
-    env_id: str = DEFAULT_ENV_ID
-    """environment id"""
     html: Path = Path("replay.html")
     """the page, which needs no network"""
-    quiet: bool = False
-    """no progress bar"""
 
 
 def main(argv: Sequence[str] | None = None) -> None:

@@ -1,7 +1,7 @@
 """Command that draws and animates one episode of several controllers: `python -m agents.show`."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -9,11 +9,11 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 from rich.console import Console
 
-from agents.arguments import ModelOptions, TrustOption, parse_arguments, run_command
+from agents.arguments import ShowingOptions, parse_arguments, run_command
 from agents.comparison.controllers import parse_controllers, trust_runs
 from agents.comparison.figures import deployments_figure
 from agents.comparison.suites import MODEL
-from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_sampling
+from agents.environments import episode_seeds, make_env, with_sampling
 from agents.rollout import Step, run_episode
 from agents.torque_laws import Controller
 from solar_env.support.files import copy_file, make_folder, writing
@@ -26,20 +26,12 @@ FRAMES_PER_SECOND = 10
 
 
 @dataclass
-class Args(ModelOptions, TrustOption):
+class Args(ShowingOptions):
     """Draw one episode of several controllers, the same for all, and animate them one above the other.
 
     The model is flexible-clearance unless another is named.
     """
 
-    controllers: list[str] = field(default_factory=lambda: ["passive", "servo"])
-    """see python -m agents.evaluate --help; each once"""
-    seed: int = 0
-    """chooses the evaluation episode"""
-    env_id: str = DEFAULT_ENV_ID
-    """environment id"""
-    quiet: bool = False
-    """no progress bar"""
     out: str = "show"
     """folder of the figure and the animation"""
     readme: bool = False

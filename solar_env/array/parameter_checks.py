@@ -1,4 +1,4 @@
-"""What array parameters are refused for, each by name, value and rule."""
+"""Checks of array parameters: bad ones are refused by name, value and rule."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ _WIDTH = 100  # characters of an explanation's line
 
 
 class ParameterFile(NamedTuple):
-    """What a file says: the array, and what of it is drawn anew for every run.
+    """Content of a file: the array, and the parameters that are drawn anew for every run.
 
     `gymnasium.make("solar_env/Deploy-v1", **solar_env.read_parameters("my_array.toml")._asdict())` makes an environment
     of it.
@@ -143,7 +143,7 @@ def _explained(name: str, error: ValueError) -> str:
 
 
 def explanations() -> dict[str, str]:
-    """What each parameter is, with its unit and source: the docstring of `ArrayParameters`, by name."""
+    """Explain each parameter, with its unit and source: the docstring of `ArrayParameters`, by name."""
     document = inspect.cleandoc(ArrayParameters.__doc__ or "").split("Attributes:\n")[1]
     texts: dict[str, str] = {}
     for entry in re.split(r"\n {4}(?=\S)", "\n" + document.rstrip()):

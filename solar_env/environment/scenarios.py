@@ -34,7 +34,7 @@ class Scenario:
         return parameters if isinstance(parameters, ArrayParameters) else self.parameters.with_changes(parameters or {})
 
     def ranges(self, joints: int) -> Ranges:
-        """What is drawn for an array of so many joints: bounds by joint from the root on, as many as there are."""
+        """Ranges for an array of so many joints: bounds by joint from the root on, as many as there are."""
 
         def fitted(bound: Bound) -> Bound:
             return bound[:joints] if isinstance(bound, tuple) else bound

@@ -20,7 +20,7 @@ def signed_logarithm(values: Values, unit: float) -> Values:
 
 
 class Shown:
-    """What the sensors of several arrays show at one moment, and the opening that follows from it.
+    """Readings of the sensors of several arrays at one moment, and the opening that follows from them.
 
     Args:
         measured: by the names in `MEASURED`: (lanes, joints) angles in units of the lock angles, rates [rad/s] and

@@ -152,7 +152,7 @@ channel_type = np.dtype(
 
 
 def measured_for(entries: Sequence[Entry], joints: int) -> list[tuple[Observable, int]]:
-    """What is to be measured, and at which joint, for entries of an observation to be shown."""
+    """Channels, and their joints, that are measured for entries of an observation to be shown."""
     wanted: list[tuple[Observable, int]] = []
     for entry in entries:
         if isinstance(entry.observable, Observable):

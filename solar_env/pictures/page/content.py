@@ -1,4 +1,4 @@
-"""What a page holds: motions, charts and tables, in plain numbers that say nothing of how they were computed."""
+"""Contents of a page: motions, charts and tables, in plain numbers that say nothing of how they were computed."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field

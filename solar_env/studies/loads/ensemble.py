@@ -29,7 +29,7 @@ REFERENCE = Level("flexible-clearance", PanelModel("modal", 48), tighter=10.0)
 
 @dataclass(frozen=True)
 class Plan:
-    """What is asked.
+    """Question that an ensemble answers.
 
     Attributes:
         array: parameters, and what of them is drawn.
@@ -100,7 +100,7 @@ def run_member(cell: Cell) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Loads:
-    """What an ensemble says.
+    """Answer of an ensemble.
 
     Attributes:
         plan: what was asked.

@@ -1,4 +1,4 @@
-"""What is read from a deployment: by joint, and of the hub."""
+"""Quantities that are read from a deployment: by joint, and of the hub."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What an ensemble says, in five lines and in tables."""
+"""Report of an ensemble, in five lines and in tables."""
 
 import math
 
@@ -50,7 +50,7 @@ _HUB_SENTENCE = (("hub_excursion", "deg", 180.0 / math.pi), ("hub_force", "N", 1
 
 
 def _basis(loads: Loads) -> str:
-    """What the figures rest on, and what is missing."""
+    """State what the figures rest on, and what is missing."""
     plan = loads.plan
     drawn = ", ".join(plan.array.randomize) or "no parameter"
     runs = "1 run" if plan.members == 1 else f"{plan.members} runs"

@@ -45,7 +45,7 @@ class Figure:
 
     @property
     def uncertainty(self) -> float:
-        """What is not known of the mean: half its interval, or the model error if greater; nan without interval."""
+        """Uncertainty of the mean: half its interval, or the model error if greater; nan without interval."""
         if math.isnan(self.low):
             return math.nan
         return max(0.5 * (self.high - self.low), 0.0 if math.isnan(self.model_low) else abs(self.model_error))

@@ -221,7 +221,7 @@ def _claims() -> Iterator[Claim]:
 
 
 def _joint_2_claims() -> Iterator[Claim]:
-    """What the paper says of joint 2 against joint 1, with rigid panels."""
+    """Claims of the paper on joint 2 against joint 1, with rigid panels."""
     why = "which joint's latch stops more, and is struck more, hangs on the hinge's place and on the torque ratio"
     for key, statement, figure in (
         ("lock-torque-2", "greatest lock torque", measures.lock_torque),

@@ -77,7 +77,7 @@ def measure(cell: Mapping[str, Any]) -> dict[str, float]:
 
 
 def verdict(holds: Mapping[PanelLevel, bool]) -> str:
-    """What a claim is owed to, by the levels at which it holds."""
+    """Name the cause of a claim, by the levels at which it holds: physics, mesh or missing damping."""
     converged = [holds[level] for level in CONVERGED]
     if all(converged):
         return "physics" if holds[PAPER] else "physics, but not on the paper's mesh"

@@ -37,15 +37,26 @@ def report_interruption(stop: KeyboardInterrupt) -> int:
 
 @contextmanager
 def deaf() -> Iterator[None]:
-    """Hear Ctrl-C only at the end of the block, for what must not be torn."""
-    if not hasattr(signal, "pthread_sigmask"):
+    """Hear Ctrl-C only at the end of the block, for what must not be torn.
+
+    A mask of signals would not do: it is one thread's, and the system gives Ctrl-C to any other thread of the process.
+    """
+    if threading.current_thread() is not threading.main_thread():  # it hears none
         yield
         return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    heard = False
+
+    def remember(*_: object) -> None:
+        nonlocal heard
+        heard = True
+
+    before = signal.signal(signal.SIGINT, remember)
     try:
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        signal.signal(signal.SIGINT, before)
+        if heard:
+            signal.raise_signal(signal.SIGINT)
 
 
 @contextmanager

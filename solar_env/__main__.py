@@ -1,4 +1,4 @@
-"""The command line, `solar-env COMMAND` or `python -m solar_env COMMAND`.
+"""The command line, `solar-env COMMAND`; `python -m solar_env` is the same where no script is installed.
 
 `COMMANDS` names all of them by their modules, those of `agents` too: the package itself knows nothing of `agents`.
 """
@@ -35,19 +35,19 @@ COMMANDS = {
         "loads": Command("solar_env.commands.loads", "say how hard hinges and hub are hit, and how sure that is"),
     },
     "controllers": {
-        "train": Command("agents.train", "train an agent, and compare it with the baselines"),
-        "tune": Command("agents.tune", "tune a law"),
-        "evaluate": Command("agents.evaluate", "compare controllers on the same episodes"),
+        "train": Command("agents.commands.train", "train an agent, and compare it with the baselines"),
+        "tune": Command("agents.commands.tune", "tune a law"),
+        "evaluate": Command("agents.commands.evaluate", "compare controllers on the same episodes"),
         "play": Command("solar_env.commands.play", "drive the array by hand, in a window"),
-        "record": Command("agents.record", "film an episode of a controller"),
-        "replay": Command("agents.replay", "show controllers side by side, in motion, on a page"),
-        "show": Command("agents.show", "draw one episode of several controllers, and animate them"),
-        "search": Command("agents.search", "search hyperparameters of an agent"),
-        "attack": Command("agents.attack", "search torques for what the reward would pay for"),
-        "curves": Command("agents.curves", "train over seeds and draw the learning curves"),
-        "transfer": Command("agents.transfer", "train on every level of the model, judge on all"),
-        "export": Command("agents.export", "ship a trained policy"),
-        "header": Command("agents.header", "write a shipped policy as one C header"),
+        "record": Command("agents.commands.record", "film an episode of a controller"),
+        "replay": Command("agents.commands.replay", "show controllers side by side, in motion, on a page"),
+        "show": Command("agents.commands.show", "draw one episode of several controllers, and animate them"),
+        "search": Command("agents.commands.search", "search hyperparameters of an agent"),
+        "attack": Command("agents.commands.attack", "search torques for what the reward would pay for"),
+        "curves": Command("agents.commands.curves", "train over seeds and draw the learning curves"),
+        "transfer": Command("agents.commands.transfer", "train on every level of the model, judge on all"),
+        "export": Command("agents.commands.export", "ship a trained policy"),
+        "header": Command("agents.commands.header", "write a shipped policy as one C header"),
     },
     "trust": {
         "verify": Command("solar_env.commands.verify", "run the cases with known answers"),

@@ -55,7 +55,7 @@ SPLIT = b"\n---\n"  # between the two files of a policy
 
 
 def policy(content: bytes) -> None:
-    from agents import shipped
+    from agents.policies import shipped
 
     description, _, arrays = content.partition(SPLIT)
     written(shipped.DESCRIPTION, description)
@@ -66,7 +66,7 @@ def policy(content: bytes) -> None:
 
 
 def policies() -> list[bytes]:
-    from agents import shipped
+    from agents.policies import shipped
 
     folders = [shipped.SHIPPED / name for name in shipped.available()]
     return [
@@ -75,14 +75,14 @@ def policies() -> list[bytes]:
 
 
 def run_folder(content: bytes) -> None:
-    from agents import runs
+    from agents.learning import runs
 
     written(runs.CONFIG, content)
     runs.read_config(FOLDER)
 
 
 def sealed_file(content: bytes) -> None:
-    from agents.trust import unsealed
+    from agents.learning.trust import unsealed
 
     unsealed(written("checkpoint.pkl", content))
 
@@ -194,7 +194,12 @@ def main() -> None:
         (corpus / f"beginning-{number}").write_bytes(content)
         # What it imports is counted only if it is instrumented, and kernels must not be.
         try_input(target, content)
-    readers = ["solar_env.support", "solar_env.mechanics.running.trajectory", "agents.policies", "agents.shipped"]
+    readers = [
+        "solar_env.support",
+        "solar_env.mechanics.running.trajectory",
+        "agents.policies",
+        "agents.policies.shipped",
+    ]
     for name in [name for name in sys.modules if any(name.startswith(reader) for reader in readers)]:
         del sys.modules[name]
     with atheris.instrument_imports(include=readers):

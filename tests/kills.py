@@ -26,11 +26,10 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from agents import evaluate, runs, train, tune
-from agents.arguments import run_command
+from agents.commands import evaluate, train, tune  # noqa: F401  (loaded before processes are forked)
 from agents.laws import baselines
-from agents.learning import checkpoints, learn
-from agents.trust import unsealed
+from agents.learning import checkpoints, learn, runs
+from agents.learning.trust import unsealed
 from solar_env.__main__ import main as solar_env
 from solar_env.studies.common.tables import read_table
 from solar_env.support.files import PART
@@ -60,18 +59,18 @@ def _train(folder: Path) -> None:
         if checkpoints_of(folder)
         else [*SMALL, "--out", str(folder)]
     )
-    run_command(lambda: train.main(words))
+    sys.exit(solar_env(["train", *words]))
 
 
 def _tune(folder: Path) -> None:
     folder.mkdir(exist_ok=True)
     baselines.CONFIGS = folder
-    run_command(lambda: tune.main(TUNING))
+    sys.exit(solar_env(["tune", *TUNING]))
 
 
 def _evaluate(folder: Path) -> None:
     words = ["--controllers", "passive", *QUICK, "--episodes", "40", "--jobs", "1", "--quiet", "--out", str(folder)]
-    run_command(lambda: evaluate.main(words))
+    sys.exit(solar_env(["evaluate", *words]))
 
 
 def _command(*words: str) -> Callable[[Path], object]:

@@ -4,11 +4,11 @@ from pathlib import Path
 
 import numpy as np
 
-from agents import export, runs
+from agents.commands import export
 from agents.comparison.evaluation import evaluate
 from agents.comparison.report import write_comparison
 from agents.environments import DEFAULT_ENV_ID
-from agents.learning import configurations, learn
+from agents.learning import configurations, learn, runs
 
 COMMAND = "python train.py --seed 7"
 QUICK = {"model": "rigid-ideal", "control_period": 0.5, "postlock_window": 2.0, "observation": "drive"}

@@ -4,9 +4,9 @@ import io
 
 import numpy as np
 
-from agents import runs, train
-from agents.arguments import parse_arguments
-from agents.learning import checkpoints
+from agents.commands import train
+from agents.commands.arguments import parse_arguments
+from agents.learning import checkpoints, runs
 
 RIGID = ["--model", "rigid-clearance"]
 OFF_POLICY = [*RIGID, "--n-envs", "1", "--landings", "4"]

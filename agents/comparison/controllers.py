@@ -8,10 +8,11 @@ from typing import Any
 
 import gymnasium
 
-from agents import runs, shipped
 from agents.environments import INTERFACE
 from agents.laws.baselines import episodes_spent, make_baseline
 from agents.laws.table import LAWS, TUNABLE
+from agents.learning import runs
+from agents.policies import shipped
 from agents.torque_laws import Controller
 
 
@@ -144,7 +145,7 @@ def parse_controller(text: str) -> NamedController:
 
 
 def trust_runs(texts: Sequence[str]) -> None:
-    """Take over the run folders among controllers, see `agents.runs.trust_run`."""
+    """Take over the run folders among controllers, see `agents.learning.runs.trust_run`."""
     for controller in map(parse_controller, texts):
         if isinstance(controller, _Run):
             runs.trust_run(controller.spec)

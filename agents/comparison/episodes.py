@@ -12,11 +12,11 @@ import gymnasium
 import numpy as np
 from rich.console import Console
 
-from agents import runs
 from agents.comparison.controllers import NamedController, parse_controller
 from agents.environments import make_env
 from agents.laws.baselines import CONFIGS, make_baseline
 from agents.laws.table import TUNABLE
+from agents.learning import runs
 from agents.rollout import run_episode
 from agents.torque_laws import Controller, LawParameters
 from solar_env.support.campaigns import ONE, Campaign, Cell, Workers, each_done

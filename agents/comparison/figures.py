@@ -11,8 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from agents import runs
 from agents.comparison.report import HIGHER_IS_BETTER, TABLE
+from agents.learning import runs
 from agents.rollout import Step
 from solar_env.pictures.style import CONTROLLER_LOOKS, STYLE, controller_looks, look_of
 from solar_env.support.files import save_figure

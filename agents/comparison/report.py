@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from agents import runs
 from agents.comparison.statistics import Estimate, difference, estimate, improvement, interquartile_mean
 from agents.laws.table import BASELINES
+from agents.learning import runs
 from solar_env.support.files import make_folder, write_text
 
 # Figure -> (heading, factor to the heading's unit); the tables show these, the CSV file has all.

@@ -2,9 +2,9 @@
 
 from typing import Any
 
-from agents import shipped
 from agents.laws.baselines import is_tuned
 from agents.laws.table import TUNABLE
+from agents.policies import shipped
 
 # Agents are trained and both suites judged on this model, whose peak forces have converged. It is also the cheapest
 # with flexible panels: under the servo 579 environment steps a second of a core, with 8 modes 453, with 2, 4 and 6 beam

@@ -3,6 +3,6 @@
 Imports `agents.torque_laws` (the base classes), `agents.environments` and the simulator; nothing that learns.
 
 To add a law: write its class in a file of its own here, as a `TunableLaw` with a dataclass of `LawParameters`, each
-with its default and range; add a row to `agents.laws.table`; run `python -m agents.tune --controller NAME` to find its
+with its default and range; add a row to `agents.laws.table`; run `solar-env tune --controller NAME` to find its
 parameters. The tests run over the table.
 """

@@ -83,7 +83,7 @@ def _entry(name: str, env_id: str, model: str) -> tuple[dict[str, Any], str]:
 
 
 def _command(name: str, env_id: str, model: str) -> str:
-    return f"python -m agents.tune --controller {name} --env-id {env_id} --model {model}"
+    return f"solar-env tune --controller {name} --env-id {env_id} --model {model}"
 
 
 def make_baseline(name: str, env: gymnasium.Env, parameters: LawParameters | None = None) -> Controller:

@@ -20,7 +20,7 @@ class Row:
     """A controller without learning: the class of a torque law, or of a search that needs the simulator."""
 
     cls: type[TorqueLaw] | type[RecedingHorizon]
-    tuned: bool = False  # whether the parameters are those that `agents.tune` has found
+    tuned: bool = False  # whether the parameters are those that `solar-env tune` has found
     base: str | None = None  # name of the law that a search improves on; None for a torque law
 
 

@@ -1,7 +1,9 @@
 """Training with Stable-Baselines3: configurations, features, landings, models, and the run from one to the other.
 
-Imports the laws, run folders and `agents.vec_env`; not the comparison. To add an algorithm: its class in
-`agents.runs.ALGORITHMS`, its file in `agents/configs`, and its ranges in `agents.search.SPACES`.
+`runs` reads and writes the folder of a training run, whose files `trust` seals; `vec_env` is the vector environment
+behind Stable-Baselines3's interface, `weight_search` CMA-ES and ARS over the weights of a policy. Imports the laws; not
+the comparison. To add an algorithm: its class in `runs.ALGORITHMS`, its file in `agents/configs`, and its ranges in
+`agents.commands.search.SPACES`.
 
-`minimisation` (CMA-ES) serves the commands `agents.tune` and `agents.search`.
+`minimisation` (CMA-ES) serves `solar-env tune`, `search` and `attack`.
 """

@@ -11,7 +11,7 @@ import numpy as np
 from stable_baselines3.common.callbacks import BaseCallback, EvalCallback
 from stable_baselines3.common.vec_env import VecEnv
 
-from agents import runs
+from agents.learning import runs
 from agents.rollout import episode_figures
 from solar_env.support.files import write_bytes
 

@@ -24,12 +24,12 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper, VecNormalize
 
-from agents import runs
+from agents.learning import runs
 from agents.learning.callbacks import DeploymentLogger, Validation
 from agents.learning.configurations import Configuration
 from agents.learning.landings import Landing
 from agents.learning.models import freeze_bias
-from agents.trust import DamagedFileError, UntrustedFileError, sealed, unsealed
+from agents.learning.trust import DamagedFileError, UntrustedFileError, sealed, unsealed
 from solar_env.support.files import write_bytes
 from solar_env.support.interruption import deaf
 

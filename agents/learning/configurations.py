@@ -7,11 +7,11 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
-from agents import runs
 from agents.environments import EPISODES_PER_SEED, INTERFACE, check_episode_seeds, environment_settings, with_sampling
 from agents.laws.baselines import CONFIGS
 from agents.laws.residual import DEFAULT_LAW, residual_on
-from agents.weight_search import WeightSearch
+from agents.learning import runs
+from agents.learning.weight_search import WeightSearch
 from solar_env.support.plain_arrays import read_json
 
 # Arguments of the Stable-Baselines3 classes that are no hyperparameters.
@@ -29,7 +29,7 @@ class Configuration:
     """Complete settings of a training run: it follows from these alone.
 
     Attributes:
-        algo: Name of the algorithm, one of `agents.runs.ALGORITHMS`.
+        algo: Name of the algorithm, one of `agents.learning.runs.ALGORITHMS`.
         env_id: Environment id.
         env_kwargs: Environment keywords, with the ranges to randomise.
         seed: Run seed; networks, exploration and episodes follow from it.

@@ -9,7 +9,7 @@ from stable_baselines3.common.vec_env import VecEnv
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepReturn
 
 from agents.learning.features import APPROACH_BEGINS
-from agents.vec_env import LAW_REWARD, NativeVecEnv
+from agents.learning.vec_env import LAW_REWARD, NativeVecEnv
 from solar_env.environment.episodes import SavedEpisode
 
 

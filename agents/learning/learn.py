@@ -14,17 +14,16 @@ from stable_baselines3.common.callbacks import CallbackList
 from stable_baselines3.common.logger import configure
 from stable_baselines3.common.vec_env import VecEnv, VecMonitor, VecNormalize
 
-from agents import runs
 from agents.environments import EPISODES_PER_SEED, environment_settings, episode_seeds
-from agents.learning import checkpoints
+from agents.learning import checkpoints, runs
 from agents.learning.callbacks import Call, DeploymentLogger, Validation
 from agents.learning.configurations import Configuration, stored_configuration
 from agents.learning.features import Features, landing, whole_motion
 from agents.learning.landings import Landing, LandingVecEnv, record
 from agents.learning.models import make_model
-from agents.trust import sealed
-from agents.vec_env import FixedSeeds, LogarithmicCharges, NativeVecEnv, ResidualVecEnv
-from agents.weight_search import WeightSearch
+from agents.learning.trust import sealed
+from agents.learning.vec_env import FixedSeeds, LogarithmicCharges, NativeVecEnv, ResidualVecEnv
+from agents.learning.weight_search import WeightSearch
 from solar_env.support.campaigns import Workers, each_done
 from solar_env.support.files import make_folder, write_bytes
 from solar_env.support.progress import counting_bar

@@ -14,11 +14,11 @@ from stable_baselines3.common.policies import ActorCriticPolicy
 from stable_baselines3.common.utils import LinearSchedule
 from stable_baselines3.common.vec_env import VecEnv, VecNormalize
 
-from agents import runs
 from agents.environments import episode_seeds
+from agents.learning import runs
 from agents.learning.configurations import Configuration
 from agents.learning.features import DriveFeatures, Features
-from agents.weight_search import WeightSearch
+from agents.learning.weight_search import WeightSearch
 
 SHARE = "share"
 NOISE_PERIODS = 100

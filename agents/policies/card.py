@@ -102,8 +102,8 @@ single impacts: compare means over episodes.
 
 ```python
 from agents.environments import make_env
+from agents.policies.shipped import load_shipped
 from agents.rollout import run_episode
-from agents.shipped import load_shipped
 
 policy = load_shipped("{name}")
 env = make_env(policy.description.env_id, policy.description.env_kwargs)
@@ -116,7 +116,7 @@ In ONNX Runtime, from observations (n, {policy.network.inputs}) to actions (n, 1
 ```python
 import numpy
 import onnxruntime
-from agents.shipped import ONNX, SHIPPED
+from agents.policies.shipped import ONNX, SHIPPED
 
 session = onnxruntime.InferenceSession(SHIPPED / "{name}" / ONNX)
 observations = numpy.zeros((1, {policy.network.inputs}), dtype=numpy.float32)

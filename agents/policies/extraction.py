@@ -10,8 +10,8 @@ from stable_baselines3.sac.policies import SACPolicy
 from torch import nn
 
 from agents.learning.features import LIMIT, DriveFeatures
+from agents.learning.weight_search import WeightSearch
 from agents.policies.network import Layer, PolicyNetwork
-from agents.weight_search import WeightSearch
 
 GREATEST = 1e6  # above whatever is observed
 

@@ -1,6 +1,6 @@
 """The ladder of model levels: its questions, and the cheapest level that answers one to a tolerance.
 
-Errors and costs of the levels are read from a table that `python -m solar_env ladder` measured.
+Errors and costs of the levels are read from a table that `solar-env ladder` measured.
 """
 
 import csv
@@ -73,13 +73,13 @@ class Answer:
 
 
 def read_answers(path: Path = PACKAGED_TABLE) -> tuple[Answer, ...]:
-    """Read the table of the package, or another one that `python -m solar_env ladder` wrote.
+    """Read the table of the package, or another one that `solar-env ladder` wrote.
 
     Raises:
         ValueError: if the file does not exist or is not such a table.
     """
     if not path.is_file():
-        raise ValueError(f"{path} does not exist; measure it: python -m solar_env ladder")
+        raise ValueError(f"{path} does not exist; measure it: solar-env ladder")
     kinds = get_type_hints(Answer)
     with path.open(newline="", encoding="utf-8") as file:
         rows = csv.DictReader(line for line in file if not line.startswith("# "))
@@ -119,7 +119,7 @@ def cheapest(answers: Iterable[Answer], question: str, tolerance: float) -> Answ
         raise ValueError(f"tolerance = {tolerance!r} must be a positive finite number")
     asked = [answer for answer in answers if answer.question == question]
     if not asked:
-        raise ValueError(f"the table does not tell of {question!r}; measure it: python -m solar_env ladder")
+        raise ValueError(f"the table does not tell of {question!r}; measure it: solar-env ladder")
     within = [answer for answer in asked if answer.bound <= tolerance * _ROUNDING]
     if not within:
         best = min(asked, key=lambda answer: answer.bound)

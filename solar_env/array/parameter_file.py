@@ -74,7 +74,7 @@ def read_parameters(path: str | Path) -> ParameterFile:
     except UnicodeDecodeError as error:
         raise ValueError(f"{path} is no text in UTF-8: {error}") from error
     except tomllib.TOMLDecodeError as error:
-        raise ValueError(f"{path} is no TOML: {error}; python -m solar_env parameters prints a file") from error
+        raise ValueError(f"{path} is no TOML: {error}; solar-env parameters prints a file") from error
     text = _Text(path, content.splitlines())
     tables = {name: values.pop(name, {}) for name in (TOLERANCE, RANDOMIZE)}
     for name, table in tables.items():

@@ -1,4 +1,4 @@
-"""`python -m solar_env bench`: environment steps per second, and what they cost."""
+"""`solar-env bench`: environment steps per second, and what they cost."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,7 +13,7 @@ from solar_env.support.readme import STUDIES, Section
 from solar_env.support.terminal import print_markdown
 
 FILE = "bench.md"
-SECTION = Section(STUDIES / "throughput" / "README.md", "bench", "python -m solar_env bench --readme")
+SECTION = Section(STUDIES / "throughput" / "README.md", "bench", "solar-env bench --readme")
 
 
 @dataclass

@@ -1,4 +1,4 @@
-"""`python -m solar_env chart`: speed against accuracy, measured into tables, drawn from the tables."""
+"""`solar-env chart`: speed against accuracy, measured into tables, drawn from the tables."""
 
 from dataclasses import dataclass
 
@@ -13,7 +13,7 @@ from solar_env.support.readme import Section
 FOLDER = STUDY_FOLDER / "precision"
 # File that a study writes -> the section of the page that it goes into.
 SECTIONS = {
-    f"{name.replace(' ', '_')}.md": Section(FOLDER / "README.md", name, "python -m solar_env chart --readme")
+    f"{name.replace(' ', '_')}.md": Section(FOLDER / "README.md", name, "solar-env chart --readme")
     for name in ("side by side", "levels")
 }
 STUDIES = ("work-precision", "ensembles", "levels", "growth", "side-by-side")

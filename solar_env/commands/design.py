@@ -1,4 +1,4 @@
-"""`python -m solar_env design`: peak force and wear over clearances and over latch and cable stiffness."""
+"""`solar-env design`: peak force and wear over clearances and over latch and cable stiffness."""
 
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""`python -m solar_env figures`: the pictures of a deployment, and of where a fixed step fails, for the pages."""
+"""`solar-env figures`: the pictures of a deployment, and of where a fixed step fails, for the pages."""
 
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""`python -m solar_env ground-test`: deployments repeated with the worn clearance fed back."""
+"""`solar-env ground-test`: deployments repeated with the worn clearance fed back."""
 
 from dataclasses import dataclass, replace
 

@@ -1,4 +1,4 @@
-"""`python -m solar_env ladder`: the cheapest model level that answers a question, measured."""
+"""`solar-env ladder`: the cheapest model level that answers a question, measured."""
 
 from dataclasses import dataclass
 

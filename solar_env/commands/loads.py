@@ -1,4 +1,4 @@
-"""`python -m solar_env loads`: how hard hinges and hub are hit, and how sure that is."""
+"""`solar-env loads`: how hard hinges and hub are hit, and how sure that is."""
 
 import shlex
 import sys

@@ -1,4 +1,4 @@
-"""`python -m solar_env paper`: the paper, figure by figure and claim by claim."""
+"""`solar-env paper`: the paper, figure by figure and claim by claim."""
 
 from dataclasses import dataclass, field
 
@@ -12,9 +12,9 @@ from solar_env.support.readme import STUDIES, Section
 from solar_env.support.terminal import print_markdown
 
 FOLDER = STUDIES / "paper"
-SECTION = Section(FOLDER / "README.md", "claims", "python -m solar_env paper --readme")
-INDEX_SECTION = Section(FOLDER / "README.md", "index", "python -m solar_env paper --readme")
-LEVELS_SECTION = Section(FOLDER / "README.md", "levels", "python -m solar_env paper --levels --readme")
+SECTION = Section(FOLDER / "README.md", "claims", "solar-env paper --readme")
+INDEX_SECTION = Section(FOLDER / "README.md", "index", "solar-env paper --readme")
+LEVELS_SECTION = Section(FOLDER / "README.md", "levels", "solar-env paper --levels --readme")
 
 
 @dataclass

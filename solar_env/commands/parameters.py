@@ -1,4 +1,4 @@
-"""`python -m solar_env parameters`: a complete file of parameters, each explained."""
+"""`solar-env parameters`: a complete file of parameters, each explained."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""`python -m solar_env simulate`: one deployment from the command line."""
+"""`solar-env simulate`: one deployment from the command line."""
 
 import json
 import sys

@@ -1,4 +1,4 @@
-"""`python -m solar_env stability`: maps of where methods fail, as tables and figures."""
+"""`solar-env stability`: maps of where methods fail, as tables and figures."""
 
 import textwrap
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""`python -m solar_env verify`: run the cases with known answers."""
+"""`solar-env verify`: run the cases with known answers."""
 
 import itertools
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""`python -m solar_env warmup`: compile every kernel once, with a sign of progress."""
+"""`solar-env warmup`: compile every kernel once, with a sign of progress."""
 
 import multiprocessing
 import time

@@ -34,7 +34,7 @@ class EnvironmentSettings:
     Attributes:
         model: "rigid-clearance", "rigid-ideal", "flexible-clearance" or "flexible-ideal". With ideal joints the joint
             reactions take the place of contact forces and nothing wears. "auto" takes the cheapest model and panels
-            that answer a question, as measured by `python -m solar_env ladder` with the default parameters; the
+            that answer a question, as measured by `solar-env ladder` with the default parameters; the
             attributes `model` and `panels` of the environment then say which. With other parameters, and with
             `randomize`, take it as a hint.
         parameters: an `ArrayParameters`, or a mapping of changes to those of the scenario.

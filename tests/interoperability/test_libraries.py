@@ -14,7 +14,7 @@ import pytest
 
 import solar_env  # noqa: F401 (registers the environments)
 from agents.environments import make_env
-from agents.shipped import load_shipped
+from agents.policies.shipped import load_shipped
 
 ROOT = Path(__file__).resolve().parents[2]
 ZOO = ROOT / "agents" / "configs" / "rl-zoo3" / "ppo.yml"

@@ -65,7 +65,7 @@ def test_every_study_writes_its_tables_with_their_provenance(measured):
     assert {path.stem for path in folder.iterdir()} == set(names)
     for name, study in names.items():
         command = read_table(folder / f"{name}.csv").provenance["command"]
-        assert command == f"python -m solar_env chart --only {study} --quick"
+        assert command == f"solar-env chart --only {study} --quick"
 
 
 @pytest.mark.parametrize("study", chart.STUDIES)

@@ -11,7 +11,7 @@ ROWS = [
 
 
 def test_a_table_comes_back_as_it_was_written(tmp_path):
-    made_by = provenance("python -m solar_env chart", quick=True)
+    made_by = provenance("solar-env chart", quick=True)
     write_table(tmp_path / "folder" / "table.csv", ROWS, made_by)
     table = read_table(tmp_path / "folder" / "table.csv")
     assert [dict(row) for row in table.rows] == ROWS
@@ -21,8 +21,8 @@ def test_a_table_comes_back_as_it_was_written(tmp_path):
 
 
 def test_provenance_names_command_settings_and_versions():
-    made_by = provenance("python -m solar_env chart", quick=True, seed=3)
-    assert made_by["command"] == "python -m solar_env chart"
+    made_by = provenance("solar-env chart", quick=True, seed=3)
+    assert made_by["command"] == "solar-env chart"
     assert made_by["quick"] == "True"
     assert made_by["seed"] == "3"
     assert {"solar-env", "numpy", "numba", "python", "machine"} <= made_by.keys()

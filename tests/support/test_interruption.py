@@ -5,12 +5,12 @@ import re
 import signal
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
 import pytest
 
-from agents.arguments import run_command
 from solar_env import __main__ as command_line
 from solar_env.support import interruption
 from solar_env.support.campaigns import Campaign
@@ -33,12 +33,30 @@ def test_every_command_ends_with_130_and_one_line(name, monkeypatch, capsys):
     assert capsys.readouterr().err == "interrupted; kept the half of it\n"
 
 
-def test_so_do_the_commands_of_the_agents(capsys, monkeypatch):
+def test_it_says_so_where_nothing_was_kept(capsys, monkeypatch):
     monkeypatch.setattr(interruption, "_left", [])
-    with pytest.raises(SystemExit) as end:
-        run_command(interrupt)
-    assert end.value.code == 130
+    monkeypatch.setattr("importlib.import_module", lambda _: interrupt())
+    assert command_line.main(["train"]) == 130
     assert capsys.readouterr().err == "interrupted; nothing was kept\n"
+
+
+def test_what_must_not_be_torn_hears_ctrl_c_at_its_end_with_other_threads_about():
+    done = []
+
+    @interruption.deaf()
+    def work():
+        for _ in range(20):
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(0.01)
+        done.append("whole")
+
+    end = threading.Event()
+    other = threading.Thread(target=end.wait)
+    other.start()
+    with pytest.raises(KeyboardInterrupt):
+        work()
+    end.set()
+    assert done == ["whole"]
 
 
 def stop_at_three(cell):
@@ -58,13 +76,13 @@ def test_a_campaign_says_what_it_has_kept_and_goes_on_from_there(tmp_path):
     assert [cell["number"] for cell in Campaign(stop_at_three, cells, tmp_path / "results.jsonl").missing] == [3, 4]
 
 
-def test_it_says_so_too_where_ctrl_c_comes_between_two_results(tmp_path, capsys):
+def test_it_says_so_too_where_ctrl_c_comes_between_two_results(tmp_path, capsys, monkeypatch):
     def go():
         for _ in Campaign(stop_at_three, [{"number": 0}, {"number": 1}], tmp_path / "results.jsonl").run():
             raise KeyboardInterrupt
 
-    with pytest.raises(SystemExit):
-        run_command(go)
+    monkeypatch.setattr("importlib.import_module", lambda _: go())
+    assert command_line.main(["design"]) == 130
     assert capsys.readouterr().err.startswith("interrupted; kept 1 of 2 results in ")
 
 
@@ -74,7 +92,7 @@ def has_begun(path):
 
 
 SMALL_TRAINING = [
-    "-m", "agents.train", "--residual", "0", "--model", "rigid-ideal", "--timesteps", "100000", "--n-envs", "2",
+    "-m", "solar_env", "train", "--residual", "0", "--model", "rigid-ideal", "--timesteps", "100000", "--n-envs", "2",
     "--hyperparams", "n_steps=20", "batch_size=20", "--checkpoint-interval", "40", "--quiet",
 ]  # fmt: skip
 

@@ -1,15 +1,13 @@
 """Claims about the README pages: their programs run, their commands parse, their links lead somewhere."""
 
-import importlib
 import re
 import shlex
 from pathlib import Path
 
 import pytest
 
-from agents import train
-from agents.arguments import parse_arguments
 from solar_env.__main__ import command_named, main
+from solar_env.commands.arguments import parse_arguments
 from solar_env.support.readme import PACKAGE, Section
 from solar_env.verification.suite import select
 
@@ -21,6 +19,7 @@ PAGES = [
     *sorted([*PACKAGE.rglob("README.md"), *(ROOT / "agents").rglob("README.md")]),
 ]
 TEXTS = {str(page.relative_to(ROOT)): page.read_text(encoding="utf-8") for page in PAGES}
+CODE = [*PACKAGE.rglob("*.py"), *(ROOT / "agents").rglob("*.py")]
 MOST_LINES = 200
 
 
@@ -47,35 +46,24 @@ def commands():
     lines = set()
     for text in TEXTS.values():
         for block in fenced(text, ""):
-            lines |= {line for line in block.splitlines() if re.match(r"python (-m|train\.py)|solar-env ", line)}
-        lines |= set(re.findall(r"`((?:python (?:-m|train\.py)|solar-env )[^`\n]*)`", text))
-    lines = {re.sub("^solar-env", "python -m solar_env", line.partition(" > ")[0]) for line in lines}
+            lines |= {line for line in block.splitlines() if re.match(r"python train\.py|solar-env ", line)}
+        lines |= set(re.findall(r"`((?:python train\.py|solar-env )[^`\n]*)`", text))
+    lines = {re.sub(r"^python train\.py", "solar-env train", line.partition(" > ")[0]) for line in lines}
     return sorted({shlex.join(shlex.split(line, comments=True)[1:]) for line in lines})
 
 
 @pytest.mark.parametrize("command", commands())
 def test_commands_have_the_options_that_the_pages_give_them(command):
-    words = shlex.split(command)
-    name, *arguments = words[1:] if words[0] == "-m" else words
-    if name == "solar_env":
-        name = command_named(arguments.pop(0)).module if arguments[0] != "--help" else name
-    if name == "solar_env":
-        take = main
+    name, *arguments = shlex.split(command)
+    if "--help" in (name, *arguments):
+        assert main([name, *arguments]) == 0
     else:
-        module = train if name == "train.py" else importlib.import_module(name)
-        if name == "agents.export":  # the run comes without its option
-            arguments.insert(0, "--run")
+        parse_arguments(command_named(name).load().Args, arguments)
 
-        def take(given):
-            return parse_arguments(module.Args, given)
 
-    if take is main:
-        assert take(arguments) == 0
-    elif "--help" in arguments:
-        with pytest.raises(SystemExit, match="0"):
-            take(arguments)
-    else:
-        take(arguments)
+def test_commands_are_spelt_in_one_way():
+    written = "\n".join([*TEXTS.values(), *(path.read_text(encoding="utf-8") for path in CODE)])
+    assert re.findall(r"python -m (?:agents|solar_env [a-z]).*", written) == []
 
 
 def test_verification_cases_that_the_pages_name_exist():
@@ -110,7 +98,7 @@ def test_the_front_page_is_short_and_leads_to_every_other_page():
 
 
 def test_a_section_is_read_and_replaced_and_a_page_without_it_refused(tmp_path):
-    section = Section(tmp_path / "README.md", "result", "python -m solar_env bench --readme")
+    section = Section(tmp_path / "README.md", "result", "solar-env bench --readme")
     Path(section.page).write_text(f"# Title\n\n{section.begin}\n\nold\n\n{section.end}\n\nafter\n", encoding="utf-8")
     assert section.read() == "old"
     section.write("new")

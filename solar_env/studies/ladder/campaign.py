@@ -163,7 +163,7 @@ def measure_ladder(quick: bool, folder: Path, console: Console) -> Path:
         _warm_up(plan)
         rows = run_ladder(plan, lambda run: progress.update(task, advance=1, description=run))
     made_by = provenance(
-        f"python -m solar_env ladder{' --quick' if quick else ''}",
+        f"solar-env ladder{' --quick' if quick else ''}",
         reference=plan.reference.name,
         parameters=f"the defaults of ArrayParameters; members released at rates within {RELEASE_RATE:g} rad/s",
         integrators=f"the default of each level; tolerances of members within {SETTING_SHARE:.1%}",

@@ -23,7 +23,7 @@ from solar_env.support.progress import counting_bar
 Array = NDArray[np.float64]
 
 STORE = "loads.jsonl"
-# The reference of the ladder (`python -m solar_env ladder`), finer than all its levels.
+# The reference of the ladder (`solar-env ladder`), finer than all its levels.
 REFERENCE = Level("flexible-clearance", PanelModel("modal", 48), tighter=10.0)
 
 

@@ -8,17 +8,18 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from agents import runs, shipped
+from agents.commands.evaluate import main, suite_named, suite_section
 from agents.comparison.controllers import parse_controller, parse_controllers
 from agents.comparison.evaluation import common_env_id, common_env_kwargs, evaluate
 from agents.comparison.report import references, summarize, tabulate
 from agents.comparison.suites import SUITES
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_sampling
-from agents.evaluate import main, suite_named, suite_section
 from agents.laws.baselines import episodes_spent, is_tuned, make_baseline
 from agents.laws.table import TUNABLE
+from agents.learning import runs
+from agents.policies import shipped
+from agents.policies.shipped import load_shipped
 from agents.rollout import run_episode
-from agents.shipped import load_shipped
 from solar_env.array import MODELS
 
 # What the configuration of a run holds at least.

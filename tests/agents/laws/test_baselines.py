@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from agents import evaluate, tune
+from agents.commands import evaluate, tune
 from agents.environments import DEFAULT_ENV_ID, make_env, with_model
 from agents.laws.baselines import load_parameters, make_baseline
 from agents.laws.brake import BrakeParameters, ConstantBrake
@@ -295,7 +295,7 @@ def test_unknown_baseline_is_refused(env):
 
 
 def test_environment_without_tuned_parameters_names_the_command():
-    command = r"agents\.tune --controller servo --env-id other/Env-v0 --model flexible-ideal"
+    command = r"solar-env tune --controller servo --env-id other/Env-v0 --model flexible-ideal"
     with pytest.raises(ValueError, match=command):
         load_parameters("servo", "other/Env-v0", "flexible-ideal")
 

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from trained import QUICK
 
-from agents import shipped
 from agents.comparison import episodes
 from agents.comparison.controllers import parse_controller
 from agents.comparison.episodes import episode_cell
@@ -16,8 +15,9 @@ from agents.environments import DEFAULT_ENV_ID, make_env
 from agents.laws.baselines import CONFIGS, load_parameters
 from agents.laws.servo import ServoParameters
 from agents.laws.table import LAWS, TUNABLE
-from agents.runs import write_config
-from agents.shipped import Description, Layer, PolicyNetwork, ShippedPolicy
+from agents.learning.runs import write_config
+from agents.policies import shipped
+from agents.policies.shipped import Description, Layer, PolicyNetwork, ShippedPolicy
 from agents.torque_laws import Signals
 
 

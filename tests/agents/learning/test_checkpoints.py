@@ -9,11 +9,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from agents import runs
 from agents.environments import DEFAULT_ENV_ID
-from agents.learning import checkpoints, configurations, learn
+from agents.learning import checkpoints, configurations, learn, runs
 from agents.learning.callbacks import DeploymentLogger
-from agents.trust import DamagedFileError, UntrustedFileError, sealed
+from agents.learning.trust import DamagedFileError, UntrustedFileError, sealed
 from solar_env.support import files
 
 pytestmark = [
@@ -221,7 +220,7 @@ def test_a_checkpoint_of_a_stranger_is_not_unpickled(tmp_path, taken, monkeypatc
             return pytest.fail, ("a stranger's file was executed",)
 
     with monkeypatch.context() as patch:
-        patch.setattr("agents.trust.key", lambda: b"of somebody else")
+        patch.setattr("agents.learning.trust.key", lambda: b"of somebody else")
         (tmp_path / runs.CHECKPOINTS[0]).write_bytes(sealed(pickle.dumps(Trap())))
     with pytest.raises(UntrustedFileError, match="was not made on this account"):
         checkpoints.read(tmp_path)

@@ -7,7 +7,7 @@ from stable_baselines3.common.callbacks import BaseCallback, CallbackList
 
 from agents.environments import DEFAULT_ENV_ID
 from agents.learning.callbacks import ReverseCurriculum
-from agents.vec_env import NativeVecEnv
+from agents.learning.vec_env import NativeVecEnv
 
 KEYWORDS = {
     "model": "rigid-ideal",

@@ -6,7 +6,7 @@ import pytest
 from agents.learning import configurations, learn
 from agents.learning.features import APPROACH_BEGINS
 from agents.learning.landings import LandingVecEnv, record
-from agents.vec_env import LAW_REWARD, FixedSeeds, NativeVecEnv, ResidualVecEnv
+from agents.learning.vec_env import LAW_REWARD, FixedSeeds, NativeVecEnv, ResidualVecEnv
 
 ENV_IDS = ("solar_env/Deploy-v1", "solar_env/DeployRandomised-v1")
 LANES = 3

@@ -8,14 +8,13 @@ import torch
 from stable_baselines3.common.logger import Logger
 from training import RIGID, last_model, run
 
-from agents import runs
+from agents.commands.search import SPACES
 from agents.comparison.suites import SUITES
 from agents.environments import make_env
 from agents.laws.baselines import load_parameters, make_baseline
 from agents.laws.open_loop import OpenLoopParameters, OpenLoopTorque
 from agents.laws.residual import ResidualController
-from agents.learning import checkpoints, configurations, learn
-from agents.search import SPACES
+from agents.learning import checkpoints, configurations, learn, runs
 from agents.torque_laws import Signals
 
 pytestmark = pytest.mark.usefixtures("few_validation_episodes")

@@ -9,9 +9,8 @@ import pytest
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 from training import SMALL, last_model, run
 
-from agents import runs
 from agents.comparison.evaluation import common_env_kwargs, evaluate
-from agents.learning import checkpoints, configurations, learn
+from agents.learning import checkpoints, configurations, learn, runs
 from solar_env.array import MODELS
 from solar_env.support.campaigns import Workers
 

@@ -9,11 +9,11 @@ import shutil
 import pytest
 from training import run
 
-from agents import evaluate, export, runs, show, trust
+from agents.commands import evaluate, export, show
 from agents.comparison.evaluation import evaluate as evaluated
 from agents.environments import make_env
-from agents.learning import checkpoints, configurations
-from agents.trust import DamagedFileError, UntrustedFileError
+from agents.learning import checkpoints, configurations, runs, trust
+from agents.learning.trust import DamagedFileError, UntrustedFileError
 
 pytestmark = pytest.mark.usefixtures("few_validation_episodes")
 

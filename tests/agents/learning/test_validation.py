@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from agents import runs
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env
-from agents.learning import configurations, learn
+from agents.learning import configurations, learn, runs
 
 
 def configuration():

@@ -10,7 +10,7 @@ from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import DummyVecEnv
 
 from agents.environments import make_env
-from agents.vec_env import FixedSeeds, LogarithmicCharges, NativeVecEnv
+from agents.learning.vec_env import FixedSeeds, LogarithmicCharges, NativeVecEnv
 
 LANES = 3
 KEYWORDS = {

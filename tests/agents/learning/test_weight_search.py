@@ -11,8 +11,8 @@ from stable_baselines3.common.vec_env import DummyVecEnv, VecEnvWrapper
 
 from agents.environments import DEFAULT_ENV_ID
 from agents.learning import configurations
-from agents.vec_env import FixedSeeds, NativeVecEnv
-from agents.weight_search import CMAES, WeightSearch
+from agents.learning.vec_env import FixedSeeds, NativeVecEnv
+from agents.learning.weight_search import CMAES, WeightSearch
 
 TARGET = np.array([0.6, -0.3, 0.2])
 SEARCHES = {

@@ -6,12 +6,12 @@ import numpy as np
 import onnxruntime
 import pytest
 
-from agents import shipped
 from agents.comparison.controllers import parse_controller
 from agents.comparison.suites import MODEL, SUITES
 from agents.environments import completed, episode_seeds, make_env
+from agents.policies import shipped
+from agents.policies.shipped import load_shipped
 from agents.rollout import run_episode
-from agents.shipped import load_shipped
 from solar_env import ModalRadau
 from solar_env.environment import settings
 

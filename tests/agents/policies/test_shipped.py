@@ -9,14 +9,16 @@ import onnxruntime
 import pytest
 from trained import QUICK, TRAINED, random_observations
 
-from agents import export, runs, shipped
+from agents.commands import export
 from agents.environments import make_env
 from agents.laws import baselines
 from agents.laws.baselines import make_baseline
 from agents.laws.servo import ServoParameters
+from agents.learning import runs
 from agents.learning.features import LIMIT, whole_motion
+from agents.policies import shipped
+from agents.policies.shipped import Layer, PolicyNetwork, load_shipped
 from agents.rollout import run_episode
-from agents.shipped import Layer, PolicyNetwork, load_shipped
 
 RESIDUAL = {"law": "servo", "parameters": {}, "tuning_episodes": 0, "scale": 0.2}
 
@@ -90,7 +92,7 @@ def test_loading_needs_neither_pickle_nor_learning_libraries(finished, run_pytho
     program = """
 import pickle, sys
 pickle.load = pickle.loads = pickle.Unpickler = None
-from agents.shipped import load_shipped
+from agents.policies.shipped import load_shipped
 print(load_shipped(sys.argv[1]).predict([0.0] * 9)[0].shape)
 print([name for name in ("torch", "stable_baselines3", "onnx") if name in sys.modules])
 """

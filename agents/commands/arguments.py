@@ -2,17 +2,14 @@
 
 import dataclasses
 import shlex
-import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from agents.environments import DEFAULT_ENV_ID, with_model
-from solar_env import SimulationError
 from solar_env.commands.arguments import Assignments as Assignments
 from solar_env.commands.arguments import WorkerOptions as WorkerOptions
 from solar_env.commands.arguments import parse_arguments as parse_arguments
 from solar_env.commands.arguments import parse_assignments as parse_assignments
-from solar_env.support.interruption import report_interruption
 
 
 @dataclasses.dataclass
@@ -21,7 +18,7 @@ class TrustOption:
 
     trust: bool = False
     """take over run folders that were made elsewhere, whose files execute code when they are loaded: they are sealed as
-    yours from now on; policies exported by agents.export need no trust"""
+    yours from now on; policies exported by solar-env export need no trust"""
 
 
 @dataclasses.dataclass
@@ -72,20 +69,6 @@ class TrainingOptions(WorkerOptions):
     """hyperparameters in place of those in agents/configs, for example learning_rate=1e-3"""
 
 
-def command_line(prog: str, argv: Sequence[str] | None) -> str:
-    """Return the command as it was typed, for the record; `argv` None: the process's arguments."""
-    return shlex.join([*prog.split(), *(sys.argv[1:] if argv is None else argv)])
-
-
-def run_command(main: Callable[[], object]) -> None:
-    """Run `main`; input that it refuses, and runs that fail, end the process with their message and status 2.
-
-    Ctrl-C ends it with status 130 and a line that says what was kept.
-    """
-    try:
-        main()
-    except (ValueError, OSError, SimulationError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        sys.exit(2)
-    except KeyboardInterrupt as stop:
-        sys.exit(report_interruption(stop))
+def command_line(prog: str, argv: Sequence[str]) -> str:
+    """Return the command as it was typed, for the record."""
+    return shlex.join([*prog.split(), *argv])

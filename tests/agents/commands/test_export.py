@@ -11,10 +11,12 @@ from stable_baselines3.common.torch_layers import BaseFeaturesExtractor, Flatten
 from torch import nn
 from trained import COMMAND, QUICK, TRAINED, random_observations
 
-from agents import export, runs, shipped
+from agents.commands import export
 from agents.environments import make_env
+from agents.learning import runs
 from agents.learning.features import DriveFeatures, whole_motion
-from agents.shipped import Layer, load_shipped
+from agents.policies import shipped
+from agents.policies.shipped import Layer, load_shipped
 
 
 @pytest.mark.parametrize("name", TRAINED)
@@ -172,11 +174,11 @@ def test_the_command_writes_below_the_shipped_policies_and_overwrites_nothing(fi
     assert names == {"policy.npz", "policy.json", "policy.onnx", "card.md"}
     assert shipped.available() == ["soft"]
     with pytest.raises(FileExistsError, match="soft exists; choose another --name"):
-        export.main(["--run", run, "--name", "soft"])
+        export.main([run, "--name", "soft"])
     with pytest.raises(ValueError, match="name is 'servo', which is that of a controller without learning"):
         export.main([run, "--name", "servo"])
     for arguments in ([run], [run, "--name", "../soft"], ["--name", "soft"]):
-        with pytest.raises(ValueError, match=r"give both: agents\.export runs/<run> --name NAME"):
+        with pytest.raises(ValueError, match=r"give both: solar-env export runs/<run> --name NAME"):
             export.main(arguments)
 
 
@@ -186,7 +188,7 @@ def test_without_onnx_it_says_what_to_install(package, run_python):
 import sys
 sys.modules["{package}"] = None
 try:
-    import agents.export
+    import agents.commands.export
 except ImportError as error:
     print(error)
 """

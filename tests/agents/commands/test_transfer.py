@@ -5,7 +5,7 @@ from dataclasses import asdict
 
 import pytest
 
-from agents import transfer
+from agents.commands import transfer
 from agents.comparison.controllers import parse_controllers
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_sampling
 from agents.laws.baselines import load_parameters, make_baseline

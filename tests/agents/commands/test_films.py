@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from agents import record
+from agents.commands import record
 from solar_env.__main__ import main
 from solar_env.environment.recording import RecordTrajectory
 

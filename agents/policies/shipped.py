@@ -1,7 +1,7 @@
 """Policies that come with the package: arrays and a description, run in NumPy and loaded without executing anything.
 
 A shipped policy is a folder with `policy.npz`, `policy.json`, `policy.onnx` and `card.md`, written by
-`agents.export`. This module needs neither Stable-Baselines3 nor PyTorch.
+`solar-env export`. This module needs neither Stable-Baselines3 nor PyTorch.
 """
 
 import json
@@ -16,7 +16,7 @@ from agents.policies.policy import Description, ShippedPolicy
 from solar_env.support.files import write_text, writing
 from solar_env.support.plain_arrays import read_arrays, read_json
 
-SHIPPED = Path(__file__).parent / "policies"
+SHIPPED = Path(__file__).parent
 ARRAYS = "policy.npz"
 DESCRIPTION = "policy.json"
 ONNX = "policy.onnx"

@@ -1,4 +1,4 @@
-"""Command that draws and animates one episode of several controllers: `python -m agents.show`."""
+"""Command that draws and animates one episode of several controllers: `solar-env show`."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 from rich.console import Console
 
-from agents.arguments import ShowingOptions, parse_arguments, run_command
+from agents.commands.arguments import ShowingOptions, parse_arguments
 from agents.comparison.controllers import parse_controllers, trust_runs
 from agents.comparison.figures import deployments_figure
 from agents.comparison.suites import MODEL
@@ -38,9 +38,9 @@ class Args(ShowingOptions):
     """put the figure and the animation beside the page, agents/comparison/README.md"""
 
 
-def main(argv: Sequence[str] | None = None) -> None:
+def main(argv: Sequence[str]) -> None:
     """Run the command; see `Args`."""
-    args = parse_arguments(Args, argv, prog="python -m agents.show")
+    args = parse_arguments(Args, argv, "solar-env show")
     keywords = args.keywords(args.env_id, MODEL)
     seed = episode_seeds("evaluation", args.seed, 1)[0]
     if args.trust:
@@ -61,7 +61,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     animate(films, out / ANIMATION)
     if args.readme:
         for name in (FIGURE, ANIMATION):
-            copy_file(out / name, Path(__file__).parent / "comparison" / "figures" / name)
+            copy_file(out / name, Path(__file__).parents[1] / "comparison" / "figures" / name)
     print(f"written to {out}")
 
 
@@ -102,7 +102,3 @@ def animate(films: Sequence[Sequence[Image.Image]], path: Path) -> None:
     timing = {"duration": 1000 // FRAMES_PER_SECOND, "loop": 0}
     with writing(path) as file:
         frames[0].save(file, "gif", save_all=True, append_images=frames[1:], optimize=True, **timing)
-
-
-if __name__ == "__main__":
-    run_command(main)

@@ -1,4 +1,4 @@
-"""Command that draws learning curves of every agent on every scenario: `python -m agents.curves`."""
+"""Command that draws learning curves of every agent on every scenario: `solar-env curves`."""
 
 import csv
 import io
@@ -9,16 +9,15 @@ from pathlib import Path
 
 import numpy as np
 
-from agents import runs
-from agents.arguments import ModelOptions, TrainingOptions, command_line, parse_arguments, run_command
+from agents.commands.arguments import ModelOptions, TrainingOptions, command_line, parse_arguments
 from agents.comparison.figures import learning_curves_figure
 from agents.comparison.suites import MODEL, SUITES, WHOLE_TORQUE_MODEL
 from agents.environments import check_distinct_seeds
-from agents.learning import configurations, learn
+from agents.learning import configurations, learn, runs
 from solar_env.environment.registration import ENVIRONMENTS
 from solar_env.support.files import copy_file, make_folder, write_text
 
-PROG = "python -m agents.curves"
+PROG = "solar-env curves"
 FIGURE, TABLE = "learning_curves.png", "learning_curves.csv"
 
 # (panel of the figure, algorithm) -> mean validation return (seeds, validations), after these steps (validations,).
@@ -86,7 +85,7 @@ def write_table(curves: Curves, seeds: Sequence[int], path: Path) -> None:
     write_text(path, text.getvalue())
 
 
-def main(argv: Sequence[str] | None = None) -> None:
+def main(argv: Sequence[str]) -> None:
     """Run the command; see `Args`."""
     args = parse_arguments(Args, argv, PROG)
     unknown = [suite for suite in args.suites if suite not in SUITES]
@@ -102,9 +101,5 @@ def main(argv: Sequence[str] | None = None) -> None:
     learning_curves_figure(curves, out / FIGURE)
     if args.readme:
         for name in (FIGURE, TABLE):
-            copy_file(out / name, Path(__file__).parent / "figures" / name)
+            copy_file(out / name, Path(__file__).parents[1] / "figures" / name)
     print(f"written to {out}")
-
-
-if __name__ == "__main__":
-    run_command(main)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from training import write_history
 
-from agents import curves
+from agents.commands import curves
 from agents.learning import configurations, learn
 
 QUICK = [

@@ -7,7 +7,7 @@ from typing import Any
 
 from rich.console import Console
 
-from agents.arguments import ShowingOptions, command_line, parse_arguments, run_command
+from agents.commands.arguments import ShowingOptions, command_line, parse_arguments
 from agents.comparison.controllers import parse_controllers, trust_runs
 from agents.comparison.suites import MODEL
 from agents.environments import episode_seeds, make_env, with_sampling
@@ -45,7 +45,7 @@ class Args(ShowingOptions):
     """the page, which needs no network"""
 
 
-def main(argv: Sequence[str] | None = None) -> None:
+def main(argv: Sequence[str]) -> None:
     """Run the command; see `Args`."""
     args = parse_arguments(Args, argv, PROG)
     check_target(args.html)
@@ -96,7 +96,3 @@ def replay_page(
 
 def _or_infinity(value: float) -> float:
     return value if value == value else float("inf")
-
-
-if __name__ == "__main__":
-    run_command(main)

@@ -26,7 +26,7 @@ _TRAILER = re.compile(rb"\nsolar_env ([0-9a-f]{64}) ([0-9a-f]{64})\n")
 _TRAILER_LENGTH = len("\nsolar_env  \n") + 2 * 64
 REMEDY = (
     "loading it executes what its author wrote: if you trust where it comes from, pass --trust once, which seals it as "
-    "yours; else ask for the exported policy (python -m agents.export), which executes nothing"
+    "yours; else ask for the exported policy (solar-env export), which executes nothing"
 )
 
 

@@ -7,9 +7,9 @@ from typing import Annotated
 
 import tyro
 
-from agents.arguments import parse_arguments, run_command
+from agents.commands.arguments import parse_arguments
 from agents.policies.c_form import c_header
-from agents.shipped import load_shipped
+from agents.policies.shipped import load_shipped
 from solar_env.support.files import check_target, write_text
 
 PROG = "solar-env header"
@@ -23,12 +23,12 @@ class Args:
     """
 
     policy: Annotated[str, tyro.conf.Positional] = "ppo-nominal"
-    """name of a policy of the package, or a folder that agents.export wrote"""
+    """name of a policy of the package, or a folder that solar-env export wrote"""
     out: Path = Path("policy.h")
     """the header"""
 
 
-def main(argv: Sequence[str] | None = None) -> None:
+def main(argv: Sequence[str]) -> None:
     """Run the command; see `Args`."""
     args = parse_arguments(Args, argv, PROG)
     check_target(args.out)
@@ -36,7 +36,3 @@ def main(argv: Sequence[str] | None = None) -> None:
     name = f"{Path(args.policy).name}_action"
     write_text(args.out, c_header(policy.network, name, policy.description.observation_names))
     print(f"written to {args.out}")
-
-
-if __name__ == "__main__":
-    run_command(main)

@@ -9,12 +9,12 @@ import pytest
 from stable_baselines3.common.utils import set_random_seed
 from training import write_history
 
-from agents import runs, search
+from agents.commands import search
 from agents.comparison.suites import SUITES
 from agents.environments import DEFAULT_ENV_ID
 from agents.laws.baselines import CONFIGS
-from agents.learning import configurations, learn
-from agents.trust import sealed
+from agents.learning import configurations, learn, runs
+from agents.learning.trust import sealed
 
 
 @pytest.mark.parametrize("env_id", SUITES.values(), ids=SUITES)

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from agents.attack import KNOTS, NUMBERS, actions, main, passive_profile
+from agents.commands.attack import KNOTS, NUMBERS, actions, main, passive_profile
 from solar_env.environment.task.task import Task
 
 TASK = Task()

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 from stable_baselines3.common.utils import set_random_seed
 
-from agents import tune as tune_module
+from agents.commands import tune as tune_module
+from agents.commands.tune import tune
 from agents.comparison.episodes import mean_returns
 from agents.environments import DEFAULT_ENV_ID, make_env, with_model
 from agents.laws.baselines import make_baseline
 from agents.laws.table import TUNABLE
 from agents.learning.minimisation import minimise
 from agents.rollout import run_episode
-from agents.tune import tune
 from solar_env.support.campaigns import Workers
 
 

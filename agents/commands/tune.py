@@ -1,4 +1,4 @@
-"""Command that tunes a torque law by CMA-ES on the environment's return: `python -m agents.tune`."""
+"""Command that tunes a torque law by CMA-ES on the environment's return: `solar-env tune`."""
 
 import json
 import math
@@ -9,16 +9,16 @@ from typing import Annotated
 import numpy as np
 import tyro
 
-from agents import runs
-from agents.arguments import ModelOptions, WorkerOptions, command_line, parse_arguments, run_command
+from agents.commands.arguments import ModelOptions, WorkerOptions, command_line, parse_arguments
 from agents.comparison.episodes import mean_returns
 from agents.environments import DEFAULT_ENV_ID, environment_settings, episode_seeds, with_sampling
 from agents.laws.baselines import CONFIGS, episodes_spent, load_parameters, store_parameters
 from agents.laws.table import TUNABLE
+from agents.learning import runs
 from agents.learning.minimisation import minimise
 from solar_env.support.files import check_target
 
-PROG = "python -m agents.tune"
+PROG = "solar-env tune"
 
 
 @dataclass
@@ -69,7 +69,7 @@ def tune(
     return minimise(costs, start, episodes // episodes_per_candidate, seed, progress, spread)
 
 
-def main(argv: Sequence[str] | None = None) -> None:
+def main(argv: Sequence[str]) -> None:
     """Run the command; see `Args`. A ValueError says that there is nothing to tune, or the budget is too small."""
     args = parse_arguments(Args, argv, PROG)
     if args.controller not in TUNABLE:
@@ -118,7 +118,3 @@ def main(argv: Sequence[str] | None = None) -> None:
     path = store_parameters(args.controller, args.env_id, model, entry)
     print(json.dumps(entry, indent=2))
     print(f"written to {path}")
-
-
-if __name__ == "__main__":
-    run_command(main)

@@ -1,4 +1,4 @@
-"""Command that searches hyperparameters of an agent by CMA-ES on validation returns: `python -m agents.search`."""
+"""Command that searches hyperparameters of an agent by CMA-ES on validation returns: `solar-env search`."""
 
 import json
 import math
@@ -9,17 +9,16 @@ from typing import Any
 
 import numpy as np
 
-from agents import runs
-from agents.arguments import ModelOptions, WorkerOptions, command_line, parse_arguments, run_command
+from agents.commands.arguments import ModelOptions, WorkerOptions, command_line, parse_arguments
 from agents.comparison.suites import MODEL, WHOLE_TORQUE_MODEL
 from agents.environments import DEFAULT_ENV_ID
 from agents.laws.baselines import CONFIGS
-from agents.learning import configurations, learn
+from agents.learning import configurations, learn, runs
 from agents.learning.minimisation import minimise
 from solar_env.support.files import check_target, make_folder
 from solar_env.support.plain_arrays import read_json
 
-PROG = "python -m agents.search"
+PROG = "solar-env search"
 SIGNIFICANT_DIGITS = 3
 SPREAD = 0.1  # of the first generation, as a share of the ranges; a wider one trains agents that only shake the array
 
@@ -165,7 +164,7 @@ def store(algo: str, env_id: str, config: configurations.Configuration, record: 
     return path
 
 
-def main(argv: Sequence[str] | None = None) -> None:
+def main(argv: Sequence[str]) -> None:
     """Run the command; see `Args`. A ValueError says that there is nothing to search, or the budget is too small."""
     args = parse_arguments(Args, argv, PROG)
     if args.algo not in SPACES:
@@ -205,7 +204,3 @@ def main(argv: Sequence[str] | None = None) -> None:
     found = {"residual": configs[best].residual, **configs[best].hyperparameters}
     print(json.dumps({**record, **found}, indent=2))
     print(f"written to {path}")
-
-
-if __name__ == "__main__":
-    run_command(main)

@@ -1,4 +1,4 @@
-"""Command that searches for torques that the reward pays without a soft landing: `python -m agents.attack`."""
+"""Command that searches for torques that the reward pays without a soft landing: `solar-env attack`."""
 
 import json
 import math
@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 from gymnasium.vector import AutoresetMode
 
-from agents import runs
-from agents.arguments import ModelOptions, command_line, parse_arguments, run_command
+from agents.commands.arguments import ModelOptions, command_line, parse_arguments
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_vector_env, with_sampling
+from agents.learning import runs
 from agents.learning.minimisation import minimise
 from solar_env.environment.task.task import Task
 
-PROG = "python -m agents.attack"
+PROG = "solar-env attack"
 # A profile has `KNOTS` torques and, for the time before and the time after the first latch each, the share of the
 # torque limit with which it chatters, its half-period and its phase: numbers in [0, 1].
 KNOTS = 30
@@ -98,7 +98,7 @@ class Deployments:
         self._env.close()
 
 
-def main(argv: Sequence[str] | None = None) -> None:
+def main(argv: Sequence[str]) -> None:
     """Run the command; see `Args`."""
     args = parse_arguments(Args, argv, PROG)
     env_kwargs = args.keywords(args.env_id)
@@ -132,7 +132,3 @@ def main(argv: Sequence[str] | None = None) -> None:
     runs.write_json(Path(args.out), record)
     print(json.dumps(summary, indent=2))
     print(f"written to {args.out}")
-
-
-if __name__ == "__main__":
-    run_command(main)

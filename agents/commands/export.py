@@ -1,21 +1,22 @@
-"""Command that ships a trained policy as plain arrays and as ONNX, with a card: `python -m agents.export`."""
+"""Command that ships a trained policy as plain arrays and as ONNX, with a card: `solar-env export`."""
 
 import csv
 import re
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import gymnasium
 import numpy as np
+import tyro
 
-from agents import runs, shipped
-from agents.arguments import TrustOption, parse_arguments, run_command
+from agents.commands.arguments import TrustOption, parse_arguments
 from agents.comparison.report import Row, tabulate
 from agents.environments import episode_seeds, make_env
 from agents.laws.table import BASELINES, LAWS
+from agents.learning import runs
+from agents.policies import shipped
 from agents.policies.card import card
 from agents.policies.extraction import network_of
 from agents.policies.onnx_form import difference, onnx_model
@@ -25,6 +26,7 @@ from agents.torque_laws import Signals
 from solar_env.support.files import write_bytes, write_text
 from solar_env.support.plain_arrays import read_json
 
+PROG = "solar-env export"
 TOLERANCE = 1e-5  # of actions, between the network and Stable-Baselines3
 
 
@@ -32,12 +34,12 @@ TOLERANCE = 1e-5  # of actions, between the network and Stable-Baselines3
 class Args(TrustOption):
     """Write the best policy of a run to agents/policies as arrays and as ONNX, with a card."""
 
-    run: str | None = None
-    """run folder; may be given first, without --run"""
+    run: Annotated[str | None, tyro.conf.Positional] = None
+    """run folder"""
     name: str | None = None
     """name of the policy: letters, digits, dots, dashes and underscores"""
     scores: str | None = None
-    """folder of a comparison (`agents.evaluate`) in which the run, or the policy of this name, was measured, for the
+    """folder of a comparison (`solar-env evaluate`) in which the run, or the policy of this name, was measured, for the
     card; by default the run's own, or that of all seeds it was trained with"""
 
 
@@ -134,14 +136,11 @@ def _numbers(row: Mapping[str, str]) -> Row:
     }
 
 
-def main(argv: Sequence[str] | None = None) -> None:
+def main(argv: Sequence[str]) -> None:
     """Run the command; see `Args`."""
-    given = list(sys.argv[1:] if argv is None else argv)
-    if given and not given[0].startswith("-"):
-        given.insert(0, "--run")
-    args = parse_arguments(Args, given, prog="python -m agents.export")
+    args = parse_arguments(Args, argv, PROG)
     if args.run is None or not re.fullmatch(r"\w[\w.-]*", args.name or ""):
-        raise ValueError(f"run is {args.run!r}, name {args.name!r}; give both: agents.export runs/<run> --name NAME")
+        raise ValueError(f"run is {args.run!r}, name {args.name!r}; give both: solar-env export runs/<run> --name NAME")
     if args.name in LAWS:
         raise ValueError(f"name is {args.name!r}, which is that of a controller without learning; choose another one")
     folder = shipped.SHIPPED / str(args.name)
@@ -149,7 +148,3 @@ def main(argv: Sequence[str] | None = None) -> None:
         runs.trust_run(args.run)
     export(args.run, folder, args.scores)
     print(f"written to {folder}")
-
-
-if __name__ == "__main__":
-    run_command(main)

@@ -11,7 +11,7 @@ import pytest
 
 from agents.policies.c_form import c_header
 from agents.policies.network import Layer, PolicyNetwork
-from agents.shipped import available, load_shipped
+from agents.policies.shipped import available, load_shipped
 from solar_env.__main__ import main
 
 

@@ -1,26 +1,25 @@
-"""Command that trains agents on every level of the model and judges each on all: `python -m agents.transfer`."""
+"""Command that trains agents on every level of the model and judges each on all: `solar-env transfer`."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from agents import runs
-from agents.arguments import Assignments, TrainingOptions, command_line, parse_arguments, run_command
+from agents.commands.arguments import Assignments, TrainingOptions, command_line, parse_arguments
 from agents.comparison.evaluation import STORE, evaluate
 from agents.comparison.figures import transfer_figure
 from agents.comparison.report import header, summarize
 from agents.comparison.statistics import Estimate
 from agents.environments import DEFAULT_ENV_ID, check_distinct_seeds, check_episode_seeds, with_model
-from agents.learning import configurations, learn
+from agents.learning import configurations, learn, runs
 from solar_env.support.files import copy_file, make_folder, write_text
 from solar_env.support.readme import Section
 from solar_env.support.terminal import print_markdown
 
-PROG = "python -m agents.transfer"
+PROG = "solar-env transfer"
 FIGURE, TABLE = "transfer.png", "transfer.md"
-COMPARISON = Path(__file__).parent / "comparison"
-SECTION = Section(COMPARISON / "README.md", "transfer", "python -m agents.transfer --readme")
+COMPARISON = Path(__file__).parents[1] / "comparison"
+SECTION = Section(COMPARISON / "README.md", "transfer", "solar-env transfer --readme")
 
 # Agents of all levels add to the same law, that of the finest level: they differ by their training alone.
 LAW_MODEL = "flexible-clearance"
@@ -120,7 +119,7 @@ def markdown(returns: Mapping[str, Mapping[str, Estimate]]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def main(argv: Sequence[str] | None = None) -> None:
+def main(argv: Sequence[str]) -> None:
     """Run the command; see `Args`."""
     args = parse_arguments(Args, argv, PROG)
     if args.readme:
@@ -141,7 +140,3 @@ def main(argv: Sequence[str] | None = None) -> None:
         SECTION.write(markdown(returns).strip())
     print_markdown(markdown(returns))
     print(f"written to {out}")
-
-
-if __name__ == "__main__":
-    run_command(main)

@@ -1,7 +1,7 @@
 """Command that trains a controller and compares it with the baselines: `solar-env train`, or `python train.py`.
 
 It trains on flexible panels, or on the physics of `--model`, and leaves a run folder;
-`tensorboard --logdir runs` shows the training, `python -m agents.evaluate --controllers passive runs/<run>`
+`tensorboard --logdir runs` shows the training, `solar-env evaluate --controllers passive runs/<run>`
 compares runs.
 """
 
@@ -12,8 +12,7 @@ from typing import Annotated, Any
 
 import tyro
 
-from agents import runs
-from agents.arguments import ModelOptions, TrainingOptions, TrustOption, command_line, parse_arguments, run_command
+from agents.commands.arguments import ModelOptions, TrainingOptions, TrustOption, command_line, parse_arguments
 from agents.comparison.evaluation import efforts, evaluate
 from agents.comparison.figures import run_figure
 from agents.comparison.report import Summary, Tables, write_comparison
@@ -29,11 +28,11 @@ from agents.environments import (
 )
 from agents.laws.baselines import make_baseline
 from agents.laws.table import TUNABLE
-from agents.learning import configurations, learn
+from agents.learning import configurations, learn, runs
 from agents.rollout import Step, run_episode
 from solar_env.support.terminal import print_markdown
 
-PROG = "python train.py"
+PROG = "solar-env train"
 BASELINES = ("passive", "servo-untuned", "servo")
 # As many as leave a training with its comparison within ten minutes on two cores.
 TIMESTEPS = 86_400
@@ -78,7 +77,7 @@ class Args(ModelOptions, TrainingOptions, TrustOption):
     """torch device; for networks this small the CPU is faster"""
 
 
-def main(argv: Sequence[str] | None = None) -> None:
+def main(argv: Sequence[str]) -> None:
     """Run the command; see `Args`."""
     run(parse_arguments(Args, argv, PROG), command_line(PROG, argv))
 
@@ -213,7 +212,3 @@ def draw(folder: Path, config: configurations.Configuration, returns: dict[str, 
     run_episode(env, runs.load_policy(folder, env), seed, episodes[config.algo].append)
     run_episode(of_laws, make_baseline("passive", of_laws), seed, episodes["passive"].append)
     run_figure(folder, {name: returns[name] for name in references(config)}, episodes)
-
-
-if __name__ == "__main__":
-    run_command(main)

@@ -9,7 +9,7 @@ import numpy as np
 from PIL import Image
 from rich.console import Console
 
-from agents.arguments import ModelOptions, TrustOption, parse_arguments, run_command
+from agents.commands.arguments import ModelOptions, TrustOption, parse_arguments
 from agents.comparison.controllers import parse_controllers, trust_runs
 from agents.comparison.suites import MODEL
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_sampling
@@ -43,7 +43,7 @@ class Args(ModelOptions, TrustOption):
     """no progress bar"""
 
 
-def main(argv: Sequence[str] | None = None) -> None:
+def main(argv: Sequence[str]) -> None:
     """Run the command; see `Args`."""
     args = parse_arguments(Args, argv, PROG)
     if args.out.suffix.lower() not in SUFFIXES:
@@ -105,7 +105,3 @@ def _encoder() -> Any:
     except ImportError as error:
         raise ValueError("MP4 needs imageio-ffmpeg: pip install 'solar-env[video]', or write a .gif") from error
     return imageio_ffmpeg
-
-
-if __name__ == "__main__":
-    run_command(main)

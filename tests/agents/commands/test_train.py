@@ -3,8 +3,8 @@
 import pytest
 from training import run
 
-from agents import search, train
-from agents.arguments import parse_arguments
+from agents.commands import search, train
+from agents.commands.arguments import parse_arguments
 from agents.comparison.suites import SUITES
 from agents.learning import configurations
 

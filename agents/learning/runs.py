@@ -18,8 +18,7 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 
 from agents.environments import make_env
 from agents.laws.residual import ResidualController
-from agents.torque_laws import Controller, Signals
-from agents.trust import (
+from agents.learning.trust import (
     SEAL,
     DamagedFileError,
     UntrustedFileError,
@@ -29,7 +28,8 @@ from agents.trust import (
     trust,
     unsealed,
 )
-from agents.weight_search import CMAES, WeightSearch
+from agents.learning.weight_search import CMAES, WeightSearch
+from agents.torque_laws import Controller, Signals
 from solar_env.support.files import make_folder, write_bytes, write_text
 from solar_env.support.interruption import deaf
 from solar_env.support.plain_arrays import read_arrays, read_json

@@ -1,4 +1,4 @@
-"""Command that compares controllers on the same episodes: `python -m agents.evaluate`."""
+"""Command that compares controllers on the same episodes: `solar-env evaluate`."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import tyro
 
-from agents.arguments import ModelOptions, TrustOption, WorkerOptions, command_line, parse_arguments, run_command
+from agents.commands.arguments import ModelOptions, TrustOption, WorkerOptions, command_line, parse_arguments
 from agents.comparison.controllers import trust_runs
 from agents.comparison.evaluation import STORE, common_env_id, common_env_kwargs, efforts, evaluate
 from agents.comparison.figures import comparison_figure
@@ -19,9 +19,9 @@ from solar_env.support.files import copy_file, make_folder
 from solar_env.support.readme import Section
 from solar_env.support.terminal import print_markdown
 
-PROG = "python -m agents.evaluate"
+PROG = "solar-env evaluate"
 FIGURE = "comparison.png"
-COMPARISON = Path(__file__).parent / "comparison"
+COMPARISON = Path(__file__).parents[1] / "comparison"
 
 CONTROLLERS = (
     f"laws ({', '.join(LAWS)}; the last one searches with the simulator itself and is slow), shipped policies and run "
@@ -55,7 +55,7 @@ class Args(ModelOptions, WorkerOptions, TrustOption):
     """write a suite's table into the README, and its figure beside the README's others"""
 
 
-def main(argv: Sequence[str] | None = None) -> None:
+def main(argv: Sequence[str]) -> None:
     """Run the command; see `Args`."""
     args = parse_arguments(Args, argv, PROG)
     if args.readme:
@@ -88,7 +88,7 @@ def main(argv: Sequence[str] | None = None) -> None:
 
 def suite_section(suite: str) -> Section:
     """The section of the page with the table of a suite."""
-    return Section(COMPARISON / "README.md", f"suite {suite}", f"python -m agents.evaluate --suite {suite} --readme")
+    return Section(COMPARISON / "README.md", f"suite {suite}", f"solar-env evaluate --suite {suite} --readme")
 
 
 def _section(args: Args) -> Section:
@@ -114,7 +114,3 @@ def suite_named(name: str, env_id: str | None, controllers: Sequence[str]) -> tu
     if env_id not in (None, scenario):
         raise ValueError(f"--suite {name} is about {scenario}, not about {env_id}; leave --env-id out")
     return scenario, list(controllers) or suite_controllers(scenario), dict(MODEL)
-
-
-if __name__ == "__main__":
-    run_command(main)

@@ -16,6 +16,7 @@ import pytest
 
 import solar_env
 
+os.environ["SDL_VIDEODRIVER"] = "dummy"  # windows without a display
 PACKAGE_PARENT = Path(solar_env.__file__).resolve().parent.parent
 
 

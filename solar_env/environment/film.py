@@ -23,6 +23,10 @@ class Film:
         self._times = [0.0]
         self._renderer: Renderer | None = None
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Without the renderer, which a copy makes anew."""
+        return {**vars(self), "_renderer": None}
+
     def add(self, state: Any) -> None:
         """Take the peaks of the period that has ended."""
         self._peaks.append(state.joints["recent_peak_force"].copy())

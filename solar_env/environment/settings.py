@@ -23,7 +23,7 @@ from solar_env.environment.task.task import Task
 from solar_env.mechanics.integrators.settings import Integrator
 from solar_env.mechanics.running.simulation import Simulation
 
-RENDER_MODES = ("rgb_array",)
+RENDER_MODES = ("human", "rgb_array")
 Changes = Mapping[str, Any]
 
 
@@ -58,7 +58,7 @@ class EnvironmentSettings:
         randomize: mapping of parameter names to (low, high), in place of the scenario's; each reset draws uniformly, by
             joint where the parameter is by joint, and there each bound may be one by joint.
         hardware: a `solar_env.Hardware`, or a mapping of changes to the scenario's.
-        render_mode: "rgb_array" or None.
+        render_mode: "rgb_array", "human" (a window; a single environment alone) or None.
         max_steps: bound on the integration steps of one control period, tried ones included; usual are some hundred.
 
     Raises:

@@ -12,7 +12,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from solar_env.environment.env import RESET_OPTIONS, Observation, SolarArrayEnv
+from solar_env.environment.env import RESET_OPTIONS, Observation
 from solar_env.environment.episodes import Episodes, SavedEpisode
 from solar_env.environment.exclusive import Exclusive
 from solar_env.environment.lane import Lane
@@ -78,13 +78,15 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         by_lane = _by_lane("parameters", keywords.get("parameters"), self.num_envs)
         settings = EnvironmentSettings.of({**keywords, "parameters": by_lane[0]})
         self.render_mode, self.scenario = settings.render_mode, settings.scenario
+        if self.render_mode == "human":
+            raise ValueError("render_mode 'human' has one window for one array; a vector draws with 'rgb_array' or not")
         self.parameters = [scenario_named(self.scenario).design(entry) for entry in by_lane]
         self.model, self.panels = settings.level
         self.randomize, self.hardware = settings.ranges, settings.drive
         self.task, self.reward, self.observation_names = settings.task, settings.terms, settings.observation_names
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         timing = {"render_fps": 1.0 / settings.control_period, "autoreset_mode": self.autoreset_mode}
-        self.metadata = {**SolarArrayEnv.metadata, **timing}
+        self.metadata = {"render_modes": ["rgb_array"], **timing}
         self.single_observation_space, self.single_action_space = settings.observation_space(), settings.action_space()
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)

@@ -11,11 +11,6 @@ from solar_env.__main__ import main
 pygame = pytest.importorskip("pygame")
 
 
-@pytest.fixture(autouse=True)
-def no_display(monkeypatch):
-    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
-
-
 @pytest.fixture
 def player():
     from solar_env.commands.play import Player
@@ -103,12 +98,3 @@ def test_the_command_ends_when_its_window_is_closed(monkeypatch, capsys):
 def test_wrong_input_is_refused(options, word, capsys):
     assert main(["play", *options]) == 2
     assert word in capsys.readouterr().err
-
-
-@pytest.mark.filterwarnings("ignore:.*HumanRendering")
-def test_gymnasiums_own_window_works():
-    env = gymnasium.make("solar_env/Deploy-v1", render_mode="human", model="rigid-ideal")
-    env.reset(seed=0)
-    env.step(env.action_space.sample())
-    assert pygame.display.get_surface().get_size() == (960, 540)
-    env.close()

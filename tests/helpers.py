@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import base64
+import gzip
 import hashlib
+import json
 import math
+import re
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -330,3 +334,9 @@ def make_motion(
         contacts=np.array(rows, dtype=contact_record),
         wall_time=1.0,
     )
+
+
+def page_data(text):
+    """The numbers in a page of HTML."""
+    packed = re.search(r'<script type="text/plain" id="data">(.*?)</script>', text)[1]
+    return json.loads(gzip.decompress(base64.b64decode(packed)))

@@ -10,6 +10,7 @@ import subprocess
 
 import numpy as np
 import pytest
+from helpers import page_data
 
 from solar_env.pictures.page.content import Chart, Line, Motion, Page, Table
 from solar_env.pictures.page.document import page_text, write_page
@@ -45,13 +46,9 @@ def page():
     return Page("A title </script>", ["The answer & more."], [motion(), motion("other")], charts, [table], ["made by"])
 
 
-def data_of(text):
-    return json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.DOTALL)[1])
-
-
 def test_a_page_holds_what_it_was_given_and_fetches_nothing():
     text = page_text(page())
-    data = data_of(text)
+    data = page_data(text)
     assert [m["name"] for m in data["motions"]] == ["array", "other"]
     assert data["motions"][0]["latch_times"] == [1.0, None]
     assert len(data["motions"][0]["panels"][1][0]) == 4
@@ -81,6 +78,7 @@ const refused = [];
 document.addEventListener("securitypolicyviolation", (event) => refused.push(event.blockedURI));
 </script>"""
 PROBE = """<script>
+ready.then(() => {
 const told = {};
 const cursor = () => document.querySelector(".cursor").style.left;
 const picture = () => document.querySelector("canvas").toDataURL();
@@ -101,6 +99,7 @@ Plotly.relayout(charts[0].plot, {"xaxis.range[0]": 0.2, "xaxis.range[1]": 0.4}).
   result.id = "told";
   result.textContent = JSON.stringify(told);
   document.body.append(result);
+});
 });
 </script></body>"""
 

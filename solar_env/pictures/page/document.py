@@ -1,5 +1,7 @@
-"""A page as one file of HTML, which fetches nothing."""
+"""A page as one file of HTML, which fetches nothing; program and numbers are packed, which saves half of its size."""
 
+import base64
+import gzip
 import html
 import json
 from pathlib import Path
@@ -14,6 +16,7 @@ from solar_env.support.files import write_text
 
 _FOLDER = Path(__file__).parent
 _DIGITS = 6  # significant, of every number in the page
+_PLACES = 4  # decimal, of coordinates in metres, which are drawn in steps of some millimetres
 # The browser refuses whatever would come from elsewhere.
 _POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
 
@@ -38,14 +41,12 @@ def page_text(page: Page) -> str:
     }
     answer = "".join(f"<p>{html.escape(line)}</p>" for line in page.answer)
     notes = "".join(f"<p>{html.escape(line)}</p>" for line in page.notes)
-    script = (_FOLDER / "page.js").read_text(encoding="utf-8")
-    # Inside a script "</" would end it.
-    numbers = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
+    unpack, own = ((_FOLDER / name).read_text(encoding="utf-8") for name in ("unpack.js", "page.js"))
+    numbers = json.dumps(data, separators=(",", ":"), allow_nan=False)
     return f"""<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><title>{html.escape(page.title)}</title>
 <meta http-equiv="Content-Security-Policy" content="{_POLICY}">
-<style>{(_FOLDER / "page.css").read_text(encoding="utf-8")}</style>
-<script>{get_plotlyjs()}</script></head>
+<style>{(_FOLDER / "page.css").read_text(encoding="utf-8")}</style></head>
 <body><h1>{html.escape(page.title)}</h1><section id="answer">{answer}</section>
 <section id="player"><button id="play">play</button><select id="speed" aria-label="speed">
 <option value="0.05">1/20 of real time</option><option value="0.25">1/4</option>
@@ -53,8 +54,16 @@ def page_text(page: Page) -> str:
 <input id="time" type="range" step="0.001" aria-label="time"><output id="clock"></output></section>
 <section id="motions"></section><section id="charts"></section>
 <section id="tables">{"".join(map(_table, page.tables))}</section><footer>{notes}</footer>
-<script type="application/json" id="data">{numbers}</script><script>{script}</script></body></html>
+<script type="text/plain" id="data">{_packed(numbers)}</script>
+<script type="text/plain" id="library">{_packed(get_plotlyjs())}</script>
+<script type="text/plain" id="program">{_packed(own)}</script>
+<script>{unpack}</script></body></html>
 """
+
+
+def _packed(text: str) -> str:
+    """A text as gzip in base64."""
+    return base64.b64encode(gzip.compress(text.encode(), mtime=0)).decode()
 
 
 def _numbers(values: ArrayLike) -> Any:
@@ -66,11 +75,13 @@ def _numbers(values: ArrayLike) -> Any:
 
 def _motion(motion: Motion) -> dict[str, Any]:
     """A motion, with polylines as x, y, x, y, ..."""
-    flat = {"body": motion.body.reshape(len(motion.time), -1)}
+    body, *panels = (
+        _numbers(np.round(line.reshape(len(motion.time), -1), _PLACES)) for line in (motion.body, *motion.panels)
+    )
     return {
         "name": motion.name,
-        "panels": [_numbers(panel.reshape(len(motion.time), -1)) for panel in motion.panels],
-        **{name: _numbers(values) for name, values in flat.items()},
+        "body": body,
+        "panels": panels,
         **{
             name: _numbers(getattr(motion, name))
             for name in ("time", "eccentricity", "clearance", "force", "latch_times", "torque")

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import re
 
 import gymnasium
 import numpy as np
 import pytest
+from helpers import page_data
 from PIL import Image
 
 from agents.commands import record
@@ -52,7 +52,7 @@ def test_replay_shows_controllers_side_by_side(tmp_path, capsys):
     path = tmp_path / "page.html"
     assert main(["replay", "--controllers", "passive", "brake", *RIGID, "--html", str(path)]) == 0
     text = path.read_text(encoding="utf-8")
-    data = json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.DOTALL)[1])
+    data = page_data(text)
     assert [motion["name"] for motion in data["motions"]] == ["passive", "brake"]
     assert any(chart["title"].startswith("Contact") or "lands softest" in chart["title"] for chart in data["charts"])
     assert "Made by: solar-env replay" in text

@@ -1,6 +1,7 @@
 """Figures of training runs, of single episodes, and of comparisons."""
 
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -96,6 +97,9 @@ def run_figure(
     axes = figure.subplots(2, 2)
     plot_learning_curve(axes[0, 0], folder, reference_returns)
     plot_episodes({OPENING: axes[0, 1], TORQUE: axes[1, 0], CHARGED: axes[1, 1]}, episodes)
+    reached = runs.read_evaluations(folder)["results"].mean(axis=1).max()
+    others = ", ".join(f"{name} {value:.3g}" for name, value in reference_returns.items())
+    figure.suptitle(f"{runs.read_config(folder)['algo']} reaches a return of {reached:.3g} in validation; {others}")
     save_figure(figure, folder / "figure.png", dpi=150)
 
 
@@ -131,7 +135,9 @@ def comparison_figure(summary: Mapping[str, Mapping[str, Any]], path: Path) -> N
         axes.set_yticks(range(len(names)), names)
         axes.set_xlabel(label)
         axes.grid(visible=False, axis="y")
-    figure.suptitle("interquartile mean with 95 % interval; x: worst episode")
+    best = max(summary, key=lambda name: summary[name]["return"].mean)
+    marks = "marks: interquartile mean with 95 % interval; x: worst episode"
+    figure.suptitle(f"{best} has the best return, {summary[best]['return'].mean:.3g}\n{marks}")
     save_figure(figure, path, dpi=130)
 
 
@@ -149,6 +155,7 @@ def transfer_figure(returns: Mapping[str, Mapping[str, float]], path: Path) -> N
     axes.set_yticks(range(len(down)), down)
     axes.set(xlabel="judged on", ylabel="trained on")
     figure.colorbar(image, label="log10 of minus the return")
+    figure.suptitle(f"{down[np.log(cost).mean(axis=1).argmin()]} has the best returns over all levels")
     save_figure(figure, path, dpi=130)
 
 
@@ -173,6 +180,11 @@ def learning_curves_figure(curves: Mapping[tuple[str, str], tuple[np.ndarray, np
         axes.yaxis.set_major_formatter("{x:g}")
         axes.yaxis.set_minor_formatter(NullFormatter())
         axes.legend()
+    last = {key: np.median(returns[:, -1]) for key, (_, returns) in curves.items()}
+    best = Counter(max((key for key in last if key[0] == panel), key=last.__getitem__)[1] for panel in panels)
+    figure.suptitle(
+        "Best at the end: " + ", ".join(f"{algo} in {n} of {len(panels)} tasks" for algo, n in best.items())
+    )
     save_figure(figure, path, dpi=130)
 
 
@@ -186,4 +198,8 @@ def deployments_figure(episodes: Mapping[str, Sequence[Step]], path: Path) -> No
     panels[CHARGED].set_yscale("symlog", linthresh=1e-3)
     for axes in panels.values():
         axes.label_outer()
+    charged = {name: -sum(sum(step.reward_terms.values()) for step in steps) for name, steps in episodes.items()}
+    order = sorted(charged, key=charged.__getitem__)
+    others = ", ".join(f"{name} {charged[name]:.3g}" for name in order[1:])
+    figure.suptitle(f"{order[0]} is charged least, {charged[order[0]]:.3g}; {others}")
     save_figure(figure, path, dpi=130)

@@ -11,7 +11,7 @@ from solar_env.array.ladder import QUESTIONS, Answer, steps
 from solar_env.pictures.style import MODEL_LOOKS, STEEL, STYLE, look_of
 from solar_env.studies.common.drawing import make_figure, save, use_decades
 
-_COLUMNS = 4
+_COLUMNS = 3
 _TOLERANCE, _CHEAP = 0.3, 0.5  # of the title
 _SMALLEST = 1e-6  # errors below are drawn here
 _NOTE = (
@@ -25,7 +25,7 @@ def draw_ladder(answers: Sequence[Answer], folder: Path) -> Path:
     asked = [question for question in QUESTIONS if any(answer.question == question for answer in answers)]
     looks = {answer.model: look_of(answer.model, MODEL_LOOKS) for answer in answers}
     rows = -(-len(asked) // _COLUMNS)
-    figure, axes = make_figure(rows, _COLUMNS, (2.6, 2.2), len(looks), gap=0.7)
+    figure, axes = make_figure(rows, _COLUMNS, (2.8, 2.3), len(looks), gap=0.7)
     with mpl.rc_context(STYLE):
         for axis, question in zip(axes.flat, asked, strict=False):
             _draw_panel(axis, [answer for answer in answers if answer.question == question])
@@ -52,24 +52,27 @@ def _title(answers: Sequence[Answer], asked: Sequence[str]) -> str:
 def _draw_panel(axis: Axes, answers: Sequence[Answer]) -> None:
     axis.set_xscale("log")
     axis.set_yscale("log")
+    chosen = steps(answers, answers[0].question)
     for answer in answers:
         bound = max(answer.bound, _SMALLEST)
         style = {**look_of(answer.model, MODEL_LOOKS), "linestyle": "none"}
         if answer.error > 0.0:
             axis.plot([answer.error, bound], [answer.cost_ratio] * 2, linewidth=0.8, color=style["color"])
         axis.plot([bound], [answer.cost_ratio], markersize=4, **style)
-        if answer.panels:
+        # With ideal joints all panels answer alike, and their numbers would hide each other.
+        if answer.panels and (has_clearance(answer.model) or answer in chosen):
+            kind = answer.panel_model.option[0]
             side = -1 if has_clearance(answer.model) else 1
             axis.annotate(
-                f"{answer.count}{answer.panel_model.option[0]}",
+                f"{answer.count}{kind}",
                 (bound, answer.cost_ratio),
-                xytext=(4 * side, -5),
+                xytext=(4 * side, 2 if kind == "m" else -7),
                 textcoords="offset points",
                 ha="left" if side > 0 else "right",
-                fontsize=6,
+                fontsize=7,
                 color=style["color"],
             )
-    _draw_steps(axis, steps(answers, answers[0].question))
+    _draw_steps(axis, chosen)
     use_decades(axis, "x")
     use_decades(axis, "y")
 

@@ -83,7 +83,7 @@ def measure_explicit(panel: str, steps: float, rtol: float) -> Cell:
 
 IMPLICIT = StabilityMap(
     name="impact-implicit",
-    title="Bounces under generalized-alpha with a fixed step",
+    title="Generalized-alpha bounces wrongly with a fixed step above an eighth of the impact",
     x=Axis(
         "step_over_duration", "step / duration of the impact", log_range(1 / 32, 2.0, 7), log_range(1 / 64, 2.0, 22)
     ),

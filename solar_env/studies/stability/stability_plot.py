@@ -37,7 +37,7 @@ COLOURS = {
 _DARK = (Kind.NO_SOLUTION, Kind.BLOW_UP)
 CELL_WIDTH, CELL_HEIGHT = 0.36, 0.24  # inch
 _LEFT, _BETWEEN, _RIGHT, _TOP, _TICKS, _LINE = 0.95, 0.25, 0.15, 0.55, 0.85, 0.15  # inch
-_NARROWEST = 7.4  # inch
+_NARROWEST, _WIDEST = 7.4, 11.0  # inch; of wider ones the panels stand one above the other, for numbers to be read
 _LEAST_PANEL = (1.9, 1.5)  # inch
 _CHARACTERS = 17.0  # an inch of text
 _IN_A_LINE = 6  # classes of the legend
@@ -57,20 +57,26 @@ def draw_map(table_path: Path, figure_path: Path) -> None:
     panels = table.values("panel")
     columns, rows = len(table.values(about["x"])), len(table.values(about["y"]))
     grid = (max(columns * CELL_WIDTH, _LEAST_PANEL[0]), max(rows * CELL_HEIGHT, _LEAST_PANEL[1]))
-    wanted = _LEFT + len(panels) * grid[0] + (len(panels) - 1) * _BETWEEN + _RIGHT
+    across = len(panels)
+    if _LEFT + across * (grid[0] + _BETWEEN) > _WIDEST:
+        across = 1
+    down = len(panels) // across
+    wanted = _LEFT + across * grid[0] + (across - 1) * _BETWEEN + _RIGHT
     width = max(wanted, _NARROWEST)
     foot = _foot(table, int((width - 0.4) * _CHARACTERS))
     bottom = _TICKS + _LINE * (len(foot) + 2 * (1 + (len(table.values("class")) - 1) // _IN_A_LINE))
-    height = _TOP + grid[1] + bottom
+    height = _TOP + down * grid[1] + (down - 1) * (_TICKS + _BETWEEN) + bottom
     with mpl.rc_context({**STYLE, "axes.grid": False, "axes.spines.top": True, "axes.spines.right": True}):
         figure = Figure(figsize=(width, height))
         FigureCanvasAgg(figure)
         for k, panel in enumerate(panels):
-            left = _LEFT + 0.5 * (width - wanted) + k * (grid[0] + _BETWEEN)
-            axes = figure.add_axes((left / width, bottom / height, grid[0] / width, grid[1] / height))
-            _draw_panel(axes, table.where(panel=panel), about, first=k == 0)
+            left = _LEFT + 0.5 * (width - wanted) + k % across * (grid[0] + _BETWEEN)
+            foot_of = bottom + (down - 1 - k // across) * (grid[1] + _TICKS + _BETWEEN)
+            axes = figure.add_axes((left / width, foot_of / height, grid[0] / width, grid[1] / height))
+            _draw_panel(axes, table.where(panel=panel), about, first=k % across == 0)
             axes.set_title(str(panel))
-        figure.axes[0].set_ylabel(textwrap.fill(about["y label"], int(grid[1] * _CHARACTERS)))
+            if k % across == 0:
+                axes.set_ylabel(textwrap.fill(about["y label"], int(grid[1] * _CHARACTERS)))
         centre = (_LEFT - _RIGHT + width) / 2.0 / width
         figure.text(centre, (bottom - _TICKS + 0.22) / height, about["x label"], ha="center", va="bottom")
         figure.text(0.5, 1.0 - 0.18 / height, about["title"], ha="center", va="center", fontsize=9.5, weight="bold")
@@ -100,7 +106,7 @@ def _draw_panel(axes: Axes, table: Table, about: Any, first: bool) -> None:
         ink = "white" if kind in _DARK else "black"
         value = float(row["value"])
         if math.isfinite(value):
-            axes.text(i, k, short(value), ha="center", va="center", fontsize=5.0, color=ink, zorder=3)
+            axes.text(i, k, short(value), ha="center", va="center", fontsize=6.5, color=ink, zorder=3)
         if row["said"] != Said.SILENT:
             axes.plot(i + 0.4, k + 0.34, ".", color=ink, markersize=2.0)
     for k, y in enumerate(table.values(about["y"])):
@@ -111,7 +117,7 @@ def _draw_panel(axes: Axes, table: Table, about: Any, first: bool) -> None:
     axes.set_ylim(-0.5, len(y_ticks) - 0.5)
     axes.set_xticks(range(len(x_ticks)), [f"{x:.3g}" for x in x_ticks], rotation=90)
     axes.set_yticks(range(len(y_ticks)), [f"{y:.3g}" for y in y_ticks] if first else [""] * len(y_ticks))
-    axes.tick_params(length=2.0, labelsize=6.5)
+    axes.tick_params(length=2.0, labelsize=8)
 
 
 def _place(limit: float, ticks: Any) -> float:

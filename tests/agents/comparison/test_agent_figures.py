@@ -52,6 +52,7 @@ def test_a_comparison_shows_means_intervals_and_the_worst_of_every_controller_in
             found = [line.get_xdata() for line in axes.lines if set(line.get_ydata()) == {rows[name]}]
             for values, exact in zip(found, (ends, [mean], [worst]), strict=True):
                 np.testing.assert_allclose(values, np.multiply(exact, factor))
+    assert saved_figures[0].get_suptitle().startswith("servo has the best return, -0.2\n")
 
 
 def test_a_comparison_has_no_panel_for_what_is_zero_whoever_controls(tmp_path, saved_figures):
@@ -75,6 +76,7 @@ def test_the_transfer_matrix_has_its_rows_for_training_and_its_columns_for_judgi
     }
     assert shown == {(judged, trained): value for judged, row in returns.items() for trained, value in row.items()}
     np.testing.assert_allclose(axes.images[0].get_array(), np.log10([[1.0, 3.0], [2.0, 4.0]]))
+    assert saved_figures[0].get_suptitle() == "servo has the best returns over all levels"
 
 
 def test_a_learning_curve_is_the_median_of_the_seeds_and_their_range_on_the_panel_of_its_task(tmp_path, saved_figures):
@@ -87,6 +89,7 @@ def test_a_learning_curve_is_the_median_of_the_seeds_and_their_range_on_the_pane
     learning_curves_figure(curves, tmp_path / "figure.png")
     nominal, randomised = saved_figures[0].axes
     assert (nominal.get_title(), randomised.get_title()) == ("nominal", "randomised")
+    assert saved_figures[0].get_suptitle() == "Best at the end: ppo in 2 of 2 tasks"
     assert drawn(nominal, "ppo, 3 seeds") == ([0.0, 10.0], [2.0, 0.5])
     assert drawn(nominal, "sac, 1 seeds") == ([0.0, 10.0], [3.0, 4.0])
     assert drawn(randomised, "ppo, 1 seeds") == ([0.0, 10.0], [5.0, 4.0])
@@ -95,7 +98,11 @@ def test_a_learning_curve_is_the_median_of_the_seeds_and_their_range_on_the_pane
 
 
 def test_deployments_show_the_torque_that_acts_the_rates_the_forces_and_what_was_charged(tmp_path, saved_figures):
-    deployments_figure({"servo": episode(force=7.0, torque=-0.2)}, tmp_path / "figure.png")
+    brake = episode(force=7.0, torque=-0.1)
+    brake[0].reward_terms["wear"] = -1.0
+    episodes = {"brake": brake, "servo": episode(force=7.0, torque=-0.2)}
+    deployments_figure(episodes, tmp_path / "figure.png")
+    assert saved_figures[0].get_suptitle() == "servo is charged least, 0.75; brake 1.75"
     torque, rates, forces, charges = saved_figures[0].axes
     assert drawn(torque, "servo") == ([0.1, 0.2], pytest.approx([0.0, -0.2]))
     assert drawn(rates, "servo, joint 2") == ([0.1, 0.2], [0.4, 0.8])

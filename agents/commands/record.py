@@ -14,7 +14,8 @@ from agents.comparison.controllers import parse_controllers, trust_runs
 from agents.comparison.suites import MODEL
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_sampling
 from agents.rollout import Step, run_episode
-from solar_env.support.files import check_target, write_bytes, writing
+from solar_env.pictures.gif import write_gif
+from solar_env.support.files import check_target, write_bytes
 from solar_env.support.progress import counting_bar
 
 PROG = "solar-env record"
@@ -82,9 +83,7 @@ def write_film(frames: Sequence[np.ndarray], path: Path, rate: float) -> None:
     if path.suffix.lower() == ".gif":
         height, width = frames[0].shape[:2]
         size = (GIF_WIDTH, round(GIF_WIDTH * height / width))
-        images = [Image.fromarray(frame).resize(size).quantize(64, dither=Image.Dither.NONE) for frame in frames]
-        with writing(path) as file:
-            images[0].save(file, "gif", save_all=True, append_images=images[1:], duration=round(1000 / rate), loop=0)
+        write_gif([Image.fromarray(frame).resize(size) for frame in frames], path, rate)
         return
     from tempfile import TemporaryDirectory
 

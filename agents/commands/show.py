@@ -16,7 +16,8 @@ from agents.comparison.suites import MODEL
 from agents.environments import episode_seeds, make_env, with_sampling
 from agents.rollout import Step, run_episode
 from agents.torque_laws import Controller
-from solar_env.support.files import copy_file, make_folder, writing
+from solar_env.pictures.gif import write_gif
+from solar_env.support.files import copy_file, make_folder
 from solar_env.support.progress import counting_bar
 
 FIGURE, ANIMATION = "deployments.png", "deployments.gif"
@@ -98,7 +99,5 @@ def animate(films: Sequence[Sequence[Image.Image]], path: Path) -> None:
         frame = Image.new("RGB", (width, height * len(films)))
         for row, film in enumerate(films):
             frame.paste(film[min(k, len(film) - 1)], (0, height * row))
-        frames.append(frame.quantize(64, dither=Image.Dither.NONE))
-    timing = {"duration": 1000 // FRAMES_PER_SECOND, "loop": 0}
-    with writing(path) as file:
-        frames[0].save(file, "gif", save_all=True, append_images=frames[1:], optimize=True, **timing)
+        frames.append(frame)
+    write_gif(frames, path, FRAMES_PER_SECOND)

@@ -99,14 +99,14 @@ def charts_of(trajectories: Mapping[str, Trajectory]) -> list[Chart]:
     charts = [
         Chart(titles["angles"], "time [s]", "angle [deg]", by_joint(lambda t, k: np.degrees(t.angles[k]))),
         Chart(titles["forces"], "time [s]", "greatest from point to point [N]", by_joint(peaks_between)),
-        Chart("Gaps: at zero the surfaces touch", "time [s]", "gap [mm]", by_joint(_gaps)),
+        Chart(titles["gaps"], "time [s]", "gap [mm], 0 in contact", by_joint(_gaps)),
         Chart(titles["torques"], "time [s]", "torque [N m]", by_joint(lambda t, k: t.latch_torque[k])),
     ]  # fmt: skip
     if any(t.motor_torque.any() for t in trajectories.values()):
-        charts.append(Chart("Motor torque", "time [s]", "torque [N m]", by_joint(_driven)))
+        charts.append(Chart(titles["motor"], "time [s]", "torque [N m]", by_joint(_driven)))
     charts.append(Chart(titles["energies"], "time [s]", "energy [J]", _energies(trajectories)))
     if any(t.wear_depth.any() for t in trajectories.values()):
-        charts.append(_wear(trajectories))
+        charts.append(Chart(titles["wear"], "", "depth [m]", _wear(trajectories), False, polar=True))
     return charts
 
 
@@ -116,22 +116,42 @@ def _single_titles(trajectory: Trajectory) -> dict[str, str]:
         "angles": f"The joints latch after {' and '.join(f'{time:.2f}' for time in trajectory.latch_times)} s",
         "forces": f"Contact forces peak at {_in_words(trajectory.peak_force)} N",
         "torques": f"Latch torques reach {_in_words(np.abs(trajectory.latch_torque).max(axis=0))} N m",
+        "gaps": f"Journals touch their bearings {_in_words(100.0 * _touching(trajectory))} % of the time",
+        "motor": f"The motor turns with up to {np.abs(trajectory.motor_torque).max():.3g} N m",
         "energies": f"{lost:.0%} of the energy put in is lost by the end",
+        "wear": f"Bearings wear by up to {_in_words(trajectory.wear_bearing.max(axis=1))} m",
     }
 
 
 def _titles(trajectories: Mapping[str, Trajectory]) -> dict[str, str]:
-    """Of several: which is softest."""
+    """Of several: which one stands out."""
     latest = {name: float(np.nanmax(t.latch_times, initial=0.0)) for name, t in trajectories.items()}
     peaks = {name: float(t.postlock_peak_force.max()) for name, t in trajectories.items()}
     torques = {name: float(np.abs(t.latch_torque).max()) for name, t in trajectories.items()}
-    soonest, softest, least = (min(values, key=values.__getitem__) for values in (latest, peaks, torques))
+    touching = {name: -float(_touching(t).mean()) for name, t in trajectories.items()}
+    left = {name: sum(float(t.energies[part][-1]) for part in _STORED) for name, t in trajectories.items()}
+    worn = {name: float(t.wear_bearing.max(initial=0.0)) for name, t in trajectories.items()}
+    turned = {
+        name: float(np.sqrt(np.square(t.motor_torque).sum(axis=1).mean()))
+        for name, t in trajectories.items()
+        if t.motor_torque.any()
+    } or dict.fromkeys(trajectories, 0.0)
+    compared = (latest, peaks, torques, touching, left, worn, turned)
+    soonest, softest, least, closest, calmest, freshest, laziest = (min(v, key=v.__getitem__) for v in compared)
     return {
         "angles": f"{soonest} is the first to latch, after {latest[soonest]:.3g} s",
         "forces": f"{softest} lands softest: after latching at most {peaks[softest]:.3g} N",
         "torques": f"{least} loads the latches least, with {torques[least]:.3g} N m at most",
-        "energies": "Energies stored and lost",
+        "gaps": f"Journals touch longest under {closest}, {-touching[closest]:.0%} of the time",
+        "motor": f"{laziest} needs the least torque, {turned[laziest]:.3g} N m (root mean square)",
+        "energies": f"{calmest} is left with the least energy, {left[calmest]:.3g} J",
+        "wear": f"{freshest} wears bearings least, by {worn[freshest]:.3g} m at most",
     }
+
+
+def _touching(trajectory: Trajectory) -> Array:
+    """Share of the time in which each journal touches its bearing."""
+    return np.asarray(np.average(trajectory.penetration[1:] > 0.0, axis=0, weights=np.diff(trajectory.time)))
 
 
 def _gaps(trajectory: Trajectory, kept: NDArray[np.intp]) -> Array:
@@ -161,7 +181,7 @@ def _energies(trajectories: Mapping[str, Trajectory]) -> list[Line]:
     return lines
 
 
-def _wear(trajectories: Mapping[str, Trajectory]) -> Chart:
+def _wear(trajectories: Mapping[str, Trajectory]) -> list[Line]:
     """Depth of the bearings' wear round them, in their bodies' own frames."""
     lines, looks = [], controller_looks(list(trajectories))
     for name, trajectory in trajectories.items():
@@ -171,4 +191,4 @@ def _wear(trajectories: Mapping[str, Trajectory]) -> Chart:
             angle = np.linspace(0.0, 360.0, len(depth), endpoint=False)
             colour = COLOURS[j % len(COLOURS)] if single else looks[name]["color"]
             lines.append(Line(label, angle, depth, colour, "solid" if single else _DASHES[j % len(_DASHES)]))
-    return Chart("Wear of the bearings, by angle in their bodies' frames", "", "depth [m]", lines, False, polar=True)
+    return lines

@@ -2,7 +2,7 @@
 
 import sys
 
-from solar_env.__main__ import main
+from solar_env_command import main
 
 if __name__ == "__main__":
     sys.exit(main(["train", *sys.argv[1:]]))

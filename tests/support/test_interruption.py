@@ -1,5 +1,6 @@
 """Ctrl-C ends every command with exit status 130 and one line of what was kept, in worker processes too."""
 
+import builtins
 import os
 import re
 import signal
@@ -11,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+import solar_env_command
 from solar_env import __main__ as command_line
 from solar_env.support import interruption
 from solar_env.support.campaigns import Campaign
@@ -37,6 +39,15 @@ def test_it_says_so_where_nothing_was_kept(capsys, monkeypatch):
     monkeypatch.setattr(interruption, "_left", [])
     monkeypatch.setattr("importlib.import_module", lambda _: interrupt())
     assert command_line.main(["train"]) == 130
+    assert capsys.readouterr().err == "interrupted; nothing was kept\n"
+
+
+def test_so_does_the_script_while_packages_are_being_loaded(capsys, monkeypatch):
+    load = builtins.__import__
+    monkeypatch.setattr(
+        builtins, "__import__", lambda name, *rest: interrupt() if name == "solar_env.__main__" else load(name, *rest)
+    )
+    assert solar_env_command.main(["train"]) == 130
     assert capsys.readouterr().err == "interrupted; nothing was kept\n"
 
 

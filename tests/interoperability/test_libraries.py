@@ -104,3 +104,24 @@ def test_torchrl_collects_a_rollout():
     rollout = torchrl.GymWrapper(env).rollout(20)
     assert rollout["next", "reward"].shape == (20, 1)
     assert rollout["observation"].shape == (20, *env.observation_space.shape)
+
+
+@pytest.mark.interoperability
+@pytest.mark.filterwarnings("ignore")
+def test_rllib_trains_an_iteration():
+    ray = pytest.importorskip("ray")
+    ppo = pytest.importorskip("ray.rllib.algorithms.ppo")
+    ray.tune.register_env("solar_env/Deploy-v1", lambda keywords: gymnasium.make("solar_env/Deploy-v1", **keywords))
+    config = ppo.PPOConfig().environment("solar_env/Deploy-v1", env_config=SHORT).env_runners(num_env_runners=0)
+    config = config.training(train_batch_size_per_learner=300, minibatch_size=100, num_epochs=1).debugging(seed=0)
+    ray.init(num_cpus=1, include_dashboard=False)
+    try:
+        algorithm = config.build_algo()
+        before = algorithm.get_module().get_state()
+        result = algorithm.train()
+        after = algorithm.get_module().get_state()
+        assert result["env_runners"]["num_env_steps_sampled"] >= 300
+        assert any(not np.array_equal(before[name], after[name]) for name in before)
+        algorithm.stop()
+    finally:
+        ray.shutdown()

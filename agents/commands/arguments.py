@@ -3,13 +3,18 @@
 import dataclasses
 import shlex
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from agents.environments import DEFAULT_ENV_ID, with_model
+import gymnasium
+
+from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_sampling
 from solar_env.commands.arguments import Assignments as Assignments
 from solar_env.commands.arguments import WorkerOptions as WorkerOptions
 from solar_env.commands.arguments import parse_arguments as parse_arguments
 from solar_env.commands.arguments import parse_assignments as parse_assignments
+
+if TYPE_CHECKING:
+    from agents.comparison.controllers import NamedController
 
 
 @dataclasses.dataclass
@@ -44,17 +49,45 @@ class ModelOptions:
 
 
 @dataclasses.dataclass
-class ShowingOptions(ModelOptions, TrustOption):
-    """Controllers that are shown in one episode, the same for all."""
+class EpisodeOptions(ModelOptions, TrustOption):
+    """The evaluation episode that controllers are shown in."""
 
-    controllers: list[str] = dataclasses.field(default_factory=lambda: ["passive", "servo"])
-    """laws, shipped policies and run folders, see solar-env evaluate --help; each once"""
     seed: int = 0
     """chooses the evaluation episode"""
     env_id: str = DEFAULT_ENV_ID
     """environment id"""
     quiet: bool = False
     """no progress bar"""
+
+    @property
+    def episode_seed(self) -> int:
+        """Seed of the episode."""
+        return episode_seeds("evaluation", self.seed, 1)[0]
+
+    def prepare(self, controllers: Sequence[str], **keywords: Any) -> "list[tuple[NamedController, gymnasium.Env]]":
+        """Return controllers by their names in words, and the environment of each, with some keywords more.
+
+        Raises:
+            ValueError, OSError: There is none of a name, or its files cannot be loaded.
+        """
+        from agents.comparison.controllers import parse_controllers, trust_runs
+        from agents.comparison.suites import MODEL
+
+        asked = {**self.keywords(self.env_id, MODEL), **keywords}
+        if self.trust:
+            trust_runs(controllers)
+        named = parse_controllers(controllers)
+        for controller in named:
+            controller.check()
+        return [(one, make_env(self.env_id, with_sampling({**asked, **one.interface()}, self.env_id))) for one in named]
+
+
+@dataclasses.dataclass
+class ShowingOptions(EpisodeOptions):
+    """Controllers that are shown in one episode, the same for all."""
+
+    controllers: list[str] = dataclasses.field(default_factory=lambda: ["passive", "servo"])
+    """laws, shipped policies and run folders, see solar-env evaluate --help; each once"""
 
 
 @dataclasses.dataclass

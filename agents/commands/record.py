@@ -9,10 +9,7 @@ import numpy as np
 from PIL import Image
 from rich.console import Console
 
-from agents.commands.arguments import ModelOptions, TrustOption, parse_arguments
-from agents.comparison.controllers import parse_controllers, trust_runs
-from agents.comparison.suites import MODEL
-from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_sampling
+from agents.commands.arguments import EpisodeOptions, parse_arguments
 from agents.rollout import Step, run_episode
 from solar_env.pictures.gif import write_gif
 from solar_env.support.files import check_target, write_bytes
@@ -24,7 +21,7 @@ GIF_WIDTH = 640  # pixels; a GIF in full size has tens of megabytes
 
 
 @dataclass
-class Args(ModelOptions, TrustOption):
+class Args(EpisodeOptions):
     """Film one episode of a controller, in real time unless told otherwise.
 
     The model is flexible-clearance unless another is named.
@@ -36,12 +33,6 @@ class Args(ModelOptions, TrustOption):
     """film, .mp4 or .gif"""
     speed: float = 1.0
     """times real time"""
-    seed: int = 0
-    """chooses the evaluation episode"""
-    env_id: str = DEFAULT_ENV_ID
-    """environment id"""
-    quiet: bool = False
-    """no progress bar"""
 
 
 def main(argv: Sequence[str]) -> None:
@@ -54,12 +45,7 @@ def main(argv: Sequence[str]) -> None:
     check_target(args.out)
     if args.out.suffix.lower() == ".mp4":
         _encoder()  # refuses before the episode
-    keywords = args.keywords(args.env_id, MODEL)
-    if args.trust:
-        trust_runs([args.controller])
-    (named,) = parse_controllers([args.controller])
-    drawn = {**keywords, **named.interface(), "render_mode": "rgb_array"}
-    env = make_env(args.env_id, with_sampling(drawn, args.env_id))
+    ((named, env),) = args.prepare([args.controller], render_mode="rgb_array")
     frames: list[np.ndarray] = []
     with counting_bar(Console(stderr=True, quiet=args.quiet)) as bar:
         task = bar.add_task("frames", total=None)
@@ -68,7 +54,7 @@ def main(argv: Sequence[str]) -> None:
             frames.append(env.render())  # type: ignore[arg-type]
             bar.advance(task)
 
-        run_episode(env, named.load(env), episode_seeds("evaluation", args.seed, 1)[0], draw)
+        run_episode(env, named.load(env), args.episode_seed, draw)
     write_film(frames, args.out, args.speed * env.metadata["render_fps"])
     print(f"written to {args.out}")
 

@@ -8,9 +8,6 @@ from typing import Any
 from rich.console import Console
 
 from agents.commands.arguments import ShowingOptions, command_line, parse_arguments
-from agents.comparison.controllers import parse_controllers, trust_runs
-from agents.comparison.suites import MODEL
-from agents.environments import episode_seeds, make_env, with_sampling
 from agents.rollout import run_episode
 from solar_env.environment.recording import RecordTrajectory
 from solar_env.mechanics.running.trajectory import Trajectory
@@ -49,19 +46,14 @@ def main(argv: Sequence[str]) -> None:
     """Run the command; see `Args`."""
     args = parse_arguments(Args, argv, PROG)
     check_target(args.html)
-    keywords = args.keywords(args.env_id, MODEL)
-    seed = episode_seeds("evaluation", args.seed, 1)[0]
-    if args.trust:
-        trust_runs(args.controllers)
-    named_controllers = parse_controllers(args.controllers)
+    prepared = args.prepare(args.controllers)
     episodes: dict[str, Trajectory] = {}
     figures: dict[str, dict[str, Any]] = {}
     with counting_bar(Console(stderr=True, quiet=args.quiet)) as bar:
-        for named in bar.track(named_controllers, description="episodes"):
-            keywords_seen = with_sampling({**keywords, **named.interface()}, args.env_id)
-            env = RecordTrajectory(make_env(args.env_id, keywords_seen))
-            figures[named.name] = run_episode(env, named.load(env), seed)
-            episodes[named.name] = env.trajectory
+        for named, env in bar.track(prepared, description="episodes"):
+            recorded = RecordTrajectory(env)
+            figures[named.name] = run_episode(recorded, named.load(recorded), args.episode_seed)
+            episodes[named.name] = recorded.trajectory
     write_page(replay_page(episodes, figures, command_line(PROG, argv), evaluations(args.controllers)), args.html)
     print(f"written to {args.html}")
 

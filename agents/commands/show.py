@@ -10,10 +10,7 @@ from PIL import Image, ImageDraw, ImageFont
 from rich.console import Console
 
 from agents.commands.arguments import ShowingOptions, parse_arguments
-from agents.comparison.controllers import parse_controllers, trust_runs
 from agents.comparison.figures import deployments_figure
-from agents.comparison.suites import MODEL
-from agents.environments import episode_seeds, make_env, with_sampling
 from agents.rollout import Step, run_episode
 from agents.torque_laws import Controller
 from solar_env.pictures.gif import write_gif
@@ -42,21 +39,13 @@ class Args(ShowingOptions):
 def main(argv: Sequence[str]) -> None:
     """Run the command; see `Args`."""
     args = parse_arguments(Args, argv, "solar-env show")
-    keywords = args.keywords(args.env_id, MODEL)
-    seed = episode_seeds("evaluation", args.seed, 1)[0]
-    if args.trust:
-        trust_runs(args.controllers)
-    named_controllers = parse_controllers(args.controllers)
-    for named in named_controllers:
-        named.check()
+    prepared = args.prepare(args.controllers, render_mode="rgb_array")
     out = make_folder(args.out)
     episodes: dict[str, list[Step]] = {}
     films: list[list[Image.Image]] = []
     with counting_bar(Console(stderr=True, quiet=args.quiet)) as bar:
-        for named in bar.track(named_controllers, description="episodes"):
-            drawn = {**keywords, **named.interface(), "render_mode": "rgb_array"}
-            env = make_env(args.env_id, with_sampling(drawn, args.env_id))
-            episodes[named.name], film = _filmed(env, named.load(env), named.name, seed)
+        for named, env in bar.track(prepared, description="episodes"):
+            episodes[named.name], film = _filmed(env, named.load(env), named.name, args.episode_seed)
             films.append(film)
     deployments_figure(episodes, out / FIGURE)
     animate(films, out / ANIMATION)

@@ -115,7 +115,7 @@ def comparison_figure(summary: Mapping[str, Mapping[str, Any]], path: Path) -> N
         if any(of[key].mean > 0 for of in summary.values()):
             panels.append((key, *TABLE[key]))
     names, looks = list(summary)[::-1], controller_looks(list(summary))
-    figure = Figure(figsize=(0.5 + 3.25 * len(panels), 0.6 + 0.32 * len(names)), layout="constrained")
+    figure = Figure(figsize=(0.5 + 3.25 * len(panels), 1.0 + 0.32 * len(names)), layout="constrained")
     across = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
     for axes, (key, label, factor) in zip(across, panels, strict=True):
         for row, name in enumerate(names):

@@ -5,6 +5,7 @@ causes itself. Candidates are compared by the returns of their episodes alone, s
 deadlines nor the delay between a landing and its cost stands in the way of a gradient.
 """
 
+import math
 from typing import Any
 
 import cma
@@ -109,36 +110,32 @@ class CMAES(WeightSearch):
     """CMA-ES over the weights (N. Hansen, 2016, arXiv:1604.00772), whose policy is the best candidate so far.
 
     The mean of the distribution wanders over a rough landscape, and a single episode flatters. Every few generations
-    the best candidates since the last time, the mean, and the policy compete over some episodes each. In the middle of
-    the training the search begins again around the policy, with a small spread.
+    the best candidates since the last time and the mean therefore have a round each, an episode in every environment,
+    the same ones every time, and the policy is the best of all that have had one.
 
     Args:
         policy, env, first_weight, seed, device: See `WeightSearch`.
         population: Candidates of a generation.
         deviation: Standard deviation of every weight in the first generation.
-        restart_deviation: The same when the search begins again.
-        generations_between: Generations from one competition to the next.
-        finalists: Candidates that compete with the mean and the policy.
-        episodes: Episodes of each of these.
+        generations_between: Generations from one round to the next.
+        finalists: Candidates that have a round beside the mean.
     """
 
     def __init__(
         self,
         policy: Any,
         env: Any,
-        population: int = 16,
+        population: int = 24,
         deviation: float = 0.1,
-        restart_deviation: float = 0.03,
-        generations_between: int = 10,
-        finalists: int = 3,
-        episodes: int = 4,
+        generations_between: int = 15,
+        finalists: int = 2,
         first_weight: float = 0.0,
         seed: int | None = None,
         device: str = "cpu",
         _init_setup_model: bool = True,
     ) -> None:
-        self.population, self.deviation, self.restart_deviation = population, deviation, restart_deviation
-        self.generations_between, self.finalists, self.episodes = generations_between, finalists, episodes
+        self.population, self.deviation = population, deviation
+        self.generations_between, self.finalists = generations_between, finalists
         self.search: Any = None
         super().__init__(
             policy, env, first_weight=first_weight, seed=seed, device=device, _init_setup_model=_init_setup_model
@@ -148,21 +145,13 @@ class CMAES(WeightSearch):
         super()._setup_model()
         if self.search is None:  # else a saved search is being loaded
             # Left to itself pycma draws from NumPy's global generator.
-            self.random = np.random.RandomState(self.seed)
-            self._begin(self.deviation)
+            options: dict[str, Any] = {"popsize": self.population, "seed": np.nan, "verbose": -9}
+            options["randn"] = np.random.RandomState(self.seed).randn
+            self.search = cma.CMAEvolutionStrategy(self.weights.numpy().astype(float), self.deviation, options)
             self.seen: list[tuple[float, np.ndarray]] = []
-            self.restarted = False
-
-    def _begin(self, deviation: float) -> None:
-        """Begin a search around the policy."""
-        options: dict[str, Any] = {"popsize": self.population, "seed": np.nan, "verbose": -9}
-        options["randn"] = self.random.randn
-        self.search = cma.CMAEvolutionStrategy(self.weights.numpy().astype(float), deviation, options)
+            self.best_return: float = -math.inf
 
     def _update(self, callback: BaseCallback, async_eval: AsyncEval | None) -> None:
-        if not self.restarted and self._current_progress_remaining < 0.5:
-            self.restarted = True
-            self._begin(self.restart_deviation)
         asked = self.search.ask()
         returns = self._evaluated(asked, callback)
         self.search.tell(asked, (-returns).tolist())
@@ -170,11 +159,25 @@ class CMAES(WeightSearch):
         self._n_updates += 1
         if self._n_updates % self.generations_between == 0:
             best = sorted(self.seen, key=lambda pair: -pair[0])[: self.finalists]
-            competing = [self.weights.numpy(), self.search.mean, *(weights for _, weights in best)]
-            returns = self._evaluated(np.repeat(competing, self.episodes, axis=0), callback)
-            self._use(competing[int(np.argmax(returns.reshape(-1, self.episodes).mean(axis=1)))])
+            for weights in (self.search.mean, *(weights for _, weights in best)):
+                self._judge(weights, callback)
             self.seen.clear()
+            self._seed_episodes(1 + self._n_updates // self.generations_between)
         self.logger.record("train/deviation", self.search.sigma)
+
+    def _judge(self, weights: np.ndarray, callback: BaseCallback) -> None:
+        """Let weights have a round; they become the policy's if none did better in theirs."""
+        self._seed_episodes(0)
+        env: Any = self.env
+        mean_return = float(self._evaluated(np.tile(weights, (env.num_envs, 1)), callback).mean())
+        if mean_return > self.best_return:
+            self.best_return = mean_return
+            self._use(weights)
+
+    def _seed_episodes(self, block: int) -> None:
+        """Let the next episodes begin with the seeds of a block, one an environment."""
+        env: Any = self.env
+        env.seed((self.seed or 0) + block * env.num_envs)
 
     def _evaluated(self, candidates: Any, callback: BaseCallback) -> np.ndarray:
         """Returns (candidates,) of an episode of each of the weights (candidates, entries)."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import math
+import pickle
 
 import gymnasium
 import numpy as np
@@ -10,7 +12,7 @@ import pytest
 
 import solar_env
 from solar_env import Hardware
-from solar_env.environment.task.features import FEATURES, signed_logarithm
+from solar_env.environment.task.features import FEATURES, PLACES, signed_logarithm
 from solar_env.environment.task.observations import observation_entries
 from solar_env.environment.task.sensors import Sensors
 
@@ -51,6 +53,14 @@ def test_the_features_of_an_approach_are_those_of_the_mean_opening_and_of_its_di
     assert all(value == 0.0 for name, value in seen.items() if name.startswith("settling"))
 
 
+@pytest.mark.parametrize("opening", [0.0, 0.003, 0.35, 0.9, 0.997, 1.0])
+def test_a_linear_function_of_the_places_is_any_that_is_linear_between_them(opening):
+    seen = shown((opening, opening), (0.1, 0.2), (0, 0), 0.4)
+    weights = np.random.default_rng(0).normal(size=len(PLACES))
+    places = [seen[f"approach_place_{place + 1}"] for place in range(len(PLACES))]
+    assert np.dot(weights, places) == pytest.approx(np.interp(opening, PLACES, weights), abs=1e-5)
+
+
 def test_after_the_last_latch_the_features_are_those_of_each_joint():
     seen = shown((1.002, 0.999), (-0.003, 0.01), (1, 1), 0.1)
     for k, (distance, rate) in enumerate([(-0.002, -0.003 / LOCK_ANGLES[0]), (0.001, 0.01 / LOCK_ANGLES[1])], start=1):
@@ -79,6 +89,16 @@ def test_a_feature_stays_in_its_bounds_and_is_the_same_in_a_vector_bit_for_bit(r
         together = vector.step(np.full((2, 1), action, np.float32))[0]
     entries = len(seen[0]) // 2
     assert np.array_equal(seen[3][entries:], seen[1][:entries])
+
+
+@each
+def test_an_environment_that_shows_a_feature_can_be_copied_and_pickled_while_it_runs(row):
+    env = gymnasium.make(ID, model="rigid-ideal", control_period=1e-3, observation=[row.name, f"{row.name}_2_ago"])
+    env.reset(seed=0)
+    env.step([0.3])
+    copies = [copy.deepcopy(env), pickle.loads(pickle.dumps(env))]
+    observed = env.step([0.5])[0].tobytes()
+    assert [copied.step([0.5])[0].tobytes() for copied in copies] == [observed, observed]
 
 
 @each

@@ -83,7 +83,7 @@ def test_limits_durations_and_prices_are_the_documented_ones():
     assert env.reward.names == ("peak_impact", "wear", "missed_deadline")
     assert env.reward.prices["peak_impact"] == Price(FORCE_SCALE, 1.0, LARGEST)
     assert env.reward.prices["wear"] == Price(WORK_SCALE, 1.0, LARGEST)
-    assert env.reward.prices["missed_deadline"] == Price(1.0, MISSED, 1.0)
+    assert env.reward.prices["missed_deadline"] == Price(1.0, MISSED, 2.0)
 
 
 def test_500_newtons_and_a_tenth_of_a_joule_cost_one_each(passive):
@@ -152,11 +152,13 @@ def test_no_controller_ends_an_episode_before_its_time(wide_set):
 
 
 def test_holding_the_array_folded_or_short_of_its_latches_never_pays(passive):
-    runs = deploy([constant(-1.0), *(held_short_at(opening) for opening in (0.5, 0.9, 0.985))])
+    openings = (0.5, 0.9, 0.985)
+    runs = deploy([constant(-1.0), *(held_short_at(opening) for opening in openings)])
+    missed = [np.sum(run.terms, axis=0)[2] for run in runs]
+    assert missed == sorted(missed), "the wider open, the less it costs"
     for run in runs:
         assert run.figures["latch_times_s"] == [None, None]
-        assert np.sum(run.terms, axis=0)[2] == -MISSED
-        assert run.total <= -MISSED < WORST_DEPLOYMENT < min(alone.total for alone in passive)
+        assert -2.0 * MISSED - 1.0 <= run.total <= -MISSED < WORST_DEPLOYMENT < min(alone.total for alone in passive)
 
 
 @pytest.mark.parametrize(
@@ -175,7 +177,7 @@ def test_latching_one_joint_and_not_the_other_never_pays(law, keywords):
     assert root is None
     assert outer is not None
     peak_impact, _, missed = np.sum(run.terms, axis=0)
-    assert missed == -MISSED
+    assert -2.0 * MISSED < missed < -MISSED
     assert peak_impact < 0.0, "what the one latching did is charged on top"
     assert run.total < missed < WORST_DEPLOYMENT
 
@@ -307,5 +309,5 @@ def test_charges_stop_at_their_bound_however_violent_the_deployment():
     assert np.sum(shaken.terms, axis=0) == pytest.approx([-LARGEST, -LARGEST, 0.0], abs=1e-12)
     for run in (shaken, thrown, dropped):
         assert np.max(run.terms) <= 0.0
-        assert np.cumsum(run.terms, axis=0).min() >= -MISSED - 1e-12
+        assert np.cumsum(run.terms, axis=0).min() >= -2.0 * MISSED - 1e-12
     assert dropped.total <= -MISSED < shaken.total < thrown.total

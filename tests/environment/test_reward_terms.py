@@ -58,7 +58,7 @@ def figures(lane):
     return {
         "peak_impact": np.where(after, (peaks - peaks[LATCHING]).sum(axis=1), 0.0),
         "wear": total,
-        "missed_deadline": (index == PERIODS - 1).astype(float),
+        "missed_deadline": np.where(index == PERIODS - 1, 2.0, 0.0),  # folded to the end
         "attitude_disturbance": np.maximum.accumulate(np.abs(spin)),
         "postlock_wear": np.where(after, total - at_latching, 0.0),
         "motor_work": np.abs(np.diff(motor, prepend=0.0)).cumsum(),
@@ -83,8 +83,10 @@ def charged(reward, lanes=1, **keywords):
 @each
 @pytest.mark.parametrize("price", [Price(1.0, 1.0, 1e4), Price(0.03, 2.5, 4.0)], ids=["as it is", "bounded"])
 def test_a_term_adds_up_to_minus_what_its_figure_costs_in_every_period(term, price):
-    terms, _ = charged({**DEAR, term.name: price} if term.name != "missed_deadline" else {term.name: Price(1.0, 1e6)})
-    price = Price(1.0, 1e6) if term.name == "missed_deadline" else price
+    terms, _ = charged(
+        {**DEAR, term.name: price} if term.name != "missed_deadline" else {term.name: Price(1.0, 1e6, 2.0)}
+    )
+    price = Price(1.0, 1e6, 2.0) if term.name == "missed_deadline" else price
     expected = price.weight * np.minimum(figures(0)[term.name] / price.scale, price.bound)
     assert -terms[term.name][0].cumsum() == pytest.approx(expected, rel=1e-9, abs=1e-9)
     assert expected[-1] > 0.0

@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 Values = NDArray[Any]
 DISTANCE = 2e-4  # below which a distance to the lock, in units of the lock angle, counts as proportional
 RATE = 3e-4  # the same of an opening rate [1/s]; 5e-4 rad/s of the root hinge
+PLACES = (0.0, 0.01, 0.05, 0.2, 0.5, 0.8, 0.93, 0.98, 0.995, 1.0)
+"""Mean openings between which a linear function of `approach_place_1` and the others is linear, piece by piece."""
 MEASURED = ("theta", "rate", "latched", "time_to_deadline")
 """Observables that features are made of."""
 
@@ -69,6 +71,12 @@ class Shown:
         return np.maximum(self.distance, 0.0) / (np.maximum(self.opening_rate, RATE) * left)
 
 
+def near(place: int) -> Callable[[Shown], Values]:
+    """Make the function (lanes, 1) that is 1 at a place, falls linearly to 0 at its neighbours, and is 0 elsewhere."""
+    unit = np.eye(len(PLACES))[place]
+    return lambda shown: shown.approach * np.interp(1.0 - shown.distance, PLACES, unit)
+
+
 def ahead(values: Values) -> Values:
     """(lanes, 1) by how much the first joint exceeds the mean of the others; 0 where it is alone."""
     if values.shape[1] == 1:
@@ -96,9 +104,18 @@ class Feature(NamedTuple):
     of: Callable[[Shown], Values]
     by_joint: bool = False
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copy and pickle by the name, for functions without one cannot be pickled."""
+        return feature, (self.name,)
+
+
+def feature(name: str) -> Feature:
+    """Row of the table of features."""
+    return next(row for row in FEATURES if row.name == name)
+
 
 _UNTIL, _AFTER = "until the last latch, then 0", "after the last latch, before it 0"
-FEATURES = (
+FEATURES: tuple[Feature, ...] = (
     Feature("approach", f"1 {_UNTIL}", "0 or 1", 0, 1, lambda s: s.approach),
     Feature(
         "approach_opening", f"twice the mean opening less 0.8, {_UNTIL}", "lock angle", -4, 4,
@@ -131,6 +148,14 @@ FEATURES = (
     Feature(
         "approach_time_needed", f"time still needed at this rate over the time left, logarithmic, {_UNTIL}", "-", -8, 8,
         lambda s: s.approach * np.log(np.maximum(s.time_needed, 1e-3)),
+    ),
+    *(
+        Feature(
+            f"approach_place_{place + 1}",
+            f"1 at a mean opening of {opening:g}, linearly to 0 at the neighbouring places, {_UNTIL}", "-", 0, 1,
+            near(place),
+        )
+        for place, opening in enumerate(PLACES)
     ),
     Feature(
         "settling_rate", f"opening rate, logarithmic, {_AFTER}", "-", -4, 4,

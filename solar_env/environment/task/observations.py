@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array.names import unknown_name
-from solar_env.environment.task.features import FEATURES, MEASURED, Feature
+from solar_env.environment.task.features import FEATURES, MEASURED, PLACES, Feature
 from solar_env.environment.task.task import last_latch
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.formulations import view_joint_of
@@ -76,7 +76,8 @@ OBSERVABLES = (
     Observable("peak_force", "greatest joint force in the last period", "kN", 0.0, 10.0, PEAK_FORCE, True),
 )
 
-_BY_NAME: dict[str, Observable | Feature] = {row.name: row for row in (*OBSERVABLES, *FEATURES)}
+_ROWS: tuple[Observable | Feature, ...] = (*OBSERVABLES, *FEATURES)
+_BY_NAME = {row.name: row for row in _ROWS}
 
 # Names of an observation, in order; those in a tuple take turns joint by joint.
 Names = Sequence[str | tuple[str, ...]]
@@ -85,7 +86,15 @@ _PAST = tuple(f"{name}_{age}_ago" for age in (1, 2, 3) for name in ("theta", "ra
 OBSERVATIONS: dict[str, Names] = {
     "drive": _DRIVE,
     "history": (*_DRIVE, *_PAST),
-    "landing": tuple(row.name for row in FEATURES),
+    "landing": (
+        "approach",
+        "approach_rate",
+        "approach_lead",
+        "approach_lead_rate",
+        *(f"approach_place_{place + 1}" for place in range(len(PLACES))),
+        "settling_rate",
+        "settling_distance",
+    ),
     "privileged": (*_DRIVE, ("eccentricity_x", "eccentricity_y", "in_contact"), "main_body_spin"),
 }
 

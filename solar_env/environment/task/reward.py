@@ -74,8 +74,15 @@ REWARD_TERMS = (
     RewardTerm("peak_impact", "peak force, over all joints", _POSTLOCK, "N", PEAK_IMPACT, LATEST, Price(500.0)),
     # Wear is proportional to the integral of normal force times sliding speed (Archard, J. Appl. Phys. 24 (1953) 981).
     RewardTerm("wear", "sliding work, over all joints", _WHOLE, "J", WEAR, LATEST, Price(0.1)),
+    # Graded: where nothing latches, a search still sees which way leads to the lock.
     RewardTerm(
-        "missed_deadline", "1 if a joint is open", _DEADLINE, "-", MISSED_DEADLINE, LATEST, Price(1.0, 25.0, 1.0)
+        "missed_deadline",
+        "1 and the mean distance to the lock, in lock angles, if a joint is open",
+        _DEADLINE,
+        "-",
+        MISSED_DEADLINE,
+        LATEST,
+        Price(1.0, 25.0, 2.0),
     ),
     RewardTerm(
         "attitude_disturbance", "peak main body spin", _WHOLE, "rad/s", ATTITUDE_DISTURBANCE, GREATEST, Price(0.01, 0.0)
@@ -89,7 +96,10 @@ REWARD_TERMS = (
 )
 
 # Version of the reward -> what it changes of the prices above.
-PRICES: dict[str, dict[str, Any]] = {"v1": {}, "v0": {"wear": 0.0, "postlock_wear": 1.0}}
+PRICES: dict[str, dict[str, Any]] = {
+    "v1": {},
+    "v0": {"wear": 0.0, "postlock_wear": 1.0, "missed_deadline": {"bound": 1.0}},
+}
 
 _CHARGE = [("code", "i8"), ("growth", "i8"), ("scale", "f8"), ("weight", "f8"), ("bound", "f8")]
 charge_type = np.dtype((np.record, np.dtype(_CHARGE, align=True)))
@@ -153,12 +163,21 @@ def _changed(name: str, price: Price, change: Any) -> Price:
         raise ValueError(f"reward[{name!r}]: {error}") from error
 
 
+@kernel(single_caller=True)
+def distance_to_lock(model, state):
+    """Mean distance of the joints to their locks, in lock angles, beyond which it counts as 0."""
+    total = 0.0
+    for j in range(state.joints.size):
+        total += max(1.0 - view_joint_of(model)(model, state, j).angle / model.joints[j].lock_angle, 0.0)
+    return total / state.joints.size
+
+
 @kernel(inner=True)
 def reading(code, model, state, task):
     """The present reading of a figure, in its unit."""
     postlock = state.clock[0].latched_joints > 0
     if code == MISSED_DEADLINE:
-        return 1.0 if missed_deadline(state, task) else 0.0
+        return 1.0 + distance_to_lock(model, state) if missed_deadline(state, task) else 0.0
     if code == ATTITUDE_DISTURBANCE:
         return view_joint_of(model)(model, state, 0).inboard_spin
     if code == MOTOR_WORK:

@@ -17,7 +17,7 @@ from agents.learning.weight_search import CMAES, WeightSearch
 TARGET = np.array([0.6, -0.3, 0.2])
 SEARCHES = {
     "ars": (WeightSearch, {"n_delta": 4, "learning_rate": 0.01, "delta_std": 0.02}),
-    "cma-es": (CMAES, {"population": 8, "generations_between": 3}),
+    "cma-es": (CMAES, {"population": 8, "generations_between": 3, "finalists": 1}),
 }
 QUICK = {"model": "rigid-ideal", "control_period": 0.5, "postlock_window": 2.0}
 QUICK |= {"action": "rate", "observation": "landing"}

@@ -3,6 +3,7 @@
 import errno
 import os
 import pickle
+import re
 import signal
 from dataclasses import replace
 
@@ -28,13 +29,19 @@ AGENTS = {
     "sac": ("sac", OFF_POLICY, 0.0),
     "td3": ("td3", {**OFF_POLICY, "exploration_noise": 0.2}, 0.0),
     "residual": ("ppo", ON_POLICY, 0.3),
+    "cma-es": ("cma-es", {"population": 4, "generations_between": 2, "finalists": 1}, None),
+    "ars": ("ars", {"n_delta": 2, "n_top": 2}, None),
 }
+
+
+SEARCHES = ("cma-es", "ars")  # whose rollouts are whole episodes of several candidates
 
 
 def configuration(name="ppo", timesteps=200):
     algo, hyperparameters, residual = AGENTS[name]
+    env_kwargs = {**QUICK, "observation": "landing"} if name in SEARCHES else QUICK
     return configurations.complete(
-        algo, DEFAULT_ENV_ID, QUICK, 5, 2, timesteps, hyperparameters, residual, 2 if residual else None
+        algo, DEFAULT_ENV_ID, env_kwargs, 5, 2, timesteps, hyperparameters, residual, 2 if residual else None
     )
 
 
@@ -81,10 +88,11 @@ def content(folder):
 
 @pytest.mark.parametrize("name", AGENTS)
 def test_an_interrupted_training_goes_on_bit_for_bit(name, tmp_path):
-    config = configuration(name)
+    config = configuration(name, 1000 if name in SEARCHES else 200)
     whole = train(tmp_path / "whole", config)
-    (note,) = train_until(135, tmp_path / "cut", config)
-    assert note.startswith("kept the checkpoint of step 120; solar-env train --resume ")
+    (note,) = train_until(700 if name in SEARCHES else 135, tmp_path / "cut", config)
+    kept = re.match(r"kept the checkpoint of step (\d+); solar-env train --resume ", note)
+    assert int(kept[1]) == 120 if name not in SEARCHES else 0 < int(kept[1]) < 700
     assert not runs.is_complete(tmp_path / "cut")
     for folder in (tmp_path / "other", tmp_path / "cut"):  # into another folder, and into its own
         train(folder, configurations.resumed_configuration(tmp_path / "cut"), tmp_path / "cut")

@@ -54,8 +54,8 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
       `time_to_deadline`, `time_since_latch`.
     * "history" appends angles, rates and motor torque as they were observed one, two and three periods ago
       (`theta_1_1_ago`, ...); before the first step they are the first ones.
-    * "landing" has the features of the table's end, for agents that learn from nothing: a linear function of them,
-      as a setpoint of `action="rate"`, deploys and lands the array.
+    * "landing" has those features of the table's end with which a linear function deploys and lands the array, as a
+      setpoint of `action="rate"`: rates, the lead of joint 1, places on the way, and distances after the last latch.
     * "privileged" extends "drive" by what only a simulator knows, for analysis and bounds: `eccentricity_x_i`,
       `eccentricity_y_i` (inertial axes) and `in_contact_i` joint by joint, and `main_body_spin`.
 

@@ -2,7 +2,7 @@
 
 import sys
 
-from solar_env_command import main
+from agents.script import main
 
 if __name__ == "__main__":
     sys.exit(main(["train", *sys.argv[1:]]))

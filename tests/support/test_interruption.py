@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-import solar_env_command
+from agents import script
 from solar_env import __main__ as command_line
 from solar_env.support import interruption
 from solar_env.support.campaigns import Campaign
@@ -47,7 +47,7 @@ def test_so_does_the_script_while_packages_are_being_loaded(capsys, monkeypatch)
     monkeypatch.setattr(
         builtins, "__import__", lambda name, *rest: interrupt() if name == "solar_env.__main__" else load(name, *rest)
     )
-    assert solar_env_command.main(["train"]) == 130
+    assert script.main(["train"]) == 130
     assert capsys.readouterr().err == "interrupted; nothing was kept\n"
 
 

@@ -12,8 +12,8 @@ def test_the_wheel_leaves_the_pictures_out_and_names_the_command():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())
     wheel = project["tool"]["hatch"]["build"]["targets"]["wheel"]
     assert {"*.png", "*.gif"} <= set(wheel["exclude"])
-    assert project["project"]["scripts"] == {"solar-env": "solar_env_command:main"}
-    assert {"solar_env", "agents", "solar_env_command.py"} == set(wheel["packages"])
+    assert project["project"]["scripts"] == {"solar-env": "agents.script:main"}
+    assert {"solar_env", "agents"} == set(wheel["packages"])
     assert project["project"]["version"] == solar_env.__version__
 
 

@@ -14,8 +14,8 @@ from gymnasium.vector import AutoresetMode
 from agents.commands.arguments import ModelOptions, command_line, parse_arguments
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_vector_env, with_sampling
 from agents.learning import runs
-from agents.learning.minimisation import minimise
 from solar_env.environment.task.task import Task
+from solar_env.support.minimisation import minimise
 
 PROG = "solar-env attack"
 # A profile has `KNOTS` torques and, for the time before and the time after the first latch each, the share of the

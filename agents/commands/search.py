@@ -14,8 +14,8 @@ from agents.comparison.suites import MODEL, WHOLE_TORQUE_MODEL
 from agents.environments import DEFAULT_ENV_ID
 from agents.laws.baselines import CONFIGS
 from agents.learning import configurations, learn, runs
-from agents.learning.minimisation import minimise
 from solar_env.support.files import check_target, make_folder
+from solar_env.support.minimisation import minimise
 from solar_env.support.plain_arrays import read_json
 
 PROG = "solar-env search"

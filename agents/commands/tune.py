@@ -15,8 +15,8 @@ from agents.environments import DEFAULT_ENV_ID, environment_settings, episode_se
 from agents.laws.baselines import CONFIGS, episodes_spent, load_parameters, store_parameters
 from agents.laws.table import TUNABLE
 from agents.learning import runs
-from agents.learning.minimisation import minimise
 from solar_env.support.files import check_target
+from solar_env.support.minimisation import minimise
 
 PROG = "solar-env tune"
 

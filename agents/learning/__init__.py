@@ -4,6 +4,4 @@
 behind Stable-Baselines3's interface, `weight_search` CMA-ES and ARS over the weights of a policy. Imports the laws; not
 the comparison. To add an algorithm: its class in `runs.ALGORITHMS`, its file in `agents/configs`, and its ranges in
 `agents.commands.search.SPACES`.
-
-`minimisation` (CMA-ES) serves `solar-env tune`, `search` and `attack`.
 """

@@ -193,7 +193,7 @@ def _code_digest() -> str:
     digest = hashlib.sha256()
     for path in sorted(Path(__file__).parent.parent.rglob("*.py")):
         digest.update(path.read_bytes())
-    for package in ("numba", "numpy", "scipy"):
+    for package in ("cma", "numba", "numpy", "scipy"):
         digest.update(version(package).encode())
     return digest.hexdigest()[:16]
 

@@ -13,9 +13,9 @@ from agents.comparison.episodes import mean_returns
 from agents.environments import DEFAULT_ENV_ID, make_env, with_model
 from agents.laws.baselines import make_baseline
 from agents.laws.table import TUNABLE
-from agents.learning.minimisation import minimise
 from agents.rollout import run_episode
 from solar_env.support.campaigns import Workers
+from solar_env.support.minimisation import minimise
 
 
 @pytest.mark.parametrize("name", TUNABLE)

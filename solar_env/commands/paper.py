@@ -14,6 +14,7 @@ from solar_env.support.terminal import print_markdown
 FOLDER = STUDIES / "paper"
 SECTION = Section(FOLDER / "README.md", "claims", "solar-env paper --readme")
 INDEX_SECTION = Section(FOLDER / "README.md", "index", "solar-env paper --readme")
+IDENTIFY_SECTION = Section(FOLDER / "README.md", "identification", "solar-env paper --identify --readme")
 LEVELS_SECTION = Section(FOLDER / "README.md", "levels", "solar-env paper --levels --readme")
 
 
@@ -28,6 +29,8 @@ class Args(FolderOptions, WorkerOptions):
     """these figures of the paper (5 to 23), without the claims"""
     levels: bool = False
     """judge the claims on flexible panels over mesh and damping instead; what is there of an earlier run is kept"""
+    identify: bool = False
+    """search what the paper leaves open for sets that meet all claims instead; an earlier run is gone on with"""
     json: bool = False
     """print the claims as JSON"""
 
@@ -53,12 +56,52 @@ def _run_levels(args: Args) -> int:
     return 0
 
 
+def _run_identification(args: Args) -> int:
+    """Search what the paper leaves open, and draw what excludes what."""
+    from solar_env.studies.common.tables import provenance, read_table, write_table
+    from solar_env.studies.paper.claims import CLAIMS
+    from solar_env.studies.paper.identification import exclusions, report, search
+    from solar_env.studies.paper.identification.plot import draw_identification
+    from solar_env.support.campaigns import Campaign
+
+    out = args.folder("paper")
+    page = FOLDER if args.readme else out
+    if args.readme:
+        IDENTIFY_SECTION.read()
+
+    def run(campaign: Campaign, description: str) -> None:
+        with counting_bar(Console(stderr=True, quiet=args.quiet)) as bar:
+            list(bar.track(campaign.run(args.workers), len(campaign.missing), description=description))
+
+    found = search.identify(out, run)
+    met = search.met_matrix(found.rigid, search.RIGID_CLAIMS)
+    best = [found.rigid[number] for number in exclusions.front(met)]
+    tables = {
+        "pairs": exclusions.pair_rows(met, search.RIGID_CLAIMS),
+        "front": exclusions.set_rows(best, search.RIGID_CLAIMS),
+        "shortlist": exclusions.set_rows(found.shortlist, CLAIMS, report.shortlist_names(found.shortlist)),
+    }
+    for name, rows in tables.items():
+        write_table(page / f"identification-{name}.csv", rows, provenance("paper --identify", sets=len(met)))
+    pairs, front = (read_table(page / f"identification-{name}.csv") for name in ("pairs", "front"))
+    draw_identification(pairs, front, (FOLDER / "figures" if args.readme else out) / "identification.png")
+    text = report.as_markdown(found)
+    if args.readme:
+        IDENTIFY_SECTION.write(text)
+    else:
+        write_text(out / "identification.md", text + "\n")
+    print_markdown(text)
+    return 0
+
+
 def run_command(args: Args) -> int:
     """Simulate, write the tables, draw the figures, and judge the claims."""
+    if ((args.levels or args.identify) and (args.figure or args.json)) or (args.levels and args.identify):
+        raise ValueError("--levels and --identify stand alone; give neither --figure nor --json, and one of the two")
     if args.levels:
-        if args.figure or args.json:
-            raise ValueError("--levels judges claims on flexible panels alone; give neither --figure nor --json")
         return _run_levels(args)
+    if args.identify:
+        return _run_identification(args)
     from solar_env.studies.common.tables import provenance, read_table, write_table
     from solar_env.studies.paper import index
     from solar_env.studies.paper.cases import Run, simulate_run
@@ -79,19 +122,19 @@ def run_command(args: Args) -> int:
             section.read()
     figures = [FIGURES[number] for number in args.figure or FIGURES]
     wanted = [] if args.figure else planned_runs()
-    runs = dict.fromkeys([*wanted, *(Run(case) for figure in figures for case in figure.cases)])
+    shown = (Run(case, member) for figure in figures for case in figure.cases for member in figure.members)
+    runs = dict.fromkeys([*wanted, *shown])
     pictures = FOLDER / "figures" if args.readme else out
     for folder in (pictures, out):
         make_folder(folder)
     with counting_bar(Console(stderr=True, quiet=args.quiet)) as bar:
         done = each_done(simulate_run, runs, args.workers)
         motions = dict(bar.track(done, len(runs), description="deployments"))
-        first = {run.case: motion for run, motion in motions.items() if run.member == 0 and not run.parameter}
         for figure in bar.track(figures, description="figures"):
+            members = [{case: motions[Run(case, member)] for case in figure.cases} for member in figure.members]
             table = out / f"{figure.stem}.csv"
-            write_table(table, figure.rows(first), provenance("paper", figure=figure.number, title=figure.title))
-            title = f"Fig. {figure.number}: {figure.title}"
-            draw_figure(read_table(table), figure.kind, title, pictures / f"{figure.stem}.png")
+            write_table(table, figure.table(members), provenance("paper", figure=figure.number, title=figure.title))
+            draw_figure(read_table(table), figure.kind, figure.heading, pictures / f"{figure.stem}.png")
     if args.figure:
         return 0
     findings = [judge(claim, motions) for claim in CLAIMS]

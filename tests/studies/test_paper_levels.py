@@ -55,6 +55,9 @@ def test_the_page_has_all_levels_and_claims_with_the_verdicts_that_its_figures_c
         assert found.strip() == verdict({level: "**" in figure for level, figure in zip(LEVELS, figures, strict=True)})
 
 
-def test_levels_and_figures_exclude_each_other(capsys):
-    assert main(["paper", "--levels", "--figure", "5"]) == 2
-    assert "--levels judges claims on flexible panels alone" in capsys.readouterr().err
+@pytest.mark.parametrize(
+    "options", [["--levels", "--figure", "5"], ["--identify", "--json"], ["--levels", "--identify"]]
+)
+def test_what_the_command_does_one_at_a_time_excludes_the_rest(options, capsys):
+    assert main(["paper", *options]) == 2
+    assert "--levels and --identify stand alone" in capsys.readouterr().err

@@ -15,6 +15,7 @@ from solar_env.studies.common.levels import Level
 
 DURATION = 30.0  # s, of the deployments
 OUTPUT_STEP = 5e-3  # s
+MEMBERS = 6  # of an ensemble
 PANELS = PanelModel(ANCF, 6)  # absolute nodal coordinates, as the paper's
 
 
@@ -60,10 +61,14 @@ def simulate_run(run: Run) -> Trajectory:
         ValueError: if the parameter is refused.
         SimulationError: if the run cannot go on.
     """
-    case = CASES[run.case]
-    parameters = ArrayParameters.preset("paper").with_changes({**case.changes, **run.changes})
-    level = Level(case.model, PANELS if has_flexible_panels(case.model) else None)
-    return level.deploy(parameters, run.member, DURATION, OUTPUT_STEP)
+    return simulate_case(run.case, ArrayParameters.preset("paper").with_changes(run.changes), run.member)
+
+
+def simulate_case(case: str, parameters: ArrayParameters, member: int, panels: PanelModel = PANELS) -> Trajectory:
+    """Simulate a case of an array that differs from the paper's, see `simulate_run`."""
+    own = CASES[case]
+    level = Level(own.model, panels if has_flexible_panels(own.model) else None)
+    return level.deploy(parameters.with_changes(own.changes), member, DURATION, OUTPUT_STEP)
 
 
 # The four-bar linkage: the paper's data are not all published. Links of the default crank-rocker, 1 kg a metre; the

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -35,9 +36,18 @@ def _draw_angles(figure: Figure, table: Table) -> None:
     figure.set_size_inches(5.0, 3.0)
     axis = figure.subplots()
     for joint in JOINTS:
-        axis.plot(table.column("time_s"), table.column(f"angle_{joint}_rad"), color=COLOURS[joint - 1])
+        _draw_median(axis, table, "time_s", f"angle_{joint}_rad", COLOURS[joint - 1], label=f"joint {joint}")
     _finish_time(axis, table, "joint angle [rad]")
-    axis.legend([f"joint {joint}" for joint in JOINTS])
+    axis.legend()
+
+
+def _draw_median(axis: Axes, table: Table, place: str, name: str, colour: str, **look: Any) -> None:
+    """A curve of medians, and the range round it where the table has one."""
+    places = table.column(place)
+    axis.plot(places, table.column(name), color=colour, **look)
+    if f"{name}_least" in table.rows[0]:
+        least, greatest = (table.column(f"{name}_{end}") for end in ("least", "greatest"))
+        axis.fill_between(places, least, greatest, color=colour, alpha=0.25, linewidth=0.0)
 
 
 def _draw_path(figure: Figure, table: Table) -> None:
@@ -90,11 +100,11 @@ def _draw_models(figure: Figure, table: Table) -> None:
 
 def _draw_wear(figure: Figure, table: Table) -> None:
     figure.set_size_inches(6.0, 3.6)
-    axis, angle = figure.subplots(), table.column("angle_deg")
+    axis = figure.subplots()
     for joint in JOINTS:
         for surface, line in (("bearing", "-"), ("journal", ":")):
-            depth, label = table.column(f"{surface}_{joint}_m"), f"joint {joint}, {surface}"
-            axis.plot(angle, depth, line, color=COLOURS[joint - 1], label=label, linewidth=0.8)
+            name, label = f"{surface}_{joint}_m", f"joint {joint}, {surface}"
+            _draw_median(axis, table, "angle_deg", name, COLOURS[joint - 1], label=label, linestyle=line, linewidth=0.8)
     _frame(axis, PAPER_WEAR)
     axis.set(xlabel="angle round the bearing, or the journal [deg]", ylabel="wear depth [m]", xlim=(0.0, 360.0))
     axis.legend()

@@ -5,7 +5,7 @@ degrees and paths in micrometres, as on its axes.
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -15,7 +15,14 @@ from numpy.typing import NDArray
 from solar_env.array import MODELS
 from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.studies.common.tables import Row
-from solar_env.studies.paper.cases import FOUR_BAR_RATE, FOUR_BAR_TURNS, SAMPLES_PER_TURN, Member, simulate_four_bar
+from solar_env.studies.paper.cases import (
+    FOUR_BAR_RATE,
+    FOUR_BAR_TURNS,
+    MEMBERS,
+    SAMPLES_PER_TURN,
+    Member,
+    simulate_four_bar,
+)
 from solar_env.studies.paper.phases import greatest_force, phase_of
 
 Array = NDArray[np.float64]
@@ -36,6 +43,8 @@ class PaperFigure:
         kind: how it is drawn, a key of `drawings.DRAWERS`.
         cases: names of the deployments that it needs.
         rows: its table from these deployments.
+        ensemble: whether it shows the median and the range of an ensemble; else the nominal run, as where impacts
+            strike at other times in every member.
     """
 
     number: int
@@ -43,11 +52,36 @@ class PaperFigure:
     kind: str
     cases: tuple[str, ...]
     rows: Callable[[Member], list[Row]]
+    ensemble: bool = False
 
     @property
     def stem(self) -> str:
         """Name of its files, without the suffix."""
         return f"figure-{self.number:02d}"
+
+    @property
+    def heading(self) -> str:
+        """Number and title, and which runs it shows."""
+        shown = f"median and range of {MEMBERS} runs" if self.ensemble else "nominal run"
+        return f"Fig. {self.number}: {self.title}" + (f"; {shown}" if self.cases else "")
+
+    @property
+    def members(self) -> range:
+        """The members of the ensemble that it shows."""
+        return range(MEMBERS if self.ensemble else 1)
+
+    def table(self, members: Sequence[Member]) -> list[Row]:
+        """Its table: of an ensemble the medians, and beside them columns `_least` and `_greatest`."""
+        tables = [self.rows(member) for member in members]
+        if not self.ensemble:
+            return tables[0]
+        place, *names = tables[0][0]
+        columns = {place: np.array([row[place] for row in tables[0]])}
+        for name in names:
+            values = np.array([[row[name] for row in rows] for rows in tables])
+            columns |= {name: np.median(values, axis=0)}
+            columns |= {f"{name}_least": values.min(axis=0), f"{name}_greatest": values.max(axis=0)}
+        return _rows(columns)
 
 
 def _rows(columns: Mapping[str, Array]) -> list[Row]:
@@ -152,7 +186,7 @@ def _all() -> Iterator[PaperFigure]:
         5, "four-bar linkage with a clearance joint: crank moment, rocker speed and wear", "four-bar", (), _four_bar
     )
     for number, case in ((6, "rigid-ideal"), (7, "flexible-ideal")):
-        yield PaperFigure(number, f"joint angles, {case}", "angles", (case,), partial(_angles, case))
+        yield PaperFigure(number, f"joint angles, {case}", "angles", (case,), partial(_angles, case), True)
     yield from _of_model(8, "rigid-clearance")
     yield from _of_model(13, "flexible-clearance")
     yield PaperFigure(
@@ -179,7 +213,9 @@ def _all() -> Iterator[PaperFigure]:
             (case,),
             partial(_contact_forces, case),
         )
-        yield PaperFigure(21 + model, f"wear depth, model {model} ({sizes})", "wear", (case,), partial(_wear, case))
+        yield PaperFigure(
+            21 + model, f"wear depth, model {model} ({sizes})", "wear", (case,), partial(_wear, case), True
+        )
 
 
 FIGURES: Mapping[int, PaperFigure] = {figure.number: figure for figure in sorted(_all(), key=lambda f: f.number)}

@@ -46,7 +46,7 @@ INDEX: tuple[Entry, ...] = (
     Entry(
         "Eq 3", "forces of the strands on the bearings", f"{_MECHANICS}/joints/cable_loop.py:belt_loads",
         f"{_TESTS}/joints/test_cable_loop.py:test_the_pull_on_the_bearings_is_that_of_two_strands",
-        "`cable_bearing_forces`, off: the paper's solution steps use Eq 4 alone. Across the wheels' line F1 - F2, as "
+        "`cable_bearing_forces`, off: the paper's solution steps use Eq 4 alone. Across the wheels' line F1 - F2, as"
         " two strands have it, in place of the printed F1 + F2, which has no potential",
     ),
     Entry(
@@ -105,6 +105,15 @@ INDEX: tuple[Entry, ...] = (
     Entry(
         "Eq 46", "equations of motion with constraints", f"{_MECHANICS}/equations/system.py:accelerations",
         f"{_TESTS}/equations/test_system.py:test_",
+    ),
+    Entry(
+        "Steps of the solution", "torques and contacts of a step, then its accelerations, every 0.1 ms",
+        "solar_env/array/methods.py:PAPER", "tests/array/test_deployment.py:test_integrators_by_name",
+        "`integrator=\"paper\"`; by default steps adapt, and contacts and latchings are located within them",
+    ),
+    Entry(
+        "Models 1 and 2", "distributions of the clearances", "solar_env/studies/paper/cases.py:CASES",
+        "tests/studies/test_paper.py:test_wear_and_impacts_are_compared_joint_by_joint",
     ),
     Entry(
         "Figs 5-23", "deployments, linkage and wear", "solar_env/studies/paper/figures.py:FIGURES",

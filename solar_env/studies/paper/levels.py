@@ -12,8 +12,7 @@ import numpy as np
 
 from solar_env.array import ArrayParameters, PanelModel
 from solar_env.array.panels import ANCF, MODAL
-from solar_env.studies.common.levels import Level
-from solar_env.studies.paper.cases import DURATION, OUTPUT_STEP
+from solar_env.studies.paper.cases import simulate_case
 from solar_env.studies.paper.claims import CLAIMS, Claim
 
 MEMBERS = 3
@@ -69,10 +68,8 @@ def measure(cell: Mapping[str, Any]) -> dict[str, float]:
     """
     level = next(level for level in LEVELS if level.name == cell["level"])
     parameters = ArrayParameters.preset("paper").with_changes({"panel_damping": level.damping})
-    member = {}
-    for model in dict.fromkeys(case for claim in FLEXIBLE_CLAIMS for case in claim.cases):
-        panels = level.panels if model.startswith("flexible") else None
-        member[model] = Level(model, panels).deploy(parameters, cell["member"], DURATION, OUTPUT_STEP)
+    needed = dict.fromkeys(case for claim in FLEXIBLE_CLAIMS for case in claim.cases)
+    member = {case: simulate_case(case, parameters, cell["member"], level.panels) for case in needed}
     return {claim.key: claim.measure(member) for claim in FLEXIBLE_CLAIMS}
 
 

@@ -21,11 +21,17 @@ QUIET = (2.0, 12.5)
 SETTLED = 0.25
 # s; when the paper's Fig 10 shows bursts of impacts.
 BURSTS = (15.74, 17.63, 20.59, 28.48, 29.33)
+LAST_BURSTS = 27.5  # s; the last two of them come after it
 
 
 def latch_time(joint: int) -> Callable[[Member], float]:
     """When a joint latches, with rigid panels [s]."""
     return lambda member: float(member[RIGID].latch_times[joint])
+
+
+def lead(member: Member) -> float:
+    """By how much joint 1 latches before joint 2, with rigid panels [s]."""
+    return float(member[RIGID].latch_times[1] - member[RIGID].latch_times[0])
 
 
 def settled(case: str, joint: int) -> Callable[[Member], float]:
@@ -205,6 +211,14 @@ def burst_rank(member: Member) -> float:
     forces = np.stack([phases.greatest_force(motion, joint, edges) for joint in JOINTS]).max(axis=0)
     ranks = forces.argsort().argsort() / (len(forces) - 1)
     return float(np.mean([ranks[np.clip(np.searchsorted(edges, t) - 1, 0, len(ranks) - 1)] for t in BURSTS]))
+
+
+def late_bursts(member: Member) -> float:
+    """Greatest contact force after LAST_BURSTS over the greatest after latching, of both joints."""
+    motion = member[RIGID]
+    edges = np.array([LAST_BURSTS, motion.time[-1]])
+    late = max(float(phases.greatest_force(motion, joint, edges)[0]) for joint in JOINTS)
+    return late / float(motion.postlock_peak_force.max())
 
 
 def greatest_distributed(member: Member) -> float:

@@ -10,12 +10,11 @@ import numpy as np
 
 from solar_env.array import ArrayParameters
 from solar_env.mechanics.running.trajectory import Trajectory
-from solar_env.studies.paper.cases import Run
+from solar_env.studies.paper.cases import MEMBERS, Run
 from solar_env.studies.paper.claims import CLAIMS, Claim
 
 Value = float | str | None
 
-MEMBERS = 6
 # Of parameters that the paper leaves open, besides their defaults; and of the sliding speed, which wear hangs on.
 RANGES: Mapping[str, tuple[Value, ...]] = {
     "friction_sliding": ("centres", "places"),
@@ -161,13 +160,14 @@ def as_markdown(findings: Sequence[Finding]) -> str:
     lines = [
         summary(findings),
         "",
-        "| the paper says | there | here: median [least, greatest] | agrees from, to | |",
-        "|---|---|---|---|---|",
+        "| | the paper says | there | here: median [least, greatest] | agrees from, to | |",
+        "|---|---|---|---|---|---|",
     ]
     for finding in findings:
         values = f"{_number(finding.median)} [{_number(finding.least)}, {_number(finding.greatest)}] {finding.unit}"
         lines.append(
-            f"| {finding.statement} | {finding.paper} | {values.strip()} | {_interval(finding)} | {_verdict(finding)} |"
+            f"| `{finding.key}` | {finding.statement} | {finding.paper} | {values.strip()} | {_interval(finding)} "
+            f"| {_verdict(finding)} |"
         )
     return "\n".join(lines) + "\n"
 

@@ -18,6 +18,8 @@ from solar_env.mechanics.running.trajectory import Trajectory, contact_record
 from solar_env.studies.common.tables import read_table, write_table
 from solar_env.studies.paper import cases, phases, survey
 from solar_env.studies.paper.claims import CLAIMS
+from solar_env.studies.paper.conclusions import CONCLUSIONS
+from solar_env.studies.paper.drawings import DRAWERS
 from solar_env.studies.paper.figures import FIGURES
 from solar_env.verification.arrays import theory
 from solar_env.verification.linkages.linkage_theory import four_bar_state
@@ -119,6 +121,26 @@ def test_a_figure_is_drawn_from_its_table_alone(rigid: dict[str, Trajectory], nu
     for name in ("one.png", "two.png"):
         draw_figure(read_table(tmp_path / "table.csv"), figure.kind, figure.title, tmp_path / name)
     assert (tmp_path / "one.png").read_bytes() == (tmp_path / "two.png").read_bytes()
+
+
+def test_a_figure_says_in_its_title_what_its_table_shows(rigid: dict[str, Trajectory], tmp_path: Any) -> None:
+    assert CONCLUSIONS.keys() == DRAWERS.keys() == {figure.kind for figure in FIGURES.values()}
+    motion, figure = rigid["rigid-clearance"], FIGURES[10]
+    write_table(tmp_path / "table.csv", figure.table([rigid]), {"command": "paper"})
+    first, second = motion.peak_force
+    words = f"at most {first:.3g} N at joint 1, {second:.3g} N at joint 2"
+    assert CONCLUSIONS[figure.kind](read_table(tmp_path / "table.csv")) == words
+
+
+def test_a_figure_of_an_ensemble_has_medians_and_their_range() -> None:
+    members = [
+        {"rigid-ideal": made([], angles=np.outer(np.ones(len(TIME)), [rate, 2.0 * rate]))} for rate in (1.0, 4.0, 2.0)
+    ]
+    row = FIGURES[6].table(members)[-1]
+    assert [row[f"angle_2_rad{end}"] for end in ("", "_least", "_greatest")] == [4.0, 2.0, 8.0]
+    assert list(FIGURES[6].members) == list(range(cases.MEMBERS))
+    assert "median and range of 6 runs" in FIGURES[6].heading
+    assert "nominal run" in FIGURES[10].heading
 
 
 def test_the_command_writes_table_and_picture_of_one_figure(tmp_path: Any) -> None:

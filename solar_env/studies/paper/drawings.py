@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from solar_env.array import MODELS
 from solar_env.pictures.style import COLOURS, FAINT, STEEL, STYLE
 from solar_env.studies.common.tables import Table
+from solar_env.studies.paper.conclusions import CONCLUSIONS
 from solar_env.support.files import save_figure
 
 JOINTS = (1, 2)  # as the columns of the tables count them
@@ -28,7 +29,7 @@ def draw_figure(table: Table, kind: str, title: str, path: Path) -> None:
         figure = Figure(layout="constrained")
         FigureCanvasAgg(figure)
         DRAWERS[kind](figure, table)
-        figure.suptitle(title, fontsize=9)
+        figure.suptitle(f"{title}:\n{CONCLUSIONS[kind](table)}", fontsize=9)
         save_figure(figure, path, dpi=80)
 
 

@@ -61,7 +61,7 @@ SLIDING = ("material", "centres", "places")
 STIFFNESS = ("table", "eq 40")  # of the paper's Table 1, or by its Eq 40
 Readings = Mapping[str, str]
 
-# Sets that have been found by hand, beside the preset; the last one about the best of the search, rounded.
+# Sets that have been found by hand, beside the preset; the last one by varying the best of this search.
 NAMED: Mapping[str, Mapping[str, float]] = {
     "mid-side": {
         "hinge_y": 0.0, "cable_torque_ratio": 1.17, "cable_stiffness": 180.0, "latch_stiffness": 3e4,

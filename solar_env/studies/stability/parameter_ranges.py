@@ -1,0 +1,129 @@
+"""Ranges of the parameters: each of them over eight decades, what holds there, where it stops, with which message."""
+
+import warnings
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from textwrap import shorten
+from typing import Any
+
+from solar_env.array import ArrayParameters, build
+from solar_env.array.methods import default_integrator
+from solar_env.array.panels import PanelModel
+from solar_env.mechanics.running.diagnosis import SimulationWarning
+from solar_env.mechanics.running.errors import SimulationError
+from solar_env.mechanics.running.simulation import Simulation
+from solar_env.studies.common.tables import Row, Table, markdown_table, provenance, write_table
+
+FACTORS = tuple(10.0**decade for decade in range(-4, 5))
+MODELS = ("rigid-clearance", "flexible-clearance")
+DURATION = 15.0  # s; the default array latches after 12.3 s
+MAX_STEPS = 500_000
+LONGEST = 120  # characters of a message on the page; the table has all of it
+CLOSED = 0.01  # share of the energy turned over by which an energy book may be open without a word
+# What these are measured from is zero or an angle, so that they have no decades.
+WITHOUT_DECADES = ("hinge_y", "initial_spin", "initial_rate", "spring_preload_angle")
+NAMES = tuple(name for name in vars(ArrayParameters()) if name in ArrayParameters.CONTINUOUS - {*WITHOUT_DECADES})
+FINE, WARNED, STOPPED, REFUSED, SILENT = "fine", "warned", "stopped", "refused", "silent failure"
+
+
+def default_of(name: str) -> float:
+    """The value that the decades of a parameter are counted from: its default, or what stands for it."""
+    array = ArrayParameters()
+    value: Any = getattr(array, name)
+    if value is None:  # the cable's torque ratio follows from its wheels
+        value = 1.0
+    return float(value[0] if isinstance(value, tuple) else value)
+
+
+def trial(name: str, factor: float, model: str, duration: float = DURATION) -> Row:
+    """Deploy the array with one parameter changed; says how that ended, and what the library said."""
+    value = default_of(name) * factor
+    change: dict[str, Any] = {name: value}
+    row: Row = {"parameter": name, "model": model, "factor": factor, "value": value, "class": FINE, "message": ""}
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        try:
+            array = ArrayParameters(**change)
+            panels = PanelModel.of(model)
+            method = replace(default_integrator(model, panels), max_steps=MAX_STEPS)
+            simulation = Simulation(build(array, model, panels=panels), method)
+        except ValueError as error:
+            return {**row, "class": REFUSED, "message": _said(error)}
+        try:
+            simulation.advance(duration)
+            simulation.check()
+        except SimulationError as error:
+            return {**row, "class": STOPPED, "message": _said(error)}
+    said = [warning.message for warning in told if issubclass(warning.category, SimulationWarning)]
+    if said:
+        return {**row, "class": WARNED, "message": _said(said[0])}
+    residual, turnover = simulation.energy_book()
+    return row if abs(residual) <= CLOSED * turnover else {**row, "class": SILENT}
+
+
+def _said(message: object) -> str:
+    """One line of a message."""
+    return " ".join(str(message).split())
+
+
+def measure(
+    path: Path, tick: Callable[[], object], names: Iterable[str] = NAMES, factors: Sequence[float] = FACTORS
+) -> None:
+    """Try all parameters, and write the table."""
+    rows = []
+    for name in names:
+        for model in MODELS:
+            for factor in factors:
+                rows.append(trial(name, factor, model))
+                tick()
+    write_table(path, rows, provenance("solar-env stability --parameters", duration_s=DURATION))
+
+
+def page(table: Table) -> str:
+    """The page of the ranges, in Markdown."""
+    silent = len(table.where(**{"class": SILENT}).rows)
+    lines = [
+        "# Ranges of the parameters",
+        "",
+        "Each parameter from a ten thousandth to ten thousand times its default, all others as they are,",
+        f"{DURATION:g} s of {' and '.join(f'`{model}`' for model in MODELS)}. Fine: the run ends, and its energy book",
+        f"closes within {CLOSED:.0%} of the energy turned over. All else the library says, as quoted:",
+        f"{len(table.rows)} runs, {silent} failures without a word. Written by",
+        "`solar-env stability --parameters --out solar_env/studies/stability`.",
+        "",
+        markdown_table(
+            ["parameter", "default", *(f"fine, {model}" for model in MODELS), "elsewhere, at times the default"],
+            [_line(table.where(parameter=name)) for name in table.values("parameter")],
+        ),
+        "",
+    ]
+    return "\n".join(lines)
+
+
+def _line(table: Table) -> list[str]:
+    """A row of the page."""
+    name = str(table.rows[0]["parameter"])
+    fine = []
+    for model in MODELS:
+        factors = table.where(model=model, **{"class": FINE}).column("factor")
+        fine.append(
+            f"{factors.min() * default_of(name):.3g} to {factors.max() * default_of(name):.3g}" if len(factors) else "-"
+        )
+    messages: dict[str, list[str]] = {}
+    for row in table.rows:
+        if row["class"] != FINE:
+            what = f"{row['class']}: {shorten(str(row['message']), LONGEST, placeholder=' ...')}".replace("|", "/")
+            messages.setdefault(what, []).append(f"{row['factor']:g}")
+    said = [f"{', '.join(dict.fromkeys(factors))}: {what}" for what, factors in _merged(messages).items()]
+    return [f"`{name}`", f"{default_of(name):g}", *fine, "; ".join(said) or "-"]
+
+
+def _merged(messages: dict[str, list[str]]) -> dict[str, list[str]]:
+    """Messages that differ in their numbers alone, as the first of them."""
+    merged: dict[str, list[str]] = {}
+    first: dict[str, str] = {}
+    for what, factors in messages.items():
+        words = " ".join(word for word in what.split() if not any(digit in word for digit in "0123456789"))
+        merged.setdefault(first.setdefault(words, what), []).extend(factors)
+    return merged

@@ -15,7 +15,7 @@ def card(name: str, config: dict[str, Any], policy: ShippedPolicy, env: Any, sco
     """
     parts = [
         f"# {name}\n\nA controller of the hinge motor for `{config['env_id']}`, trained by "
-        f"{config['algo'].upper()} from Stable-Baselines3.",
+        f"{config['algo'].upper()} with the interface of Stable-Baselines3.",
         _training(config, policy, env),
         f"## Scores\n\n{scores}",
         _limits(policy, env),
@@ -80,7 +80,12 @@ def _limits(policy: ShippedPolicy, env: Any) -> str:
         "Do not trust it with models, parameters, initial states, sensors, motors or periods on which neither training "
         "nor the scores above have tried it.",
         f"It expects these {len(names)} entries in this order, in the units of the environment: "
-        f"{', '.join(f'`{name}`' for name in names)}. An action of 1 is a motor torque of {task.torque_limit} N m.",
+        f"{', '.join(f'`{name}`' for name in names)}. "
+        + (
+            "An action sets the rate of the drive's loop."
+            if task.action == "rate"
+            else f"An action of 1 is a motor torque of {task.torque_limit} N m."
+        ),
         "It is one training seed of one algorithm, which says little about the algorithm, and chosen on simulated "
         "episodes of a planar array. It has driven no hardware, and nothing about its stability is proved.",
     ]

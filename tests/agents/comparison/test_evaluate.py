@@ -298,7 +298,12 @@ def test_a_suite_is_a_scenario_with_all_that_was_tuned_and_trained_for_it_on_mod
     found, controllers, env_kwargs = suite_named(name, None, [])
     assert found == env_id
     assert env_kwargs == {"model": "flexible-clearance", "modes": 24}
-    trained = [policy for policy in shipped.available() if load_shipped(policy).description.env_id == env_id]
+    descriptions = {policy: load_shipped(policy).description for policy in shipped.available()}
+    trained = [
+        policy
+        for policy, of in descriptions.items()
+        if (of.env_id, of.env_kwargs["model"]) == (env_id, "flexible-clearance")
+    ]
     tuned = [law for law in TUNABLE if is_tuned(law, env_id, "flexible-clearance")]
     assert controllers == ["passive", *tuned, *trained]
     assert "servo" in tuned

@@ -8,7 +8,7 @@ import pytest
 
 from agents.comparison.controllers import parse_controller
 from agents.comparison.suites import MODEL, SUITES
-from agents.environments import completed, episode_seeds, make_env
+from agents.environments import INTERFACE, completed, episode_seeds, make_env
 from agents.policies import shipped
 from agents.policies.shipped import load_shipped
 from agents.rollout import run_episode
@@ -22,7 +22,7 @@ EPISODES = 32
 
 
 class Deployment(NamedTuple):
-    """One on modal panels: what was observed (periods, entries), its figures, and the wear of all bins together [m]."""
+    """One, where panels are flexible on modal ones: what was observed (periods, entries), figures, all wear [m]."""
 
     observed: np.ndarray
     figures: dict[str, float]
@@ -30,9 +30,14 @@ class Deployment(NamedTuple):
 
 
 def deploy(name, controller, episode=0):
-    """The deployment of a policy's scenario, on an evaluation seed, under a controller."""
+    """The deployment of a policy's scenario and model, on an evaluation seed, under a controller."""
     description = load_shipped(name).description
-    env = make_env(description.env_id, completed(MODEL, description.env_kwargs))
+    keywords = dict(description.env_kwargs)
+    if keywords["model"] == MODEL["model"]:
+        keywords = completed(MODEL, keywords)
+    if controller != name:  # a law has its own interface
+        keywords = {key: value for key, value in keywords.items() if key not in INTERFACE}
+    env = make_env(description.env_id, keywords)
     seen = []
     seed = episode_seeds("evaluation", 2, EPISODES)[episode]
     figures = run_episode(env, parse_controller(controller).load(env), seed, lambda step: seen.append(step.observation))

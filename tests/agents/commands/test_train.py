@@ -15,7 +15,7 @@ pytestmark = pytest.mark.usefixtures("few_validation_episodes")
     ("arguments", "model", "panels", "timesteps"),
     [
         ([], "flexible-clearance", {"modes": 24}, 86_400),
-        (["--algo", "cma-es"], "rigid-clearance", {}, 700_000),
+        (["--algo", "cma-es"], "rigid-clearance", {}, 2_000_000),
         (["--elements", "4", "--timesteps", "500"], "flexible-clearance", {"elements": 4}, 500),
         (["--algo", "sac"], "flexible-clearance", {"modes": 24}, 86_400),
         (["--model", "flexible-clearance"], "flexible-clearance", {}, 216_000),

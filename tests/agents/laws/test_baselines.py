@@ -139,10 +139,10 @@ def test_the_last_latch_ends_a_soft_start():
     assert law.predict(latched)[0] == servo.predict(latched)[0]
 
 
-def test_the_tuned_soft_start_wears_the_bearings_a_quarter_less_than_the_servo():
+def test_the_tuned_soft_start_wears_the_bearings_a_fifth_less_than_the_servo():
     env = make_env(env_kwargs=with_model({}, "flexible-clearance", 4))
     servo, soft = (run_episode(env, make_baseline(name, env), seed=0) for name in ("servo", "soft-start"))
-    assert soft["wear_depth_max_m"] < 0.75 * servo["wear_depth_max_m"]
+    assert soft["wear_depth_max_m"] < 0.8 * servo["wear_depth_max_m"]
     assert soft["latched"]
 
 

@@ -87,7 +87,8 @@ def _flexible_pairs(met: Met) -> str:
         for one in flexible[:FLEXIBLE_PAIRS]
     ]
     never = [claim.key for claim, count in zip(CLAIMS, alone, strict=True) if not count]
-    words = f"\nMet by none of these: {', '.join(f'`{key}`' for key in never)}.\n" if never else ""
+    names = ", ".join(f"`{key}`" for key in never)
+    words = f"\nMet by none of these sets, which is no proof: {names}.\n" if never else ""
     return markdown_table(("claims", "sets that meet either"), rows) + words
 
 

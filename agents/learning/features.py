@@ -52,7 +52,7 @@ def whole_motion(names: Sequence[str]) -> Features:
     return Features(np.array(rows), np.array(offsets), np.zeros((len(rows), len(names))), np.ones(len(rows)))
 
 
-def landing(names: Sequence[str], observations: np.ndarray) -> Features:
+def landing(names: Sequence[str], observations: np.ndarray, driven_joint: int = 0) -> Features:
     """Make features for an agent that adds to a law: the variation of its observations while it lands the array.
 
     There are two sets, for the approach to the latches and for the latched array, each with a 1 and the principal
@@ -63,12 +63,13 @@ def landing(names: Sequence[str], observations: np.ndarray) -> Features:
     Args:
         names: Name of every entry of an observation.
         observations: Observations (n, entries) of episodes of the law.
+        driven_joint: Index of the joint that the motor works on.
 
     Raises:
-        ValueError: The law has not come near the latches or has not latched both joints.
+        ValueError: The law has not come near the latches or has not latched all joints.
     """
     sets = []
-    for gate in _gates(names):
+    for gate in _gates(names, driven_joint):
         seen = observations @ gate[0] + gate[1] > 0.5
         if np.count_nonzero(seen) < 2:
             raise ValueError(
@@ -80,14 +81,13 @@ def landing(names: Sequence[str], observations: np.ndarray) -> Features:
     return Features(*(np.concatenate(parts) for parts in zip(*sets, strict=True)))
 
 
-def _gates(names: Sequence[str]) -> list[tuple[np.ndarray, float]]:
+def _gates(names: Sequence[str], driven_joint: int) -> list[tuple[np.ndarray, float]]:
     """Return weights (entries,) and offset of the gates of both sets of `landing`."""
-    approach, latched = np.zeros(len(names)), np.zeros(len(names))
+    approach, latched = np.zeros(len(names)), np.array([float(name.startswith("latched_")) for name in names])
     slope = 1.0 / (APPROACH_IS_FULL - APPROACH_BEGINS)
-    approach[names.index("theta_1")], approach[names.index("latched_1")] = slope, -slope
-    for joint in (1, 2):
-        latched[names.index(f"latched_{joint}")] = 1.0
-    return [(approach, -slope * APPROACH_BEGINS), (latched, -1.0)]
+    for name, weight in (("theta", slope), ("latched", -slope)):
+        approach[names.index(f"{name}_{driven_joint + 1}")] = weight
+    return [(approach, -slope * APPROACH_BEGINS), (latched, 1.0 - latched.sum())]
 
 
 def _standardised(names: Sequence[str], observations: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -32,7 +32,8 @@ def record(venv: VecEnv) -> tuple[list[Landing], np.ndarray]:
         UserWarning: It does not in some of the lanes.
     """
     lanes = venv.num_envs
-    opening = venv.get_attr("observation_names", 0)[0].index("theta_1")
+    driven = venv.get_attr("task", 0)[0].driven_joint
+    opening = venv.get_attr("observation_names", 0)[0].index(f"theta_{driven + 1}")
     episodes: list[SavedEpisode | None] = [None] * lanes
     rewards: list[list[float]] = [[] for _ in range(lanes)]
     seen, goes_on = [], np.ones(lanes, dtype=bool)

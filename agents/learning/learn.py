@@ -83,7 +83,8 @@ def _recorded(
     lanes = NativeVecEnv(landings, env_id, {**json.loads(env_kwargs), "num_threads": threads})
     with closing(ResidualVecEnv(FixedSeeds(lanes, first), json.loads(residual))) as venv:
         found, observations = record(venv)
-        return landing(venv.get_attr("observation_names", 0)[0], observations), found
+        (names,), (task,) = (venv.get_attr(name, 0) for name in ("observation_names", "task"))
+        return landing(names, observations, task.driven_joint), found
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ Values = NDArray[np.floating]
 
 
 class _Sensor(gymnasium.ObservationWrapper, RecordConstructorArgs):
-    """What is common: some entries of a box of floats are changed, and clipped to its bounds."""
+    """Base of the wrappers: changes some entries of a box of floats, and clips them to its bounds."""
 
     def __init__(self, env: gymnasium.Env, entries: Sequence[int] | None, **given: Any) -> None:
         RecordConstructorArgs.__init__(self, entries=entries, **given)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from solar_env.array import ArrayParameters, PanelModel
 from solar_env.array.deployment import simulate
 from solar_env.array.methods import default_integrator
+from solar_env.array.panels import MODAL
 from solar_env.mechanics.integrators.settings import RungeKutta
 from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.studies.common.motion import perturbed, perturbed_setting
@@ -54,3 +55,7 @@ class Level:
             integrator=self.integrator(member),
             output_step=output_step,
         )
+
+
+FINEST = Level("flexible-clearance", PanelModel(MODAL, 48), tighter=10.0)
+"""Finer than all levels of the ladder; beams come down to it with 48 elements."""

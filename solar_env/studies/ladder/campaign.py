@@ -11,7 +11,7 @@ from rich.console import Console
 from solar_env.array import ArrayParameters, PanelModel, has_clearance
 from solar_env.array.ladder import QUESTIONS, Answer
 from solar_env.array.panels import ANCF, MODAL
-from solar_env.studies.common.levels import Level
+from solar_env.studies.common.levels import FINEST, Level
 from solar_env.studies.common.motion import RELEASE_RATE, SETTING_SHARE
 from solar_env.studies.common.tables import Row, provenance, write_table
 from solar_env.studies.ladder.answers import mean_error, ranking_error
@@ -36,9 +36,6 @@ class Run:
         return f"{self.level.name}, run {self.member + 1}" + (f", {self.profile.name}" if self.profile else "")
 
 
-_REFERENCE = Level("flexible-clearance", PanelModel(MODAL, 48), tighter=10.0)
-
-
 @dataclass(frozen=True)
 class LadderPlan:
     """How much is measured.
@@ -57,7 +54,7 @@ class LadderPlan:
         *(PanelModel(ANCF, elements) for elements in (1, 2, 4, 6, 12)),
         *(PanelModel(MODAL, modes) for modes in (8, 24)),
     )
-    reference: Level = _REFERENCE
+    reference: Level = FINEST
     duration: float = 22.5
     members: int = 16
     ideal_members: int = 3

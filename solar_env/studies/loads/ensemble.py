@@ -13,7 +13,7 @@ from solar_env.array import ArrayParameters, PanelModel
 from solar_env.array.ladder import Answer, cheapest, read_answers, steps
 from solar_env.array.models import has_clearance
 from solar_env.array.parameter_file import ParameterFile
-from solar_env.studies.common.levels import Level
+from solar_env.studies.common.levels import FINEST, Level
 from solar_env.studies.loads.quantities import QUANTITIES, read_all
 from solar_env.studies.loads.runs import FREQUENCIES, Deployment, deploy, member_parameters
 from solar_env.studies.loads.statistics import Figure, figure_of
@@ -23,8 +23,6 @@ from solar_env.support.progress import counting_bar
 Array = NDArray[np.float64]
 
 STORE = "loads.jsonl"
-# The reference of the ladder (`solar-env ladder`), finer than all its levels.
-REFERENCE = Level("flexible-clearance", PanelModel("modal", 48), tighter=10.0)
 
 
 @dataclass(frozen=True)
@@ -67,7 +65,7 @@ class Plan:
         """The level chosen, and the next finer one."""
         chosen = self.answer
         finer = [row for row in steps(_with_clearance(), self.question) if row.bound < chosen.bound]
-        return _level(chosen), _level(finer[-1]) if finer else REFERENCE
+        return _level(chosen), _level(finer[-1]) if finer else FINEST
 
 
 def _with_clearance() -> list[Answer]:

@@ -1,4 +1,4 @@
-"""What each figure of the paper shows here, in words from its table: the second line of its title."""
+"""Conclusions of the figures of the paper, in words from their tables: the second lines of their titles."""
 
 from collections.abc import Callable, Mapping
 

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array import PanelModel, has_flexible_panels
-from solar_env.array.panels import ANCF, MODAL
-from solar_env.studies.common.levels import Level
+from solar_env.array.panels import ANCF
+from solar_env.studies.common.levels import FINEST, Level
 from solar_env.studies.common.measures import angle_error, latch_error
 from solar_env.studies.common.motion import Motion, Scene, perturbed, perturbed_setting, run_own
 from solar_env.studies.common.plans import Plan
@@ -55,7 +55,7 @@ REFERENCES: dict[str, Entry] = {
 }
 CONVERGED: dict[str, Level] = {
     "rigid-clearance": Level("rigid-clearance", tighter=1e3),
-    "flexible-clearance": Level("flexible-clearance", PanelModel(MODAL, 48), tighter=10.0),
+    "flexible-clearance": FINEST,
 }
 _REFERENCE, _ENSEMBLE = "reference", "converged ensemble"
 

@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from agents.environments import make_env
-from agents.learning.features import LEAST_DEVIATION, LIMIT, DriveFeatures, landing, whole_motion
+from agents.learning.features import LEAST_DEVIATION, LIMIT, DriveFeatures, _gates, landing, whole_motion
 from solar_env.environment.task.observations import OBSERVATIONS
 
 
@@ -192,3 +192,16 @@ def test_nothing_is_learned_but_the_map_is_kept_with_the_policy():
     kept = extractor.state_dict()
     for name, expected in features._asdict().items():
         np.testing.assert_array_equal(kept[name].numpy(), expected)
+
+
+def test_the_gates_are_those_of_the_driven_joint_and_open_when_all_joints_have_latched():
+    names = [f"{name}_{joint}" for name in ("theta", "latched") for joint in (1, 2, 3)]
+    (approach, begins), (latched, offset) = _gates(names, driven_joint=2)
+    for theta, switches, expected in (
+        ((0.0, 0.0, 0.8), (0, 0, 0), (False, False)),
+        ((0.0, 0.0, 0.97), (0, 0, 0), (True, False)),
+        ((1.0, 1.0, 0.97), (1, 1, 0), (True, False)),
+        ((1.0, 1.0, 1.0), (1, 1, 1), (False, True)),
+    ):
+        seen = np.array([*theta, *switches], dtype=float)
+        assert (seen @ approach + begins > 0.5, seen @ latched + offset > 0.5) == expected

@@ -1,4 +1,4 @@
-"""What the searched sets say of the claims together: the front, pairs and triples that no set meets, and ranges."""
+"""Claims together, as the searched sets have them: the front, pairs and triples that no set meets, and ranges."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

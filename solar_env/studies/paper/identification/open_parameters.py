@@ -1,4 +1,4 @@
-"""What the paper leaves open, with the ranges that are searched."""
+"""Parameters that the paper leaves open, with the ranges that are searched."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

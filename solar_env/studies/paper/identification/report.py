@@ -121,7 +121,7 @@ def _ranges(sets: Sequence[SearchedSet], met: Met) -> str:
 
 
 def _answers(sets: Sequence[SearchedSet], met: Met) -> Iterator[tuple[str, str]]:
-    """What the sets say of single questions, each with the number of sets that it rests on."""
+    """Answers of the sets to single questions, each with the number of sets that it rests on."""
     figures = np.array([one["figures"] for one in sets], dtype=float)
     values = [quantities(parameters_of(one)) for one in sets]
     hinge, ratio = (np.array([one[name] for one in values]) for name in ("hinge_y", "cable_torque_ratio"))

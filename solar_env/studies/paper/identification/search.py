@@ -256,7 +256,7 @@ def _place(one: Mapping[str, Any]) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Identification:
-    """What a search has found; sets as searched, or with the name of a named one.
+    """Findings of a search; sets as searched, or with the name of a named one.
 
     Attributes:
         rigid: sets with figures of RIGID_CLAIMS.

@@ -1,11 +1,13 @@
 """`solar-env paper`: the paper, figure by figure and claim by claim."""
 
 from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
 
 from rich.console import Console
 
 from solar_env.commands.arguments import FolderOptions, WorkerOptions
-from solar_env.support.campaigns import each_done
+from solar_env.support.campaigns import Campaign, each_done
 from solar_env.support.files import make_folder, write_text
 from solar_env.support.progress import counting_bar
 from solar_env.support.readme import STUDIES, Section
@@ -38,20 +40,28 @@ class Args(FolderOptions, WorkerOptions):
 def _run_levels(args: Args) -> int:
     """Measure the claims on flexible panels over mesh and damping."""
     from solar_env.studies.paper import levels
-    from solar_env.support.campaigns import Campaign
 
     out = args.folder("paper")
     if args.readme:
         LEVELS_SECTION.read()
     campaign = Campaign(levels.measure, list(levels.cells()), out / levels.STORE)
+    _run(args, campaign, "deployments")
+    return _tell(args, LEVELS_SECTION, out / "levels.md", levels.as_markdown(campaign.results()))
+
+
+def _run(args: Args, campaign: Campaign, description: str) -> None:
+    """Run what is missing of a campaign, with a progress bar."""
     left = len(campaign.missing)
     with counting_bar(Console(stderr=True, quiet=args.quiet)) as bar:
-        list(bar.track(campaign.run(args.workers), left, description="deployments"))
-    text = levels.as_markdown(campaign.results())
+        list(bar.track(campaign.run(args.workers), left, description=description))
+
+
+def _tell(args: Args, section: Section, path: Path, text: str) -> int:
+    """Write a text into its section of the page, or without --readme to a file, and print it."""
     if args.readme:
-        LEVELS_SECTION.write(text)
+        section.write(text)
     else:
-        write_text(out / "levels.md", text + "\n")
+        write_text(path, text + "\n")
     print_markdown(text)
     return 0
 
@@ -62,18 +72,13 @@ def _run_identification(args: Args) -> int:
     from solar_env.studies.paper.claims import CLAIMS
     from solar_env.studies.paper.identification import exclusions, report, search
     from solar_env.studies.paper.identification.plot import draw_identification
-    from solar_env.support.campaigns import Campaign
 
     out = args.folder("paper")
     page = FOLDER if args.readme else out
     if args.readme:
         IDENTIFY_SECTION.read()
 
-    def run(campaign: Campaign, description: str) -> None:
-        with counting_bar(Console(stderr=True, quiet=args.quiet)) as bar:
-            list(bar.track(campaign.run(args.workers), len(campaign.missing), description=description))
-
-    found = search.identify(out, run)
+    found = search.identify(out, partial(_run, args))
     met = search.met_matrix(found.rigid, search.RIGID_CLAIMS)
     best = [found.rigid[number] for number in exclusions.front(met)]
     tables = {
@@ -85,13 +90,7 @@ def _run_identification(args: Args) -> int:
         write_table(page / f"identification-{name}.csv", rows, provenance("paper --identify", sets=len(met)))
     pairs, front = (read_table(page / f"identification-{name}.csv") for name in ("pairs", "front"))
     draw_identification(pairs, front, (FOLDER / "figures" if args.readme else out) / "identification.png")
-    text = report.as_markdown(found)
-    if args.readme:
-        IDENTIFY_SECTION.write(text)
-    else:
-        write_text(out / "identification.md", text + "\n")
-    print_markdown(text)
-    return 0
+    return _tell(args, IDENTIFY_SECTION, out / "identification.md", report.as_markdown(found))
 
 
 def run_command(args: Args) -> int:

@@ -1,6 +1,5 @@
 """Ranges of the parameters: each of them over eight decades, what holds there, where it stops, with which message."""
 
-import warnings
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -10,17 +9,16 @@ from typing import Any
 from solar_env.array import ArrayParameters, build
 from solar_env.array.methods import default_integrator
 from solar_env.array.panels import PanelModel
-from solar_env.mechanics.running.diagnosis import SimulationWarning
-from solar_env.mechanics.running.errors import SimulationError
+from solar_env.mechanics.running.diagnosis import LARGEST_ENERGY_SHARE
 from solar_env.mechanics.running.simulation import Simulation
 from solar_env.studies.common.tables import Row, Table, markdown_table, provenance, write_table
+from solar_env.studies.stability.maps import Kind, listen
 
 FACTORS = tuple(10.0**decade for decade in range(-4, 5))
 MODELS = ("rigid-clearance", "flexible-clearance")
 DURATION = 15.0  # s; the default array latches after 12.3 s
 MAX_STEPS = 500_000
 LONGEST = 120  # characters of a message on the page; the table has all of it
-CLOSED = 0.01  # share of the energy turned over by which an energy book may be open without a word
 # What these are measured from is zero or an angle, so that they have no decades.
 WITHOUT_DECADES = ("hinge_y", "initial_spin", "initial_rate", "spring_preload_angle")
 NAMES = tuple(name for name in vars(ArrayParameters()) if name in ArrayParameters.CONTINUOUS - {*WITHOUT_DECADES})
@@ -41,30 +39,23 @@ def trial(name: str, factor: float, model: str, duration: float = DURATION) -> R
     value = default_of(name) * factor
     change: dict[str, Any] = {name: value}
     row: Row = {"parameter": name, "model": model, "factor": factor, "value": value, "class": FINE, "message": ""}
-    with warnings.catch_warnings(record=True) as told:
-        warnings.simplefilter("always")
-        try:
-            array = ArrayParameters(**change)
-            panels = PanelModel.of(model)
-            method = replace(default_integrator(model, panels), max_steps=MAX_STEPS)
-            simulation = Simulation(build(array, model, panels=panels), method)
-        except ValueError as error:
-            return {**row, "class": REFUSED, "message": _said(error)}
-        try:
-            simulation.advance(duration)
-            simulation.check()
-        except SimulationError as error:
-            return {**row, "class": STOPPED, "message": _said(error)}
-    said = [warning.message for warning in told if issubclass(warning.category, SimulationWarning)]
-    if said:
-        return {**row, "class": WARNED, "message": _said(said[0])}
-    residual, turnover = simulation.energy_book()
-    return row if abs(residual) <= CLOSED * turnover else {**row, "class": SILENT}
 
+    def deployed() -> Simulation:
+        panels = PanelModel.of(model)
+        method = replace(default_integrator(model, panels), max_steps=MAX_STEPS)
+        simulation = Simulation(build(ArrayParameters(**change), model, panels=panels), method)
+        simulation.advance(duration)
+        simulation.check()
+        return simulation
 
-def _said(message: object) -> str:
-    """One line of a message."""
-    return " ".join(str(message).split())
+    heard = listen(deployed)
+    row["message"] = " ".join(heard.message.split())
+    if heard.result is None:
+        return {**row, "class": REFUSED if heard.failure is Kind.REFUSED else STOPPED}
+    if heard.message:
+        return {**row, "class": WARNED}
+    residual, turnover = heard.result.energy_book()
+    return row if abs(residual) <= LARGEST_ENERGY_SHARE * turnover else {**row, "class": SILENT}
 
 
 def measure(
@@ -88,7 +79,7 @@ def page(table: Table) -> str:
         "",
         "Each parameter from a ten thousandth to ten thousand times its default, all others as they are,",
         f"{DURATION:g} s of {' and '.join(f'`{model}`' for model in MODELS)}. Fine: the run ends, and its energy book",
-        f"closes within {CLOSED:.0%} of the energy turned over. All else the library says, as quoted:",
+        f"closes within {LARGEST_ENERGY_SHARE:.0%} of the energy turned over. All else the library says, as quoted:",
         f"{len(table.rows)} runs, {silent} failures without a word. Written by",
         "`solar-env stability --parameters --out solar_env/studies/stability`.",
         "",

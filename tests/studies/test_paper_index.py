@@ -5,14 +5,13 @@ from pathlib import Path
 import pytest
 
 from solar_env.commands.paper import INDEX_SECTION
-from solar_env.studies.paper.figures import FIGURES
 from solar_env.studies.paper.index import INDEX, Entry, as_markdown
 
 ROOT = Path(__file__).parents[2]
 
 
 def test_every_equation_and_figure_is_listed_once() -> None:
-    for kind, all_numbers in (("Eq", range(1, 47)), ("Fig", FIGURES)):
+    for kind, all_numbers in (("Eq", range(1, 47)), ("Fig", range(1, 24))):
         listed = [number for entry in INDEX if entry.place.startswith(kind) for number in entry.numbers]
         assert listed == list(all_numbers)
 

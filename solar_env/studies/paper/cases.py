@@ -32,6 +32,9 @@ CASES: Mapping[str, Case] = {
     # The paper's models 1 and 2 of the distribution of clearances.
     "distribution-1": Case("rigid-clearance", {"clearance": (1e-4, 2e-4)}),
     "distribution-2": Case("rigid-clearance", {"clearance": (2e-4, 1e-4)}),
+    # The same with a contact stiffness by joint, as Eq 40 has it.
+    "distribution-1-eq-40": Case("rigid-clearance", {"clearance": (1e-4, 2e-4), "contact_stiffness": None}),
+    "distribution-2-eq-40": Case("rigid-clearance", {"clearance": (2e-4, 1e-4), "contact_stiffness": None}),
 }
 
 # One member of an ensemble: all deployments by name.

@@ -223,12 +223,13 @@ def _claims() -> Iterator[Claim]:
         "below 1", DISTRIBUTIONS, measures.ratio(measures.worst_wear, *reversed(DISTRIBUTIONS)), 0.0, 0.9,
         open_parameters=(*_OPEN_SLIDING, "contact_stiffness"),
         why="with the sliding speed of Eq 35 turning wears nothing; the points in contact slide most at joint 2, which "
-        "turns by pi, and to it model 2 gives the small clearance",
+        "turns by pi, and to it model 2 gives the small clearance", by_construction="friction_sliding",
     )  # fmt: skip
     yield Claim(
         "distribution-evenness", "... and more evenly (ratio of deeper to shallower joint, model 2 over model 1)",
         "below 1", DISTRIBUTIONS, measures.ratio(measures.unevenness, *reversed(DISTRIBUTIONS)), 0.0, 1.0,
         open_parameters=(*_OPEN_SLIDING, "contact_stiffness"), why="as for the wear of the worst joint",
+        by_construction="friction_sliding",
     )  # fmt: skip
     yield Claim(
         "wear-depth", "wear after 30 s is of the order of 1e-14 m; Archard's coefficient is chosen so", "1e-14 m",

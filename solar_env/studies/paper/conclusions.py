@@ -19,6 +19,10 @@ def _greatest(name: str, unit: str) -> Callable[[Table], str]:
     return words
 
 
+def _small_forces(table: Table) -> str:
+    return f"{_greatest('force_{}_N', 'N')(table)} (by Eq 40 {_greatest('eq_40_force_{}_N', 'N')(table)})"
+
+
 def _angles(table: Table) -> str:
     late = table.column("time_s") > table.column("time_s")[-1] - 10.0
     swings = [np.ptp(table.column(f"angle_{joint}_rad")[late]) for joint in JOINTS]
@@ -43,13 +47,17 @@ def _models(table: Table) -> str:
 
 
 def _wear(table: Table) -> str:
+    return f"deepest in the {_deepest('', table)} (by Eq 40 in the {_deepest('eq_40_', table)})"
+
+
+def _deepest(prefix: str, table: Table) -> str:
     depths = {
-        f"{surface} of joint {joint}": table.column(f"{surface}_{joint}_m").max()
+        f"{surface} of joint {joint}": table.column(f"{prefix}{surface}_{joint}_m").max()
         for surface in ("bearing", "journal")
         for joint in JOINTS
     }
     deepest = max(depths, key=lambda place: depths[place])
-    return f"deepest in the {deepest}, {depths[deepest]:.1e} m"
+    return f"{deepest}, {depths[deepest]:.1e} m"
 
 
 def _four_bar(table: Table) -> str:
@@ -62,7 +70,7 @@ CONCLUSIONS: Mapping[str, Callable[[Table], str]] = {
     "angles": _angles,
     "path": _path,
     "forces": _greatest("force_{}_N", "N"),
-    "small-forces": _greatest("force_{}_N", "N"),
+    "small-forces": _small_forces,
     "torques": _greatest("torque_{}_Nm", "N m"),
     "models": _models,
     "wear": _wear,

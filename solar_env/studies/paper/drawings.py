@@ -22,6 +22,9 @@ PHASES = ("initial", "deployment", "after latching")
 # Where the paper's axes end: Figs 20 and 21 [N], 22 and 23 [m], and 5 [s].
 PAPER_FORCE, PAPER_WEAR, PAPER_TURN = 300.0, 7e-14, (2.00, 2.08)
 
+# Beginnings of the columns of Figs 20 to 23, and the contact stiffness that they belong to.
+STIFFNESSES = (("", "stiffness of Table 1"), ("eq_40_", "stiffness of Eq 40"))
+
 
 def draw_figure(table: Table, kind: str, title: str, path: Path) -> None:
     """Draw a figure, of a `kind` in DRAWERS, from its table to a PNG file; the same table gives the same file."""
@@ -100,21 +103,29 @@ def _draw_models(figure: Figure, table: Table) -> None:
 
 
 def _draw_wear(figure: Figure, table: Table) -> None:
-    figure.set_size_inches(6.0, 3.6)
-    axis = figure.subplots()
-    for joint in JOINTS:
-        for surface, line in (("bearing", "-"), ("journal", ":")):
-            name, label = f"{surface}_{joint}_m", f"joint {joint}, {surface}"
-            _draw_median(axis, table, "angle_deg", name, COLOURS[joint - 1], label=label, linestyle=line, linewidth=0.8)
-    _frame(axis, PAPER_WEAR)
-    axis.set(xlabel="angle round the bearing, or the journal [deg]", ylabel="wear depth [m]", xlim=(0.0, 360.0))
-    axis.legend()
+    figure.set_size_inches(9.0, 3.6)
+    axes = figure.subplots(1, 2, sharey=True)
+    for axis, (prefix, stiffness) in zip(axes, STIFFNESSES, strict=True):
+        for joint in JOINTS:
+            for surface, line in (("bearing", "-"), ("journal", ":")):
+                name, label = f"{prefix}{surface}_{joint}_m", f"joint {joint}, {surface}"
+                look = {"label": label, "linestyle": line, "linewidth": 0.8}
+                _draw_median(axis, table, "angle_deg", name, COLOURS[joint - 1], **look)
+        _frame(axis, PAPER_WEAR)
+        axis.set(xlabel="angle round the bearing, or the journal [deg]", xlim=(0.0, 360.0), title=stiffness)
+    axes[0].set_ylabel("wear depth [m]")
+    axes[0].legend()
 
 
 def _draw_small_forces(figure: Figure, table: Table) -> None:
-    _draw_by_joint("force_{}_N", "contact force [N]", figure, table)
-    for axis in figure.axes:
-        _frame(axis, PAPER_FORCE)
+    figure.set_size_inches(9.0, 4.0)
+    for column, (prefix, stiffness) in zip(figure.subplots(2, 2, sharex=True, sharey=True).T, STIFFNESSES, strict=True):
+        column[0].set_title(stiffness)
+        for joint, axis in zip(JOINTS, column, strict=True):
+            force = table.column(f"{prefix}force_{joint}_N")
+            axis.plot(table.column("time_s"), force, color=COLOURS[joint - 1], linewidth=0.6)
+            _frame(axis, PAPER_FORCE)
+            _finish_time(axis, table, f"joint {joint}\ncontact force [N]")
 
 
 def _frame(axis: Axes, top: float) -> None:

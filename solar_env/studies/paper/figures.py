@@ -138,6 +138,12 @@ def _wear(case: str, member: Member) -> list[Row]:
     return _rows(columns)
 
 
+def _with_eq_40(rows: Callable[[str, Member], list[Row]], case: str, member: Member) -> list[Row]:
+    """A table of a case, with columns `eq_40_...` of the same with the contact stiffness of Eq 40."""
+    tables = zip(rows(case, member), rows(f"{case}-eq-40", member), strict=True)
+    return [own | {f"eq_40_{name}": other[name] for name in list(own)[1:]} for own, other in tables]
+
+
 def _four_bar(member: Member) -> list[Row]:
     """Crank moment and rocker speed in the last of 26 turns, of the ideal linkage (0 turns) too; wear by then."""
     motions = {0: simulate_four_bar(1, with_clearance=False)}
@@ -204,18 +210,14 @@ def _all() -> Iterator[PaperFigure]:
         partial(_four_models, "rates", "rad_s"),
     )
     for model in (1, 2):
-        case = f"distribution-{model}"
+        pair = (f"distribution-{model}", f"distribution-{model}-eq-40")
         sizes = "0.1 and 0.2 mm" if model == 1 else "0.2 and 0.1 mm"
-        yield PaperFigure(
-            19 + model,
-            f"contact forces, model {model} ({sizes})",
-            "small-forces",
-            (case,),
-            partial(_contact_forces, case),
-        )
-        yield PaperFigure(
-            21 + model, f"wear depth, model {model} ({sizes})", "wear", (case,), partial(_wear, case), True
-        )
+        for number, quantity, kind, rows in (
+            (19 + model, "contact forces", "small-forces", _contact_forces),
+            (21 + model, "wear depth", "wear", _wear),
+        ):
+            title = f"{quantity}, model {model} ({sizes})"
+            yield PaperFigure(number, title, kind, pair, partial(_with_eq_40, rows, pair[0]), kind == "wear")
 
 
 FIGURES: Mapping[int, PaperFigure] = {figure.number: figure for figure in sorted(_all(), key=lambda f: f.number)}

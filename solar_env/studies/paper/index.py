@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from solar_env.studies.common.tables import markdown_table
+
 
 @dataclass(frozen=True)
 class Entry:
@@ -29,6 +31,7 @@ class Entry:
 
 
 _MECHANICS, _TESTS = "solar_env/mechanics", "tests/mechanics"
+_STUDY, _STUDY_TEST = "solar_env/studies/paper", "tests/studies/test_paper.py"
 INDEX: tuple[Entry, ...] = (
     Entry(
         "Table 1", "parameters of the array", "solar_env/array/parameters.py:ArrayParameters",
@@ -116,17 +119,37 @@ INDEX: tuple[Entry, ...] = (
         "tests/studies/test_paper.py:test_wear_and_impacts_are_compared_joint_by_joint",
     ),
     Entry(
-        "Figs 5-23", "deployments, linkage and wear", "solar_env/studies/paper/figures.py:FIGURES",
-        "tests/studies/test_paper.py:test_every_figure_of_the_paper_is_there",
-        "Fig 5: links are assumed; panels fold to the other side, so that paths are mirrored",
+        "Fig 1", "the array, its springs, its cable loop and a latch", "solar_env/array/construction.py:build",
+        "tests/array/test_construction.py:test_", "(e) is the couple of Eq 4, a latch that of Eqs 5-7",
+    ),
+    Entry(
+        "Figs 2-4", "sketches that go with the equations of bodies and joints, without results",
+        f"{_MECHANICS}/mechanism/description.py:Mechanism", f"{_TESTS}/bodies/test_kinds.py:test_",
+    ),
+    Entry(
+        "Fig 5", "four-bar linkage with a clearance joint: crank moment, rocker speed, wear",
+        f"{_STUDY}/cases.py:simulate_four_bar",
+        f"{_STUDY_TEST}:test_four_bar_wears_more_with_every_turn_and_its_books_close",
+        "lengths of the links are assumed",
+    ),
+    Entry(
+        "Figs 6-19", "deployments of the four models", f"{_STUDY}/figures.py:FIGURES",
+        f"{_STUDY_TEST}:test_every_figure_of_the_paper_is_there",
+        "panels fold to the other side, so that paths are mirrored",
+    ),
+    Entry(
+        "Figs 20-23", "deployments and wear of models 1 and 2", f"{_STUDY}/figures.py:FIGURES",
+        f"{_STUDY_TEST}:test_figures_of_several_models_and_of_wear_are_drawn",
+        "with the stiffness of Table 1, and beside it with that of Eq 40",
     ),
 )  # fmt: skip
 
 
 def as_markdown() -> str:
     """The index as a table in Markdown."""
-    lines = ["| in the paper | what it says | here | checked by | remark |", "|---|---|---|---|---|"]
+    columns = ("in the paper", "what it says", "here", "checked by", "remark")
+    rows = []
     for entry in INDEX:
         code, test = (f"`{place.rstrip('_')}`" for place in (entry.code, entry.test.removesuffix(":test_")))
-        lines.append(f"| {entry.place} | {entry.says} | {code} | {test} | {entry.remark} |")
-    return "\n".join(lines)
+        rows.append((entry.place, entry.says, code, test, entry.remark))
+    return markdown_table(columns, rows).rstrip("\n")

@@ -12,6 +12,7 @@ import numpy as np
 
 from solar_env.array import ArrayParameters, PanelModel
 from solar_env.array.panels import ANCF, MODAL
+from solar_env.studies.common.tables import markdown_table
 from solar_env.studies.paper.cases import simulate_case
 from solar_env.studies.paper.claims import CLAIMS, Claim
 
@@ -93,14 +94,11 @@ def as_markdown(results: Sequence[Mapping[str, Any]]) -> str:
     found: dict[str, list[Mapping[str, float]]] = {}
     for cell, result in zip(cells(), results, strict=True):
         found.setdefault(cell["level"], []).append(result)
-    lines = [
-        "| claim | " + " | ".join(level.name for level in LEVELS) + " | verdict |",
-        "|---" * (len(LEVELS) + 2) + "|",
-    ]
+    rows = []
     for claim in FLEXIBLE_CLAIMS:
         medians = {level: float(np.median([one[claim.key] for one in found[level.name]])) for level in LEVELS}
         holds = {level: claim.holds(value) for level, value in medians.items()}
         figures = [f"**{value:.3g}**" if holds[level] else f"{value:.3g}" for level, value in medians.items()]
         unit = f" [{claim.unit}]" if claim.unit else ""
-        lines.append(f"| {claim.statement}{unit} | " + " | ".join(figures) + f" | {verdict(holds)} |")
-    return "\n".join(lines)
+        rows.append((claim.statement + unit, *figures, verdict(holds)))
+    return markdown_table(("claim", *(level.name for level in LEVELS), "verdict"), rows).rstrip("\n")

@@ -10,6 +10,7 @@ import numpy as np
 
 from solar_env.array import ArrayParameters
 from solar_env.mechanics.running.trajectory import Trajectory
+from solar_env.studies.common.tables import markdown_table
 from solar_env.studies.paper.cases import MEMBERS, Run
 from solar_env.studies.paper.claims import CLAIMS, Claim
 
@@ -157,19 +158,12 @@ def summary(findings: Sequence[Finding]) -> str:
 
 def as_markdown(findings: Sequence[Finding]) -> str:
     """The findings as a sentence and a table in Markdown."""
-    lines = [
-        summary(findings),
-        "",
-        "| | the paper says | there | here: median [least, greatest] | agrees from, to | |",
-        "|---|---|---|---|---|---|",
-    ]
-    for finding in findings:
-        values = f"{_number(finding.median)} [{_number(finding.least)}, {_number(finding.greatest)}] {finding.unit}"
-        lines.append(
-            f"| `{finding.key}` | {finding.statement} | {finding.paper} | {values.strip()} | {_interval(finding)} "
-            f"| {_verdict(finding)} |"
-        )
-    return "\n".join(lines) + "\n"
+    columns = ("", "the paper says", "there", "here: median [least, greatest]", "agrees from, to", "")
+    rows = []
+    for one in findings:
+        values = f"{_number(one.median)} [{_number(one.least)}, {_number(one.greatest)}] {one.unit}".strip()
+        rows.append((f"`{one.key}`", one.statement, one.paper, values, _interval(one), _verdict(one)))
+    return f"{summary(findings)}\n\n{markdown_table(columns, rows)}"
 
 
 def _interval(finding: Finding) -> str:

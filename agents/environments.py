@@ -7,6 +7,7 @@ from typing import Any, Literal
 import gymnasium
 
 import solar_env  # noqa: F401  (registers the environment ids)
+from solar_env.array import MODELS, has_flexible_panels
 from solar_env.environment.settings import EnvironmentSettings
 
 DEFAULT_ENV_ID = "solar_env/Deploy-v1"
@@ -96,7 +97,7 @@ def with_model(
     chosen = {**env_kwargs, **given}
     if "model" not in chosen:
         chosen = completed(chosen, default or {})
-    if str(chosen.get("model")).startswith("rigid"):
+    if chosen.get("model") in MODELS and not has_flexible_panels(chosen["model"]):
         for name in given.keys() - {"model"}:
             raise ValueError(f"--{name} {given[name]}: panels of {chosen['model']} have none; name a flexible model")
     if chosen.get("model") == "auto":

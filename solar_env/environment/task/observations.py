@@ -14,6 +14,7 @@ from solar_env.environment.task.task import last_latch
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.formulations import view_joint_of
 from solar_env.mechanics.numerics.jit import kernel
+from solar_env.support.markdown import markdown_table
 
 # Codes of `reading`.
 THETA, RATE, LATCHED, MOTOR_TORQUE, TIME_TO_DEADLINE, TIME_SINCE_LATCH, ECCENTRICITY_X, ECCENTRICITY_Y = range(8)
@@ -220,14 +221,15 @@ def observe(model, state, task, channels, out):
 
 def observation_table() -> str:
     """The table of observables, in Markdown."""
-    lines = ["| Name | Observation | Min | Max | Unit | Sensors |"]
-    lines += ["|------|-------------|-----|-----|------|---------|"]
+    rows: list[tuple[Observable | Feature, str]] = []
     for row in OBSERVABLES:
         sensed = [row.noise, "encoder_resolution" if row.encoder else None, "sensor_delay" if row.delayed else None]
         sensors = ", ".join(f"`{name}`" for name in sensed if name) or "exact"
-        name = f"`{row.name}_i`" if row.by_joint else f"`{row.name}`"
-        lines.append(f"| {name} | {row.meaning} | {row.low:.4g} | {row.high:.4g} | {row.unit} | {sensors} |")
-    for feature in FEATURES:
-        name, bounds = f"`{feature.name}{'_i' if feature.by_joint else ''}`", f"{feature.low:.4g} | {feature.high:.4g}"
-        lines.append(f"| {name} | {feature.meaning} | {bounds} | {feature.unit} | as what it is made of |")
-    return "\n".join(lines)
+        rows.append((row, sensors))
+    rows += [(feature, "as what it is made of") for feature in FEATURES]
+    cells = [
+        (f"`{one.name}_i`" if one.by_joint else f"`{one.name}`", one.meaning, f"{one.low:.4g}", f"{one.high:.4g}",
+         one.unit, sensors)
+        for one, sensors in rows
+    ]  # fmt: skip
+    return markdown_table(("Name", "Observation", "Min", "Max", "Unit", "Sensors"), cells).rstrip("\n")

@@ -12,6 +12,7 @@ from solar_env.environment.task.task import missed_deadline
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.formulations import view_joint_of
 from solar_env.mechanics.numerics.jit import kernel
+from solar_env.support.markdown import markdown_table
 
 # Codes of `reading`.
 PEAK_IMPACT, WEAR, MISSED_DEADLINE, ATTITUDE_DISTURBANCE, POSTLOCK_WEAR, MOTOR_WORK = range(6)
@@ -229,10 +230,9 @@ def charge(model, state, task, charges, charged, terms):
 
 def reward_table() -> str:
     """The table of terms, in Markdown."""
-    lines = ["| Term | Figure | Charged | Scale | Weight | Bound |"]
-    lines += ["|------|--------|---------|-------|--------|-------|"]
+    rows = []
     for term in REWARD_TERMS:
         scale, weight, bound = vars(term.price).values()
-        scale = f"{scale:g} {term.unit}"
-        lines.append(f"| `{term.name}` | {term.figure} | {term.phase} | {scale} | {weight:g} | {bound:g} |")
-    return "\n".join(lines)
+        figures = (f"{scale:g} {term.unit}", f"{weight:g}", f"{bound:g}")
+        rows.append((f"`{term.name}`", term.figure, term.phase, *figures))
+    return markdown_table(("Term", "Figure", "Charged", "Scale", "Weight", "Bound"), rows).rstrip("\n")

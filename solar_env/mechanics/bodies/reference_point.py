@@ -30,7 +30,7 @@ class ReferencePoint(BodyKind[ReferencePointBody]):
     marker_fields: ClassVar[Fields] = [("offset", np.int64), ("arm_x", np.float64), ("arm_y", np.float64)]
 
     def coordinates(self, body: ReferencePointBody) -> int:
-        """Three."""
+        """Return three, the number of coordinates."""
         return 3
 
     def fill(self, body: ReferencePointBody, row: np.void, constants: list[float]) -> None:
@@ -44,30 +44,30 @@ class ReferencePoint(BodyKind[ReferencePointBody]):
         row["arm_x"], row["arm_y"] = point[0] - body.centroid[0], point[1] - body.centroid[1]
 
     def marker_coordinates(self, row: np.void) -> list[int]:
-        """All three of the body."""
+        """Return all three coordinates of the body."""
         return [int(row["offset"]) + k for k in range(3)]
 
     def initial_motion(self, body: ReferencePointBody) -> tuple[Array, Array]:
-        """Centroid and angle as described."""
+        """Return centroid and angle, with their rates, as described."""
         c, s = math.cos(body.angle), math.sin(body.angle)
         x, y = c * body.centroid[0] - s * body.centroid[1], s * body.centroid[0] + c * body.centroid[1]
         q = np.array([body.position[0] + x, body.position[1] + y, body.angle])
         return q, np.array([body.velocity[0] - body.spin * y, body.velocity[1] + body.spin * x, body.spin])
 
     def weight(self, body: ReferencePointBody, gravity: Point) -> Array:
-        """It acts at the centroid."""
+        """Return the gravity force, which acts at the centroid."""
         return body.mass * np.array([*gravity, 0.0])
 
     def error_weight(self, body: ReferencePointBody) -> Array:
-        """Of the angle: the radius of gyration."""
+        """Weigh the angle by the radius of gyration."""
         return np.array([1.0, 1.0, math.sqrt(body.inertia / body.mass)])
 
     def rigid_motions(self, q: Array) -> Array:
-        """Of the centroid and the angle."""
+        """Return the rigid motions of centroid and angle."""
         return np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-q[1], q[0], 1.0]])
 
     def centreline(self, row: Any, q: Array, points_per_element: int) -> Array:
-        """Both ends of the body frame's x axis."""
+        """Return both ends of the body frame's x axis."""
         turn = np.exp(1j * q[..., 2])
         start = q[..., 0] + 1j * q[..., 1] - turn * complex(row["centroid_x"], row["centroid_y"])
         ends = np.stack([start, start + turn * row["length"]], axis=-1)

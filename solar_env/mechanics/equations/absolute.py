@@ -25,7 +25,7 @@ from solar_env.mechanics.numerics.jit import kernel
 
 @kernel(inlined=True)
 def view_joint(model, state, j):
-    """The joint `j` as a controller may observe it."""
+    """Return the joint `j` as a controller may observe it."""
     joint = model.joints[j]
     angle, rate, _, spin = joint_motion(joint, model.markers, state.q, state.v)
     x, y = direction(model.markers[joint.inboard], state.q)
@@ -43,16 +43,16 @@ class AbsoluteCoordinates(Formulation):
         return compile_mechanism(mechanism)
 
     def begin(self, model: Model, state: State) -> None:
-        """Nothing: integrators evaluate accelerations and multipliers."""
+        """Do nothing: integrators evaluate accelerations and multipliers."""
 
     def drift(self, model: Model, state: State) -> tuple[float, float]:
-        """Of the linear constraints."""
+        """Return the greatest violations of the linear constraints, in m and m/s."""
         work, time = make_workspace(model, state), state.clock["time"][0]
         position = constraint_drift(model, state.q, time, work)
         return float(position), float(velocity_drift(model, state.q, state.v, time, work))
 
     def joint_loads(self, model: Model, state: State) -> Array:
-        """With the multipliers that hold the constraints now."""
+        """Evaluate the table of loads with the multipliers that hold the constraints now."""
         return _evaluate(model, state)[0].loads
 
     def stored_energies(self, model: Model, state: State) -> Array:
@@ -62,11 +62,11 @@ class AbsoluteCoordinates(Formulation):
         return energies
 
     def greatest_weight(self, model: Model) -> float:
-        """Of the constant generalized forces."""
+        """Return the greatest magnitude of the constant generalized forces [N]."""
         return float(np.abs(model.constant_force).max(initial=0.0))
 
     def momenta(self, model: Model, state: State) -> Array:
-        """Products of the generalized momentum with the three rigid motions of the mechanism."""
+        """Return the products of the generalized momentum with the three rigid motions of the mechanism."""
         momentum = np.zeros_like(state.v)
         add_mass_products(model, state.v, momentum)
         motions = np.zeros((3, state.q.size))
@@ -76,18 +76,18 @@ class AbsoluteCoordinates(Formulation):
         return motions @ momentum
 
     def centreline(self, model: Model, q: Array, body: int, points_per_element: int) -> Array:
-        """That of the body's kind."""
+        """Ask the body's kind for its points."""
         row = model.bodies[body]
         first = int(row["offset"])
         own = q[..., first : first + int(row["coordinates"])]
         return KINDS[row["kind"]].centreline(row, own, points_per_element)
 
     def modal_range(self, model: Model, state: State) -> tuple[float, float]:
-        """Zeros: there are no modal panels."""
+        """Return zeros: there are no modal panels."""
         return 0.0, 0.0
 
     def constraint_force_defect(self, model: Model, state: State) -> tuple[float, float]:
-        """Of the multipliers of generalized-alpha; those of a rigid body's length count times the length."""
+        """Return the defect of generalized-alpha's multipliers; that of a rigid body's length counts times it."""
         work, multipliers = _evaluate(model, state)
         scale = np.ones_like(multipliers)
         scale[model.constraints.target.size :] = model.bodies["length"]
@@ -97,7 +97,7 @@ class AbsoluteCoordinates(Formulation):
 
 
 def _evaluate(model: Model, state: State) -> tuple[Workspace, Array]:
-    """Workspace with loads and powers at the present state, and the multipliers that hold its constraints."""
+    """Return a workspace with the present loads and powers, and the multipliers that hold the constraints."""
     work = make_workspace(model, state)
     work.impact_speeds[:] = np.where(state.joints["in_contact"], state.joints["impact_speed"], 0.0)
     scratch, multipliers = np.zeros_like(state.a), np.zeros_like(state.multipliers)

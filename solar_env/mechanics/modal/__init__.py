@@ -6,6 +6,10 @@ stages (`step`): given the loads, every body's motion follows in closed form, so
 depend on the number of modes. `run` controls the steps and keeps what a run remembers; `formulation` and `views` tell
 the rest of the package what the arrays say.
 
+Modal panels are a formulation and no row of `bodies.kinds`: a row has coordinates that the integrators step together
+with all others, places of its markers that follow from them alone, and a mass matrix that acts on nothing but its own.
+Here amplitudes are no unknowns of a step at all; they follow from the loads, and so do the bodies beside them.
+
 Two things are left out. The inertia of the turning frame (centrifugal and Coriolis forces on the amplitudes) would
 raise the squared frequency of a free panel's lowest mode by 2.05 spin^2: at spins of 3 and 10 % of that frequency
 (2.0 and 6.8 rad/s for a panel of the array) the frequency is 0.1 and 1.0 % too low. Of bending, terms beyond the

@@ -24,16 +24,16 @@ class FloatingFrames(Formulation):
         return compile_modal(mechanism)
 
     def begin(self, model: ModalModel, state: ModalState) -> None:
-        """Torques of the laws."""
+        """Fill the loads of the joints with the torques of their laws."""
         start_loads(model, state, make_workspace(model, state))
 
     def drift(self, model: ModalModel, state: ModalState) -> tuple[float, float]:
-        """Of the ideal joints."""
+        """Return the greatest violations of the ideal joints, in m and m/s."""
         motion = np.abs(_motion(model, state).joints["motion"][model.joints["kind"] == IDEAL, OTHER])
         return float(motion[:, :2].max(initial=0.0)), float(motion[:, 2:4].max(initial=0.0))
 
     def joint_loads(self, model: ModalModel, state: ModalState) -> Array:
-        """With the loads at the end of the last step."""
+        """Evaluate the table of loads with those at the end of the last step."""
         work = _motion(model, state)
         fill_load_table(model, state, work, OTHER, state.loads, work.sample)
         return work.sample
@@ -45,12 +45,12 @@ class FloatingFrames(Formulation):
         return energies
 
     def greatest_weight(self, model: ModalModel) -> float:
-        """Of the bodies that move."""
+        """Return the greatest weight of a body that moves [N]."""
         moving = model.bodies["inverse_mass"] > 0.0
         return float(np.hypot(*model.gravity) * model.bodies["mass"][moving].max(initial=0.0))
 
     def momenta(self, model: ModalModel, state: ModalState) -> Array:
-        """Those of the frames: the modes have none."""
+        """Return the momenta of the frames: the modes have none."""
         bodies = model.bodies[model.bodies["inverse_mass"] > 0.0]
         first, mass = bodies["offset"], bodies["mass"]
         x, y = state.q[first], state.q[first + 1]
@@ -75,12 +75,12 @@ class FloatingFrames(Formulation):
         return slope, spin_ratio
 
     def constraint_force_defect(self, model: ModalModel, state: ModalState) -> tuple[float, float]:
-        """None: every step solves for the reactions."""
+        """Return no defect, for every step solves for the reactions, and the greatest reaction [N]."""
         return 0.0, float(np.abs(state.loads[:, :2]).max(initial=0.0))
 
 
 def _motion(model: ModalModel, state: ModalState) -> Workspace:
-    """Workspace whose slot OTHER holds the present motion."""
+    """Return a workspace whose slot OTHER holds the present motion."""
     work = make_workspace(model, state)
     look_at(model, state.q, state.v, work, OTHER)
     return work

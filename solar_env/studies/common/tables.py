@@ -83,12 +83,6 @@ def write_table(path: Path, rows: Sequence[Mapping[str, Cell]], made_by: Mapping
     write_text(path, text.getvalue())
 
 
-def markdown_table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table in Markdown, with an empty line after it."""
-    lines = [f"| {' | '.join(row)} |" for row in (columns, *rows)]
-    return "\n".join([lines[0], "|---" * len(columns) + "|", *lines[1:], ""])
-
-
 def read_table(path: Path) -> Table:
     """Read what `write_table` wrote: cells that read as numbers are numbers.
 

@@ -37,6 +37,12 @@ CASES: Mapping[str, Case] = {
     "distribution-2-eq-40": Case("rigid-clearance", {"clearance": (2e-4, 1e-4), "contact_stiffness": None}),
 }
 
+
+def is_flexible(case: str) -> bool:
+    """Whether the panels of a case bend."""
+    return has_flexible_panels(CASES[case].model)
+
+
 # One member of an ensemble: all deployments by name.
 Member = Mapping[str, Trajectory]
 
@@ -70,7 +76,7 @@ def simulate_run(run: Run) -> Trajectory:
 def simulate_case(case: str, parameters: ArrayParameters, member: int, panels: PanelModel = PANELS) -> Trajectory:
     """Simulate a case of an array that differs from the paper's, see `simulate_run`."""
     own = CASES[case]
-    level = Level(own.model, panels if has_flexible_panels(own.model) else None)
+    level = Level(own.model, panels if is_flexible(case) else None)
     return level.deploy(parameters.with_changes(own.changes), member, DURATION, OUTPUT_STEP)
 
 

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from solar_env.studies.common.tables import markdown_table
+from solar_env.support.markdown import markdown_table
 
 
 @dataclass(frozen=True)

@@ -12,9 +12,9 @@ import numpy as np
 
 from solar_env.array import ArrayParameters, PanelModel
 from solar_env.array.panels import ANCF, MODAL
-from solar_env.studies.common.tables import markdown_table
-from solar_env.studies.paper.cases import simulate_case
+from solar_env.studies.paper.cases import is_flexible, simulate_case
 from solar_env.studies.paper.claims import CLAIMS, Claim
+from solar_env.support.markdown import markdown_table
 
 MEMBERS = 3
 STORE = "levels.jsonl"
@@ -49,9 +49,7 @@ CONVERGED = (
     PanelLevel(PanelModel(MODAL, 24), 1e-4),
 )
 LEVELS = (PAPER, FINER, DAMPED, *CONVERGED)
-FLEXIBLE_CLAIMS: tuple[Claim, ...] = tuple(
-    claim for claim in CLAIMS if any(case.startswith("flexible") for case in claim.cases)
-)
+FLEXIBLE_CLAIMS: tuple[Claim, ...] = tuple(claim for claim in CLAIMS if any(map(is_flexible, claim.cases)))
 
 
 def cells() -> Iterator[dict[str, Any]]:

@@ -10,9 +10,9 @@ import numpy as np
 
 from solar_env.array import ArrayParameters
 from solar_env.mechanics.running.trajectory import Trajectory
-from solar_env.studies.common.tables import markdown_table
-from solar_env.studies.paper.cases import MEMBERS, Run
+from solar_env.studies.paper.cases import MEMBERS, Run, is_flexible
 from solar_env.studies.paper.claims import CLAIMS, Claim
+from solar_env.support.markdown import markdown_table
 
 Value = float | str | None
 
@@ -68,7 +68,7 @@ def planned_runs(claims: Sequence[Claim] = CLAIMS, members: int = MEMBERS) -> li
     runs = {Run(case, member) for case in cases for member in range(members)}
     runs |= {run for claim in claims for run in _range_runs(claim)}
     order = {case: number for number, case in enumerate(cases)}
-    return sorted(runs, key=lambda run: (not run.case.startswith("flexible"), order[run.case], _where(run)))
+    return sorted(runs, key=lambda run: (not is_flexible(run.case), order[run.case], _where(run)))
 
 
 def _where(run: Run) -> tuple[str, str, int]:
@@ -76,7 +76,7 @@ def _where(run: Run) -> tuple[str, str, int]:
 
 
 def _range_members(claim: Claim) -> range:
-    return range(1 if any(case.startswith("flexible") for case in claim.cases) else RANGE_MEMBERS)
+    return range(1 if any(map(is_flexible, claim.cases)) else RANGE_MEMBERS)
 
 
 def _range_runs(claim: Claim) -> Iterator[Run]:

@@ -10,8 +10,9 @@ from matplotlib.axes import Axes
 from solar_env.pictures.style import LEVEL_LOOKS, STYLE, Look, look_of
 from solar_env.studies.common.bootstrap import mean_band
 from solar_env.studies.common.drawing import make_figure, save, use_decades
-from solar_env.studies.common.tables import Table, markdown_table
+from solar_env.studies.common.tables import Table
 from solar_env.support.files import write_text
+from solar_env.support.markdown import markdown_table
 
 ERRORS = {
     "angle_error_rad": "error of angles before the latch [rad]",

@@ -20,10 +20,11 @@ from solar_env.studies.common.levels import FINEST, Level
 from solar_env.studies.common.measures import angle_error, latch_error
 from solar_env.studies.common.motion import Motion, Scene, perturbed, perturbed_setting, run_own
 from solar_env.studies.common.plans import Plan
-from solar_env.studies.common.tables import Row, Table, markdown_table
+from solar_env.studies.common.tables import Row, Table
 from solar_env.studies.common.timing import Job, Measured
 from solar_env.studies.precision.methods import find_method
 from solar_env.support.files import write_text
+from solar_env.support.markdown import markdown_table
 
 Array = NDArray[np.float64]
 

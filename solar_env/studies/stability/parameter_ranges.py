@@ -11,8 +11,9 @@ from solar_env.array.methods import default_integrator
 from solar_env.array.panels import PanelModel
 from solar_env.mechanics.running.diagnosis import LARGEST_ENERGY_SHARE
 from solar_env.mechanics.running.simulation import Simulation
-from solar_env.studies.common.tables import Row, Table, markdown_table, provenance, write_table
+from solar_env.studies.common.tables import Row, Table, provenance, write_table
 from solar_env.studies.stability.maps import Kind, listen
+from solar_env.support.markdown import markdown_table
 
 FACTORS = tuple(10.0**decade for decade in range(-4, 5))
 MODELS = ("rigid-clearance", "flexible-clearance")

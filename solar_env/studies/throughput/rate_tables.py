@@ -4,8 +4,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from solar_env.mechanics.running.batch import available_processors
-from solar_env.studies.common.tables import markdown_table
 from solar_env.studies.throughput import step_rates as measured
+from solar_env.support.markdown import markdown_table
 
 
 def _table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:

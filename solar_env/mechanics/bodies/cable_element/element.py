@@ -43,7 +43,7 @@ class CableElements(BodyKind[FlexibleBody]):
     deformable = True
 
     def coordinates(self, body: FlexibleBody) -> int:
-        """Place and slope of every node."""
+        """Return the number of coordinates: place and slope of every node."""
         return 4 * (body.elements + 1)
 
     def fill(self, body: FlexibleBody, row: np.void, constants: list[float]) -> None:
@@ -56,16 +56,16 @@ class CableElements(BodyKind[FlexibleBody]):
             constants += matrix.ravel().tolist()
 
     def fill_marker(self, body: FlexibleBody, row: np.void, first: int, point: Point) -> None:
-        """Nodes only; the direction is the slope."""
+        """Fill the node; a marker is at a node only, and its direction is the slope."""
         node = first + 4 * body.node(point)
         row["i1"], row["i2"], row["a1"] = node, node + 2, 1.0
 
     def marker_coordinates(self, row: np.void) -> list[int]:
-        """Those of the node."""
+        """Return the coordinates of the node."""
         return pair_coordinates(row)
 
     def initial_motion(self, body: FlexibleBody) -> tuple[Array, Array]:
-        """Straight and unstrained."""
+        """Return the motion of a beam that is straight and unstrained."""
         c, s = math.cos(body.angle), math.sin(body.angle)
         motion = []
         for start, slope in ((body.position, (c, s)), (body.velocity, (-s * body.spin, c * body.spin))):
@@ -76,7 +76,7 @@ class CableElements(BodyKind[FlexibleBody]):
         return motion[0], motion[1]
 
     def weight(self, body: FlexibleBody, gravity: Point) -> Array:
-        """The shape functions' integrals times the weight by length."""
+        """Return the shape functions' integrals times the weight by length."""
         step = body.element_length
         mass = body.linear_density * step
         force = np.zeros(self.coordinates(body))
@@ -87,12 +87,12 @@ class CableElements(BodyKind[FlexibleBody]):
         return force
 
     def error_weight(self, body: FlexibleBody) -> Array:
-        """Of a slope: the length by which it moves the same inertia, from the mass matrix."""
+        """Weigh a slope by the length by which it moves the same inertia, from the mass matrix."""
         slope = math.sqrt(4.0 / 156.0) * body.length / body.elements
         return np.tile([1.0, 1.0, slope, slope], body.elements + 1)
 
     def stable_step(self, body: FlexibleBody) -> float:
-        """That of the free straight beam."""
+        """Return the stable step of the free straight beam."""
         return beam_stable_step(
             body.elements,
             body.element_length,
@@ -103,13 +103,13 @@ class CableElements(BodyKind[FlexibleBody]):
         )
 
     def rigid_motions(self, q: Array) -> Array:
-        """Of nodes whose slopes do not change in a translation."""
+        """Return the rigid motions of nodes whose slopes do not change in a translation."""
         motions = super().rigid_motions(q)
         motions[:2, 2::4] = motions[:2, 3::4] = 0.0
         return motions
 
     def centreline(self, row: Any, q: Array, points_per_element: int) -> Array:
-        """Equally spaced points on the cubic polynomial of every element; a shared node counts once."""
+        """Return equally spaced points on the cubic polynomial of every element; a shared node counts once."""
         nodes = q.reshape(*q.shape[:-1], int(row["elements"]) + 1, 2, 2)
         shares = np.arange(points_per_element) / points_per_element
         inner = _interpolate(nodes[..., :-1, :, :], nodes[..., 1:, :, :], float(row["element_length"]), shares)

@@ -5,7 +5,6 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from solar_env.studies.common.drawing import short
-from solar_env.studies.common.tables import markdown_table
 from solar_env.studies.paper.claims import CLAIMS, Claim
 from solar_env.studies.paper.identification.exclusions import NEARLY, Met, agreeing, exclusions, front, missed, ranges
 from solar_env.studies.paper.identification.open_parameters import OPEN_PARAMETERS, SLIDING, quantities
@@ -18,6 +17,7 @@ from solar_env.studies.paper.identification.search import (
     met_matrix,
     parameters_of,
 )
+from solar_env.support.markdown import markdown_table
 
 TRIPLES, FLEXIBLE_PAIRS = 10, 10  # that the page lists
 # N; greatest forces that the paper's Fig 10, and Figs 20 and 21, can be read as.

@@ -7,6 +7,7 @@ from typing import Any
 from agents.policies.policy import ShippedPolicy
 from solar_env.array import has_flexible_panels
 from solar_env.environment.hardware import Hardware
+from solar_env.support.markdown import markdown_table
 
 
 def card(name: str, config: dict[str, Any], policy: ShippedPolicy, env: Any, scores: str, difference: float) -> str:
@@ -47,9 +48,9 @@ def _training(config: dict[str, Any], policy: ShippedPolicy, env: Any) -> str:
             f"{name} {version}" for name, version in config["versions"].items() if name != "platform"
         ),
     }
-    rows = "\n".join(f"| {fact} | {value} |" for fact, value in facts.items())
+    table = markdown_table(("", ""), ((fact, str(value)) for fact, value in facts.items()))
     return (
-        f"## Training\n\n| | |\n|---|---|\n{rows}\n\nCommand:\n\n```\n{config['command']}\n```\n\n"
+        f"## Training\n\n{table}\n\nCommand:\n\n```\n{config['command']}\n```\n\n"
         f"Hyperparameters:\n\n```json\n{json.dumps(config['hyperparameters'], indent=2)}\n```\n\n"
         "Kept is the policy that did best in the validations along the way."
     )

@@ -141,10 +141,10 @@ def run_command(args: Args) -> int:
     claims = FOLDER / "claims.json" if args.readme else out / "claims.json"
     write_text(claims, text + "\n")
     if args.readme:
-        SECTION.write(as_markdown(findings).rstrip("\n"))
+        SECTION.write(as_markdown(findings))
         INDEX_SECTION.write(index.as_markdown())
     else:
-        write_text(out / "claims.md", as_markdown(findings))
+        write_text(out / "claims.md", as_markdown(findings) + "\n")
     if args.json:
         print(text)
     else:

@@ -5,6 +5,7 @@ They do to single entries what the keyword `hardware` does to all entries of thi
 """
 
 import math
+from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Sequence
 from typing import Any
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 Values = NDArray[np.floating]
 
 
-class _Sensor(gymnasium.ObservationWrapper, RecordConstructorArgs):
+class _Sensor(gymnasium.ObservationWrapper, RecordConstructorArgs, ABC):
     """Base of the wrappers: changes some entries of a box of floats, and clips them to its bounds."""
 
     def __init__(self, env: gymnasium.Env, entries: Sequence[int] | None, **given: Any) -> None:
@@ -35,8 +36,9 @@ class _Sensor(gymnasium.ObservationWrapper, RecordConstructorArgs):
         shown.reshape(-1)[self._entries] = self._shown(shown.reshape(-1)[self._entries])
         return np.clip(shown, self._box.low, self._box.high)
 
+    @abstractmethod
     def _shown(self, values: Values) -> Values:
-        raise NotImplementedError
+        """The entries as the sensor shows them."""
 
 
 class NoisyObservation(_Sensor):

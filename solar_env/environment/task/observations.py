@@ -232,4 +232,4 @@ def observation_table() -> str:
          one.unit, sensors)
         for one, sensors in rows
     ]  # fmt: skip
-    return markdown_table(("Name", "Observation", "Min", "Max", "Unit", "Sensors"), cells).rstrip("\n")
+    return markdown_table(("Name", "Observation", "Min", "Max", "Unit", "Sensors"), cells)

@@ -235,4 +235,4 @@ def reward_table() -> str:
         scale, weight, bound = vars(term.price).values()
         figures = (f"{scale:g} {term.unit}", f"{weight:g}", f"{bound:g}")
         rows.append((f"`{term.name}`", term.figure, term.phase, *figures))
-    return markdown_table(("Term", "Figure", "Charged", "Scale", "Weight", "Bound"), rows).rstrip("\n")
+    return markdown_table(("Term", "Figure", "Charged", "Scale", "Weight", "Bound"), rows)

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from solar_env.studies.paper import measures, phases
-from solar_env.studies.paper.cases import Member
+from solar_env.studies.paper.cases import Member, is_flexible
 from solar_env.studies.paper.figures import JOINTS
 from solar_env.studies.paper.measures import FLEXIBLE, LATE, QUIET, RIGID
 
@@ -38,6 +38,11 @@ class Claim:
     open_parameters: tuple[str, ...] = ()
     why: str = ""
     by_construction: str = ""
+
+    @property
+    def on_flexible_panels(self) -> bool:
+        """Whether the figure is taken from panels that bend."""
+        return any(map(is_flexible, self.cases))
 
     def holds(self, value: float) -> bool:
         """Whether a figure agrees with the paper."""

@@ -1,6 +1,6 @@
 """The paper's figures, drawn from their tables alone, panel for panel."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -75,7 +75,12 @@ def _draw_path(figure: Figure, table: Table) -> None:
 
 def _draw_by_joint(column: str, label: str, figure: Figure, table: Table) -> None:
     figure.set_size_inches(6.0, 4.0)
-    for joint, axis in zip(JOINTS, figure.subplots(2, sharex=True), strict=True):
+    _draw_joints(figure.subplots(2, sharex=True), column, label, table)
+
+
+def _draw_joints(axes: Iterable[Axes], column: str, label: str, table: Table) -> None:
+    """A column of each joint against time, each on its own axis."""
+    for joint, axis in zip(JOINTS, axes, strict=True):
         axis.plot(table.column("time_s"), table.column(column.format(joint)), color=COLOURS[joint - 1], linewidth=0.6)
         _finish_time(axis, table, f"joint {joint}\n{label}")
 
@@ -121,11 +126,9 @@ def _draw_small_forces(figure: Figure, table: Table) -> None:
     figure.set_size_inches(9.0, 4.0)
     for column, (prefix, stiffness) in zip(figure.subplots(2, 2, sharex=True, sharey=True).T, STIFFNESSES, strict=True):
         column[0].set_title(stiffness)
-        for joint, axis in zip(JOINTS, column, strict=True):
-            force = table.column(f"{prefix}force_{joint}_N")
-            axis.plot(table.column("time_s"), force, color=COLOURS[joint - 1], linewidth=0.6)
+        _draw_joints(column, f"{prefix}force_{{}}_N", "contact force [N]", table)
+        for axis in column:
             _frame(axis, PAPER_FORCE)
-            _finish_time(axis, table, f"joint {joint}\ncontact force [N]")
 
 
 def _frame(axis: Axes, top: float) -> None:

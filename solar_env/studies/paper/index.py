@@ -152,4 +152,4 @@ def as_markdown() -> str:
     for entry in INDEX:
         code, test = (f"`{place.rstrip('_')}`" for place in (entry.code, entry.test.removesuffix(":test_")))
         rows.append((entry.place, entry.says, code, test, entry.remark))
-    return markdown_table(columns, rows).rstrip("\n")
+    return markdown_table(columns, rows)

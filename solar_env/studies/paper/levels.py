@@ -12,7 +12,7 @@ import numpy as np
 
 from solar_env.array import ArrayParameters, PanelModel
 from solar_env.array.panels import ANCF, MODAL
-from solar_env.studies.paper.cases import is_flexible, simulate_case
+from solar_env.studies.paper.cases import simulate_case
 from solar_env.studies.paper.claims import CLAIMS, Claim
 from solar_env.support.markdown import markdown_table
 
@@ -49,7 +49,7 @@ CONVERGED = (
     PanelLevel(PanelModel(MODAL, 24), 1e-4),
 )
 LEVELS = (PAPER, FINER, DAMPED, *CONVERGED)
-FLEXIBLE_CLAIMS: tuple[Claim, ...] = tuple(claim for claim in CLAIMS if any(map(is_flexible, claim.cases)))
+FLEXIBLE_CLAIMS: tuple[Claim, ...] = tuple(claim for claim in CLAIMS if claim.on_flexible_panels)
 
 
 def cells() -> Iterator[dict[str, Any]]:
@@ -99,4 +99,4 @@ def as_markdown(results: Sequence[Mapping[str, Any]]) -> str:
         figures = [f"**{value:.3g}**" if holds[level] else f"{value:.3g}" for level, value in medians.items()]
         unit = f" [{claim.unit}]" if claim.unit else ""
         rows.append((claim.statement + unit, *figures, verdict(holds)))
-    return markdown_table(("claim", *(level.name for level in LEVELS), "verdict"), rows).rstrip("\n")
+    return markdown_table(("claim", *(level.name for level in LEVELS), "verdict"), rows)

@@ -76,7 +76,7 @@ def _where(run: Run) -> tuple[str, str, int]:
 
 
 def _range_members(claim: Claim) -> range:
-    return range(1 if any(map(is_flexible, claim.cases)) else RANGE_MEMBERS)
+    return range(1 if claim.on_flexible_panels else RANGE_MEMBERS)
 
 
 def _range_runs(claim: Claim) -> Iterator[Run]:

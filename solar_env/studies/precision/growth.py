@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from solar_env.array import ArrayParameters, PanelModel
+from solar_env.array import ArrayParameters, PanelModel, has_flexible_panels
 from solar_env.array.methods import default_integrator
 from solar_env.array.panels import ANCF, MODAL
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator
@@ -149,7 +149,7 @@ def draw_growth(rows: Table, folder: Path) -> list[Path]:
 
 def _look(row: Mapping[str, Cell]) -> Look:
     """The look of a method, open markers for rigid panels."""
-    filled = {} if str(row["model"]).startswith("flexible") else {"markerfacecolor": "white"}
+    filled = {} if has_flexible_panels(str(row["model"])) else {"markerfacecolor": "white"}
     return {**look_of(str(row["method"]), METHOD_LOOKS), **filled}
 
 

@@ -122,8 +122,10 @@ def _page(rows: Table, members: Table) -> str:
         [
             f"With ideal joints, errors against {' / against '.join(map(str, references))}:\n",
             markdown_table(("level", "wall time [s]", *ERRORS.values()), ideal),
+            "",
             "With clearance, means of joints 1 / 2 ± their standard errors:\n",
             markdown_table(("level", "runs", "wall time [s]", *(label for label, _ in MEANS.values())), clearance),
+            "",
             f"{conclusion(members)}.\n",
         ]
     )

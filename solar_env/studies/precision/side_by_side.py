@@ -228,7 +228,7 @@ def write_side_by_side(rows: Table, folder: Path) -> list[Path]:
         errors = f"{row['angle_error_rad']:.1e}", f"{row['latch_error_s']:.1e}"
         lines.append([*cells, f"{wall:.3g}", f"{float(row['duration_s']) / wall:.3g}", *errors, _forces(row), ratio])
     path = folder / "side_by_side.md"
-    write_text(path, markdown_table(_COLUMNS, lines))
+    write_text(path, markdown_table(_COLUMNS, lines) + "\n")
     return [path]
 
 

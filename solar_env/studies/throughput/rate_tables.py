@@ -9,7 +9,7 @@ from solar_env.support.markdown import markdown_table
 
 
 def _table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
-    return [f"{title}:", "", markdown_table(columns, rows)]
+    return [f"{title}:", "", markdown_table(columns, rows), ""]
 
 
 def tables(results: Mapping[measured.Key, Any]) -> str:

@@ -90,7 +90,7 @@ def slack_cable() -> Iterator[Check]:
 
 INERTIA = 4.5  # kg m2 about the hinge
 LOCK, GAP = 0.5, 0.01  # rad
-METHODS: tuple[Integrator, ...] = (RungeKutta(rtol=1e-11), GeneralizedAlpha(step=1e-4))
+BOTH_INTEGRATORS: tuple[Integrator, ...] = (RungeKutta(rtol=1e-11), GeneralizedAlpha(step=1e-4))
 
 
 def _swinging_link(stop: Stop, rate: float) -> Mechanism:
@@ -115,7 +115,7 @@ def undamped_stop() -> Iterator[Check]:
     """A link runs into its latch, and into its stow stop, without damping: depth and energy."""
     rate, contact = 0.3, 0.3  # rad/s; s, longer than it takes to come to rest in the stop
     energy = 0.5 * INERTIA * rate**2
-    for integrator in METHODS:
+    for integrator in BOTH_INTEGRATORS:
         for exponent in (1.0, 1.5):
             stop = Stop(GAP, stiffness=1e3, exponent=exponent, ramp_depth=1e-3, damping=0.0)
             depth = (energy * (exponent + 1.0) / stop.stiffness) ** (1.0 / (exponent + 1.0))
@@ -154,7 +154,7 @@ def damped_latch() -> Iterator[Check]:
     rate, duration = 0.3, 0.5
     stop = Stop(GAP, stiffness=1e3, exponent=1.0, ramp_depth=1e-3, damping=10.0)
     angle, final_rate = _latched_swing(stop, rate, duration)
-    for integrator in METHODS:
+    for integrator in BOTH_INTEGRATORS:
         motion = simulate(_swinging_link(stop, rate), LOCK / rate + duration, integrator=integrator)
         lost = 0.5 * INERTIA * (rate**2 - final_rate**2) - motion.energies["latch"][-1]
         figures = (

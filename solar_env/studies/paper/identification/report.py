@@ -38,17 +38,17 @@ def as_markdown(found: Identification) -> str:
     return (
         text
         + _shortlist(found.shortlist)
-        + "\nPairs of claims, on rigid panels, that no searched set meets together:\n\n"
+        + "\n\nPairs of claims, on rigid panels, that no searched set meets together:\n\n"
         + _pairs(met)
-        + f"\nPairs with a claim on flexible panels, of {len(whole)} sets:\n\n"
+        + f"\n\nPairs with a claim on flexible panels, of {len(whole)} sets:\n\n"
         + _flexible_pairs(whole)
-        + "\nTriples of which any two are met together, but not all three, the best founded first:\n\n"
+        + "\n\nTriples of which any two are met together, but not all three, the best founded first:\n\n"
         + _triples(met)
-        + f"\nRanges of the {int(agreeing(met).sum())} sets that meet at least {best - NEARLY} of these claims:\n\n"
+        + f"\n\nRanges of the {int(agreeing(met).sum())} sets that meet at least {best - NEARLY} of these claims:\n\n"
         + _ranges(found.rigid, met)
-        + "\nSingle questions:\n\n"
+        + "\n\nSingle questions:\n\n"
         + markdown_table(("question", "answer"), _answers(found.rigid, met))
-    ).rstrip("\n")
+    )
 
 
 def _shortlist(shortlist: Sequence[SearchedSet]) -> str:
@@ -89,7 +89,7 @@ def _flexible_pairs(met: Met) -> str:
     ]
     never = [claim.key for claim, count in zip(CLAIMS, alone, strict=True) if not count]
     names = ", ".join(f"`{key}`" for key in never)
-    words = f"\nMet by none of these sets, which is no proof: {names}.\n" if never else ""
+    words = f"\n\nMet by none of these sets, which is no proof: {names}." if never else ""
     return markdown_table(("claims", "sets that meet either"), rows) + words
 
 

@@ -16,7 +16,7 @@ from solar_env.array import ArrayParameters, PanelModel
 from solar_env.array.panels import MODAL
 from solar_env.mechanics.running.diagnosis import SimulationWarning
 from solar_env.mechanics.running.errors import SimulationError
-from solar_env.studies.paper.cases import MEMBERS, PANELS, is_flexible, simulate_case
+from solar_env.studies.paper.cases import MEMBERS, PANELS, simulate_case
 from solar_env.studies.paper.claims import CLAIMS, Claim
 from solar_env.studies.paper.identification.open_parameters import (
     NAMED,
@@ -32,7 +32,7 @@ from solar_env.support.campaigns import Campaign
 from solar_env.support.minimisation import minimise
 
 STORE, FLEXIBLE_STORE = "identification.jsonl", "identification-flexible.jsonl"
-RIGID_CLAIMS = tuple(claim for claim in CLAIMS if not any(map(is_flexible, claim.cases)))
+RIGID_CLAIMS = tuple(claim for claim in CLAIMS if not claim.on_flexible_panels)
 # Converged panels with the least damping of `paper.levels`, some three times as fast as the paper's mesh.
 FAST_PANELS, FAST_DAMPING = PanelModel(MODAL, 24), 1e-6
 # Of a searched set: the readings, the place in the unit cube, and a figure of each claim, None where it has none.

@@ -1,5 +1,6 @@
 """The paper's figures and claims: what it reports of rigid panels, and the algorithms that read it off."""
 
+import cmath
 import json
 import math
 from dataclasses import replace
@@ -219,6 +220,27 @@ def test_the_crank_moment_of_figure_5_does_the_work_that_is_lost_or_stored_and_w
     worn = motion.wear_journal.sum() * 2.0 * math.pi * array.journal_radius / array.wear_bins * cases.FOUR_BAR_WIDTH
     sliding_work = energies["friction_dissipation"][-1] / array.by_joint("friction_coefficient", 0)
     assert worn == pytest.approx(array.wear_coefficient * sliding_work, rel=0.01)
+
+
+def test_the_pin_of_figure_5_wears_as_much_as_the_forces_of_inverse_dynamics_would_wear_it(
+    linkage: dict[tuple[str, int], Any],
+) -> None:
+    """Archard's depth over 26 turns of the ideal linkage, whose journal neither flies nor rattles in its play."""
+    lengths, ground, rate = (0.10, 0.35, 0.25), 0.40, cases.FOUR_BAR_RATE
+    links = [Link.slender(length, length) for length in lengths]
+    rubbed = []
+    for turned in (np.arange(cases.SAMPLES_PER_TURN) + 0.5) / cases.SAMPLES_PER_TURN:
+        angle = 2.0 * math.pi * turned
+        state = four_bar_state(*links, ground, rate, angle, STANDARD_GRAVITY)
+        pin, rocker = cmath.rect(lengths[0], angle), cmath.rect(lengths[2], state.output)
+        coupler_rate = ((state.output_rate * rocker - rate * pin) / (ground + rocker - pin)).real
+        rubbed.append(abs(state.pin_forces[1]) * abs(coupler_rate - rate))
+    array = ArrayParameters()
+    duration = 26 * 2.0 * math.pi / rate
+    volume = array.wear_coefficient * float(np.mean(rubbed)) * array.journal_radius * duration
+    per_depth = 2.0 * math.pi * array.journal_radius / array.wear_bins * cases.FOUR_BAR_WIDTH
+    worn = linkage["wear depth of the journal [m]", 26][:, 1].sum() * per_depth
+    assert worn == pytest.approx(volume, rel=0.08)
 
 
 def test_with_the_tangential_force_the_couple_latches_a_second_before_the_paper() -> None:

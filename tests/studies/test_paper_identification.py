@@ -10,7 +10,8 @@ from solar_env.__main__ import main
 from solar_env.array import ArrayParameters
 from solar_env.commands.paper import FOLDER, IDENTIFY_SECTION
 from solar_env.studies.common.tables import read_table
-from solar_env.studies.paper.cases import Run, simulate_run
+from solar_env.studies.paper import phases
+from solar_env.studies.paper.cases import Run, simulate_case, simulate_run
 from solar_env.studies.paper.claims import CLAIMS
 from solar_env.studies.paper.identification import exclusions, search
 from solar_env.studies.paper.identification.open_parameters import (
@@ -166,3 +167,39 @@ def test_the_stiff_loop_does_at_joint_2_what_the_preset_does_not():
     for name, expected in (("stiff loop", True), ("preset", False)):
         figures = search.figures_of(named(name), claims)
         assert [claim.holds(figure) for claim, figure in zip(claims, figures, strict=True)] == [expected] * 3
+
+
+def greatest_forces(parameters):
+    """Greatest contact forces [N] from the latching on, from 14.5 s on and from 27.5 s on, by case."""
+    forces = {}
+    for case in ("rigid-clearance", "distribution-1", "distribution-2"):
+        motion = simulate_case(case, parameters, 0)
+        edges = np.array([motion.latch_times.max() - 0.05, 14.5, 27.5, motion.time[-1]])
+        windows = np.max([phases.greatest_force(motion, joint, edges) for joint in (0, 1)], axis=0)
+        forces[case] = np.maximum.accumulate(windows[::-1])[::-1]
+    return forces
+
+
+@pytest.mark.parametrize("name", ["preset", "mid-side", "stiff loop"])
+def test_figures_20_and_21_from_14_5_s_on_do_not_reconcile_the_forces_of_a_set_of_the_page(name):
+    forces = greatest_forces(named(name))
+    assert forces["rigid-clearance"][0] > 500.0
+    assert max(forces["distribution-1"][1], forces["distribution-2"][1]) > 500.0
+
+
+@pytest.mark.slow
+def test_of_the_front_one_set_has_the_papers_forces_and_its_bursts_fade():
+    front = read_table(FOLDER / "identification-front.csv")
+    hard = []
+    for row in front.rows:
+        readings = {name: row[name] for name in ("sliding", "stiffness")}
+        shares = [own.share(float(row[own.name])) for own in OPEN_PARAMETERS]
+        forces = greatest_forces(parameters_at(shares, readings))
+        if 700.0 <= forces["rigid-clearance"][0] <= 900.0:
+            hard.append(forces)
+    assert 4 <= len(hard) <= 9
+    for first in (0, 1):
+        kept = [own for own in hard if max(own["distribution-1"][first], own["distribution-2"][first]) <= 320.0]
+        assert len(kept) == 1
+    forces = kept[0]["rigid-clearance"]
+    assert forces[2] < 0.05 * forces[0]

@@ -13,7 +13,7 @@ from solar_env.mechanics.integrators.settings import ModalRadau
 
 ANCF, MODAL = "ancf", "modal"
 DEFAULT_PANELS = MODAL
-DEFAULT_ELEMENTS, DEFAULT_MODES = 6, 24
+DEFAULT_ELEMENTS, DEFAULT_MODES = 6, 32
 # Kind of panels -> name of their count, and its default.
 PANELS = {ANCF: ("elements", DEFAULT_ELEMENTS), MODAL: ("modes", DEFAULT_MODES)}
 # Preset of the parameters -> kind of panels, where it is not DEFAULT_PANELS: the paper's are beams of elements.
@@ -52,7 +52,7 @@ class PanelModel:
 
     @property
     def size(self) -> str:
-        """The count in words: "24 modes"."""
+        """The count in words: "32 modes"."""
         return f"{self.count} {self.option[:-1] if self.count == 1 else self.option}"
 
     def __str__(self) -> str:

@@ -1,15 +1,18 @@
 """`solar-env ladder`: the cheapest model level that answers a question, measured."""
 
+import math
 from dataclasses import dataclass
 
-from rich.box import SIMPLE
 from rich.console import Console
-from rich.table import Table
 
 from solar_env.array.ladder import PACKAGED_TABLE, QUESTIONS, Answer, read_answers, steps
 from solar_env.commands.arguments import FolderOptions, QuietOption
 from solar_env.support.files import make_folder
-from solar_env.support.readme import STUDIES
+from solar_env.support.markdown import markdown_table
+from solar_env.support.readme import STUDIES, Section
+from solar_env.support.terminal import print_markdown
+
+SECTION = Section(STUDIES / "ladder" / "README.md", "ladder", "solar-env ladder --readme")
 
 
 @dataclass
@@ -17,7 +20,7 @@ class Args(FolderOptions, QuietOption):
     """Measure which level of the model answers which question, and at what cost.
 
     With --readme the table goes into solar_env/array/data, where simulate --question, loads and model='auto' look it
-    up, the figure into the page of the study.
+    up, the figure and the levels chosen into the page of the study.
     """
 
     quick: bool = False
@@ -38,17 +41,33 @@ def run_command(args: Args) -> int:
     if not args.draw:
         measure_ladder(args.quick, tables, Console(stderr=True, quiet=args.quiet))
     answers = read_answers(tables / FILE)
-    _print_choices(answers)
+    table = choices(answers)
+    print_markdown(table)
+    if args.readme:
+        SECTION.write(table)
     print(tables / FILE)
     print(draw_ladder(answers, figures))
     return 0
 
 
-def _print_choices(answers: tuple[Answer, ...]) -> None:
-    table = Table("question", "from", "level", "cost", box=SIMPLE)
-    table.title = "the cheapest level from a tolerance on; cost over the reference's"
+def choices(answers: tuple[Answer, ...]) -> str:
+    """The cheapest level of every question from a tolerance on, as a table in Markdown.
+
+    Tolerances are the errors of the levels, sampling included, rounded up to two digits. Levels whose error may be as
+    large as the answer are left out.
+    """
+    rows = []
     for question in QUESTIONS:
-        for answer in steps(answers, question):
-            table.add_row(question, f"{answer.bound:.2g}", answer.level, f"{answer.cost_ratio:.2g}")
-        table.add_section()
-    Console().print(table)
+        telling = [answer for answer in reversed(steps(answers, question)) if answer.bound < 1.0]
+        for count, answer in enumerate(telling):
+            model, _, panels = answer.level.partition(", ")
+            level = f"`{model}`, {panels}" if panels else f"`{model}`"
+            rows.append(("" if count else question, _percent(answer.bound), level, f"{answer.cost_ratio:.2g}"))
+    return markdown_table(("question", "tolerance", "cheapest level", "wall time over the reference's"), rows)
+
+
+def _percent(tolerance: float) -> str:
+    if tolerance == 0.0:
+        return "0 %"
+    step = 10.0 ** (math.floor(math.log10(tolerance)) - 1)
+    return f"{100.0 * step * math.ceil(tolerance / step - 1e-9):.3g} %"

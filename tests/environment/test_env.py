@@ -285,4 +285,4 @@ def test_elements_is_a_keyword_only_and_divides_the_panels():
     env = gymnasium.make(ID, model="flexible-ideal", elements=3).unwrapped
     env.reset(seed=0)
     assert env.simulation.model.bodies["elements"].tolist() == [0, 3, 3]
-    assert solar_env.SolarArrayEnv().panels == PanelModel("modal", 24)
+    assert solar_env.SolarArrayEnv().panels == PanelModel("modal", 32)

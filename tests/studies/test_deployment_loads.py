@@ -149,7 +149,7 @@ def test_a_figure_compares_the_same_members_and_says_what_it_cannot():
 
 def test_the_ladder_gives_the_level_and_the_next_finer_one():
     assert [level.name for level in ensemble.Plan(FAST).levels] == [
-        "flexible-clearance, 24 modes",
+        "flexible-clearance, 32 modes",
         "flexible-clearance, 48 modes, rtol / 10",
     ]
     coarse, finer = ensemble.Plan(FAST, "wear", 0.5).levels

@@ -13,7 +13,7 @@ from solar_env.studies.common.plans import FULL, QUICK
 from solar_env.studies.common.tables import Table
 from solar_env.studies.precision import levels_plot
 
-MODES = PanelModel("modal", 24)
+MODES = PanelModel("modal", 32)
 
 
 def test_members_are_released_at_rates_of_their_own_round_the_nominal_ones():
@@ -41,7 +41,7 @@ def test_members_take_settings_of_their_own_and_levels_divide_them():
     [
         (Level("rigid-ideal"), "rigid-ideal"),
         (Level("flexible-ideal", PanelModel("ancf", 1)), "flexible-ideal, 1 element"),
-        (Level("flexible-clearance", MODES, 4.0), "flexible-clearance, 24 modes, rtol / 4"),
+        (Level("flexible-clearance", MODES, 4.0), "flexible-clearance, 32 modes, rtol / 4"),
     ],
 )
 def test_levels_are_named_by_model_panels_and_tolerance(level, name):
@@ -73,13 +73,13 @@ def ensemble(family, level, forces):
 
 
 def two_families(beams, modes):
-    return Table((*ensemble("ancf", "48 elements", beams), *ensemble("modal", "24 modes", modes)), {})
+    return Table((*ensemble("ancf", "48 elements", beams), *ensemble("modal", "32 modes", modes)), {})
 
 
 def test_families_meet_if_their_means_differ_by_what_sampling_explains():
     scatter = 5.0 * np.random.default_rng(0).normal(size=64)
     apart = levels_plot.conclusion(two_families(120.0 + scatter[:3], 100.0 + scatter[3:]))
-    assert "have not met: 48 elements and 24 modes differ in peak force of joint 1 by +" in apart
+    assert "have not met: 48 elements and 32 modes differ in peak force of joint 1 by +" in apart
     met = two_families(102.0 + scatter[:3], 100.0 + scatter[3:])
     assert "go to one limit" in levels_plot.conclusion(met)
     assert "(peak force, joint 1)" in levels_plot.conclusion(met)
@@ -95,12 +95,12 @@ def test_the_difference_of_means_has_the_error_of_ensembles_that_scatter_alike()
 def test_the_page_has_means_and_their_errors():
     rows = [
         {"level": name, "reference": reference, "wall_s": 0.5, **dict.fromkeys(levels_plot.ERRORS, 1e-3)}
-        for name in ("48 elements", "24 modes")
-        for reference in ("48 elements", "24 modes")
+        for name in ("48 elements", "32 modes")
+        for reference in ("48 elements", "32 modes")
     ]
     members = two_families((9.0, 11.0), (4.0, 5.0, 6.0))
     page = levels_plot._page(Table(tuple(rows), {}), members)
-    assert "against 48 elements / against 24 modes" in page
+    assert "against 48 elements / against 32 modes" in page
     assert "| 48 elements | 2 | 1 | 10.0 ± 1.0 | 1 |" in page
-    assert "| 24 modes | 0.5 | 1.0e-03 / 1.0e-03 |" in page
+    assert "| 32 modes | 0.5 | 1.0e-03 / 1.0e-03 |" in page
     assert page.endswith(f"{levels_plot.conclusion(members)}.\n")

@@ -52,7 +52,7 @@ def test_no_setting_is_finer_than_the_reference_that_it_is_compared_with(pairs, 
 def test_a_method_with_panels_of_its_own_takes_them_whatever_the_scene_says():
     modal = methods.find_method("modal-radau")
     scene = Scene("flexible-ideal", FULL.parameters, 1.0, 1.0, ONE)
-    assert modal.size(scene) == methods.MODES.size == "24 modes"
+    assert modal.size(scene) == methods.MODES.size == "32 modes"
     assert methods.find_method("rosenbrock").size(scene) == "1 element"
     assert modal.size(replace(scene, model="rigid-clearance")) == "rigid"
     taken = replace(modal, program=lambda own, setting: own).solve(scene, 1e-3)

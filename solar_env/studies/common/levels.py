@@ -27,7 +27,7 @@ class Level:
 
     @property
     def size(self) -> str:
-        """Panels and tolerance in words: "rigid", "6 elements", "24 modes, rtol / 4"."""
+        """Panels and tolerance in words: "rigid", "6 elements", "32 modes, rtol / 4"."""
         panels = "rigid" if self.panels is None else self.panels.size
         return panels if self.tighter == 1.0 else f"{panels}, rtol / {self.tighter:g}"
 

@@ -34,8 +34,8 @@ LEVELS = (
     *(Ensemble(PanelModel(ANCF, elements), 16) for elements in (1, 2, 4, 6, 12, 24)),
     Ensemble(PanelModel(ANCF, 48), 6),
     Ensemble(PanelModel(ANCF, 24), 0, tighter=10.0),
-    *(Ensemble(PanelModel(MODAL, modes), 48) for modes in (4, 8, 16, 24, 48)),
-    *(Ensemble(PanelModel(MODAL, modes), 48, tighter) for modes, tighter in ((24, 2.0), (24, 4.0), (48, 10.0))),
+    *(Ensemble(PanelModel(MODAL, modes), 48) for modes in (4, 8, 16, 24, 32, 48)),
+    *(Ensemble(PanelModel(MODAL, modes), 48, tighter) for modes, tighter in ((32, 2.0), (32, 4.0), (48, 10.0))),
 )
 SHORT_LEVELS = (
     Ensemble(None, 2),

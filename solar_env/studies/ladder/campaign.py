@@ -52,7 +52,7 @@ class LadderPlan:
 
     panels: tuple[PanelModel, ...] = (
         *(PanelModel(ANCF, elements) for elements in (1, 2, 4, 6, 12)),
-        *(PanelModel(MODAL, modes) for modes in (8, 24)),
+        *(PanelModel(MODAL, modes) for modes in (8, 32)),
     )
     reference: Level = FINEST
     duration: float = 22.5

@@ -66,7 +66,7 @@ class Method:
         return self.program(replace(scene, panels=self.panels or scene.panels), setting)
 
     def size(self, scene: Scene) -> str:
-        """Panels of a run in words: "rigid", "6 elements", "24 modes"."""
+        """Panels of a run in words: "rigid", "6 elements", "32 modes"."""
         return (self.panels or scene.panels).size if has_flexible_panels(scene.model) else "rigid"
 
 

@@ -36,7 +36,7 @@ Entry = tuple[str, float]
 OWN: dict[str, tuple[Entry, ...]] = {
     "rigid-ideal": (("runge-kutta", 1e-6), ("dop853", 1e-8)),
     "rigid-clearance": (("runge-kutta", 1e-5), ("runge-kutta", 1e-7)),
-    "flexible-ideal": (("modal-radau", 1e-3), ("modal-radau", 3e-5), ("rosenbrock", 1e-3), ("rosenbrock", 1e-4)),
+    "flexible-ideal": (("modal-radau", 1e-3), ("modal-radau", 3e-4), ("rosenbrock", 1e-3), ("rosenbrock", 1e-4)),
     "flexible-clearance": (
         ("modal-radau", 3e-2), ("modal-radau", 1e-3), ("rosenbrock", 1e-3), ("rosenbrock", 1e-4),
     ),

@@ -37,7 +37,7 @@ class ModelOptions:
     elements: int | None = None
     """beam elements of each panel; by default 6 where panels are ancf"""
     modes: int | None = None
-    """bending modes of each modal panel; by default see above, or 24 for a model that is named"""
+    """bending modes of each modal panel; by default see above, or 32 for a model that is named"""
     env_kwargs: Assignments = dataclasses.field(default_factory=dict)
     """environment keywords, for example torque_limit=0.3 observation=privileged"""
 

@@ -14,10 +14,10 @@ pytestmark = pytest.mark.usefixtures("few_validation_episodes")
 @pytest.mark.parametrize(
     ("arguments", "model", "panels", "timesteps"),
     [
-        ([], "flexible-clearance", {"modes": 24}, 86_400),
+        ([], "flexible-clearance", {"modes": 32}, 86_400),
         (["--algo", "cma-es"], "rigid-clearance", {}, 2_000_000),
         (["--elements", "4", "--timesteps", "500"], "flexible-clearance", {"elements": 4}, 500),
-        (["--algo", "sac"], "flexible-clearance", {"modes": 24}, 86_400),
+        (["--algo", "sac"], "flexible-clearance", {"modes": 32}, 86_400),
         (["--model", "flexible-clearance"], "flexible-clearance", {}, 216_000),
         (["--env-kwargs", "model=rigid-clearance"], "rigid-clearance", {}, 216_000),
         (["--residual", "0"], "rigid-clearance", {}, 432_000),

@@ -68,7 +68,7 @@ def test_model_and_elements_join_the_environments_keywords():
 
 
 def test_a_default_model_with_its_modes_gives_way_to_a_model_and_to_panels_that_are_named():
-    default = {"model": "flexible-clearance", "modes": 24}
+    default = {"model": "flexible-clearance", "modes": 32}
     assert with_model({}, default=default) == default
     assert with_model({}, elements=2, default=default) == {"model": "flexible-clearance", "elements": 2}
     assert with_model({}, "rigid-clearance", default=default) == {"model": "rigid-clearance"}

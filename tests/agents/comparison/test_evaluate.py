@@ -297,7 +297,7 @@ def test_a_run_without_policy_says_so(tmp_path):
 def test_a_suite_is_a_scenario_with_all_that_was_tuned_and_trained_for_it_on_modal_panels(name, env_id):
     found, controllers, env_kwargs = suite_named(name, None, [])
     assert found == env_id
-    assert env_kwargs == {"model": "flexible-clearance", "modes": 24}
+    assert env_kwargs == {"model": "flexible-clearance", "modes": 32}
     descriptions = {policy: load_shipped(policy).description for policy in shipped.available()}
     trained = [
         policy

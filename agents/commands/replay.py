@@ -14,9 +14,9 @@ from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.pictures.page.content import Page, Table
 from solar_env.pictures.page.document import write_page
 from solar_env.studies.common.deployment_page import charts_of, motion_of
-from solar_env.studies.common.tables import versions
 from solar_env.support.files import check_target
 from solar_env.support.progress import counting_bar
+from solar_env.support.versions import versions
 
 PROG = "solar-env replay"
 TABLES = "comparison.md"  # of a run's evaluation

@@ -14,6 +14,7 @@ from agents.comparison.statistics import Estimate, difference, estimate, improve
 from agents.laws.table import BASELINES
 from agents.learning import runs
 from solar_env.support.files import make_folder, write_text
+from solar_env.support.versions import versions
 
 # Figure -> (heading, factor to the heading's unit); the tables show these, the CSV file has all.
 TABLE: dict[str, tuple[str, float]] = {
@@ -169,7 +170,7 @@ def write_comparison(
     spent = ", ".join(f"{name} {what}" for name, what in effort.items())
     tables = tabulate(rows, summary, f"Simulated to tune or train: {spent}." if spent else "")
     controllers = {name: {key: _plain(value) for key, value in entry.items()} for name, entry in summary.items()}
-    content = {"settings": settings, "versions": runs.versions(), "controllers": controllers}
+    content = {"settings": settings, "versions": versions(*runs.LIBRARIES), "controllers": controllers}
     runs.write_json(folder / "metrics.json", content)
     write_text(folder / "comparison.md", str(tables))
     return summary, tables

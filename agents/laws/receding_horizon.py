@@ -9,6 +9,7 @@ import gymnasium
 import numpy as np
 
 from agents.torque_laws import Controller, DeterministicController
+from solar_env.support.numbers import is_whole_number
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,7 @@ class SearchSettings:
     def __post_init__(self) -> None:
         for name, least in (("knots", 2), ("elites", 2), ("candidates", 3), ("iterations", 1), ("replan_every", 1)):
             value = getattr(self, name)
-            if isinstance(value, bool) or not isinstance(value, int) or value < least:
+            if not is_whole_number(value, least):
                 raise ValueError(f"{name} = {value!r} must be a whole number of at least {least}")
         if self.elites >= self.candidates:
             raise ValueError(f"elites = {self.elites!r} must be fewer than candidates = {self.candidates!r}")

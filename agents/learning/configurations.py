@@ -12,6 +12,7 @@ from agents.laws.baselines import CONFIGS
 from agents.laws.residual import DEFAULT_LAW, residual_on
 from agents.learning import runs
 from agents.learning.weight_search import WeightSearch
+from solar_env.support.numbers import is_number
 from solar_env.support.plain_arrays import read_json
 
 # Arguments of the Stable-Baselines3 classes that are no hyperparameters.
@@ -175,7 +176,7 @@ def _check_hyperparameters(algo: str, values: Mapping[str, Any]) -> None:
     for name, value in values.items():
         if name not in accepted:
             raise ValueError(f"{algo} has no hyperparameter {name!r}; it has {', '.join(sorted(accepted))}")
-        number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+        number = is_number(value) and math.isfinite(value)
         rules = (
             (NOT_NEGATIVE, number and value >= 0, "a positive number, or 0 for none"),
             ({"actor_learning_rate"}, number and value > 0, "a positive number"),

@@ -27,6 +27,7 @@ from agents.learning.weight_search import WeightSearch
 from solar_env.support.campaigns import Workers, each_done
 from solar_env.support.files import make_folder, write_bytes
 from solar_env.support.progress import counting_bar
+from solar_env.support.versions import versions
 
 VALIDATION_EPISODES = 24
 VALIDATIONS, VALIDATIONS_OF_WEIGHTS = 5, 12
@@ -133,7 +134,7 @@ def train(training: Training) -> None:
     else:
         model = make_model(config, venv, features, training.device)  # type: ignore[arg-type]
     record = {**asdict(config), "resumed_from": str(training.resume) if restored else None, "timesteps_before": before}
-    runs.write_config(folder, {**record, "command": training.command, "versions": runs.versions()})
+    runs.write_config(folder, {**record, "command": training.command, "versions": versions(*runs.LIBRARIES)})
     model.set_logger(configure(str(folder / "tensorboard"), ["tensorboard"]))
 
     # The mean of a search wanders: more of them are looked at.

@@ -2,12 +2,10 @@
 
 import io
 import json
-import platform
 import re
 from collections.abc import Mapping
 from contextlib import suppress
 from datetime import datetime
-from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +32,7 @@ from solar_env.support.files import make_folder, write_bytes, write_text
 from solar_env.support.interruption import deaf
 from solar_env.support.plain_arrays import read_arrays, read_json
 
+LIBRARIES = ("gymnasium", "stable-baselines3", "torch")  # whose versions policies depend on, beside those of all
 ALGORITHMS: dict[str, type[BaseAlgorithm]] = {
     "ppo": PPO,
     "sac": SAC,
@@ -194,18 +193,6 @@ def load_model(folder: str | Path, env: gymnasium.Env) -> BaseAlgorithm:
     with make_env(config["env_id"], config["env_kwargs"]) as trained:
         Signals.of(trained).check(env, f"{config['env_id']} with {config['env_kwargs']}")
     return algorithm(config["algo"]).load(policy, device="cpu")
-
-
-def versions() -> dict[str, str]:
-    """Return the versions of Python and of the packages that results depend on."""
-    names = ("solar-env", "stable-baselines3", "torch", "gymnasium", "numba", "numpy", "scipy")
-    found = {"python": platform.python_version(), "platform": platform.platform()}
-    for name in names:
-        try:
-            found[name] = metadata.version(name)
-        except metadata.PackageNotFoundError:
-            found[name] = "not installed as a package"
-    return found
 
 
 def jsonable(mapping: Mapping[str, Any]) -> dict[str, Any]:

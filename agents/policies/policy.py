@@ -10,10 +10,11 @@ import numpy as np
 from agents.laws.residual import ResidualController
 from agents.policies.network import PolicyNetwork
 from agents.torque_laws import Controller, DeterministicController, Signals
+from solar_env.support.numbers import is_number, is_whole_number
 
 
-def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e300
+def _is_finite(value: Any) -> bool:
+    return is_number(value) and abs(value) < 1e300
 
 
 # Names, what holds of their values, and how to say it.
@@ -21,14 +22,14 @@ _RULES: tuple[tuple[tuple[str, ...], Callable[[Any], bool], str], ...] = (
     (("algorithm", "activation", "output"), lambda value: isinstance(value, str), "a name"),
     # Gymnasium imports what stands before a colon.
     (("env_id",), lambda value: isinstance(value, str) and ":" not in value, "an environment id that names no module"),
-    (("feature_limit",), _is_number, "a number"),
+    (("feature_limit",), _is_finite, "a number"),
     (
         ("torque_limit", "deadline", "control_period", "postlock_window"),
-        lambda value: _is_number(value) and value > 0.0,
+        lambda value: _is_finite(value) and value > 0.0,
         "a positive number",
     ),
-    (("mean_limit",), lambda value: value is None or _is_number(value), "a number or null"),
-    (("training_steps",), lambda value: type(value) is int and value >= 0, "a whole number"),
+    (("mean_limit",), lambda value: value is None or _is_finite(value), "a number or null"),
+    (("training_steps",), lambda value: is_whole_number(value, 0), "a whole number"),
     (("env_kwargs",), lambda value: isinstance(value, dict), "a mapping"),
     (("residual",), lambda value: value is None or isinstance(value, dict), "a mapping or null"),
     (

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from solar_env.mechanics.joints.friction.laws import FRICTION_LAWS, SLIDING_READINGS
 from solar_env.mechanics.running.diagnosis import check_restitution
+from solar_env.support.numbers import is_number
 
 if TYPE_CHECKING:
     from solar_env.array.parameters import ArrayParameters
@@ -91,8 +92,7 @@ def _check_type(p: ArrayParameters, name: str, default: Any) -> None:
     _require(p, name, name in p.BY_JOINT or not isinstance(value, tuple), "must be a single number")
     _require(p, name, len(entries) > 0, "must not be empty")
     for entry in entries:
-        number = isinstance(entry, (int, float)) and not isinstance(entry, bool)
-        _require(p, name, number and math.isfinite(entry), "must be a finite number")
+        _require(p, name, is_number(entry) and math.isfinite(entry), "must be a finite number")
     if isinstance(default, int):
         _require(p, name, isinstance(value, int), "must be a whole number")
     if isinstance(value, tuple) and value != default:

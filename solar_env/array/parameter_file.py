@@ -6,6 +6,7 @@ environments does. Both are drawn uniformly, by joint where the parameter is.
 """
 
 import inspect
+import math
 import re
 import textwrap
 import tomllib
@@ -13,12 +14,11 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from solar_env.array.names import unknown_name
 from solar_env.array.parameter_checks import OPTIONAL
 from solar_env.array.parameters import ArrayParameters
 from solar_env.array.ranges import Ranges, checked_ranges
+from solar_env.support.numbers import is_number
 
 TOLERANCE, RANDOMIZE = "tolerance", "randomize"
 # How a file says None, for which TOML has no word.
@@ -118,8 +118,7 @@ def _about(parameters: ArrayParameters, name: str, half_width: Any) -> tuple[Any
     if name not in ArrayParameters.CONTINUOUS:
         return half_width, half_width  # whose refusal names the parameter
     entries = half_width if isinstance(half_width, list) else [half_width]
-    numbers = [entry for entry in entries if isinstance(entry, (int, float)) and not isinstance(entry, bool)]
-    if not entries or len(numbers) < len(entries) or not all(0.0 <= number < np.inf for number in numbers):
+    if not entries or not all(is_number(entry) and 0.0 <= entry < math.inf for entry in entries):
         raise ValueError(f"tolerance of {name} = {half_width!r} must be a finite number, not negative")
     value = getattr(parameters, name)
     if value is None:

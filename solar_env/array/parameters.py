@@ -14,14 +14,13 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import Any, ClassVar, Self
 
-import numpy as np
-
 from solar_env.array.names import changed, unknown_name
 from solar_env.array.parameter_checks import check_parameters
 from solar_env.mechanics.joints.contact.laws import ContactLaw, contact_law
 from solar_env.mechanics.joints.contact.surfaces import Surfaces
 from solar_env.mechanics.joints.friction.laws import FRICTION_LAWS, FrictionLaw
 from solar_env.mechanics.mechanism.description import Bearing, Stop
+from solar_env.support.numbers import plain
 
 
 @dataclass(frozen=True)
@@ -160,7 +159,7 @@ class ArrayParameters:
 
     def __post_init__(self) -> None:
         for item in fields(self):
-            object.__setattr__(self, item.name, _plain(getattr(self, item.name)))
+            object.__setattr__(self, item.name, plain(getattr(self, item.name)))
         check_parameters(self)
 
     def entries(self, name: str) -> tuple[Any, ...]:
@@ -251,13 +250,6 @@ class ArrayParameters:
 ArrayParameters.CONTINUOUS = frozenset(
     item.name for item in fields(ArrayParameters) if not isinstance(item.default, (str, int))
 )
-
-
-def _plain(value: Any) -> Any:
-    """A value with Python's types in place of NumPy's, and tuples in place of lists."""
-    if isinstance(value, (np.generic, np.ndarray)):
-        value = value.tolist()
-    return tuple(_plain(entry) for entry in value) if isinstance(value, (list, tuple)) else value
 
 
 PRESETS: dict[str, dict[str, Any]] = {

@@ -5,13 +5,13 @@ Environments call them `randomize`; in a file of parameters they are its tables 
 
 import math
 from collections.abc import Mapping
-from numbers import Real
 from typing import Any
 
 import numpy as np
 
 from solar_env.array.names import unknown_name
 from solar_env.array.parameters import ArrayParameters
+from solar_env.support.numbers import is_number, plain
 
 # Bounds of a uniform draw: numbers, or one by joint.
 Bound = float | tuple[float, ...]
@@ -61,9 +61,10 @@ def checked_ranges(parameters: ArrayParameters, ranges: Ranges) -> Ranges:
 
 def _checked_bound(name: str, bound: Any, joints: int | None) -> Bound:
     """A bound as a number, or with an entry for each of `joints`: the last one given holds for all further ones."""
-    entries = bound if isinstance(bound, (tuple, list, np.ndarray)) else (bound,)
+    bound = plain(bound)
+    entries = bound if isinstance(bound, tuple) else (bound,)
     for entry in entries:
-        if isinstance(entry, bool) or not isinstance(entry, Real) or not math.isfinite(entry):
+        if not (is_number(entry) and math.isfinite(entry)):
             raise ValueError(f"randomize[{name!r}]: the bound {bound!r} must be a finite number")
     if joints is None:
         if len(entries) != 1 or entries is bound:

@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 
 from solar_env.commands.arguments import Assignments
+from solar_env.pictures.raster import CARD, INK
+from solar_env.pictures.style import BLUE, FAINT
 
 BAR = 64  # pixels below the frame: the slider, and what it means
 _MARGIN = 24
@@ -113,19 +115,19 @@ class Player:
     def draw(self) -> None:
         """Show the present state, the torque and the score."""
         game, window, (left, right, y) = self._game, self._window, self._track
-        window.fill("#ffffff")
+        window.fill(CARD)
         window.blit(game.surfarray.make_surface(self._frame.swapaxes(0, 1)), (0, 0))
         middle, x = (left + right) // 2, left + 0.5 * (self.torque + 1.0) * (right - left)
-        game.draw.line(window, "#c8ced6", (left, y), (right, y), 4)
-        game.draw.line(window, "#0072b2", (middle, y), (x, y), 4)
-        game.draw.circle(window, "#0072b2", (x, y), 9)
+        game.draw.line(window, FAINT, (left, y), (right, y), 4)
+        game.draw.line(window, BLUE, (middle, y), (x, y), 4)
+        game.draw.circle(window, BLUE, (x, y), 9)
         limit = self._env.unwrapped.task.torque_limit
         state = "ended, r: again" if self.ended else "paused, space: go on" if self.paused else "space: pause"
         text = (
             f"torque {self.torque * limit:+.3f} N m     return {self.score:.3f}     peak after latching "
             f"{self.peak:.0f} N     {state}, n: step, q: quit"
         )
-        window.blit(self._font.render(text, True, "#1d2733"), (left, y + 18))
+        window.blit(self._font.render(text, True, INK), (left, y + 18))
         game.display.flip()
 
     def close(self) -> None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Self
 
 from solar_env.array.names import changed
+from solar_env.support.numbers import is_number, is_whole_number
 
 
 @dataclass(frozen=True)
@@ -40,13 +41,12 @@ class Hardware:
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
-            if isinstance(value, bool) or not isinstance(value, (int, float)):
+            if not is_number(value):
                 raise ValueError(f"{name} = {value!r} must be a number")
         for name in ("angle_noise", "rate_noise", "attitude_noise", "encoder_resolution", "motor_lag"):
             if not 0.0 <= getattr(self, name) < math.inf:
                 raise ValueError(f"{name} = {getattr(self, name)!r} must be finite and not negative")
-        delay: object = self.sensor_delay
-        if not isinstance(delay, int) or delay not in range(101):
+        if not is_whole_number(self.sensor_delay, 0) or self.sensor_delay > 100:
             raise ValueError(f"sensor_delay = {self.sensor_delay!r} must be a whole number of periods from 0 to 100")
         if not self.torque_rate_limit > 0.0:
             raise ValueError(f"torque_rate_limit = {self.torque_rate_limit!r} must be positive")

@@ -15,6 +15,8 @@ import numpy as np
 from gymnasium.utils import RecordConstructorArgs
 from numpy.typing import NDArray
 
+from solar_env.support.numbers import is_whole_number
+
 Values = NDArray[np.floating]
 
 
@@ -100,8 +102,7 @@ class LateObservation(_Sensor):
 
     def __init__(self, env: gymnasium.Env, delay: int, entries: Sequence[int] | None = None) -> None:
         super().__init__(env, entries, delay=delay)
-        whole: object = delay
-        if isinstance(whole, bool) or not isinstance(whole, int) or delay < 0:
+        if not is_whole_number(delay, 0):
             raise ValueError(f"delay = {delay!r} must be a whole number of steps, at least 0")
         self._line: deque[Values] = deque(maxlen=delay + 1)
 

@@ -3,13 +3,13 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from numbers import Real
 from typing import Any, Self
 
 import numpy as np
 
 from solar_env.array.names import changed
 from solar_env.environment.task.task import SLOWEST, STEEPNESS
+from solar_env.support.numbers import is_number, is_whole_number
 
 FASTEST = SLOWEST * math.sinh(STEEPNESS)
 
@@ -36,13 +36,12 @@ class Starts:
     def __post_init__(self) -> None:
         for name, greatest in (("opening", 0.99), ("rate", FASTEST)):
             pair: Any = getattr(self, name)
-            pairs = isinstance(pair, (tuple, list)) and len(pair) == 2 and all(isinstance(end, Real) for end in pair)
+            pairs = isinstance(pair, (tuple, list)) and len(pair) == 2 and all(is_number(end) for end in pair)
             if not pairs or not 0.0 < pair[0] <= pair[1] <= greatest:
                 raise ValueError(f"{name} = {pair!r} must be a pair (low, high) above 0, up to {greatest:.3g}")
         if not 0.0 <= self.folded < 1.0:
             raise ValueError(f"folded = {self.folded!r} must be a share from 0, below 1")
-        count: Any = self.count
-        if not isinstance(count, int) or isinstance(count, bool) or count < 1:
+        if not is_whole_number(self.count, 1):
             raise ValueError(f"count = {self.count!r} must be a whole number, at least 1")
 
     @classmethod

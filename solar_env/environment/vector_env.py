@@ -1,7 +1,6 @@
 """The Gymnasium vector environment: many deploying arrays that advance together on all cores."""
 
 from collections.abc import Mapping, Sequence
-from numbers import Integral
 from operator import index
 from typing import Any
 
@@ -18,6 +17,7 @@ from solar_env.environment.exclusive import Exclusive
 from solar_env.environment.lane import Lane
 from solar_env.environment.scenarios import scenario_named
 from solar_env.environment.settings import EnvironmentSettings
+from solar_env.support.numbers import is_whole_number, plain
 
 ON_FAILURE = ("truncate", "raise")
 Actions = NDArray[np.float32]
@@ -69,8 +69,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         """
         counts: dict[str, Any] = {"num_envs": num_envs, "max_episode_steps": max_episode_steps}
         for name, number in {**counts, "num_threads": num_threads}.items():
-            whole = isinstance(number, Integral) and not isinstance(number, bool)
-            if number is not None and not (whole and number >= 1):
+            if number is not None and not is_whole_number(plain(number), 1):
                 raise ValueError(f"{name} = {number!r} must be a whole number, at least 1")
         if on_failure not in ON_FAILURE:
             raise ValueError(f"on_failure = {on_failure!r} is unknown; choose from {', '.join(ON_FAILURE)}")

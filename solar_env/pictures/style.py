@@ -1,4 +1,5 @@
-"""Style of all figures: the style sheet, and one fixed look for every joint, method, model, level and controller.
+"""Style of all figures: the style sheet, and one fixed look for every joint, method, model, level, controller and
+class of a stability map.
 
 A look is what Matplotlib's `plot` takes: colour, marker and line. Colours are those of M. Okabe and K. Ito, Color
 Universal Design (2008), which colour-blind readers tell apart, and a few more.
@@ -10,9 +11,10 @@ from typing import Any
 Look = dict[str, Any]
 
 BLUE, VERMILLION, GREEN, PURPLE = "#0072b2", "#d55e00", "#009e73", "#cc79a7"
-SKY, ORANGE, OLIVE, GREY, BROWN, VIOLET = "#56b4e9", "#e69f00", "#8a7f00", "#555555", "#7b4f2a", "#6a3d9a"
+SKY, ORANGE, OLIVE, GREY = "#56b4e9", "#e69f00", "#8a7f00", "#555555"
+BROWN, VIOLET, CRIMSON = "#7b4f2a", "#6a3d9a", "#b80058"
 COLOURS = (BLUE, VERMILLION, GREEN, PURPLE, SKY, ORANGE, OLIVE, GREY)  # joint i has colour i modulo 8
-FAINT, STEEL = "#c8ced6", "#7c8896"
+FAINT, STEEL, SAND = "#c8ced6", "#7c8896", "#ddcc77"
 STYLE: Any = {  # not dict[str, Any]: Matplotlib lists the names that a key may have in its type
     "font.size": 8,
     "axes.labelsize": 8,
@@ -44,7 +46,7 @@ METHOD_LOOKS: Mapping[str, Look] = {
     "default": _look("black", "h"),
     "runge-kutta": _look(BLUE, "o"),
     "rosenbrock": _look(VERMILLION, "s"),
-    "modal-radau": _look("#b80058", "d"),
+    "modal-radau": _look(CRIMSON, "d"),
     "dop853": _look(VIOLET, "p"),
     "generalized-alpha": _look(GREEN, "D"),
     "generalized-alpha, adaptive": _look(SKY, "^"),
@@ -91,13 +93,30 @@ CONTROLLER_LOOKS: Mapping[str, Look] = {
     "shaped": _look(SKY, "D"),
     "open-loop": _look(PURPLE, "<"),
     "soft-start": _look(ORANGE, ">"),
-    "pd": _look("#b80058", "d"),
+    "pd": _look(CRIMSON, "d"),
     "receding-horizon": _look("black", "*"),
     "ppo": _look(VERMILLION, "P"),
     "sac": _look(VIOLET, "X"),
     "td3": _look(BROWN, "p"),
     "cma-es": _look("#2ab7a9", "H"),
     "ars": _look("#9aa300", "1"),
+}
+# Classes of cells in stability maps, in the order of a legend. After P. Tol, "Colour schemes", SRON technical note 2021
+# (muted): told apart by colour-blind readers.
+OUTCOME_COLOURS: Mapping[str, str] = {
+    "fine": "#f2f4f6",
+    "held back": "#a6dcef",
+    "stiff": SAND,
+    "creeps": SAND,
+    "cut off": "#88ccee",
+    "over-damped": "#6699cc",
+    "wrong value": "#44aa99",
+    "spikes": "#e0a0b4",
+    "growing": "#ee8866",
+    "does not end": "#999933",
+    "Newton failure": "#aa4499",
+    "blow-up": "#882255",
+    "refused": "#9a9fa5",
 }
 # Of controllers that have no look of their own, as those of training runs.
 _OTHERS = (_look("#ff5fa2", "h"), _look("#6b8e23", "2"), _look("#a05fff", "8"), _look("#3d3d8f", "4"))

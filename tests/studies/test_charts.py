@@ -13,7 +13,7 @@ from rich.console import Console
 from solar_env.__main__ import main
 from solar_env.array import PanelModel
 from solar_env.commands import chart
-from solar_env.studies.common.plans import FULL, QUICK, Ensemble
+from solar_env.studies.common.plans import FULL, QUICK, Durations, Ensemble
 from solar_env.studies.common.tables import Table, read_table
 from solar_env.studies.common.timing import Measured
 from solar_env.studies.precision import charts, growth, methods, side_by_side
@@ -25,11 +25,11 @@ MOMENT = replace(
     models=("rigid-clearance",),
     duration=0.02,
     before_latch=0.02,
-    impacts_duration={"rigid": 0.02, "flexible": 0.002},
+    impacts_duration=Durations(0.02, 0.002),
     settings=1,
     panels=PanelModel("ancf", 1),
     ensemble_size=2,
-    ensemble_duration={"rigid": 0.02, "flexible": 0.002},
+    ensemble_duration=Durations(0.02, 0.002),
     levels=(Ensemble(None, 1), Ensemble(PanelModel("ancf", 1), 2), Ensemble(PanelModel("modal", 8), 1, 2.0)),
     growth_elements=(1, 2),
     growth_modes=(8, 16),

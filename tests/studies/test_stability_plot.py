@@ -4,10 +4,11 @@ from pathlib import Path
 
 import pytest
 
+from solar_env.pictures.style import OUTCOME_COLOURS
 from solar_env.studies.common.drawing import short
 from solar_env.studies.common.tables import write_table
 from solar_env.studies.stability.maps import Kind
-from solar_env.studies.stability.stability_plot import COLOURS, draw_map
+from solar_env.studies.stability.stability_plot import draw_map
 
 ABOUT = {
     "title": "A map",
@@ -60,7 +61,7 @@ def test_another_table_is_refused_by_name(tmp_path: Path) -> None:
 
 
 def test_every_class_has_a_colour() -> None:
-    assert set(COLOURS) == set(Kind)
+    assert set(OUTCOME_COLOURS) == set(Kind)
 
 
 @pytest.mark.parametrize(

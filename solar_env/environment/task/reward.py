@@ -13,6 +13,7 @@ from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.formulations import view_joint_of
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.support.markdown import markdown_table
+from solar_env.support.numbers import is_number
 
 # Codes of `reading`.
 PEAK_IMPACT, WEAR, MISSED_DEADLINE, ATTITUDE_DISTURBANCE, POSTLOCK_WEAR, MOTOR_WORK = range(6)
@@ -42,7 +43,7 @@ class Price:
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
-            number = isinstance(value, (int, float)) and not isinstance(value, bool) and 0.0 <= value < math.inf
+            number = is_number(value) and 0.0 <= value < math.inf
             if not number or (value == 0.0 and name != "weight"):
                 least = "finite and not negative" if name == "weight" else "positive and finite"
                 raise ValueError(f"{name} = {value!r} of a term of the reward must be {least}")

@@ -8,6 +8,7 @@ from solar_env.array.names import unknown_name
 from solar_env.environment.hardware import Hardware
 from solar_env.mechanics.integrators.formulations import view_joint_of
 from solar_env.mechanics.numerics.jit import kernel
+from solar_env.support.numbers import is_number, is_whole_number
 
 ACTIONS = ("torque", "rate")
 # An action a of "rate" asks for a rate of SLOWEST sinh(STEEPNESS a): evenly spaced in its logarithm, and signed. The
@@ -63,16 +64,17 @@ class Task:
             raise ValueError(unknown_name("the action", self.action, ACTIONS))
         for name in ("torque_limit", "control_period", "deadline", "postlock_window"):
             value = getattr(self, name)
-            if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 < value < math.inf:
+            if not (is_number(value) and 0.0 < value < math.inf):
                 raise ValueError(f"{name} = {value!r} must be a positive finite number")
         for name in ("postlock_window", "deadline"):
             if getattr(self, name) < self.control_period:
                 raise ValueError(
                     f"{name} = {getattr(self, name)!r} s is below control_period = {self.control_period!r} s"
                 )
-        joint: object = self.driven_joint
-        if isinstance(joint, bool) or not isinstance(joint, int) or joint < 0:
-            raise ValueError(f"driven_joint = {joint!r} must be the index of a joint, a whole number from 0")
+        if not is_whole_number(self.driven_joint, 0):
+            raise ValueError(
+                f"driven_joint = {self.driven_joint!r} must be the index of a joint, a whole number from 0"
+            )
 
     def samples(self, hardware: Hardware) -> int:
         """Samples of the drive in a control period: 1 where actions are torques.

@@ -1,9 +1,8 @@
 """Plans of the charts: how much is measured, in full or in two minutes."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
-from solar_env.array import MODELS, ArrayParameters, PanelModel
+from solar_env.array import MODELS, ArrayParameters, PanelModel, has_flexible_panels
 from solar_env.array.panels import ANCF, MODAL
 from solar_env.studies.common.motion import BEAMS, Scene
 
@@ -45,6 +44,18 @@ SHORT_LEVELS = (
 
 
 @dataclass(frozen=True)
+class Durations:
+    """Durations of a model with rigid and of one with flexible panels [s]."""
+
+    rigid: float
+    flexible: float
+
+    def of(self, model: str) -> float:
+        """That of a model."""
+        return self.flexible if has_flexible_panels(model) else self.rigid
+
+
+@dataclass(frozen=True)
 class Plan:
     """Scenes that a chart simulates, and how often.
 
@@ -54,12 +65,12 @@ class Plan:
         panels: model of the panels, with methods that have none of their own.
         duration: of deployments [s]; beyond the latching.
         before_latch: up to which angles are compared [s].
-        impacts_duration: how much of the initial phase is looked at for impacts, with rigid and flexible panels [s].
+        impacts_duration: how much of the initial phase is looked at for impacts.
         settings: how many settings of a method are measured, from the coarsest; None for all.
         repeats: of every measured time.
         dear: whether methods are measured that take minutes.
         ensemble_size: runs of an ensemble, see `motion.perturbed`.
-        ensemble_duration: of these, with rigid and flexible panels [s].
+        ensemble_duration: of these.
         levels: that are compared; the last of beams and of modes are the finest of their families.
         growth_elements, growth_modes, growth_panels: at which the cost is measured.
         growth_duration: [s].
@@ -71,12 +82,12 @@ class Plan:
     panels: PanelModel = BEAMS
     duration: float = 13.0
     before_latch: float = 12.0
-    impacts_duration: Mapping[str, float] = field(default_factory=lambda: {"rigid": 1.0, "flexible": 0.15})
+    impacts_duration: Durations = Durations(1.0, 0.15)
     settings: int | None = None
     repeats: int = 3
     dear: bool = True
     ensemble_size: int = 16
-    ensemble_duration: Mapping[str, float] = field(default_factory=lambda: {"rigid": 20.0, "flexible": 16.0})
+    ensemble_duration: Durations = Durations(20.0, 16.0)
     levels: tuple[Ensemble, ...] = LEVELS
     growth_elements: tuple[int, ...] = (2, 4, 6, 8, 12, 16, 24, 32, 48)
     growth_modes: tuple[int, ...] = (4, 8, 16, 24, 48, 96)
@@ -90,7 +101,7 @@ class Plan:
 
     def initial_phase(self, model: str) -> Scene:
         """The first impacts of a model with clearance."""
-        duration = self.impacts_duration[model.partition("-")[0]]
+        duration = self.impacts_duration.of(model)
         return Scene(model, self.parameters, duration, duration / 10.0, self.panels, every_contact=True)
 
 
@@ -100,12 +111,12 @@ QUICK = Plan(
     panels=PanelModel(ANCF, 2),
     duration=2.6,
     before_latch=2.2,
-    impacts_duration={"rigid": 0.2, "flexible": 0.05},
+    impacts_duration=Durations(0.2, 0.05),
     settings=2,
     repeats=1,
     dear=False,
     ensemble_size=3,
-    ensemble_duration={"rigid": 4.0, "flexible": 3.0},
+    ensemble_duration=Durations(4.0, 3.0),
     levels=SHORT_LEVELS,
     growth_elements=(2, 4, 8, 16),
     growth_modes=(8, 16, 32),

@@ -8,7 +8,6 @@ import os
 import platform
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -16,10 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.support.files import write_text
+from solar_env.support.versions import versions
 
 Cell = float | int | str
 Row = dict[str, Cell]
-_PACKAGES = ("solar-env", "numpy", "numba", "scipy")
 
 
 @dataclass(frozen=True)
@@ -56,11 +55,6 @@ def provenance(command: str, **settings: object) -> dict[str, str]:
         **versions(),
         "machine": f"{platform.machine()}, {os.cpu_count()} cores",
     }
-
-
-def versions() -> dict[str, str]:
-    """Versions of the package, of what computes for it, and of Python."""
-    return {**{name: version(name) for name in _PACKAGES}, "python": platform.python_version()}
 
 
 def write_table(path: Path, rows: Sequence[Mapping[str, Cell]], made_by: Mapping[str, str]) -> None:

@@ -17,6 +17,8 @@ DURATION = 30.0  # s, of the deployments
 OUTPUT_STEP = 5e-3  # s
 MEMBERS = 6  # of an ensemble
 PANELS = PanelModel(ANCF, 6)  # absolute nodal coordinates, as the paper's
+# Of cases whose contact stiffness follows from Eq 40: the end of their names, and the beginning of their columns.
+EQ_40_CASE, EQ_40 = "-eq-40", "eq_40_"
 
 
 @dataclass(frozen=True)
@@ -33,8 +35,8 @@ CASES: Mapping[str, Case] = {
     "distribution-1": Case("rigid-clearance", {"clearance": (1e-4, 2e-4)}),
     "distribution-2": Case("rigid-clearance", {"clearance": (2e-4, 1e-4)}),
     # The same with a contact stiffness by joint, as Eq 40 has it.
-    "distribution-1-eq-40": Case("rigid-clearance", {"clearance": (1e-4, 2e-4), "contact_stiffness": None}),
-    "distribution-2-eq-40": Case("rigid-clearance", {"clearance": (2e-4, 1e-4), "contact_stiffness": None}),
+    f"distribution-1{EQ_40_CASE}": Case("rigid-clearance", {"clearance": (1e-4, 2e-4), "contact_stiffness": None}),
+    f"distribution-2{EQ_40_CASE}": Case("rigid-clearance", {"clearance": (2e-4, 1e-4), "contact_stiffness": None}),
 }
 
 

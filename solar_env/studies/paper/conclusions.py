@@ -6,7 +6,7 @@ import numpy as np
 
 from solar_env.array import MODELS
 from solar_env.studies.common.tables import Table
-from solar_env.studies.paper.cases import FOUR_BAR_TURNS
+from solar_env.studies.paper.cases import EQ_40, FOUR_BAR_TURNS
 
 JOINTS = (1, 2)
 
@@ -20,7 +20,7 @@ def _greatest(name: str, unit: str) -> Callable[[Table], str]:
 
 
 def _small_forces(table: Table) -> str:
-    return f"{_greatest('force_{}_N', 'N')(table)} (by Eq 40 {_greatest('eq_40_force_{}_N', 'N')(table)})"
+    return f"{_greatest('force_{}_N', 'N')(table)} (by Eq 40 {_greatest(EQ_40 + 'force_{}_N', 'N')(table)})"
 
 
 def _angles(table: Table) -> str:
@@ -47,7 +47,7 @@ def _models(table: Table) -> str:
 
 
 def _wear(table: Table) -> str:
-    return f"deepest in the {_deepest('', table)} (by Eq 40 in the {_deepest('eq_40_', table)})"
+    return f"deepest in the {_deepest('', table)} (by Eq 40 in the {_deepest(EQ_40, table)})"
 
 
 def _deepest(prefix: str, table: Table) -> str:

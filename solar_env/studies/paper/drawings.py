@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from solar_env.array import MODELS
 from solar_env.pictures.style import COLOURS, FAINT, STEEL, STYLE
 from solar_env.studies.common.tables import Table
+from solar_env.studies.paper.cases import EQ_40
 from solar_env.studies.paper.conclusions import CONCLUSIONS
 from solar_env.support.files import save_figure
 
@@ -23,7 +24,7 @@ PHASES = ("initial", "deployment", "after latching")
 PAPER_FORCE, PAPER_WEAR, PAPER_TURN = 300.0, 7e-14, (2.00, 2.08)
 
 # Beginnings of the columns of Figs 20 to 23, and the contact stiffness that they belong to.
-STIFFNESSES = (("", "stiffness of Table 1"), ("eq_40_", "stiffness of Eq 40"))
+STIFFNESSES = (("", "stiffness of Table 1"), (EQ_40, "stiffness of Eq 40"))
 
 
 def draw_figure(table: Table, kind: str, title: str, path: Path) -> None:

@@ -16,6 +16,8 @@ from solar_env.array import MODELS
 from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.studies.common.tables import Row
 from solar_env.studies.paper.cases import (
+    EQ_40,
+    EQ_40_CASE,
     FOUR_BAR_RATE,
     FOUR_BAR_TURNS,
     MEMBERS,
@@ -139,9 +141,9 @@ def _wear(case: str, member: Member) -> list[Row]:
 
 
 def _with_eq_40(rows: Callable[[str, Member], list[Row]], case: str, member: Member) -> list[Row]:
-    """A table of a case, with columns `eq_40_...` of the same with the contact stiffness of Eq 40."""
-    tables = zip(rows(case, member), rows(f"{case}-eq-40", member), strict=True)
-    return [own | {f"eq_40_{name}": other[name] for name in list(own)[1:]} for own, other in tables]
+    """A table of a case, with columns of the same with the contact stiffness of Eq 40."""
+    tables = zip(rows(case, member), rows(case + EQ_40_CASE, member), strict=True)
+    return [own | {EQ_40 + name: other[name] for name in list(own)[1:]} for own, other in tables]
 
 
 def _four_bar(member: Member) -> list[Row]:
@@ -210,7 +212,7 @@ def _all() -> Iterator[PaperFigure]:
         partial(_four_models, "rates", "rad_s"),
     )
     for model in (1, 2):
-        pair = (f"distribution-{model}", f"distribution-{model}-eq-40")
+        pair = (f"distribution-{model}", f"distribution-{model}{EQ_40_CASE}")
         sizes = "0.1 and 0.2 mm" if model == 1 else "0.2 and 0.1 mm"
         for number, quantity, kind, rows in (
             (19 + model, "contact forces", "small-forces", _contact_forces),

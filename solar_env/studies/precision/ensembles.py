@@ -129,7 +129,7 @@ Key = tuple[str, Contestant, int]
 
 
 def _scene(plan: Plan, model: str) -> Scene:
-    duration = plan.ensemble_duration[model.partition("-")[0]]
+    duration = plan.ensemble_duration.of(model)
     return replace(plan.deployment(model), duration=duration, every_contact=True)
 
 

@@ -28,7 +28,7 @@ def _level(level: Ensemble, joint: str) -> Level:
 
 
 def _scene(plan: Plan, level: Level) -> Scene:
-    scene = replace(plan.deployment(level.model), duration=plan.ensemble_duration["flexible"])
+    scene = replace(plan.deployment(level.model), duration=plan.ensemble_duration.flexible)
     return replace(scene, panels=level.panels or scene.panels)
 
 
@@ -70,7 +70,7 @@ def level_rows(plan: Plan, results: dict[Key, Measured]) -> dict[str, list[Row]]
         labels: Row = {
             "level": _level(level, "ideal").size,
             "family": family(level),
-            "duration_s": plan.ensemble_duration["flexible"],
+            "duration_s": plan.ensemble_duration.flexible,
         }
         if member is not None:
             members += member_rows(labels, member, result)

@@ -12,28 +12,12 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
-from solar_env.pictures.style import STYLE
+from solar_env.pictures.style import OUTCOME_COLOURS, STEEL, STYLE
 from solar_env.studies.common.drawing import short
 from solar_env.studies.common.tables import Table, read_table
 from solar_env.studies.stability.maps import Kind, Said
 from solar_env.support.files import save_figure
 
-# After P. Tol, "Colour schemes", SRON technical note 2021 (muted): told apart by colour-blind readers.
-COLOURS = {
-    Kind.FINE: "#f2f4f6",
-    Kind.LIMITED: "#a6dcef",
-    Kind.STIFF: "#ddcc77",
-    Kind.CREEPS: "#ddcc77",
-    Kind.CUT_OFF: "#88ccee",
-    Kind.OVER_DAMPED: "#6699cc",
-    Kind.WRONG: "#44aa99",
-    Kind.SPIKES: "#e0a0b4",
-    Kind.GROWING: "#ee8866",
-    Kind.NO_END: "#999933",
-    Kind.NO_SOLUTION: "#aa4499",
-    Kind.BLOW_UP: "#882255",
-    Kind.REFUSED: "#9a9fa5",
-}
 _DARK = (Kind.NO_SOLUTION, Kind.BLOW_UP)
 CELL_WIDTH, CELL_HEIGHT = 0.36, 0.24  # inch
 _LEFT, _BETWEEN, _RIGHT, _TOP, _TICKS, _LINE = 0.95, 0.25, 0.15, 0.55, 0.85, 0.15  # inch
@@ -101,7 +85,7 @@ def _draw_panel(axes: Axes, table: Table, about: Any, first: bool) -> None:
         i, k = int(np.flatnonzero(x_ticks == x)[0]), int(np.flatnonzero(y_ticks == y)[0])
         kind = Kind(str(row["class"]))
         axes.add_patch(
-            Rectangle((i - 0.5, k - 0.5), 1.0, 1.0, facecolor=COLOURS[kind], edgecolor="white", linewidth=0.4)
+            Rectangle((i - 0.5, k - 0.5), 1.0, 1.0, facecolor=OUTCOME_COLOURS[kind], edgecolor="white", linewidth=0.4)
         )
         ink = "white" if kind in _DARK else "black"
         value = float(row["value"])
@@ -130,6 +114,6 @@ def _place(limit: float, ticks: Any) -> float:
 
 def _draw_legend(figure: Any, table: Table, place: tuple[float, float]) -> None:
     present = table.values("class")
-    shown = [(kind, colour) for kind, colour in COLOURS.items() if kind in present]
-    handles = [Patch(facecolor=colour, edgecolor="#7c8896", linewidth=0.4, label=kind) for kind, colour in shown]
+    shown = [(kind, colour) for kind, colour in OUTCOME_COLOURS.items() if kind in present]
+    handles = [Patch(facecolor=colour, edgecolor=STEEL, linewidth=0.4, label=kind) for kind, colour in shown]
     figure.legend(handles=handles, loc="lower center", bbox_to_anchor=place, ncols=_IN_A_LINE, columnspacing=1.2)

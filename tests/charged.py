@@ -31,7 +31,7 @@ SOFT_CABLE = {"cable_stiffness": 0.02}
 
 
 @dataclass
-class Run:
+class ChargedEpisode:
     """One episode: actions, times at the ends of the steps, terms of the reward, and the figures at its end."""
 
     actions: list[float] = field(default_factory=list)
@@ -64,7 +64,7 @@ def deploy(laws, **keywords):
     """An episode of every law, side by side; a law makes an action of an observation and the number of the step."""
     env = gymnasium.make_vec(ID, num_envs=len(laws), **keywords)
     observations, _ = env.reset(seed=0)
-    runs = [Run() for _ in laws]
+    runs = [ChargedEpisode() for _ in laws]
     step = 0
     while not all(run.figures for run in runs):
         # Lanes whose episode has ended are kept folded, which costs next to nothing.

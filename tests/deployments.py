@@ -9,8 +9,9 @@ from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrato
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.running.simulation import Simulation
 
-INTEGRATORS: list[Integrator] = [RungeKutta(), GeneralizedAlpha(rtol=1e-4), ModalRadau()]
-every_integrator = pytest.mark.parametrize("integrator", INTEGRATORS, ids=lambda i: i.name)
+# A method with each control of steps: adaptive, its own, and that of modal panels.
+EXAMPLES: list[Integrator] = [RungeKutta(), GeneralizedAlpha(rtol=1e-4), ModalRadau()]
+every_integrator = pytest.mark.parametrize("integrator", EXAMPLES, ids=lambda i: i.name)
 
 
 def array(integrator: Integrator, model: str = "rigid-clearance") -> Mechanism:

@@ -54,7 +54,7 @@ class Args(WorkerOptions):
 def run_command(args: Args) -> int:
     """Run the ensemble, print the answer and the tables, write what was asked for."""
     from solar_env.array.data_files import check_data_file, write_data
-    from solar_env.studies.loads.ensemble import Plan, measure_loads, nominal_deployment
+    from solar_env.studies.loads.ensemble import LoadsPlan, measure_loads, nominal_deployment
     from solar_env.studies.loads.hub import write_hub_loads
     from solar_env.studies.loads.report import answer, tables
     from solar_env.support.versions import versions
@@ -62,7 +62,7 @@ def run_command(args: Args) -> int:
     if not args.wear_limit > 0.0:
         raise ValueError(f"wear limit = {args.wear_limit!r} m must be positive")
     array = read_parameters(args.array) if args.array else ParameterFile(ArrayParameters(), {})
-    plan = Plan(array, args.question, args.tolerance, args.runs, args.window, args.deadline)
+    plan = LoadsPlan(array, args.question, args.tolerance, args.runs, args.window, args.deadline)
     if args.data is not None:
         check_data_file(args.data)
     for path, suffix in ((args.html, ".html"), (args.hub, ".csv")):

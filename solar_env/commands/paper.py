@@ -103,7 +103,7 @@ def run_command(args: Args) -> int:
         return _run_identification(args)
     from solar_env.studies.common.tables import provenance, read_table, write_table
     from solar_env.studies.paper import index
-    from solar_env.studies.paper.cases import Run, simulate_run
+    from solar_env.studies.paper.cases import CaseRun, simulate_run
     from solar_env.studies.paper.claims import CLAIMS
     from solar_env.studies.paper.drawings import draw_figure
     from solar_env.studies.paper.figures import FIGURES
@@ -121,7 +121,7 @@ def run_command(args: Args) -> int:
             section.read()
     figures = [FIGURES[number] for number in args.figure or FIGURES]
     wanted = [] if args.figure else planned_runs()
-    shown = (Run(case, member) for figure in figures for case in figure.cases for member in figure.members)
+    shown = (CaseRun(case, member) for figure in figures for case in figure.cases for member in figure.members)
     runs = dict.fromkeys([*wanted, *shown])
     pictures = FOLDER / "figures" if args.readme else out
     for folder in (pictures, out):
@@ -130,7 +130,7 @@ def run_command(args: Args) -> int:
         done = each_done(simulate_run, runs, args.workers)
         motions = dict(bar.track(done, len(runs), description="deployments"))
         for figure in bar.track(figures, description="figures"):
-            members = [{case: motions[Run(case, member)] for case in figure.cases} for member in figure.members]
+            members = [{case: motions[CaseRun(case, member)] for case in figure.cases} for member in figure.members]
             table = out / f"{figure.stem}.csv"
             write_table(table, figure.table(members), provenance("paper", figure=figure.number, title=figure.title))
             draw_figure(read_table(table), figure.kind, figure.heading, pictures / f"{figure.stem}.png")

@@ -148,25 +148,25 @@ def test_a_figure_compares_the_same_members_and_says_what_it_cannot():
 
 
 def test_the_ladder_gives_the_level_and_the_next_finer_one():
-    assert [level.name for level in ensemble.Plan(FAST).levels] == [
+    assert [level.name for level in ensemble.LoadsPlan(FAST).levels] == [
         "flexible-clearance, 32 modes",
         "flexible-clearance, 48 modes, rtol / 10",
     ]
-    coarse, finer = ensemble.Plan(FAST, "wear", 0.5).levels
+    coarse, finer = ensemble.LoadsPlan(FAST, "wear", 0.5).levels
     assert coarse == RIGID
     assert finer.model == "flexible-clearance"
-    assert ensemble.Plan(FAST, "latch-time", 0.1).levels[0] == RIGID, "ideal joints tell nothing of impacts"
+    assert ensemble.LoadsPlan(FAST, "latch-time", 0.1).levels[0] == RIGID, "ideal joints tell nothing of impacts"
     with pytest.raises(ValueError, match=r"no level answers 'peak-force' to a tolerance of 0\.001"):
-        ensemble.Plan(FAST, tolerance=1e-3)
+        ensemble.LoadsPlan(FAST, tolerance=1e-3)
     for wrong in ({"members": 0}, {"window": 0.0}, {"deadline": math.nan}):
         with pytest.raises(ValueError, match="must be"):
-            ensemble.Plan(FAST, **wrong)
+            ensemble.LoadsPlan(FAST, **wrong)
 
 
 @pytest.fixture(scope="module")
 def loads():
     """Of four members, whose finer level is the same with other tolerances."""
-    plan = ensemble.Plan(FAST, "wear", 0.5, members=4, window=0.5)
+    plan = ensemble.LoadsPlan(FAST, "wear", 0.5, members=4, window=0.5)
     shared = {"model": RIGID.model, "panels": "", "count": 0, "window": 0.5, "deadline": 60.0}
     shared |= {"parameters": FAST_PARAMETERS.to_dict(), "randomize": dict(FAST.randomize)}
     cells = [shared | {"member": k, "tighter": tighter} for k in range(1, 5) for tighter in (1.0, 3.0)]
@@ -198,7 +198,7 @@ def test_what_is_read_scatters_but_the_energy_that_is_lost_does_not_hang_on_the_
 
 
 def test_an_ensemble_that_never_latches_says_what_to_do():
-    plan = ensemble.Plan(FAST, "wear", 0.5, members=1, deadline=0.3)
+    plan = ensemble.LoadsPlan(FAST, "wear", 0.5, members=1, deadline=0.3)
     run = {"latched": False, "quantities": {}, "hinge_spectrum": [], "hub_spectrum": [], "warnings": []}
     with pytest.raises(ValueError, match=r"in none of 1 runs all joints latch within 0\.3 s; give a longer --deadline"):
         ensemble.gathered(plan, [run, run])

@@ -32,7 +32,7 @@ MEASURED = {row["key"]: row for row in json.loads((paper.FOLDER / "claims.json")
 
 @cache
 def simulate_once(case: str) -> Trajectory:
-    return cases.simulate_run(cases.Run(case))
+    return cases.simulate_run(cases.CaseRun(case))
 
 
 @pytest.fixture(scope="module")
@@ -268,9 +268,11 @@ def judged(values: list[float], at: dict[float, float], monkeypatch: pytest.Monk
         claim("cable-torque"), cases=("rigid-ideal",), measure=lambda member: member["rigid-ideal"], low=1.0, high=1.0,
         open_parameters=("cable_stiffness",),
     )  # fmt: skip
-    motions: dict[Any, Any] = {cases.Run("rigid-ideal", k): value for k, value in enumerate(values)}
+    motions: dict[Any, Any] = {cases.CaseRun("rigid-ideal", k): value for k, value in enumerate(values)}
     for value, figure in at.items():
-        motions |= {cases.Run("rigid-ideal", k, "cable_stiffness", value): figure for k in range(survey.RANGE_MEMBERS)}
+        motions |= {
+            cases.CaseRun("rigid-ideal", k, "cable_stiffness", value): figure for k in range(survey.RANGE_MEMBERS)
+        }
     return survey.judge(own, motions)
 
 

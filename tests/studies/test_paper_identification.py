@@ -11,7 +11,7 @@ from solar_env.array import ArrayParameters
 from solar_env.commands.paper import FOLDER, IDENTIFY_SECTION
 from solar_env.studies.common.tables import read_table
 from solar_env.studies.paper import phases
-from solar_env.studies.paper.cases import Run, simulate_case, simulate_run
+from solar_env.studies.paper.cases import CaseRun, simulate_case, simulate_run
 from solar_env.studies.paper.claims import CLAIMS
 from solar_env.studies.paper.identification import exclusions, search
 from solar_env.studies.paper.identification.open_parameters import (
@@ -42,7 +42,7 @@ def test_the_preset_lies_in_the_searched_ranges_and_has_there_the_figures_of_the
     for name in quantities(preset):
         assert quantities(parameters)[name] == pytest.approx(quantities(preset)[name])
     claims = [claim for claim in CLAIMS if claim.cases == ("rigid-clearance",)]
-    expected = [claim.measure({"rigid-clearance": simulate_run(Run("rigid-clearance"))}) for claim in claims]
+    expected = [claim.measure({"rigid-clearance": simulate_run(CaseRun("rigid-clearance"))}) for claim in claims]
     assert search.figures_of(preset, claims) == pytest.approx(expected, rel=1e-4)
 
 

@@ -56,7 +56,7 @@ class Durations:
 
 
 @dataclass(frozen=True)
-class Plan:
+class ChartPlan:
     """Scenes that a chart simulates, and how often.
 
     Attributes:
@@ -105,8 +105,8 @@ class Plan:
         return Scene(model, self.parameters, duration, duration / 10.0, self.panels, every_contact=True)
 
 
-FULL = Plan()
-QUICK = Plan(
+FULL = ChartPlan()
+QUICK = ChartPlan(
     parameters=FAST_PARAMETERS,
     panels=PanelModel(ANCF, 2),
     duration=2.6,

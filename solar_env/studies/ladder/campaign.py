@@ -23,7 +23,7 @@ FILE = "ladder.csv"
 
 
 @dataclass(frozen=True)
-class Run:
+class LadderRun:
     """A member of the ensemble at a level, under a controller or, without one, on the springs alone."""
 
     level: Level
@@ -72,10 +72,10 @@ class LadderPlan:
         return most if has_clearance(level.model) else min(most, self.ideal_members)
 
     @property
-    def runs(self) -> tuple[Run, ...]:
+    def runs(self) -> tuple[LadderRun, ...]:
         """Every run, member by member, so that what disturbs the machine meets all levels alike."""
         return tuple(
-            Run(level, member, profile)
+            LadderRun(level, member, profile)
             for most, profiles in ((self.members, (None,)), (self.controlled_members, CONTROLLERS))
             for member in range(most)
             for level in self.levels

@@ -26,7 +26,7 @@ STORE = "loads.jsonl"
 
 
 @dataclass(frozen=True)
-class Plan:
+class LoadsPlan:
     """Question that an ensemble answers.
 
     Attributes:
@@ -108,7 +108,7 @@ class Loads:
         warnings: text -> in how many runs the simulator said it.
     """
 
-    plan: Plan
+    plan: LoadsPlan
     figures: Mapping[str, tuple[Figure, ...]]
     hinge_spectrum: Array
     hub_spectrum: Array
@@ -121,7 +121,7 @@ class Loads:
         return FREQUENCIES
 
 
-def measure_loads(plan: Plan, folder: Path, workers: Workers, console: Console) -> Loads:
+def measure_loads(plan: LoadsPlan, folder: Path, workers: Workers, console: Console) -> Loads:
     """Run what is missing of the ensemble, going on where an earlier run of the same plan stopped.
 
     Raises:
@@ -155,7 +155,7 @@ def measure_loads(plan: Plan, folder: Path, workers: Workers, console: Console) 
     return gathered(plan, campaign.results())
 
 
-def gathered(plan: Plan, results: list[dict[str, Any]]) -> Loads:
+def gathered(plan: LoadsPlan, results: list[dict[str, Any]]) -> Loads:
     """The figures of results, member by member, the chosen level first.
 
     Raises:
@@ -186,7 +186,7 @@ def gathered(plan: Plan, results: list[dict[str, Any]]) -> Loads:
     return Loads(plan, figures, hinge, hub, (unlatched[0], unlatched[1]), said)
 
 
-def nominal_deployment(plan: Plan) -> Deployment:
+def nominal_deployment(plan: LoadsPlan) -> Deployment:
     """The nominal array at the level chosen, to look at.
 
     Raises:

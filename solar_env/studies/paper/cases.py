@@ -50,7 +50,7 @@ Member = Mapping[str, Trajectory]
 
 
 @dataclass(frozen=True)
-class Run:
+class CaseRun:
     """A deployment to simulate: a case, the member of an ensemble, and at most one parameter with another value."""
 
     case: str
@@ -64,7 +64,7 @@ class Run:
         return {self.parameter: self.value} if self.parameter else {}
 
 
-def simulate_run(run: Run) -> Trajectory:
+def simulate_run(run: CaseRun) -> Trajectory:
     """Simulate a deployment with default settings as a member of an ensemble, see `motion.perturbed`.
 
     Raises:

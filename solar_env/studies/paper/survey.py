@@ -10,7 +10,7 @@ import numpy as np
 
 from solar_env.array import ArrayParameters
 from solar_env.mechanics.running.trajectory import Trajectory
-from solar_env.studies.paper.cases import MEMBERS, Run, is_flexible
+from solar_env.studies.paper.cases import MEMBERS, CaseRun, is_flexible
 from solar_env.studies.paper.claims import CLAIMS, Claim
 from solar_env.support.markdown import markdown_table
 
@@ -62,16 +62,16 @@ class Finding:
     by_construction: str
 
 
-def planned_runs(claims: Sequence[Claim] = CLAIMS, members: int = MEMBERS) -> list[Run]:
+def planned_runs(claims: Sequence[Claim] = CLAIMS, members: int = MEMBERS) -> list[CaseRun]:
     """All runs that the claims need, the longest first."""
     cases = dict.fromkeys(case for claim in claims for case in claim.cases)
-    runs = {Run(case, member) for case in cases for member in range(members)}
+    runs = {CaseRun(case, member) for case in cases for member in range(members)}
     runs |= {run for claim in claims for run in _range_runs(claim)}
     order = {case: number for number, case in enumerate(cases)}
     return sorted(runs, key=lambda run: (not is_flexible(run.case), order[run.case], _where(run)))
 
 
-def _where(run: Run) -> tuple[str, str, int]:
+def _where(run: CaseRun) -> tuple[str, str, int]:
     return run.parameter, str(run.value), run.member
 
 
@@ -79,15 +79,15 @@ def _range_members(claim: Claim) -> range:
     return range(1 if claim.on_flexible_panels else RANGE_MEMBERS)
 
 
-def _range_runs(claim: Claim) -> Iterator[Run]:
+def _range_runs(claim: Claim) -> Iterator[CaseRun]:
     for parameter in claim.open_parameters:
         for value in RANGES[parameter]:
             for member in _range_members(claim):
                 for case in claim.cases:
-                    yield Run(case, member, parameter, value)
+                    yield CaseRun(case, member, parameter, value)
 
 
-def judge(claim: Claim, motions: Mapping[Run, Trajectory]) -> Finding:
+def judge(claim: Claim, motions: Mapping[CaseRun, Trajectory]) -> Finding:
     """Measure a claim on the runs that `planned_runs` lists.
 
     Raises:
@@ -126,9 +126,9 @@ def judge(claim: Claim, motions: Mapping[Run, Trajectory]) -> Finding:
 
 
 def _figure(
-    claim: Claim, motions: Mapping[Run, Trajectory], member: int, parameter: str = "", value: Value = 0.0
+    claim: Claim, motions: Mapping[CaseRun, Trajectory], member: int, parameter: str = "", value: Value = 0.0
 ) -> float:
-    return claim.measure({case: motions[Run(case, member, parameter, value)] for case in claim.cases})
+    return claim.measure({case: motions[CaseRun(case, member, parameter, value)] for case in claim.cases})
 
 
 def _order(value: Value) -> tuple[bool, float, str]:

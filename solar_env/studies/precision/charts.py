@@ -7,7 +7,7 @@ from typing import Any
 
 from rich.console import Console
 
-from solar_env.studies.common.plans import FULL, QUICK, Plan
+from solar_env.studies.common.plans import FULL, QUICK, ChartPlan
 from solar_env.studies.common.tables import Row, provenance, read_table, write_table
 from solar_env.studies.common.timing import Job, Measured, measure
 from solar_env.studies.precision.ensembles import draw_ensembles, ensemble_jobs, ensemble_rows
@@ -34,8 +34,8 @@ class Study:
         timed: whether wall times matter, so that runs follow each other in this process.
     """
 
-    jobs: Callable[[Plan], dict[Any, Job]]
-    rows: Callable[[Plan, dict[Any, Measured]], dict[str, list[Row]]]
+    jobs: Callable[[ChartPlan], dict[Any, Job]]
+    rows: Callable[[ChartPlan, dict[Any, Measured]], dict[str, list[Row]]]
     tables: tuple[str, ...]
     draw: Callable[..., list[Path]]
     timed: bool = True
@@ -78,7 +78,7 @@ def measure_charts(names: Sequence[str], quick: bool, folder: Path, console: Con
                 write_table(folder / f"{table}.csv", measured, made_by)
 
 
-def warm_up(plan: Plan) -> None:
+def warm_up(plan: ChartPlan) -> None:
     """Run a moment of every method and model, so that compiling and loading are not measured."""
     for model in plan.models:
         for method in METHODS:

@@ -21,7 +21,7 @@ from solar_env.studies.common.bootstrap import mean_band
 from solar_env.studies.common.drawing import make_figure, save, use_decades
 from solar_env.studies.common.measures import impacts_of
 from solar_env.studies.common.motion import Motion, Scene, perturbed, perturbed_setting
-from solar_env.studies.common.plans import Plan
+from solar_env.studies.common.plans import ChartPlan
 from solar_env.studies.common.tables import Row, Table
 from solar_env.studies.common.timing import Job, Measured
 from solar_env.studies.precision.methods import find_method
@@ -128,12 +128,12 @@ def member_rows(labels: Row, member: int, result: Measured) -> list[Row]:
 Key = tuple[str, Contestant, int]
 
 
-def _scene(plan: Plan, model: str) -> Scene:
+def _scene(plan: ChartPlan, model: str) -> Scene:
     duration = plan.ensemble_duration.of(model)
     return replace(plan.deployment(model), duration=duration, every_contact=True)
 
 
-def _keys(plan: Plan) -> Iterator[Key]:
+def _keys(plan: ChartPlan) -> Iterator[Key]:
     """Member by member, so that what disturbs the machine meets all methods alike."""
     for model in plan.models:
         for member in range(plan.ensemble_size):
@@ -143,7 +143,7 @@ def _keys(plan: Plan) -> Iterator[Key]:
                     yield model, contestant, member
 
 
-def ensemble_jobs(plan: Plan) -> dict[Key, Job]:
+def ensemble_jobs(plan: ChartPlan) -> dict[Key, Job]:
     """The runs of every ensemble."""
     return {
         (model, chosen, member): member_job(
@@ -154,7 +154,7 @@ def ensemble_jobs(plan: Plan) -> dict[Key, Job]:
     }  # fmt: skip
 
 
-def ensemble_rows(plan: Plan, results: dict[Key, Measured]) -> dict[str, list[Row]]:
+def ensemble_rows(plan: ChartPlan, results: dict[Key, Measured]) -> dict[str, list[Row]]:
     """Rows by table: "ensembles" gets one for every joint of every run that reached its end."""
     rows: list[Row] = []
     for (model, chosen, member), result in results.items():

@@ -17,7 +17,7 @@ from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrato
 from solar_env.pictures.style import METHOD_LOOKS, STYLE, Look, look_of
 from solar_env.studies.common.drawing import make_figure, save, use_decades
 from solar_env.studies.common.motion import Scene, run_own
-from solar_env.studies.common.plans import Plan
+from solar_env.studies.common.plans import ChartPlan
 from solar_env.studies.common.tables import Cell, Row, Table
 from solar_env.studies.common.timing import Job, Measured
 from solar_env.studies.precision.methods import MODES
@@ -52,7 +52,7 @@ class Case:
         return GeneralizedAlpha(step=1e-4) if self.fixed else default_integrator(self.model, self.panels)
 
 
-def _cases(plan: Plan) -> Iterator[Case]:
+def _cases(plan: ChartPlan) -> Iterator[Case]:
     for count in plan.growth_modes:
         yield Case(BENDING_MODES, "flexible-ideal", PanelModel(MODAL, count), False, count)
     for count in plan.growth_panels:
@@ -65,7 +65,7 @@ def _cases(plan: Plan) -> Iterator[Case]:
                 yield Case(PANELS, model, plan.panels, fixed, count)
 
 
-def _scene(plan: Plan, case: Case) -> Scene:
+def _scene(plan: ChartPlan, case: Case) -> Scene:
     duration = plan.growth_duration
     parameters = with_panels(plan.parameters, case.count) if case.varied == PANELS else plan.parameters
     return Scene(case.model, parameters, duration, duration, case.panels)
@@ -81,7 +81,7 @@ def with_panels(parameters: ArrayParameters, count: int) -> ArrayParameters:
     return replace(parameters, panel_count=count, **by_joint)  # type: ignore[arg-type]
 
 
-def growth_jobs(plan: Plan) -> dict[Case, Job]:
+def growth_jobs(plan: ChartPlan) -> dict[Case, Job]:
     """The start of deployments of growing size."""
     return {
         case: Job(
@@ -93,7 +93,7 @@ def growth_jobs(plan: Plan) -> dict[Case, Job]:
     }
 
 
-def growth_rows(plan: Plan, results: dict[Case, Measured]) -> dict[str, list[Row]]:
+def growth_rows(plan: ChartPlan, results: dict[Case, Measured]) -> dict[str, list[Row]]:
     """Rows by table: "growth" gets one for every run that reached its end."""
     rows: list[Row] = []
     for case, result in results.items():

@@ -7,7 +7,7 @@ from functools import partial
 from solar_env.studies.common.levels import Level
 from solar_env.studies.common.measures import angle_error, force_error, latch_error
 from solar_env.studies.common.motion import Motion, Scene, run_own
-from solar_env.studies.common.plans import Ensemble, Plan
+from solar_env.studies.common.plans import ChartPlan, Ensemble
 from solar_env.studies.common.tables import Row
 from solar_env.studies.common.timing import Job, Measured
 from solar_env.studies.precision.ensembles import member_job, member_rows
@@ -27,19 +27,19 @@ def _level(level: Ensemble, joint: str) -> Level:
     return Level(f"{panels}-{joint}", level.panels, level.tighter)
 
 
-def _scene(plan: Plan, level: Level) -> Scene:
+def _scene(plan: ChartPlan, level: Level) -> Scene:
     scene = replace(plan.deployment(level.model), duration=plan.ensemble_duration.flexible)
     return replace(scene, panels=level.panels or scene.panels)
 
 
-def _keys(plan: Plan) -> Iterator[Key]:
+def _keys(plan: ChartPlan) -> Iterator[Key]:
     """With clearance member by member, so that what disturbs the machine meets all levels alike."""
     yield from ((level, None) for level in plan.levels)
     for member in range(max(level.members for level in plan.levels)):
         yield from ((level, member) for level in plan.levels if member < level.members)
 
 
-def level_jobs(plan: Plan) -> dict[Key, Job]:
+def level_jobs(plan: ChartPlan) -> dict[Key, Job]:
     """A deployment with ideal joints, and an ensemble with clearance, at every level."""
     jobs: dict[Key, Job] = {}
     for ensemble, member in _keys(plan):
@@ -57,7 +57,7 @@ def _solve(level: Level, scene: Scene, share: float) -> Motion:
     return run_own(scene, replace(level, tighter=level.tighter / share).integrator())
 
 
-def level_rows(plan: Plan, results: dict[Key, Measured]) -> dict[str, list[Row]]:
+def level_rows(plan: ChartPlan, results: dict[Key, Measured]) -> dict[str, list[Row]]:
     """Rows by table.
 
     "levels": cost and errors with ideal joints, against the finest of beams and against the finest of modes.
@@ -83,7 +83,7 @@ def level_rows(plan: Plan, results: dict[Key, Measured]) -> dict[str, list[Row]]
     return {"levels": rows, "levels_clearance": members}
 
 
-def _errors(motion: Motion, reference: Motion | None, plan: Plan) -> Row:
+def _errors(motion: Motion, reference: Motion | None, plan: ChartPlan) -> Row:
     if reference is None:
         raise ValueError("a level that others are compared with could not be simulated to its end")
     return {

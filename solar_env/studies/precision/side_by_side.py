@@ -19,7 +19,7 @@ from solar_env.array.panels import ANCF
 from solar_env.studies.common.levels import FINEST, Level
 from solar_env.studies.common.measures import angle_error, latch_error
 from solar_env.studies.common.motion import Motion, Scene, perturbed, perturbed_setting, run_own
-from solar_env.studies.common.plans import Plan
+from solar_env.studies.common.plans import ChartPlan
 from solar_env.studies.common.tables import Row, Table
 from solar_env.studies.common.timing import Job, Measured
 from solar_env.studies.precision.methods import find_method
@@ -89,7 +89,7 @@ def _run_level(level: Level, scene: Scene, member: int) -> Motion:
     return run_own(own, level.integrator(member))
 
 
-def _job(plan: Plan, case: Case) -> Job:
+def _job(plan: ChartPlan, case: Case) -> Job:
     scene = replace(plan.deployment(case.model), duration=plan.side_duration, every_contact=case.watched)
     title = f"side by side, {case.model}: {case.method}, {case.value:g}, run {case.member + 1}"
     title += ", forces kept" * case.watched
@@ -105,7 +105,7 @@ def _job(plan: Plan, case: Case) -> Job:
     return Job(title, solve, repeats, _LONG_RUN)
 
 
-def side_by_side_jobs(plan: Plan) -> dict[Case, Job]:
+def side_by_side_jobs(plan: ChartPlan) -> dict[Case, Job]:
     """Whole deployments; with clearance also ensembles of the own ones, and the peer's with its forces kept."""
     cases: list[Case] = []
     for model in plan.models:
@@ -121,7 +121,7 @@ def side_by_side_jobs(plan: Plan) -> dict[Case, Job]:
     return {case: _job(plan, case) for case in cases}
 
 
-def side_by_side_rows(plan: Plan, results: Mapping[Case, Measured]) -> dict[str, list[Row]]:
+def side_by_side_rows(plan: ChartPlan, results: Mapping[Case, Measured]) -> dict[str, list[Row]]:
     """Rows by table: "side_by_side" gets cost and errors of every method and setting."""
     rows: list[Row] = []
     for case, result in results.items():
@@ -143,13 +143,13 @@ def side_by_side_rows(plan: Plan, results: Mapping[Case, Measured]) -> dict[str,
     return {"side_by_side": rows}
 
 
-def _panels(plan: Plan, case: Case) -> str:
+def _panels(plan: ChartPlan, case: Case) -> str:
     if case.method == DEFAULT:
         return _default_level(case.model).size
     return find_method(case.method).size(plan.deployment(case.model))
 
 
-def _figures(result: Measured, reference: Motion, plan: Plan) -> Row:
+def _figures(result: Measured, reference: Motion, plan: ChartPlan) -> Row:
     """Times and errors of a run; nan if it did not reach its end."""
     names = ("repeats", "wall_s", "wall_min_s", "wall_max_s", "angle_error_rad", "latch_error_s", "energy_residual")
     motion = result.motion

@@ -14,7 +14,7 @@ from functools import partial
 from solar_env.array import has_clearance
 from solar_env.studies.common import measures
 from solar_env.studies.common.motion import Motion, Scene
-from solar_env.studies.common.plans import Plan
+from solar_env.studies.common.plans import ChartPlan
 from solar_env.studies.common.tables import Row
 from solar_env.studies.common.timing import Job, Measured
 from solar_env.studies.precision.methods import (
@@ -61,7 +61,7 @@ class Reference:
         return max(starts, default=math.nan)
 
 
-def scenes(plan: Plan) -> Iterator[tuple[str, Scene]]:
+def scenes(plan: ChartPlan) -> Iterator[tuple[str, Scene]]:
     """Kind and scene of everything that is measured."""
     for model in plan.models:
         yield DEPLOYMENT, plan.deployment(model)
@@ -69,7 +69,7 @@ def scenes(plan: Plan) -> Iterator[tuple[str, Scene]]:
             yield IMPACTS, plan.initial_phase(model)
 
 
-def _settings(method: Method, kind: str, model: str, plan: Plan) -> Settings:
+def _settings(method: Method, kind: str, model: str, plan: ChartPlan) -> Settings:
     """Settings of a method that are measured, besides those of the references."""
     if kind == IMPACTS:
         return method.impacts.get(model, ())[: plan.settings]
@@ -77,7 +77,7 @@ def _settings(method: Method, kind: str, model: str, plan: Plan) -> Settings:
     return method.deployments.get(model, ())[: plan.settings] + dear
 
 
-def references(kind: str, model: str, plan: Plan) -> tuple[Pairs, ...]:
+def references(kind: str, model: str, plan: ChartPlan) -> tuple[Pairs, ...]:
     """Names and settings of the reference runs of a scene, for each model of panels; fewer in a short plan."""
     if kind == DEPLOYMENT:
         pairs = (DEPLOYMENT_REFERENCES if plan.dear else SHORT_REFERENCES)[model]
@@ -87,7 +87,7 @@ def references(kind: str, model: str, plan: Plan) -> tuple[Pairs, ...]:
     return (pairs, MODAL_REFERENCES[model]) if model in MODAL_REFERENCES else (pairs,)
 
 
-def work_precision_jobs(plan: Plan) -> dict[Key, Job]:
+def work_precision_jobs(plan: ChartPlan) -> dict[Key, Job]:
     """Every method at every setting on every scene, the reference runs included."""
     jobs: dict[Key, Job] = {}
     for kind, scene in scenes(plan):
@@ -106,7 +106,7 @@ def work_precision_jobs(plan: Plan) -> dict[Key, Job]:
     return jobs
 
 
-def work_precision_rows(plan: Plan, results: Mapping[Key, Measured]) -> dict[str, list[Row]]:
+def work_precision_rows(plan: ChartPlan, results: Mapping[Key, Measured]) -> dict[str, list[Row]]:
     """Rows by table.
 
     "work_precision": of every method at every setting; "work_precision_floors": floors of every scene and its panels.
@@ -147,7 +147,7 @@ def _motions(measured: Mapping[tuple[str, float], Measured], pairs: Pairs) -> tu
     return tuple(motions)
 
 
-def _errors(kind: str, motion: Motion, reference: Reference, plan: Plan) -> Row:
+def _errors(kind: str, motion: Motion, reference: Reference, plan: ChartPlan) -> Row:
     right, counts = reference.motions[0], reference.impacts
     errors: Row = dict.fromkeys(_ERRORS, math.nan)
     if kind == DEPLOYMENT:
@@ -159,7 +159,7 @@ def _errors(kind: str, motion: Motion, reference: Reference, plan: Plan) -> Row:
     return errors | {"impact_start_error_s": start, "impact_force_error": force, "impacts_predicted": predicted}
 
 
-def _figures(kind: str, result: Measured, reference: Reference, plan: Plan) -> Row:
+def _figures(kind: str, result: Measured, reference: Reference, plan: ChartPlan) -> Row:
     """Costs and errors of a run; nan if it did not reach its end."""
     row: Row = {"failure": result.failure, "repeats": len(result.walls)}
     motion = result.motion
@@ -174,7 +174,7 @@ _COUNTS = ("steps", "evaluations", "factorizations", "energy_residual", "constra
 _ERRORS = ("angle_error_rad", "latch_error_s", "impact_start_error_s", "impact_force_error", "impacts_predicted")
 
 
-def _floor(kind: str, scene: Scene, panels: str, pairs: Pairs, reference: Reference, plan: Plan) -> Row:
+def _floor(kind: str, scene: Scene, panels: str, pairs: Pairs, reference: Reference, plan: ChartPlan) -> Row:
     """The greatest errors that other reference runs have against the first one."""
     others = [_errors(kind, motion, reference, plan) for motion in reference.motions[1:]]
     worst: Row = {name: max(float(errors[name]) for errors in others) for name in _ERRORS[:-1]}

@@ -26,13 +26,15 @@ from solar_env.mechanics.mechanism.description import (
 )
 from solar_env.mechanics.running.simulation import Simulation, simulate
 
-INTEGRATORS: dict[str, Integrator] = {
+EXPLICIT_AND_IMPLICIT: dict[str, Integrator] = {
     "runge-kutta": RungeKutta(rtol=1e-8),
     "generalized-alpha": GeneralizedAlpha(step=1e-3, rho_inf=1.0),
 }
 # With rho_inf = 1, which conserves energy, the constraint forces alternate, as the library tells; here motion counts.
 pytestmark = pytest.mark.filterwarnings("ignore:.* the constraint forces of the integrator")
-both_integrators = pytest.mark.parametrize("integrator", INTEGRATORS.values(), ids=INTEGRATORS.keys())
+both_integrators = pytest.mark.parametrize(
+    "integrator", EXPLICIT_AND_IMPLICIT.values(), ids=EXPLICIT_AND_IMPLICIT.keys()
+)
 
 BEAM = FlexibleBody("beam", 1.2, 2, linear_density=0.8, axial_stiffness=400.0, bending_stiffness=0.6)
 WIDE = Bearing(

@@ -27,7 +27,7 @@ SURFACES = Surfaces(
     0.0102, 0.0100, 1.0, bearing_young=105e9, bearing_poisson=0.34, journal_young=207e9, journal_poisson=0.3
 )
 MASS, SPEED, CLEARANCE = 6.0, 0.05, 2e-4
-INTEGRATORS: tuple[Integrator, ...] = (RungeKutta(), GeneralizedAlpha(rtol=1e-5))
+EXPLICIT_AND_IMPLICIT: tuple[Integrator, ...] = (RungeKutta(), GeneralizedAlpha(rtol=1e-5))
 EVERY_LAW = pytest.mark.parametrize("name", CONTACT_LAWS)
 EVERY_RESTITUTION = pytest.mark.parametrize("coefficient", [0.1, 0.5, 0.9, 1.0])
 
@@ -106,7 +106,7 @@ def test_the_stored_energy_is_the_work_against_the_elastic_force(name: str) -> N
 
 @EVERY_LAW
 @EVERY_RESTITUTION
-@pytest.mark.parametrize("integrator", INTEGRATORS, ids=lambda integrator: integrator.name)
+@pytest.mark.parametrize("integrator", EXPLICIT_AND_IMPLICIT, ids=lambda integrator: integrator.name)
 def test_a_block_leaves_the_wall_with_the_speed_that_the_law_claims(
     name: str, coefficient: float, integrator: Integrator
 ) -> None:
@@ -120,7 +120,7 @@ def test_a_block_leaves_the_wall_with_the_speed_that_the_law_claims(
 
 
 @EVERY_LAW
-@pytest.mark.parametrize("integrator", INTEGRATORS, ids=lambda integrator: integrator.name)
+@pytest.mark.parametrize("integrator", EXPLICIT_AND_IMPLICIT, ids=lambda integrator: integrator.name)
 def test_an_undamped_impact_is_as_deep_and_as_long_as_the_law_predicts(name: str, integrator: Integrator) -> None:
     law = contact_law(name, SURFACES, 1.0)
     depth, duration = law.impact_scales(law.parameters(), 1.0 / MASS, SPEED)

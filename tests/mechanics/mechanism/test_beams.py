@@ -18,7 +18,7 @@ from solar_env.mechanics.mechanism.beams import (
 from solar_env.mechanics.mechanism.description import Load
 from solar_env.mechanics.running.simulation import Simulation
 
-INTEGRATORS = [RungeKutta(), GeneralizedAlpha(step=1e-3)]
+EXPLICIT_AND_IMPLICIT = [RungeKutta(), GeneralizedAlpha(step=1e-3)]
 
 
 def test_panel_is_the_papers():
@@ -35,7 +35,7 @@ def test_solid_multiplies_section_and_material():
     assert beam.linear_density == pytest.approx(9.972)
 
 
-@pytest.mark.parametrize("integrator", INTEGRATORS, ids=lambda i: i.name)
+@pytest.mark.parametrize("integrator", EXPLICIT_AND_IMPLICIT, ids=lambda i: i.name)
 @pytest.mark.parametrize(
     "mechanism",
     [

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from deployments import INTEGRATORS, array, every_integrator, in_contact
+from deployments import EXAMPLES, array, every_integrator, in_contact
 from helpers import block, fingerprint, in_miniature, pendulum, rotor
 
 from solar_env.array import ArrayParameters, build
@@ -153,7 +153,7 @@ def test_arrays_of_any_number_of_panels_deploy_and_latch(
 
 
 def test_integrators_agree_on_when_the_joints_with_clearance_latch() -> None:
-    runs = [simulate(build(ArrayParameters(panel_count=1)), 11.0, integrator=i) for i in INTEGRATORS]
+    runs = [simulate(build(ArrayParameters(panel_count=1)), 11.0, integrator=i) for i in EXAMPLES]
     # The impacts of the first seconds are chaotic; what they leave in the latch times was seen to be some 1e-5 s.
     for other in runs[1:]:
         assert other.latch_times == pytest.approx(runs[0].latch_times, abs=1e-3)
@@ -189,7 +189,7 @@ def test_an_impulse_stops_what_it_should() -> None:
 
 
 def test_joint_loads_show_the_present_contact() -> None:
-    simulation = in_contact(INTEGRATORS[0])
+    simulation = in_contact(EXAMPLES[0])
     loads = simulation.joint_loads()
     touching = simulation.state.joints["in_contact"].astype(bool)
     assert np.all(loads[touching, NORMAL] >= 0.0)

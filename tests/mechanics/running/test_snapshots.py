@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from deployments import INTEGRATORS, array, every_integrator, in_contact
+from deployments import EXAMPLES, array, every_integrator, in_contact
 from helpers import fingerprint, pendulum
 
 from solar_env.array import ArrayParameters, build
@@ -45,7 +45,7 @@ def test_a_snapshot_restored_into_another_simulation_continues_to_the_same_bits(
 def test_a_pickled_snapshot_continues_to_the_same_bits_in_another_process(
     tmp_path: Path, run_python: Callable[..., str]
 ) -> None:
-    simulation = in_contact(INTEGRATORS[0])
+    simulation = in_contact(EXAMPLES[0])
     path = tmp_path / "snapshot.pickle"
     path.write_bytes(pickle.dumps(simulation.snapshot()))
     end = simulation.time + 0.2
@@ -63,7 +63,7 @@ print(hashlib.sha256(b"".join(array.tobytes() for array in simulation.state)).he
 
 
 def test_a_snapshot_is_not_touched_by_what_follows() -> None:
-    simulation = in_contact(INTEGRATORS[0])
+    simulation = in_contact(EXAMPLES[0])
     saved = simulation.snapshot()
     before = fingerprint(saved)
     simulation.advance(simulation.time + 0.05)

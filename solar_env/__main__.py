@@ -17,7 +17,7 @@ PROG = "solar-env"
 
 
 class Command(NamedTuple):
-    """A row of the table: a module with a dataclass `Args`, and `run_command(args)` or `main(words)`."""
+    """A row of the table: a module with a dataclass `Args` and a function `run_command(args)`."""
 
     module: str
     summary: str
@@ -121,14 +121,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
         warnings.formatwarning = usual
 
 
-def _run(name: str, words: list[str]) -> int:
-    module = command_named(name).load()
-    try:
-        if hasattr(module, "main"):
-            return int(module.main(words) or 0)
-        from solar_env.commands.arguments import parse_arguments
+def execute(name: str, words: Sequence[str]) -> int:
+    """Run a command by its name and the words behind it; its exit status.
 
-        return int(module.run_command(parse_arguments(module.Args, words, f"{PROG} {name}")))
+    Raises:
+        SystemExit: wrong input, of which a sentence is printed, or the help was asked for.
+        ValueError, OSError, SimulationError: what the command raises.
+    """
+    module = command_named(name).load()
+    from solar_env.commands.arguments import parse_arguments
+
+    status: int = module.run_command(parse_arguments(module.Args, words, f"{PROG} {name}"))
+    return status
+
+
+def _run(name: str, words: Sequence[str]) -> int:
+    try:
+        return execute(name, words)
     except SystemExit as stop:  # of the parser
         return int(stop.code or 0)
     except RuntimeError as error:

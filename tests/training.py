@@ -5,8 +5,8 @@ import io
 import numpy as np
 
 from agents.commands import train
-from agents.commands.arguments import parse_arguments
 from agents.learning import checkpoints, runs
+from solar_env.commands.arguments import parse_arguments
 
 RIGID = ["--model", "rigid-clearance"]
 OFF_POLICY = [*RIGID, "--n-envs", "1", "--landings", "4"]
@@ -20,8 +20,8 @@ SMALL = {
 
 
 def run(*arguments):
-    args = parse_arguments(train.Args, ["--quiet", "--eval-episodes", "2", *map(str, arguments)])
-    return train.run(args, "python train.py ...")
+    words = ["--quiet", "--eval-episodes", "2", *map(str, arguments)]
+    return train.run(parse_arguments(train.Args, words, "solar-env train"))
 
 
 def write_history(folder, results, timesteps=None):

@@ -1,7 +1,6 @@
 """Options that several commands of the agents have in common."""
 
 import dataclasses
-import shlex
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -9,9 +8,8 @@ import gymnasium
 
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_sampling
 from solar_env.commands.arguments import Assignments as Assignments
+from solar_env.commands.arguments import CommandRecord as CommandRecord
 from solar_env.commands.arguments import WorkerOptions as WorkerOptions
-from solar_env.commands.arguments import parse_arguments as parse_arguments
-from solar_env.commands.arguments import parse_assignments as parse_assignments
 
 if TYPE_CHECKING:
     from agents.comparison.controllers import NamedController
@@ -91,7 +89,7 @@ class ShowingOptions(EpisodeOptions):
 
 
 @dataclasses.dataclass
-class TrainingOptions(WorkerOptions):
+class TrainingOptions(WorkerOptions, CommandRecord):
     """Settings of trainings in place of those in agents/configs."""
 
     timesteps: int | None = None
@@ -100,8 +98,3 @@ class TrainingOptions(WorkerOptions):
     """episodes of the law alone with whose landings training begins; by default the number in agents/configs"""
     hyperparams: Assignments = dataclasses.field(default_factory=dict)
     """hyperparameters in place of those in agents/configs, for example learning_rate=1e-3"""
-
-
-def command_line(prog: str, argv: Sequence[str]) -> str:
-    """Return the command as it was typed, for the record."""
-    return shlex.join([*prog.split(), *argv])

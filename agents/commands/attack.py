@@ -11,13 +11,12 @@ from typing import Any
 import numpy as np
 from gymnasium.vector import AutoresetMode
 
-from agents.commands.arguments import ModelOptions, command_line, parse_arguments
+from agents.commands.arguments import CommandRecord, ModelOptions
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_vector_env, with_sampling
 from agents.learning import runs
 from solar_env.environment.task.task import Task
 from solar_env.support.minimisation import minimise
 
-PROG = "solar-env attack"
 # A profile has `KNOTS` torques and, for the time before and the time after the first latch each, the share of the
 # torque limit with which it chatters, its half-period and its phase: numbers in [0, 1].
 KNOTS = 30
@@ -26,7 +25,7 @@ LONGEST_HALF_PERIOD = 4  # control periods
 
 
 @dataclass
-class Args(ModelOptions):
+class Args(ModelOptions, CommandRecord):
     """Search for torque profiles with chattering that the reward pays best, by CMA-ES, from the passive deployment.
 
     The model is rigid-clearance unless another is named.
@@ -98,9 +97,8 @@ class Deployments:
         self._env.close()
 
 
-def main(argv: Sequence[str]) -> None:
+def run_command(args: Args) -> int:
     """Run the command; see `Args`."""
-    args = parse_arguments(Args, argv, PROG)
     env_kwargs = args.keywords(args.env_id)
     lanes = 4 + math.floor(3 * math.log(NUMBERS))  # as many as pycma's generations have
     with closing(Deployments(args.env_id, env_kwargs, lanes)) as deployments:
@@ -128,7 +126,8 @@ def main(argv: Sequence[str]) -> None:
         for name, of in results.items()
     }
     profiles = {name: profile.tolist() for name, profile in zip(results, found, strict=True)}
-    record = {"command": command_line(PROG, argv), "episodes": used, "medians": summary, "profiles": profiles}
+    record = {"command": args.command, "episodes": used, "medians": summary, "profiles": profiles}
     runs.write_json(Path(args.out), record)
     print(json.dumps(summary, indent=2))
     print(f"written to {args.out}")
+    return 0

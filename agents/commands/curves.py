@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from agents.commands.arguments import ModelOptions, TrainingOptions, command_line, parse_arguments
+from agents.commands.arguments import ModelOptions, TrainingOptions
 from agents.comparison.figures import learning_curves_figure
 from agents.comparison.suites import MODEL, SUITES, WHOLE_TORQUE_MODEL
 from agents.environments import check_distinct_seeds
@@ -17,7 +17,6 @@ from agents.learning import configurations, learn, runs
 from solar_env.environment.registration import ENVIRONMENTS
 from solar_env.support.files import copy_file, make_folder, write_text
 
-PROG = "solar-env curves"
 FIGURE, TABLE = "learning_curves.png", "learning_curves.csv"
 
 # (panel of the figure, algorithm) -> mean validation return (seeds, validations), after these steps (validations,).
@@ -85,9 +84,8 @@ def write_table(curves: Curves, seeds: Sequence[int], path: Path) -> None:
     write_text(path, text.getvalue())
 
 
-def main(argv: Sequence[str]) -> None:
+def run_command(args: Args) -> int:
     """Run the command; see `Args`."""
-    args = parse_arguments(Args, argv, PROG)
     unknown = [suite for suite in args.suites if suite not in SUITES]
     if unknown:
         raise ValueError(f"no suite {unknown[0]!r}; available: {', '.join(SUITES)}")
@@ -95,7 +93,7 @@ def main(argv: Sequence[str]) -> None:
     wanted = wanted_runs(args)
     out = make_folder(args.out)
     everything = {folder: config for of_agent in wanted.values() for folder, config in of_agent.items()}
-    learn.train_missing(everything, command_line(PROG, argv), "cpu", args.workers, not args.quiet)
+    learn.train_missing(everything, args.command, "cpu", args.workers, not args.quiet)
     curves: Curves = {key: curve(list(of_agent)) for key, of_agent in wanted.items()}
     write_table(curves, args.seeds, out / TABLE)
     learning_curves_figure(curves, out / FIGURE)
@@ -103,3 +101,4 @@ def main(argv: Sequence[str]) -> None:
         for name in (FIGURE, TABLE):
             copy_file(out / name, Path(__file__).parents[1] / "figures" / name)
     print(f"written to {out}")
+    return 0

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import tyro
 
-from agents.commands.arguments import ModelOptions, TrustOption, WorkerOptions, command_line, parse_arguments
+from agents.commands.arguments import CommandRecord, ModelOptions, TrustOption, WorkerOptions
 from agents.comparison.controllers import trust_runs
 from agents.comparison.evaluation import STORE, common_env_id, common_env_kwargs, efforts, evaluate
 from agents.comparison.figures import comparison_figure
@@ -19,7 +19,6 @@ from solar_env.support.files import copy_file, make_folder
 from solar_env.support.readme import Section
 from solar_env.support.terminal import print_markdown
 
-PROG = "solar-env evaluate"
 FIGURE = "comparison.png"
 COMPARISON = Path(__file__).parents[1] / "comparison"
 
@@ -31,7 +30,7 @@ CONTROLLERS = (
 
 
 @dataclass
-class Args(ModelOptions, WorkerOptions, TrustOption):
+class Args(ModelOptions, WorkerOptions, TrustOption, CommandRecord):
     """Compare controllers on the same evaluation episodes.
 
     Environment keywords that are not given are those of the suite, else those that the trained controllers have in
@@ -55,9 +54,8 @@ class Args(ModelOptions, WorkerOptions, TrustOption):
     """write a suite's table into the README, and its figure beside the README's others"""
 
 
-def main(argv: Sequence[str]) -> None:
+def run_command(args: Args) -> int:
     """Run the command; see `Args`."""
-    args = parse_arguments(Args, argv, PROG)
     if args.readme:
         _section(args).read()  # refuses a page without a place before everything is evaluated
     if args.trust:
@@ -76,7 +74,7 @@ def main(argv: Sequence[str]) -> None:
     rows = evaluate(
         controllers, args.episodes, args.seed, env_id, env_kwargs, not args.quiet, args.workers, out / STORE
     )
-    settings = {"command": command_line(PROG, argv), **asdict(args), "env_id": env_id, "env_kwargs": env_kwargs}
+    settings = {**asdict(args), "env_id": env_id, "env_kwargs": env_kwargs}
     summary, tables = write_comparison(out, rows, settings, efforts(controllers, env_id, env_kwargs))
     comparison_figure(summary, out / FIGURE)
     if args.readme:
@@ -84,6 +82,7 @@ def main(argv: Sequence[str]) -> None:
         _section(args).write(tables.folded().strip())
     print_markdown(str(tables))
     print(f"written to {out}")
+    return 0
 
 
 def suite_section(suite: str) -> Section:
@@ -93,7 +92,8 @@ def suite_section(suite: str) -> Section:
 
 def _section(args: Args) -> Section:
     """The section that the arguments are to write."""
-    whole = Args(suite=args.suite, readme=True, out=args.out, jobs=args.jobs, cluster=args.cluster, quiet=args.quiet)
+    kept = {name: getattr(args, name) for name in ("suite", "out", "jobs", "cluster", "quiet", "command")}
+    whole = Args(readme=True, **kept)
     if args.suite is None or args != whole:
         raise ValueError(
             "--readme writes the result of a whole suite: it needs --suite, and takes no other controllers, episodes, "

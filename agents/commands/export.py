@@ -2,7 +2,7 @@
 
 import csv
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -11,7 +11,7 @@ import gymnasium
 import numpy as np
 import tyro
 
-from agents.commands.arguments import TrustOption, parse_arguments
+from agents.commands.arguments import TrustOption
 from agents.comparison.report import Row, tabulate
 from agents.environments import episode_seeds, make_env
 from agents.laws.table import BASELINES, LAWS
@@ -26,7 +26,6 @@ from agents.torque_laws import Signals
 from solar_env.support.files import write_bytes, write_text
 from solar_env.support.plain_arrays import read_json
 
-PROG = "solar-env export"
 TOLERANCE = 1e-5  # of actions, between the network and Stable-Baselines3
 
 
@@ -136,9 +135,8 @@ def _numbers(row: Mapping[str, str]) -> Row:
     }
 
 
-def main(argv: Sequence[str]) -> None:
+def run_command(args: Args) -> int:
     """Run the command; see `Args`."""
-    args = parse_arguments(Args, argv, PROG)
     if args.run is None or not re.fullmatch(r"\w[\w.-]*", args.name or ""):
         raise ValueError(f"run is {args.run!r}, name {args.name!r}; give both: solar-env export runs/<run> --name NAME")
     if args.name in LAWS:
@@ -148,3 +146,4 @@ def main(argv: Sequence[str]) -> None:
         runs.trust_run(args.run)
     export(args.run, folder, args.scores)
     print(f"written to {folder}")
+    return 0

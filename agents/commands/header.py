@@ -1,18 +1,14 @@
 """Command that writes a policy as one C header: `solar-env header`."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
 import tyro
 
-from agents.commands.arguments import parse_arguments
 from agents.policies.c_form import c_header
 from agents.policies.shipped import load_shipped
 from solar_env.support.files import check_target, write_text
-
-PROG = "solar-env header"
 
 
 @dataclass
@@ -28,11 +24,11 @@ class Args:
     """the header"""
 
 
-def main(argv: Sequence[str]) -> None:
+def run_command(args: Args) -> int:
     """Run the command; see `Args`."""
-    args = parse_arguments(Args, argv, PROG)
     check_target(args.out)
     policy = load_shipped(args.policy)
     name = f"{Path(args.policy).name}_action"
     write_text(args.out, c_header(policy.network, name, policy.description.observation_names))
     print(f"written to {args.out}")
+    return 0

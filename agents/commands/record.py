@@ -9,13 +9,12 @@ import numpy as np
 from PIL import Image
 from rich.console import Console
 
-from agents.commands.arguments import EpisodeOptions, parse_arguments
+from agents.commands.arguments import EpisodeOptions
 from agents.rollout import Step, run_episode
 from solar_env.pictures.gif import write_gif
 from solar_env.support.files import check_target, write_bytes
 from solar_env.support.progress import counting_bar
 
-PROG = "solar-env record"
 SUFFIXES = (".mp4", ".gif")
 GIF_WIDTH = 640  # pixels; a GIF in full size has tens of megabytes
 
@@ -35,9 +34,8 @@ class Args(EpisodeOptions):
     """times real time"""
 
 
-def main(argv: Sequence[str]) -> None:
+def run_command(args: Args) -> int:
     """Run the command; see `Args`."""
-    args = parse_arguments(Args, argv, PROG)
     if args.out.suffix.lower() not in SUFFIXES:
         raise ValueError(f"the suffix {args.out.suffix!r} of {args.out} is unknown; choose from {', '.join(SUFFIXES)}")
     if not 0.0 < args.speed <= 100.0:
@@ -57,6 +55,7 @@ def main(argv: Sequence[str]) -> None:
         run_episode(env, named.load(env), args.episode_seed, draw)
     write_film(frames, args.out, args.speed * env.metadata["render_fps"])
     print(f"written to {args.out}")
+    return 0
 
 
 def write_film(frames: Sequence[np.ndarray], path: Path, rate: float) -> None:

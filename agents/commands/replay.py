@@ -7,7 +7,7 @@ from typing import Any
 
 from rich.console import Console
 
-from agents.commands.arguments import ShowingOptions, command_line, parse_arguments
+from agents.commands.arguments import CommandRecord, ShowingOptions
 from agents.rollout import run_episode
 from solar_env.environment.recording import RecordTrajectory
 from solar_env.mechanics.running.trajectory import Trajectory
@@ -18,7 +18,6 @@ from solar_env.support.files import check_target
 from solar_env.support.progress import counting_bar
 from solar_env.support.versions import versions
 
-PROG = "solar-env replay"
 TABLES = "comparison.md"  # of a run's evaluation
 # Figure of an episode -> in words, with its unit.
 SHOWN = {
@@ -32,7 +31,7 @@ SHOWN = {
 
 
 @dataclass
-class Args(ShowingOptions):
+class Args(ShowingOptions, CommandRecord):
     """Show one episode of several controllers, the same for all, in motion, side by side on one page.
 
     The model is flexible-clearance unless another is named.
@@ -42,9 +41,8 @@ class Args(ShowingOptions):
     """the page, which needs no network"""
 
 
-def main(argv: Sequence[str]) -> None:
+def run_command(args: Args) -> int:
     """Run the command; see `Args`."""
-    args = parse_arguments(Args, argv, PROG)
     check_target(args.html)
     prepared = args.prepare(args.controllers)
     episodes: dict[str, Trajectory] = {}
@@ -54,8 +52,9 @@ def main(argv: Sequence[str]) -> None:
             recorded = RecordTrajectory(env)
             figures[named.name] = run_episode(recorded, named.load(recorded), args.episode_seed)
             episodes[named.name] = recorded.trajectory
-    write_page(replay_page(episodes, figures, command_line(PROG, argv), evaluations(args.controllers)), args.html)
+    write_page(replay_page(episodes, figures, args.command, evaluations(args.controllers)), args.html)
     print(f"written to {args.html}")
+    return 0
 
 
 def evaluations(controllers: Sequence[str]) -> list[str]:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from agents.commands.arguments import ModelOptions, WorkerOptions, command_line, parse_arguments
+from agents.commands.arguments import CommandRecord, ModelOptions, WorkerOptions
 from agents.comparison.suites import MODEL, WHOLE_TORQUE_MODEL
 from agents.environments import DEFAULT_ENV_ID
 from agents.laws.baselines import CONFIGS
@@ -18,7 +18,6 @@ from solar_env.support.files import check_target, make_folder
 from solar_env.support.minimisation import minimise
 from solar_env.support.plain_arrays import read_json
 
-PROG = "solar-env search"
 SIGNIFICANT_DIGITS = 3
 SPREAD = 0.1  # of the first generation, as a share of the ranges; a wider one trains agents that only shake the array
 
@@ -77,7 +76,7 @@ WHOLE_TORQUE = {"log_std_init": Range(-4.0, 0.0), "exploration_noise": Range(0.0
 
 
 @dataclass
-class Args(ModelOptions, WorkerOptions):
+class Args(ModelOptions, WorkerOptions, CommandRecord):
     """Search hyperparameters of an agent and write the best to agents/configs.
 
     The model is flexible-clearance, or rigid-clearance for the whole torque, unless another is named.
@@ -164,16 +163,14 @@ def store(algo: str, env_id: str, config: configurations.Configuration, record: 
     return path
 
 
-def main(argv: Sequence[str]) -> None:
+def run_command(args: Args) -> int:
     """Run the command; see `Args`. A ValueError says that there is nothing to search, or the budget is too small."""
-    args = parse_arguments(Args, argv, PROG)
     if args.algo not in SPACES:
         raise ValueError(f"nothing to search for {args.algo!r}; choose from {', '.join(SPACES)}")
     default = WHOLE_TORQUE_MODEL if args.whole else MODEL
     env_kwargs = args.keywords(args.env_id, default)
     make_folder(args.out)
     check_target(CONFIGS / f"{args.algo}.json")
-    command = command_line(PROG, argv)
     scores: dict[Path, float] = {}
     configs: dict[Path, configurations.Configuration] = {}
 
@@ -181,7 +178,7 @@ def main(argv: Sequence[str]) -> None:
         generation = [trial(args, env_kwargs, np.clip(point, 0.0, 1.0)) for point in points]
         folders = [Path(args.out) / f"trial-{len(configs) + k}" for k in range(len(generation))]
         wanted = dict(zip(folders, generation, strict=True))
-        learn.train_missing(wanted, command, "cpu", args.workers, progress=False)
+        learn.train_missing(wanted, args.command, "cpu", args.workers, progress=False)
         configs.update(wanted)
         scores.update({folder: score(folder) for folder in folders})
         return [-scores[folder] for folder in folders]
@@ -192,7 +189,7 @@ def main(argv: Sequence[str]) -> None:
     before = -costs([first])[0]
     best = max(scores, key=scores.__getitem__)
     record = {
-        "command": command,
+        "command": args.command,
         "start": values,
         "env_kwargs": configs[best].env_kwargs,
         "trials": len(scores),
@@ -204,3 +201,4 @@ def main(argv: Sequence[str]) -> None:
     found = {"residual": configs[best].residual, **configs[best].hyperparameters}
     print(json.dumps({**record, **found}, indent=2))
     print(f"written to {path}")
+    return 0

@@ -9,7 +9,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 from rich.console import Console
 
-from agents.commands.arguments import ShowingOptions, parse_arguments
+from agents.commands.arguments import ShowingOptions
 from agents.comparison.figures import deployments_figure
 from agents.rollout import Step, run_episode
 from agents.torque_laws import Controller
@@ -36,9 +36,8 @@ class Args(ShowingOptions):
     """put the figure and the animation beside the page, agents/comparison/README.md"""
 
 
-def main(argv: Sequence[str]) -> None:
+def run_command(args: Args) -> int:
     """Run the command; see `Args`."""
-    args = parse_arguments(Args, argv, "solar-env show")
     prepared = args.prepare(args.controllers, render_mode="rgb_array")
     out = make_folder(args.out)
     episodes: dict[str, list[Step]] = {}
@@ -53,6 +52,7 @@ def main(argv: Sequence[str]) -> None:
         for name in (FIGURE, ANIMATION):
             copy_file(out / name, Path(__file__).parents[1] / "comparison" / "figures" / name)
     print(f"written to {out}")
+    return 0
 
 
 def _filmed(env: Any, controller: Controller, name: str, seed: int) -> tuple[list[Step], list[Image.Image]]:

@@ -12,7 +12,7 @@ from typing import Annotated, Any
 
 import tyro
 
-from agents.commands.arguments import ModelOptions, TrainingOptions, TrustOption, command_line, parse_arguments
+from agents.commands.arguments import ModelOptions, TrainingOptions, TrustOption
 from agents.comparison.evaluation import efforts, evaluate
 from agents.comparison.figures import run_figure
 from agents.comparison.report import Summary, Tables, write_comparison
@@ -32,7 +32,6 @@ from agents.learning import configurations, learn, runs
 from agents.rollout import Step, run_episode
 from solar_env.support.terminal import print_markdown
 
-PROG = "solar-env train"
 BASELINES = ("passive", "servo-untuned", "servo")
 # As many as leave a training with its comparison within ten minutes on two cores.
 TIMESTEPS = 86_400
@@ -77,15 +76,16 @@ class Args(ModelOptions, TrainingOptions, TrustOption):
     """torch device; for networks this small the CPU is faster"""
 
 
-def main(argv: Sequence[str]) -> None:
+def run_command(args: Args) -> int:
     """Run the command; see `Args`."""
-    run(parse_arguments(Args, argv, PROG), command_line(PROG, argv))
+    run(args)
+    return 0
 
 
-def run(args: Args, command: str) -> Path:
+def run(args: Args) -> Path:
     """Train, compare, and return the run folder."""
     if args.seeds:
-        return train_seeds(args, command)
+        return train_seeds(args)
     if args.resume:
         if args.trust:
             runs.trust_run(args.resume)
@@ -101,11 +101,11 @@ def run(args: Args, command: str) -> Path:
     print(f"{config.algo} on {config.env_id}, {config.timesteps} steps -> {folder}")
     learn.train(
         learn.Training(
-            config, folder, args.resume, command, args.device, not args.quiet, None, args.checkpoint_interval
+            config, folder, args.resume, args.command, args.device, not args.quiet, None, args.checkpoint_interval
         )
     )
 
-    summary, tables = compare(args, config, [folder], folder, command)
+    summary, tables = compare(args, config, [folder], folder)
     draw(folder, config, {name: entry["return"].mean for name, entry in summary.items()})
     print_markdown(str(tables))
     print(f"written to {folder}")
@@ -125,7 +125,7 @@ def configuration(args: Args, seed: int) -> configurations.Configuration:
     return replace(config, timesteps=min(config.timesteps, TIMESTEPS)) if quick else config
 
 
-def train_seeds(args: Args, command: str) -> Path:
+def train_seeds(args: Args) -> Path:
     """Train a run for every seed that has none yet, compare them together, and return the folder of all runs.
 
     Raises:
@@ -137,8 +137,8 @@ def train_seeds(args: Args, command: str) -> Path:
     check_comparison(args, args.seed or 0)
     out = Path(args.out)
     wanted = {out / f"seed-{seed}": configuration(args, seed) for seed in args.seeds}
-    learn.train_missing(wanted, command, args.device, args.workers, not args.quiet)
-    _, tables = compare(args, wanted[out / f"seed-{args.seeds[-1]}"], list(wanted), out, command)
+    learn.train_missing(wanted, args.command, args.device, args.workers, not args.quiet)
+    _, tables = compare(args, wanted[out / f"seed-{args.seeds[-1]}"], list(wanted), out)
     print_markdown(str(tables))
     print(f"written to {out}")
     return out
@@ -159,14 +159,14 @@ def references(config: configurations.Configuration) -> list[str]:
 
 
 def compare(
-    args: Args, config: configurations.Configuration, folders: Sequence[Path], out: Path, command: str
+    args: Args, config: configurations.Configuration, folders: Sequence[Path], out: Path
 ) -> tuple[Summary, Tables]:
     """Compare runs, as training seeds of one controller, with the baselines; for the rest see `write_comparison`."""
     seed = args.seed or 0 if args.seeds else config.seed
     controllers = [*references(config), *(f"{config.algo}={folder}" for folder in folders)]
     env_id, env_kwargs = config.env_id, _of_laws(config)
     rows = evaluate(controllers, args.eval_episodes, seed, env_id, env_kwargs, not args.quiet, args.workers)
-    settings = {"command": command, "eval_episodes": args.eval_episodes, "seed": seed}
+    settings = {"command": args.command, "eval_episodes": args.eval_episodes, "seed": seed}
     return write_comparison(out, rows, settings, efforts(controllers, config.env_id, config.env_kwargs))
 
 

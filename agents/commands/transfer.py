@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from agents.commands.arguments import Assignments, TrainingOptions, command_line, parse_arguments
+from agents.commands.arguments import Assignments, TrainingOptions
 from agents.comparison.evaluation import STORE, evaluate
 from agents.comparison.figures import transfer_figure
 from agents.comparison.report import header, summarize
@@ -16,7 +16,6 @@ from solar_env.support.files import copy_file, make_folder, write_text
 from solar_env.support.readme import Section
 from solar_env.support.terminal import print_markdown
 
-PROG = "solar-env transfer"
 FIGURE, TABLE = "transfer.png", "transfer.md"
 COMPARISON = Path(__file__).parents[1] / "comparison"
 SECTION = Section(COMPARISON / "README.md", "transfer", "solar-env transfer --readme")
@@ -58,7 +57,7 @@ class Args(TrainingOptions):
     """put the table into the README and the figure beside its others"""
 
 
-def train_all(args: Args, command: str) -> dict[str, list[Path]]:
+def train_all(args: Args) -> dict[str, list[Path]]:
     """Train the runs that are not complete; level -> run folders.
 
     Raises:
@@ -74,7 +73,7 @@ def train_all(args: Args, command: str) -> dict[str, list[Path]]:
             for seed in args.seeds
         }
     everything = {folder: config for runs_of_level in wanted.values() for folder, config in runs_of_level.items()}
-    learn.train_missing(everything, command, "cpu", args.workers, not args.quiet)
+    learn.train_missing(everything, args.command, "cpu", args.workers, not args.quiet)
     return {level: list(runs_of_level) for level, runs_of_level in wanted.items()}
 
 
@@ -119,9 +118,8 @@ def markdown(returns: Mapping[str, Mapping[str, Estimate]]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def main(argv: Sequence[str]) -> None:
+def run_command(args: Args) -> int:
     """Run the command; see `Args`."""
-    args = parse_arguments(Args, argv, PROG)
     if args.readme:
         SECTION.read()  # refuses a page without a place before everything is trained
     check_episode_seeds(EVALUATION_SEED, args.episodes)
@@ -129,7 +127,7 @@ def main(argv: Sequence[str]) -> None:
     if args.residual == 0.0:
         raise ValueError("--residual 0: levels are compared by agents that add to the same law; give a positive share")
     out = make_folder(args.out)
-    returns = judge_all(args, train_all(args, command_line(PROG, argv)))
+    returns = judge_all(args, train_all(args))
     write_text(out / TABLE, markdown(returns))
     runs.write_json(
         out / "transfer.json", {level: {k: vars(v) for k, v in row.items()} for level, row in returns.items()}
@@ -140,3 +138,4 @@ def main(argv: Sequence[str]) -> None:
         SECTION.write(markdown(returns).strip())
     print_markdown(markdown(returns))
     print(f"written to {out}")
+    return 0

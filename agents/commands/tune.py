@@ -9,7 +9,7 @@ from typing import Annotated
 import numpy as np
 import tyro
 
-from agents.commands.arguments import ModelOptions, WorkerOptions, command_line, parse_arguments
+from agents.commands.arguments import CommandRecord, ModelOptions, WorkerOptions
 from agents.comparison.episodes import mean_returns
 from agents.environments import DEFAULT_ENV_ID, environment_settings, episode_seeds, with_sampling
 from agents.laws.baselines import CONFIGS, episodes_spent, load_parameters, store_parameters
@@ -18,11 +18,9 @@ from agents.learning import runs
 from solar_env.support.files import check_target
 from solar_env.support.minimisation import minimise
 
-PROG = "solar-env tune"
-
 
 @dataclass
-class Args(ModelOptions, WorkerOptions):
+class Args(ModelOptions, WorkerOptions, CommandRecord):
     """Tune a law by CMA-ES on the mean return and write its parameters for the model to agents/configs.
 
     The model is rigid-clearance unless another is named.
@@ -69,9 +67,8 @@ def tune(
     return minimise(costs, start, episodes // episodes_per_candidate, seed, progress, spread)
 
 
-def main(argv: Sequence[str]) -> None:
+def run_command(args: Args) -> int:
     """Run the command; see `Args`. A ValueError says that there is nothing to tune, or the budget is too small."""
-    args = parse_arguments(Args, argv, PROG)
     if args.controller not in TUNABLE:
         raise ValueError(f"nothing to tune in {args.controller!r}; choose from {', '.join(TUNABLE)}")
     check_target(CONFIGS / f"{args.controller}.json")
@@ -105,7 +102,7 @@ def main(argv: Sequence[str]) -> None:
     entry = {
         "parameters": asdict(untuned.from_unit(candidates[best])),
         "tuning": {
-            "command": command_line(PROG, argv),
+            "command": args.command,
             "env_kwargs": runs.jsonable(env_kwargs),
             "start": asdict(start),
             "training_episodes": trained,
@@ -118,3 +115,4 @@ def main(argv: Sequence[str]) -> None:
     path = store_parameters(args.controller, args.env_id, model, entry)
     print(json.dumps(entry, indent=2))
     print(f"written to {path}")
+    return 0

@@ -5,6 +5,7 @@ import contextlib
 import dataclasses
 import io
 import re
+import shlex
 import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -24,6 +25,13 @@ class QuietOption:
 
     quiet: bool = False
     """no progress bars"""
+
+
+@dataclasses.dataclass
+class CommandRecord:
+    """The command as it was typed, for the record of what it writes."""
+
+    command: Annotated[str, tyro.conf.Suppress] = ""
 
 
 def parse_assignments(pairs: Sequence[str]) -> dict[str, Any]:
@@ -84,21 +92,24 @@ class WorkerOptions(QuietOption):
         return Workers(self.jobs, self.cluster)
 
 
-def parse_arguments(cls: type[Arguments], argv: Sequence[str] | None = None, prog: str | None = None) -> Arguments:
-    """Fill the dataclass `cls` from `argv` (default: the process's arguments).
+def parse_arguments(cls: type[Arguments], argv: Sequence[str], prog: str | None = None) -> Arguments:
+    """Fill the dataclass `cls` from `argv`, the words behind the command `prog`.
 
     Field `env_id` becomes `--env-id`, its help is the string literal below it; a bool becomes a flag, a list takes any
     number of values, `Assignments` take `key=value` pairs. Wrong input ends the process with one sentence and status 2.
     """
     fields = dataclasses.fields(cls)  # type: ignore[arg-type]
     repeatable = {f"--{field.name.replace('_', '-')}" for field in fields if field.type is Assignments}
-    words = _gathered(sys.argv[1:] if argv is None else argv, repeatable)
+    words = _gathered(argv, repeatable)
     report = io.StringIO()
     try:
         with contextlib.redirect_stderr(report):
             config = (tyro.conf.DisallowNone, tyro.conf.FlagCreatePairsOff)
             read = tyro.cli(_with_plain_defaults(cls), args=words, prog=prog, config=config)
-        return cls(**{field.name: getattr(read, field.name) for field in fields})
+        values = {field.name: getattr(read, field.name) for field in fields}
+        if issubclass(cls, CommandRecord):
+            values["command"] = shlex.join([*(prog or "").split(), *argv])
+        return cls(**values)
     except SystemExit as end:
         if end.code:
             print(f"error: {_first_sentence(report.getvalue())}; see --help", file=sys.stderr)

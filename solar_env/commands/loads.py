@@ -1,7 +1,5 @@
 """`solar-env loads`: how hard hinges and hub are hit, and how sure that is."""
 
-import shlex
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -14,14 +12,14 @@ from solar_env.array import read_parameters
 from solar_env.array.ladder import QUESTIONS
 from solar_env.array.parameter_file import ParameterFile
 from solar_env.array.parameters import ArrayParameters
-from solar_env.commands.arguments import WorkerOptions
+from solar_env.commands.arguments import CommandRecord, WorkerOptions
 from solar_env.support.files import check_target
 
 _NARROWEST = 140  # columns, where the output is not a terminal
 
 
 @dataclass
-class Args(WorkerOptions):
+class Args(WorkerOptions, CommandRecord):
     """Say how hard hinges and hub are hit in a deployment, and how sure that is.
 
     An ensemble, released slightly differently and drawn from the tolerances of the file, is simulated at the cheapest
@@ -84,7 +82,7 @@ def run_command(args: Args) -> int:
         from solar_env.studies.loads.page import loads_page
 
         notes = [
-            f"Made by: solar-env loads {shlex.join(sys.argv[2:])}",
+            f"Made by: {args.command}",
             ", ".join(f"{k} {v}" for k, v in versions().items()),
         ]
         write_page(loads_page(loads, nominal, args.wear_limit, notes), args.html)

@@ -5,7 +5,8 @@ import json
 import numpy as np
 import pytest
 
-from agents.commands.attack import KNOTS, NUMBERS, actions, main, passive_profile
+from agents.commands.attack import KNOTS, NUMBERS, actions, passive_profile
+from solar_env.__main__ import execute
 from solar_env.environment.task.task import Task
 
 TASK = Task()
@@ -42,7 +43,7 @@ def test_a_profile_chatters_before_or_after_the_latch_with_its_half_period_and_p
 def test_the_command_writes_the_best_profiles_and_their_figures(tmp_path):
     path = tmp_path / "attack.json"
     quick = ["--model", "rigid-ideal", "--env-kwargs", "control_period=0.5", "postlock_window=1.0"]
-    main(["--episodes", "28", "--quiet", "--out", str(path), *quick])
+    execute("attack", ["--episodes", "28", "--quiet", "--out", str(path), *quick])
     record = json.loads(path.read_text())
     assert record["episodes"] == 28
     assert set(record["medians"]) == {"passive", "best episode", "mean of the search"}

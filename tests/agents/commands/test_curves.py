@@ -9,6 +9,7 @@ from training import write_history
 
 from agents.commands import curves
 from agents.learning import configurations, learn
+from solar_env.__main__ import execute
 
 QUICK = [
     *["--algos", "ppo", "--seeds", "3", "7", "--timesteps", "20", "--landings", "8", "--jobs", "1", "--quiet"],
@@ -21,7 +22,7 @@ QUICK = [
 def test_every_agent_has_a_curve_of_every_seed_in_every_scenario(tmp_path, monkeypatch):
     monkeypatch.setattr(learn, "VALIDATION_EPISODES", 2)
     options = [*QUICK, "--whole", "--out", str(tmp_path)]
-    curves.main(options)
+    execute("curves", options)
     with (tmp_path / curves.TABLE).open() as file:
         rows = list(csv.DictReader(file))
     scenarios = {"paper": "nominal", "robust": "randomised"}
@@ -43,7 +44,7 @@ def test_every_agent_has_a_curve_of_every_seed_in_every_scenario(tmp_path, monke
     assert configurations.stored_configuration(tmp_path / "robust-ppo-7").residual["law"] == "servo"
 
     monkeypatch.setattr(learn, "train", lambda training: pytest.fail("trained again"))
-    curves.main(options)
+    execute("curves", options)
 
 
 def test_a_curve_is_the_mean_of_each_validation(tmp_path):
@@ -57,10 +58,10 @@ def test_a_curve_is_the_mean_of_each_validation(tmp_path):
 
 def test_a_seed_given_twice_is_refused(tmp_path):
     with pytest.raises(ValueError, match="seed 3 is given 2 times; give it once"):
-        curves.main([*QUICK, "--seeds", "3", "7", "3", "--out", str(tmp_path)])
+        execute("curves", [*QUICK, "--seeds", "3", "7", "3", "--out", str(tmp_path)])
     assert not list(tmp_path.iterdir())
 
 
 def test_a_scenario_that_does_not_exist_is_refused(tmp_path):
     with pytest.raises(ValueError, match="no suite 'calm'; available: paper, robust"):
-        curves.main([*QUICK, "--suites", "calm", "--out", str(tmp_path)])
+        execute("curves", [*QUICK, "--suites", "calm", "--out", str(tmp_path)])

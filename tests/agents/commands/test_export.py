@@ -17,6 +17,7 @@ from agents.learning import runs
 from agents.learning.features import DriveFeatures, whole_motion
 from agents.policies import shipped
 from agents.policies.shipped import Layer, load_shipped
+from solar_env.__main__ import execute
 
 
 @pytest.mark.parametrize("name", TRAINED)
@@ -169,17 +170,17 @@ def test_the_policy_of_an_interrupted_training_is_not_shipped(finished, tmp_path
 def test_the_command_writes_below_the_shipped_policies_and_overwrites_nothing(finished, tmp_path, monkeypatch):
     monkeypatch.setattr(shipped, "SHIPPED", tmp_path / "policies")
     run = str(finished["td3"][0])
-    export.main([run, "--name", "soft"])
+    execute("export", [run, "--name", "soft"])
     names = {path.name for path in (tmp_path / "policies" / "soft").iterdir()}
     assert names == {"policy.npz", "policy.json", "policy.onnx", "card.md"}
     assert shipped.available() == ["soft"]
     with pytest.raises(FileExistsError, match="soft exists; choose another --name"):
-        export.main([run, "--name", "soft"])
+        execute("export", [run, "--name", "soft"])
     with pytest.raises(ValueError, match="name is 'servo', which is that of a controller without learning"):
-        export.main([run, "--name", "servo"])
+        execute("export", [run, "--name", "servo"])
     for arguments in ([run], [run, "--name", "../soft"], ["--name", "soft"]):
         with pytest.raises(ValueError, match=r"give both: solar-env export runs/<run> --name NAME"):
-            export.main(arguments)
+            execute("export", arguments)
 
 
 @pytest.mark.parametrize("package", ["onnx", "onnxruntime"])

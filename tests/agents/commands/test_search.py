@@ -15,6 +15,7 @@ from agents.environments import DEFAULT_ENV_ID
 from agents.laws.baselines import CONFIGS
 from agents.learning import configurations, learn, runs
 from agents.learning.trust import sealed
+from solar_env.__main__ import execute
 
 
 @pytest.mark.parametrize("env_id", SUITES.values(), ids=SUITES)
@@ -90,7 +91,7 @@ def test_a_search_finds_what_trains_best_and_writes_it_where_it_belongs(
     best = 1.5 * start[name]
     train_best_at(monkeypatch, name, best)
     options = ["--algo", algo, "--trials", "24", "--out", str(tmp_path / "search"), "--jobs", "1", "--quiet"]
-    search.main([*options, *(["--whole"] if whole else [])])
+    execute("search", [*options, *(["--whole"] if whole else [])])
     after = {w: configurations.entry(algo, DEFAULT_ENV_ID, w) for w in (False, True)}
     found, record = search.start(algo, DEFAULT_ENV_ID, whole), after[whole]["search"]
     assert abs(np.log(found[name] / best)) < 0.2
@@ -110,17 +111,17 @@ def test_a_search_finds_what_trains_best_and_writes_it_where_it_belongs(
 def test_no_trial_is_trained_twice_and_a_search_that_is_repeated_gives_the_same(tmp_path, monkeypatch, written):
     trained = train_best_at(monkeypatch, "residual", 0.1)
     options = ["--trials", "24", "--out", str(tmp_path / "search"), "--jobs", "1", "--quiet"]
-    search.main(options)
+    execute("search", options)
     found = configurations.entry("ppo", DEFAULT_ENV_ID)
     assert len(trained) == found["search"]["trials"] == 25
     shutil.rmtree(tmp_path / "search" / "trial-20")
-    search.main([*options, "--repeat"])
+    execute("search", [*options, "--repeat"])
     assert trained[25:] == ["trial-20"], "what is missing is trained, the rest is not"
     repeated = configurations.entry("ppo", DEFAULT_ENV_ID)
     assert repeated["search"].pop("command") == found["search"].pop("command") + " --repeat"
     assert repeated == found
     with pytest.raises(ValueError, match="holds a run with another configuration"):
-        search.main(options)  # goes on from what was found
+        execute("search", options)  # goes on from what was found
 
 
 def test_there_must_be_a_search_to_repeat(written):
@@ -128,7 +129,7 @@ def test_there_must_be_a_search_to_repeat(written):
     entries[DEFAULT_ENV_ID]["whole_torque"].pop("search", None)
     (written / "sac.json").write_text(json.dumps(entries))
     with pytest.raises(ValueError, match=r"sac\.json records no such search for 'solar_env/Deploy-v1'"):
-        search.main(["--algo", "sac", "--whole", "--repeat"])
+        execute("search", ["--algo", "sac", "--whole", "--repeat"])
 
 
 def test_trials_train_on_as_many_landings_as_they_are_told():
@@ -138,7 +139,7 @@ def test_trials_train_on_as_many_landings_as_they_are_told():
 
 def test_what_cannot_be_searched_is_refused():
     with pytest.raises(ValueError, match="nothing to search for 'dqn'; choose from ppo, sac, td3"):
-        search.main(["--algo", "dqn"])
+        execute("search", ["--algo", "dqn"])
 
 
 def test_a_run_is_scored_by_the_last_third_of_its_validations(tmp_path):

@@ -7,6 +7,7 @@ from agents.commands import show
 from agents.laws.passive import Passive
 from agents.laws.servo import VelocityProfileServo
 from agents.rollout import run_episode
+from solar_env.__main__ import execute
 
 
 def test_the_command_draws_and_animates_the_same_episode_of_every_controller(tmp_path, capsys, monkeypatch):
@@ -16,7 +17,7 @@ def test_the_command_draws_and_animates_the_same_episode_of_every_controller(tmp
     monkeypatch.setattr(show, "_scaled", lambda frame, name: captions.append(name) or scaled(frame, name))
     monkeypatch.setattr(show, "deployments_figure", lambda *given: drawn.append(given[0]) or draw(*given))
     short = ["--env-kwargs", "parameters={'spring_stiffness': 2.0}", "postlock_window=1.0"]
-    show.main(["--model", "rigid-clearance", "--out", str(tmp_path), "--quiet", *short])
+    execute("show", ["--model", "rigid-clearance", "--out", str(tmp_path), "--quiet", *short])
     assert str(tmp_path) in capsys.readouterr().out
     (first, seed), (second, same) = shown
     assert (type(first), type(second), seed) == (Passive, VelocityProfileServo, same)

@@ -4,9 +4,9 @@ import pytest
 from training import run
 
 from agents.commands import search, train
-from agents.commands.arguments import parse_arguments
 from agents.comparison.suites import SUITES
 from agents.learning import configurations
+from solar_env.commands.arguments import parse_arguments
 
 pytestmark = pytest.mark.usefixtures("few_validation_episodes")
 

@@ -11,6 +11,7 @@ from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_sa
 from agents.laws.baselines import load_parameters, make_baseline
 from agents.learning import configurations, learn
 from agents.rollout import run_episode
+from solar_env.__main__ import execute
 
 TASK = {"parameters": {"spring_stiffness": 1.0}, "postlock_window": 0.5}  # deploys within five seconds
 QUICK = [
@@ -30,7 +31,7 @@ def test_every_level_is_judged_on_all_levels_beside_passive_and_servo(tmp_path, 
     monkeypatch.setattr(learn, "VALIDATION_EPISODES", 2)
     monkeypatch.setattr(transfer, "LEVELS", {name: transfer.LEVELS[name] for name in ("rigid", "2 elements")})
     options = [*QUICK, "--out", str(tmp_path)]
-    transfer.main(options)
+    execute("transfer", options)
     printed = capsys.readouterr().out
     returns = json.loads((tmp_path / "transfer.json").read_text())
     assert set(returns) == set(transfer.LEVELS)
@@ -55,11 +56,11 @@ def test_every_level_is_judged_on_all_levels_beside_passive_and_servo(tmp_path, 
         raise AssertionError("trained again")
 
     monkeypatch.setattr(learn, "train", refuse)
-    transfer.main(options)
+    execute("transfer", options)
     with pytest.raises(ValueError, match="another configuration"):
-        transfer.main([*options, "--timesteps", "30"])
+        execute("transfer", [*options, "--timesteps", "30"])
     with pytest.raises(ValueError, match="--model rigid-clearance contradicts --env-kwargs model=rigid-ideal"):
-        transfer.main([*QUICK, "--out", str(tmp_path), "--env-kwargs", "model=rigid-ideal"])
+        execute("transfer", [*QUICK, "--out", str(tmp_path), "--env-kwargs", "model=rigid-ideal"])
 
 
 def test_every_number_stands_where_it_belongs(tmp_path, monkeypatch, saved_figures):
@@ -74,8 +75,8 @@ def test_every_number_stands_where_it_belongs(tmp_path, monkeypatch, saved_figur
         ]
 
     monkeypatch.setattr(transfer, "evaluate", pretend)
-    monkeypatch.setattr(transfer, "train_all", lambda args, command: {level: [tmp_path / level] for level in levels})
-    transfer.main(["--out", str(tmp_path), "--quiet"])
+    monkeypatch.setattr(transfer, "train_all", lambda args: {level: [tmp_path / level] for level in levels})
+    execute("transfer", ["--out", str(tmp_path), "--quiet"])
     rows = ["passive", "servo", *levels]
     expected = {level: {row: -(10.0 * i + j + 1.0) for i, row in enumerate(rows)} for j, level in enumerate(levels)}
     returns = json.loads((tmp_path / "transfer.json").read_text())

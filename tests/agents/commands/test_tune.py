@@ -14,6 +14,7 @@ from agents.environments import DEFAULT_ENV_ID, make_env, with_model
 from agents.laws.baselines import make_baseline
 from agents.laws.table import TUNABLE
 from agents.rollout import run_episode
+from solar_env.__main__ import execute
 from solar_env.support.campaigns import Workers
 from solar_env.support.minimisation import minimise
 
@@ -92,7 +93,7 @@ def test_the_points_of_a_search_do_not_depend_on_what_else_draws_random_numbers(
 def test_what_would_end_a_tuning_is_refused_before_it_begins(monkeypatch, options, message):
     monkeypatch.setattr(tune_module, "mean_returns", lambda *arguments: pytest.fail("simulates"))
     with pytest.raises(ValueError, match=message):
-        tune_module.main(["--controller", "brake", "--episodes", "6", "--quiet", *options])
+        execute("tune", ["--controller", "brake", "--episodes", "6", "--quiet", *options])
 
 
 def test_what_wear_costs_is_the_deepest_of_the_whole_episode():
@@ -124,7 +125,7 @@ def stored(configs):
 
 
 def test_the_command_stores_the_best_that_it_found_with_its_return_and_that_of_the_start(configs, judged):
-    tune_module.main(["--controller", "brake", "--episodes", "600", "--quiet", "--validation-episodes", "1"])
+    execute("tune", ["--controller", "brake", "--episodes", "600", "--quiet", "--validation-episodes", "1"])
     found = stored(configs)
     assert found["parameters"]["torque"] == pytest.approx(0.3, abs=0.01)
     assert found["tuning"]["validation_return"] == -((found["parameters"]["torque"] - 0.3) ** 2)
@@ -140,7 +141,7 @@ def test_refining_starts_from_what_the_model_has_and_stays_closer(configs, judge
     for options in ([], ["--refine", DEFAULT_ENV_ID]):
         judged.clear()
         (configs / "brake.json").write_text(json.dumps({DEFAULT_ENV_ID: {"rigid-clearance": had}}))
-        tune_module.main(["--controller", "brake", "--quiet", *options, *budget])
+        execute("tune", ["--controller", "brake", "--quiet", *options, *budget])
         found[bool(options)] = stored(configs)["tuning"]
         start = TUNABLE["brake"].defaults.onset if not options else 0.5
         distances[bool(options)] = np.mean([abs(p.onset - start) for p in judged[0]])
@@ -163,7 +164,7 @@ def test_the_command_stores_what_it_tuned_for_a_model_and_keeps_the_other_models
     before = json.loads((configs / "brake.json").read_text())[DEFAULT_ENV_ID]
     short = ["--env-kwargs", "deadline=0.3", "postlock_window=0.2", "--quiet"]
     budget = ["--episodes", "6", "--episodes-per-candidate", "1", "--validation-episodes", "1", "--jobs", "1"]
-    tune_module.main(["--controller", "brake", *options, *budget, *short])
+    execute("tune", ["--controller", "brake", *options, *budget, *short])
     after = json.loads((configs / "brake.json").read_text())[DEFAULT_ENV_ID]
     written = after[model]
     assert written["tuning"]["training_episodes"] == 6

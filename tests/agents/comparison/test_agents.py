@@ -9,13 +9,13 @@ import pytest
 from scipy.stats import norm
 
 from agents.commands import evaluate
-from agents.commands.arguments import Assignments, parse_arguments, parse_assignments
 from agents.comparison.statistics import difference, estimate, improvement, interquartile_mean
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_sampling
 from agents.rollout import episode_figures
 from solar_env import SimulationError
 from solar_env.__main__ import main as solar_env
 from solar_env.array import PanelModel
+from solar_env.commands.arguments import Assignments, parse_arguments, parse_assignments
 
 
 def test_episode_figures_of_the_array_follow_from_those_of_the_joints():
@@ -244,13 +244,13 @@ def test_pairs_add_up_when_their_option_is_repeated():
     [ValueError("no x; name another"), FileNotFoundError("no x; name another"), SimulationError("no x", 1.0, "step")],
 )
 def test_a_command_that_cannot_go_on_ends_with_a_message(error, capsys, monkeypatch):
-    monkeypatch.setattr(evaluate, "main", Mock(side_effect=error))
+    monkeypatch.setattr(evaluate, "run_command", Mock(side_effect=error))
     assert solar_env(["evaluate"]) == 2
     assert capsys.readouterr().err == f"error: {error}\n"
 
 
 def test_an_error_that_is_none_of_the_input_is_shown_whole(monkeypatch):
-    monkeypatch.setattr(evaluate, "main", Mock(side_effect=ZeroDivisionError))
+    monkeypatch.setattr(evaluate, "run_command", Mock(side_effect=ZeroDivisionError))
     with pytest.raises(ZeroDivisionError):
         solar_env(["evaluate"])
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from agents.commands.evaluate import main, suite_named, suite_section
+from agents.commands.evaluate import suite_named, suite_section
 from agents.comparison.controllers import parse_controller, parse_controllers
 from agents.comparison.evaluation import common_env_id, common_env_kwargs, evaluate
 from agents.comparison.report import references, summarize, tabulate
@@ -20,6 +20,7 @@ from agents.learning import runs
 from agents.policies import shipped
 from agents.policies.shipped import load_shipped
 from agents.rollout import run_episode
+from solar_env.__main__ import execute
 from solar_env.array import MODELS
 
 # What the configuration of a run holds at least.
@@ -85,7 +86,7 @@ def test_controllers_are_compared_with_the_first_and_with_the_best_baseline(rows
 
 
 def test_the_command_writes_what_it_prints(tmp_path, capsys):
-    main(["--controllers", "passive", "brake", "--episodes", "2", "--quiet", "--out", str(tmp_path)])
+    execute("evaluate", ["--controllers", "passive", "brake", "--episodes", "2", "--quiet", "--out", str(tmp_path)])
     text = (tmp_path / "comparison.md").read_text()
     assert text in capsys.readouterr().out
     with Image.open(tmp_path / "comparison.png") as figure:
@@ -110,7 +111,7 @@ QUICK = ["deadline=0.5", "postlock_window=0.2"]
 
 def evaluated_on(folder, *arguments):
     """The environment keywords that the command records."""
-    main([*arguments, "--episodes", "1", "--quiet", "--out", str(folder)])
+    execute("evaluate", [*arguments, "--episodes", "1", "--quiet", "--out", str(folder)])
     return json.loads((folder / "metrics.json").read_text())["settings"]["env_kwargs"]
 
 
@@ -241,9 +242,9 @@ def test_the_readme_has_a_place_for_the_table_of_every_suite_and_for_nothing_les
         assert "worst" in suite_section(suite).read()
     for options in (["--episodes", "2"], ["--controllers", "passive"], ["--seed", "1"], ["--model", "rigid-ideal"]):
         with pytest.raises(ValueError, match="--readme writes the result of a whole suite"):
-            main(["--suite", "paper", "--readme", *options])
+            execute("evaluate", ["--suite", "paper", "--readme", *options])
     with pytest.raises(ValueError, match="it needs --suite"):
-        main(["--readme"])
+        execute("evaluate", ["--readme"])
 
 
 def test_missed_deployments_lower_the_latched_share_and_not_the_force():
@@ -320,7 +321,9 @@ def test_what_is_given_takes_the_place_of_a_suites_parts():
 
 def test_the_command_runs_a_suite_in_a_folder_of_its_own(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    main(["--suite", "robust", "--controllers", "passive", "--elements", "1", "--episodes", "1", "--quiet"])
+    execute(
+        "evaluate", ["--suite", "robust", "--controllers", "passive", "--elements", "1", "--episodes", "1", "--quiet"]
+    )
     settings = json.loads((tmp_path / "evaluation" / "robust" / "metrics.json").read_text())["settings"]
     assert settings["env_id"] == "solar_env/DeployRandomised-v1"
     assert settings["env_kwargs"] == {"model": "flexible-clearance", "elements": 1}

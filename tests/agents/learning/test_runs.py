@@ -56,7 +56,7 @@ def test_a_run_folder_holds_all_that_describes_the_run(ppo_run):
     assert {path.name for path in ppo_run.iterdir()} == expected
     config = json.loads((ppo_run / "config.json").read_text())
     assert config["hyperparameters"]["n_steps"] == 300
-    assert config["command"] == "python train.py ..."
+    assert config["command"].startswith("solar-env train --quiet --eval-episodes 2 ")
     assert config["versions"]["torch"]
     metrics = json.loads((ppo_run / "metrics.json").read_text())
     assert list(metrics["controllers"]) == ["passive", "servo-untuned", "servo", "ppo"]

@@ -9,11 +9,12 @@ import shutil
 import pytest
 from training import run
 
-from agents.commands import evaluate, export, show
+from agents.commands import export
 from agents.comparison.evaluation import evaluate as evaluated
 from agents.environments import make_env
 from agents.learning import checkpoints, configurations, runs, trust
 from agents.learning.trust import DamagedFileError, UntrustedFileError
+from solar_env.__main__ import execute
 
 pytestmark = pytest.mark.usefixtures("few_validation_episodes")
 
@@ -45,8 +46,8 @@ def stranger(folder, monkeypatch):
 
 COMMANDS = {
     "train": lambda folder, out: run("--resume", folder, "--out", out),
-    "evaluate": lambda folder, out: evaluate.main(["--controllers", str(folder), "--out", str(out), "--quiet"]),
-    "show": lambda folder, out: show.main(["--controllers", str(folder), "--out", str(out), "--quiet"]),
+    "evaluate": lambda folder, out: execute("evaluate", ["--controllers", str(folder), "--out", str(out), "--quiet"]),
+    "show": lambda folder, out: execute("show", ["--controllers", str(folder), "--out", str(out), "--quiet"]),
     "export": lambda folder, out: export.export(folder, out),
 }
 
@@ -83,9 +84,9 @@ def test_a_run_that_is_trusted_once_is_ones_own_from_then_on(folder, tmp_path, m
     monkeypatch.setattr(trust, "key", lambda: b"of another account")
     arguments = ["--controllers", str(folder), "--episodes", "1", "--out", str(tmp_path / "out"), "--jobs", "1"]
     with pytest.raises(UntrustedFileError):
-        evaluate.main(arguments)
-    evaluate.main([*arguments, "--trust"])
-    evaluate.main(arguments)
+        execute("evaluate", arguments)
+    execute("evaluate", [*arguments, "--trust"])
+    execute("evaluate", arguments)
     assert checkpoints.read(folder).timesteps == 600
 
 

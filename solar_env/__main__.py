@@ -32,16 +32,18 @@ COMMANDS = {
     "an array": {
         "parameters": Command("solar_env.commands.parameters", "print a complete file of parameters, each explained"),
         "simulate": Command("solar_env.commands.simulate", "simulate one deployment"),
-        "loads": Command("solar_env.commands.loads", "say how hard hinges and hub are hit, and how sure that is"),
+        "loads": Command(
+            "solar_env.commands.studies.loads", "say how hard hinges and hub are hit, and how sure that is"
+        ),
     },
     "controllers": {
         "train": Command("agents.commands.train", "train an agent, and compare it with the baselines"),
         "tune": Command("agents.commands.tune", "tune a law"),
         "evaluate": Command("agents.commands.evaluate", "compare controllers on the same episodes"),
         "play": Command("solar_env.commands.play", "drive the array by hand, in a window"),
-        "record": Command("agents.commands.record", "film an episode of a controller"),
-        "replay": Command("agents.commands.replay", "show controllers side by side, in motion, on a page"),
-        "show": Command("agents.commands.show", "draw one episode of several controllers, and animate them"),
+        "record": Command("agents.commands.showing.record", "film an episode of a controller"),
+        "replay": Command("agents.commands.showing.replay", "show controllers side by side, in motion, on a page"),
+        "show": Command("agents.commands.showing.show", "draw one episode of several controllers, and animate them"),
         "search": Command("agents.commands.search", "search hyperparameters of an agent"),
         "attack": Command("agents.commands.attack", "search torques for what the reward would pay for"),
         "curves": Command("agents.commands.curves", "train over seeds and draw the learning curves"),
@@ -51,15 +53,19 @@ COMMANDS = {
     },
     "trust": {
         "verify": Command("solar_env.commands.verify", "run the cases with known answers"),
-        "chart": Command("solar_env.commands.chart", "measure speed against accuracy and draw it"),
-        "ladder": Command("solar_env.commands.ladder", "measure which level of the model answers which question"),
-        "stability": Command("solar_env.commands.stability", "map where methods fail"),
-        "paper": Command("solar_env.commands.paper", "draw the figures of the paper and judge what it says"),
+        "chart": Command("solar_env.commands.studies.chart", "measure speed against accuracy and draw it"),
+        "ladder": Command(
+            "solar_env.commands.studies.ladder", "measure which level of the model answers which question"
+        ),
+        "stability": Command("solar_env.commands.studies.stability", "map where methods fail"),
+        "paper": Command("solar_env.commands.studies.paper", "draw the figures of the paper and judge what it says"),
     },
     "studies": {
-        "design": Command("solar_env.commands.design", "map peak force and wear over clearances and stiffnesses"),
-        "ground-test": Command("solar_env.commands.ground_test", "repeat deployments with the wear fed back"),
-        "bench": Command("solar_env.commands.bench", "measure environment steps per second"),
+        "design": Command(
+            "solar_env.commands.studies.design", "map peak force and wear over clearances and stiffnesses"
+        ),
+        "ground-test": Command("solar_env.commands.studies.ground_test", "repeat deployments with the wear fed back"),
+        "bench": Command("solar_env.commands.studies.bench", "measure environment steps per second"),
         "figures": Command("solar_env.commands.figures", "draw the pictures of the pages"),
         "warmup": Command("solar_env.commands.warmup", "compile all kernels, which later runs load"),
     },

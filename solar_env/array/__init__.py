@@ -1,10 +1,9 @@
 """The deployable solar array: its parameters with their sources and presets, and the mechanism that they describe.
 
-`names` refuses unknown names; `models` names the four models, `parameters` holds the values and their checks,
-`panels` says how panels are modelled, `construction` turns both into a mechanism, `methods` says which integrator a
-model gets, `compilation` whether it is compiled; `deployment` simulates one, `ladder` chooses the cheapest model for a
-question; `ranges` says what is drawn where a value is not known exactly, `parameter_file` reads and writes parameters
-as TOML.
+`names` refuses unknown names; `models` names the four models, `parameters` holds the values, their checks, ranges and
+files, `panels` says how panels are modelled, `construction` turns both into a mechanism, `methods` says which
+integrator a model gets, `compilation` whether it is compiled; `deployment` simulates one, `data_files` keeps it,
+`ladder` chooses the cheapest model for a question.
 
 Imports `mechanics` alone. A new parameter is a field of `ArrayParameters` and its use in `construction`.
 """
@@ -19,7 +18,7 @@ from solar_env.array.panels import DEFAULT_ELEMENTS as DEFAULT_ELEMENTS
 from solar_env.array.panels import DEFAULT_MODES as DEFAULT_MODES
 from solar_env.array.panels import PANELS as PANELS
 from solar_env.array.panels import PanelModel as PanelModel
-from solar_env.array.parameter_file import ParameterFile as ParameterFile
-from solar_env.array.parameter_file import read_parameters as read_parameters
 from solar_env.array.parameters import PRESETS as PRESETS
 from solar_env.array.parameters import ArrayParameters as ArrayParameters
+from solar_env.array.parameters.file import ParameterFile as ParameterFile
+from solar_env.array.parameters.file import read_parameters as read_parameters

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from solar_env.array import ArrayParameters
-from solar_env.array.parameter_file import parameter_text
+from solar_env.array.parameters.file import parameter_text
 
 
 @dataclass

@@ -10,9 +10,9 @@ from solar_env.array import ArrayParameters
 from solar_env.environment.episodes import Episodes
 from solar_env.environment.exclusive import Exclusive
 from solar_env.environment.settings import RENDER_MODES, EnvironmentSettings
+from solar_env.environment.showing.window import Window
 from solar_env.environment.task.observations import observation_table
 from solar_env.environment.task.reward import reward_table
-from solar_env.environment.window import Window
 from solar_env.mechanics.running.simulation import Simulation
 
 Observation = NDArray[np.float32]

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters
 from solar_env.environment.figures import episode_figures
-from solar_env.environment.film import Film
 from solar_env.environment.settings import Changes, EnvironmentSettings
+from solar_env.environment.showing.film import Film
 from solar_env.environment.starts import Starts, run_approaches
 from solar_env.environment.task.periods import begin_periods, begin_samples, end_periods, observe_lanes
 from solar_env.environment.task.sensors import Memory

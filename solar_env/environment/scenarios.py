@@ -7,7 +7,7 @@ from typing import Any
 
 from solar_env.array import ArrayParameters
 from solar_env.array.names import unknown_name
-from solar_env.array.ranges import Bound, Ranges
+from solar_env.array.parameters.ranges import Bound, Ranges
 from solar_env.environment.hardware import Hardware
 
 

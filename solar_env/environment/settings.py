@@ -12,7 +12,7 @@ from solar_env.array import ArrayParameters, PanelModel, build, check_model
 from solar_env.array.ladder import DEFAULT_QUESTION, DEFAULT_TOLERANCE, cheapest, read_answers
 from solar_env.array.methods import default_integrator
 from solar_env.array.names import unknown_name
-from solar_env.array.ranges import Ranges, checked_ranges, drawn
+from solar_env.array.parameters.ranges import Ranges, checked_ranges, drawn
 from solar_env.environment.hardware import Hardware
 from solar_env.environment.scenarios import scenario_named
 from solar_env.environment.starts import Starts

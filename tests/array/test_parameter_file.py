@@ -12,7 +12,7 @@ import pytest
 import solar_env
 from solar_env.__main__ import main
 from solar_env.array import PRESETS, ArrayParameters
-from solar_env.array.parameter_file import explanations, parameter_text, read_parameters
+from solar_env.array.parameters.file import explanations, parameter_text, read_parameters
 from solar_env.environment.settings import EnvironmentSettings
 
 

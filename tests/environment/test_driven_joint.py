@@ -65,7 +65,7 @@ def test_a_lane_of_a_vector_equals_the_single_environment_bit_for_bit(joint):
 
 def test_the_frame_names_the_torque_of_the_driven_joint(monkeypatch):
     scenes = []
-    monkeypatch.setattr("solar_env.environment.film.Renderer.draw", lambda self, scene: scenes.append(scene))
+    monkeypatch.setattr("solar_env.environment.showing.film.Renderer.draw", lambda self, scene: scenes.append(scene))
     env = make(1, render_mode="rgb_array")
     env.reset(seed=0)
     env.step([-0.6])

@@ -119,8 +119,8 @@ ROWS = {
     "mechanics/joints/test_friction_laws.py": ("TanhCoulomb", 3),
     "mechanics/integrators/test_method_table.py": ("heun and order", 1),
     "mechanics/bodies/test_kinds.py": ("Lever and (energy or matrix or starts or rates)", 5),
-    "environment/test_observations.py": ("postlatch_force and not checker", 5),
-    "environment/test_reward_terms.py": ("impact_count", 6),
+    "environment/task/test_observations.py": ("postlatch_force and not checker", 5),
+    "environment/task/test_reward_terms.py": ("impact_count", 6),
     "agents/laws/test_baselines.py": ("push and not deploys", 3),
 }
 

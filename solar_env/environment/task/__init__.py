@@ -8,5 +8,5 @@ To add
 * an observable: its code, a branch of `observations.reading` and a row of `observations.OBSERVABLES`. Tests and the
   documentation of the environment take it from there. A sensor of a new kind is a field of `hardware.Hardware`.
 * a term of the reward: its code, a branch of `reward.reading` and a row of `reward.REWARD_TERMS`, with weight 0 so that
-  returns stay comparable. `tests/environment/test_reward_terms.py` wants its figure of an imagined deployment.
+  returns stay comparable. `tests/environment/task/test_reward_terms.py` wants its figure of an imagined deployment.
 """

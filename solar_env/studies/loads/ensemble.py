@@ -12,7 +12,7 @@ from rich.console import Console
 from solar_env.array import ArrayParameters, PanelModel
 from solar_env.array.ladder import Answer, cheapest, read_answers, steps
 from solar_env.array.models import has_clearance
-from solar_env.array.parameter_file import ParameterFile
+from solar_env.array.parameters.file import ParameterFile
 from solar_env.studies.common.levels import FINEST, Level
 from solar_env.studies.loads.quantities import QUANTITIES, read_all
 from solar_env.studies.loads.runs import FREQUENCIES, Deployment, deploy, member_parameters

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters, build
-from solar_env.array.ranges import drawn
+from solar_env.array.parameters.ranges import drawn
 from solar_env.mechanics.joints import joint as columns
 from solar_env.mechanics.records.recording import RECORDED_LOADS, Recorder, make_recorder, sample_columns
 from solar_env.mechanics.running.assembly import assemble, contact_table

@@ -31,10 +31,10 @@ class Entry:
 
 
 _MECHANICS, _TESTS = "solar_env/mechanics", "tests/mechanics"
-_STUDY, _STUDY_TEST = "solar_env/studies/paper", "tests/studies/test_paper.py"
+_STUDY, _STUDY_TEST = "solar_env/studies/paper", "tests/studies/paper/test_paper.py"
 INDEX: tuple[Entry, ...] = (
     Entry(
-        "Table 1", "parameters of the array", "solar_env/array/parameters.py:ArrayParameters",
+        "Table 1", "parameters of the array", "solar_env/array/parameters/parameters.py:ArrayParameters",
         "tests/array/test_parameters.py:test_the_defaults_are_the_papers_table",
     ),
     Entry(
@@ -116,7 +116,7 @@ INDEX: tuple[Entry, ...] = (
     ),
     Entry(
         "Models 1 and 2", "distributions of the clearances", "solar_env/studies/paper/cases.py:CASES",
-        "tests/studies/test_paper.py:test_wear_and_impacts_are_compared_joint_by_joint",
+        "tests/studies/paper/test_paper.py:test_wear_and_impacts_are_compared_joint_by_joint",
     ),
     Entry(
         "Fig 1", "the array, its springs, its cable loop and a latch", "solar_env/array/construction.py:build",

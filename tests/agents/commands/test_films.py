@@ -10,9 +10,9 @@ import pytest
 from helpers import page_data
 from PIL import Image
 
-from agents.commands import record
+from agents.commands.showing import record
 from solar_env.__main__ import main
-from solar_env.environment.recording import RecordTrajectory
+from solar_env.environment.showing.recording import RecordTrajectory
 
 RIGID = ["--model", "rigid-clearance", "--quiet"]
 

@@ -3,7 +3,7 @@
 import numpy as np
 from PIL import Image
 
-from agents.commands import show
+from agents.commands.showing import show
 from agents.laws.passive import Passive
 from agents.laws.servo import VelocityProfileServo
 from agents.rollout import run_episode

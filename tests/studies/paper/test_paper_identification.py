@@ -8,7 +8,7 @@ import pytest
 
 from solar_env.__main__ import main
 from solar_env.array import ArrayParameters
-from solar_env.commands.paper import FOLDER, IDENTIFY_SECTION
+from solar_env.commands.studies.paper import FOLDER, IDENTIFY_SECTION
 from solar_env.studies.common.tables import read_table
 from solar_env.studies.paper import phases
 from solar_env.studies.paper.cases import CaseRun, simulate_case, simulate_run

@@ -3,7 +3,7 @@
 import pytest
 
 from solar_env.__main__ import main
-from solar_env.commands.paper import LEVELS_SECTION
+from solar_env.commands.studies.paper import LEVELS_SECTION
 from solar_env.studies.paper.levels import (
     CONVERGED,
     DAMPED,

@@ -15,7 +15,7 @@ from dataclasses import asdict, dataclass, fields
 from typing import Any, ClassVar, Self
 
 from solar_env.array.names import changed, unknown_name
-from solar_env.array.parameter_checks import check_parameters
+from solar_env.array.parameters.checks import check_parameters
 from solar_env.mechanics.joints.contact.laws import ContactLaw, contact_law
 from solar_env.mechanics.joints.contact.surfaces import Surfaces
 from solar_env.mechanics.joints.friction.laws import FRICTION_LAWS, FrictionLaw

@@ -12,7 +12,7 @@ from rich.console import Console
 
 from solar_env.__main__ import main
 from solar_env.array import PanelModel
-from solar_env.commands import chart
+from solar_env.commands.studies import chart
 from solar_env.studies.common.plans import FULL, QUICK, Durations, Ensemble
 from solar_env.studies.common.tables import Table, read_table
 from solar_env.studies.common.timing import Measured

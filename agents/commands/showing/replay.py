@@ -9,7 +9,7 @@ from rich.console import Console
 
 from agents.commands.arguments import CommandRecord, ShowingOptions
 from agents.rollout import run_episode
-from solar_env.environment.recording import RecordTrajectory
+from solar_env.environment.showing.recording import RecordTrajectory
 from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.pictures.page.content import Page, Table
 from solar_env.pictures.page.document import write_page

@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from solar_env.array.names import unknown_name
-from solar_env.array.parameter_checks import OPTIONAL
-from solar_env.array.parameters import ArrayParameters
-from solar_env.array.ranges import Ranges, checked_ranges
+from solar_env.array.parameters.checks import OPTIONAL
+from solar_env.array.parameters.parameters import ArrayParameters
+from solar_env.array.parameters.ranges import Ranges, checked_ranges
 from solar_env.support.numbers import is_number
 
 TOLERANCE, RANDOMIZE = "tolerance", "randomize"

@@ -11,7 +11,7 @@ import pytest
 
 from solar_env.array import ArrayParameters, PanelModel
 from solar_env.array.deployment import simulate
-from solar_env.array.parameter_file import ParameterFile
+from solar_env.array.parameters.file import ParameterFile
 from solar_env.mechanics.integrators.settings import ModalRadau, RungeKutta
 from solar_env.studies.common.levels import Level
 from solar_env.studies.common.plans import FAST_PARAMETERS

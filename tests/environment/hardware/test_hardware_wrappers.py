@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from episodes import make
 
-from solar_env.environment.hardware_wrappers import (
+from solar_env.environment.hardware.wrappers import (
     WRAPPERS,
     LaggedAction,
     LateObservation,

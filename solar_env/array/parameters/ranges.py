@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from solar_env.array.names import unknown_name
-from solar_env.array.parameters import ArrayParameters
+from solar_env.array.parameters.parameters import ArrayParameters
 from solar_env.support.numbers import is_number, plain
 
 # Bounds of a uniform draw: numbers, or one by joint.

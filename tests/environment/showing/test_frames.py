@@ -28,7 +28,7 @@ def test_a_frame_shows_bent_panels_as_smooth_curves(model, monkeypatch):
     nodes[:, 1, 0, 0] += 0.1  # the middles of the folded panels go aside, their ends stay
     assert np.any(straight != env.render())
     scenes = []
-    monkeypatch.setattr("solar_env.environment.film.Renderer.draw", lambda self, scene: scenes.append(scene))
+    monkeypatch.setattr("solar_env.environment.showing.film.Renderer.draw", lambda self, scene: scenes.append(scene))
     env.render()
     for panel, own in zip(scenes[0].panels, nodes, strict=True):
         assert np.array_equal(panel[[0, len(panel) // 2, -1]], own[:, 0])
@@ -40,7 +40,7 @@ def test_a_frame_shows_bent_panels_as_smooth_curves(model, monkeypatch):
 def test_a_frame_is_drawn_from_the_state_the_loads_and_the_recorded_peaks(monkeypatch):
     """Through impacts and rests, with no joint latched, then the outer one, then both."""
     scenes, peaks, times, met = [], [np.zeros(2)], [0.0], set()
-    monkeypatch.setattr("solar_env.environment.film.Renderer.draw", lambda self, scene: scenes.append(scene))
+    monkeypatch.setattr("solar_env.environment.showing.film.Renderer.draw", lambda self, scene: scenes.append(scene))
     parameters = {**LATE_ROOT, "clearance": (1e-4, 3e-4), "journal_radius": 0.02}
     env = make("rigid-clearance", parameters=parameters, render_mode="rgb_array")
     env.reset(seed=0)

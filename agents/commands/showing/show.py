@@ -50,7 +50,7 @@ def run_command(args: Args) -> int:
     animate(films, out / ANIMATION)
     if args.readme:
         for name in (FIGURE, ANIMATION):
-            copy_file(out / name, Path(__file__).parents[1] / "comparison" / "figures" / name)
+            copy_file(out / name, Path(__file__).parents[2] / "comparison" / "figures" / name)
     print(f"written to {out}")
     return 0
 

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from solar_env.commands.paper import INDEX_SECTION
+from solar_env.commands.studies.paper import INDEX_SECTION
 from solar_env.studies.paper.index import INDEX, Entry, as_markdown
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 
 
 def test_every_equation_and_figure_is_listed_once() -> None:

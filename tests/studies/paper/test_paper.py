@@ -13,7 +13,7 @@ import pytest
 
 from solar_env.__main__ import main
 from solar_env.array import ArrayParameters
-from solar_env.commands import paper
+from solar_env.commands.studies import paper
 from solar_env.mechanics.mechanism.textbook import STANDARD_GRAVITY, Link
 from solar_env.mechanics.running.trajectory import Trajectory, contact_record
 from solar_env.studies.common.tables import read_table, write_table

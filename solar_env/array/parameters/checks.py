@@ -1,17 +1,14 @@
 """Checks of array parameters: bad ones are refused by name, value and rule."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import fields
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from solar_env.mechanics.joints.friction.laws import FRICTION_LAWS, SLIDING_READINGS
 from solar_env.mechanics.running.diagnosis import check_restitution
 from solar_env.support.numbers import is_number
 
-if TYPE_CHECKING:
-    from solar_env.array.parameters import ArrayParameters
+ArrayParameters = Any  # of `parameters`, which imports this module
 
 _POSITIVE = (
     "body_mass", "body_inertia", "body_size", "panel_length", "panel_width", "panel_thickness", "panel_density",

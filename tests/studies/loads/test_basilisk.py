@@ -13,7 +13,7 @@ from solar_env.studies.common.plans import FAST_PARAMETERS
 from solar_env.studies.loads.hub import write_hub_loads
 from solar_env.studies.loads.runs import deploy
 
-EXAMPLE = Path(__file__).resolve().parents[1] / "examples" / "basilisk_playback.py"
+EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "basilisk_playback.py"
 
 
 @pytest.mark.basilisk

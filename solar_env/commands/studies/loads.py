@@ -10,8 +10,8 @@ from rich.table import Table
 
 from solar_env.array import read_parameters
 from solar_env.array.ladder import QUESTIONS
-from solar_env.array.parameter_file import ParameterFile
 from solar_env.array.parameters import ArrayParameters
+from solar_env.array.parameters.file import ParameterFile
 from solar_env.commands.arguments import CommandRecord, WorkerOptions
 from solar_env.support.files import check_target
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from helpers import ROUND_BEARING, Forces
+from helpers import Forces
+from mechanisms import ROUND_BEARING
 
 from solar_env.mechanics.bodies.description import ReferencePointBody
 from solar_env.mechanics.mechanism.description import Body, CableLoop, FlexibleBody, Joint, Mechanism

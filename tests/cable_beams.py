@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from helpers import Vector
+from mechanisms import Vector
 
 from solar_env.mechanics.arrays.model import Model
 from solar_env.mechanics.bodies.cable_element.element import add_mass_product

@@ -23,6 +23,12 @@ def make(model="rigid-clearance", **keywords):
     return gymnasium.make(ID, **LEVELS[model], **keywords).unwrapped
 
 
+def watch(env, actions, seed=0):
+    """(steps + 1, entries) observations of an episode's beginning."""
+    first, _ = env.reset(seed=seed)
+    return np.array([first, *(env.step([action])[0] for action in actions)])
+
+
 def deploy(env, policy=lambda observation: [0.0], seed=0, options=None):
     """Run one episode; returns its return, steps and the last info."""
     observation, _ = env.reset(seed=seed, options=options)

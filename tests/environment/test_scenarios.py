@@ -1,4 +1,4 @@
-"""Scenarios draw what they say; sensors and motor are as imperfect as their numbers, and perfect by default."""
+"""Scenarios draw what they say, and are perfect by default."""
 
 from __future__ import annotations
 
@@ -8,31 +8,20 @@ import warnings
 import gymnasium
 import numpy as np
 import pytest
+from episodes import STRONG, watch
 
 from solar_env import ArrayParameters, Hardware
 from solar_env.environment.registration import CURRENT, ENVIRONMENTS
 from solar_env.environment.scenarios import SCENARIOS
 from solar_env.environment.task.reward import PRICES
-from solar_env.mechanics.arrays.model import MOTOR_WORK, joint_integrals
-from solar_env.mechanics.joints.joint import ANGLE
 
 NOMINAL, RANDOMISED = "solar_env/Deploy-v1", "solar_env/DeployRandomised-v1"
 JOINTS = 2
-ANGLES, RATES, LATCHED = range(JOINTS), range(JOINTS, 2 * JOINTS), range(2 * JOINTS, 3 * JOINTS)
-TORQUE, SINCE_LATCH = 3 * JOINTS, 3 * JOINTS + 2
-LOCK = np.array([math.pi / 2, math.pi])
-# Deploys within three seconds.
-STRONG = {"spring_stiffness": 2.0}
+RATES, SINCE_LATCH = range(JOINTS, 2 * JOINTS), 3 * JOINTS + 2
 
 
 def make(name=NOMINAL, **keywords):
     return gymnasium.make(name, model="rigid-ideal", **keywords).unwrapped
-
-
-def watch(env, actions, seed=0):
-    """(steps + 1, entries) observations of an episode's beginning."""
-    first, _ = env.reset(seed=seed)
-    return np.array([first, *(env.step([action])[0] for action in actions)])
 
 
 def test_every_scenario_is_made_by_its_id_or_by_the_keyword():
@@ -121,48 +110,6 @@ def test_hinges_differ_where_their_range_does_and_else_in_what_varies_from_hinge
     assert isinstance(drawn.latch_damping, float)
 
 
-def test_noise_has_the_standard_deviation_asked_for_and_leaves_the_rest_alone():
-    hardware = {"angle_noise": 1e-3, "rate_noise": 2e-3}
-    exact = watch(make(), [0.0] * 110)
-    noisy = np.array([watch(make(hardware=hardware), [0.0] * 110, seed=seed) for seed in range(5)])
-    error = (noisy - exact)[:, 10:]  # away from the bounds
-    assert np.std(error[:, :, ANGLES] * LOCK) == pytest.approx(1e-3, rel=0.06)
-    assert np.std(error[:, :, RATES]) == pytest.approx(2e-3, rel=0.06)
-    assert abs(np.mean(error[:, :, RATES])) < 4 * 2e-3 / math.sqrt(1000)
-    others = [*LATCHED, TORQUE, TORQUE + 1, SINCE_LATCH]
-    assert np.all(error[:, :, others] == 0.0)
-
-
-def test_noise_comes_with_the_seed():
-    env = make(hardware={"rate_noise": 1e-3})
-    assert np.array_equal(watch(env, [0.0] * 4, seed=3), watch(env, [0.0] * 4, seed=3))
-    assert not np.array_equal(watch(env, [0.0] * 4, seed=3), watch(env, [0.0] * 4, seed=4))
-
-
-def test_an_encoder_shows_multiples_of_its_resolution_the_nearest_ones():
-    resolution = 0.01
-    exact = watch(make(), [0.0] * 60)[:, ANGLES] * LOCK
-    shown = watch(make(hardware={"encoder_resolution": resolution}), [0.0] * 60)[:, ANGLES] * LOCK
-    steps = shown / resolution
-    assert np.allclose(steps, np.rint(steps), atol=1e-4)
-    assert np.max(np.abs(shown - exact)) <= 0.5 * resolution * (1 + 1e-4)
-    assert np.ptp(shown) > 10 * resolution
-
-
-@pytest.mark.parametrize("delay", [1, 3])
-def test_what_is_measured_comes_late_and_what_the_controller_knows_does_not(delay):
-    actions = np.sin(np.arange(60.0))
-    keywords = {"parameters": STRONG, "postlock_window": 5.0}
-    exact = watch(make(**keywords), actions)
-    late = watch(make(hardware={"sensor_delay": delay}, **keywords), actions)
-    measured = [*ANGLES, *RATES, *LATCHED, SINCE_LATCH]
-    assert np.array_equal(late[delay:, measured], exact[:-delay, measured])
-    assert np.all(late[:delay, measured] == exact[0, measured]), "before that, what was seen at the start"
-    known = [TORQUE, TORQUE + 1]
-    assert np.array_equal(late[:, known], exact[:, known])
-    assert exact[-1, LATCHED[0]] == 1.0, "the delay of a latching is among what was compared"
-
-
 def test_the_history_is_what_was_observed_before():
     hardware = {"rate_noise": 1e-3, "sensor_delay": 1}
     env = make(observation="history", hardware=hardware)
@@ -179,35 +126,6 @@ def test_the_history_is_what_was_observed_before():
 def test_a_history_of_perfect_sensors_starts_with_what_they_see():
     history, drive = watch(make(observation="history"), [0.5] * 6), watch(make(), [0.5] * 6)
     assert np.array_equal(history[:, : drive.shape[1]], drive)
-
-
-def test_the_motor_follows_like_a_system_of_first_order():
-    lag = 0.3
-    torque = watch(make(hardware={"motor_lag": lag}), [0.8] * 10)[:, TORQUE]
-    time = 0.1 * np.arange(11)
-    assert torque == pytest.approx(0.8 * (1.0 - np.exp(-time / lag)), abs=1e-6)
-
-
-def test_the_motor_torque_changes_no_faster_than_its_limit():
-    env = make(hardware={"torque_rate_limit": 0.75}, torque_limit=0.5)
-    torque = 0.5 * watch(env, [1.0] * 8 + [-1.0] * 16)[:, TORQUE]
-    rate = np.diff(torque) / 0.1
-    assert np.max(np.abs(rate)) == pytest.approx(0.75, rel=1e-5)
-    assert torque[7] == pytest.approx(0.5, rel=1e-6)
-    assert torque[-1] == pytest.approx(-0.5, rel=1e-6)
-
-
-def test_the_torque_that_acts_is_the_one_that_is_observed():
-    """The motor's work over a period is its constant torque times what the joint has turned."""
-    env = make(hardware={"motor_lag": 0.2, "torque_rate_limit": 1.0})
-    env.reset(seed=0)
-    angle, work = 0.0, 0.0
-    for action in (1.0, 1.0, -1.0, 0.3):
-        torque = env.step([action])[0][TORQUE] * env.task.torque_limit
-        turned = env.simulation.joint_loads()[0, ANGLE] - angle
-        done = joint_integrals(env.simulation.state.integrals)[0, MOTOR_WORK] - work
-        assert done == pytest.approx(torque * turned, rel=1e-5)
-        angle, work = angle + turned, work + done
 
 
 @pytest.mark.parametrize("model", ["rigid-clearance", "flexible-clearance"])
@@ -228,26 +146,6 @@ def test_a_vector_of_randomised_arrays_equals_single_ones_to_the_last_bit(model)
                 alone.append(observation)
         assert np.array_equal(np.array(alone), np.array(seen)[:, lane])
     vector.close()
-
-
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"angle_noise": -1e-3}, ["angle_noise", "-0.001", "not negative"]),
-        ({"rate_noise": math.nan}, ["rate_noise", "nan"]),
-        ({"encoder_resolution": math.inf}, ["encoder_resolution", "inf"]),
-        ({"sensor_delay": 0.5}, ["sensor_delay", "0.5", "whole number"]),
-        ({"sensor_delay": -1}, ["sensor_delay", "-1"]),
-        ({"sensor_delay": 2.0}, ["sensor_delay", "2.0", "whole number"]),
-        ({"sensor_delay": 101}, ["sensor_delay", "101"]),
-        ({"motor_lag": "slow"}, ["motor_lag", "'slow'", "number"]),
-        ({"torque_rate_limit": 0.0}, ["torque_rate_limit", "0.0", "positive"]),
-        ({"colour": 1.0}, ["colour", "angle_noise"]),
-    ],
-)
-def test_impossible_hardware_is_refused_by_name(changes, words):
-    with pytest.raises(ValueError, match="(?s)" + ".*".join(words)):
-        make(hardware=changes)
 
 
 @pytest.mark.parametrize(

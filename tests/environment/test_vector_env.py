@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 import gc
-import pickle
 import platform
 from functools import partial
 
@@ -17,7 +16,6 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 import solar_env
 from solar_env.environment.task.observations import OBSERVABLES
 from solar_env.environment.task.reward import REWARD_TERMS
-from solar_env.mechanics.running.errors import SimulationError
 
 
 def make_sync(mode=AutoresetMode.NEXT_STEP, lanes=LANES, **keywords):
@@ -208,90 +206,6 @@ def test_steps_need_a_reset():
     env.step(np.zeros((2, 1)))
     with pytest.raises(gymnasium.error.ResetNeeded, match=r"lanes \[0, 1\] have ended"):
         env.step(np.zeros((2, 1)))
-
-
-def with_a_broken_lane(**keywords):
-    env = make_vector(3, model="rigid-ideal", **keywords)
-    env.reset(seed=0)
-    env.step(np.zeros((3, 1)))
-    broken = env.unwrapped.episodes.batch.simulations[1]
-    broken.state.v[:] = np.nan
-    broken.state.clock["acceleration_current"] = 0
-    return env
-
-
-@pytest.mark.parametrize("mode", AutoresetMode)
-def test_a_lane_that_cannot_go_on_is_truncated_with_the_error_and_the_others_go_on(mode):
-    whole = make_vector(3, model="rigid-ideal", autoreset_mode=mode)
-    whole.reset(seed=0)
-    before, *_ = whole.step(np.zeros((3, 1)))
-    expected = whole.step(np.zeros((3, 1)))
-    env = with_a_broken_lane(autoreset_mode=mode)
-    observations, rewards, terminations, truncations, infos = env.step(np.zeros((3, 1)))
-    assert truncations.tolist() == [False, True, False]
-    assert not terminations.any()
-    assert np.isfinite(observations).all()
-    assert rewards[1] == 0.0
-    for lane in (0, 2):
-        assert_same(observations[lane], expected[0][lane])
-        assert rewards[lane] == expected[1][lane]
-    last = infos["final_info"] if mode is AutoresetMode.SAME_STEP else infos
-    assert last["_failure"].tolist() == [False, True, False]
-    assert last["failure"][1].startswith("at t = 0.1 s ")
-    if mode is AutoresetMode.SAME_STEP:
-        assert_same(infos["final_obs"][1], before[1])
-    else:
-        assert_same(observations[1], before[1])
-    if mode is AutoresetMode.DISABLED:
-        env.reset(options={"reset_mask": truncations})
-    _, _, _, truncations, infos = env.step(np.zeros((3, 1)))
-    assert not truncations.any()
-    assert "failure" not in infos
-
-
-def test_a_period_that_needs_too_many_steps_ends_the_lane_and_says_so():
-    env = make_vector(2, max_steps=3)
-    env.reset(seed=0)
-    *_, truncations, infos = env.step(np.zeros((2, 1)))
-    assert truncations.all()
-    assert "3 steps were taken in one call without reaching its end" in infos["failure"][0]
-    single = gymnasium.make(ID, max_steps=3)
-    single.reset(seed=0)
-    with pytest.raises(SimulationError, match="raise max_steps"):
-        single.step(np.zeros(1))
-    for value in (0, 2.5):
-        with pytest.raises(ValueError, match=r"max_steps = .* must be a whole number"):
-            gymnasium.make(ID, max_steps=value)
-
-
-def test_what_becomes_of_a_failing_lane_has_two_names():
-    with pytest.raises(ValueError, match="on_failure = 'stop' is unknown; choose from truncate, raise"):
-        make_vector(2, on_failure="stop")
-
-
-def test_several_threads_in_one_environment_are_refused():
-    env, vector = gymnasium.make(ID), make_vector(2)
-    for each, action in ((env, np.zeros(1)), (vector, np.zeros((2, 1)))):
-        each.reset(seed=0)
-        with (
-            each.unwrapped._exclusive,
-            pytest.raises(RuntimeError, match="in another call just now"),
-        ):
-            each.step(action)
-        copied = pickle.loads(pickle.dumps(each.unwrapped))
-        with each.unwrapped._exclusive:
-            copied.step(action)
-        each.step(action)
-
-
-def test_a_lane_that_cannot_go_on_is_named_if_it_is_to_raise_and_leaves_the_others_alone():
-    env = with_a_broken_lane(autoreset_mode=AutoresetMode.DISABLED, on_failure="raise")
-    with pytest.raises(SimulationError) as caught:
-        env.step(np.zeros((3, 1)))
-    assert caught.value.__notes__ == ["in lane 1 of the batch"]
-    env.reset(options={"reset_mask": np.array([False, True, False])})
-    observations, *_ = env.step(np.zeros((3, 1)))
-    assert np.isfinite(observations).all()
 
 
 def test_frames_are_those_of_single_environments():

@@ -129,7 +129,7 @@ INDEX: tuple[Entry, ...] = (
     Entry(
         "Fig 5", "four-bar linkage with a clearance joint: crank moment, rocker speed, wear",
         f"{_STUDY}/cases.py:simulate_four_bar",
-        f"{_STUDY_TEST}:test_the_pin_of_figure_5_wears_as_much_as_the_forces_of_inverse_dynamics_would_wear_it",
+        "tests/studies/paper/test_paper_four_bar.py:test_the_pin_of_figure_5_wears_as_much_as_the_forces_of_inverse_dynamics_would_wear_it",
         "lengths of the links are assumed",
     ),
     Entry(

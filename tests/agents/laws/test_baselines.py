@@ -1,6 +1,5 @@
 """Torque laws do what they say, and have the parameters that were tuned for the environment they are used in."""
 
-import json
 import re
 from dataclasses import replace
 
@@ -8,12 +7,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from agents.environments import DEFAULT_ENV_ID, make_env, with_model
-from agents.laws.baselines import load_parameters, make_baseline
+from agents.environments import make_env, with_model
+from agents.laws.baselines import make_baseline
 from agents.laws.brake import BrakeParameters, ConstantBrake
 from agents.laws.damper import DamperParameters, ViscousDamper
 from agents.laws.open_loop import OpenLoopParameters, OpenLoopTorque
-from agents.laws.passive import Passive
 from agents.laws.servo import RESERVE, ServoParameters, VelocityProfileServo
 from agents.laws.shaped import InputShapedProfile, ShapedProfileParameters
 from agents.laws.soft_start import SoftStartParameters, SoftStartServo
@@ -21,7 +19,6 @@ from agents.laws.table import BASELINES, LAWS, TUNABLE
 from agents.rollout import run_episode
 from agents.torque_laws import Signals
 from solar_env.__main__ import execute
-from solar_env.array import MODELS
 
 NAMES = (
     "theta_1",
@@ -41,13 +38,6 @@ SERVO = replace(ServoParameters(), difference_damping=3.0, postlock_damping=2.0)
 SOFT_START = SoftStartParameters(
     **vars(SERVO), torques=tuple(np.linspace(-0.2, 0.24, 12).tolist()), handover=10.0, blending=4.0
 )
-
-
-@pytest.fixture(scope="module")
-def env():
-    made = make_env()
-    yield made
-    made.close()
 
 
 def observe(opening=0.0, rate=0.0, latched=0.0, names=NAMES):
@@ -287,76 +277,3 @@ def test_help_texts_name_every_law(command, capsys):
 def test_servo_without_a_second_joint_is_refused_by_name():
     with pytest.raises(ValueError, match=r"VelocityProfileServo reads theta_2, rate_2"):
         VelocityProfileServo(Signals(("theta_1", "rate_1", "latched_1")))
-
-
-def test_unknown_baseline_is_refused(env):
-    with pytest.raises(ValueError, match="no baseline 'break'"):
-        make_baseline("break", env)
-
-
-def test_environment_without_tuned_parameters_names_the_command():
-    command = r"solar-env tune --controller servo --env-id other/Env-v0 --model flexible-ideal"
-    with pytest.raises(ValueError, match=command):
-        load_parameters("servo", "other/Env-v0", "flexible-ideal")
-
-
-@pytest.mark.parametrize("keywords", [{}, {"model": "rigid-clearance"}, {"elements": 1}])
-def test_a_baseline_has_the_parameters_tuned_for_the_environments_own_model(configs, keywords):
-    with make_env(env_kwargs=keywords) as made:
-        assert make_baseline("brake", made).parameters.torque == 0.1
-
-
-@pytest.mark.parametrize("elements", [1, 3])
-def test_tuned_parameters_hold_for_any_number_of_elements(configs, elements):
-    with make_env(env_kwargs={"model": "flexible-clearance", "elements": elements}) as made:
-        assert make_baseline("brake", made).parameters.torque == 0.2
-
-
-def test_a_model_that_nothing_was_tuned_for_gets_the_rigid_parameters_and_says_so(configs):
-    with (
-        make_env(env_kwargs={"model": "flexible-ideal"}) as made,
-        pytest.warns(UserWarning, match=r"tuned for flexible-ideal; it gets those for rigid-clearance.*--model flex"),
-    ):
-        assert make_baseline("brake", made).parameters.torque == 0.1
-
-
-def test_without_rigid_parameters_to_fall_back_on_another_model_is_refused(configs):
-    (configs / "brake.json").write_text(json.dumps({DEFAULT_ENV_ID: {"flexible-clearance": {}}}))
-    with pytest.raises(ValueError, match=r"no parameters for .* with model 'flexible-ideal'"):
-        load_parameters("brake", DEFAULT_ENV_ID, "flexible-ideal")
-
-
-@pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")
-@pytest.mark.parametrize("model", [model for model in MODELS if model.endswith("clearance")])
-@pytest.mark.parametrize("name", BASELINES)
-def test_every_baseline_deploys_the_nominal_array(model, name):
-    env = make_env(env_kwargs={"model": model, "elements": 1})
-    figures = run_episode(env, make_baseline(name, env), seed=0)
-    assert figures["latched"]
-    assert figures["latch_times_s"] <= 20.0
-
-
-def test_passive_does_no_motor_work(env):
-    assert run_episode(env, Passive(Signals.of(env)), seed=0)["motor_work_J"] == 0.0
-
-
-def test_tuned_servo_latches_softer_than_the_springs_alone(env):
-    passive, servo = (run_episode(env, make_baseline(name, env), seed=0) for name in ("passive", "servo"))
-    assert servo["return"] > passive["return"]
-    assert servo["peak_postlock_force_N"] < 0.5 * passive["peak_postlock_force_N"]
-
-
-def test_the_servo_tuned_for_flexible_panels_is_better_there_than_the_one_tuned_for_rigid_ones():
-    with make_env(env_kwargs=with_model({}, "flexible-clearance", 2)) as flexible:
-        rigid = load_parameters("servo", DEFAULT_ENV_ID, "rigid-clearance")
-        own, other = (run_episode(flexible, make_baseline("servo", flexible, p), seed=0) for p in (None, rigid))
-    assert own["return"] > 0.5 * other["return"]
-    assert own["peak_postlock_force_N"] < 0.5 * other["peak_postlock_force_N"]
-
-
-def test_a_brake_that_stalls_the_array_misses_the_deadline_and_has_no_postlock_figures(env):
-    stalled = run_episode(env, ConstantBrake(Signals.of(env), BrakeParameters(torque=0.5)), seed=0)
-    passive = run_episode(env, Passive(Signals.of(env)), seed=0)
-    assert not stalled["latched"]
-    assert np.isnan(stalled["peak_postlock_force_N"])
-    assert stalled["return"] < passive["return"]

@@ -19,7 +19,8 @@ from cable_beams import (
     tangent,
     translation,
 )
-from helpers import central_difference, orders, turned
+from helpers import central_difference, orders
+from mechanisms import turned
 
 from solar_env.mechanics.bodies.cable_element.element import add_mass_product, solve_mass
 from solar_env.mechanics.bodies.cable_element.forces import LANES

@@ -20,7 +20,7 @@ from cable_beams import (
     tangent,
     translation,
 )
-from helpers import Vector, turned
+from mechanisms import Vector, turned
 from scipy.linalg import eigh
 
 from solar_env.mechanics.bodies.cable_element.element import (

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers import ROUND_BEARING, Forces, Vector, central_difference, turned
+from helpers import Forces, central_difference
+from mechanisms import ROUND_BEARING, Vector, turned
 
 from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.arrays import model as m

@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from helpers import Forces, Vector, turned
+from helpers import Forces
+from mechanisms import Vector, turned
 
 from solar_env.mechanics.bodies.natural_coordinates import (
     add_mass_product,

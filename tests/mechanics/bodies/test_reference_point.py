@@ -7,7 +7,8 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from helpers import floating_pair, orders, turned
+from helpers import orders
+from mechanisms import floating_pair, turned
 
 from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.bodies.description import ReferencePointBody

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers import Vector
+from mechanisms import Vector
 from scipy.linalg import eigh
 
 from solar_env.mechanics.bodies.cable_element.element import add_mass_product

@@ -8,7 +8,8 @@ from dataclasses import fields, replace
 import numba
 import numpy as np
 import pytest
-from helpers import ROUND_BEARING, chain, fingerprint, pendulum
+from helpers import fingerprint
+from mechanisms import ROUND_BEARING, chain, pendulum
 
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.lanes import copied

@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers import ROUND_BEARING, Forces, Vector, block, central_difference, chain, floating_pair, pendulum, turned
+from helpers import Forces, central_difference
+from mechanisms import ROUND_BEARING, Vector, block, chain, floating_pair, pendulum, turned
 
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.equations.constraints import (
@@ -20,7 +21,6 @@ from solar_env.mechanics.equations.constraints import (
 from solar_env.mechanics.equations.system import accelerations, normal_inverse_mass
 from solar_env.mechanics.joints import joint as columns
 from solar_env.mechanics.mechanism.description import GROUND, Body, Drive, Guide, Joint, Mechanism
-from solar_env.mechanics.numerics.linear import cholesky_factor, cholesky_solve
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.mechanics.running.simulation import Simulation
 
@@ -299,19 +299,3 @@ def test_the_ground_has_no_compliance() -> None:
 def test_a_free_mechanism_has_no_constraints() -> None:
     simulation = Simulation(floating_pair())
     assert simulation.model.constraints.size.size == 0
-
-
-@pytest.mark.parametrize("size", [1, 3, 8])
-def test_cholesky_solves(size: int) -> None:
-    rng = np.random.default_rng(size)
-    root, solution = rng.normal(size=(size, size)), rng.normal(size=size)
-    matrix = root @ root.T + np.eye(size)
-    factor, right = matrix.copy(), matrix @ solution
-    assert cholesky_factor(factor, size)
-    cholesky_solve(factor, size, right)
-    assert right == pytest.approx(solution, abs=1e-14 * size * np.linalg.cond(matrix))
-
-
-@pytest.mark.parametrize("pivot", [1.0, 0.9, math.nan])
-def test_cholesky_refuses_a_matrix_that_is_not_positive_definite(pivot: float) -> None:
-    assert not cholesky_factor(np.array([[1.0, 1.0], [1.0, pivot]]), 2)

@@ -8,7 +8,8 @@ from dataclasses import replace
 import belts
 import numpy as np
 import pytest
-from helpers import ROUND_BEARING, ROUND_SPRING, ROUND_STOP, Forces, Vector, central_difference, chain, pendulum
+from helpers import Forces, central_difference
+from mechanisms import ROUND_BEARING, ROUND_SPRING, ROUND_STOP, Vector, chain, pendulum
 
 from solar_env.mechanics.equations.newton import assemble, linearize_forces
 from solar_env.mechanics.equations.tangent import fill_tangents, make_tangent_scratch

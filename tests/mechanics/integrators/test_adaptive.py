@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers import Vector, attempt, block, fingerprint, floating_pair, orders, pendulum, rotor, single_steps
+from helpers import attempt, fingerprint, orders, single_steps
+from mechanisms import Vector, block, floating_pair, pendulum, rotor
 
 from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.integrators.methods.runge_kutta import make_runge_kutta_arrays, take_stages

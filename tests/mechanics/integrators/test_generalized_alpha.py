@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers import attempt, block, fingerprint, floating_pair, orders, pendulum, rotor, single_steps
+from helpers import attempt, fingerprint, orders, single_steps
+from mechanisms import block, floating_pair, pendulum, rotor
 
 from solar_env.array import MODELS, ArrayParameters, build
 from solar_env.mechanics.arrays.model import MOTOR_WORK

@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers import attempt, block, single_steps
+from helpers import attempt, single_steps
+from mechanisms import block
 
 from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.integrators.settings import Rosenbrock, RungeKutta

@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers import Forces, Vector, rigid_motions, turned
+from helpers import Forces, rigid_motions
+from mechanisms import Vector, turned
 
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.equations.system import accelerations

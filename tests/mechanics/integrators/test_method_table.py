@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers import Vector, attempt, fingerprint, floating_pair, orders, pendulum, rotor
+from helpers import attempt, fingerprint, orders
+from mechanisms import Vector, floating_pair, pendulum, rotor
 
 from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.integrators.driver import advance_lanes

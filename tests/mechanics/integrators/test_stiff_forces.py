@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers import block
+from mechanisms import block
 
 from solar_env.array import ArrayParameters, build
 from solar_env.array.methods import default_integrator

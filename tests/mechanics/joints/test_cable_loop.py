@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from belts import LOOP, PULLING, belt
-from helpers import ROUND_BEARING, Forces, central_difference, rigid_motions
+from helpers import Forces, central_difference, rigid_motions
+from mechanisms import ROUND_BEARING
 
 from solar_env.mechanics.analysis.statics import static_equilibrium
 from solar_env.mechanics.arrays import model as m

@@ -8,7 +8,8 @@ from itertools import product
 
 import numpy as np
 import pytest
-from helpers import ROUND_BEARING, ROUND_STOP, Forces, Vector, block, central_difference, chain, turned
+from helpers import Forces, central_difference
+from mechanisms import ROUND_BEARING, ROUND_STOP, Vector, block, chain, turned
 
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.bodies.markers import place, velocity

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers import chain
+from mechanisms import chain
 
 from solar_env.array import MODELS, ArrayParameters, build
 from solar_env.mechanics.equations.build import compile_mechanism

@@ -9,7 +9,7 @@ from dataclasses import replace
 import gymnasium
 import numpy as np
 import pytest
-from helpers import block, pendulum
+from mechanisms import block, pendulum
 
 from solar_env.array import ArrayParameters, build
 from solar_env.array.deployment import simulate as simulate_deployment

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 from deployments import array
-from helpers import Vector, pendulum
+from mechanisms import Vector, pendulum
 
 from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.arrays import model as m

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 from deployments import EXAMPLES, array, every_integrator, in_contact
-from helpers import block, fingerprint, in_miniature, pendulum, rotor
+from helpers import fingerprint, in_miniature
+from mechanisms import block, pendulum, rotor
 
 from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.arrays import model as m

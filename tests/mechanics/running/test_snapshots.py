@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 from deployments import EXAMPLES, array, every_integrator, in_contact
-from helpers import fingerprint, pendulum
+from helpers import fingerprint
+from mechanisms import pendulum
 
 from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.integrators.settings import Integrator, ModalRadau, RungeKutta

@@ -1,6 +1,5 @@
 """The paper's figures and claims: what it reports of rigid panels, and the algorithms that read it off."""
 
-import cmath
 import json
 import math
 from dataclasses import replace
@@ -14,7 +13,6 @@ import pytest
 from solar_env.__main__ import main
 from solar_env.array import ArrayParameters
 from solar_env.commands.studies import paper
-from solar_env.mechanics.mechanism.textbook import STANDARD_GRAVITY, Link
 from solar_env.mechanics.running.trajectory import Trajectory, contact_record
 from solar_env.studies.common.tables import read_table, write_table
 from solar_env.studies.paper import cases, phases, survey
@@ -23,7 +21,6 @@ from solar_env.studies.paper.conclusions import CONCLUSIONS
 from solar_env.studies.paper.drawings import DRAWERS
 from solar_env.studies.paper.figures import FIGURES
 from solar_env.verification.arrays import theory
-from solar_env.verification.linkages.linkage_theory import four_bar_state
 
 TIME = np.linspace(0.0, 30.0, 3001)
 MEASURED = {row["key"]: row for row in json.loads((paper.FOLDER / "claims.json").read_text(encoding="utf-8"))}
@@ -156,91 +153,6 @@ def test_the_command_writes_table_and_picture_of_one_figure(tmp_path: Any) -> No
 def test_wrong_input_is_refused(option: list[str], named: str, capsys: Any, tmp_path: Any) -> None:
     assert main(["paper", *option, "--out", str(tmp_path)]) == 2
     assert named in capsys.readouterr().err
-
-
-def test_four_bar_wears_more_with_every_turn_and_its_books_close() -> None:
-    motions = [cases.simulate_four_bar(turns, with_clearance=True) for turns in (1, 2)]
-    depths = [motion.wear_bearing.max() for motion in motions]
-    assert 1.5 < depths[1] / depths[0] < 2.5
-    assert abs(motions[1].energy_residual) < 1e-4 * np.abs(motions[1].energies["external_work"]).max()
-
-
-@pytest.fixture(scope="module")
-def linkage() -> dict[tuple[str, int], Any]:
-    """The curves of Figure 5 by quantity and turns."""
-    curves: dict[tuple[str, int], Any] = {}
-    for row in FIGURES[5].rows({}):
-        curves.setdefault((str(row["quantity"]), int(row["turns"])), []).append((row["place"], row["value"]))
-    return {key: np.array(curve) for key, curve in curves.items()}
-
-
-def test_figure_5_shows_the_turn_on_the_papers_axis_and_three_stages_of_wear(
-    linkage: dict[tuple[str, int], Any],
-) -> None:
-    assert sorted(linkage) == [
-        ("crank moment [N m]", 0), ("crank moment [N m]", 26), ("rocker speed [rad/s]", 0),
-        ("rocker speed [rad/s]", 26), *(("wear depth of the journal [m]", turns) for turns in (6, 16, 26)),
-    ]  # fmt: skip
-    for (quantity, _), curve in linkage.items():
-        if "wear" not in quantity:
-            assert curve[[0, -1], 0] == pytest.approx([2.0, 2.08], abs=1e-4)
-    worn = [linkage["wear depth of the journal [m]", turns][:, 1].sum() for turns in (6, 16, 26)]
-    assert worn == pytest.approx(np.array([6, 16, 26]) * worn[2] / 26, rel=0.1)
-
-
-def test_moment_and_speed_of_figure_5_are_those_of_inverse_dynamics(linkage: dict[tuple[str, int], Any]) -> None:
-    """With an ideal joint at every angle; with clearance the rocker's speed but for what the play leaves it."""
-    links = [Link.slender(length, length) for length in (0.10, 0.35, 0.25)]
-    turned = (np.arange(cases.SAMPLES_PER_TURN) + 0.5) / cases.SAMPLES_PER_TURN
-    states = [
-        four_bar_state(*links, 0.40, cases.FOUR_BAR_RATE, math.pi * (0.5 + 2.0 * turn), STANDARD_GRAVITY)
-        for turn in turned
-    ]
-    moments, speeds = (np.array([getattr(state, name) for state in states]) for name in ("crank_moment", "output_rate"))
-    scale = np.abs(moments).max()
-    assert linkage["crank moment [N m]", 0][:, 1] == pytest.approx(moments, abs=2e-4 * scale)
-    assert linkage["rocker speed [rad/s]", 0][:, 1] == pytest.approx(speeds, abs=2e-4 * np.abs(speeds).max())
-    loose = linkage["rocker speed [rad/s]", 26][:, 1]
-    assert np.sqrt(np.mean((loose - speeds) ** 2)) < 0.05 * np.abs(speeds).max()
-
-
-def test_the_crank_moment_of_figure_5_does_the_work_that_is_lost_or_stored_and_wear_is_that_of_the_sliding(
-    linkage: dict[tuple[str, int], Any],
-) -> None:
-    ideal, worn = (linkage["crank moment [N m]", turns][:, 1] for turns in (0, 26))
-    assert np.mean(ideal) == pytest.approx(0.0, abs=1e-6 * np.abs(ideal).max())
-    motion = cases.simulate_four_bar(26, with_clearance=True)
-    energies = motion.energies
-    names = ("friction_dissipation", "contact_dissipation", "kinetic", "contact", "gravity")
-    balance = np.sum([energies[name] for name in names], axis=0)
-    work = balance[-1] - balance[-1 - cases.SAMPLES_PER_TURN]
-    assert np.mean(worn) * 2.0 * math.pi == pytest.approx(work, rel=1e-3)
-    # Archard's volume is that of the sliding work, here from the books; friction sets in at a thousandth of the speed.
-    array = ArrayParameters()
-    worn = motion.wear_journal.sum() * 2.0 * math.pi * array.journal_radius / array.wear_bins * cases.FOUR_BAR_WIDTH
-    sliding_work = energies["friction_dissipation"][-1] / array.by_joint("friction_coefficient", 0)
-    assert worn == pytest.approx(array.wear_coefficient * sliding_work, rel=0.01)
-
-
-def test_the_pin_of_figure_5_wears_as_much_as_the_forces_of_inverse_dynamics_would_wear_it(
-    linkage: dict[tuple[str, int], Any],
-) -> None:
-    """Archard's depth over 26 turns of the ideal linkage, whose journal neither flies nor rattles in its play."""
-    lengths, ground, rate = (0.10, 0.35, 0.25), 0.40, cases.FOUR_BAR_RATE
-    links = [Link.slender(length, length) for length in lengths]
-    rubbed = []
-    for turned in (np.arange(cases.SAMPLES_PER_TURN) + 0.5) / cases.SAMPLES_PER_TURN:
-        angle = 2.0 * math.pi * turned
-        state = four_bar_state(*links, ground, rate, angle, STANDARD_GRAVITY)
-        pin, rocker = cmath.rect(lengths[0], angle), cmath.rect(lengths[2], state.output)
-        coupler_rate = ((state.output_rate * rocker - rate * pin) / (ground + rocker - pin)).real
-        rubbed.append(abs(state.pin_forces[1]) * abs(coupler_rate - rate))
-    array = ArrayParameters()
-    duration = 26 * 2.0 * math.pi / rate
-    volume = array.wear_coefficient * float(np.mean(rubbed)) * array.journal_radius * duration
-    per_depth = 2.0 * math.pi * array.journal_radius / array.wear_bins * cases.FOUR_BAR_WIDTH
-    worn = linkage["wear depth of the journal [m]", 26][:, 1].sum() * per_depth
-    assert worn == pytest.approx(volume, rel=0.08)
 
 
 def test_with_the_tangential_force_the_couple_latches_a_second_before_the_paper() -> None:

@@ -70,7 +70,7 @@ def _run_identification(args: Args) -> int:
     """Search what the paper leaves open, and draw what excludes what."""
     from solar_env.studies.common.tables import provenance, read_table, write_table
     from solar_env.studies.paper.claims import CLAIMS
-    from solar_env.studies.paper.identification import exclusions, report, search
+    from solar_env.studies.paper.identification import exclusions, report, search, stages
     from solar_env.studies.paper.identification.plot import draw_identification
 
     out = args.folder("paper")
@@ -78,7 +78,7 @@ def _run_identification(args: Args) -> int:
     if args.readme:
         IDENTIFY_SECTION.read()
 
-    found = search.identify(out, partial(_run, args))
+    found = stages.identify(out, partial(_run, args))
     met = search.met_matrix(found.rigid, search.RIGID_CLAIMS)
     best = [found.rigid[number] for number in exclusions.front(met)]
     tables = {

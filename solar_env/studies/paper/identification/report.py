@@ -12,11 +12,11 @@ from solar_env.studies.paper.identification.search import (
     RANDOM_CELLS,
     RANDOM_SETS,
     RIGID_CLAIMS,
-    Identification,
     SearchedSet,
     met_matrix,
     parameters_of,
 )
+from solar_env.studies.paper.identification.stages import Identification
 from solar_env.support.markdown import markdown_table
 
 TRIPLES, FLEXIBLE_PAIRS = 10, 10  # that the page lists

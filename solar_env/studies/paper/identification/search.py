@@ -2,10 +2,8 @@
 
 import math
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from itertools import chain, combinations
-from pathlib import Path
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -28,7 +26,6 @@ from solar_env.studies.paper.identification.open_parameters import (
     parameters_at,
     point_of,
 )
-from solar_env.support.campaigns import Campaign
 from solar_env.support.minimisation import minimise
 
 STORE, FLEXIBLE_STORE = "identification.jsonl", "identification-flexible.jsonl"
@@ -229,7 +226,7 @@ def measure_set(cell: Mapping[str, Any]) -> list[float | None]:
 def candidate_cells(sets: Sequence[SearchedSet]) -> Iterator[dict[str, Any]]:
     """The sets that meet most claims on rigid panels, to be measured with flexible ones."""
     for one in best_first(sets, RIGID_CLAIMS)[:CANDIDATES]:
-        yield {**_place(one), "member": None}
+        yield {**place_of(one), "member": None}
 
 
 def whole_cells(whole: Sequence[SearchedSet]) -> Iterator[dict[str, Any]]:
@@ -240,67 +237,16 @@ def whole_cells(whole: Sequence[SearchedSet]) -> Iterator[dict[str, Any]]:
 
 def finalist_cells(whole: Sequence[SearchedSet]) -> Iterator[dict[str, Any]]:
     """The best sets, to be measured on the paper's mesh, once."""
-    yield from ({**_place(one), "member": 0} for one in best_first(whole, CLAIMS)[:FINALISTS])
+    yield from ({**place_of(one), "member": 0} for one in best_first(whole, CLAIMS)[:FINALISTS])
 
 
 def ensemble_cells(finalists: Sequence[SearchedSet]) -> Iterator[dict[str, Any]]:
     """The best finalists, then the named sets, to be measured over an ensemble."""
-    places = [_place(one) for one in best_first(finalists, CLAIMS)[:SHORTLIST]]
+    places = [place_of(one) for one in best_first(finalists, CLAIMS)[:SHORTLIST]]
     for place in (*places, *({"named": name} for name in NAMES)):
         yield from ({**place, "member": member} for member in range(SHORTLIST_MEMBERS))
 
 
-def _place(one: Mapping[str, Any]) -> dict[str, Any]:
+def place_of(one: Mapping[str, Any]) -> dict[str, Any]:
+    """The entries that say which set it is, without its figures."""
     return {name: one[name] for name in ("named", "readings", "point") if name in one}
-
-
-@dataclass(frozen=True)
-class Identification:
-    """Findings of a search; sets as searched, or with the name of a named one.
-
-    Attributes:
-        rigid: sets with figures of RIGID_CLAIMS.
-        whole: sets with figures of all CLAIMS, of fast panels.
-        shortlist: sets with the members' median figures of all CLAIMS on the paper's mesh, the named ones last.
-    """
-
-    rigid: list[SearchedSet]
-    whole: list[SearchedSet]
-    shortlist: list[SearchedSet]
-
-
-def identify(folder: Path, run: Callable[[Campaign, str], None]) -> Identification:
-    """Search, stage by stage; `run` does what is missing of a campaign, whose results files in `folder` keep."""
-    cells = list(broad_cells())
-
-    def searched(description: str) -> list[Any]:
-        campaign = Campaign(explore, cells, folder / STORE)
-        run(campaign, description)
-        return campaign.results()
-
-    def measured(cells: list[dict[str, Any]], description: str) -> list[SearchedSet]:
-        campaign = Campaign(measure_set, cells, folder / FLEXIBLE_STORE)
-        run(campaign, description)
-        results = zip(cells, campaign.results(), strict=True)
-        return [{**_place(cell), "figures": found} for cell, found in results]
-
-    rigid = list(chain.from_iterable(searched("searches, rigid panels")))
-    cells += refining_cells(rigid)
-    rigid = list(chain.from_iterable(searched("searches from the best sets")))
-    cells += aimed_cells(rigid)
-    rigid = list(chain.from_iterable(searched("searches for pairs of claims")))
-    whole = measured(list(candidate_cells(rigid)), "sets, flexible panels")
-    for next_cells in (whole_cells, whole_aimed_cells):
-        done = len(cells)
-        cells += next_cells(whole)
-        whole += chain.from_iterable(searched("searches, flexible panels")[done:])
-    finalists = measured(list(finalist_cells(whole)), "finalists, the paper's mesh")
-    members = measured(list(ensemble_cells(finalists)), "ensembles, the paper's mesh")
-    shortlist = [_median(members[k : k + SHORTLIST_MEMBERS]) for k in range(0, len(members), SHORTLIST_MEMBERS)]
-    return Identification(rigid, whole, shortlist)
-
-
-def _median(members: Sequence[SearchedSet]) -> SearchedSet:
-    figures = np.array([one["figures"] for one in members], dtype=float)
-    medians = [None if math.isnan(value) else float(value) for value in np.median(figures, axis=0)]
-    return {**members[0], "figures": medians}

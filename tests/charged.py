@@ -148,7 +148,7 @@ def step_of(time, run):
 
 
 class Record(NamedTuple):
-    """What an array has felt at the end of every step, (steps, joints); but wear, (joints,), is that at the end."""
+    """Loads felt by an array up to the end of every step, (steps, joints); but wear, (joints,), is that at the end."""
 
     peaks: np.ndarray
     work: np.ndarray

@@ -1,4 +1,4 @@
-"""What every test shares: compiled kernels, and a fresh interpreter for claims about processes."""
+"""Fixtures of all tests: compiled kernels, and a fresh interpreter for claims about processes."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def configs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture(scope="session")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Path, Path]]:
-    """What `trained.train_and_export` returns."""
+    """The result of `trained.train_and_export`."""
     from trained import train_and_export
 
     with warnings.catch_warnings():

@@ -24,7 +24,7 @@ FOLDER = Path(tempfile.mkdtemp(prefix="fuzzing-"))
 
 @dataclass(frozen=True)
 class Target:
-    """What reads bytes, what may come of it, and what a search begins with."""
+    """A reader of bytes, the errors that may come of it, and the bytes that a search begins with."""
 
     read: Callable[[bytes], object]
     documented: tuple[type[BaseException], ...]

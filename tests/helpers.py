@@ -179,7 +179,7 @@ def make_motion(
     impacts: Sequence[tuple[int, float, float]] = (),
     time: Vector = MOTION_TIMES,
 ) -> Motion:
-    """What a study keeps of a run of two joints that turn evenly; impacts are (joint, start, peak force)."""
+    """Record of a study of a run of two joints that turn evenly; impacts are (joint, start, peak force)."""
     rows = [(joint, start, math.nan, 0.0, peak, 0.0, 0.0) for joint, start, peak in impacts]
     return Motion(
         time=time,

@@ -158,7 +158,7 @@ def _read(path: Path) -> None:
 
 
 def end_of_training(folder: Path) -> bytes:
-    """What a training has come to, as bytes."""
+    """State of a training, as bytes."""
     learn.torch.set_num_threads(1)
     found = checkpoints.read(folder)
     model = runs.algorithm("ppo").load(io.BytesIO(found.model))

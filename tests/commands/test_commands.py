@@ -111,7 +111,7 @@ def test_every_model_runs_with_the_other_integrators_too(model, integrator, caps
 
 
 def said_on_the_console(capsys, *options):
-    """What the command writes to standard error, when standard output holds the summary and nothing else."""
+    """The command's standard error, when standard output holds the summary and nothing else."""
     assert main(["simulate", "--duration", "0.2", "--json", "-", *options]) == 0
     captured = capsys.readouterr()
     json.loads(captured.out)

@@ -1,4 +1,4 @@
-"""What an import brings along, and what it must not."""
+"""Modules that an import brings along, and those that it must not."""
 
 from __future__ import annotations
 

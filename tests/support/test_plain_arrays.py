@@ -11,7 +11,7 @@ from solar_env.support.plain_arrays import parse_json, read_arrays, read_json
 
 
 class Trap:
-    """What runs when it is unpickled."""
+    """Runs when the object is unpickled."""
 
     def __reduce__(self):
         return pytest.fail, ("a stranger's file was executed",)

@@ -1,4 +1,4 @@
-"""What the wheel holds: everything that runs, and no pictures."""
+"""Content of the wheel: everything that runs, and no pictures."""
 
 import tomllib
 from pathlib import Path

@@ -109,7 +109,7 @@ def test_what_wear_costs_is_the_deepest_of_the_whole_episode():
 
 @pytest.fixture
 def judged(monkeypatch):
-    """What gets simulated, which costs nothing here: a brake is the better the nearer its torque is to 0.3 N m."""
+    """Points that get simulated, at no cost here: a brake is the better the nearer its torque is to 0.3 N m."""
     candidates = []
 
     def mean_returns(controller, parameters, env_id, env_kwargs, seeds, workers, wear_cost):

@@ -128,7 +128,7 @@ def test_elements_of_rigid_panels_are_refused(tmp_path):
 
 
 def test_an_array_is_the_one_asked_for_whatever_a_policy_was_trained_on(tmp_path):
-    """What was drawn about the usual place of the hinge in training is drawn about the place asked for."""
+    """Draws about the usual place of the hinge in training become draws about the place asked for."""
     asked = "parameters={'hinge_x': 0.6}"
     options = ["--controllers", "passive", "ppo-nominal", "--model", "rigid-clearance", "--env-kwargs", asked]
     low, high = evaluated_on(tmp_path, *options)["randomize"]["hinge_x"]

@@ -72,7 +72,7 @@ def interrupt_at(monkeypatch, step):
 
 
 def content(folder):
-    """What a training has come to: weights and optimiser, replay buffer, random states, validations."""
+    """State of a training: weights and optimiser, replay buffer, random states, validations."""
     found = checkpoints.read(folder)
     config = configurations.stored_configuration(folder)
     venv = learn.make_training_env(config, found.landings, None, 1)

@@ -1,4 +1,4 @@
-"""What an agent's networks see of an observation: what is magnified, what is passed on, and that nothing is learned."""
+"""Features that networks see of an observation: magnified or passed on, and nothing in them is learned."""
 
 import numpy as np
 import pytest

@@ -26,7 +26,7 @@ def folder(ppo_run, tmp_path):
 
 
 class Trap:
-    """What runs when it is unpickled."""
+    """Runs when the object is unpickled."""
 
     def __reduce__(self):
         return pytest.fail, ("a stranger's file was executed",)

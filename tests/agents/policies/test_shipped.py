@@ -100,7 +100,7 @@ print([name for name in ("torch", "stable_baselines3", "onnx") if name in sys.mo
 
 
 class Payload:
-    """What runs when it is unpickled."""
+    """Runs when the object is unpickled."""
 
     def __reduce__(self):
         return pytest.fail, ("unpickled",)

@@ -24,7 +24,7 @@ each = pytest.mark.parametrize("row", FEATURES, ids=ALL)
 
 
 def shown(theta, rate, latched, left, observation=ALL):
-    """What sensors without errors show of a moment: name -> value."""
+    """Readings of sensors without errors at a moment: name -> value."""
     entries = observation_entries(2, observation)
     sensors = Sensors(1, LOCK_ANGLES, entries, Hardware(), DEADLINE)
     sensors.exact[0] = [*theta, *rate, *latched, left]

@@ -27,7 +27,7 @@ GAP = Bearing(2e-4, 0.01, PowerLaw(7.39e10))
 
 
 def told_by(run: Callable[[], object]) -> list[str]:
-    """What a run says."""
+    """Warnings of a run."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         run()
@@ -35,7 +35,7 @@ def told_by(run: Callable[[], object]) -> list[str]:
 
 
 def told(simulation: Simulation, end: float) -> list[str]:
-    """What one call says."""
+    """Warnings of one call."""
     return told_by(lambda: simulation.advance(end))
 
 

@@ -19,6 +19,7 @@ from solar_env.mechanics.integrators.methods.table import adapt_of, attempt_of, 
 from solar_env.mechanics.integrators.step import refresh, set_impact_speeds
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
+from solar_env.mechanics.numerics.step_size import StepController, growth, shortened
 from solar_env.mechanics.records.history import check_state, fail, impact_step_limit
 
 _SMALLEST_STEP = 1e-13  # s, relative to max(time, 1 s)
@@ -82,14 +83,19 @@ def choose_step(model, state, settings, stages, end_time):
     trial.step = end_time - clock.time if trial.last else wanted
 
 
+@kernel(inner=True)
+def controller_of(settings):
+    """The controller of the step size, by proportional and integral control of the error."""
+    return StepController(settings.order, 0.72, 0.4, 1e-10, 0.1, 10.0)
+
+
 @kernel(single_caller=True)
 def reject(model, state, settings, stages):
     """Shorten the next step after one whose error is too large; a status code."""
     clock, trial = state.clock[0], stages.trial[0]
     error = trial.error
     clock.rejected_steps += 1
-    shrink = 0.9 * error ** (-1.0 / settings.order) if error < math.inf else 0.1
-    clock.step_size = trial.step * max(shrink, 0.1)
+    clock.step_size = shortened(controller_of(settings), trial.step, error)
     adapt_of(settings)(model, state, stages, False)
     if not clock.step_size > _SMALLEST_STEP * max(1.0, abs(clock.time)):
         return fail(state, m.STEP_TOO_SMALL if math.isfinite(error) else m.NOT_FINITE, -1, error)
@@ -98,16 +104,10 @@ def reject(model, state, settings, stages):
 
 @kernel(single_caller=True)
 def choose_next(model, state, settings, stages):
-    """Set the next step's size after an accepted one, by proportional and integral control of the error.
-
-    E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, 1996, section IV.2,
-    doi:10.1007/978-3-642-05221-7.
-    """
+    """Set the next step's size after an accepted one."""
     clock, trial = state.clock[0], stages.trial[0]
-    error = max(trial.error, 1e-10)
-    trial.error = error
-    grow = min(0.9 * error ** (-0.72 / settings.order) * clock.last_error ** (0.4 / settings.order), 10.0)
-    clock.last_error = max(error, 1e-4)
+    grow = growth(controller_of(settings), trial.error, clock.last_error)
+    clock.last_error = max(trial.error, 1e-4)
     # A step that was cut short by the end of the call or by an event says little about the next one.
     if not trial.last:
         clock.step_size = trial.wanted * max(grow, 0.2)

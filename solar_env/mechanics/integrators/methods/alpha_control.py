@@ -12,7 +12,10 @@ from solar_env.mechanics.joints.contact.normal_force import impact_scales
 from solar_env.mechanics.joints.joint import ECCENTRICITY_X, ECCENTRICITY_Y, penetration, relative
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import greater
+from solar_env.mechanics.numerics.step_size import UNSOLVED, StepController, growth, shortened
 from solar_env.mechanics.records.history import impact_step_limit
+
+_CONTROL = StepController(2.0, least_share=0.2, most_growth=2.0)
 
 
 @kernel(single_caller=True)
@@ -73,15 +76,15 @@ def judge(model, state, it, scratch, settings, h, convergence):
     clock = state.clock[0]
     clock.failure_value = convergence
     if not convergence <= 1.0:
-        return 0.25 * h
+        return UNSOLVED * h
     shorter = landing_step(model, state, it, scratch, settings, h)
     if shorter < h:
         return shorter
     error = error_norm(state, it, settings, h)
     clock.failure_value = error
     if not error <= 1.0:
-        return h * max(0.9 * error**-0.5, 0.2)
-    grow = min(0.9 * max(error, 1e-6) ** -0.5, 2.0)
+        return shortened(_CONTROL, h, error)
+    grow = growth(_CONTROL, error, 1.0)
     # A change of step costs a restart: keep the step unless much is gained.
     clock.step_size = max(clock.step_size, h * grow) if grow > 1.5 else h
     return 0.0

@@ -24,6 +24,7 @@ from solar_env.mechanics.integrators.step import AdaptiveArrays, AdaptiveSetting
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 from solar_env.mechanics.numerics.profile import clear
+from solar_env.mechanics.numerics.step_size import StepController, growth
 
 # A linearly implicit step is taken if it is so many times as long as the stable explicit one. It costs five times as
 # much, but the explicit method's estimate sees the stiff vibrations too and promises less than can be had.
@@ -33,6 +34,8 @@ _WORTH = 2.5
 _STRICTER = 2.0
 # After a try that has failed the next one waits for twice as many explicit steps, up to so many.
 _LONGEST_WAIT = 256
+# Of steps that accuracy alone would bound.
+_CONTROL = StepController(4.0)
 
 # While a flexible mechanism moves more slowly than its velocity scale over _SLOW, the scale shrinks with the square of
 # its speed, to _LEAST_SCALE at most: impacts amplify errors, and those of the first, slow impacts grow for longest.
@@ -112,7 +115,7 @@ def adapt_rosenbrock(model, state, stages, accepted):
             clock.explicit_patience = 0
         if trial.bound and not trial.last:
             # What accuracy alone would allow.
-            clock.step_size = max(clock.step_size, trial.wanted * min(0.9 * trial.error**-0.25, 10.0))
+            clock.step_size = max(clock.step_size, trial.wanted * growth(_CONTROL, trial.error, 1.0))
     elif trial.implicit and clock.step_size <= _WORTH * (STABILITY_MARGIN * model.stable_step):
         clock.explicit_patience = min(max(2 * clock.explicit_patience, 4), _LONGEST_WAIT)
         clock.explicit_wait = clock.explicit_patience

@@ -37,6 +37,7 @@ from solar_env.mechanics.modal.step.motion import look_at
 from solar_env.mechanics.modal.step.solve import ModalSettings, solve_step
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
+from solar_env.mechanics.numerics.step_size import UNSOLVED, StepController, growth, shortened
 from solar_env.mechanics.records.history import (
     check_joint,
     end_contact,
@@ -52,7 +53,7 @@ from solar_env.mechanics.records.recording import sample_due
 _FIRST_STEP = 1e-4  # s
 _MOST_EVENTS_AT_ONCE = 1000
 _SMALLEST_PART = 1e-13  # s, before an event; in less time nothing moves
-_FASTEST_GROWTH = 4.0
+_CONTROL = StepController(4.0, most_growth=4.0)
 # Of clearances, and angles [rad], by which an event may be missed.
 _EVENT_TOLERANCE = 1e-6
 # Level of tables for one step size, of the type of other levels: of another one kernels would be compiled anew.
@@ -157,10 +158,7 @@ def reject_step(clock, h, solved, error):
     clock.rejected_steps += 1
     # The step that is taken then does not grow at once.
     clock.last_error = 1.0
-    shrink = 0.25
-    if solved:
-        shrink = max(0.9 * error**-0.25, 0.1) if error < math.inf else 0.1
-    clock.step_size = h * shrink
+    clock.step_size = shortened(_CONTROL, h, error) if solved else UNSOLVED * h
 
 
 @kernel(inlined=True)
@@ -170,8 +168,8 @@ def next_step_size(clock, h, error, cut):
     A vibration may pass through zero in the error of a step: that of the one before counts for a quarter.
     """
     error = max(error, 0.25 * clock.last_error)
-    clock.last_error = max(error, 1e-6)
-    size = h * min(0.9 * clock.last_error**-0.25, _FASTEST_GROWTH)
+    clock.last_error = max(error, _CONTROL.least_error)
+    size = h * growth(_CONTROL, error, 1.0)
     clock.step_size = max(clock.step_size, size) if cut else size
 
 

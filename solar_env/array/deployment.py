@@ -39,7 +39,7 @@ def simulate(
         model: one of `array.MODELS`.
         panels: model of flexible panels: "modal", their modes in a floating frame, or "ancf", beams of cable elements;
             by default what elements, modes, integrator and preset ask for, else "modal".
-        modes: bending modes of each modal panel, by default 24.
+        modes: bending modes of each modal panel, by default 32.
         elements: beam elements of each panel of "ancf", by default 6.
         duration: [s].
         integrator: defaults to `default_integrator` of the model.

@@ -44,7 +44,7 @@ class Args(QuietOption):
     panels: str | None = None
     """of a flexible model: modal or ancf; by default modal, ancf of the preset paper"""
     modes: int | None = None
-    """bending modes of each modal panel; by default 24"""
+    """bending modes of each modal panel; by default 32"""
     elements: int | None = None
     """beam elements of each panel of ancf; by default 6"""
     question: Annotated[str | None, tyro.conf.arg(help=_QUESTION_HELP)] = None

@@ -42,7 +42,7 @@ class EnvironmentSettings:
             the absolute nodal coordinate formulation; by default what the next two ask for, else "modal". Rigid panels
             use none of the three.
         elements: number of beam elements of each panel of "ancf", from 1 to 1000; by default 6.
-        modes: number of bending modes of each modal panel, up to 200; by default 24.
+        modes: number of bending modes of each modal panel, up to 200; by default 32.
         question, tolerance: of `model="auto"`: one of `solar_env.array.ladder.QUESTIONS` and the error allowed. By
             default at most a fifth of the pairs of controllers may be ranked wrongly ("controller-ranking", 0.2).
         torque_limit, control_period, deadline, postlock_window, driven_joint: see `task.task.Task`.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -93,6 +94,16 @@ def test_a_deployment_takes_parameters_or_changes_and_keeps_them() -> None:
     assert changed.metadata["parameters"] == ArrayParameters(clearance=3e-4).to_dict()
     assert changed.clearance.tolist() == [3e-4, 3e-4]
     assert (changed.metadata["model"], changed.metadata["modes"]) == ("rigid-clearance", DEFAULT_MODES)
+
+
+OPTIONS = ("array/deployment.py", "commands/simulate.py", "environment/settings.py", "../agents/commands/arguments.py")
+
+
+@pytest.mark.parametrize("file", OPTIONS)
+def test_texts_on_options_name_the_counts_by_default(file: str) -> None:
+    text = (Path(__file__).parents[2] / "solar_env" / file).read_text(encoding="utf-8")
+    assert re.search(rf"modes of each modal panel\W.* {DEFAULT_MODES}\b", text)
+    assert re.search(rf"elements of each panel\b.* {DEFAULT_ELEMENTS}\b", text)
 
 
 def test_the_preset_of_the_paper_has_its_parameters_and_beams_of_elements_unless_others_are_asked_for() -> None:

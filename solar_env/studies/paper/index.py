@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from solar_env.studies.paper.figures import FIGURES
 from solar_env.support.markdown import markdown_table
 
 
@@ -32,6 +33,10 @@ class Entry:
 
 _MECHANICS, _TESTS = "solar_env/mechanics", "tests/mechanics"
 _STUDY, _STUDY_TEST = "solar_env/studies/paper", "tests/studies/paper/test_paper.py"
+_REMARKS = {
+    "path": "panels fold to the other side, so that it is mirrored",
+    **dict.fromkeys(("small-forces", "wear"), "with the stiffness of Table 1, and beside it with that of Eq 40"),
+}
 INDEX: tuple[Entry, ...] = (
     Entry(
         "Table 1", "parameters of the array", "solar_env/array/parameters/parameters.py:ArrayParameters",
@@ -66,12 +71,13 @@ INDEX: tuple[Entry, ...] = (
     Entry(
         "Eqs 8-15", "rigid bodies in natural coordinates",
         f"{_MECHANICS}/bodies/natural_coordinates.py:NaturalCoordinates",
-        f"{_TESTS}/bodies/test_kinds.py:test_",
+        f"{_TESTS}/bodies/test_kinds.py:test_accelerations_balance_the_applied_forces",
     ),
     Entry(
         "Eqs 16-30", "cable elements in absolute nodal coordinates",
-        f"{_MECHANICS}/bodies/cable_element/element.py:CableElements", f"{_TESTS}/bodies/test_cable_element.py:test_",
-        "strains |r'| - 1 and (r' x r'') / |r'|^2, which are right under stretch",
+        f"{_MECHANICS}/bodies/cable_element/element.py:CableElements",
+        f"{_TESTS}/bodies/test_cable_element.py:test_a_cantilever_bends_as_eulers_and_bernoullis",
+        "with f the length of r': strains f - 1 and (r' x r'') / f^2, which are right under stretch",
     ),
     Entry(
         "Eqs 31-34", "eccentricity, penetration and contact points", f"{_MECHANICS}/joints/joint.py:penetration",
@@ -90,7 +96,7 @@ INDEX: tuple[Entry, ...] = (
     ),
     Entry(
         "Eq 39", "Lankarani and Nikravesh's normal force", f"{_MECHANICS}/joints/contact/lankarani_nikravesh.py:law",
-        f"{_TESTS}/joints/test_contact_laws.py:test_",
+        f"{_TESTS}/joints/test_contact_laws.py:test_damping_factors_are_those_of_the_named_laws",
     ),
     Entry(
         "Eq 40", "contact stiffness from radii and moduli", f"{_MECHANICS}/joints/contact/surfaces.py:Surfaces",
@@ -100,14 +106,15 @@ INDEX: tuple[Entry, ...] = (
     ),
     Entry(
         "Eqs 41-42", "modified Coulomb friction", f"{_MECHANICS}/joints/friction/ramp.py:RampedCoulomb",
-        f"{_TESTS}/joints/test_friction_laws.py:test_",
+        f"{_TESTS}/joints/test_friction_laws.py:test_the_ramp_sets_in_at_one_speed_and_is_full_at_the_other",
     ),
     Entry(
-        "Eqs 43-45", "Archard's wear", f"{_MECHANICS}/joints/wear.py:add_wear", f"{_TESTS}/joints/test_wear.py:test_",
+        "Eqs 43-45", "Archard's wear", f"{_MECHANICS}/joints/wear.py:add_wear",
+        f"{_TESTS}/joints/test_wear.py:test_the_volume_worn_in_a_run_is_the_coefficient_times_the_sliding_work",
     ),
     Entry(
         "Eq 46", "equations of motion with constraints", f"{_MECHANICS}/equations/system.py:accelerations",
-        f"{_TESTS}/equations/test_system.py:test_",
+        f"{_TESTS}/equations/test_system.py:test_the_multipliers_balance_the_equations_of_motion",
     ),
     Entry(
         "Steps of the solution", "torques and contacts of a step, then its accelerations, every 0.1 ms",
@@ -120,11 +127,14 @@ INDEX: tuple[Entry, ...] = (
     ),
     Entry(
         "Fig 1", "the array, its springs, its cable loop and a latch", "solar_env/array/construction.py:build",
-        "tests/array/test_construction.py:test_", "(e) is the couple of Eq 4, a latch that of Eqs 5-7",
+        "tests/array/test_construction.py:test_the_folded_array_lies_in_a_stack_along_the_side_of_the_body",
+        "(e) is the couple of Eq 4, a latch that of Eqs 5-7",
     ),
     Entry(
         "Figs 2-4", "sketches that go with the equations of bodies and joints, without results",
-        f"{_MECHANICS}/mechanism/description.py:Mechanism", f"{_TESTS}/bodies/test_kinds.py:test_",
+        f"{_MECHANICS}/mechanism/description.py:Mechanism",
+        f"{_TESTS}/bodies/test_kinds.py:test_a_body_starts_as_described",
+        "what they show is inferred from the order of the equations, not checked against a copy",
     ),
     Entry(
         "Fig 5", "four-bar linkage with a clearance joint: crank moment, rocker speed, wear",
@@ -132,15 +142,12 @@ INDEX: tuple[Entry, ...] = (
         "tests/studies/paper/test_paper_four_bar.py:test_the_pin_of_figure_5_wears_as_much_as_the_forces_of_inverse_dynamics_would_wear_it",
         "lengths of the links are assumed",
     ),
-    Entry(
-        "Figs 6-19", "deployments of the four models", f"{_STUDY}/figures.py:FIGURES",
-        f"{_STUDY_TEST}:test_every_figure_of_the_paper_is_there",
-        "panels fold to the other side, so that paths are mirrored",
-    ),
-    Entry(
-        "Figs 20-23", "deployments and wear of models 1 and 2", f"{_STUDY}/figures.py:FIGURES",
-        f"{_STUDY_TEST}:test_figures_of_several_models_and_of_wear_are_drawn",
-        "with the stiffness of Table 1, and beside it with that of Eq 40",
+    *(
+        Entry(
+            f"Fig {number}", figure.title, f"{_STUDY}/figures.py:FIGURES",
+            f"{_STUDY_TEST}:test_the_curves_of_a_figure_are_the_columns_of_its_table", _REMARKS.get(figure.kind, ""),
+        )
+        for number, figure in FIGURES.items() if figure.cases
     ),
 )  # fmt: skip
 
@@ -150,6 +157,5 @@ def as_markdown() -> str:
     columns = ("in the paper", "what it says", "here", "checked by", "remark")
     rows = []
     for entry in INDEX:
-        code, test = (f"`{place.rstrip('_')}`" for place in (entry.code, entry.test.removesuffix(":test_")))
-        rows.append((entry.place, entry.says, code, test, entry.remark))
+        rows.append((entry.place, entry.says, f"`{entry.code}`", f"`{entry.test}`", entry.remark))
     return markdown_table(columns, rows)

@@ -15,10 +15,9 @@ from solar_env.array import ArrayParameters
 from solar_env.commands.studies import paper
 from solar_env.mechanics.running.trajectory import Trajectory, contact_record
 from solar_env.studies.common.tables import read_table, write_table
-from solar_env.studies.paper import cases, phases, survey
+from solar_env.studies.paper import cases, drawings, phases, survey
 from solar_env.studies.paper.claims import CLAIMS
 from solar_env.studies.paper.conclusions import CONCLUSIONS
-from solar_env.studies.paper.drawings import DRAWERS
 from solar_env.studies.paper.figures import FIGURES
 from solar_env.verification.arrays import theory
 
@@ -112,17 +111,15 @@ def test_every_figure_of_the_paper_is_there() -> None:
 
 @pytest.mark.parametrize("number", [8, 10, 11])
 def test_a_figure_is_drawn_from_its_table_alone(rigid: dict[str, Trajectory], number: int, tmp_path: Any) -> None:
-    from solar_env.studies.paper.drawings import draw_figure
-
     figure = FIGURES[number]
     write_table(tmp_path / "table.csv", figure.rows(rigid), {"command": "paper"})
     for name in ("one.png", "two.png"):
-        draw_figure(read_table(tmp_path / "table.csv"), figure.kind, figure.title, tmp_path / name)
+        drawings.draw_figure(read_table(tmp_path / "table.csv"), figure.kind, figure.title, tmp_path / name)
     assert (tmp_path / "one.png").read_bytes() == (tmp_path / "two.png").read_bytes()
 
 
 def test_a_figure_says_in_its_title_what_its_table_shows(rigid: dict[str, Trajectory], tmp_path: Any) -> None:
-    assert CONCLUSIONS.keys() == DRAWERS.keys() == {figure.kind for figure in FIGURES.values()}
+    assert CONCLUSIONS.keys() == drawings.DRAWERS.keys() == {figure.kind for figure in FIGURES.values()}
     motion, figure = rigid["rigid-clearance"], FIGURES[10]
     write_table(tmp_path / "table.csv", figure.table([rigid]), {"command": "paper"})
     first, second = motion.peak_force
@@ -241,13 +238,43 @@ def test_wear_and_impacts_are_compared_joint_by_joint() -> None:
     assert claim("distribution-evenness").measure(member) == pytest.approx((3.0 / 2.0) / (4.0 / 1.0))
 
 
-@pytest.mark.parametrize("number", [18, 19, 22])
-def test_figures_of_several_models_and_of_wear_are_drawn(number: int, tmp_path: Any) -> None:
-    from solar_env.studies.paper.drawings import draw_figure
+# Kind of figure -> number of axes, and the end of the label of one of them.
+LOOKS = {
+    "angles": (1, "[rad]"), "path": (5, "y [µm]"), "forces": (2, "force [N]"), "small-forces": (4, "force [N]"),
+    "torques": (2, "[N m]"), "models": (8, "difference from rigid-ideal"), "wear": (2, "depth [m]"),
+}  # fmt: skip
+PLACES = {"time_s", "phase", "clearance_um", "angle_deg"}
 
-    motion = made([(0, 0.9, 13.1, 1.0)], wear_bearing=np.ones((2, 8)), wear_journal=np.ones((2, 8)),
-                  angles=np.outer(TIME, [1.0, 2.0]), rates=np.ones((len(TIME), 2)))  # fmt: skip
+
+def scribbled(seed: int) -> Any:
+    """A trajectory of which no two quantities are alike."""
+    rng = np.random.default_rng(seed)
+    names = ("angles", "rates", "normal_force", "latch_torque", "cable_torque")
+    arrays = {name: rng.random((len(TIME), 2)) for name in names}
+    wear = {f"wear_{surface}": 1e-14 * rng.random((2, 8)) for surface in ("bearing", "journal")}
+    path = 1e-4 * rng.random((len(TIME), 2, 2))
+    lasting = [(0, 0.9, 13.1, 1.0), (1, 0.9, 13.1, 1.0)]
+    return made(lasting, **arrays, **wear, eccentricity=path, clearance=np.array([2e-4, 1e-4]))
+
+
+@pytest.mark.parametrize("number", [number for number, figure in FIGURES.items() if figure.cases])
+def test_the_curves_of_a_figure_are_the_columns_of_its_table(
+    number: int, tmp_path: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn: list[Any] = []
+    monkeypatch.setattr(drawings, "save_figure", lambda picture, *_, **__: drawn.append(picture))
     figure = FIGURES[number]
-    write_table(tmp_path / "table.csv", figure.rows(dict.fromkeys(cases.CASES, motion)), {"command": "paper"})
-    draw_figure(read_table(tmp_path / "table.csv"), figure.kind, figure.title, tmp_path / "picture.png")
-    assert (tmp_path / "picture.png").stat().st_size > 5000
+    member = {case: scribbled(seed) for seed, case in enumerate(cases.CASES)}
+    write_table(tmp_path / "table.csv", figure.table([member] * len(figure.members)), {"command": "paper"})
+    table = read_table(tmp_path / "table.csv")
+    drawings.draw_figure(table, figure.kind, figure.heading, tmp_path / "picture.png")
+    axes, (count, label) = drawn[0].axes, LOOKS[figure.kind]
+    assert len(axes) == count
+    assert any(axis.get_ylabel().endswith(label) for axis in axes)
+    assert drawn[0].get_suptitle().startswith(figure.heading)
+    lines = [line for axis in axes for line in axis.lines]
+    for name in table.rows[0].keys() - PLACES:
+        if not name.endswith(("_least", "_greatest")):
+            assert sum(np.array_equal(line.get_ydata(), table.column(name)) for line in lines) == 1, name
+    ends = [line.get_ydata()[0] for line in lines if line.get_label() == "end of the paper's axis"]
+    assert ends == {"small-forces": [300.0] * 4, "wear": [7e-14] * 2}.get(figure.kind, [])

@@ -1,5 +1,6 @@
 """The index of the paper's equations, figures and tables: complete, and true of the code."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -21,7 +22,8 @@ def test_what_is_listed_is_there(entry: Entry) -> None:
     for place in (entry.code, entry.test):
         file, name = place.split(":")
         text = (ROOT / file).read_text(encoding="utf-8")
-        assert any(f"\n{word}{name}" in text for word in ("def ", "class ", "")), place
+        assert re.search(rf"^(def |class |){re.escape(name)}\b", text, re.MULTILINE), place
+        assert name.startswith("test_") == (place == entry.test)
 
 
 def test_the_page_holds_the_index() -> None:

@@ -20,6 +20,10 @@ PAGES = [
 ]
 TEXTS = {str(page.relative_to(ROOT)): page.read_text(encoding="utf-8") for page in PAGES}
 CODE = [*PACKAGE.rglob("*.py"), *(ROOT / "agents").rglob("*.py")]
+# Laws whose configurations keep commands of their first tuning.
+FIRST_TUNED = ("brake", "damper", "open-loop", "servo", "shaped", "soft-start")
+CONFIGS = [path for path in (ROOT / "agents/configs").glob("*.json") if path.stem not in FIRST_TUNED]
+CARDS = [*(ROOT / "agents/policies").glob("*/card.md")]
 MOST_LINES = 200
 
 
@@ -42,9 +46,11 @@ def test_the_pages_that_show_programs_are_those_of_users():
 
 
 def commands():
-    """Every command line of the pages, in blocks and between backticks, as words without `python`."""
+    """Every command line of pages, cards and configurations, as words without `python`."""
     lines = set()
-    for text in TEXTS.values():
+    for config in CONFIGS:
+        lines |= set(re.findall(r'"command": "([^"]*)"', config.read_text(encoding="utf-8")))
+    for text in [*TEXTS.values(), *(card.read_text(encoding="utf-8") for card in CARDS)]:
         for block in fenced(text, ""):
             lines |= {line for line in block.splitlines() if re.match(r"python train\.py|solar-env ", line)}
         lines |= set(re.findall(r"`((?:python train\.py|solar-env )[^`\n]*)`", text))
@@ -62,7 +68,8 @@ def test_commands_have_the_options_that_the_pages_give_them(command):
 
 
 def test_commands_are_spelt_in_one_way():
-    written = "\n".join([*TEXTS.values(), *(path.read_text(encoding="utf-8") for path in CODE)])
+    files = [*CODE, *CARDS, *CONFIGS]
+    written = "\n".join([*TEXTS.values(), *(path.read_text(encoding="utf-8") for path in files)])
     assert re.findall(r"python -m (?:agents|solar_env [a-z]).*", written) == []
 
 

@@ -5,7 +5,7 @@ files, `panels` says how panels are modelled, `construction` turns both into a m
 integrator a model gets, `compilation` whether it is compiled; `deployment` simulates one, `data_files` keeps it,
 `ladder` chooses the cheapest model for a question.
 
-Imports `mechanics` alone. A new parameter is a field of `ArrayParameters` and its use in `construction`.
+Imports `mechanics`. A new parameter is a field of `ArrayParameters` and its use in `construction`.
 """
 
 from solar_env.array.construction import build as build

@@ -4,6 +4,7 @@
 frame, `gif` writes films; `plots` draws figures of trajectories; `style` holds colours, markers and the style sheet of
 all figures.
 
-Imports nothing else of the package; Matplotlib and Pillow are imported when something is drawn. A new view is a class
-of `views`, which `render` places; a new figure takes its colours and its style from `style`.
+Imports `support`, and of `mechanics` the type of a trajectory alone; Matplotlib and Pillow are imported when something
+is drawn. A new view is a class of `views`, which `render` places; a new figure takes its colours and its style from
+`style`.
 """

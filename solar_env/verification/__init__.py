@@ -6,6 +6,6 @@ longer ones stand in modules named `*_theory`. Tolerances follow from the digits
 tolerance and order.
 
 Cases lie in the folder of their subject: `impacts`, `linkages` and `beams` know nothing of each other, `arrays` and
-`panels` may use their theory. They import `array`, `mechanics` and `environment`. A new case is a generator of `Check`
+`panels` may use their theory. They import `array` and `mechanics`. A new case is a generator of `Check`
 and a row of `CASES` in `suite`.
 """

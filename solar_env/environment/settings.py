@@ -183,7 +183,7 @@ class EnvironmentSettings:
 
     @cached_property
     def beginnings(self) -> Starts | None:
-        """Where episodes begin; None: folded."""
+        """States that episodes begin in, or None where all begin folded."""
         return None if self.starts is None else Starts.of(self.starts)
 
     def sensors(self, lanes: int) -> Sensors:

@@ -31,7 +31,7 @@ class Region:
         self.clear()
 
     def clear(self) -> None:
-        """Back to the background."""
+        """Draw the background over everything."""
         self._image = self._background.copy()
         self._pen = ImageDraw.Draw(self._image)
 
@@ -127,5 +127,5 @@ class Layout:
         return frame
 
     def pen(self, frame: Image.Image) -> TextPen:
-        """To write on the frame."""
+        """A pen that writes on the frame."""
         return TextPen(frame, self._fonts)

@@ -34,12 +34,12 @@ class Beam:
 
     @classmethod
     def solid(cls, length: float, area: float, second_moment: float, density: float, young: float) -> Beam:
-        """From cross-section [m2, m4], density [kg/m3] and Young's modulus [Pa]."""
+        """A beam by its cross-section [m2, m4], density [kg/m3] and Young's modulus [Pa]."""
         return cls(length, density * area, young * area, young * second_moment)
 
     @property
     def mass(self) -> float:
-        """[kg]."""
+        """Mass of the whole beam [kg]."""
         return self.linear_density * self.length
 
     def body(self, elements: int, angle: float = 0.0, velocity: Point = (0.0, 0.0), spin: float = 0.0) -> FlexibleBody:

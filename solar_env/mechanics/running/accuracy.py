@@ -31,7 +31,7 @@ class Watched(Protocol):
 
     @property
     def formulation(self) -> Formulation:
-        """Of the equations of motion."""
+        """Formulation of the equations of motion."""
 
     @property
     def time(self) -> float:

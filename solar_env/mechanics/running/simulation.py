@@ -88,7 +88,7 @@ class Simulation:
 
     @property
     def formulation(self) -> Formulation:
-        """Of the equations of motion, which the method has chosen."""
+        """Formulation of the equations of motion, which the method has chosen."""
         return FORMULATIONS[type(self.model)]
 
     @property

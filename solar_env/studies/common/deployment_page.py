@@ -124,7 +124,7 @@ def _single_titles(trajectory: Trajectory) -> dict[str, str]:
 
 
 def _titles(trajectories: Mapping[str, Trajectory]) -> dict[str, str]:
-    """Of several: which one stands out."""
+    """Titles of figures of several deployments: which one stands out."""
     latest = {name: float(np.nanmax(t.latch_times, initial=0.0)) for name, t in trajectories.items()}
     peaks = {name: float(t.postlock_peak_force.max()) for name, t in trajectories.items()}
     torques = {name: float(np.abs(t.latch_torque).max()) for name, t in trajectories.items()}

@@ -51,7 +51,7 @@ class Durations:
     flexible: float
 
     def of(self, model: str) -> float:
-        """That of a model."""
+        """Duration of a model [s]."""
         return self.flexible if has_flexible_panels(model) else self.rigid
 
 

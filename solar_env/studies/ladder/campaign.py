@@ -32,7 +32,7 @@ class LadderRun:
 
     @property
     def name(self) -> str:
-        """In words."""
+        """Level, number of the run and controller, in words."""
         return f"{self.level.name}, run {self.member + 1}" + (f", {self.profile.name}" if self.profile else "")
 
 
@@ -63,7 +63,7 @@ class LadderPlan:
 
     @property
     def levels(self) -> tuple[Level, ...]:
-        """From rigid panels with ideal joints to the reference."""
+        """The levels, from rigid panels with ideal joints to the reference."""
         flexible = (Level(f"flexible-{joint}", panels) for joint in ("ideal", "clearance") for panels in self.panels)
         return (Level("rigid-ideal"), Level("rigid-clearance"), *flexible, self.reference)
 

@@ -117,7 +117,7 @@ class Loads:
 
     @property
     def frequencies(self) -> Array:
-        """(f,) [Hz]."""
+        """(f,) frequencies of the shock response spectra [Hz]."""
         return FREQUENCIES
 
 

@@ -28,7 +28,7 @@ class Impact:
     stiffness: float
 
     def force(self, depth: float) -> float:
-        """[N]."""
+        """Contact force at a depth [m], by Hertz [N]."""
         return self.stiffness * max(depth, 0.0) ** 1.5
 
 

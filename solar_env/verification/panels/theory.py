@@ -89,7 +89,7 @@ class FineBeam:
 
     @property
     def frequencies(self) -> Array:
-        """(modes,) [rad/s]."""
+        """(modes,) natural frequencies of bending [rad/s]."""
         return free_wave_numbers(self.modes) ** 2 * math.sqrt(self.stiffness / self.mass / self.length**3)
 
     @property

@@ -65,7 +65,7 @@ class PanelModel:
         density, length = p.panel_density * section, p.panel_length
         if self.kind == ANCF:
             return FlexibleBody(name, length, self.count, density, axial, bending, p.panel_damping, **motion)
-        return ModalPanel(name, length, density * length, axial, bending, p.panel_damping, self.count, **motion)
+        return ModalPanel(name, length, density * length, axial, bending, p.panel_damping, modes=self.count, **motion)
 
     @classmethod
     def of(

@@ -1,5 +1,6 @@
 """The pages of the interface: `pip install -e ".[docs]" && pytest -m docs`."""
 
+import ast
 import re
 import subprocess
 import sys
@@ -30,6 +31,25 @@ def test_the_pages_of_both_packages_build_without_warnings(tmp_path):
         assert modules <= pages
     front = (tmp_path / "solar_env.html").read_text(encoding="utf-8")
     assert "Normal contact law" in front, "the package's page holds the recipes for contributors"
+
+
+def docstrings(node, public=True):
+    """Names and docstrings of the public classes and functions in a part of a module."""
+    for part in ast.iter_child_nodes(node):
+        if isinstance(part, (ast.ClassDef, ast.FunctionDef)):
+            own = public and not part.name.startswith("_")
+            if own:
+                yield part.name, ast.get_docstring(part) or ""
+            yield from docstrings(part, own)
+
+
+def test_docstrings_begin_with_the_thing_or_with_what_it_does():
+    """A fragment that leans on the name above it says nothing on a page; nor does a bare unit."""
+    fragment = re.compile(r"(?:Of|That|Those|What|To|From|In|Back|About|Any|Both)\b|(?:\([^)]*\) )?\[")
+    files = [path for package in ("solar_env", "agents") for path in (ROOT / package).rglob("*.py")]
+    assert len(files) > 300
+    read = [(path, *found) for path in files for found in docstrings(ast.parse(path.read_text(encoding="utf-8")))]
+    assert [f"{path.name}: {name}: {text}" for path, name, text in read if fragment.match(text)] == []
 
 
 def test_docstrings_have_no_sphinx_roles():

@@ -3,7 +3,7 @@
 `imperfections` describes those of this package's environments (`Hardware`), which `environment.task` applies;
 `wrappers` do the same to any environment of Gymnasium.
 
-Imports `solar_env.array` alone. A new imperfection is a field of `Hardware` and its use in `environment.task.sensors`.
+Imports `solar_env.array`. A new imperfection is a field of `Hardware` and its use in `environment.task.sensors`.
 """
 
 from solar_env.environment.hardware.imperfections import Hardware as Hardware

@@ -108,7 +108,7 @@ class FlexibleBody(AnyBody):
 
     @property
     def element_length(self) -> float:
-        """Of an element [m]."""
+        """Length of an element [m]."""
         return self.length / self.elements
 
     def node(self, point: Point) -> int:
@@ -149,7 +149,7 @@ class ModalPanel(AnyBody):
     axial_stiffness: float
     bending_stiffness: float
     damping: float = 0.0
-    modes: int = 24
+    modes: int = field(kw_only=True)
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -158,7 +158,7 @@ class ModalPanel(AnyBody):
 
     @property
     def inertia(self) -> float:
-        """About the centre of mass [kg m2]; the panel has no thickness."""
+        """Moment of inertia about the centre of mass [kg m2]; the panel has no thickness."""
         return self.mass * self.length**2 / 12.0
 
     @property

@@ -4,8 +4,6 @@ Place = (a1 + b1 J) p1 + (a2 + b2 J) p2 and direction = c1 p1 + p2, J being the 
 as the body, or as a beam is stretched there. Rates follow from velocities by the same map.
 """
 
-import math
-
 import numpy as np
 
 from solar_env.mechanics.numerics.jit import kernel
@@ -61,13 +59,6 @@ def spin(marker, q, v):
     dx, dy = direction(marker, q)
     ux, uy = direction(marker, v)
     return (dx * uy - dy * ux) / (dx * dx + dy * dy)
-
-
-@kernel(inlined=True)
-def vector_angle(marker, q, x, y):
-    """Angle [rad] of a vector, counted from the direction."""
-    dx, dy = direction(marker, q)
-    return math.atan2(dx * y - dy * x, dx * x + dy * y)
 
 
 @kernel(inlined=True)

@@ -3,6 +3,8 @@
 Each function chooses by the marker's kind of body; nothing else looks into a marker's row.
 """
 
+import math
+
 from solar_env.mechanics.bodies import linear_marker, reference_point
 from solar_env.mechanics.bodies.kinds import REFERENCE_POINT
 from solar_env.mechanics.numerics.jit import kernel
@@ -51,9 +53,8 @@ def spin(marker, q, v):
 @kernel(inlined=True)
 def vector_angle(marker, q, x, y):
     """Angle [rad] of a vector, counted from the marker's direction."""
-    if marker.kind == REFERENCE_POINT:
-        return reference_point.vector_angle(marker, q, x, y)
-    return linear_marker.vector_angle(marker, q, x, y)
+    dx, dy = direction(marker, q)
+    return math.atan2(dx * y - dy * x, dx * x + dy * y)
 
 
 @kernel(inlined=True)

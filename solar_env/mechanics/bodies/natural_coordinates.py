@@ -30,7 +30,7 @@ class NaturalCoordinates(BodyKind[Body]):
     constraints = 1
 
     def coordinates(self, body: Body) -> int:
-        """Four."""
+        """Return four, the number of coordinates."""
         return 4
 
     def fill(self, body: Body, row: np.void, constants: list[float]) -> None:
@@ -41,17 +41,17 @@ class NaturalCoordinates(BodyKind[Body]):
         row["w11"], row["w22"], row["w12"], row["x12"] = inverse_mass_parameters(*mass)
 
     def fill_marker(self, body: Body, row: np.void, first: int, point: Point) -> None:
-        """Any point; the direction is p2 - p1."""
+        """Fill the place, which may be any point; the direction is p2 - p1."""
         along, across = point[0] / body.length, point[1] / body.length
         row["i1"], row["i2"], row["c1"] = first, first + 2, -1.0
         row["a1"], row["b1"], row["a2"], row["b2"] = 1.0 - along, -across, along, across
 
     def marker_coordinates(self, row: np.void) -> list[int]:
-        """Those of both base points."""
+        """Return the coordinates of both base points."""
         return pair_coordinates(row)
 
     def initial_motion(self, body: Body) -> tuple[Array, Array]:
-        """Base points as described; a fixed body is at rest."""
+        """Return the motion of the base points as described; a fixed body is at rest."""
         c, s = math.cos(body.angle), math.sin(body.angle)
         points = np.array([0.0, body.length])
         q = (np.array(body.position) + np.outer(points, (c, s))).ravel()
@@ -59,7 +59,7 @@ class NaturalCoordinates(BodyKind[Body]):
         return q, np.zeros(4) if body.fixed else v
 
     def weight(self, body: Body, gravity: Point) -> Array:
-        """That of the mass at the centroid; none if fixed."""
+        """Return the weight of the mass at the centroid; none if fixed."""
         along, across = body.centroid[0] / body.length, body.centroid[1] / body.length
         gx, gy = gravity
         force = np.zeros(4)
@@ -70,7 +70,7 @@ class NaturalCoordinates(BodyKind[Body]):
         return force
 
     def centreline(self, row: Any, q: Array, points_per_element: int) -> Array:
-        """Both base points."""
+        """Return both base points."""
         return q.reshape(*q.shape[:-1], 2, 2).copy()
 
 

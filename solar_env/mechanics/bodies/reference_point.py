@@ -151,13 +151,6 @@ def spin(marker, v):
 
 
 @kernel(inlined=True)
-def vector_angle(marker, q, x, y):
-    """Angle [rad] of a vector, counted from the direction."""
-    dx, dy = direction(marker, q)
-    return math.atan2(dx * y - dy * x, dx * x + dy * y)
-
-
-@kernel(inlined=True)
 def add_point_force(marker, q, fx, fy, force):
     """Add the generalized force of a force at the marker: itself, and its moment about the centroid."""
     k = marker.offset

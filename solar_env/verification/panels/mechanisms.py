@@ -22,7 +22,7 @@ def start(mechanism: Mechanism, rtol: float = 1e-6, max_steps: int = 20_000_000)
 def modal(beam: Beam, modes: int = 24, **placed: float | Point) -> ModalPanel:
     """A beam as a modal panel; further arguments are those of `ModalPanel`."""
     stiffness = (beam.axial_stiffness, beam.bending_stiffness, beam.damping)
-    return ModalPanel(BEAM, beam.length, beam.mass, *stiffness, modes, **placed)  # type: ignore[arg-type]
+    return ModalPanel(BEAM, beam.length, beam.mass, *stiffness, modes=modes, **placed)  # type: ignore[arg-type]
 
 
 def dead_force(end: Point, force: complex) -> Joint:

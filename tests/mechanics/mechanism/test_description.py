@@ -41,7 +41,7 @@ GUIDE = Guide("arm", (0.0, 0.0), (0.0, 1.0))
 DRIVE = Drive("arm", 0.0, 1.0)
 LOAD = Load("arm", (0.1, 0.0), (1.0, 2.0), 0.3)
 BEAM = FlexibleBody("beam", 1.5, 4, linear_density=0.8, axial_stiffness=5.0, bending_stiffness=0.6)
-PANEL = ModalPanel("panel", 1.5, 1.2, axial_stiffness=5.0, bending_stiffness=0.6)
+PANEL = ModalPanel("panel", 1.5, 1.2, axial_stiffness=5.0, bending_stiffness=0.6, modes=3)
 MECHANISM = Mechanism((BODY, BEAM), (JOINT, OTHER), (CABLE,), (GUIDE,), (DRIVE,), (LOAD,))
 PARTS: list[Any] = [BODY, BEAM, PANEL, SPRING, STOP, BEARING, JOINT, CABLE, GUIDE, DRIVE, LOAD, MECHANISM]
 

@@ -19,7 +19,7 @@ LENGTH, MASS = 2.0, 3.0
 
 
 def panel(modes: int) -> Simulation:
-    body = ModalPanel("panel", LENGTH, MASS, 2e4, 300.0, 0.0, modes, position=(0.3, -0.2), angle=0.7)
+    body = ModalPanel("panel", LENGTH, MASS, 2e4, 300.0, modes=modes, position=(0.3, -0.2), angle=0.7)
     return Simulation(Mechanism((body,)), ModalRadau())
 
 

@@ -95,7 +95,7 @@ class Panels(NamedTuple):
 
     @property
     def frequency(self) -> Array:
-        """(D, modes) [rad/s]."""
+        """(D, modes) natural frequencies [rad/s]."""
         return np.asarray(self.modes["frequency"])
 
     @property

@@ -20,9 +20,7 @@ PAGES = [
 ]
 TEXTS = {str(page.relative_to(ROOT)): page.read_text(encoding="utf-8") for page in PAGES}
 CODE = [*PACKAGE.rglob("*.py"), *(ROOT / "agents").rglob("*.py")]
-# Laws whose configurations keep commands of their first tuning.
-FIRST_TUNED = ("servo", "soft-start")
-CONFIGS = [path for path in (ROOT / "agents/configs").glob("*.json") if path.stem not in FIRST_TUNED]
+CONFIGS = [*(ROOT / "agents/configs").glob("*.json")]
 CARDS = [*(ROOT / "agents/policies").glob("*/card.md")]
 MOST_LINES = 200
 

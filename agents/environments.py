@@ -16,8 +16,8 @@ DEFAULT_ENV_ID = "solar_env/Deploy-v1"
 # Episodes therefore differ by micrometres in the place of the root hinge, as those of the paper's ensembles here.
 SAMPLED, HALF_WIDTH = "hinge_x", 5e-6
 
-# They say what is observed and what an action is: each controller has its own.
-INTERFACE = ("observation", "action")
+# They say what is observed, what an action is and how long it holds: each controller has its own.
+INTERFACE = ("observation", "action", "control_period")
 
 # One of them says how panels are modelled, and two may contradict each other.
 PANEL_KEYWORDS = ("panels", "elements", "modes")

@@ -7,6 +7,8 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
+from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
+
 from agents.environments import EPISODES_PER_SEED, INTERFACE, check_episode_seeds, environment_settings, with_sampling
 from agents.laws.baselines import CONFIGS
 from agents.laws.residual import DEFAULT_LAW, residual_on
@@ -38,9 +40,9 @@ class Configuration:
         timesteps: Environment steps to train for; those of a run that goes on with a complete one come on top of its.
         hyperparameters: Keywords of the Stable-Baselines3 class, and for SAC and TD3 `actor_learning_rate`, in place
             of the `learning_rate` that is then the critics' alone, and `exploration_noise`, the standard deviation of
-            an action noise, see `agents.learning.models.make_model`. Learning rates are those of the first update and
-            fall linearly to zero; a resumed run takes them up at the share of all steps, earlier ones included, that is
-            left.
+            an action noise, for PPO `first_weight`, see `agents.learning.models.make_model`. Learning rates are those
+            of the first update and fall linearly to zero; a resumed run takes them up at the share of all steps,
+            earlier ones included, that is left.
         residual: Law that the agent adds to, see `agents.laws.residual.residual_on`; None: it commands all torque.
         landings: Episodes of that law alone that training begins with, see `agents.learning.landings`; 0 without a law.
     """
@@ -171,6 +173,8 @@ def _check_positive(name: str, number: int) -> None:
 def _check_hyperparameters(algo: str, values: Mapping[str, Any]) -> None:
     """Refuse names that the algorithm does not have, and values that would fail in the middle of a training."""
     accepted = set(inspect.signature(runs.algorithm(algo)).parameters) - NOT_HYPERPARAMETERS
+    if issubclass(runs.algorithm(algo), OnPolicyAlgorithm):
+        accepted |= {"first_weight"}
     if "action_noise" in accepted:
         accepted = accepted - {"action_noise"} | {"exploration_noise", "actor_learning_rate"}
     for name, value in values.items():

@@ -51,6 +51,9 @@ def make_model(config: Configuration, venv: VecEnv, features: Features, device: 
     An agent that adds to a law begins with nothing to add: the last layer of its actor is zero (T. Silver et al.,
     Residual Policy Learning, 2018, arXiv:1812.06298). That layer has no bias: where its features are zero, exploration
     noise is almost zero, any bias would be most improbable, and the bias's gradient would exceed all others.
+
+    With `first_weight` a linear policy begins as the searches do: that is the weight of the first entry of the
+    observation, and all others are zero.
     """
     seed = episode_seeds("training", config.seed, 1)[0]
     cls: Any = runs.algorithm(config.algo)
@@ -66,6 +69,7 @@ def make_model(config: Configuration, venv: VecEnv, features: Features, device: 
     actor_rate = hyperparameters.pop("actor_learning_rate", None)
     if actor_rate is not None:
         hyperparameters["policy_kwargs"]["optimizer_class"] = SlowedAdam
+    first_weight = hyperparameters.pop("first_weight", None)
     noise = hyperparameters.pop("exploration_noise", None)
     if noise is not None:
         n_actions = venv.action_space.shape[0]  # type: ignore[index]
@@ -88,6 +92,9 @@ def make_model(config: Configuration, venv: VecEnv, features: Features, device: 
         policy: Any = model.policy
         for group in policy.actor.optimizer.param_groups:
             group[SHARE] = actor_rate / rate if rate else 0.0
+    if first_weight is not None:
+        (layer,) = _actor_layers(model)
+        layer.weight.data = first_weight * torch.eye(*layer.weight.shape)
     if config.residual:
         for layer in _actor_layers(model):
             torch.nn.init.zeros_(layer.weight)

@@ -1,11 +1,12 @@
 """Search over the weights of a linear policy by whole episodes: CMA-ES, and ARS with a candidate in every lane.
 
-Noise on the weights tries one behaviour for a whole deployment, while noise on actions drowns in the shaking that it
-causes itself. Candidates are compared by the returns of their episodes alone, so that neither the flat cost of missed
-deadlines nor the delay between a landing and its cost stands in the way of a gradient.
+Noise on the weights tries one behaviour for a whole deployment. Candidates are compared by the returns of their
+episodes alone, so that neither the flat cost of missed deadlines nor the delay between a landing and its cost stands in
+the way of a gradient.
 """
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import cma
@@ -24,7 +25,7 @@ class WeightSearch(ARS):
 
     Args:
         policy, env, n_delta, n_top, learning_rate, delta_std, seed, device: See `sb3_contrib.ARS`.
-        first_weight: Weight of the first entry at the beginning.
+        first_weight: Weight of the first entry at the beginning, or weights of the first ones.
     """
 
     def __init__(
@@ -35,7 +36,7 @@ class WeightSearch(ARS):
         n_top: int | None = None,
         learning_rate: Any = 0.02,
         delta_std: Any = 0.05,
-        first_weight: float = 0.0,
+        first_weight: float | Sequence[float] = 0.0,
         seed: int | None = None,
         device: str = "cpu",
         _init_setup_model: bool = True,
@@ -55,7 +56,8 @@ class WeightSearch(ARS):
 
     def _setup_model(self) -> None:
         super()._setup_model()
-        self._use(np.eye(1, self.n_params)[0] * self.first_weight)
+        first = np.atleast_1d(self.first_weight)
+        self._use(np.pad(first, (0, self.n_params - first.size)))
 
     def _use(self, weights: np.ndarray) -> None:
         """Let the policy have the weights (entries,)."""
@@ -129,7 +131,7 @@ class CMAES(WeightSearch):
         deviation: float = 0.1,
         generations_between: int = 15,
         finalists: int = 2,
-        first_weight: float = 0.0,
+        first_weight: float | Sequence[float] = 0.0,
         seed: int | None = None,
         device: str = "cpu",
         _init_setup_model: bool = True,

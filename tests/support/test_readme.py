@@ -6,6 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_sampling
+from agents.laws.baselines import make_baseline
+from agents.rollout import run_episode
 from solar_env.__main__ import command_named, main
 from solar_env.commands.arguments import parse_arguments
 from solar_env.support.readme import PACKAGE, Section
@@ -36,7 +39,20 @@ WITH_PROGRAMS = [page for page, text in TEXTS.items() if fenced(text, "python")]
 def test_the_programs_of_a_page_run_one_after_the_other(page):
     namespace = {}
     for program in fenced(TEXTS[page], "python"):
-        exec(program, namespace)
+        exec(program.replace("learn(200_000)", "learn(2_880)"), namespace)  # one rollout of the long training
+
+
+@pytest.mark.slow
+def test_the_lines_with_which_ppo_learns_from_nothing_land_more_softly_than_the_tuned_damper():
+    namespace = {}
+    exec(next(program for program in fenced(TEXTS["agents/README.md"], "python") if "PPO(" in program), namespace)
+
+    def returns(keywords, controller):
+        env = make_env(DEFAULT_ENV_ID, keywords)
+        made = controller or make_baseline("damper", env)
+        return [run_episode(env, made, seed)["return"] for seed in episode_seeds("evaluation", 0, 8)]
+
+    assert min(returns(namespace["drive"], namespace["model"])) > max(returns(with_sampling({}), None))
 
 
 def test_the_pages_that_show_programs_are_those_of_users():

@@ -14,7 +14,7 @@ from solar_env.__main__ import execute
 QUICK = [
     *["--algos", "ppo", "--seeds", "3", "7", "--timesteps", "20", "--landings", "8", "--jobs", "1", "--quiet"],
     *["--model", "rigid-ideal"],
-    *["--hyperparams", "n_steps=10", "batch_size=10", "--env-kwargs", "postlock_window=0.2"],
+    *["--hyperparams", "n_steps=10", "batch_size=10", "--env-kwargs", "postlock_window=0.2", "control_period=0.1"],
 ]
 
 

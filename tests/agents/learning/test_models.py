@@ -78,6 +78,16 @@ def test_an_agent_adds_nothing_to_a_law_where_it_has_no_features_however_long_it
         assert agent.predict(latched, deterministic=True)[0].any()
 
 
+def test_ppo_without_a_law_begins_with_a_constant_rate_that_arrives_and_acts_at_its_own_period():
+    config = configurations.complete("ppo", "solar_env/Deploy-v1", {"model": "rigid-clearance"}, seed=0, residual=0.0)
+    venv = learn.make_training_env(config, [], None, threads=1)
+    model = learn.make_model(config, venv, learn.prepare(config)[0])
+    before_latching, latched = np.eye(2, 18).astype(np.float32)
+    assert model.predict(before_latching, deterministic=True)[0] == pytest.approx(0.85)
+    assert model.predict(latched, deterministic=True)[0] == 0.0
+    assert venv.get_attr("task", 0)[0].control_period == 0.5
+
+
 def test_the_learning_rate_of_ppo_falls_from_update_to_update_and_none_is_without_effect():
     rollouts = {"n_steps": 50, "batch_size": 50, "learning_rate": 1e-3}
     quick = {"model": "rigid-ideal"}

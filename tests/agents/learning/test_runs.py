@@ -20,7 +20,8 @@ pytestmark = pytest.mark.usefixtures("few_validation_episodes")
 @pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")
 @pytest.mark.parametrize("model", MODELS)
 def test_a_run_keeps_its_model_and_elements_and_is_resumed_and_evaluated_on_them(tmp_path, model):
-    quick = ["--env-kwargs", "deadline=0.5", "postlock_window=0.2", "--n-envs", "1", "--residual", 0]
+    quick = ["--env-kwargs", "deadline=0.5", "postlock_window=0.2", "control_period=0.1"]
+    quick += ["--n-envs", 1, "--residual", 0]
     small = ["--timesteps", 20, "--hyperparams", "n_steps=10", "batch_size=10"]
     elements = 1 if model.startswith("flexible") else None
     mesh = ["--elements", elements] if elements else []

@@ -6,7 +6,6 @@ the way of a gradient.
 """
 
 import math
-from collections.abc import Sequence
 from typing import Any
 
 import cma
@@ -25,7 +24,7 @@ class WeightSearch(ARS):
 
     Args:
         policy, env, n_delta, n_top, learning_rate, delta_std, seed, device: See `sb3_contrib.ARS`.
-        first_weight: Weight of the first entry at the beginning, or weights of the first ones.
+        first_weight: Weight of the first entry at the beginning.
     """
 
     def __init__(
@@ -36,7 +35,7 @@ class WeightSearch(ARS):
         n_top: int | None = None,
         learning_rate: Any = 0.02,
         delta_std: Any = 0.05,
-        first_weight: float | Sequence[float] = 0.0,
+        first_weight: float = 0.0,
         seed: int | None = None,
         device: str = "cpu",
         _init_setup_model: bool = True,
@@ -56,8 +55,7 @@ class WeightSearch(ARS):
 
     def _setup_model(self) -> None:
         super()._setup_model()
-        first = np.atleast_1d(self.first_weight)
-        self._use(np.pad(first, (0, self.n_params - first.size)))
+        self._use(np.eye(1, self.n_params)[0] * self.first_weight)
 
     def _use(self, weights: np.ndarray) -> None:
         """Let the policy have the weights (entries,)."""
@@ -131,7 +129,7 @@ class CMAES(WeightSearch):
         deviation: float = 0.1,
         generations_between: int = 15,
         finalists: int = 2,
-        first_weight: float | Sequence[float] = 0.0,
+        first_weight: float = 0.0,
         seed: int | None = None,
         device: str = "cpu",
         _init_setup_model: bool = True,

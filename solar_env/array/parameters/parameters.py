@@ -75,7 +75,7 @@ class ArrayParameters:
             another unit, from these and bearing_width, and needs None.
         journal_young, journal_poisson, bearing_young, bearing_poisson: moduli [Pa] and Poisson's ratios, used only
             where the stiffness is computed; a steel journal in a brass bearing.
-        minimum_impact_speed: lower bound of the impact speed in the damping term [m/s] (chosen: a hundredth of the
+        minimum_impact_speed: lower bound of the impact speed in the damping term [m/s], by joint (a hundredth of the
             slower impacts').
         friction_law: "ramp" (the paper's Eq 42), or "brown-mcphee" (smooth, with static friction, setting in at once).
         friction_coefficient: Coulomb's, of sliding.
@@ -96,8 +96,8 @@ class ArrayParameters:
     # Quantities that may differ from joint to joint.
     BY_JOINT: ClassVar[tuple[str, ...]] = (
         "spring_stiffness", "spring_preload_angle", "cable_stiffness", "latch_gap", "latch_stiffness", "latch_exponent",
-        "latch_ramp_depth", "latch_damping", "clearance", "restitution", "contact_stiffness", "friction_coefficient",
-        "static_friction_ratio", "friction_speed_zero", "friction_speed_full", "initial_rate",
+        "latch_ramp_depth", "latch_damping", "clearance", "restitution", "contact_stiffness", "minimum_impact_speed",
+        "friction_coefficient", "static_friction_ratio", "friction_speed_zero", "friction_speed_full", "initial_rate",
     )  # fmt: skip
     # Of these, what also differs from joint to joint where one range is drawn from.
     DRAWN_BY_JOINT: ClassVar[tuple[str, ...]] = (
@@ -144,7 +144,7 @@ class ArrayParameters:
     journal_poisson: float = 0.3
     bearing_young: float = 105e9
     bearing_poisson: float = 0.34
-    minimum_impact_speed: float = 1e-4
+    minimum_impact_speed: float | tuple[float, ...] = 1e-4
     friction_law: str = "ramp"
     friction_coefficient: float | tuple[float, ...] = 0.15
     static_friction_ratio: float | tuple[float, ...] = 1.0
@@ -234,7 +234,7 @@ class ArrayParameters:
             clearance=self.by_joint("clearance", joint),
             journal_radius=self.journal_radius,
             contact=self.contact(joint),
-            minimum_impact_speed=self.minimum_impact_speed,
+            minimum_impact_speed=self.by_joint("minimum_impact_speed", joint),
             friction_coefficient=self.by_joint("friction_coefficient", joint),
             friction=self.friction(joint),
             sliding=self.friction_sliding,

@@ -112,7 +112,7 @@ class Builder(ABC):
                     contactStiffnessExponent=p.contact(j).exponent,
                     impactModel=1,
                     restitutionCoefficient=1.0 - 2.0 / 3.0 * p.contact(j).damping,
-                    minimumImpactVelocity=p.minimum_impact_speed,
+                    minimumImpactVelocity=p.by_joint("minimum_impact_speed", j),
                 )
             )
             if self.array.scene.every_contact:

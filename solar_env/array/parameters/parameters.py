@@ -75,8 +75,8 @@ class ArrayParameters:
             another unit, from these and bearing_width, and needs None.
         journal_young, journal_poisson, bearing_young, bearing_poisson: moduli [Pa] and Poisson's ratios, used only
             where the stiffness is computed; a steel journal in a brass bearing.
-        minimum_impact_speed: lower bound of the impact speed in the damping term [m/s], by joint (a hundredth of the
-            slower impacts').
+        minimum_impact_speed: lower bound of the impact speed in the damping term [m/s], by joint (chosen: a hundredth
+            of the slower impacts').
         friction_law: "ramp" (the paper's Eq 42), or "brown-mcphee" (smooth, with static friction, setting in at once).
         friction_coefficient: Coulomb's, of sliding.
         static_friction_ratio: coefficient of static over that of sliding friction, at least 1; 1 for "ramp".

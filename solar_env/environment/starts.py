@@ -9,7 +9,7 @@ import numpy as np
 
 from solar_env.array.names import changed
 from solar_env.environment.task.task import SLOWEST, STEEPNESS
-from solar_env.support.numbers import is_number, is_whole_number
+from solar_env.support.numbers import is_number, is_whole_number, plain
 
 FASTEST = SLOWEST * math.sinh(STEEPNESS)
 
@@ -36,7 +36,7 @@ class Starts:
     def __post_init__(self) -> None:
         for name, greatest in (("opening", 0.99), ("rate", FASTEST)):
             pair: Any = getattr(self, name)
-            pairs = isinstance(pair, (tuple, list)) and len(pair) == 2 and all(is_number(end) for end in pair)
+            pairs = isinstance(pair, (tuple, list)) and len(pair) == 2 and all(is_number(plain(end)) for end in pair)
             if not pairs or not 0.0 < pair[0] <= pair[1] <= greatest:
                 raise ValueError(f"{name} = {pair!r} must be a pair (low, high) above 0, up to {greatest:.3g}")
         if not 0.0 <= self.folded < 1.0:

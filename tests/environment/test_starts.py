@@ -6,6 +6,8 @@ import gymnasium
 import numpy as np
 import pytest
 
+from solar_env.environment.starts import Starts
+
 ID = "solar_env/Deploy-v1"
 QUICK = {"model": "rigid-ideal", "postlock_window": 1.0}
 STARTS = {"opening": (0.5, 0.9), "rate": (0.2, 0.25), "count": 6, "folded": 0.25}
@@ -88,6 +90,10 @@ def test_a_curriculum_narrows_the_starts_and_widens_them_again():
 def test_starts_that_cannot_be_are_refused_by_name(starts, words):
     with pytest.raises(ValueError, match="(?s)" + ".*".join(words)):
         gymnasium.make(ID, starts=starts)
+
+
+def test_starts_take_numbers_of_numpy_as_ranges_do():
+    assert Starts(opening=(np.float32(0.5), np.float32(0.75))) == Starts(opening=(0.5, 0.75))
 
 
 def test_approaches_that_never_come_there_are_refused_with_what_to_do():

@@ -8,8 +8,8 @@ from agents.policies import shipped
 from solar_env.array import DEFAULT_MODES
 
 # Agents are trained and both suites judged on this model, whose peak forces have converged. It is also the cheapest
-# with flexible panels: under the servo 579 environment steps a second of a core, with 8 modes 453, with 2, 4 and 6 beam
-# elements 380, 270 and 172.
+# with flexible panels: under the servo 579 environment steps a second of a core with 24 modes, 453 with 8, and 380, 270
+# and 172 with 2, 4 and 6 beam elements.
 MODEL: dict[str, Any] = {"model": "flexible-clearance", "modes": DEFAULT_MODES}
 # Agents without a law need more episodes than there is time for with flexible panels.
 WHOLE_TORQUE_MODEL: dict[str, Any] = {"model": "rigid-clearance"}

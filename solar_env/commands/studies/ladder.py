@@ -60,8 +60,7 @@ def choices(answers: tuple[Answer, ...]) -> str:
     for question in QUESTIONS:
         telling = [answer for answer in reversed(steps(answers, question)) if answer.bound < 1.0]
         for count, answer in enumerate(telling):
-            model, _, panels = answer.level.partition(", ")
-            level = f"`{model}`, {panels}" if panels else f"`{model}`"
+            level = f"`{answer.model}`" + (f", {answer.panel_model.size}" if answer.panels else "")
             rows.append(("" if count else question, _percent(answer.bound), level, f"{answer.cost_ratio:.2g}"))
     return markdown_table(("question", "tolerance", "cheapest level", "wall time over the reference's"), rows)
 

@@ -2,6 +2,7 @@
 
 import cmath
 import math
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,27 @@ from solar_env.array import ArrayParameters
 from solar_env.mechanics.mechanism.textbook import STANDARD_GRAVITY, Link
 from solar_env.studies.paper import cases
 from solar_env.studies.paper.figures import FIGURES
-from solar_env.verification.linkages.linkage_theory import four_bar_state
+from solar_env.verification.linkages.linkage_theory import LinkageState, four_bar_state
+
+LENGTHS, GROUND = (0.10, 0.35, 0.25), 0.40  # m
+
+
+@cache
+def ideal_turn() -> tuple[tuple[float, LinkageState], ...]:
+    """Angles of the crank [rad] over a turn, and the motion and forces of the ideal linkage there."""
+    links = [Link.slender(length, length) for length in LENGTHS]
+    turned = (np.arange(cases.SAMPLES_PER_TURN) + 0.5) / cases.SAMPLES_PER_TURN
+    angles = math.pi * (0.5 + 2.0 * turned)
+    return tuple(
+        (angle, four_bar_state(*links, GROUND, cases.FOUR_BAR_RATE, angle, STANDARD_GRAVITY)) for angle in angles
+    )
+
+
+def worn_volume(depths: Any) -> float:
+    """Volume [m3] worn off the journal, by its depths by bin [m]."""
+    array = ArrayParameters()
+    bin_area = 2.0 * math.pi * array.journal_radius / array.wear_bins * cases.FOUR_BAR_WIDTH
+    return float(depths.sum()) * bin_area
 
 
 def test_four_bar_wears_more_with_every_turn_and_its_books_close() -> None:
@@ -46,13 +67,7 @@ def test_figure_5_shows_the_turn_on_the_papers_axis_and_three_stages_of_wear(
 
 def test_moment_and_speed_of_figure_5_are_those_of_inverse_dynamics(linkage: dict[tuple[str, int], Any]) -> None:
     """With an ideal joint at every angle; with clearance the rocker's speed but for what the play leaves it."""
-    links = [Link.slender(length, length) for length in (0.10, 0.35, 0.25)]
-    turned = (np.arange(cases.SAMPLES_PER_TURN) + 0.5) / cases.SAMPLES_PER_TURN
-    states = [
-        four_bar_state(*links, 0.40, cases.FOUR_BAR_RATE, math.pi * (0.5 + 2.0 * turn), STANDARD_GRAVITY)
-        for turn in turned
-    ]
-    moments, speeds = (np.array([getattr(state, name) for state in states]) for name in ("crank_moment", "output_rate"))
+    moments, speeds = np.array([(state.crank_moment, state.output_rate) for _, state in ideal_turn()]).T
     scale = np.abs(moments).max()
     assert linkage["crank moment [N m]", 0][:, 1] == pytest.approx(moments, abs=2e-4 * scale)
     assert linkage["rocker speed [rad/s]", 0][:, 1] == pytest.approx(speeds, abs=2e-4 * np.abs(speeds).max())
@@ -73,27 +88,22 @@ def test_the_crank_moment_of_figure_5_does_the_work_that_is_lost_or_stored_and_w
     assert np.mean(worn) * 2.0 * math.pi == pytest.approx(work, rel=1e-3)
     # Archard's volume is that of the sliding work, here from the books; friction sets in at a thousandth of the speed.
     array = ArrayParameters()
-    worn = motion.wear_journal.sum() * 2.0 * math.pi * array.journal_radius / array.wear_bins * cases.FOUR_BAR_WIDTH
     sliding_work = energies["friction_dissipation"][-1] / array.by_joint("friction_coefficient", 0)
-    assert worn == pytest.approx(array.wear_coefficient * sliding_work, rel=0.01)
+    assert worn_volume(motion.wear_journal) == pytest.approx(array.wear_coefficient * sliding_work, rel=0.01)
 
 
 def test_the_pin_of_figure_5_wears_as_much_as_the_forces_of_inverse_dynamics_would_wear_it(
     linkage: dict[tuple[str, int], Any],
 ) -> None:
     """Archard's depth over 26 turns of the ideal linkage, whose journal neither flies nor rattles in its play."""
-    lengths, ground, rate = (0.10, 0.35, 0.25), 0.40, cases.FOUR_BAR_RATE
-    links = [Link.slender(length, length) for length in lengths]
+    rate = cases.FOUR_BAR_RATE
     rubbed = []
-    for turned in (np.arange(cases.SAMPLES_PER_TURN) + 0.5) / cases.SAMPLES_PER_TURN:
-        angle = 2.0 * math.pi * turned
-        state = four_bar_state(*links, ground, rate, angle, STANDARD_GRAVITY)
-        pin, rocker = cmath.rect(lengths[0], angle), cmath.rect(lengths[2], state.output)
-        coupler_rate = ((state.output_rate * rocker - rate * pin) / (ground + rocker - pin)).real
+    for angle, state in ideal_turn():
+        pin, rocker = cmath.rect(LENGTHS[0], angle), cmath.rect(LENGTHS[2], state.output)
+        coupler_rate = ((state.output_rate * rocker - rate * pin) / (GROUND + rocker - pin)).real
         rubbed.append(abs(state.pin_forces[1]) * abs(coupler_rate - rate))
     array = ArrayParameters()
     duration = 26 * 2.0 * math.pi / rate
     volume = array.wear_coefficient * float(np.mean(rubbed)) * array.journal_radius * duration
-    per_depth = 2.0 * math.pi * array.journal_radius / array.wear_bins * cases.FOUR_BAR_WIDTH
-    worn = linkage["wear depth of the journal [m]", 26][:, 1].sum() * per_depth
+    worn = worn_volume(linkage["wear depth of the journal [m]", 26][:, 1])
     assert worn == pytest.approx(volume, rel=0.08)

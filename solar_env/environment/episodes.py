@@ -29,6 +29,7 @@ class SavedEpisode(NamedTuple):
         terms: (terms,) of the latest reward.
         names: of the terms.
         sensors: their memory, the state of their noise included.
+        loop_torque: that the drive's rate loop asks of the motor [N m].
     """
 
     parameters: ArrayParameters
@@ -37,6 +38,7 @@ class SavedEpisode(NamedTuple):
     terms: NDArray[np.float64]
     names: tuple[str, ...]
     sensors: Memory
+    loop_torque: float
 
 
 class Episodes:
@@ -70,7 +72,7 @@ class Episodes:
         self.observations = self._sensors.observed
         self.terms, self._charged = np.zeros((lanes, terms)), np.zeros((lanes, terms, 2))
         self.rewards, self._end_times, self._sample_ends = np.zeros(lanes), np.zeros(lanes), np.zeros(lanes)
-        self.terminated = np.zeros(lanes, dtype=np.bool_)
+        self.terminated, self._loop_torques = np.zeros(lanes, dtype=np.bool_), np.zeros(lanes)
         self._numbers, self._samples = settings.task.numbers(settings.drive), settings.task.samples(settings.drive)
         self._threads = threads
         self._approaches: list[tuple[float, SavedEpisode]] | None = None
@@ -142,6 +144,7 @@ class Episodes:
         self.terms[lanes], self.rewards[lanes] = 0.0, 0.0
         for lane, start in zip(lanes, begun, strict=True):
             self._charged[lane] = start.charged if start else 0.0
+            self._loop_torques[lane] = start.loop_torque if start else 0.0
         self._observe(lanes)
         self._sensors.begin(lanes, generators)
 
@@ -200,7 +203,7 @@ class Episodes:
     def hold(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> None:
         """Set the motor torques until the drive's next sample."""
         batch, errors, ends = self.batch, self._sensors.rate_errors(lanes), (self._end_times, self._sample_ends)
-        begin_samples(batch.models, batch.states, self._numbers, lanes, actions, errors, *ends)
+        begin_samples(batch.models, batch.states, self._numbers, lanes, actions, errors, self._loop_torques, *ends)
 
     def end(self, lanes: NDArray[np.int64]) -> None:
         """Charge and observe a control period."""
@@ -223,7 +226,8 @@ class Episodes:
         state = self.batch.simulations[lane].snapshot()
         charged, terms = self._charged[lane].copy(), self.terms[lane].copy()
         names, sensors = self.settings.terms.names, self._sensors.memory(lane)
-        return SavedEpisode(self.parameters[lane], state, charged, terms, names, sensors)
+        loop_torque = float(self._loop_torques[lane])
+        return SavedEpisode(self.parameters[lane], state, charged, terms, names, sensors, loop_torque)
 
     def restore(self, lane: int, saved: SavedEpisode) -> None:
         """Go on with a saved episode: the same actions lead to the same bits. Frames begin their force history anew.
@@ -244,7 +248,7 @@ class Episodes:
         self.batch.replace(lane, simulation)
         self.parameters[lane] = saved.parameters
         self._charged[lane], self.terms[lane], self.terminated[lane] = saved.charged, saved.terms, False
-        self.rewards[lane] = saved.terms.sum()
+        self.rewards[lane], self._loop_torques[lane] = saved.terms.sum(), saved.loop_torque
         self._sensors.recall(lane, saved.sensors)
         if self._films is not None:
             self._films[lane] = Film(self.settings)
@@ -273,6 +277,7 @@ class Episodes:
         copies._batch = Batch(simulations, threads)
         copies.terms[:], copies.rewards[:] = self.terms[lane], self.rewards[lane]
         copies.terminated[:], copies._charged[:] = self.terminated[lane], self._charged[lane]
+        copies._loop_torques[:] = self._loop_torques[lane]
         copies._observe(np.arange(count))
         return copies
 

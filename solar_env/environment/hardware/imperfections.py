@@ -24,6 +24,8 @@ class Hardware:
         rate_loop_gain: torque of the drive's own rate loop per error of the rate [N m s/rad]; of `action="rate"`.
         rate_loop_frequency: samples of that loop in a second [Hz]; it reads its rate with `rate_noise` and without
             delay, and holds its torque from one sample to the next.
+        rate_loop_lag: time constant of the low-pass filter of that loop's torque [s]; 0 for none. Without it the loop
+            answers the journals' rattle in their bearings, and shakes flexible panels.
 
     Raises:
         ValueError: on construction, for a value out of range.
@@ -37,13 +39,14 @@ class Hardware:
     torque_rate_limit: float = math.inf
     attitude_noise: float = 0.0
     rate_loop_gain: float = 12.0
-    rate_loop_frequency: float = 10.0
+    rate_loop_frequency: float = 100.0
+    rate_loop_lag: float = 0.1
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
             if not is_number(value):
                 raise ValueError(f"{name} = {value!r} must be a number")
-        for name in ("angle_noise", "rate_noise", "attitude_noise", "encoder_resolution", "motor_lag"):
+        for name in ("angle_noise", "rate_noise", "attitude_noise", "encoder_resolution", "motor_lag", "rate_loop_lag"):
             if not 0.0 <= getattr(self, name) < math.inf:
                 raise ValueError(f"{name} = {getattr(self, name)!r} must be finite and not negative")
         if not is_whole_number(self.sensor_delay, 0) or self.sensor_delay > 100:
@@ -72,6 +75,7 @@ class Hardware:
         """
         return changed("hardware", self, changes)
 
-    def motor_response(self, period: float) -> float:
-        """Share of the way to a new torque that the motor goes within a control period [s]."""
-        return -math.expm1(-period / self.motor_lag) if self.motor_lag > 0.0 else 1.0
+
+def response(lag: float, period: float) -> float:
+    """Share of the way to a new torque that something with a lag [s] of first order goes within a period [s]."""
+    return -math.expm1(-period / lag) if lag > 0.0 else 1.0

@@ -2,7 +2,7 @@
 
 from solar_env.environment.task.observations import observe
 from solar_env.environment.task.reward import charge
-from solar_env.environment.task.task import begin_period, begin_sample, has_ended
+from solar_env.environment.task.task import begin_period, begin_sample, has_ended, loop_torque
 from solar_env.mechanics.arrays.lanes import lane_view
 from solar_env.mechanics.numerics.jit import kernel
 
@@ -15,21 +15,27 @@ def begin_periods(states, task, lanes, end_times):
 
 
 @kernel
-def begin_samples(models, states, task, lanes, actions, rate_errors, end_times, sample_ends):
+def begin_samples(models, states, task, lanes, actions, rate_errors, loop_torques, end_times, sample_ends):
     """Set the motor torques of the lanes (k,) named until the drive's next sample.
 
     Args:
         models, states: arrays of all lanes.
         task: TaskNumbers.
         lanes: (k,) indices.
-        actions: (lanes,) in [-1, 1].
+        actions: (lanes,) torques in units of the limit, or setpoints of the rate; clipped to [-1, 1].
         rate_errors: (lanes,) of the rates that the drives' loops measure [rad/s].
+        loop_torques: (lanes,) that the loops ask of the motors [N m]; brought up to date.
         end_times: (lanes,) ends of the control period [s].
         sample_ends: (lanes,) times of the next samples [s]; written.
     """
     for lane in lanes:
         model, state = lane_view(models, lane), lane_view(states, lane)
-        sample_ends[lane] = begin_sample(model, state, task, actions[lane], rate_errors[lane], end_times[lane])
+        action = min(max(actions[lane], -1.0), 1.0)
+        torque = task.torque_limit * action
+        if task.rate_gain > 0.0:
+            torque = loop_torque(model, state, task, action, rate_errors[lane], loop_torques[lane])
+            loop_torques[lane] = torque
+        sample_ends[lane] = begin_sample(state, task, torque, end_times[lane])
 
 
 @kernel

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from solar_env.array.names import unknown_name
-from solar_env.environment.hardware import Hardware
+from solar_env.environment.hardware.imperfections import Hardware, response
 from solar_env.mechanics.integrators.formulations import view_joint_of
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.support.numbers import is_number, is_whole_number
@@ -19,8 +19,8 @@ SLOWEST, STEEPNESS = 5e-4, 7.0  # [rad/s], -
 class TaskNumbers(NamedTuple):
     """A `Task` for kernels, with the drive: what the motor can do between two of its samples, and the rate loop.
 
-    `motor_response` is the share of the way to a new torque, `largest_change` that of the torque [N m]; `rate_gain`
-    is that of the rate loop [N m s/rad], 0 where actions are torques.
+    `motor_response` is the share of the way to a new torque, `largest_change` that of the torque [N m]; `rate_gain` is
+    that of the rate loop [N m s/rad], 0 where actions are torques, `rate_response` the share that its filter goes.
     """
 
     torque_limit: float
@@ -32,6 +32,7 @@ class TaskNumbers(NamedTuple):
     motor_response: float
     largest_change: float
     rate_gain: float
+    rate_response: float
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,7 @@ class Task:
         driven_joint: index of the joint that the motor works on; 0 is the root hinge.
         action: "torque", in units of the torque limit, or "rate": the setpoint 5e-4 sinh(7 a) rad/s, from -0.27 to
             0.27, of the rate loop of the hinge drive, whose torque is `Hardware.rate_loop_gain` times the error of the
-            rate, at most the torque limit, anew `Hardware.rate_loop_frequency` times in a second.
+            rate, at most the torque limit, anew `Hardware.rate_loop_frequency` times in a second, and filtered.
 
     Raises:
         ValueError: on construction, for a value out of range.
@@ -101,9 +102,10 @@ class Task:
             postlock_window=float(self.postlock_window),
             driven_joint=self.driven_joint,
             sample_period=period,
-            motor_response=hardware.motor_response(period),
+            motor_response=response(hardware.motor_lag, period),
             largest_change=float(hardware.torque_rate_limit * period),
             rate_gain=float(hardware.rate_loop_gain) if self.action == "rate" else 0.0,
+            rate_response=response(hardware.rate_loop_lag, period),
         )
 
 
@@ -133,25 +135,34 @@ def begin_period(state, task):
 
 
 @kernel(single_caller=True)
-def begin_sample(model, state, task, action, rate_error, period_end):
-    """Set the motor torque for an action, and return until when the drive holds it [s].
-
-    The torque is the one that the motor, with its lag and its rate limit, reaches in that time.
+def loop_torque(model, state, task, action, rate_error, before):
+    """Torque that the drive's rate loop asks of the motor [N m]: within the limit, and filtered.
 
     Args:
         model, state: of the array.
         task: TaskNumbers.
-        action: torque in units of the limit, or the rate's setpoint; clipped to [-1, 1].
-        rate_error: of the rate that the drive's loop measures [rad/s].
+        action: the rate's setpoint, in [-1, 1].
+        rate_error: of the rate that the loop measures [rad/s].
+        before: what the loop asked at its last sample [N m].
+    """
+    rate = view_joint_of(model)(model, state, task.driven_joint).rate + rate_error
+    torque = task.rate_gain * (SLOWEST * math.sinh(STEEPNESS * action) - rate)
+    return before + task.rate_response * (min(max(torque, -task.torque_limit), task.torque_limit) - before)
+
+
+@kernel(single_caller=True)
+def begin_sample(state, task, torque, period_end):
+    """Set the motor torque, and return until when the drive holds it [s].
+
+    The torque is the one that the motor, with its lag and its rate limit, reaches in that time.
+
+    Args:
+        state: of the array.
+        task: TaskNumbers.
+        torque: that is asked of the motor [N m].
         period_end: end of the control period [s].
     """
     own, clock = state.joints[task.driven_joint], state.clock[0]
-    action = min(max(action, -1.0), 1.0)
-    torque = task.torque_limit * action
-    if task.rate_gain > 0.0:
-        rate = view_joint_of(model)(model, state, task.driven_joint).rate + rate_error
-        torque = task.rate_gain * (SLOWEST * math.sinh(STEEPNESS * action) - rate)
-        torque = min(max(torque, -task.torque_limit), task.torque_limit)
     if task.motor_response < 1.0:
         torque = own.motor_torque + task.motor_response * (torque - own.motor_torque)
     change = task.largest_change

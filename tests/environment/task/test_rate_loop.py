@@ -1,4 +1,4 @@
-"""The drive's own rate loop: its torque by formula, its samples, its noise, and what it cannot do."""
+"""The drive's own rate loop: its torque by formula, its filter, its samples, its noise, and what it cannot do."""
 
 from __future__ import annotations
 
@@ -13,10 +13,12 @@ from solar_env.mechanics.joints.joint import RATE
 ID = "solar_env/Deploy-v1"
 RATE_LOOP = {"model": "rigid-ideal", "action": "rate"}
 GAIN = 12.0
+# A loop that is as slow as the actions, and does not filter its torque.
+SLOW = {"rate_loop_frequency": 10.0, "rate_loop_lag": 0.0}
 
 
-def make(**keywords):
-    env = gymnasium.make(ID, **{**RATE_LOOP, **keywords}).unwrapped
+def make(hardware=None, **keywords):
+    env = gymnasium.make(ID, hardware={**SLOW, **(hardware or {})}, **RATE_LOOP, **keywords).unwrapped
     env.reset(seed=0)
     return env
 
@@ -36,6 +38,40 @@ def test_the_torque_is_the_gain_times_the_error_of_the_rate_held_for_a_sample(dr
         expected = np.clip(GAIN * (setpoint(action) - rate(env, driven)), -0.5, 0.5)
         env.step([action])
         assert env.simulation.state.joints["motor_torque"][driven] == pytest.approx(expected, rel=1e-9)
+
+
+def test_the_filter_lets_the_torque_follow_with_its_time_constant():
+    env = make({"rate_loop_lag": 0.25})
+    torque = 0.0
+    for action in (0.9, 0.9, 0.5, 0.3, -0.2, 0.45):
+        asked = np.clip(GAIN * (setpoint(action) - rate(env)), -0.5, 0.5)
+        torque += (asked - torque) * (1.0 - math.exp(-0.1 / 0.25))
+        env.step([action])
+        assert env.simulation.state.joints["motor_torque"][0] == pytest.approx(torque, rel=1e-9)
+
+
+def test_without_the_filter_a_fast_loop_shakes_flexible_panels():
+    """By what it is charged for wear in the first two seconds."""
+    wear = []
+    for lag in (0.0, 0.1):
+        env = gymnasium.make(ID, model="flexible-clearance", action="rate", hardware={"rate_loop_lag": lag})
+        env.reset(seed=0)
+        wear.append(-sum(env.step([0.8])[-1]["reward_terms"]["wear"] for _ in range(20)))
+    assert wear[0] > 10.0 * wear[1]
+
+
+def test_the_filter_goes_with_an_episode_that_is_saved():
+    envs = gymnasium.make_vec(ID, 2, hardware={"rate_loop_lag": 0.4}, **RATE_LOOP)
+    envs.reset(seed=0)
+    for _ in range(3):
+        envs.step(np.full((2, 1), 0.6, np.float32))
+    envs.unwrapped.lane(1).restore_episode(envs.unwrapped.lane(0).save_episode())
+    copies = envs.unwrapped.episodes.futures(0, 1)
+    observed = envs.step(np.full((2, 1), 0.4, np.float32))[0]
+    copies.step(np.zeros(1, dtype=np.int64), np.array([0.4], np.float32).astype(float))
+    torques = [batch.states.joints["motor_torque"][:, 0] for batch in (envs.unwrapped.episodes.batch, copies.batch)]
+    assert observed[0].tobytes() == observed[1].tobytes()
+    assert torques[0][0] == torques[0][1] == torques[1][0] != 0.0
 
 
 def test_a_faster_loop_is_the_same_as_as_many_slow_control_periods():
@@ -72,7 +108,7 @@ def test_the_torque_stays_within_the_limit_and_follows_the_motors_lag_and_rate_l
 
 def test_the_loop_measures_its_rate_with_the_noise_of_the_hardware_and_the_same_in_a_vector():
     noisy = {"rate_noise": 1e-3}
-    single, vector = make(hardware=noisy), gymnasium.make_vec(ID, 2, hardware=noisy, **RATE_LOOP)
+    single, vector = make(hardware=noisy), gymnasium.make_vec(ID, 2, hardware={**SLOW, **noisy}, **RATE_LOOP)
     vector.reset(seed=0)
     errors = []
     for _ in range(50):
@@ -88,7 +124,8 @@ def test_the_loop_measures_its_rate_with_the_noise_of_the_hardware_and_the_same_
     [
         ({"action": "speed"}, ["speed", "torque"]),
         ({"action": "rate", "hardware": {"rate_loop_frequency": 15.0}}, ["15.0 Hz", "1.5 samples", "whole number"]),
-        ({"action": "rate", "control_period": 0.01}, ["rate_loop_frequency", "0.1 samples"]),
+        ({"action": "rate", "control_period": 0.001}, ["rate_loop_frequency", "0.1 samples"]),
+        ({"hardware": {"rate_loop_lag": -0.1}}, ["rate_loop_lag", "-0.1", "not negative"]),
         ({"hardware": {"rate_loop_gain": 0.0}}, ["rate_loop_gain", "0.0", "positive"]),
     ],
 )

@@ -17,7 +17,7 @@ ON_POLICY = {"n_steps": 50, "batch_size": 50}
 OFF_POLICY = {"learning_starts": 60, "buffer_size": 500, "batch_size": 16}
 # Name -> algorithm, hyperparameters, scale of the residual.
 TRAINED = {
-    "ppo": ("ppo", {**ON_POLICY, "first_weight": None, "policy_kwargs": {"net_arch": [64, 64]}}, 0.0),
+    "ppo": ("ppo", {**ON_POLICY, "first_weights": None, "policy_kwargs": {"net_arch": [64, 64]}}, 0.0),
     "sac": ("sac", OFF_POLICY, 0.0),
     "td3": ("td3", OFF_POLICY, 0.0),
     "cma-es": ("cma-es", {"population": 4}, 0.0),

@@ -62,6 +62,9 @@ class Args(ModelOptions, TrainingOptions, TrustOption):
     """the agent adds up to this share of the torque limit to the torque of a tuned law; 0: it commands the whole
     torque; by default as in agents/configs"""
     law: Annotated[str | None, tyro.conf.arg(help=f"that law: {', '.join(TUNABLE)}; by default servo")] = None
+    start: str | None = None
+    """run of cma-es or ars, on whatever model, whose policy training begins with; with --seeds a folder of such runs,
+    each of which is gone on with by its own seed"""
     resume: str | None = None
     """run folder to go on from, with its algorithm, environment, seed, hyperparameters, residual and landings: to its
     end if it was interrupted, by as many steps again, or --timesteps, if it is complete"""
@@ -84,6 +87,8 @@ def run_command(args: Args) -> int:
 
 def run(args: Args) -> Path:
     """Train, compare, and return the run folder."""
+    if args.start and (args.resume or "first_weights" in args.hyperparams):
+        raise ValueError("--start says what training begins with; it goes with neither --resume nor first_weights")
     if args.seeds:
         return train_seeds(args)
     if args.resume:
@@ -121,6 +126,12 @@ def configuration(args: Args, seed: int) -> configurations.Configuration:
     keywords = args.keywords(env_id, WHOLE_TORQUE_MODEL if whole else MODEL)
     numbers = args.n_envs, args.timesteps, args.hyperparams, args.residual, args.landings, args.law
     config = configurations.complete(algo, env_id, keywords, seed, *numbers)
+    if args.start:
+        begun = Path(args.start) / seed_folder(seed) if args.seeds else Path(args.start)
+        if args.trust:
+            runs.trust_run(begun)
+        weights = runs.linear_weights(begun, make_env(env_id, config.env_kwargs))
+        config = replace(config, hyperparameters={**config.hyperparameters, "first_weights": weights})
     quick = args.timesteps is None and not (named or whole)
     return replace(config, timesteps=min(config.timesteps, TIMESTEPS)) if quick else config
 
@@ -136,12 +147,17 @@ def train_seeds(args: Args) -> Path:
     check_distinct_seeds(args.seeds)
     check_comparison(args, args.seed or 0)
     out = Path(args.out)
-    wanted = {out / f"seed-{seed}": configuration(args, seed) for seed in args.seeds}
+    wanted = {out / seed_folder(seed): configuration(args, seed) for seed in args.seeds}
     learn.train_missing(wanted, args.command, args.device, args.workers, not args.quiet)
-    _, tables = compare(args, wanted[out / f"seed-{args.seeds[-1]}"], list(wanted), out)
+    _, tables = compare(args, wanted[out / seed_folder(args.seeds[-1])], list(wanted), out)
     print_markdown(str(tables))
     print(f"written to {out}")
     return out
+
+
+def seed_folder(seed: int) -> str:
+    """Name of the folder of a run of several."""
+    return f"seed-{seed}"
 
 
 def check_comparison(args: Args, seed: int) -> None:

@@ -40,7 +40,7 @@ class Configuration:
         timesteps: Environment steps to train for; those of a run that goes on with a complete one come on top of its.
         hyperparameters: Keywords of the Stable-Baselines3 class, and for SAC and TD3 `actor_learning_rate`, in place
             of the `learning_rate` that is then the critics' alone, and `exploration_noise`, the standard deviation of
-            an action noise, for PPO `first_weight`, see `agents.learning.models.make_model`. Learning rates are those
+            an action noise, for PPO `first_weights`, see `agents.learning.models.make_model`. Learning rates are those
             of the first update and fall linearly to zero; a resumed run takes them up at the share of all steps,
             earlier ones included, that is left.
         residual: Law that the agent adds to, see `agents.laws.residual.residual_on`; None: it commands all torque.
@@ -170,11 +170,16 @@ def _check_positive(name: str, number: int) -> None:
         raise ValueError(f"{name} is {number}; give a positive number")
 
 
+def _finite(values: Any) -> bool:
+    """Whether `values` are a list of finite numbers."""
+    return isinstance(values, list) and all(is_number(value) and math.isfinite(value) for value in values)
+
+
 def _check_hyperparameters(algo: str, values: Mapping[str, Any]) -> None:
     """Refuse names that the algorithm does not have, and values that would fail in the middle of a training."""
     accepted = set(inspect.signature(runs.algorithm(algo)).parameters) - NOT_HYPERPARAMETERS
     if issubclass(runs.algorithm(algo), OnPolicyAlgorithm):
-        accepted |= {"first_weight"}
+        accepted |= {"first_weights"}
     if "action_noise" in accepted:
         accepted = accepted - {"action_noise"} | {"exploration_noise", "actor_learning_rate"}
     for name, value in values.items():
@@ -187,6 +192,7 @@ def _check_hyperparameters(algo: str, values: Mapping[str, Any]) -> None:
             (COUNTS, number and value == int(value) >= 1, "a positive whole number"),
             (SHARES, number and 0 < value <= 1, "a number above 0, at most 1"),
             ({"policy_kwargs"}, isinstance(value, Mapping), "a dictionary"),
+            ({"first_weights"}, value is None or number or _finite(value), "a number, or one for each entry observed"),
         )
         for names, holds, required in rules:
             if name in names and not holds:

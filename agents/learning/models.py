@@ -18,7 +18,7 @@ from agents.environments import episode_seeds
 from agents.learning import runs
 from agents.learning.configurations import Configuration
 from agents.learning.features import DriveFeatures, Features
-from agents.learning.weight_search import WeightSearch
+from agents.learning.weight_search import WeightSearch, all_weights
 
 SHARE = "share"
 NOISE_PERIODS = 100
@@ -52,8 +52,7 @@ def make_model(config: Configuration, venv: VecEnv, features: Features, device: 
     Residual Policy Learning, 2018, arXiv:1812.06298). That layer has no bias: where its features are zero, exploration
     noise is almost zero, any bias would be most improbable, and the bias's gradient would exceed all others.
 
-    With `first_weight` a linear policy begins as the searches do: that is the weight of the first entry of the
-    observation, and all others are zero.
+    With `first_weights` a linear policy begins as the searches do, see `WeightSearch`.
     """
     seed = episode_seeds("training", config.seed, 1)[0]
     cls: Any = runs.algorithm(config.algo)
@@ -69,7 +68,7 @@ def make_model(config: Configuration, venv: VecEnv, features: Features, device: 
     actor_rate = hyperparameters.pop("actor_learning_rate", None)
     if actor_rate is not None:
         hyperparameters["policy_kwargs"]["optimizer_class"] = SlowedAdam
-    first_weight = hyperparameters.pop("first_weight", None)
+    first_weights = hyperparameters.pop("first_weights", None)
     noise = hyperparameters.pop("exploration_noise", None)
     if noise is not None:
         n_actions = venv.action_space.shape[0]  # type: ignore[index]
@@ -92,9 +91,10 @@ def make_model(config: Configuration, venv: VecEnv, features: Features, device: 
         policy: Any = model.policy
         for group in policy.actor.optimizer.param_groups:
             group[SHARE] = actor_rate / rate if rate else 0.0
-    if first_weight is not None:
+    if first_weights is not None:
         (layer,) = _actor_layers(model)
-        layer.weight.data = first_weight * torch.eye(*layer.weight.shape)
+        weights = all_weights(first_weights, layer.weight.shape[1])
+        layer.weight.data = torch.as_tensor(weights, dtype=layer.weight.dtype)[None]
     if config.residual:
         for layer in _actor_layers(model):
             torch.nn.init.zeros_(layer.weight)

@@ -11,6 +11,7 @@ from typing import Any
 
 import gymnasium
 import numpy as np
+import torch
 from stable_baselines3 import PPO, SAC, TD3
 from stable_baselines3.common.base_class import BaseAlgorithm
 
@@ -193,6 +194,22 @@ def load_model(folder: str | Path, env: gymnasium.Env) -> BaseAlgorithm:
     with make_env(config["env_id"], config["env_kwargs"]) as trained:
         Signals.of(trained).check(env, f"{config['env_id']} with {config['env_kwargs']}")
     return algorithm(config["algo"]).load(policy, device="cpu")
+
+
+def linear_weights(folder: str | Path, env: gymnasium.Env) -> list[float]:
+    """Weights of the best policy of a search over weights, to begin another training on `env` with.
+
+    Raises:
+        FileNotFoundError, DamagedFileError, UntrustedFileError: As `load_model`.
+        ValueError: The run was no such search, or observations or actions of `env` have another meaning.
+    """
+    model = load_model(folder, env)
+    if not isinstance(model, WeightSearch):
+        searches = ", ".join(name for name, cls in ALGORITHMS.items() if issubclass(cls, WeightSearch))
+        raise ValueError(
+            f"{folder} is a run of {read_config(folder)['algo']}; training can begin with one of {searches}"
+        )
+    return torch.nn.utils.parameters_to_vector(model.policy.parameters()).tolist()
 
 
 def jsonable(mapping: Mapping[str, Any]) -> dict[str, Any]:

@@ -6,6 +6,7 @@ the way of a gradient.
 """
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import cma
@@ -16,15 +17,34 @@ from sb3_contrib.common.vec_env.async_eval import AsyncEval
 from stable_baselines3.common.callbacks import BaseCallback
 
 
+def all_weights(first: float | Sequence[float], entries: int) -> np.ndarray:
+    """The weights (entries,) that a linear policy begins with: the first one given, the others zero, or all given.
+
+    Raises:
+        ValueError: There are not as many as entries.
+    """
+    given = np.asarray(first, dtype=float)
+    if given.ndim == 0:
+        return np.eye(1, entries)[0] * given
+    if given.shape != (entries,):
+        raise ValueError(
+            f"first_weights has {given.size} numbers, but a policy here has {entries}; give as many, or one"
+        )
+    return given
+
+
 class WeightSearch(ARS):
     """ARS of sb3-contrib that evaluates as many candidates at once as there are environments.
 
-    The policy is linear without a bias, `clip(weights observation, -1, 1)`, and begins with one weight that is not
-    zero, that of the first entry of the observation: in the observation "landing" it is 1 until the last latch.
+    The policy is linear without a bias, `clip(weights observation, -1, 1)`. By default it begins with one weight, which
+    is of the first entry of the observation: in the observation "landing" it is 1 until the last latch.
 
     Args:
         policy, env, n_delta, n_top, learning_rate, delta_std, seed, device: See `sb3_contrib.ARS`.
-        first_weight: Weight of the first entry at the beginning.
+        first_weights: Weight of the first entry at the beginning, all others being zero; or those of all entries.
+
+    Raises:
+        ValueError: on construction, if there are not as many weights as entries.
     """
 
     def __init__(
@@ -35,12 +55,12 @@ class WeightSearch(ARS):
         n_top: int | None = None,
         learning_rate: Any = 0.02,
         delta_std: Any = 0.05,
-        first_weight: float = 0.0,
+        first_weights: float | Sequence[float] = 0.0,
         seed: int | None = None,
         device: str = "cpu",
         _init_setup_model: bool = True,
     ) -> None:
-        self.first_weight = first_weight
+        self.first_weights = first_weights
         super().__init__(
             policy,
             env,
@@ -55,7 +75,7 @@ class WeightSearch(ARS):
 
     def _setup_model(self) -> None:
         super()._setup_model()
-        self._use(np.eye(1, self.n_params)[0] * self.first_weight)
+        self._use(all_weights(self.first_weights, self.n_params))
 
     def _use(self, weights: np.ndarray) -> None:
         """Let the policy have the weights (entries,)."""
@@ -114,7 +134,7 @@ class CMAES(WeightSearch):
     the same ones every time, and the policy is the best of all that have had one.
 
     Args:
-        policy, env, first_weight, seed, device: See `WeightSearch`.
+        policy, env, first_weights, seed, device: See `WeightSearch`.
         population: Candidates of a generation.
         deviation: Standard deviation of every weight in the first generation.
         generations_between: Generations from one round to the next.
@@ -129,7 +149,7 @@ class CMAES(WeightSearch):
         deviation: float = 0.1,
         generations_between: int = 15,
         finalists: int = 2,
-        first_weight: float = 0.0,
+        first_weights: float | Sequence[float] = 0.0,
         seed: int | None = None,
         device: str = "cpu",
         _init_setup_model: bool = True,
@@ -138,7 +158,7 @@ class CMAES(WeightSearch):
         self.generations_between, self.finalists = generations_between, finalists
         self.search: Any = None
         super().__init__(
-            policy, env, first_weight=first_weight, seed=seed, device=device, _init_setup_model=_init_setup_model
+            policy, env, first_weights=first_weights, seed=seed, device=device, _init_setup_model=_init_setup_model
         )
 
     def _setup_model(self) -> None:

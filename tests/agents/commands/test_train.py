@@ -85,6 +85,15 @@ def test_the_discount_reaches_over_a_whole_episode(algo, residual, env_id):
         (["--algo", "td3", "--hyperparams", "exploration_noise=much"], "exploration_noise is 'much'; give a positive"),
         (["--algo", "sac", "--hyperparams", "replay_buffer_kwargs={}"], "no hyperparameter 'replay_buffer_kwargs'"),
         (["--hyperparams", "policy_kwargs=3"], "policy_kwargs is 3; give a dictionary"),
+        (
+            ["--algo", "cma-es", "--hyperparams", "first_weights=much"],
+            "first_weights is 'much'; give a number, or one for",
+        ),
+        (
+            ["--algo", "cma-es", "--start", "one", "--hyperparams", "first_weights=1"],
+            "--start says what training begins",
+        ),
+        (["--start", "one", "--resume", "other"], "--start says what training begins with"),
         (["--residual", "0", "--elements", "4"], "--elements 4: panels of rigid-clearance have none"),
         (["--residual", "0", "--landings", "7"], "landings is 7, but with residual 0 there is no law; leave it out"),
         (["--residual", "0", "--law", "servo"], "law is 'servo', but with residual 0 there is no law"),

@@ -10,6 +10,7 @@ from tensorboard.backend.event_processing.event_accumulator import EventAccumula
 from training import SMALL, last_model, run
 
 from agents.comparison.evaluation import common_env_kwargs, evaluate
+from agents.environments import DEFAULT_ENV_ID, INTERFACE, make_env
 from agents.learning import checkpoints, configurations, learn, runs
 from solar_env.array import MODELS
 from solar_env.support.campaigns import Workers
@@ -33,6 +34,30 @@ def test_a_run_keeps_its_model_and_elements_and_is_resumed_and_evaluated_on_them
     assert runs.read_config(second)["env_kwargs"] == config["env_kwargs"]
     with pytest.raises(ValueError, match=f"--elements 2 contradicts the run to resume, which has {elements}"):
         run("--resume", first, "--elements", 2, "--out", tmp_path / "third")
+
+
+SEARCH = ["--algo", "cma-es", "--env-kwargs", "control_period=0.5", "postlock_window=2.0", "--timesteps", 100]
+SEARCH += ["--n-envs", 2, "--hyperparams", "population=4"]
+
+
+def test_a_search_begins_with_the_policy_of_another_run_on_other_panels(tmp_path):
+    first = run("--model", "rigid-ideal", *SEARCH, "--out", tmp_path / "first" / "seed-3", "--seed", 3)
+    begun = ["--model", "flexible-ideal", *SEARCH, "--start"]
+    second = run(*begun, first, "--out", tmp_path / "second")
+    weights = runs.read_config(second)["hyperparameters"]["first_weights"]
+    kept = runs.load_model(first, make_env(DEFAULT_ENV_ID, runs.read_config(first)["env_kwargs"]))
+    assert len(weights) == 18
+    assert np.array_equal(weights, np.concatenate([p.detach().numpy().ravel() for p in kept.policy.parameters()]))
+    by_seed = run(*begun, tmp_path / "first", "--seeds", 3, "--out", tmp_path / "third")
+    assert runs.read_config(by_seed / "seed-3")["hyperparameters"]["first_weights"] == weights
+
+
+def test_training_begins_with_searches_alone_that_see_the_same(ppo_run, tmp_path):
+    drive = [f"{name}={value}" for name, value in runs.read_config(ppo_run)["env_kwargs"].items() if name in INTERFACE]
+    with pytest.raises(ValueError, match="is a run of ppo; training can begin with one of ars, cma-es"):
+        run("--algo", "cma-es", "--start", ppo_run, "--out", tmp_path / "run", "--env-kwargs", *drive, "action=torque")
+    with pytest.raises(ValueError, match="observation"):
+        run("--algo", "cma-es", "--start", ppo_run, "--out", tmp_path / "run")
 
 
 def policy_weights(folder):

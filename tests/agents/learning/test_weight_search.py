@@ -50,7 +50,7 @@ def made(name, env, **changes):
 @each
 @pytest.mark.parametrize("lanes", [3, 8])
 def test_the_best_weights_of_a_known_task_are_found_whatever_the_number_of_environments(name, lanes):
-    model = made(name, DummyVecEnv([OneByOne] * lanes), first_weight=0.5)
+    model = made(name, DummyVecEnv([OneByOne] * lanes), first_weights=0.5)
     assert model.weights.tolist() == [0.5, 0.0, 0.0]
     model.learn(6000)
     assert model.policy.action_net[0].weight.detach().numpy()[0] == pytest.approx(TARGET, abs=0.03)

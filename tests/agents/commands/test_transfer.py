@@ -15,7 +15,21 @@ from solar_env.__main__ import execute
 
 TASK = {"parameters": {"spring_stiffness": 1.0}, "postlock_window": 0.5}  # deploys within five seconds
 QUICK = [
-    *["--timesteps", "20", "--residual", "0.1", "--landings", "2", "--episodes", "1", "--quiet", "--jobs", "1"],
+    *[
+        "--algo",
+        "ppo",
+        "--timesteps",
+        "20",
+        "--residual",
+        "0.1",
+        "--landings",
+        "2",
+        "--episodes",
+        "1",
+        "--quiet",
+        "--jobs",
+        "1",
+    ],
     *[
         "--hyperparams",
         "n_steps=10",

@@ -73,7 +73,7 @@ class Formulation(ABC):
 
     @abstractmethod
     def modal_range(self, model: Any, state: Any) -> tuple[float, float]:
-        """Greatest slope of a modal panel's end [rad], and greatest spin over its lowest angular frequency."""
+        """Greatest slope of a modal panel's end so far [rad], and greatest spin over its lowest angular frequency."""
 
     @abstractmethod
     def constraint_force_defect(self, model: Any, state: Any) -> tuple[float, float]:

@@ -95,6 +95,7 @@ class ModalState(NamedTuple):
     load_rates: Array  # (joints, LOADS) of the last step's collocation polynomial
     cable_loads: Array  # (cables, 2) torque on the outer joint at the end of the last step, and its rate
     coupling: Array  # (panels, GROUPS, LOW) modal forces of foreshortening at the end of the last step
+    extremes: Array  # (2,) greatest slope of a panel's end [rad] and spin over its lowest frequency, of all steps
     integrals: Array
     joints: NDArray[np.void]
     wear_journal: Array  # (joints, bins)

@@ -176,6 +176,7 @@ def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
         load_rates=np.zeros((joints, 3)),
         cable_loads=np.zeros((len(mechanism.cables), 2)),
         coupling=np.zeros((int((bodies["panel"] >= 0).sum()), GROUPS, LOW)),
+        extremes=np.zeros(2),
         integrals=state.integrals,
         joints=state.joints,
         wear_journal=state.wear_journal,

@@ -64,7 +64,7 @@ class FloatingFrames(Formulation):
 
     def modal_range(self, model: ModalModel, state: ModalState) -> tuple[float, float]:
         """See `Formulation.modal_range`."""
-        slope, spin_ratio, panels = 0.0, 0.0, model.panels
+        (slope, spin_ratio), panels = state.extremes, model.panels
         even, odd, end = panels.first[:3]
         for body in model.bodies[model.bodies["panel"] >= 0]:
             first, d = body["offset"] + 3, body["design"]
@@ -72,7 +72,7 @@ class FloatingFrames(Formulation):
             # At one end or the other, the even and the odd part add up.
             slope = max(slope, float(np.abs(slopes).sum()))
             spin_ratio = max(spin_ratio, float(abs(state.v[first - 1]) / panels.frequency[d, even:end].min()))
-        return slope, spin_ratio
+        return float(slope), float(spin_ratio)
 
     def constraint_force_defect(self, model: ModalModel, state: ModalState) -> tuple[float, float]:
         """Return no defect, for every step solves for the reactions, and the greatest reaction [N]."""

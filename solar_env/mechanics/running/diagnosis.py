@@ -51,8 +51,8 @@ def check_modal_range(time: float, slope: float, spin_ratio: float) -> bool:
 
     Args:
         time: [s].
-        slope: greatest slope of a panel's end against its frame [rad].
-        spin_ratio: greatest spin of a panel over the angular frequency of its lowest bending mode.
+        slope: greatest slope of a panel's end against its frame so far [rad].
+        spin_ratio: greatest spin of a panel so far over the angular frequency of its lowest bending mode.
     """
     # The next term of the shortening of an arc, and the stiffness that the lowest mode gains from the inertia of the
     # turning frame.
@@ -60,10 +60,12 @@ def check_modal_range(time: float, slope: float, spin_ratio: float) -> bool:
     if max(bent, turned) <= LARGEST_MODAL_SHARE:  # false for NaN
         return False
     what = (
-        f"bend by {slope:.3g} rad" if bent > turned else f"turn at {spin_ratio:.3g} of their lowest bending frequency"
+        f"have bent by {slope:.3g} rad"
+        if bent > turned
+        else f"have turned at {spin_ratio:.3g} of their lowest bending frequency"
     )
     _warn(
-        f"at t = {time:.6g} s the modal panels {what}: what their second order leaves out is "
+        f"by t = {time:.6g} s the modal panels {what}: what their second order leaves out is "
         f"{100.0 * max(bent, turned):.2g} % of what it keeps; use beam elements (FlexibleBody, panels='ancf')"
     )
     return True

@@ -129,6 +129,17 @@ def move_panel(panels, own, answers, d, q, v):
     return panels.damping[d] * total
 
 
+@kernel(inlined=True)
+def note_extremes(panels, own, d, spin, extremes):
+    """Keep what a panel comes to that is more than before: slope of an end, spin over the lowest frequency."""
+    # At one end or the other, the even and the odd part add up.
+    slope = abs(own.ends[BENDING_EVEN, 1, 0]) + abs(own.ends[BENDING_ODD, 1, 0])
+    even, odd = panels.first[BENDING_EVEN], panels.first[BENDING_ODD]
+    lowest = min(panels.modes[d, even].frequency, panels.modes[d, odd].frequency)
+    extremes[0] = max(extremes[0], slope)
+    extremes[1] = max(extremes[1], abs(spin) / lowest)
+
+
 @kernel
 def commit_step(model, state, work, tables, level, h):
     """Move the state to the end of the step that has been solved, and fill the motion there."""
@@ -145,6 +156,7 @@ def commit_step(model, state, work, tables, level, h):
             end = begin + answers.size
             q, v = state.q[begin:end], state.v[begin:end]
             power += move_panel(model.panels, panel, answers, body.design, q, v)
+            note_extremes(model.panels, panel, body.design, own.speed[SECOND, 2], state.extremes)
     state.integrals[state.integrals.size + MATERIAL_DISSIPATION] += h * power
     place_bodies(model, state.q, state.v, work, START)
 

@@ -160,7 +160,9 @@ class ModalPanel(AnyBody):
         require_count(self, "modes", 0, 200)
         require_count(self, "residual_blocks", 0, 2)
         bends = self.modes > 0 or self.residual_blocks > 0
-        require(bends, self, "modes", self.modes, "leaves a panel without residual blocks rigid; use a Body")
+        require(
+            bends, self, "modes", self.modes, "must be positive without residual blocks; use a Body if nothing bends"
+        )
         require_signs(self, ("length", "mass", "axial_stiffness", "bending_stiffness"), ("damping",))
 
     @property

@@ -110,6 +110,13 @@ _COLUMNS = (
 
 def write_blocks(rows: Table, members: Table, folder: Path) -> list[Path]:
     """Write the table in Markdown, from the measured tables alone; returns the file."""
+    path = folder / "residual_blocks.md"
+    write_text(path, page(rows, members))
+    return [path]
+
+
+def page(rows: Table, members: Table) -> str:
+    """Errors with ideal joints and means with clearance in Markdown, a line for each number of modes and blocks."""
     reference = str(rows.rows[0]["reference"])
     lines = []
     for row in rows.rows:
@@ -124,7 +131,7 @@ def write_blocks(rows: Table, members: Table, folder: Path) -> list[Path]:
                 *(" / ".join(mean_and_error(of, statistic) for of in by_joint) for statistic in MEANS),
             ]
         )
-    before = f"With ideal joints, errors against {reference} (2 blocks); with clearance, means of joints 1 / 2 ± their "
-    path = folder / "residual_blocks.md"
-    write_text(path, f"{before}standard errors:\n\n{markdown_table(_COLUMNS, lines)}\n")
-    return [path]
+    return (
+        f"With ideal joints, errors against {reference} (2 blocks); with clearance, means of joints 1 / 2 ± their "
+        f"standard errors:\n\n{markdown_table(_COLUMNS, lines)}\n"
+    )

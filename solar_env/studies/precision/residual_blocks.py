@@ -55,22 +55,26 @@ Key = tuple[BlockLevel, int | None]
 def block_jobs(plan: ChartPlan) -> dict[Key, Job]:
     """A deployment with ideal joints, and an ensemble with clearance, for every number of modes and blocks."""
     chosen = [BlockLevel(modes, blocks) for blocks in BLOCKS for modes in plan.block_modes]
-    return {
-        (own, member): _job(plan, own, member) for member in (None, *range(plan.block_members)) for own in chosen
-    }  # fmt: skip
+    members = (None, *range(plan.block_members))
+    return {(own, member): _job(plan, own, member) for member in members for own in chosen}
+
+
+def scene_of(plan: ChartPlan, own: BlockLevel, model: str) -> BlockScene:
+    """The deployment of a model with panels of a level."""
+    return BlockScene(
+        model=model,
+        parameters=plan.parameters,
+        duration=plan.ensemble_duration.flexible,
+        sample_step=plan.deployment(model).sample_step,
+        panels=PanelModel(MODAL, own.modes),
+        blocks=own.blocks,
+    )
 
 
 def _job(plan: ChartPlan, own: BlockLevel, member: int | None) -> Job:
     joint = "ideal" if member is None else "clearance"
     level = Level(f"flexible-{joint}", PanelModel(MODAL, own.modes))
-    scene = BlockScene(
-        model=level.model,
-        parameters=plan.parameters,
-        duration=plan.ensemble_duration.flexible,
-        sample_step=plan.deployment(level.model).sample_step,
-        panels=PanelModel(MODAL, own.modes),
-        blocks=own.blocks,
-    )
+    scene = scene_of(plan, own, level.model)
     name = f"residual blocks, {level.name}, {own.blocks} blocks"
     if member is None:
         return Job(name, partial(run_own, scene, level.integrator()))

@@ -1,25 +1,31 @@
 """The study of residual blocks varies their number alone, and tells errors and means by modes and blocks."""
 
+from dataclasses import replace
+
+import pytest
+
+from solar_env.array import build
 from solar_env.mechanics.bodies.description import ModalPanel
-from solar_env.studies.common.plans import QUICK
+from solar_env.studies.common.plans import FULL, QUICK
 from solar_env.studies.common.tables import Table
 from solar_env.studies.precision import residual_blocks
 from solar_env.studies.precision.levels_plot import ERRORS, MEANS
 
 
-def blocks_of(mechanism):
-    return [body.residual_blocks for body in mechanism.bodies if isinstance(body, ModalPanel)]
+@pytest.mark.parametrize("blocks", residual_blocks.BLOCKS)
+def test_panels_of_a_scene_have_its_number_of_blocks_and_are_otherwise_the_same(blocks):
+    scene = residual_blocks.scene_of(QUICK, residual_blocks.BlockLevel(8, blocks), "flexible-ideal")
+    panels = [body for body in scene.mechanism().bodies if isinstance(body, ModalPanel)]
+    assert [(panel.modes, panel.residual_blocks) for panel in panels] == [(8, blocks)] * 2
+    default = build(QUICK.parameters, "flexible-ideal", modes=8)
+    assert [replace(panel, residual_blocks=2) for panel in panels] == list(default.bodies[1:])
 
 
-def test_panels_of_a_scene_have_its_number_of_blocks_and_are_otherwise_the_same():
-    scenes = {
-        key: job.solve.args[0] for key, job in residual_blocks.block_jobs(QUICK).items()
-    }  # fmt: skip
-    assert {(own.modes, own.blocks) for own, _ in scenes} == {(8, blocks) for blocks in residual_blocks.BLOCKS}
-    assert {member for _, member in scenes} == {None, 0, 1}
-    for (own, _), scene in scenes.items():
-        assert blocks_of(scene.mechanism()) == [own.blocks] * 2
-        assert scene.panels.count == own.modes
+def test_every_number_of_modes_and_blocks_has_a_run_with_ideal_joints_and_its_ensemble():
+    keys = set(residual_blocks.block_jobs(FULL))
+    assert {member for _, member in keys} == {None, *range(16)}
+    assert {(own.modes, own.blocks) for own, _ in keys} == {(m, b) for m in (8, 16, 32, 48) for b in (0, 1, 2)}
+    assert len(keys) == 12 * 17
 
 
 def test_the_page_has_errors_with_ideal_joints_and_means_with_clearance():

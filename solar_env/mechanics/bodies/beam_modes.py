@@ -20,8 +20,6 @@ import mpmath
 import numpy as np
 from numpy.typing import NDArray
 
-# Blocks of Krylov vectors. One gives the static flexibility, two its first change with the squared frequency as well.
-RESIDUAL_BLOCKS = 2
 # The Gram matrices of the Krylov vectors are nearly singular: double precision would not do.
 _CONTEXT = mpmath.MPContext()
 _CONTEXT.dps = 50
@@ -58,7 +56,7 @@ def slope_factor(x: Real) -> Real:
     return (_CONTEXT.cosh(x) - _CONTEXT.cos(x)) / (_CONTEXT.sinh(x) - _CONTEXT.sin(x))
 
 
-def bending_modes(length: float, mass: float, stiffness: float, kept: int, blocks: int = RESIDUAL_BLOCKS) -> EndModes:
+def bending_modes(length: float, mass: float, stiffness: float, kept: int, blocks: int) -> EndModes:
     """Bending modes of a free beam, with pseudo-modes for those above the ones that are kept.
 
     Args:
@@ -66,7 +64,8 @@ def bending_modes(length: float, mass: float, stiffness: float, kept: int, block
         mass: [kg].
         stiffness: E I [N m2].
         kept: number of modes kept.
-        blocks: of Krylov vectors; 0 for none.
+        blocks: of Krylov vectors: 0 for none, 1 for the static flexibility, 2 for its first change with the squared
+            frequency as well.
     """
     numbers, rows = _unit_bending_modes(kept, blocks)
     return EndModes(
@@ -92,7 +91,7 @@ def _unit_bending_modes(kept: int, blocks: int) -> EndModes:
     return _end_modes(squares, rows)
 
 
-def axial_modes(length: float, mass: float, stiffness: float, kept: int, blocks: int = RESIDUAL_BLOCKS) -> EndModes:
+def axial_modes(length: float, mass: float, stiffness: float, kept: int, blocks: int) -> EndModes:
     """Axial modes of a free bar, with pseudo-modes for those above the ones that are kept.
 
     Args:
@@ -100,7 +99,8 @@ def axial_modes(length: float, mass: float, stiffness: float, kept: int, blocks:
         mass: [kg].
         stiffness: E A [N].
         kept: number of modes kept.
-        blocks: of Krylov vectors; 0 for none.
+        blocks: of Krylov vectors: 0 for none, 1 for the static flexibility, 2 for its first change with the squared
+            frequency as well.
     """
     numbers, rows = _unit_axial_modes(kept, blocks)
     return EndModes(numbers * math.sqrt(stiffness / mass / length), rows / math.sqrt(mass))

@@ -31,12 +31,13 @@ from solar_env.mechanics.modal.panel.tables import (
     mode_type,
 )
 
-_Design = tuple[float, float, float, float, float, int]
+_Design = tuple[float, float, float, float, float, int, int]
 
 
 def design(panel: ModalPanel) -> _Design:
     """Parameters that two panels of one design have in common."""
-    return (panel.length, panel.mass, panel.axial_stiffness, panel.bending_stiffness, panel.damping, panel.modes)
+    stiffness = (panel.axial_stiffness, panel.bending_stiffness)
+    return (panel.length, panel.mass, *stiffness, panel.damping, panel.modes, panel.residual_blocks)
 
 
 def axial_count(modes: int) -> int:
@@ -48,6 +49,7 @@ class _PanelModes(NamedTuple):
     """Modes of one design by group, see `Panels`."""
 
     first: NDArray[np.int64]
+    kept: NDArray[np.int64]
     coupled: NDArray[np.int64]
     frequency: NDArray[np.float64]
     rows: NDArray[np.float64]
@@ -78,12 +80,12 @@ def _packed_forms(project: NDArray[np.float64], ends: NDArray[np.float64], coupl
 
 
 def _design_modes(chosen: _Design) -> _PanelModes:
-    length, mass, axial_stiffness, bending_stiffness, _, modes = chosen
+    length, mass, axial_stiffness, bending_stiffness, _, modes, blocks = chosen
     axial, coupled, coupled_axial = axial_count(modes), min(BENDING_MODES, modes), min(AXIAL_MODES, axial_count(modes))
     frequencies, rows, sizes = [], [], []
     for family in (
-        bending_modes(length, mass, bending_stiffness, modes),
-        axial_modes(length, mass, axial_stiffness, axial),
+        bending_modes(length, mass, bending_stiffness, modes, blocks),
+        axial_modes(length, mass, axial_stiffness, axial, blocks),
     ):
         for group in _groups(family):
             values = family.rows[: len(family.rows) // 2, group].T
@@ -92,6 +94,7 @@ def _design_modes(chosen: _Design) -> _PanelModes:
             sizes.append(group.size)
     return _PanelModes(
         np.cumsum([0, *sizes]),
+        np.array([(modes + 1) // 2, modes // 2, axial // 2, (axial + 1) // 2]),
         np.array([(coupled + 1) // 2, coupled // 2, coupled_axial // 2, (coupled_axial + 1) // 2]),
         np.concatenate(frequencies),
         np.concatenate(rows),
@@ -105,6 +108,7 @@ def compile_panels(designs: tuple[_Design, ...]) -> tuple[Panels, Tables]:
     parts = [_design_modes(chosen) for chosen in designs]
     panels = Panels(
         first=parts[0].first,
+        kept=parts[0].kept,
         coupled=parts[0].coupled,
         damping=np.array([chosen[4] for chosen in designs]),
         modes=np.zeros((len(parts), parts[0].frequency.size), mode_type),
@@ -137,7 +141,7 @@ def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
 
     Raises:
         ValueError: if a part is there that the modal method does not take, if a joint attaches to a panel elsewhere
-            than at an end, or if panels differ in their number of modes.
+            than at an end, or if panels differ in their number of modes or of residual blocks.
     """
     for name in ("guides", "drives", "loads"):
         if getattr(mechanism, name):
@@ -148,7 +152,7 @@ def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
     attachments = _attachments(mechanism, model.joints)
     designs = tuple(dict.fromkeys(design(body) for body in mechanism.bodies if isinstance(body, ModalPanel)))
     # Arrays need a design even where no body has one.
-    panels, tables = compile_panels(designs or ((1.0, 1.0, 1.0, 1.0, 0.0, 0),))
+    panels, tables = compile_panels(designs or ((1.0, 1.0, 1.0, 1.0, 0.0, 0, 1),))
     folded = np.array([_folded_angle(mechanism, k) for k in range(len(mechanism.joints))])
     compiled = ModalModel(
         bodies,
@@ -191,8 +195,10 @@ def _bodies(mechanism: Mechanism) -> tuple[NDArray[np.void], NDArray[np.float64]
     if any(GROUND in (joint.inboard, joint.outboard) for joint in mechanism.joints):
         described.append(Body("fixed frame", mass=1.0, inertia=1.0, length=1.0, centroid=(0.0, 0.0), fixed=True))
     panels = [body for body in described if isinstance(body, ModalPanel)]
-    if len({panel.modes for panel in panels}) > 1:
-        raise ValueError(f"modes = {[panel.modes for panel in panels]}: panels of one mechanism need the same number")
+    for name in ("modes", "residual_blocks"):
+        counts = [getattr(panel, name) for panel in panels]
+        if len(set(counts)) > 1:
+            raise ValueError(f"{name} = {counts}: panels of one mechanism need the same number")
     amplitudes = 0
     if panels:
         amplitudes = _design_modes(design(panels[0])).frequency.size

@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.mechanics.bodies.beam_modes import RESIDUAL_BLOCKS, slope_factor, wave_number
+from solar_env.mechanics.bodies.beam_modes import slope_factor, wave_number
 from solar_env.mechanics.equations.formulation import Array, JointView
 from solar_env.mechanics.modal.arrays import RIGID_BODY, ModalModel
 from solar_env.mechanics.modal.panel.tables import (
@@ -102,7 +102,7 @@ def _panel_axis(model: ModalModel, row: np.void, amplitudes: Array, points: int)
     """Points of a panel's axis in its frame."""
     panels, d, length = model.panels, row["design"], row["length"]
     groups = [amplitudes[..., start:stop] for start, stop in itertools.pairwise(panels.first)]
-    kept = [group.shape[-1] - RESIDUAL_BLOCKS * values for group, values in zip(groups, (2, 2, 1, 1), strict=True)]
+    kept = panels.kept
     rows = [panels.rows[d, start:stop] for start, stop in itertools.pairwise(panels.first)]
     # Values of the first end by the pseudo-modes of each group, and by foreshortening.
     rest = [group[..., k:] @ row[k:] for group, k, row in zip(groups, kept, rows, strict=True)]

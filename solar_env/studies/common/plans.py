@@ -72,6 +72,8 @@ class ChartPlan:
         ensemble_size: runs of an ensemble, see `motion.perturbed`.
         ensemble_duration: of these.
         levels: that are compared; the last of beams and of modes are the finest of their families.
+        block_modes, block_members: numbers of modes at which the residual blocks of modal panels are varied, and runs
+            with clearance at each.
         growth_elements, growth_modes, growth_panels: at which the cost is measured.
         growth_duration: [s].
         side_duration: of the deployments that are timed side by side [s].
@@ -89,6 +91,8 @@ class ChartPlan:
     ensemble_size: int = 16
     ensemble_duration: Durations = Durations(20.0, 16.0)
     levels: tuple[Ensemble, ...] = LEVELS
+    block_modes: tuple[int, ...] = (8, 16, 32, 48)
+    block_members: int = 16
     growth_elements: tuple[int, ...] = (2, 4, 6, 8, 12, 16, 24, 32, 48)
     growth_modes: tuple[int, ...] = (4, 8, 16, 24, 48, 96)
     growth_panels: tuple[int, ...] = (1, 2, 3, 4, 5, 6, 7, 8)
@@ -118,6 +122,8 @@ QUICK = ChartPlan(
     ensemble_size=3,
     ensemble_duration=Durations(4.0, 3.0),
     levels=SHORT_LEVELS,
+    block_modes=(8,),
+    block_members=2,
     growth_elements=(2, 4, 8, 16),
     growth_modes=(8, 16, 32),
     growth_panels=(1, 2, 4),

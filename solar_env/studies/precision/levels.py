@@ -48,11 +48,11 @@ def level_jobs(plan: ChartPlan) -> dict[Key, Job]:
         if member is None:
             jobs[ensemble, member] = Job(name, partial(run_own, scene, level.integrator()), plan.repeats)
         else:
-            jobs[ensemble, member] = member_job(name, scene, partial(_solve, level), 1.0, member)
+            jobs[ensemble, member] = member_job(name, scene, partial(solve_member, level), 1.0, member)
     return jobs
 
 
-def _solve(level: Level, scene: Scene, share: float) -> Motion:
+def solve_member(level: Level, scene: Scene, share: float) -> Motion:
     """A scene with the integrator of a level, its tolerance times a share."""
     return run_own(scene, replace(level, tighter=level.tighter / share).integrator())
 
@@ -77,13 +77,18 @@ def level_rows(plan: ChartPlan, results: dict[Key, Measured]) -> dict[str, list[
         elif result.motion is not None:
             rows += [
                 {**labels, "repeats": len(result.walls), "wall_s": result.wall, "reference": _level(of, "ideal").size}
-                | _errors(result.motion, results[of, None].motion, plan)
+                | ideal_errors(result.motion, results[of, None].motion, plan)
                 for of in finest.values()
             ]
     return {"levels": rows, "levels_clearance": members}
 
 
-def _errors(motion: Motion, reference: Motion | None, plan: ChartPlan) -> Row:
+def ideal_errors(motion: Motion, reference: Motion | None, plan: ChartPlan) -> Row:
+    """Errors of a run with ideal joints: of angles, latch times, peak reactions and the energy book.
+
+    Raises:
+        ValueError: if there is no reference.
+    """
     if reference is None:
         raise ValueError("a level that others are compared with could not be simulated to its end")
     return {

@@ -116,7 +116,7 @@ def _page(rows: Table, members: Table) -> str:
     for level in members.values("level"):
         own = members.where(level=level)
         by_joint = [own.where(joint=joint) for joint in own.values("joint")]
-        means = (" / ".join(_mean(of, statistic) for of in by_joint) for statistic in MEANS)
+        means = (" / ".join(mean_and_error(of, statistic) for of in by_joint) for statistic in MEANS)
         clearance.append([str(level), str(len(by_joint[0].rows)), f"{np.median(own.column('wall_s')):.3g}", *means])
     return "\n".join(
         [
@@ -131,7 +131,7 @@ def _page(rows: Table, members: Table) -> str:
     )
 
 
-def _mean(rows: Table, statistic: str) -> str:
+def mean_and_error(rows: Table, statistic: str) -> str:
     """Mean and, if there are two runs or more, its standard error, with as many digits as that allows."""
     values = MEANS[statistic][1] * rows.column(statistic)
     error = values.std(ddof=1) / math.sqrt(len(values)) if len(values) > 1 else 0.0

@@ -86,6 +86,7 @@ class Panels(NamedTuple):
     """Constants of D designs of panels, each with the same number of modes."""
 
     first: NDArray[np.int64]  # (GROUPS + 1,) first mode of each group
+    kept: NDArray[np.int64]  # (GROUPS,) number of modes that are kept; behind them come the pseudo-modes
     coupled: NDArray[np.int64]  # (GROUPS,) number of lowest modes that foreshortening couples
     damping: Array  # (D,) retardation time [s]
     modes: NDArray[np.void]  # (D, modes) rows of `mode_type`

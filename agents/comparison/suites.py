@@ -18,13 +18,7 @@ SUITES = {"paper": "solar_env/Deploy-v1", "robust": "solar_env/DeployRandomised-
 
 
 def suite_controllers(env_id: str) -> list[str]:
-    """List the passive deployment, and what is tuned or trained for the scenario on the suite's model."""
+    """List the passive deployment, the laws tuned for the scenario and the suite's model, and its shipped policies."""
     tuned = [name for name in TUNABLE if is_tuned(name, env_id, MODEL["model"])]
     names = shipped.available()
-    return ["passive", *tuned, *(name for name in names if _trained_for(name, env_id))]
-
-
-def _trained_for(name: str, env_id: str) -> bool:
-    """Whether a shipped policy was trained on the scenario and the suite's model."""
-    description = shipped.load_shipped(name).description
-    return description.env_id == env_id and description.env_kwargs.get("model") == MODEL["model"]
+    return ["passive", *tuned, *(name for name in names if shipped.load_shipped(name).description.env_id == env_id)]

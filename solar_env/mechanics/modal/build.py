@@ -191,7 +191,10 @@ def _bodies(mechanism: Mechanism) -> tuple[NDArray[np.void], NDArray[np.float64]
         described.append(Body("fixed frame", mass=1.0, inertia=1.0, length=1.0, centroid=(0.0, 0.0), fixed=True))
     panels = [body for body in described if isinstance(body, ModalPanel)]
     if len({panel.modes for panel in panels}) > 1:
-        raise ValueError(f"modes = {[panel.modes for panel in panels]}: panels of one mechanism need the same number")
+        raise ValueError(
+            f"modes = {[panel.modes for panel in panels]} of the panels differ, and ModalRadau keeps the amplitudes of "
+            "all panels in arrays of one shape: give every ModalPanel the greatest of these numbers"
+        )
     amplitudes = 0
     if panels:
         amplitudes = _design_modes(design(panels[0])).frequency.size

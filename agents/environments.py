@@ -103,7 +103,7 @@ def with_model(
     if chosen.get("model") == "auto":
         level = environment_settings(env_id, chosen)
         kept = {name: value for name, value in chosen.items() if name not in ("question", "tolerance")}
-        chosen = {**kept, "model": level.model, **level.level[1].keywords}
+        chosen = {**kept, "model": level.model, **level.level[1].keywords_of(level.model)}
     return chosen
 
 

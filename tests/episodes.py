@@ -10,7 +10,7 @@ from solar_env.array import MODELS
 ID = "solar_env/Deploy-v1"
 RANGES = {"clearance": (1e-4, 3e-4), "friction_coefficient": (0.05, 0.3)}
 # Few elements and modes, which is quick.
-LEVELS = {model: {"model": model, "elements": 2} for model in MODELS}
+LEVELS = {model: {"model": model} | ({"elements": 2} if model.startswith("flexible") else {}) for model in MODELS}
 LEVELS |= {f"{model}-modal": {"model": model, "modes": 4} for model in MODELS if model.startswith("flexible")}
 # Springs that deploy the array within three seconds.
 STRONG = {"spring_stiffness": 2.0}

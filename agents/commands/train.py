@@ -203,7 +203,7 @@ def check_resumable(args: Args, config: configurations.Configuration) -> None:
         "hyperparams": config.hyperparameters,
         "model": model,
         **dict.fromkeys(("panels", "elements", "modes")),
-        **panels.keywords,
+        **panels.keywords_of(model),
         "residual": config.residual["scale"] if config.residual else 0.0,
         "law": config.residual["law"] if config.residual else None,
     }

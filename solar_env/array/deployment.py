@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from solar_env.array.compilation import announce_compilation, mark_compiled
 from solar_env.array.construction import build
-from solar_env.array.methods import default_integrator
-from solar_env.array.panels import PanelModel
+from solar_env.array.methods import default_integrator, given_integrator
+from solar_env.array.panels import PanelModel, check_panels_bend
 from solar_env.array.parameters import ArrayParameters
 from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.integrators.methods.table import METHODS
@@ -27,7 +27,8 @@ def simulate(
     elements: int | None = None,
     modes: int | None = None,
     duration: float = 30.0,
-    integrator: Integrator | None = None,
+    integrator: Integrator | str | None = None,
+    rtol: float | None = None,
     output_step: float = 0.01,
     progress: Callable[[float], None] | None = None,
 ) -> Trajectory:
@@ -38,11 +39,14 @@ def simulate(
         preset: name of a parameter set, see `ArrayParameters.preset`; the flexible panels of "paper" are "ancf".
         model: one of `array.MODELS`.
         panels: model of flexible panels: "modal", their modes in a floating frame, or "ancf", beams of cable elements;
-            by default what elements, modes, integrator and preset ask for, else "modal".
+            by default what elements, modes, integrator and preset ask for, else "modal". With rigid panels this and
+            the next two are refused.
         modes: bending modes of each modal panel, by default 32.
         elements: beam elements of each panel of "ancf", by default 6.
         duration: [s].
-        integrator: defaults to `default_integrator` of the model.
+        integrator: settings of a method, such as `RungeKutta(rtol=1e-8)`, or its name, such as "rosenbrock", see
+            `array.methods.make_integrator`; by default that of `default_integrator` of the model.
+        rtol: local error tolerance of the default or of a named method; settings hold their own.
         output_step: distance of the samples [s]; independent of the integration step.
         progress: called with the simulated time [s] now and then; the result does not depend on it.
 
@@ -61,18 +65,20 @@ def simulate(
     """
     if not isinstance(parameters, ArrayParameters):
         parameters = ArrayParameters.preset(preset).with_changes(parameters or {})
-    chosen = PanelModel.of(model, panels, elements, modes, integrator.name if integrator else None, preset)
-    integrator = integrator or default_integrator(model, chosen)
-    announce_compilation(integrator.name)
+    given = given_integrator(integrator, model, rtol)
+    chosen = PanelModel.of(model, panels, elements, modes, given.name if given else None, preset)
+    check_panels_bend(model, panels, elements, modes)
+    method = given or default_integrator(model, chosen).with_options(None, rtol)
+    announce_compilation(method.name)
     trajectory = simulate_mechanism(
         build(parameters, model, panels=chosen),
         duration,
-        integrator=integrator,
+        integrator=method,
         output_step=output_step,
         progress=progress,
-        metadata={"model": model, **chosen.keywords, "parameters": parameters.to_dict()},
+        metadata={"model": model, **chosen.keywords_of(model), "parameters": parameters.to_dict()},
     )
-    mark_compiled(integrator.name)
+    mark_compiled(method.name)
     return trajectory
 
 

@@ -49,6 +49,31 @@ def _settings(name: str, model: str) -> Integrator:
     return suited[name] if name in suited else INTEGRATORS[name]()
 
 
+def given_integrator(integrator: Integrator | str | None, model: str, rtol: float | None) -> Integrator | None:
+    """The method that a user has given by name or by settings, None if it is left to the model.
+
+    Args:
+        integrator: settings, a name that `make_integrator` takes, or None.
+        model: one of `array.MODELS`.
+        rtol: local error tolerance in place of a named method's usual one.
+
+    Raises:
+        ValueError: if the name is unknown, if it is no method, or if `rtol` does not apply or is given twice.
+    """
+    if integrator is None:
+        return None
+    if isinstance(integrator, str):
+        return make_integrator(integrator, model, rtol=rtol)
+    if type(integrator) not in INTEGRATORS.values():
+        names = ", ".join(f"{kind.__name__}(...)" for kind in INTEGRATORS.values())
+        raise ValueError(f"integrator = {integrator!r} must be one of {', '.join(INTEGRATOR_NAMES)}, or {names}")
+    if rtol is not None:
+        raise ValueError(
+            f"rtol = {rtol!r} beside integrator = {integrator!r}: give the tolerance in its settings alone"
+        )
+    return integrator
+
+
 def make_integrator(name: str, model: str, step: float | None = None, rtol: float | None = None) -> Integrator:
     """An integrator by name, as the command line takes it.
 

@@ -20,6 +20,24 @@ PANELS = {ANCF: ("elements", DEFAULT_ELEMENTS), MODAL: ("modes", DEFAULT_MODES)}
 PRESET_PANELS = {"paper": ANCF}
 
 
+def check_panels_bend(
+    model: str, panels: str | PanelModel | None = None, elements: int | None = None, modes: int | None = None
+) -> None:
+    """Refuse a choice of the panels' model where panels are rigid.
+
+    Raises:
+        ValueError: if the model has rigid panels, or is none, and anything else is not None.
+    """
+    if has_flexible_panels(model):
+        return
+    for name, value in {"panels": panels, "elements": elements, "modes": modes}.items():
+        if value is not None:
+            raise ValueError(
+                f"{name} = {value!r} describes flexible panels, and those of model = {model!r} are rigid: name a "
+                f"flexible model, or leave out {name}"
+            )
+
+
 @dataclass(frozen=True)
 class PanelModel:
     """A model of the flexible panels.
@@ -47,8 +65,16 @@ class PanelModel:
 
     @property
     def keywords(self) -> dict[str, Any]:
-        """The choice as keywords of `simulate`, `build` and the environments, and as a record of a run."""
+        """The choice as keywords of `simulate`, `build` and the environments."""
         return {"panels": self.kind, self.option: self.count}
+
+    def keywords_of(self, model: str) -> dict[str, Any]:
+        """The keywords where panels of a model bend, and as a record of its runs; none where they are rigid.
+
+        Raises:
+            ValueError: if the model is none of `array.MODELS`.
+        """
+        return self.keywords if has_flexible_panels(model) else {}
 
     @property
     def size(self) -> str:

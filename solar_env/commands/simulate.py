@@ -20,6 +20,7 @@ from solar_env.array import (
 from solar_env.array.ladder import DEFAULT_TOLERANCE, QUESTIONS, Answer, cheapest, read_answers
 from solar_env.array.methods import INTEGRATOR_NAMES, default_integrator, make_integrator
 from solar_env.array.models import has_flexible_panels
+from solar_env.array.panels import check_panels_bend
 from solar_env.commands.arguments import Assignments, QuietOption
 from solar_env.mechanics.integrators.settings import Rosenbrock, RungeKutta
 from solar_env.support.files import check_target, write_text
@@ -98,7 +99,7 @@ def run_command(args: Args) -> int:
         trajectory = simulate(
             parameters,
             model=model,
-            panels=panels,
+            panels=panels if has_flexible_panels(model) else None,
             duration=args.duration,
             integrator=integrator,
             output_step=args.output_step,
@@ -153,7 +154,10 @@ def _level(args: Args, answer: Answer | None) -> tuple[str, PanelModel]:
     if answer is not None:
         return answer.model, PanelModel.of(answer.model, answer.panel_model, integrator=args.integrator)
     model = check_model(DEFAULT_MODEL if args.model is None else args.model)
-    return model, PanelModel.of(model, args.panels, args.elements, args.modes, args.integrator, args.preset)
+    asked = args.panels, args.elements, args.modes
+    panels = PanelModel.of(model, *asked, args.integrator, args.preset)
+    check_panels_bend(model, *asked)
+    return model, panels
 
 
 def _answer_note(answer: Answer, parameters: ArrayParameters) -> str:

@@ -12,6 +12,7 @@ from solar_env.array import ArrayParameters, PanelModel, build, check_model
 from solar_env.array.ladder import DEFAULT_QUESTION, DEFAULT_TOLERANCE, cheapest, read_answers
 from solar_env.array.methods import default_integrator
 from solar_env.array.names import unknown_name
+from solar_env.array.panels import check_panels_bend
 from solar_env.array.parameters.ranges import Ranges, checked_ranges, drawn
 from solar_env.environment.hardware import Hardware
 from solar_env.environment.scenarios import scenario_named
@@ -39,8 +40,8 @@ class EnvironmentSettings:
             `randomize`, take it as a hint.
         parameters: an `ArrayParameters`, or a mapping of changes to those of the scenario.
         panels: "modal" for flexible panels that are described by their modes in a floating frame, "ancf" for beams in
-            the absolute nodal coordinate formulation; by default what the next two ask for, else "modal". Rigid panels
-            use none of the three.
+            the absolute nodal coordinate formulation; by default what the next two ask for, else "modal". With rigid
+            panels all three are refused.
         elements: number of beam elements of each panel of "ancf", from 1 to 1000; by default 6.
         modes: number of bending modes of each modal panel, up to 200; by default 32.
         question, tolerance: of `model="auto"`: one of `solar_env.array.ladder.QUESTIONS` and the error allowed. By
@@ -109,7 +110,7 @@ class EnvironmentSettings:
                 raise TypeError(unknown_name("the environment's keyword", name, known))
         given = cls(**keywords)
         (model, panels), hardware = given.level, given.drive
-        chosen = replace(given, model=model, **panels.keywords, question=None, tolerance=None)
+        chosen = replace(given, model=model, **panels.keywords_of(model), question=None, tolerance=None)
         return replace(chosen, parameters=given.array, randomize=given.ranges, hardware=hardware)
 
     @cached_property
@@ -119,7 +120,10 @@ class EnvironmentSettings:
             if self.question is not None or self.tolerance is not None:
                 raise ValueError(f"question and tolerance choose the model: they need model='auto', not {self.model!r}")
             model = check_model(self.model)
-            return model, PanelModel.of(model, self.panels, self.elements, self.modes)
+            asked = self.panels, self.elements, self.modes
+            panels = PanelModel.of(model, *asked)
+            check_panels_bend(model, *asked)
+            return model, panels
         for name in ("panels", "elements", "modes"):
             if getattr(self, name) is not None:
                 raise ValueError(

@@ -215,6 +215,10 @@ def test_a_restored_state_replays_the_same_step(model):
         ({"model": "flexible-clearance", "elements": 2.5}, ["elements", "2.5", "whole number"]),
         ({"model": "flexible-clearance", "elements": "6"}, ["elements", "'6'", "whole number"]),
         ({"elements": True}, ["elements", "True", "whole number"]),
+        *(
+            ({"model": "rigid-ideal", name: value}, [name, str(value), "rigid-ideal", "flexible model", "leave out"])
+            for name, value in (("panels", "modal"), ("elements", 3), ("modes", 8))
+        ),
         ({"parameters": {"panel_young": 0.0}}, ["panel_young", "0.0"]),
         ({"parameters": {"clearence": 1e-4}}, ["clearence", "clearance"]),
         ({"parameters": {"body_mass": -1.0}}, ["body_mass", "-1"]),

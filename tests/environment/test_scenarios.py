@@ -8,7 +8,7 @@ import warnings
 import gymnasium
 import numpy as np
 import pytest
-from episodes import STRONG, watch
+from episodes import LEVELS, STRONG, watch
 
 from solar_env import ArrayParameters, Hardware
 from solar_env.environment.registration import CURRENT, ENVIRONMENTS
@@ -130,7 +130,7 @@ def test_a_history_of_perfect_sensors_starts_with_what_they_see():
 
 @pytest.mark.parametrize("model", ["rigid-clearance", "flexible-clearance"])
 def test_a_vector_of_randomised_arrays_equals_single_ones_to_the_last_bit(model):
-    keywords = {"model": model, "elements": 2, "observation": "history", "parameters": STRONG, "postlock_window": 1.0}
+    keywords = {**LEVELS[model], "observation": "history", "parameters": STRONG, "postlock_window": 1.0}
     vector = gymnasium.make_vec(RANDOMISED, num_envs=3, autoreset_mode="NextStep", **keywords)
     actions = np.random.default_rng(0).uniform(-1, 1, (50, 3, 1)).astype(np.float32)
     seen = [vector.reset(seed=7)[0], *(vector.step(action)[0] for action in actions)]

@@ -10,7 +10,7 @@ from functools import partial
 import gymnasium
 import numpy as np
 import pytest
-from episodes import ID, LANES, RANGES, STRONG, assert_same, make_vector, random_actions
+from episodes import ID, LANES, LEVELS, RANGES, STRONG, assert_same, make_vector, random_actions
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 import solar_env
@@ -51,11 +51,10 @@ def test_it_gives_what_sync_vector_env_gives_bit_for_bit(mode, longest):
     assert ended >= LANES
 
 
-@pytest.mark.parametrize("panels", [{"elements": 2}, {"modes": 4}])
-@pytest.mark.parametrize("model", ["rigid-ideal", "rigid-clearance", "flexible-ideal", "flexible-clearance"])
-def test_a_lane_equals_the_single_environment_with_its_seed(model, panels):
+@pytest.mark.parametrize("level", LEVELS)
+def test_a_lane_equals_the_single_environment_with_its_seed(level):
     ranges = {**RANGES, "panel_young": (2.5e8, 3.1e8)}
-    keywords = {"model": model, "randomize": ranges, "parameters": STRONG, "observation": "privileged", **panels}
+    keywords = {**LEVELS[level], "randomize": ranges, "parameters": STRONG, "observation": "privileged"}
     native = make_vector(**keywords)
     first, _ = native.reset(seed=11)
     steps = [native.step(actions) for actions in random_actions(12)]

@@ -29,6 +29,7 @@ SLOW = {
     "flexible-impacts",
     "array-impacts",
     "flexible-array-impacts",
+    "modal-array-impacts",
 }
 
 

@@ -57,7 +57,7 @@ class RecordTrajectory(gymnasium.Wrapper):
             "model": own.model,
             "parameters": own.episode_parameters.to_dict(),
             "integrator": simulation.integrator.name,
-            **own.panels.keywords,
+            **own.panels.keywords_of(own.model),
         }
         table = contact_table(simulation.state, kept.contacts[:contacts])
         return assemble(simulation.model, simulation.state, kept, table, details)

@@ -20,8 +20,8 @@ Besides, foreshortening has the shapes of the four lowest bending modes alone, w
 shapes in which loads at the ends bend a panel; of the axial modes it excites three, and moves the ends at once with the
 rest: the array's peak reactions with ideal joints come within 0.1 % of those of beams with 48 elements.
 
-The method's third order holds where panels bend little; with ideal joints, whose reactions follow foreshortening, it
-falls to 1.6 where they bend much.
+The method's third order holds where panels bend little; reactions of ideal joints, which follow foreshortening,
+converge with order 2.5 there, and with 1.6 where panels bend much.
 
 Imports `records` and the rooms below.
 """

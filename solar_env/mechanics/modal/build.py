@@ -198,7 +198,10 @@ def _bodies(mechanism: Mechanism) -> tuple[NDArray[np.void], NDArray[np.float64]
     for name in ("modes", "residual_blocks"):
         counts = [getattr(panel, name) for panel in panels]
         if len(set(counts)) > 1:
-            raise ValueError(f"{name} = {counts}: panels of one mechanism need the same number")
+            raise ValueError(
+                f"{name} = {counts} of the panels differ, and ModalRadau keeps the amplitudes of all panels in arrays of "
+                "one shape: give every ModalPanel the greatest of these numbers"
+            )
     amplitudes = 0
     if panels:
         amplitudes = _design_modes(design(panels[0])).frequency.size

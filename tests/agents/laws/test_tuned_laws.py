@@ -33,7 +33,7 @@ def test_environment_without_tuned_parameters_names_the_command():
         load_parameters("servo", "other/Env-v0", "flexible-ideal")
 
 
-@pytest.mark.parametrize("keywords", [{}, {"model": "rigid-clearance"}, {"elements": 1}])
+@pytest.mark.parametrize("keywords", [{}, {"model": "rigid-clearance"}])
 def test_a_baseline_has_the_parameters_tuned_for_the_environments_own_model(configs, keywords):
     with make_env(env_kwargs=keywords) as made:
         assert make_baseline("brake", made).parameters.torque == 0.1
@@ -63,7 +63,7 @@ def test_without_rigid_parameters_to_fall_back_on_another_model_is_refused(confi
 @pytest.mark.parametrize("model", [model for model in MODELS if model.endswith("clearance")])
 @pytest.mark.parametrize("name", BASELINES)
 def test_every_baseline_deploys_the_nominal_array(model, name):
-    env = make_env(env_kwargs={"model": model, "elements": 1})
+    env = make_env(env_kwargs={"model": model} | ({"elements": 1} if model.startswith("flexible") else {}))
     figures = run_episode(env, make_baseline(name, env), seed=0)
     assert figures["latched"]
     assert figures["latch_times_s"] <= 20.0

@@ -243,6 +243,11 @@ def test_what_the_method_does_not_take_is_refused_with_a_remedy() -> None:
         compile_mechanism(Mechanism((PANEL,)))
     with pytest.raises(ValueError, match=r"mechanism\.loads: ModalRadau takes none"):
         Simulation(Mechanism((PANEL,), loads=(Load("panel", torque=1.0),)), ModalRadau())
+    other = replace(PANEL, name="other", modes=PANEL.modes + 1)
+    with pytest.raises(
+        ValueError, match=r"modes = \[.*\] of the panels differ, .*: give every ModalPanel the greatest"
+    ):
+        Simulation(Mechanism((PANEL, other)), ModalRadau())
     inside = Joint("hinge", GROUND, "panel", (1.0, 0.0), (1.0, 0.0))
     with pytest.raises(ValueError, match="is not an end of panel 'panel'"):
         Simulation(Mechanism((PANEL,), (inside,)), ModalRadau())

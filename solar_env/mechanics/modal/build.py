@@ -199,8 +199,8 @@ def _bodies(mechanism: Mechanism) -> tuple[NDArray[np.void], NDArray[np.float64]
         counts = [getattr(panel, name) for panel in panels]
         if len(set(counts)) > 1:
             raise ValueError(
-                f"{name} = {counts} of the panels differ, and ModalRadau keeps the amplitudes of all panels in arrays of "
-                "one shape: give every ModalPanel the greatest of these numbers"
+                f"{name} = {counts} of the panels differ, and ModalRadau keeps the amplitudes of all panels in arrays "
+                "of one shape: give every ModalPanel the greatest of these numbers"
             )
     amplitudes = 0
     if panels:

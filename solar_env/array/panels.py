@@ -23,13 +23,16 @@ PRESET_PANELS = {"paper": ANCF}
 def check_panels_bend(
     model: str, panels: str | PanelModel | None = None, elements: int | None = None, modes: int | None = None
 ) -> None:
-    """Refuse a choice of the panels' model where panels are rigid.
+    """Refuse a description of flexible panels where panels are rigid.
+
+    A `PanelModel` passes: environments and the ladder have one beside every model, which rigid panels do not use.
 
     Raises:
-        ValueError: if the model has rigid panels, or is none, and anything else is not None.
+        ValueError: if the model has rigid panels, or is none, and a name or a number is given.
     """
     if has_flexible_panels(model):
         return
+    panels = None if isinstance(panels, PanelModel) else panels
     for name, value in {"panels": panels, "elements": elements, "modes": modes}.items():
         if value is not None:
             raise ValueError(

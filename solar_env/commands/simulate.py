@@ -99,7 +99,7 @@ def run_command(args: Args) -> int:
         trajectory = simulate(
             parameters,
             model=model,
-            panels=panels if has_flexible_panels(model) else None,
+            panels=panels,
             duration=args.duration,
             integrator=integrator,
             output_step=args.output_step,

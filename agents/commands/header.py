@@ -18,7 +18,7 @@ class Args:
     Of a policy that adds to a law the header holds what is added, in units of its share of the torque limit.
     """
 
-    policy: Annotated[str, tyro.conf.Positional] = "ppo-nominal"
+    policy: Annotated[str, tyro.conf.Positional] = "cma-es-nominal"
     """name of a policy of the package, or a folder that solar-env export wrote"""
     out: Path = Path("policy.h")
     """the header"""

@@ -136,8 +136,8 @@ def look_of(name: str, looks: Mapping[str, Look]) -> Look:
 def controller_looks(names: Sequence[str]) -> dict[str, Look]:
     """Looks of the controllers of one figure.
 
-    A controller has its row of `CONTROLLER_LOOKS`, a shipped policy ("ppo-nominal") the row of its algorithm; when that
-    is taken, and for training runs under names of their own, the next of some spare looks.
+    A controller has its row of `CONTROLLER_LOOKS`, a shipped policy ("cma-es-nominal") the row of its algorithm; when
+    that is taken, and for training runs under names of their own, the next of some spare looks.
     """
     looks = {name: CONTROLLER_LOOKS[name] for name in names if name in CONTROLLER_LOOKS}
     taken, spare = list(looks.values()), list(_OTHERS)

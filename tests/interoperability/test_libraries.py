@@ -65,7 +65,7 @@ def test_the_zoo_trains_with_the_shipped_hyperparameters(tmp_path):
 def test_minari_collects_episodes_of_a_shipped_policy(tmp_path, monkeypatch):
     minari = pytest.importorskip("minari")
     monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))
-    policy = load_shipped("ppo-nominal")
+    policy = load_shipped("cma-es-nominal")
     keywords = {**policy.description.env_kwargs, "model": "rigid-ideal"}
     env = minari.DataCollector(make_env("solar_env/Deploy-v1", keywords))
     policy.check(env)
@@ -74,7 +74,7 @@ def test_minari_collects_episodes_of_a_shipped_policy(tmp_path, monkeypatch):
     while not ended:
         observation, reward, ended, _, _ = env.step(policy.predict(observation)[0])
         total += reward
-    dataset = env.create_dataset("solar-array/ppo-nominal-v0", algorithm_name="ppo-nominal")
+    dataset = env.create_dataset("solar-array/cma-es-nominal-v0", algorithm_name="cma-es-nominal")
     episode = next(dataset.iterate_episodes())
     assert episode.rewards.sum() == pytest.approx(total, rel=1e-12)
     assert episode.observations.shape == (len(episode.actions) + 1, *env.observation_space.shape)

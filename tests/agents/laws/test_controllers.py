@@ -140,7 +140,7 @@ def test_a_policy_observes_in_a_comparison_what_it_observed_in_training(policy, 
 
 
 def test_a_name_of_nothing_says_what_there_is(env):
-    with pytest.raises(FileNotFoundError, match=r"no controller 'runs/nothing': .* none of passive, .*ppo-nominal"):
+    with pytest.raises(FileNotFoundError, match=r"no controller 'runs/nothing': .* none of passive, .*cma-es-nominal"):
         parse_controller("runs/nothing").load(env)
 
 

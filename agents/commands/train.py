@@ -130,7 +130,8 @@ def configuration(args: Args, seed: int) -> configurations.Configuration:
         begun = Path(args.start) / seed_folder(seed) if args.seeds else Path(args.start)
         if args.trust:
             runs.trust_run(begun)
-        weights = runs.linear_weights(begun, make_env(env_id, config.env_kwargs))
+        with make_env(env_id, config.env_kwargs) as env:
+            weights = runs.linear_weights(begun, env)
         config = replace(config, hyperparameters={**config.hyperparameters, "first_weights": weights})
     quick = args.timesteps is None and not (named or whole)
     return replace(config, timesteps=min(config.timesteps, TIMESTEPS)) if quick else config

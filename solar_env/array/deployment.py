@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from solar_env.array.compilation import announce_compilation, mark_compiled
 from solar_env.array.construction import build
 from solar_env.array.methods import default_integrator, given_integrator
-from solar_env.array.panels import PanelModel, check_panels_bend
+from solar_env.array.panels import PanelModel
 from solar_env.array.parameters import ArrayParameters
 from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.integrators.methods.table import METHODS
@@ -66,8 +66,7 @@ def simulate(
     if not isinstance(parameters, ArrayParameters):
         parameters = ArrayParameters.preset(preset).with_changes(parameters or {})
     given = given_integrator(integrator, model, rtol)
-    chosen = PanelModel.of(model, panels, elements, modes, given.name if given else None, preset)
-    check_panels_bend(model, panels, elements, modes)
+    chosen = PanelModel.requested(model, panels, elements, modes, given.name if given else None, preset)
     method = given or default_integrator(model, chosen).with_options(None, rtol)
     announce_compilation(method.name)
     trajectory = simulate_mechanism(

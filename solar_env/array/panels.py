@@ -20,27 +20,6 @@ PANELS = {ANCF: ("elements", DEFAULT_ELEMENTS), MODAL: ("modes", DEFAULT_MODES)}
 PRESET_PANELS = {"paper": ANCF}
 
 
-def check_panels_bend(
-    model: str, panels: str | PanelModel | None = None, elements: int | None = None, modes: int | None = None
-) -> None:
-    """Refuse a description of flexible panels where panels are rigid.
-
-    A `PanelModel` passes: environments and the ladder have one beside every model, which rigid panels do not use.
-
-    Raises:
-        ValueError: if the model has rigid panels, or is none, and a name or a number is given.
-    """
-    if has_flexible_panels(model):
-        return
-    panels = None if isinstance(panels, PanelModel) else panels
-    for name, value in {"panels": panels, "elements": elements, "modes": modes}.items():
-        if value is not None:
-            raise ValueError(
-                f"{name} = {value!r} describes flexible panels, and those of model = {model!r} are rigid: name a "
-                f"flexible model, or leave out {name}"
-            )
-
-
 @dataclass(frozen=True)
 class PanelModel:
     """A model of the flexible panels.
@@ -140,3 +119,31 @@ class PanelModel:
         kind = next(iter(reasons), PRESET_PANELS.get(preset, DEFAULT_PANELS))
         count = counts[kind]
         return cls(kind, defaults[kind] if count is None else count)
+
+    @classmethod
+    def requested(
+        cls,
+        model: str,
+        panels: str | PanelModel | None = None,
+        elements: int | None = None,
+        modes: int | None = None,
+        integrator: str | None = None,
+        preset: str = "default",
+    ) -> Self:
+        """As `of`, for what a user asks for: a description of flexible panels is refused where panels are rigid.
+
+        A `PanelModel` passes: environments and the ladder have one beside every model, which rigid panels do not use.
+
+        Raises:
+            ValueError: as `of`, or if the model has rigid panels, or is none, and a name or a number is given.
+        """
+        chosen = cls.of(model, panels, elements, modes, integrator, preset)
+        if not has_flexible_panels(model):
+            named = None if isinstance(panels, PanelModel) else panels
+            for name, value in {"panels": named, "elements": elements, "modes": modes}.items():
+                if value is not None:
+                    raise ValueError(
+                        f"{name} = {value!r} describes flexible panels, and those of model = {model!r} are rigid: "
+                        f"name a flexible model, or leave out {name}"
+                    )
+        return chosen

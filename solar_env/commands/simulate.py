@@ -20,7 +20,6 @@ from solar_env.array import (
 from solar_env.array.ladder import DEFAULT_TOLERANCE, QUESTIONS, Answer, cheapest, read_answers
 from solar_env.array.methods import INTEGRATOR_NAMES, default_integrator, make_integrator
 from solar_env.array.models import has_flexible_panels
-from solar_env.array.panels import check_panels_bend
 from solar_env.commands.arguments import Assignments, QuietOption
 from solar_env.mechanics.integrators.settings import Rosenbrock, RungeKutta
 from solar_env.support.files import check_target, write_text
@@ -154,10 +153,7 @@ def _level(args: Args, answer: Answer | None) -> tuple[str, PanelModel]:
     if answer is not None:
         return answer.model, PanelModel.of(answer.model, answer.panel_model, integrator=args.integrator)
     model = check_model(DEFAULT_MODEL if args.model is None else args.model)
-    asked = args.panels, args.elements, args.modes
-    panels = PanelModel.of(model, *asked, args.integrator, args.preset)
-    check_panels_bend(model, *asked)
-    return model, panels
+    return model, PanelModel.requested(model, args.panels, args.elements, args.modes, args.integrator, args.preset)
 
 
 def _answer_note(answer: Answer, parameters: ArrayParameters) -> str:

@@ -12,7 +12,6 @@ from solar_env.array import ArrayParameters, PanelModel, build, check_model
 from solar_env.array.ladder import DEFAULT_QUESTION, DEFAULT_TOLERANCE, cheapest, read_answers
 from solar_env.array.methods import default_integrator
 from solar_env.array.names import unknown_name
-from solar_env.array.panels import check_panels_bend
 from solar_env.array.parameters.ranges import Ranges, checked_ranges, drawn
 from solar_env.environment.hardware import Hardware
 from solar_env.environment.scenarios import scenario_named
@@ -120,10 +119,7 @@ class EnvironmentSettings:
             if self.question is not None or self.tolerance is not None:
                 raise ValueError(f"question and tolerance choose the model: they need model='auto', not {self.model!r}")
             model = check_model(self.model)
-            asked = self.panels, self.elements, self.modes
-            panels = PanelModel.of(model, *asked)
-            check_panels_bend(model, *asked)
-            return model, panels
+            return model, PanelModel.requested(model, self.panels, self.elements, self.modes)
         for name in ("panels", "elements", "modes"):
             if getattr(self, name) is not None:
                 raise ValueError(

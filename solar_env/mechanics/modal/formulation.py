@@ -29,19 +29,19 @@ class FloatingFrames(Formulation):
 
     def drift(self, model: ModalModel, state: ModalState) -> tuple[float, float]:
         """Return the greatest violations of the ideal joints, in m and m/s."""
-        motion = np.abs(_motion(model, state).joints["motion"][model.joints["kind"] == IDEAL, OTHER])
+        motion = np.abs(present_motion(model, state).joints["motion"][model.joints["kind"] == IDEAL, OTHER])
         return float(motion[:, :2].max(initial=0.0)), float(motion[:, 2:4].max(initial=0.0))
 
     def joint_loads(self, model: ModalModel, state: ModalState) -> Array:
         """Evaluate the table of loads with those at the end of the last step."""
-        work = _motion(model, state)
+        work = present_motion(model, state)
         fill_load_table(model, state, work, OTHER, state.loads, work.sample)
         return work.sample
 
     def stored_energies(self, model: ModalModel, state: ModalState) -> Array:
         """See `Formulation.stored_energies`."""
         energies = np.zeros(ENERGIES)
-        stored_energies(model, state, state.q, state.v, _motion(model, state), OTHER, energies)
+        stored_energies(model, state, state.q, state.v, present_motion(model, state), OTHER, energies)
         return energies
 
     def greatest_weight(self, model: ModalModel) -> float:
@@ -79,7 +79,7 @@ class FloatingFrames(Formulation):
         return 0.0, float(np.abs(state.loads[:, :2]).max(initial=0.0))
 
 
-def _motion(model: ModalModel, state: ModalState) -> Workspace:
+def present_motion(model: ModalModel, state: ModalState) -> Workspace:
     """Return a workspace whose slot OTHER holds the present motion."""
     work = make_workspace(model, state)
     look_at(model, state.q, state.v, work, OTHER)

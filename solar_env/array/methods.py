@@ -30,8 +30,7 @@ def default_integrator(model: str, panels: PanelModel | None = None) -> RungeKut
 
 
 def _modal_radau(model: str) -> ModalRadau:
-    # Peak forces and impacts of the passive array converge at 2.5e-3 already; those of soft landings, at speeds of
-    # millimetres a second, do not.
+    # Peak forces and impacts of the passive array converge at 2.5e-3 already, those of soft landings at 1e-3.
     return ModalRadau(rtol=1e-3 if has_clearance(model) else 2e-4)
 
 

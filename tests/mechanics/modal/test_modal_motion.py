@@ -190,6 +190,20 @@ def test_journal_that_starts_pressed_and_at_rest_is_pushed_back() -> None:
     assert -simulation.state.v[0] == pytest.approx(math.sqrt(0.8 * STIFFNESS * 0.002**2.5 / 5.0), rel=1e-4)
 
 
+@pytest.mark.parametrize("speed", [1e-3, 1e-2, 1e-1])
+def test_a_free_undamped_vibration_keeps_its_energy_however_slow_it_is(speed: float) -> None:
+    """At a fixed tolerance of 0.1 mm/s all of the energy of one of 1 mm/s is gone after half a second."""
+    joint = Joint("hinge", GROUND, "panel", (0.0, 0.0), (0.0, 0.0), bearing=SOFT_BEARING)
+    simulation = Simulation(Mechanism((replace(PANEL, modes=4),), (joint,)), ModalRadau(rtol=1e-3))
+    # The second bending mode of each symmetry, in a journal that touches nothing.
+    for group in range(2):
+        simulation.state.v[3 + simulation.model.panels.first[group] + 1] = speed
+    before = simulation.stored_energies().sum()
+    simulation.advance(0.5)
+    assert simulation.state.joints[0]["contact_starts"] == 0
+    assert simulation.stored_energies().sum() == pytest.approx(before, rel=1e-5)
+
+
 @pytest.mark.parametrize("model", ["flexible-ideal", "flexible-clearance"])
 def test_array_keeps_its_books(model: str) -> None:
     mechanism = build(ArrayParameters(spring_stiffness=(2.0, 1.5), initial_rate=0.2), model, modes=6)

@@ -51,7 +51,7 @@ def step_error(model, state, work, settings, tables, level, h):
             c = load_column(kind)
             deviation = state.loads[j, c] - 1.5 * work.joints[j].load[0, c] + 0.5 * work.joints[j].load[1, c]
             error = max(error, abs(deviation) / work.unknowns[r].tolerance)
-    limit = settings.rtol * settings.velocity_scale
+    limit = work.velocity_tolerance[0]
     for b in range(model.bodies.size):
         p, d = model.bodies[b].panel, model.bodies[b].design
         if p != RIGID_BODY:

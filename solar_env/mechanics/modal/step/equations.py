@@ -80,17 +80,15 @@ def contact_rows(model, state, work, s, n, r, renewed):
 
 
 @kernel(inlined=True)
-def reaction_row(work, s, n, r, h, limit, renewed):
-    """Row of a component of an ideal joint's reaction, as of a torque: of its relative velocity.
-
-    `limit` is the velocity [m/s] that errors may have.
-    """
+def reaction_row(work, s, n, r, h, renewed):
+    """Row of a component of an ideal joint's reaction, as of a torque: of its relative velocity."""
     j, kind = work.unknowns[r].owner, work.unknowns[r].kind
     own = work.mobility[r, r].response
     scale = 1.0 / (abs(own[3]) + abs(own[7]))
     rate = work.joints[j].motion[s, VELOCITY_X if kind == REACTION_X else VELOCITY_Y]
     gap = work.joints[j].motion[START, ECCENTRICITY_X if kind == REACTION_X else ECCENTRICITY_Y]
-    back = min(max(gap / max(h, _RETURN_TIME), -_RETURN_SPEED * limit), _RETURN_SPEED * limit)
+    limit = _RETURN_SPEED * work.velocity_tolerance[0]
+    back = min(max(gap / max(h, _RETURN_TIME), -limit), limit)
     work.correction[s * n + r] = -scale * (rate + back)
     if not renewed:
         return

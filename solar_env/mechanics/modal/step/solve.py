@@ -68,6 +68,9 @@ _HERTZ = 2.943275
 # which the velocity allows.
 _LOAD_SHARE = 5.0
 _LEAST_LOAD = 0.03
+# With clearance in every joint the velocity scale shrinks with the speed of the hinges, to this share at most: slow
+# impacts are those of vibrations that an error of the size of the full scale would damp.
+_LEAST_SCALE = 0.01
 
 
 class ModalSettings(NamedTuple):
@@ -138,9 +141,20 @@ def move_stages(model, state, work, tables, level, h, coupled):
 
 
 @kernel(inlined=True)
+def velocity_tolerance(model, work, settings):
+    """Tolerance of velocities [m/s] at the start of a step: of the scale, or of the hinges' speed if that is less."""
+    scale, fastest = settings.velocity_scale, 0.0
+    for j in range(model.joints.size):
+        if model.joints[j].kind == IDEAL:
+            return settings.rtol * scale
+        fastest = max(fastest, abs(work.joints[j].motion[START, RATE]))
+    return settings.rtol * min(scale, max(fastest * model.length_scale, _LEAST_SCALE * scale))
+
+
+@kernel(inlined=True)
 def set_tolerances(model, state, work, settings, tables, level, h, n):
     """Deviation of each load from its polynomial that errors of the size of the tolerances take."""
-    limit = settings.rtol * settings.velocity_scale
+    limit = work.velocity_tolerance[0]
     for j in range(model.joints.size):
         work.joints[j].torque_tolerance = limit / (_DEVIATION * velocity_by_torque(model, work, tables, level, h, j))
     set_cable_tolerances(model, work)
@@ -165,10 +179,8 @@ def set_tolerances(model, state, work, settings, tables, level, h, n):
 
 
 @kernel(inlined=True)
-def correct_loads(model, state, work, n, h, limit, renewed):
+def correct_loads(model, state, work, n, h, renewed):
     """One correction of the loads by Newton's method, whose matrix is kept unless `renewed`.
-
-    `limit` is the velocity [m/s] that errors may have.
 
     Returns:
         Greatest change of an unknown, and of a torque that is none, over their tolerances; infinite if the matrix is
@@ -186,7 +198,7 @@ def correct_loads(model, state, work, n, h, limit, renewed):
             elif kind == NORMAL:
                 contact_rows(model, state, work, s, n, r, renewed)
             elif kind != TANGENTIAL:
-                reaction_row(work, s, n, r, h, limit, renewed)
+                reaction_row(work, s, n, r, h, renewed)
         for j in range(model.joints.size):
             if work.joints[j].torque_unknown < 0:
                 change = work.joints[j].torque - work.joints[j].load[s, 2]
@@ -266,6 +278,7 @@ def solve_step(model, state, work, settings, tables, level, h):
             last = first + answers.size
             own, d = work.panels[body.panel], body.design
             free_ends(model.panels, own, answers, d, state.q[first:last], state.v[first:last])
+    work.velocity_tolerance[0] = velocity_tolerance(model, work, settings)
     start_stages(model, state, work, h)
     n = list_rows(model, state, work, tables, level, h)
     work.counts[UNKNOWNS] = n
@@ -284,7 +297,7 @@ def solve_step(model, state, work, settings, tables, level, h):
             fill_mobility(model, work, tables, level, h, n)
         # Anew each time: the depth that a journal would reach freely is no measure of that which it does reach.
         set_tolerances(model, state, work, settings, tables, level, h, n)
-        size, apart = correct_loads(model, state, work, n, h, settings.rtol * settings.velocity_scale, renewed)
+        size, apart = correct_loads(model, state, work, n, h, renewed)
         if size == math.inf:
             return False
         # A small correction leaves the matrix and all directions as they are; a second one in a row does not.

@@ -9,12 +9,15 @@ from solar_env.studies.stability.contact_law_maps import PULL_OFF, RESTITUTION
 from solar_env.studies.stability.friction_maps import CREEP, STEP
 from solar_env.studies.stability.impact_maps import EXPLICIT, IMPLICIT
 from solar_env.studies.stability.maps import StabilityMap
-from solar_env.studies.stability.modal_maps import RANGE
+from solar_env.studies.stability.modal_maps import DEPLOYMENT, RANGE
 from solar_env.studies.stability.multiplier_maps import STEP_CHANGE
 from solar_env.studies.stability.stop_maps import CABLE, DEPTH, LATCH
 
 COMMAND = "solar-env stability"
-ALL = (IMPLICIT, EXPLICIT, STEP_CHANGE, BEAM_STEP, RESTITUTION, PULL_OFF, CREEP, STEP, CABLE, LATCH, DEPTH, RANGE)
+ALL = (
+    IMPLICIT, EXPLICIT, STEP_CHANGE, BEAM_STEP, RESTITUTION, PULL_OFF, CREEP, STEP, CABLE, LATCH, DEPTH, RANGE,
+    DEPLOYMENT,
+)  # fmt: skip
 MAPS: dict[str, StabilityMap] = {one.name: one for one in ALL}
 
 

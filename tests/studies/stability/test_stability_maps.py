@@ -126,6 +126,12 @@ def test_modal_panels_warn_from_where_theory_says_and_before_they_are_off_by_a_h
         assert row["value"] == pytest.approx((1.0 + 2.05 * ratio**2) ** -0.5 - 1.0, abs=0.005)
 
 
+def test_a_deployment_of_softer_modal_panels_is_that_of_beam_elements() -> None:
+    (row,) = rows("modal-array", softening=10)
+    assert abs(row["value"]) < 0.01
+    assert row["said"] == Said.SILENT
+
+
 def test_bounces_have_the_speed_of_the_law_in_closed_form() -> None:
     for row in rows("restitution"):
         law = contact_law(row["panel"], contact_law_maps.ARRAY.surfaces(0), row["restitution"])

@@ -26,7 +26,6 @@ LAW_MODEL = "flexible-clearance"
 LEVELS: dict[str, dict[str, Any]] = {
     "rigid": {"model": "rigid-clearance"},
     "2 elements": {"model": "flexible-clearance", "elements": 2},
-    "6 elements": {"model": "flexible-clearance", "elements": 6},
     "32 modes": {"model": "flexible-clearance", "modes": 32},
 }
 

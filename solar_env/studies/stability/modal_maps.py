@@ -23,8 +23,7 @@ from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.running.diagnosis import LARGEST_MODAL_SHARE, SPIN_STIFFENING
 from solar_env.studies.stability.maps import Axis, Cell, Kind, StabilityMap, listen, log_range
 from solar_env.verification.panels.dynamics import softened, spinning_frequency
-from solar_env.verification.panels.mechanisms import modal as modal_panel
-from solar_env.verification.panels.mechanisms import start
+from solar_env.verification.panels.mechanisms import modal, start
 from solar_env.verification.panels.statics import bent
 from solar_env.verification.panels.theory import first_frequency
 
@@ -43,7 +42,7 @@ def _load(softening: float, force: float) -> float:
 
 def _spin_error(softening: float, spin: float) -> float:
     beam = softened(softening)
-    start(Mechanism((modal_panel(beam, spin=spin),))).check()
+    start(Mechanism((modal(beam, spin=spin),))).check()
     return _FREQUENCY / math.sqrt(softening) / spinning_frequency(beam, spin) - 1.0
 
 
@@ -88,7 +87,7 @@ _IMPULSE_TOLERANCE = 0.03  # of levels
 
 def _impulses(softening: float, strength: float, **panels: Any) -> NDArray[np.float64]:
     """Impulses on the joints from the latch to a few seconds after it [N s]."""
-    springs = tuple(strength * stiffness for stiffness in np.atleast_1d(_ARRAY.spring_stiffness))
+    springs = tuple(strength * _ARRAY.by_joint("spring_stiffness", joint) for joint in range(_ARRAY.panel_count))
     softer = replace(_ARRAY, panel_young=_ARRAY.panel_young / softening, spring_stiffness=springs)
     duration = _OBSERVED * _LATCH_TIME / math.sqrt(strength)
     return np.asarray(simulate(softer, model="flexible-ideal", duration=duration, **panels).postlock_impulse)
@@ -99,8 +98,8 @@ def measure_deployment(panel: str, softening: float, strength: float) -> Cell:
 
     def run() -> float:
         coarse, fine = (_impulses(softening, strength, elements=count, rtol=_MESH_RTOL) for count in _MESHES)
-        modal = _impulses(softening, strength, panels="modal", rtol=_MODAL_RTOL)
-        differences = modal / (fine + (fine - coarse) / 3.0) - 1.0
+        extrapolated = (4.0 * fine - coarse) / 3.0
+        differences = _impulses(softening, strength, panels="modal", rtol=_MODAL_RTOL) / extrapolated - 1.0
         return float(differences[np.abs(differences).argmax()])
 
     return listen(run).cell(lambda error: Cell(Kind.FINE if abs(error) < _IMPULSE_TOLERANCE else Kind.WRONG, error))

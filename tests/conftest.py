@@ -13,11 +13,18 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 import solar_env
 
 os.environ["SDL_VIDEODRIVER"] = "dummy"  # windows without a display
 PACKAGE_PARENT = Path(solar_env.__file__).resolve().parent.parent
+
+# The option --hypothesis-profile is read before any module of tests.
+usual = {"deadline": None, "suppress_health_check": list(HealthCheck), "print_blob": True}
+settings.register_profile("suite", max_examples=15, derandomize=True, database=None, **usual)
+settings.register_profile("night", max_examples=3400, **usual)
+settings.load_profile("suite")
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:

@@ -9,30 +9,28 @@ from __future__ import annotations
 import copy
 import pickle
 import warnings
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 from helpers import fingerprint
-from hypothesis import HealthCheck, assume, given, reject, settings
+from hypothesis import assume, given, reject
 from hypothesis import strategies as st
+from mechanisms import turned
 
 from solar_env.array import MODELS, ArrayParameters, PanelModel, build
 from solar_env.array.methods import default_integrator
 from solar_env.mechanics.integrators.settings import INTEGRATORS
 from solar_env.mechanics.joints.contact.laws import CONTACT_LAWS
 from solar_env.mechanics.joints.friction.laws import FRICTION_LAWS, SLIDING_READINGS
+from solar_env.mechanics.joints.joint import ANGLE
+from solar_env.mechanics.mechanism.description import AnyBody, Body, Joint, Mechanism
 from solar_env.mechanics.running.batch import Batch
 from solar_env.mechanics.running.diagnosis import SimulationWarning
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.mechanics.running.simulation import Simulation
-
-usual = {"deadline": None, "suppress_health_check": list(HealthCheck), "print_blob": True}
-settings.register_profile("suite", max_examples=15, derandomize=True, database=None, **usual)
-settings.register_profile("night", max_examples=2000, **usual)
-if settings.get_current_profile_name() == "default":
-    settings.load_profile("suite")
 
 NAMES = sorted(ArrayParameters.CONTINUOUS - {"hinge_y", "initial_spin", "initial_rate", "spring_preload_angle"})
 DURATION = 0.3  # s
@@ -75,10 +73,16 @@ def arrays(draw: st.DrawFn) -> ArrayParameters:
             reject()
 
 
-def simulation(array: ArrayParameters, model: str, integrator: str | None = None, torque: float = 0.0) -> Simulation:
+def simulation(
+    array: ArrayParameters,
+    model: str,
+    integrator: str | None = None,
+    torque: float = 0.0,
+    change: Callable[[Mechanism], Mechanism] = lambda mechanism: mechanism,
+) -> Simulation:
     panels = PanelModel.of(model, integrator=integrator)
     method = INTEGRATORS[integrator](rtol=1e-4) if integrator else default_integrator(model, panels)
-    made = Simulation(build(array, model, panels=panels), replace(method, max_steps=300_000))
+    made = Simulation(change(build(array, model, panels=panels)), replace(method, max_steps=300_000))
     made.set_motor_torque(0, torque)
     return made
 
@@ -131,6 +135,76 @@ def test_a_lane_has_the_bits_of_its_simulation_alone(array: ArrayParameters, mod
         warnings.simplefilter("ignore")
         assert not batch.attempt(np.arange(3), np.full(3, DURATION))
     assert {fingerprint(lane.state) for lane in lanes} == {fingerprint(alone.state)}
+
+
+def elsewhere(mechanism: Mechanism, angle: float = 0.0) -> Mechanism:
+    """The same mechanism at another place, turned by an angle about the origin."""
+
+    def move(body: AnyBody) -> AnyBody:
+        position = np.array([3.0, -2.0]) + turned(body.position, angle)
+        velocity = turned(body.velocity, angle)
+        return replace(body, position=tuple(position), velocity=tuple(velocity), angle=body.angle + angle)
+
+    return replace(mechanism, bodies=tuple(move(body) for body in mechanism.bodies))
+
+
+def mirror_image(mechanism: Mechanism) -> Mechanism:
+    """The mechanism seen in a mirror along the x axis."""
+
+    def flip(point: tuple[float, float]) -> tuple[float, float]:
+        return point[0], -point[1]
+
+    def mirrored(body: AnyBody) -> AnyBody:
+        changes: dict[str, Any] = {"position": flip(body.position), "velocity": flip(body.velocity)}
+        if isinstance(body, Body):
+            changes["centroid"] = flip(body.centroid)
+        return replace(body, angle=-body.angle, spin=-body.spin, **changes)
+
+    def mirrored_joint(joint: Joint) -> Joint:
+        points = {"inboard_point": flip(joint.inboard_point), "outboard_point": flip(joint.outboard_point)}
+        return replace(joint, sign=-joint.sign, folded_angle=-joint.folded_angle, **points)
+
+    return replace(
+        mechanism,
+        bodies=tuple(mirrored(body) for body in mechanism.bodies),
+        joints=tuple(mirrored_joint(joint) for joint in mechanism.joints),
+    )
+
+
+def from_the_tip(mechanism: Mechanism) -> Mechanism:
+    """The mechanism with everything listed in the reverse order."""
+    bodies, joints, cables = mechanism.bodies, mechanism.joints, mechanism.cables
+    return replace(mechanism, bodies=bodies[::-1], joints=joints[::-1], cables=cables[::-1])
+
+
+def angles_of(made: Simulation) -> Any:
+    return made.joint_loads()[:, ANGLE]
+
+
+@given(arrays(), st.sampled_from(MODELS))
+def test_the_mirror_image_of_an_array_moves_as_its_mirror_image_to_the_bit(array: ArrayParameters, model: str) -> None:
+    made, image = simulation(array, model), simulation(array, model, change=mirror_image)
+    assert run(made) == run(image)
+    assert angles_of(image).tobytes() == angles_of(made).tobytes()
+
+
+SAME_ARRAY: dict[str, Callable[[Mechanism], Mechanism]] = {
+    "at another place": elsewhere,
+    "turned": lambda mechanism: elsewhere(mechanism, 0.7),
+    "from the tip": from_the_tip,
+}
+
+
+@pytest.mark.parametrize("change", SAME_ARRAY.values(), ids=SAME_ARRAY)
+@given(array=arrays(), model=st.sampled_from(MODELS))
+def test_an_array_moves_the_same_wherever_it_is_and_in_whatever_order_it_is_described(
+    change: Callable[[Mechanism], Mechanism], array: ArrayParameters, model: str
+) -> None:
+    made, other = simulation(array, model), simulation(array, model, change=change)
+    assume(not run(made, 0.1) and not run(other, 0.1))
+    angles = angles_of(other)[::-1] if change is from_the_tip else angles_of(other)
+    # Impacts multiply what rounding and the choice of steps change.
+    assert angles == pytest.approx(angles_of(made), abs=1e-5 if model.endswith("ideal") else 1e-3)
 
 
 @pytest.mark.parametrize("model", MODELS)

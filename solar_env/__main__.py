@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from typing import Any, NamedTuple
 
-from solar_env.support.interruption import report_interruption
+from solar_env.support.interruption import first_alone, report_interruption
 
 PROG = "solar-env"
 
@@ -112,7 +112,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     usual = warnings.formatwarning
     warnings.formatwarning = lambda message, *_, **__: f"warning: {message}\n"  # without the line of code
     try:
-        status = _run(words[0], words[1:])
+        with first_alone():
+            status = _run(words[0], words[1:])
         sys.stdout.flush()
         return status
     except BrokenPipeError:  # who reads the output has left, as `head` does
@@ -147,6 +148,8 @@ def _run(name: str, words: Sequence[str]) -> int:
     except SystemExit as stop:  # of the parser
         return int(stop.code or 0)
     except RuntimeError as error:
+        if isinstance(error.__cause__, KeyboardInterrupt):  # Python's, of Ctrl-C while a class is being made
+            raise error.__cause__ from None
         from solar_env.mechanics.running.errors import SimulationError
 
         if not isinstance(error, SimulationError):

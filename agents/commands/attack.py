@@ -15,6 +15,7 @@ from agents.commands.arguments import CommandRecord, ModelOptions
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_vector_env, with_sampling
 from agents.learning import runs
 from solar_env.environment.task.task import Task
+from solar_env.support.files import check_target
 from solar_env.support.minimisation import minimise
 
 # A profile has `KNOTS` torques and, for the time before and the time after the first latch each, the share of the
@@ -99,6 +100,7 @@ class Deployments:
 
 def run_command(args: Args) -> int:
     """Run the command; see `Args`."""
+    check_target(args.out)
     env_kwargs = args.keywords(args.env_id)
     lanes = 4 + math.floor(3 * math.log(NUMBERS))  # as many as pycma's generations have
     with closing(Deployments(args.env_id, env_kwargs, lanes)) as deployments:

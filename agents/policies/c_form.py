@@ -23,7 +23,7 @@ def c_header(network: PolicyNetwork, name: str, observation_names: tuple[str, ..
     word = re.sub(r"\W", "_", name)
     features, *hidden, last = network.layers
     lines = [
-        f"/* Policy {name}: action in [-1, 1] from {network.inputs} observations,",
+        f"/* Policy {word}: action in [-1, 1] from {network.inputs} observations,",
         f"   {', '.join(observation_names)}. */",
         f"#ifndef {word.upper()}_H",
         f"#define {word.upper()}_H",

@@ -17,6 +17,16 @@ def _is_finite(value: Any) -> bool:
     return is_number(value) and abs(value) < 1e300
 
 
+def _is_residual(value: Any) -> bool:
+    """Whether a value is null, or of the types that `agents.laws.residual` looks into further."""
+    if value is None:
+        return True
+    if not isinstance(value, dict) or set(value) != {"law", "parameters", "tuning_episodes", "scale"}:
+        return False
+    numbers = value["tuning_episodes"], value["scale"]
+    return isinstance(value["law"], str) and isinstance(value["parameters"], dict) and all(map(_is_finite, numbers))
+
+
 # Names, what holds of their values, and how to say it.
 _RULES: tuple[tuple[tuple[str, ...], Callable[[Any], bool], str], ...] = (
     (("algorithm", "activation", "output"), lambda value: isinstance(value, str), "a name"),
@@ -31,11 +41,12 @@ _RULES: tuple[tuple[tuple[str, ...], Callable[[Any], bool], str], ...] = (
     (("mean_limit",), lambda value: value is None or _is_finite(value), "a number or null"),
     (("training_steps",), lambda value: is_whole_number(value, 0), "a whole number"),
     (("env_kwargs",), lambda value: isinstance(value, dict), "a mapping"),
-    (("residual",), lambda value: value is None or isinstance(value, dict), "a mapping or null"),
+    (("residual",), _is_residual, "a mapping of law, parameters, tuning_episodes and scale, or null"),
     (
         ("observation_names",),
-        lambda value: isinstance(value, tuple) and all(isinstance(name, str) for name in value),
-        "a list of names",
+        # They stand in the comment of a C header.
+        lambda value: isinstance(value, tuple) and all(isinstance(name, str) and name.isidentifier() for name in value),
+        "a list of names of letters, digits and underscores",
     ),
 )
 

@@ -33,9 +33,7 @@ def check_data_file(path: Path) -> None:
         ValueError: if the suffix is unknown or the folder does not exist.
         OSError: if no file can be written there.
     """
-    if path.suffix.lower() not in SUFFIXES:
-        raise ValueError(f"the suffix {path.suffix!r} of {path} is unknown; choose from {', '.join(SUFFIXES)}")
-    check_target(path)
+    check_target(path, SUFFIXES)
 
 
 def write_data(trajectory: Trajectory, path: Path) -> None:

@@ -81,9 +81,12 @@ def run_command(args: Args) -> int:
     parameters = _array(args).with_changes(args.set)
     if args.out is not None:
         check_data_file(args.out)
-    for path in (args.plot, args.json):
-        if path is not None and str(path) != "-":
-            check_target(path)
+    if args.plot is not None:
+        from solar_env.pictures.plots import SUFFIXES
+
+        check_target(args.plot, SUFFIXES)
+    if args.json is not None and str(args.json) != "-":
+        check_target(args.json)
     name = args.integrator or default_integrator(model, panels).name
     integrator = make_integrator(name, model, args.step, args.rtol)
     from solar_env.array.deployment import panel_deflections, simulate

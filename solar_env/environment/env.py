@@ -136,7 +136,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         """
         settings = EnvironmentSettings.of(keywords)
         self.render_mode, self.scenario = settings.render_mode, settings.scenario
-        self.metadata = {**self.metadata, "render_fps": 1.0 / settings.control_period}
+        self.metadata = {**self.metadata, "render_fps": settings.frames_per_second}
         self.model, self.panels = settings.level
         self.parameters, self.randomize, self.hardware = settings.array, settings.ranges, settings.drive
         self.task, self.reward, self.observation_names = settings.task, settings.terms, settings.observation_names
@@ -145,7 +145,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self._lane = np.zeros(1, dtype=np.int64)
         self._action = np.zeros(1)
         self._exclusive = Exclusive()
-        self._window = Window(self.metadata["render_fps"]) if self.render_mode == "human" else None
+        self._window = Window(1.0 / settings.control_period) if self.render_mode == "human" else None
 
     @property
     def simulation(self) -> Simulation:

@@ -135,6 +135,11 @@ class EnvironmentSettings:
         """Method of the model, with the bound on its steps."""
         return replace(default_integrator(*self.level), max_steps=self.max_steps)
 
+    @property
+    def frames_per_second(self) -> int:
+        """Control periods in a second [1/s], the nearest whole number, which Gymnasium's `play` asks for."""
+        return max(round(1.0 / self.control_period), 1)
+
     @cached_property
     def array(self) -> ArrayParameters:
         """Parameters of the array, before anything is drawn."""

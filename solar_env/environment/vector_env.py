@@ -84,7 +84,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         self.randomize, self.hardware = settings.ranges, settings.drive
         self.task, self.reward, self.observation_names = settings.task, settings.terms, settings.observation_names
         self.autoreset_mode = AutoresetMode(autoreset_mode)
-        timing = {"render_fps": 1.0 / settings.control_period, "autoreset_mode": self.autoreset_mode}
+        timing = {"render_fps": settings.frames_per_second, "autoreset_mode": self.autoreset_mode}
         self.metadata = {"render_modes": ["rgb_array"], **timing}
         self.single_observation_space, self.single_action_space = settings.observation_space(), settings.action_space()
         self.observation_space = batch_space(self.single_observation_space, num_envs)

@@ -7,7 +7,7 @@ the file system. Whatever ends the process in between, a kill or a full disk, le
 import os
 import secrets
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO, Any
@@ -92,14 +92,16 @@ def make_folder(path: str | Path) -> Path:
     return folder
 
 
-def check_target(path: str | Path) -> None:
-    """Check that a file can be written at `path`: to be called before the work.
+def check_target(path: str | Path, suffixes: Sequence[str] = ()) -> None:
+    """Check that a file can be written at `path`, and that its name ends in one of `suffixes`: before the work.
 
     Raises:
-        ValueError: the folder does not exist, or `path` is one.
+        ValueError: the suffix is another, the folder does not exist, or `path` is one.
         OSError: no file can be written there.
     """
     target = Path(path)
+    if suffixes and target.suffix.lower() not in suffixes:
+        raise ValueError(f"the suffix {target.suffix!r} of {target} is unknown; choose from {', '.join(suffixes)}")
     if not target.parent.is_dir():
         raise ValueError(f"the folder of {target} does not exist; make it first")
     if target.is_dir():

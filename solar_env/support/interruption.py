@@ -1,5 +1,6 @@
 """Ctrl-C: one line that says what was kept, and exit status 130, in every command."""
 
+import atexit
 import signal
 import sys
 import threading
@@ -30,9 +31,29 @@ def keeping(kept: Callable[[], str]) -> Iterator[None]:
 
 def report_interruption(stop: KeyboardInterrupt) -> int:
     """Say in one line what was kept, by the notes of an interruption or what was left; returns the exit status."""
+    # Libraries end their processes at the exit of this one.
+    atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
     notes = getattr(stop, "__notes__", _left)
     print(f"interrupted; {'; '.join(notes) or 'nothing was kept'}", file=sys.stderr)
     return EXIT_STATUS
+
+
+@contextmanager
+def first_alone() -> Iterator[None]:
+    """Hear one Ctrl-C within the block, and no second one, which would tear what the first lets end, workers too."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def first(*_: object) -> None:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGINT, first)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 @contextmanager

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from solar_env.mechanics.running.errors import SimulationError
 from solar_env.support import campaigns
 from solar_env.support.campaigns import Campaign, Workers, each_done
 
@@ -35,6 +36,17 @@ def test_every_task_comes_with_its_own_result(jobs: int) -> None:
     assert sorted((cell["x"], result) for cell, result in each_done(cube, CELLS, Workers(jobs))) == [
         (0, 0), (1, 1), (2, 8), (3, 27),
     ]  # fmt: skip
+
+
+def fail(_: Any) -> None:
+    raise SimulationError("at t = 1 s the step shrank", 1.0, "step_size")
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_the_error_of_a_run_crosses_processes_whole(jobs: int) -> None:
+    with pytest.raises(SimulationError, match="at t = 1 s the step shrank") as caught:
+        list(each_done(fail, [1, 2], Workers(jobs)))
+    assert (caught.value.time, caught.value.reason) == (1.0, "step_size")
 
 
 def test_no_process_is_refused() -> None:

@@ -51,6 +51,25 @@ def test_so_does_the_script_while_packages_are_being_loaded(capsys, monkeypatch)
     assert capsys.readouterr().err == "interrupted; nothing was kept\n"
 
 
+def test_a_second_ctrl_c_does_not_tear_what_the_first_lets_end():
+    ended = []
+
+    @interruption.first_alone()
+    def work():
+        try:
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(10)
+        finally:
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(0.01)
+            ended.append("whole")
+
+    with pytest.raises(KeyboardInterrupt):
+        work()
+    assert ended == ["whole"]
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
 def test_what_must_not_be_torn_hears_ctrl_c_at_its_end_with_other_threads_about():
     done = []
 

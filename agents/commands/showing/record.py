@@ -53,7 +53,8 @@ def run_command(args: Args) -> int:
             bar.advance(task)
 
         run_episode(env, named.load(env), args.episode_seed, draw)
-    write_film(frames, args.out, args.speed * env.metadata["render_fps"])
+    rate = args.speed / env.unwrapped.task.control_period  # type: ignore[attr-defined]
+    write_film(frames, args.out, rate)
     print(f"written to {args.out}")
     return 0
 

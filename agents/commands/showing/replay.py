@@ -43,7 +43,7 @@ class Args(ShowingOptions, CommandRecord):
 
 def run_command(args: Args) -> int:
     """Run the command; see `Args`."""
-    check_target(args.html)
+    check_target(args.html, (".html",))
     prepared = args.prepare(args.controllers)
     episodes: dict[str, Trajectory] = {}
     figures: dict[str, dict[str, Any]] = {}

@@ -65,9 +65,7 @@ def run_command(args: Args) -> int:
         check_data_file(args.data)
     for path, suffix in ((args.html, ".html"), (args.hub, ".csv")):
         if path is not None:
-            if path.suffix.lower() != suffix:
-                raise ValueError(f"the suffix {path.suffix!r} of {path} is unknown; choose {suffix}")
-            check_target(path)
+            check_target(path, (suffix,))
     from solar_env.array.methods import default_integrator
     from solar_env.commands.warmup import warm_up
 

@@ -1,5 +1,7 @@
 """Exceptions of a run: each names the quantity, its value, the time, and what to do."""
 
+from typing import Any
+
 from solar_env.mechanics.arrays import model as m
 
 
@@ -15,6 +17,10 @@ class SimulationError(RuntimeError):
         super().__init__(message)
         self.time = time
         self.reason = reason
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle with all arguments: what a worker raises crosses processes."""
+        return type(self), (str(self), self.time, self.reason)
 
 
 _CAUSES = {

@@ -158,7 +158,7 @@ def test_arrays_that_do_not_fit_are_named(own, changes, message):
         ({"mean_limit": "two"}, "mean_limit is 'two'; expected a number or null"),
         (
             {"residual": {"law": "servo"}},
-            r"residual has the keys \['law'\]; expected law, parameters, tuning_episodes and",
+            "residual is .*expected a mapping of law",
         ),
         ({"residual": {**RESIDUAL, "law": "serve"}}, "residual law is 'serve'; available: brake"),
         (
@@ -169,6 +169,11 @@ def test_arrays_that_do_not_fit_are_named(own, changes, message):
             {"residual": {**RESIDUAL, "law": "brake", "parameters": {"torque": 0.1, "onset": 0.0}, "scale": 2}},
             "residual = 2; give a share",
         ),
+        ({"residual": {**RESIDUAL, "parameters": 5}}, "residual is .*expected a mapping of law"),
+        ({"residual": {**RESIDUAL, "scale": "y"}}, "residual is .*expected a mapping of law"),
+        ({"residual": {**RESIDUAL, "law": ["servo"]}}, "residual is .*expected a mapping of law"),
+        ({"residual": {}}, "residual is .*expected a mapping of law"),
+        ({"observation_names": ["time", "x */ int evil; /*"]}, "observation_names is .*letters, digits"),
     ],
 )
 def test_descriptions_that_do_not_fit_are_named(own, changes, message):

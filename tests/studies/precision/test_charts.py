@@ -89,6 +89,11 @@ def test_the_command_measures_and_draws_and_the_same_table_gives_the_same_figure
     assert (tmp_path / "growth.png").read_bytes() == figure
 
 
+def test_every_method_takes_a_moment_of_the_quick_charts_at_its_finest_setting(monkeypatch):
+    monkeypatch.setattr(methods.importlib.util, "find_spec", lambda name: None)
+    charts.warm_up(QUICK)
+
+
 def test_the_command_knows_the_studies():
     assert tuple(charts.STUDIES) == chart.STUDIES
 

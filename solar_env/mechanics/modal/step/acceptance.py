@@ -11,6 +11,10 @@ from solar_env.mechanics.modal.step.rows import load_column
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_rows
 
+# A reaction at the end of one step tells less of the error of another that is shorter than this share of it than of its
+# own: of the fast vibrations that the longer step does not resolve.
+_COMPARABLE = 0.01
+
 
 @kernel(inlined=True)
 def rate_defect(panels, own, answers, held, d, h, group):
@@ -32,11 +36,13 @@ def rate_defect(panels, own, answers, held, d, h, group):
 def step_error(model, state, work, settings, tables, level, h):
     """Error of a step over the tolerances.
 
-    Of loads: their value at the start against that of the polynomial through the stages. Of vibrations that the step
-    does not resolve: the rate of the ends against the exact one.
+    Of loads: their value at the start against that of the polynomial through the stages, and of reactions whose value
+    there is that of a far longer step, how they change between the stages. Of vibrations that the step does not
+    resolve: the rate of the ends against the exact one.
     """
     error = 0.0
     settled = state.clock[0].acceleration_current != 0
+    comparable = h >= _COMPARABLE * state.clock[0].last_step
     for j in range(model.joints.size):
         if work.joints[j].torque_unknown < 0:
             deviation = state.loads[j, 2] - 1.5 * work.joints[j].load[0, 2] + 0.5 * work.joints[j].load[1, 2]
@@ -49,7 +55,9 @@ def step_error(model, state, work, settings, tables, level, h):
         kind, j = work.unknowns[r].kind, work.unknowns[r].owner
         if kind != CABLE and (settled or kind < REACTION_X):
             c = load_column(kind)
-            deviation = state.loads[j, c] - 1.5 * work.joints[j].load[0, c] + 0.5 * work.joints[j].load[1, c]
+            first, second = work.joints[j].load[0, c], work.joints[j].load[1, c]
+            known = comparable or kind < REACTION_X
+            deviation = state.loads[j, c] - 1.5 * first + 0.5 * second if known else second - first
             error = max(error, abs(deviation) / work.unknowns[r].tolerance)
     limit = work.velocity_tolerance[0]
     for b in range(model.bodies.size):

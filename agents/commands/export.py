@@ -77,7 +77,7 @@ def export(run: str | Path, folder: Path, comparison: str | Path | None = None) 
         description = Description(
             algorithm=config["algo"],
             **{name: getattr(network, name) for name in ("feature_limit", "activation", "output", "mean_limit")},
-            training_steps=config["timesteps_before"] + config["timesteps"],
+            training_steps=runs.steps_taken(run),
             env_id=config["env_id"],
             env_kwargs=config["env_kwargs"],
             observation_names=signals.pop("names"),

@@ -30,6 +30,7 @@ from agents.laws.baselines import make_baseline
 from agents.laws.table import TUNABLE
 from agents.learning import configurations, learn, runs
 from agents.rollout import Step, run_episode
+from solar_env.support.interruption import keeping
 from solar_env.support.terminal import print_markdown
 
 BASELINES = ("passive", "servo-untuned", "servo")
@@ -110,8 +111,11 @@ def run(args: Args) -> Path:
         )
     )
 
-    summary, tables = compare(args, config, [folder], folder)
-    draw(folder, config, {name: entry["return"].mean for name, entry in summary.items()})
+    with keeping(
+        lambda: f"{folder} holds the trained run; solar-env evaluate --controllers {folder} compares it"
+    ):
+        summary, tables = compare(args, config, [folder], folder)
+        draw(folder, config, {name: entry["return"].mean for name, entry in summary.items()})
     print_markdown(str(tables))
     print(f"written to {folder}")
     return folder
@@ -150,7 +154,8 @@ def train_seeds(args: Args) -> Path:
     out = Path(args.out)
     wanted = {out / seed_folder(seed): configuration(args, seed) for seed in args.seeds}
     learn.train_missing(wanted, args.command, args.device, args.workers, not args.quiet)
-    _, tables = compare(args, wanted[out / seed_folder(args.seeds[-1])], list(wanted), out)
+    with keeping(lambda: f"the trainings are complete in {out}; the same command compares them"):
+        _, tables = compare(args, wanted[out / seed_folder(args.seeds[-1])], list(wanted), out)
     print_markdown(str(tables))
     print(f"written to {out}")
     return out

@@ -121,7 +121,7 @@ class _Run(NamedController):
 
     def effort(self, env_id: str, model: str) -> str:
         training = self.training()
-        return _training_effort(training["timesteps_before"] + training["timesteps"], training["residual"])
+        return _training_effort(runs.steps_taken(self.spec), training["residual"])
 
     @property
     def resolved(self) -> str:

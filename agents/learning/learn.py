@@ -163,6 +163,7 @@ def train(training: Training) -> None:
         venv.close()
     wall, stepping = time.perf_counter() - start, venv.unwrapped.stepping_time  # type: ignore[attr-defined]
     timing = {
+        "timesteps": model.num_timesteps,
         "wall_time_s": wall,
         "preparing_s": preparing,
         "stepping_s": stepping,

@@ -123,6 +123,16 @@ def is_complete(folder: str | Path) -> bool:
     return (Path(folder) / TIMING).is_file()
 
 
+def steps_taken(folder: str | Path) -> int:
+    """Return the environment steps of a run, with those of the runs that it was resumed from.
+
+    Of a run that is not complete those that were asked for; rollouts are whole, so that more are taken.
+    """
+    config, timing = read_config(folder), Path(folder) / TIMING
+    asked = int(config["timesteps_before"] + config["timesteps"])
+    return int(read_json(timing).get("timesteps", asked)) if timing.is_file() else asked
+
+
 def policy_path(folder: str | Path) -> Path:
     """Return the file of the best policy of the run in `folder`.
 

@@ -29,9 +29,9 @@ def card(name: str, config: dict[str, Any], policy: ShippedPolicy, env: Any, sco
 def _training(config: dict[str, Any], policy: ShippedPolicy, env: Any) -> str:
     sizes = [policy.network.inputs, *(layer.biases.size for layer in policy.network.layers)]
     hidden = f"{policy.network.activation} between the others" if len(sizes) > 3 else "the action is linear in them"
-    steps = f"{config['timesteps']:,}"
+    steps = f"{policy.description.training_steps:,}"
     if config["resumed_from"]:
-        steps += f", on top of {config['timesteps_before']:,} of `{config['resumed_from']}`"
+        steps += f", those of `{config['resumed_from']}` among them"
     facts = {
         "algorithm": config["algo"],
         "environment": f"`{config['env_id']}` with `{json.dumps(config['env_kwargs'])}`",

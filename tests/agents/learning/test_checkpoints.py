@@ -131,6 +131,13 @@ def test_a_training_that_ended_before_it_could_say_so_only_says_so(tmp_path):
     assert content(folder) == before
 
 
+def test_steps_are_told_as_they_were_taken_in_whole_rollouts(tmp_path):
+    folder = train(tmp_path / "run", configuration(timesteps=50))
+    assert runs.steps_taken(folder) == checkpoints.read(folder).timesteps > 50
+    (folder / runs.TIMING).unlink()
+    assert runs.steps_taken(folder) == 50
+
+
 @pytest.mark.parametrize("damage", [b"", b"half"])
 def test_where_the_newest_checkpoint_is_damaged_the_one_before_is_taken(tmp_path, damage):
     folder = train(tmp_path / "run", configuration(timesteps=120))

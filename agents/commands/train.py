@@ -111,9 +111,7 @@ def run(args: Args) -> Path:
         )
     )
 
-    with keeping(
-        lambda: f"{folder} holds the trained run; solar-env evaluate --controllers {folder} compares it"
-    ):
+    with keeping(lambda: f"{folder} holds the trained run; solar-env evaluate --controllers {folder} compares it"):
         summary, tables = compare(args, config, [folder], folder)
         draw(folder, config, {name: entry["return"].mean for name, entry in summary.items()})
     print_markdown(str(tables))

@@ -92,10 +92,21 @@ def test_ranges_that_meet_where_they_contradict_are_refused(file):
         read_parameters(path)
 
 
-def test_text_of_other_encodings_is_refused(tmp_path):
-    (tmp_path / "my.toml").write_bytes(b"\xff\xfe")
-    with pytest.raises(ValueError, match="no text in UTF-8"):
-        read_parameters(tmp_path / "my.toml")
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"\xff\xfe", "no text in UTF-8"),
+        (b"a = " + b"[" * 5000, "is nested too deeply"),
+        (b"panel_length = " + b"1" * 10_000, "is no TOML"),
+        (b"#" * 2**21, "has more than 1048576 bytes"),
+    ],
+    ids=["other encoding", "nested", "digits", "long"],
+)
+def test_what_is_no_file_of_parameters_is_refused_by_its_name(tmp_path, content, words):
+    path = tmp_path / "my.toml"
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match=f"{path}.* {words}"):
+        read_parameters(path)
 
 
 def test_parameters_are_written_as_toml_has_them():

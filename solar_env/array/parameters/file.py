@@ -23,6 +23,7 @@ from solar_env.support.numbers import is_number
 TOLERANCE, RANDOMIZE = "tolerance", "randomize"
 # How a file says None, for which TOML has no word.
 NONE = "none"
+_MOST_BYTES = 2**20
 _WIDTH = 100  # characters of an explanation's line
 
 
@@ -68,14 +69,20 @@ def read_parameters(path: str | Path) -> ParameterFile:
         OSError: if it cannot be read.
     """
     path = Path(path)
+    with path.open("rb") as file:
+        content = file.read(_MOST_BYTES + 1)
+    if len(content) > _MOST_BYTES:
+        raise ValueError(f"{path} has more than {_MOST_BYTES} bytes; solar-env parameters prints a file of 5,000")
     try:
-        content = path.read_text(encoding="utf-8")
-        values: dict[str, Any] = tomllib.loads(content)
+        lines = content.decode("utf-8")
+        values: dict[str, Any] = tomllib.loads(lines)
     except UnicodeDecodeError as error:
         raise ValueError(f"{path} is no text in UTF-8: {error}") from error
-    except tomllib.TOMLDecodeError as error:
+    except ValueError as error:
         raise ValueError(f"{path} is no TOML: {error}; solar-env parameters prints a file") from error
-    text = _Text(path, content.splitlines())
+    except RecursionError as error:
+        raise ValueError(f"{path} is nested too deeply; solar-env parameters prints a file") from error
+    text = _Text(path, lines.splitlines())
     tables = {name: values.pop(name, {}) for name in (TOLERANCE, RANDOMIZE)}
     for name, table in tables.items():
         if not isinstance(table, dict):

@@ -37,8 +37,8 @@ def step_error(model, state, work, settings, tables, level, h):
     """Error of a step over the tolerances.
 
     Of loads: their value at the start against that of the polynomial through the stages, and of reactions whose value
-    there is that of a far longer step, how they change between the stages. Of vibrations that the step does not
-    resolve: the rate of the ends against the exact one.
+    there is that of a far longer step, how they change between the stages if that is less. Of vibrations that the step
+    does not resolve: the rate of the ends against the exact one.
     """
     error = 0.0
     settled = state.clock[0].acceleration_current != 0
@@ -56,9 +56,10 @@ def step_error(model, state, work, settings, tables, level, h):
         if kind != CABLE and (settled or kind < REACTION_X):
             c = load_column(kind)
             first, second = work.joints[j].load[0, c], work.joints[j].load[1, c]
-            known = comparable or kind < REACTION_X
-            deviation = state.loads[j, c] - 1.5 * first + 0.5 * second if known else second - first
-            error = max(error, abs(deviation) / work.unknowns[r].tolerance)
+            deviation = abs(state.loads[j, c] - 1.5 * first + 0.5 * second)
+            if not comparable and kind >= REACTION_X:
+                deviation = min(deviation, abs(second - first))
+            error = max(error, deviation / work.unknowns[r].tolerance)
     limit = work.velocity_tolerance[0]
     for b in range(model.bodies.size):
         p, d = model.bodies[b].panel, model.bodies[b].design

@@ -9,6 +9,7 @@ import numpy as np
 from agents.laws.baselines import episodes_spent, load_parameters
 from agents.laws.table import TUNABLE
 from agents.torque_laws import Controller, DeterministicController, Signals, TorqueLaw
+from solar_env.support.numbers import is_number, is_whole_number
 
 DEFAULT_LAW = "servo"
 
@@ -48,17 +49,19 @@ def base_law(residual: Mapping[str, Any], signals: Signals) -> TorqueLaw:
         )
     _check_law(residual["law"])
     _check_scale(residual["scale"])
+    if not is_whole_number(residual["tuning_episodes"], 0):
+        raise ValueError(f"residual tuning_episodes is {residual['tuning_episodes']!r}; expected a whole number")
     law = TUNABLE[residual["law"]]
     return law(signals, law.defaults.from_json(residual["parameters"]))
 
 
-def _check_law(law: str) -> None:
-    if law not in TUNABLE:
+def _check_law(law: Any) -> None:
+    if not isinstance(law, str) or law not in TUNABLE:
         raise ValueError(f"residual law is {law!r}; available: {', '.join(TUNABLE)}")
 
 
-def _check_scale(scale: float) -> None:
-    if not 0.0 < scale <= 1.0:
+def _check_scale(scale: Any) -> None:
+    if not is_number(scale) or not 0.0 < scale <= 1.0:
         raise ValueError(f"residual = {scale!r}; give a share of the torque limit above 0 and up to 1")
 
 

@@ -17,16 +17,6 @@ def _is_finite(value: Any) -> bool:
     return is_number(value) and abs(value) < 1e300
 
 
-def _is_residual(value: Any) -> bool:
-    """Whether a value is null, or of the types that `agents.laws.residual` looks into further."""
-    if value is None:
-        return True
-    if not isinstance(value, dict) or set(value) != {"law", "parameters", "tuning_episodes", "scale"}:
-        return False
-    numbers = value["tuning_episodes"], value["scale"]
-    return isinstance(value["law"], str) and isinstance(value["parameters"], dict) and all(map(_is_finite, numbers))
-
-
 # Names, what holds of their values, and how to say it.
 _RULES: tuple[tuple[tuple[str, ...], Callable[[Any], bool], str], ...] = (
     (("algorithm", "activation", "output"), lambda value: isinstance(value, str), "a name"),
@@ -41,7 +31,7 @@ _RULES: tuple[tuple[tuple[str, ...], Callable[[Any], bool], str], ...] = (
     (("mean_limit",), lambda value: value is None or _is_finite(value), "a number or null"),
     (("training_steps",), lambda value: is_whole_number(value, 0), "a whole number"),
     (("env_kwargs",), lambda value: isinstance(value, dict), "a mapping"),
-    (("residual",), _is_residual, "a mapping of law, parameters, tuning_episodes and scale, or null"),
+    (("residual",), lambda value: value is None or isinstance(value, dict), "a mapping or null"),
     (
         ("observation_names",),
         # They stand in the comment of a C header.
@@ -121,7 +111,7 @@ class ShippedPolicy(DeterministicController):
         self.description = description
         residual = description.residual
         self._controller: Controller = (
-            ResidualController(network, residual, description.signals) if residual else network
+            ResidualController(network, residual, description.signals) if residual is not None else network
         )
 
     def act(self, observation: np.ndarray) -> np.ndarray:

@@ -26,25 +26,15 @@ _BY_JOINT = {
 }
 
 
-def check_data_file(path: Path) -> None:
-    """Check name and folder of a file of data, before anything is computed.
-
-    Raises:
-        ValueError: if the suffix is unknown or the folder does not exist.
-        OSError: if no file can be written there.
-    """
-    check_target(path, SUFFIXES)
-
-
 def write_data(trajectory: Trajectory, path: Path) -> None:
     """Write a deployment, as its suffix says: ".npz" all of it, see `Trajectory.load`, ".csv" a row for each sample.
 
     Columns of the table name quantity, unit and joint, as in "angle_rad_1"; energies are "kinetic_J" and the like.
 
     Raises:
-        ValueError, OSError: as `check_data_file`.
+        ValueError, OSError: as `check_target`.
     """
-    check_data_file(path)
+    check_target(path, SUFFIXES)
     if path.suffix.lower() == ".npz":
         trajectory.save(path)
         return

@@ -74,17 +74,17 @@ class Args(QuietOption):
 def run_command(args: Args) -> int:
     """Simulate, report, write what was asked for."""
     # Wrong input is refused before anything is compiled.
-    from solar_env.array.data_files import check_data_file, write_data
+    from solar_env.array import data_files
 
     answer = _chosen_answer(args)
     model, panels = _level(args, answer)
     parameters = _array(args).with_changes(args.set)
     if args.out is not None:
-        check_data_file(args.out)
+        check_target(args.out, data_files.SUFFIXES)
     if args.plot is not None:
-        from solar_env.pictures.plots import SUFFIXES
+        from solar_env.pictures import plots
 
-        check_target(args.plot, SUFFIXES)
+        check_target(args.plot, plots.SUFFIXES)
     if args.json is not None and str(args.json) != "-":
         check_target(args.json)
     name = args.integrator or default_integrator(model, panels).name
@@ -118,11 +118,11 @@ def run_command(args: Args) -> int:
         if args.json:
             write_text(args.json, json.dumps(summary, indent=2) + "\n")
     if args.out:
-        write_data(trajectory, args.out)
+        data_files.write_data(trajectory, args.out)
     if args.plot:
-        from solar_env.pictures.plots import plot_deployment
-
-        plot_deployment(trajectory, args.plot, panel_deflections(trajectory) if has_flexible_panels(model) else None)
+        plots.plot_deployment(
+            trajectory, args.plot, panel_deflections(trajectory) if has_flexible_panels(model) else None
+        )
     return 0
 
 

@@ -39,21 +39,28 @@ def report_interruption(stop: KeyboardInterrupt) -> int:
 
 
 @contextmanager
-def first_alone() -> Iterator[None]:
-    """Hear one Ctrl-C within the block, and no second one, which would tear what the first lets end, workers too."""
+def _answering(handler: Callable[..., object] | signal.Handlers) -> Iterator[None]:
+    """Answer Ctrl-C by `handler` within the block; in other threads than the main one, which hear none, as before."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
+    before = signal.signal(signal.SIGINT, handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@contextmanager
+def first_alone() -> Iterator[None]:
+    """Hear one Ctrl-C within the block, and no second one, which would tear what the first lets end, workers too."""
 
     def first(*_: object) -> None:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         raise KeyboardInterrupt
 
-    before = signal.signal(signal.SIGINT, first)
-    try:
+    with _answering(first):
         yield
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 @contextmanager
@@ -62,20 +69,16 @@ def deaf() -> Iterator[None]:
 
     A mask of signals would not do: it is one thread's, and the system gives Ctrl-C to any other thread of the process.
     """
-    if threading.current_thread() is not threading.main_thread():  # it hears none
-        yield
-        return
     heard = False
 
     def remember(*_: object) -> None:
         nonlocal heard
         heard = True
 
-    before = signal.signal(signal.SIGINT, remember)
     try:
-        yield
+        with _answering(remember):
+            yield
     finally:
-        signal.signal(signal.SIGINT, before)
         if heard:
             signal.raise_signal(signal.SIGINT)
 
@@ -86,11 +89,5 @@ def starting_workers() -> Iterator[None]:
 
     It is for their parent to answer, though not within the block.
     """
-    if threading.current_thread() is not threading.main_thread():
+    with _answering(signal.SIG_IGN):
         yield
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)

@@ -1,4 +1,4 @@
-"""Reading npz files and JSON from anywhere: nothing is executed or inflated unseen, and every fault is a ValueError.
+"""Reading npz files, JSON and text from anywhere: nothing is executed or inflated unseen, every fault is a ValueError.
 
 NumPy's own reader believes sizes that a file states, and reports faults by a dozen kinds of exceptions.
 """
@@ -71,6 +71,20 @@ def _read_header(file: IO[bytes]) -> tuple[tuple[int, ...], bool, np.dtype[Any]]
     return read[version](file)
 
 
+def read_at_most(path: str | Path, most_bytes: int) -> bytes:
+    """Read a file that is no longer than `most_bytes`, which may have no end.
+
+    Raises:
+        OSError: the file cannot be read.
+        ValueError: it is longer; the message names it.
+    """
+    with open(path, "rb") as file:
+        content = file.read(most_bytes + 1)
+    if len(content) > most_bytes:
+        raise ValueError(f"{path} is longer than the {most_bytes:,} bytes that are read")
+    return content
+
+
 def read_json(path: str | Path) -> Any:
     """Read a JSON file.
 
@@ -78,10 +92,7 @@ def read_json(path: str | Path) -> Any:
         OSError: the file cannot be read.
         ValueError: it is no JSON, nested too deeply, or too large; the message names the file.
     """
-    with open(path, "rb") as file:
-        content = file.read(_LONGEST_JSON + 1)
-    if len(content) > _LONGEST_JSON:
-        raise ValueError(f"{path} is longer than the {_LONGEST_JSON:,} bytes that are read")
+    content = read_at_most(path, _LONGEST_JSON)
     try:
         return parse_json(content)
     except ValueError as error:

@@ -98,7 +98,7 @@ def test_ranges_that_meet_where_they_contradict_are_refused(file):
         (b"\xff\xfe", "no text in UTF-8"),
         (b"a = " + b"[" * 5000, "is nested too deeply"),
         (b"panel_length = " + b"1" * 10_000, "is no TOML"),
-        (b"#" * 2**21, "has more than 1048576 bytes"),
+        (b"#" * 2**21, "is longer than the 1,048,576 bytes"),
     ],
     ids=["other encoding", "nested", "digits", "long"],
 )

@@ -1,6 +1,6 @@
 """A million environment steps under actions that nobody would choose: all results are numbers, no lane fails.
 
-`pytest -m slow tests/environment/test_a_million_steps.py` takes an hour of a core.
+`pytest -m slow tests/environment/test_a_million_steps.py` takes half an hour of a core.
 """
 
 from __future__ import annotations

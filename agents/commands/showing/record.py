@@ -36,11 +36,9 @@ class Args(EpisodeOptions):
 
 def run_command(args: Args) -> int:
     """Run the command; see `Args`."""
-    if args.out.suffix.lower() not in SUFFIXES:
-        raise ValueError(f"the suffix {args.out.suffix!r} of {args.out} is unknown; choose from {', '.join(SUFFIXES)}")
     if not 0.0 < args.speed <= 100.0:
         raise ValueError(f"speed = {args.speed!r} must be positive and at most 100")
-    check_target(args.out)
+    check_target(args.out, SUFFIXES)
     if args.out.suffix.lower() == ".mp4":
         _encoder()  # refuses before the episode
     ((named, env),) = args.prepare([args.controller], render_mode="rgb_array")

@@ -19,6 +19,7 @@ from solar_env.array.parameters.checks import OPTIONAL
 from solar_env.array.parameters.parameters import ArrayParameters
 from solar_env.array.parameters.ranges import Ranges, checked_ranges
 from solar_env.support.numbers import is_number
+from solar_env.support.plain_arrays import read_at_most
 
 TOLERANCE, RANDOMIZE = "tolerance", "randomize"
 # How a file says None, for which TOML has no word.
@@ -69,20 +70,17 @@ def read_parameters(path: str | Path) -> ParameterFile:
         OSError: if it cannot be read.
     """
     path = Path(path)
-    with path.open("rb") as file:
-        content = file.read(_MOST_BYTES + 1)
-    if len(content) > _MOST_BYTES:
-        raise ValueError(f"{path} has more than {_MOST_BYTES} bytes; solar-env parameters prints a file of 5,000")
+    encoded = read_at_most(path, _MOST_BYTES)
     try:
-        lines = content.decode("utf-8")
-        values: dict[str, Any] = tomllib.loads(lines)
+        content = encoded.decode("utf-8")
+        values: dict[str, Any] = tomllib.loads(content)
     except UnicodeDecodeError as error:
         raise ValueError(f"{path} is no text in UTF-8: {error}") from error
     except ValueError as error:
         raise ValueError(f"{path} is no TOML: {error}; solar-env parameters prints a file") from error
     except RecursionError as error:
         raise ValueError(f"{path} is nested too deeply; solar-env parameters prints a file") from error
-    text = _Text(path, lines.splitlines())
+    text = _Text(path, content.splitlines())
     tables = {name: values.pop(name, {}) for name in (TOLERANCE, RANDOMIZE)}
     for name, table in tables.items():
         if not isinstance(table, dict):

@@ -51,7 +51,7 @@ class Args(WorkerOptions, CommandRecord):
 
 def run_command(args: Args) -> int:
     """Run the ensemble, print the answer and the tables, write what was asked for."""
-    from solar_env.array.data_files import check_data_file, write_data
+    from solar_env.array.data_files import SUFFIXES, write_data
     from solar_env.studies.loads.ensemble import LoadsPlan, measure_loads, nominal_deployment
     from solar_env.studies.loads.hub import write_hub_loads
     from solar_env.studies.loads.report import answer, tables
@@ -61,11 +61,9 @@ def run_command(args: Args) -> int:
         raise ValueError(f"wear limit = {args.wear_limit!r} m must be positive")
     array = read_parameters(args.array) if args.array else ParameterFile(ArrayParameters(), {})
     plan = LoadsPlan(array, args.question, args.tolerance, args.runs, args.window, args.deadline)
-    if args.data is not None:
-        check_data_file(args.data)
-    for path, suffix in ((args.html, ".html"), (args.hub, ".csv")):
+    for path, suffixes in ((args.data, SUFFIXES), (args.html, (".html",)), (args.hub, (".csv",))):
         if path is not None:
-            check_target(path, (suffix,))
+            check_target(path, suffixes)
     from solar_env.array.methods import default_integrator
     from solar_env.commands.warmup import warm_up
 

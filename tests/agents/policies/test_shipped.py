@@ -158,7 +158,7 @@ def test_arrays_that_do_not_fit_are_named(own, changes, message):
         ({"mean_limit": "two"}, "mean_limit is 'two'; expected a number or null"),
         (
             {"residual": {"law": "servo"}},
-            "residual is .*expected a mapping of law",
+            r"residual has the keys \['law'\]; expected law, parameters, tuning_episodes and",
         ),
         ({"residual": {**RESIDUAL, "law": "serve"}}, "residual law is 'serve'; available: brake"),
         (
@@ -169,10 +169,14 @@ def test_arrays_that_do_not_fit_are_named(own, changes, message):
             {"residual": {**RESIDUAL, "law": "brake", "parameters": {"torque": 0.1, "onset": 0.0}, "scale": 2}},
             "residual = 2; give a share",
         ),
-        ({"residual": {**RESIDUAL, "parameters": 5}}, "residual is .*expected a mapping of law"),
-        ({"residual": {**RESIDUAL, "scale": "y"}}, "residual is .*expected a mapping of law"),
-        ({"residual": {**RESIDUAL, "law": ["servo"]}}, "residual is .*expected a mapping of law"),
-        ({"residual": {}}, "residual is .*expected a mapping of law"),
+        ({"residual": {**RESIDUAL, "parameters": 5}}, "the parameters are 5; expected a mapping of"),
+        ({"residual": {**RESIDUAL, "scale": "y"}}, "residual = 'y'; give a share"),
+        ({"residual": {**RESIDUAL, "law": ["servo"]}}, "residual law is .*; available: brake"),
+        (
+            {"residual": {**RESIDUAL, "tuning_episodes": "x"}},
+            "residual tuning_episodes is 'x'; expected a whole number",
+        ),
+        ({"residual": {}}, r"residual has the keys \[\]; expected law"),
         ({"observation_names": ["time", "x */ int evil; /*"]}, "observation_names is .*letters, digits"),
     ],
 )

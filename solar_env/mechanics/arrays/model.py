@@ -236,4 +236,5 @@ class State(NamedTuple):
     TOO_MANY_STEPS,
     PAUSED,
     EVENTS_PILE_UP,
-) = range(10)
+    NEWTON_STALLED,
+) = range(11)

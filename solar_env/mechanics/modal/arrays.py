@@ -133,6 +133,7 @@ joint_scratch = record(
         ("torque_tolerance", np.float64),
         ("depth", np.float64),  # at the start of the step
         ("sliding_work", np.float64),  # of the step
+        ("tried", np.float64, (2, 2)),  # sliding speed at the stages in the iteration before
     ]
 )
 cable_scratch = record(
@@ -165,8 +166,9 @@ unknown_scratch = record(
 # Motion that an unknown works on by a unit of another: [4 load stage + 2 stage + (value or rate)].
 mobility_type = record([("response", np.float64, 8)])
 
-# Counts of a workspace: iterations, events that have followed each other without time between them, and unknowns.
-ITERATIONS, EVENTS, UNKNOWNS = range(3)
+# Counts of a workspace: iterations, events that have followed each other without time between them, unknowns, and the
+# joint whose load was furthest off when Newton's iteration failed, or -1.
+ITERATIONS, EVENTS, UNKNOWNS, STUCK = range(4)
 
 
 class Workspace(NamedTuple):
@@ -185,7 +187,7 @@ class Workspace(NamedTuple):
     mobility: NDArray[np.void]  # (R, R) rows of `mobility_type`
     matrix: Array  # (2 R, 2 R)
     correction: Array  # (2 R,)
-    counts: NDArray[np.int64]  # (3,)
+    counts: NDArray[np.int64]  # (4,)
     velocity_tolerance: Array  # (1,) of the step [m/s]
     # Of an off-table step size.
     tables: Tables
@@ -215,7 +217,7 @@ def make_workspace(model: ModalModel, state: ModalState) -> Workspace:
         mobility=zeros((unknowns, unknowns), mobility_type),
         matrix=zeros((2 * unknowns, 2 * unknowns)),
         correction=zeros(2 * unknowns),
-        counts=zeros(3, np.int64),
+        counts=zeros(4, np.int64),
         velocity_tolerance=zeros(1),
         tables=make_tables(model.panels, 1),
         coefficients=zeros(COEFFICIENTS),

@@ -41,6 +41,11 @@ _CAUSES = {
         "newton",
         "Newton's iteration did not converge (last residual {value:.3g} tolerances); reduce the step",
     ),
+    m.NEWTON_STALLED: (
+        "joint_loads",
+        "Newton's iteration on the loads of joint {joint} converges at no step size; let its friction set in over "
+        "higher speeds, remove what holds its bodies twice, or use beam elements (FlexibleBody, panels='ancf')",
+    ),
     m.JOINT_ANGLE_RANGE: (
         "joint_angle",
         "the angle of joint {joint} reached {value:.4g} rad, outside the range in which its torques are defined; "

@@ -111,6 +111,12 @@ def axial_form(group, r):
 
 
 @kernel(inlined=True)
+def form_of_ends(odd):
+    """Form of the foreshortening that the ends feel, alike (0) or opposite (1)."""
+    return ODD_ENDS if odd else EVEN_ENDS
+
+
+@kernel(inlined=True)
 def push_axial(panels, own, d, s):
     """Modal forces of foreshortening on the axial modes of a panel at stage `s`."""
     for group in range(AXIAL_EVEN, GROUPS):
@@ -164,6 +170,37 @@ def couple(panels, own, answers, d):
         move_low(panels, own, answers, d, group)
     for s in range(2):
         push_bending(panels, own, d, s)
+
+
+@kernel(inner=True)
+def bend_response(panels, own, answers, rest, d):
+    """Fill what a unit of axial load does through the bent axis of a panel, as of the second stage.
+
+    The load works on the bending coordinates by the gradients of foreshortening, and by these the bending coordinates
+    shorten the axis. Forces of the axial modes are left out: they follow their load by a square of the step size.
+    """
+    own.bent[:] = 0.0
+    own.shortened[:] = 0.0
+    for group in range(AXIAL_EVEN):
+        coupled, gradient = panels.coupled[group], own.gradient[1, group]
+        for r in range(coupled):
+            k = panels.first[group] + r
+            mode, answer = panels.modes[d, k], answers[k].coefficient
+            for c in range(8):
+                for x in range(2):
+                    moved = gradient[r, form_of_ends(x)] * answer[FROM_LOAD + c]
+                    for y in range(2):
+                        own.shortened[x, y, c] += gradient[r, form_of_ends(y)] * moved
+                    for i in range(VALUES):
+                        own.bent[x, group, i, c] += mode.row[i] * moved
+        for i in range(VALUES):
+            for j in range(VALUES):
+                for c in range(8):
+                    for x in range(2):
+                        moved = gradient[coupled + j, form_of_ends(x)] * rest[group, i, j, c]
+                        own.bent[x, group, i, c] += moved
+                        for y in range(2):
+                            own.shortened[x, y, c] += gradient[coupled + i, form_of_ends(y)] * moved
 
 
 @kernel(inlined=True)

@@ -56,6 +56,8 @@ response_type = record(
     [
         # Of value i by load j of a group: [4 load stage + 2 stage + (value or rate)].
         ("response", np.float64, (GROUPS, VALUES, VALUES, 8)),
+        # The same of the two bending groups, without the modes that foreshortening couples.
+        ("rest", np.float64, (2, VALUES, VALUES, 8)),
         # Defect of the rate of the first value by load j at the start: what the load holds in place does not vibrate.
         ("held", np.float64, (GROUPS, VALUES)),
     ]
@@ -78,6 +80,10 @@ panel_scratch = record(
         ("gradient", np.float64, (2, 2, LOW, FORMS)),  # of the forms by those of bending, by stage
         ("shortening", np.float64, (2, 2, FORMS)),  # values of the forms and their rates, by stage
         ("tension", np.float64, FORMS),  # that works on the forms
+        # By a unit of the ends' axial load, alike and opposite, through a bent axis: motion of the ends in bending, and
+        # foreshortening, of the ends alike and opposite. Columns as those of a response.
+        ("bent", np.float64, (2, 2, VALUES, 8)),
+        ("shortened", np.float64, (2, 2, 8)),
     ]
 )
 
@@ -131,14 +137,17 @@ def side(end):
 
 
 @kernel(inner=True)
-def add_mode(mode, answer, group, own):
-    """Add what a mode of a group does to the responses of a step size."""
+def add_mode(mode, answer, group, coupled, own):
+    """Add what a mode of a group, one that is `coupled` or not, does to the responses of a step size."""
     held = answer.defect[0] * mode.row[0] / (mode.frequency * mode.frequency)
     for i in range(values_of(group)):
         for j in range(values_of(group)):
             product = mode.row[i] * mode.row[j]
             for c in range(8):
-                own.response[group, i, j, c] += product * answer.coefficient[FROM_LOAD + c]
+                response = product * answer.coefficient[FROM_LOAD + c]
+                own.response[group, i, j, c] += response
+                if group < AXIAL_EVEN and not coupled:
+                    own.rest[group, i, j, c] += response
         own.held[group, i] -= held * mode.row[i]
 
 
@@ -153,6 +162,8 @@ def fill_level(panels, tables, level, h, coefficients):
                 for j in range(VALUES):
                     for c in range(8):
                         own.response[group, i, j, c] = 0.0
+                        if group < AXIAL_EVEN:
+                            own.rest[group, i, j, c] = 0.0
             for k in range(panels.first[group], panels.first[group + 1]):
                 mode, answer = panels.modes[d, k], tables.answers[d, level, k]
                 rate = 0.5 * panels.damping[d] * mode.frequency * mode.frequency
@@ -161,7 +172,7 @@ def fill_level(panels, tables, level, h, coefficients):
                 answer.defect[0], answer.defect[1] = by_value, by_rate
                 for c in range(COEFFICIENTS):
                     answer.coefficient[c] = coefficients[c]
-                add_mode(mode, answer, group, own)
+                add_mode(mode, answer, group, k < panels.first[group] + panels.coupled[group], own)
 
 
 @kernel(inlined=True)

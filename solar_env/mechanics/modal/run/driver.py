@@ -13,7 +13,9 @@ from solar_env.mechanics.arrays.model import (
     DONE,
     EVENTS_PILE_UP,
     EXACT,
+    NEWTON_STALLED,
     NOT_FINITE,
+    SINGULAR_CONSTRAINTS,
     STEP_TOO_SMALL,
 )
 from solar_env.mechanics.modal.arrays import (
@@ -26,6 +28,7 @@ from solar_env.mechanics.modal.arrays import (
     ITERATIONS,
     RATE,
     START,
+    STUCK,
 )
 from solar_env.mechanics.modal.panel.tables import LEVELS, fill_level, level_below, level_size
 from solar_env.mechanics.modal.run.books import add_integrals, note_peaks
@@ -153,9 +156,10 @@ def accept_step(model, state, work, recorder, tables, level, h):
 
 
 @kernel(inlined=True)
-def reject_step(clock, h, solved, error):
+def reject_step(clock, work, h, solved, error):
     """Shrink the step after a rejected one of size `h` [s]."""
     clock.rejected_steps += 1
+    clock.failure_joint, clock.failure_value = -1 if solved else work.counts[STUCK], error
     # The step that is taken then does not grow at once.
     clock.last_error = 1.0
     clock.step_size = shortened(_CONTROL, h, error) if solved else UNSOLVED * h
@@ -230,7 +234,10 @@ def take_modal_step(model, state, settings, recorder, end_time, work):
     wanted = min(wanted, impact_step_limit(state, clock.time, settings.impact_resolution))
     tables, level = model.tables, level_below(wanted)
     if level == LEVELS:
-        return fail(state, STEP_TOO_SMALL, -1, clock.last_error)
+        # Joint and value are those of the latest step that was refused.
+        if math.isfinite(clock.failure_value):
+            return STEP_TOO_SMALL
+        return NEWTON_STALLED if clock.failure_joint >= 0 else SINGULAR_CONSTRAINTS
     h = level_size(level)
     # No sliver of a step is left before the end.
     last = end_time - clock.time <= max(wanted, 1.05 * h)
@@ -243,7 +250,7 @@ def take_modal_step(model, state, settings, recorder, end_time, work):
     clock.evaluations += work.counts[ITERATIONS]
     work.counts[ITERATIONS] = 0
     if not error <= 1.0:
-        reject_step(clock, h, solved, error)
+        reject_step(clock, work, h, solved, error)
         return DONE
     share, joint, kind = first_event(model, state, work, h)
     work.counts[EVENTS] = 0 if share * h > _SMALLEST_PART else work.counts[EVENTS] + 1
@@ -259,7 +266,7 @@ def take_modal_step(model, state, settings, recorder, end_time, work):
         work.counts[ITERATIONS] = 0
         tables, level = work.tables, _CUT
         if h < 0.0:
-            reject_step(clock, -h, False, math.inf)
+            reject_step(clock, work, -h, False, math.inf)
             return DONE
     accept_step(model, state, work, recorder, tables, level, h)
     if last:

@@ -59,6 +59,13 @@ def contact_rows(model, state, work, s, n, r, renewed):
     joint, own, motion, load = model.joints[j], state.joints[j], work.joints[j].motion[s], work.joints[j].load[s]
     force, _, by_depth, by_rate = normal_force(joint, motion[DEPTH], motion[DEPTH_RATE], own.impact_speed)
     share, by_slip = friction_share(joint, motion[SLIDING_SPEED])
+    speed, tried = motion[SLIDING_SPEED], work.joints[j].tried[s]
+    tried[0 if speed < 0.0 else 1] = speed
+    if tried[0] * tried[1] < 0.0:
+        # Sliding has turned: between the two tries it was slower, and its friction changed by more than at either.
+        other = tried[1 if speed < 0.0 else 0]
+        before, _ = friction_share(joint, other)
+        by_slip = (share - before) / (speed - other)
     by_slip *= sliding_share(joint, motion[DEPTH])
     share, by_slip = -joint.friction_coefficient * share, -joint.friction_coefficient * by_slip
     pressing = max(load[0], 0.0)

@@ -21,6 +21,7 @@ from solar_env.mechanics.modal.arrays import (
     TANGENTIAL,
     TORQUE,
 )
+from solar_env.mechanics.modal.panel.coupling import bend_response
 from solar_env.mechanics.modal.panel.oscillators import A, B
 from solar_env.mechanics.modal.panel.tables import AXIAL_EVEN, AXIAL_ODD, BENDING_EVEN, BENDING_ODD, side
 from solar_env.mechanics.modal.step.cables import face_load, list_cables
@@ -172,6 +173,27 @@ def move_ends(response, load, odd, motion):
 
 
 @kernel(inlined=True)
+def move_bent_ends(own, load, odd, motion):
+    """Add to the motion of both ends of a panel, see `move_ends`, what a bent axis does: see `bend_response`."""
+    along, across, torque = load[0], load[1], load[2]
+    for c in range(8):
+        value = own.bent[0, BENDING_EVEN, 0, c] + odd * own.bent[1, BENDING_EVEN, 0, c]
+        other = own.bent[0, BENDING_ODD, 0, c] + odd * own.bent[1, BENDING_ODD, 0, c]
+        motion[0, 1, c] += along * (value + other)
+        motion[1, 1, c] += along * (value - other)
+        value = own.bent[0, BENDING_EVEN, 1, c] + odd * own.bent[1, BENDING_EVEN, 1, c]
+        other = own.bent[0, BENDING_ODD, 1, c] + odd * own.bent[1, BENDING_ODD, 1, c]
+        motion[0, 2, c] += along * (other + value)
+        motion[1, 2, c] += along * (other - value)
+        for x in range(2):
+            short = across * (own.bent[x, BENDING_EVEN, 0, c] + odd * own.bent[x, BENDING_ODD, 0, c])
+            short += torque * (odd * own.bent[x, BENDING_EVEN, 1, c] + own.bent[x, BENDING_ODD, 1, c])
+            short += along * (own.shortened[0, x, c] + odd * own.shortened[1, x, c])
+            motion[0, 0, c] += short
+            motion[1, 0, c] += short if x == 0 else -short
+
+
+@kernel(inlined=True)
 def add_shared(body, first, second, motion, rigid, shared):
     """Add what unit load `second` on a body does to the motion that unit load `first` works on.
 
@@ -204,9 +226,16 @@ def share_motion(model, work, p, q):
 
 
 @kernel(inlined=True)
-def fill_mobility(model, work, tables, level, h, n):
-    """Motion that each unknown works on by a unit of each other, at both stages."""
+def fill_mobility(model, work, tables, level, h, n, bent):
+    """Motion that each unknown works on by a unit of each other, at both stages; with foreshortening where `bent`."""
     fill_unit_loads(model, work, n)
+    if bent:
+        for b in range(model.bodies.size):
+            p, d = model.bodies[b].panel, model.bodies[b].design
+            if p != RIGID_BODY:
+                bend_response(
+                    model.panels, work.panels[p], tables.answers[d, level], tables.responses[d, level].rest, d
+                )
     for s in range(2):
         for k in range(2):
             work.rigid[4 * k + 2 * s], work.rigid[4 * k + 2 * s + 1] = h * h * B[s][k], h * A[s][k]
@@ -217,7 +246,10 @@ def fill_mobility(model, work, tables, level, h, n):
             body = model.bodies[attachment.body]
             if body.panel != RIGID_BODY:
                 response = tables.responses[body.design, level].response
-                move_ends(response, own.load[face], side(attachment.end), own.motion[face])
+                odd, motion = side(attachment.end), own.motion[face]
+                move_ends(response, own.load[face], odd, motion)
+                if bent:
+                    move_bent_ends(work.panels[body.panel], own.load[face], odd, motion)
     for p in range(n):
         for q in range(p + 1):
             share_motion(model, work, p, q)

@@ -27,6 +27,7 @@ from solar_env.mechanics.modal.arrays import (
     SLIP,
     START,
     STRETCH,
+    STUCK,
     TANGENTIAL,
     TORQUE,
     UNKNOWNS,
@@ -49,9 +50,11 @@ from solar_env.mechanics.modal.step.rows import fill_mobility, list_rows, load_c
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_rows, lu_factor, lu_solve
 
-_MOST_ITERATIONS = 12
+_MOST_ITERATIONS = 30
 # Foreshortening is of second order: its forces are renewed in so many iterations.
 _COUPLED_ITERATIONS = 2
+# With reactions, after so many iterations the matrix is that of bent panels.
+_STRAIGHT_ITERATIONS = 3
 # Correction over the tolerance after which motion and matrix are not renewed.
 _SMALL = 30.0
 # Displacement by a correction, over the clearance, above which motion is renewed.
@@ -111,6 +114,7 @@ def start_stages(model, state, work, h):
                 new.load[s, c] = guess if c == 2 or ideal or own.in_contact else 0.0
             if own.in_contact:
                 new.load[s, 0] = max(new.load[s, 0], 0.0)
+            new.tried[s, 0] = new.tried[s, 1] = 0.0
     start_cables(state, work, h)
 
 
@@ -118,7 +122,7 @@ def start_stages(model, state, work, h):
 def move_stages(model, state, work, tables, level, h, coupled):
     """Motion of bodies, attachments and joints at both stages under the present loads.
 
-    The forces of foreshortening are renewed where `coupled`; they belong to amplitudes under those of before.
+    The forces of foreshortening are renewed `coupled` times; they belong to amplitudes under those of before.
     """
     distribute_loads(model, state, work)
     distribute_cables(model, work)
@@ -128,7 +132,7 @@ def move_stages(model, state, work, tables, level, h, coupled):
         if p != RIGID_BODY:
             own, answers = work.panels[p], tables.answers[d, level]
             forced_ends(own, tables.responses[d, level].response, GROUPS)
-            if coupled:
+            for _ in range(coupled):
                 couple(model.panels, own, answers, d)
                 # The forces on the rest of the end values are among the loads.
                 forced_ends(own, tables.responses[d, level].response, AXIAL_EVEN)
@@ -268,6 +272,19 @@ def shift_stages(model, work, n):
     return greatest
 
 
+@kernel(inlined=True)
+def furthest_off(model, work, n):
+    """Joint whose load the latest correction has changed most, over its tolerance, or -1."""
+    joint, greatest = -1, 0.0
+    for r in range(n):
+        owner, kind = work.unknowns[r].owner, work.unknowns[r].kind
+        for s in range(2):
+            change = abs(work.correction[s * n + r]) / work.unknowns[r].tolerance
+            if change > greatest:
+                joint, greatest = model.cables[owner].joint_b if kind == CABLE else owner, change
+    return joint
+
+
 @kernel
 def solve_step(model, state, work, settings, tables, level, h):
     """Solve for the loads of a step `h` [s]; False if Newton's iteration does not converge."""
@@ -281,20 +298,21 @@ def solve_step(model, state, work, settings, tables, level, h):
     work.velocity_tolerance[0] = velocity_tolerance(model, work, settings)
     start_stages(model, state, work, h)
     n = list_rows(model, state, work, tables, level, h)
-    work.counts[UNKNOWNS] = n
+    work.counts[UNKNOWNS], work.counts[STUCK] = n, -1
     before, renewed, constrained = math.inf, True, False
     for r in range(n):
         constrained = constrained or work.unknowns[r].kind >= REACTION_X
     for iteration in range(_MOST_ITERATIONS):
         work.counts[ITERATIONS] += 1
+        bent = constrained and iteration >= _STRAIGHT_ITERATIONS
         if not renewed:
             renewed = shift_stages(model, work, n) > _SHIFT
         if renewed:
             # A reaction holds the joint where foreshortening has it: it must not be left behind.
-            coupled = constrained or iteration < _COUPLED_ITERATIONS
+            coupled = (2 if bent else 1) if constrained else int(iteration < _COUPLED_ITERATIONS)
             move_stages(model, state, work, tables, level, h, coupled)
-        if iteration == 0:
-            fill_mobility(model, work, tables, level, h, n)
+        if iteration == 0 or (bent and iteration == _STRAIGHT_ITERATIONS):
+            fill_mobility(model, work, tables, level, h, n, bent)
         # Anew each time: the depth that a journal would reach freely is no measure of that which it does reach.
         set_tolerances(model, state, work, settings, tables, level, h, n)
         size, apart = correct_loads(model, state, work, n, h, renewed)
@@ -310,4 +328,5 @@ def solve_step(model, state, work, settings, tables, level, h):
         if min(left, size) <= _CONVERGED and (iteration > 0 or n == 0):
             return True
         before = size
+    work.counts[STUCK] = furthest_off(model, work, n)
     return False

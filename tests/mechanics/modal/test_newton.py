@@ -1,0 +1,44 @@
+"""Newton's iteration on the joints' loads where it is hard: sliding that turns, bent panels, bodies held twice."""
+
+import numpy as np
+import pytest
+
+from solar_env import ArrayParameters, SimulationError, SimulationWarning, simulate
+from solar_env.mechanics.integrators.settings import ModalRadau
+from solar_env.mechanics.mechanism.description import GROUND, Body, Joint, Mechanism
+from solar_env.mechanics.running.simulation import Simulation
+
+SHORT = 13.0  # s, a little after the latches
+
+
+@pytest.mark.parametrize(
+    ("modes", "onset"),
+    [(100, 1e-4), (32, 1e-6)],
+    ids=["residual flexibility gives way at once", "friction sets in over micrometres a second"],
+)
+def test_sliding_may_turn_in_any_step(modes: int, onset: float) -> None:
+    parameters = ArrayParameters(friction_speed_zero=onset, friction_speed_full=10.0 * onset)
+    trajectory = simulate(parameters, model="flexible-clearance", modes=modes, duration=SHORT)
+    assert trajectory.time[-1] == SHORT
+    assert trajectory.metadata["rejected_steps"] < 0.3 * trajectory.metadata["steps"]
+
+
+@pytest.mark.parametrize("modes", [8, 32])
+@pytest.mark.parametrize(("soft", "springs"), [(1000.0, 1.0), (100.0, 10.0)])
+def test_ideal_joints_hold_panels_that_bend_out_of_their_range_and_it_is_said(
+    modes: int, soft: float, springs: float
+) -> None:
+    default = ArrayParameters()
+    stiffness = tuple(springs * value for value in np.broadcast_to(default.spring_stiffness, 2))
+    parameters = default.with_changes({"panel_young": default.panel_young / soft, "spring_stiffness": stiffness})
+    with pytest.warns(SimulationWarning, match="have bent by 0.6"):
+        trajectory = simulate(parameters, model="flexible-ideal", modes=modes, duration=1.0)
+    # Steps that shrink to nothing would be millions.
+    assert trajectory.metadata["steps"] < 100_000
+
+
+def test_a_body_that_is_held_twice_is_reported_and_not_moved() -> None:
+    pins = tuple(Joint(f"at {x}", GROUND, "arm", (x, 0.0), (x, 0.0)) for x in (0.0, 1.0))
+    held = Mechanism((Body("arm", 1.0, 1.0, 1.0, (0.0, 0.0)),), pins, gravity=(1.0, -9.81))
+    with pytest.raises(SimulationError, match="constraints are redundant"):
+        Simulation(held, ModalRadau()).advance(0.1)

@@ -78,6 +78,11 @@ class AccuracyWatch:
         if "energy" not in self._told:
             residual, turnover = simulation.energy_book()
             self._tell("energy", check_energy(simulation.time, residual, turnover, chosen.remedy))
+        self.check_range()
+
+    def check_range(self) -> None:
+        """Look at whether modal panels have left the range that their second order holds for."""
+        simulation = self._simulation
         if "range" not in self._told:
             reached = simulation.formulation.modal_range(simulation.model, simulation.state)
             self._tell("range", check_modal_range(simulation.time, *reached))

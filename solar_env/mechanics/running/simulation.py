@@ -159,6 +159,8 @@ class Simulation:
     def raise_unless_done(self, status: int) -> None:
         """Raise the `SimulationError` of a status code with which a kernel has left this state, if any."""
         if status != m.DONE:
+            # It may be why.
+            self._watch.check_range()
             clock = self.state.clock[0]
             raise_for_status(status, self.time, int(clock["failure_joint"]), float(clock["failure_value"]))
 

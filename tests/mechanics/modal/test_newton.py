@@ -42,3 +42,11 @@ def test_a_body_that_is_held_twice_is_reported_and_not_moved() -> None:
     held = Mechanism((Body("arm", 1.0, 1.0, 1.0, (0.0, 0.0)),), pins, gravity=(1.0, -9.81))
     with pytest.raises(SimulationError, match="constraints are redundant"):
         Simulation(held, ModalRadau()).advance(0.1)
+
+
+def test_a_run_that_fails_outside_the_range_of_its_panels_says_so_too() -> None:
+    default = ArrayParameters()
+    stiffness = tuple(10.0 * value for value in np.broadcast_to(default.spring_stiffness, 2))
+    parameters = default.with_changes({"panel_young": default.panel_young / 1000.0, "spring_stiffness": stiffness})
+    with pytest.warns(SimulationWarning, match="have bent by"), pytest.raises(SimulationError):
+        simulate(parameters, model="flexible-ideal", rtol=2e-5, duration=5.0)

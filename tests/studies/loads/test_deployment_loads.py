@@ -20,7 +20,7 @@ from solar_env.studies.loads.hub import hub_velocity, mean_loads, sampled_hinge_
 from solar_env.studies.loads.quantities import JOINT_QUANTITIES, QUANTITIES, read_all
 from solar_env.studies.loads.report import answer, tables
 from solar_env.studies.loads.runs import FREQUENCIES, deploy, member_parameters
-from solar_env.studies.loads.statistics import figure_of, high_quantile, rounded
+from solar_env.studies.loads.statistics import Figure, figure_of, high_quantile, rounded
 
 RIGID = Level("rigid-clearance")
 FAST = ParameterFile(FAST_PARAMETERS, {"clearance": ((1.9e-4, 1.9e-4), (2.1e-4, 2.1e-4))})
@@ -139,11 +139,12 @@ def test_a_figure_compares_the_same_members_and_says_what_it_cannot():
     figure = figure_of(level, level + 2.0)
     assert (figure.mean, figure.model_error, figure.runs) == (11.5, 2.0, 4)
     assert figure.model_low == figure.model_high == 2.0
-    assert figure.uncertainty == 2.0
+    assert figure.model_half_width == 0.0
+    assert figure.half_width == pytest.approx(0.5 * (figure.high - figure.low))
     few = figure_of(level[:3], level[:3])
     assert math.isnan(few.low)
     assert math.isnan(few.quantile)
-    assert math.isnan(few.uncertainty)
+    assert math.isnan(few.half_width)
     assert figure_of(np.array([np.nan]), np.zeros(0)).runs == 0
 
 
@@ -179,7 +180,7 @@ def test_five_lines_answer_and_tables_hold_every_quantity(loads):
     lines = answer(loads, 1e-6)
     assert len(lines) == 5
     assert lines[0].startswith("Joint ")
-    assert "the cheapest level for wear within 0.5" in lines[1]
+    assert "the cheapest for wear within 0.5, and chosen for that question alone" in lines[4]
     assert "4 runs of each level" in lines[4]
     assert "clearance" in lines[4]
     names = [row[0] for table in tables(loads)[:2] for row in table.rows]
@@ -187,6 +188,34 @@ def test_five_lines_answer_and_tables_hold_every_quantity(loads):
     assert all(len(row) == len(table.columns) for table in tables(loads) for row in table.rows)
     hit = max(loads.figures["peak_force"], key=lambda figure: figure.mean)
     assert hit.low < hit.mean < hit.high < hit.quantile_bound
+
+
+def test_force_impulse_and_wear_are_each_told_with_interval_quantile_and_their_own_model_error(loads):
+    first = {
+        "peak_force": [Figure(222.3, 214.0, 230.0, 268.0, 291.0, 10.4, -0.6, 21.4, 16)],
+        "impulse": [Figure(31.0, 30.9, 31.1, 31.5, 31.7, 0.2, 0.1, 0.3, 16)] * 2
+        + [Figure(55.024, 54.94, 55.1, 55.6, 55.8, -1.13, -1.2, -1.06, 16)],
+        "wear_depth": [Figure(3.02e-14, 2.9e-14, 3.14e-14, 3.8e-14, 4.2e-14, 3e-15, 1e-15, 5e-15, 16)],
+    }
+    force, impulse, wear, _, basis = answer(replace(loads, figures=loads.figures | first), 1e-6)
+    assert force == (
+        "Joint 1 is hit hardest: peak force 222 \u00b1 8 N, 99 % of deployments stay below 270 N (with 95 % confidence "
+        "below 290 N), model error +10 \u00b1 11 N."
+    )
+    assert impulse == (
+        "The impulse after latching is greatest at joint 3: 55.02 \u00b1 0.08 N s, 99 % of deployments stay below "
+        "55.60 N s (with 95 % confidence below 55.80 N s), model error -1.13 \u00b1 0.07 N s."
+    )
+    assert "30.2 \u00b1 1.2 fm" in wear
+    assert "model error +3 \u00b1 2 fm; 3.3e+07 deployments to 1 micrometres" in wear
+    assert "the model error of every figure is that seen at the next finer level" in basis
+
+
+def test_what_too_few_runs_do_not_tell_is_not_told(loads):
+    nan = math.nan
+    alone = (Figure(222.3, nan, nan, nan, nan, 10.4, nan, nan, 1),)
+    line = answer(replace(loads, figures=loads.figures | {"peak_force": alone}), 1e-6)[0]
+    assert line == "Joint 1 is hit hardest: peak force 220 N, model error unknown."
 
 
 def test_what_is_read_scatters_but_the_energy_that_is_lost_does_not_hang_on_the_tolerance(loads):

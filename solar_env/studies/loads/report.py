@@ -93,8 +93,8 @@ def _basis(loads: Loads) -> str:
         text += f" Fewer than {FEWEST} runs have no interval and no model error."
     text += (
         f" Level: {level.name}, the cheapest for {plan.question} within {plan.tolerance:g}, and chosen for that "
-        f"question alone; the model error of every figure is that seen at the next finer level, {finer.name}: its mean minus "
-        "this one, over the same runs."
+        f"question alone; the model error of every figure is that seen at the next finer level, {finer.name}: its "
+        "mean minus this one, over the same runs."
     )
     if any(loads.unlatched):
         text += (

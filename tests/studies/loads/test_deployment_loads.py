@@ -17,6 +17,7 @@ from solar_env.studies.common.levels import Level
 from solar_env.studies.common.plans import FAST_PARAMETERS
 from solar_env.studies.loads import ensemble
 from solar_env.studies.loads.hub import hub_velocity, mean_loads, sampled_hinge_loads
+from solar_env.studies.loads.page import loads_page
 from solar_env.studies.loads.quantities import JOINT_QUANTITIES, QUANTITIES, read_all
 from solar_env.studies.loads.report import answer, tables
 from solar_env.studies.loads.runs import FREQUENCIES, deploy, member_parameters
@@ -49,6 +50,24 @@ def test_the_peak_force_on_the_hub_is_that_of_the_first_joint(fast):
     # Means over 50 us are a little below the peak; friction of 0.15 adds to the normal force.
     assert 0.7 < fast.hub_peaks[0] / fast.trajectory.peak_force[0] < math.hypot(1.0, 0.15)
     assert fast.hub_peaks[2] == pytest.approx(fast.hub_peaks[0] / FAST_PARAMETERS.body_mass, rel=1e-12)
+
+
+def test_the_loads_on_the_hub_between_samples_reach_its_peaks_and_are_no_less_than_their_means(fast):
+    assert fast.hub_greatest.shape == (len(fast.trajectory.time) - 1, 2)
+    np.testing.assert_allclose(fast.hub_greatest.max(axis=0), fast.hub_peaks[:2], rtol=1e-12)
+    means = np.column_stack([np.hypot(fast.hub_loads[:, 0], fast.hub_loads[:, 1]), np.abs(fast.hub_loads[:, 2])])
+    assert (fast.hub_greatest >= means - 1e-6 * means.max(axis=0)).all()
+    # Nothing is struck before the first latching, up to which samples are a millisecond apart.
+    before = fast.trajectory.time[1:] < fast.trajectory.latch_times.min() - 0.6
+    np.testing.assert_allclose(fast.hub_greatest[before], means[before], rtol=1e-6, atol=1e-6)
+
+
+def test_what_the_titles_of_the_hubs_charts_say_is_what_they_draw(loads, fast):
+    charts = {chart.title: chart for chart in loads_page(loads, fast, 1e-6, []).charts}
+    for load, unit in zip(fast.hub_peaks[:2], ("N", "N m"), strict=True):
+        (line,) = charts[f"The nominal hub sees up to {load:.3g} {unit}"].lines
+        assert line.y.max() == pytest.approx(load, rel=1e-12)
+        assert len(line.x) == len(line.y)
 
 
 def test_the_same_member_gives_the_same_bits():

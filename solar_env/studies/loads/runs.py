@@ -121,9 +121,8 @@ class _Run:
         self._tick = 0  # of the next sample, in samples of RATE
         self._last_velocity: Array | None = None
         self._last_tick = 0
-        self._hub_loads: list[
-            tuple[NDArray[np.int64], Array]
-        ] = []  # millisecond, and greatest force and torque, piece by piece
+        # Piece by piece: milliseconds, and the greatest force and torque in each.
+        self._hub_loads: list[tuple[NDArray[np.int64], Array]] = []
         self.peak_torque = np.zeros(joints)
         self.hub_peaks = np.zeros(3)
         self.hinge_spectrum = ShockSpectrum(FREQUENCIES, RATE, joints)

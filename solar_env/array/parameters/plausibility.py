@@ -54,8 +54,8 @@ PLAUSIBLE = {
     "friction_speed_zero": _SPEED,
     "friction_speed_full": _SPEED,
     "wear_coefficient": Plausible(0.0, 1e-9, "m2/N", "mm3/(N m)"),
-    "initial_spin": Plausible(0.0, 2.0 * math.pi, "rad/s", "degrees per second"),
-    "initial_rate": Plausible(0.0, 2.0 * math.pi, "rad/s", "degrees per second"),
+    "initial_spin": Plausible(0.0, 10.0, "rad/s", "degrees per second"),
+    "initial_rate": Plausible(0.0, 10.0, "rad/s", "degrees per second"),
 }
 
 # Names and rounded values that were told in this process: the same array is described over and over in an ensemble.

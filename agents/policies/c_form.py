@@ -127,8 +127,8 @@ def interface_comment(description: Description, drive: Hardware) -> list[str]:
         lines += [
             f"the setpoint {SLOWEST:g} sinh({STEEPNESS:g} action) rad/s of the rate of hinge {hinge}.",
             f"The drive's loop asks for {drive.rate_loop_gain:g} N m s/rad times (setpoint - rate), at most {limit:g}",
-            f"N m either way, {drive.rate_loop_frequency:g} times a second, and passes it to the motor through a low-pass",
-            f"filter with the time constant {drive.rate_loop_lag:g} s.",
+            f"N m either way, {drive.rate_loop_frequency:g} times a second, and passes it to the motor through a",
+            f"low-pass filter with the time constant {drive.rate_loop_lag:g} s.",
         ]
     else:
         lines.append(f"the torque of the motor on hinge {hinge}, in units of {limit:g} N m.")

@@ -210,6 +210,12 @@ def explanations() -> dict[str, str]:
     return texts
 
 
+def units() -> dict[str, str]:
+    """Unit of each parameter, by name; empty for what has none: the first in its explanation."""
+    found = {name: re.search(r"\[([^\]]+)\]", text) for name, text in explanations().items()}
+    return {name: unit[1] if unit and not name.endswith("poisson") else "" for name, unit in found.items()}
+
+
 def parameter_text(parameters: ArrayParameters) -> str:
     """A complete file of parameters, each with its explanation; `read_parameters` reads it back."""
     lines = [

@@ -6,7 +6,7 @@ import numpy as np
 
 from solar_env.pictures.page.content import Chart, Line, Page
 from solar_env.pictures.style import COLOURS
-from solar_env.studies.common.deployment_page import charts_of, motion_of, shown_samples
+from solar_env.studies.common.deployment_page import charts_of, motion_of, parameter_table, shown_samples
 from solar_env.studies.loads.ensemble import Loads
 from solar_env.studies.loads.report import answer, tables
 from solar_env.studies.loads.runs import Deployment
@@ -25,7 +25,8 @@ def loads_page(loads: Loads, nominal: Deployment, wear_limit: float, notes: Sequ
     charts = charts_of({name: nominal.trajectory}) + _hub_charts(nominal) + _spectra(loads)
     motions = [motion_of(nominal.trajectory, name)]
     title = "How hard the hinges and the hub are hit"
-    return Page(title, answer(loads, wear_limit), motions, charts, tables(loads), notes)
+    array = parameter_table(loads.plan.array.parameters, loads.plan.array.randomize)
+    return Page(title, answer(loads, wear_limit), motions, charts, [*tables(loads), array], notes)
 
 
 def _hub_charts(nominal: Deployment) -> list[Chart]:

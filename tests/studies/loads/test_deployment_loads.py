@@ -70,6 +70,20 @@ def test_what_the_titles_of_the_hubs_charts_say_is_what_they_draw(loads, fast):
         assert len(line.x) == len(line.y)
 
 
+def test_the_page_has_a_folded_table_of_every_parameter_with_its_unit(loads, fast):
+    table = loads_page(loads, fast, 1e-6, []).tables[-1]
+    assert table.folded
+    rows = {name: rest for name, *rest in table.rows}
+    assert list(rows) == list(FAST_PARAMETERS.to_dict())
+    assert rows["clearance"] == ["0.0002", "m", "(0.00019, 0.00019) and (0.00021, 0.00021)"]
+    assert rows["panel_count"] == ["2", "", ""]
+    assert rows["latch_stiffness"][1] == "N m/rad^exponent"
+    assert rows["journal_poisson"][1] == ""
+    assert rows["journal_young"][1] == "Pa"
+    assert rows["body_fixed"] == ["no", "", ""]
+    assert rows["cable_torque_ratio"][0] == "from others"
+
+
 def test_the_same_member_gives_the_same_bits():
     parameters = member_parameters(FAST.parameters, FAST.randomize, 3)
     assert parameters == member_parameters(FAST.parameters, FAST.randomize, 3)

@@ -10,6 +10,7 @@ from solar_env.studies.common.deployment_page import charts_of, motion_of, param
 from solar_env.studies.loads.ensemble import Loads
 from solar_env.studies.loads.report import answer, tables
 from solar_env.studies.loads.runs import Deployment
+from solar_env.studies.loads.statistics import shortened
 
 
 def loads_page(loads: Loads, nominal: Deployment, wear_limit: float, notes: Sequence[str]) -> Page:
@@ -36,7 +37,7 @@ def _hub_charts(nominal: Deployment) -> list[Chart]:
     turn = np.degrees(nominal.place[kept, 2] - nominal.place[0, 2])
     begins = kept[kept < len(time) - 1]
     greatest = np.maximum.reduceat(nominal.hub_greatest, begins, axis=0)
-    fast, twist = (f"{peak:.3g}" for peak in greatest.max(axis=0))
+    fast, twist = (shortened(peak, 3) for peak in greatest.max(axis=0))
     return [
         Chart(
             f"The nominal hub turns by up to {np.abs(turn).max():.3g} degrees",
@@ -47,13 +48,13 @@ def _hub_charts(nominal: Deployment) -> list[Chart]:
         Chart(
             f"The nominal hub sees up to {fast} N",
             "time [s]",
-            "greatest from point to point, over 50 us [N]",
+            "greatest over 50 us [N]",
             [Line("force of the root hinge", time[begins], greatest[:, 0], COLOURS[0])],
         ),
         Chart(
             f"The nominal hub sees up to {twist} N m",
             "time [s]",
-            "greatest from point to point, over 50 us [N m]",
+            "greatest over 50 us [N m]",
             [Line("torque about its centroid", time[begins], greatest[:, 1], COLOURS[0])],
         ),
     ]

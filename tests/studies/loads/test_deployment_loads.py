@@ -21,7 +21,7 @@ from solar_env.studies.loads.page import loads_page
 from solar_env.studies.loads.quantities import JOINT_QUANTITIES, QUANTITIES, read_all
 from solar_env.studies.loads.report import answer, tables
 from solar_env.studies.loads.runs import FREQUENCIES, deploy, member_parameters
-from solar_env.studies.loads.statistics import Figure, figure_of, high_quantile, rounded
+from solar_env.studies.loads.statistics import Figure, figure_of, high_quantile, rounded, shortened
 
 RIGID = Level("rigid-clearance")
 FAST = ParameterFile(FAST_PARAMETERS, {"clearance": ((1.9e-4, 1.9e-4), (2.1e-4, 2.1e-4))})
@@ -65,7 +65,7 @@ def test_the_loads_on_the_hub_between_samples_reach_its_peaks_and_are_no_less_th
 def test_what_the_titles_of_the_hubs_charts_say_is_what_they_draw(loads, fast):
     charts = {chart.title: chart for chart in loads_page(loads, fast, 1e-6, []).charts}
     for load, unit in zip(fast.hub_peaks[:2], ("N", "N m"), strict=True):
-        (line,) = charts[f"The nominal hub sees up to {load:.3g} {unit}"].lines
+        (line,) = charts[f"The nominal hub sees up to {shortened(load, 3)} {unit}"].lines
         assert line.y.max() == pytest.approx(load, rel=1e-12)
         assert len(line.x) == len(line.y)
 

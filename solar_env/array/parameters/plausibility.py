@@ -53,7 +53,7 @@ PLAUSIBLE = {
     "minimum_impact_speed": _SPEED,
     "friction_speed_zero": _SPEED,
     "friction_speed_full": _SPEED,
-    "wear_coefficient": Plausible(0.0, 1e-9, "m2/N", "mm3/(N m)"),
+    "wear_coefficient": Plausible(0.0, 1e-6, "m2/N", "mm3/(N m)"),
     "initial_spin": Plausible(0.0, 10.0, "rad/s", "degrees per second"),
     "initial_rate": Plausible(0.0, 10.0, "rad/s", "degrees per second"),
 }

@@ -4,10 +4,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
+import gymnasium
 import tyro
 
-from agents.policies.c_form import c_header
+from agents.policies.c_form import c_header, interface_comment
+from agents.policies.policy import ShippedPolicy
 from agents.policies.shipped import load_shipped
+from solar_env.environment.hardware.imperfections import Hardware
+from solar_env.environment.settings import EnvironmentSettings
 from solar_env.support.files import check_target, write_text
 
 
@@ -29,6 +33,14 @@ def run_command(args: Args) -> int:
     check_target(args.out)
     policy = load_shipped(args.policy)
     name = f"{Path(args.policy).name}_action"
-    write_text(args.out, c_header(policy.network, name, policy.description.observation_names))
+    write_text(args.out, c_header(policy.network, name, interface_comment(policy.description, drive_of(policy))))
     print(f"written to {args.out}")
     return 0
+
+
+def drive_of(policy: ShippedPolicy) -> Hardware:
+    """The drive that a policy was trained on."""
+    description = policy.description
+    registered = gymnasium.registry.get(description.env_id)
+    usual = registered.kwargs if registered else {}
+    return EnvironmentSettings.of({**usual, **description.env_kwargs}).drive

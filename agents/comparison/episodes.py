@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
@@ -13,9 +14,9 @@ import numpy as np
 from rich.console import Console
 
 from agents.comparison.controllers import NamedController, parse_controller
-from agents.environments import make_env
-from agents.laws.baselines import CONFIGS, make_baseline
-from agents.laws.table import TUNABLE
+from agents.environments import environment_settings, make_env
+from agents.laws.baselines import CONFIGS, UntunedWarning, make_baseline, warn_if_untuned
+from agents.laws.table import LAWS, TUNABLE
 from agents.learning import runs
 from agents.rollout import run_episode
 from agents.torque_laws import Controller, LawParameters
@@ -48,7 +49,15 @@ def run_cell(cell: Cell) -> Figures:
 def _prepared(spec: str, policy: str | None, env_id: str, keywords: str) -> tuple[gymnasium.Env, Controller]:
     """Make environment and controller, kept from episode to episode; `policy` is a hash of the controller's files."""
     env = make_env(env_id, json.loads(keywords))
-    return env, parse_controller(spec).load(env)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UntunedWarning)  # said once, not by every process: see `run_cells`
+        return env, parse_controller(spec).load(env)
+
+
+def _law_and_model(cell: Cell) -> tuple[str, str, str]:
+    """Law that a cell of a law runs, or searches from; environment id and model."""
+    spec, env_id = str(cell["spec"]), str(cell["env_id"])
+    return str(LAWS[spec].base or spec), env_id, environment_settings(env_id, cell["env_kwargs"]).level[0]
 
 
 def run_cells(
@@ -64,7 +73,14 @@ def run_cells(
 
     Raises:
         ValueError: The file was written by other code or with other baselines.
+
+    Warns:
+        UntunedWarning: Once for each law that gets the parameters of another model.
     """
+    of_laws = {json.dumps({**cell, "seed": 0}, sort_keys=True): cell for cell in cells if cell["spec"] in LAWS}
+    for spec, env_id, model in dict.fromkeys(map(_law_and_model, of_laws.values())):
+        if spec in TUNABLE:
+            warn_if_untuned(spec, env_id, model)
     keys = [json.dumps(cell, sort_keys=True) for cell in cells]
     different = dict(zip(keys, cells, strict=True))
     with counting_bar(Console(stderr=True, quiet=not progress)) as bar:

@@ -18,6 +18,10 @@ FALLBACK_MODEL = "rigid-clearance"
 """Model whose parameters a model without its own gets."""
 
 
+class UntunedWarning(UserWarning):
+    """A law acts with parameters that were tuned for another model."""
+
+
 def load_parameters(name: str, env_id: str, model: str) -> LawParameters:
     """Read the tuned parameters of the law `name` for a model of `env_id` from `agents/configs/<name>.json`.
 
@@ -28,16 +32,30 @@ def load_parameters(name: str, env_id: str, model: str) -> LawParameters:
         ValueError: The file has no entry for `env_id` that would do, or its keys are not those of the law.
     """
     entry, source = _entry(name, env_id, model)
-    if source != model:
-        warnings.warn(
-            f"no parameters of {name!r} have been tuned for {model}; it gets those for {source}. To tune: "
-            + _command(name, env_id, model),
-            stacklevel=2,
-        )
+    warn_if_untuned(name, env_id, model)
     try:
         return TUNABLE[name].defaults.from_json(entry["parameters"])
     except ValueError as error:
         raise ValueError(f"{name}.json, {env_id!r}, {source!r}: {error}") from error
+
+
+def warn_if_untuned(name: str, env_id: str, model: str) -> None:
+    """Warn if the law `name` gets the parameters of another model.
+
+    Raises:
+        ValueError: There are none for `env_id` that would do.
+
+    Warns:
+        UntunedWarning: It does.
+    """
+    _, source = _entry(name, env_id, model)
+    if source != model:
+        warnings.warn(
+            f"no parameters of {name!r} have been tuned for {model}; it gets those for {source}. To tune: "
+            + _command(name, env_id, model),
+            UntunedWarning,
+            stacklevel=3,
+        )
 
 
 def store_parameters(name: str, env_id: str, model: str, entry: dict[str, Any]) -> Path:

@@ -1,21 +1,27 @@
 """The network of a policy as one C header: arrays and a function, for the computer of a drive."""
 
 import re
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from agents.policies.network import Layer, PolicyNetwork
+from agents.policies.policy import Description
+from solar_env.environment.hardware.imperfections import Hardware
+from solar_env.environment.task.features import FEATURES, FORMULA_WORDS, Feature
+from solar_env.environment.task.observations import LOCK_ANGLE, OBSERVABLES, Observable
+from solar_env.environment.task.task import SLOWEST, STEEPNESS
 
 _ACTIVATIONS = {"relu": "{0} > 0.0f ? {0} : 0.0f", "tanh": "tanhf({0})"}
 
 
-def c_header(network: PolicyNetwork, name: str, observation_names: tuple[str, ...]) -> str:
+def c_header(network: PolicyNetwork, name: str, comment: Sequence[str]) -> str:
     """C99 that computes a network's action, without memory of its own beyond the stack.
 
     Args:
         network: of one output.
         name: of the function; what C does not take becomes an underscore.
-        observation_names: of the entries, for the comment.
+        comment: lines that say what goes in and what comes out, see `interface_comment`.
 
     Returns:
         A header with `static float NAME(const float observation[])`.
@@ -23,8 +29,9 @@ def c_header(network: PolicyNetwork, name: str, observation_names: tuple[str, ..
     word = re.sub(r"\W", "_", name)
     features, *hidden, last = network.layers
     lines = [
-        f"/* Policy {word}: action in [-1, 1] from {network.inputs} observations,",
-        f"   {', '.join(observation_names)}. */",
+        f"/* Policy {word}: one action from {network.inputs} observations.",
+        *(f"   {line}".rstrip().replace("*/", "* /") for line in comment),
+        "*/",
         f"#ifndef {word.upper()}_H",
         f"#define {word.upper()}_H",
         "#include <math.h>",
@@ -68,6 +75,82 @@ def c_header(network: PolicyNetwork, name: str, observation_names: tuple[str, ..
         mean = f"fminf(fmaxf({mean}, -{limit}), {limit})"
     action = f"tanhf({mean})" if network.output == "tanh" else f"fminf(fmaxf({mean}, -1.0f), 1.0f)"
     return "\n".join([*lines, f"    return {action};", "}", "#endif", ""])
+
+
+def interface_comment(description: Description, drive: Hardware) -> list[str]:
+    """Lines that say what a policy observes, what its action is, and how often it is asked.
+
+    Args:
+        description: of the policy.
+        drive: on which it was trained.
+    """
+    period, limit = description.control_period, description.torque_limit
+    hinge = description.signals.driven_joint + 1
+    lines = [
+        f"Trained by {description.algorithm} on {description.env_id}.",
+        f"Call it every {period:g} s, and hold the action until the next call.",
+        "",
+        "Observations, in order. Clip each to its bounds before the call; the function does not.",
+    ]
+    table: tuple[Observable | Feature, ...] = (*OBSERVABLES, *FEATURES)
+    rows = {row.name: row for row in table}
+    width = max(map(len, description.observation_names))
+    some_formula = False
+    for number, name in enumerate(description.observation_names):
+        stem, joint, age = _split(name, rows)
+        row = rows.get(stem)
+        if row is None:
+            lines.append(f"{number:3d}  {name}")
+            continue
+        when = f", as it was {age} periods ago" if age else ""
+        at = f" (joint {joint})" if joint else ""
+        unit = _unit(row.unit, description)
+        lines.append(
+            f"{number:3d}  {name:{width}}  [{row.low:.6g}, {row.high:.6g}]  {row.meaning}{at}{when}; unit: {unit}"
+        )
+        if isinstance(row, Feature):
+            formula = row.formula.replace("_j", f"_{joint}") if joint else row.formula
+            lines.append(f"{'':5}{'':{width}}  = {formula}")
+            some_formula = True
+    if some_formula:
+        lines += ["", "where", *(f"  {word}: {meaning}" for word, meaning in FORMULA_WORDS.items())]
+        lines.append(
+            f"and the lock angle is pi/2 of joint 1, pi of the others; the deadline {description.deadline:g} s."
+        )
+    lines += ["", "Action, clipped to [-1, 1] by the function; positive opens:"]
+    if description.residual is not None:
+        lines.append(
+            f"what is added, times {description.residual['scale']:g}, to the action of the law "
+            f"{description.residual['law']}; of the sum, clipped to [-1, 1]:"
+        )
+    if description.signals.action == "rate":
+        lines += [
+            f"the setpoint {SLOWEST:g} sinh({STEEPNESS:g} action) rad/s of the rate of hinge {hinge}.",
+            f"The drive's loop asks for {drive.rate_loop_gain:g} N m s/rad times (setpoint - rate), at most {limit:g}",
+            f"N m either way, {drive.rate_loop_frequency:g} times a second, and passes it to the motor through a",
+            f"low-pass filter with the time constant {drive.rate_loop_lag:g} s.",
+        ]
+    else:
+        lines.append(f"the torque of the motor on hinge {hinge}, in units of {limit:g} N m.")
+    return lines
+
+
+def _split(name: str, rows: Mapping[str, object]) -> tuple[str, int, int]:
+    """Name in the table, joint counted from 1 or 0 for none, and age in control periods, of an entry."""
+    past = re.fullmatch(r"(\w+?)_(\d+)_ago", name)
+    stem, age = (past[1], int(past[2])) if past else (name, 0)
+    own = re.fullmatch(r"(\w+)_(\d+)", stem)
+    if stem not in rows and own:
+        return own[1], int(own[2]), age
+    return stem, 0, age
+
+
+def _unit(unit: str, description: Description) -> str:
+    """A unit of the table in SI units."""
+    value = {"torque_limit": "N m", "deadline": "s", "postlock_window": "s"}.get(unit)
+    if value is None:
+        return {LOCK_ANGLE: "lock angle (pi/2 of joint 1, pi of the others)", "-": "none"}.get(unit, unit)
+    return f"{getattr(description, unit):g} {value}"
 
 
 def _arrays(name: str, layer: Layer, kind: str) -> list[str]:

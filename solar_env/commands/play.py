@@ -47,7 +47,9 @@ class Player:
         import pygame
 
         self._game, self._env, self._seed = pygame, env, seed
-        pygame.init()
+        # Not the rest of it: sound, say, complains at length where there is no device.
+        pygame.display.init()
+        pygame.font.init()
         self.torque, self.paused, self.running, self._dragging = 0.0, True, True, False
         self.restart()
         height, width = self._frame.shape[:2]

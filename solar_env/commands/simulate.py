@@ -177,12 +177,24 @@ def _stability_note(share: float) -> str:
     )
 
 
+# Significant digits that are printed: contact forces, and what follows from them, scatter by some percent from run to
+# run after the first impacts; what comes before, or is no result of the motion, does not. Files have all digits.
+_DIGITS = 3
+_MORE_DIGITS = {"duration_s": 6, "latch_times_s": 5, "theta_end_rad": 4, "energy_put_in_J": 5}
+
+
+def printed(name: str, value: Any) -> str:
+    """A figure of the summary, with as many digits as it can have."""
+    if not isinstance(value, float):
+        return str(value)
+    return f"{float(f'{value:.{_MORE_DIGITS.get(name, _DIGITS)}g}'):g}"
+
+
 def _print_summary(summary: dict[str, Any]) -> None:
     table = Table(title=f"{summary['model']}, {summary['duration_s']:g} s", show_header=False)
     for key, value in summary.items():
         if value is None:
             continue  # a count of what these panels do not consist of
         values = value if isinstance(value, list) else [value]
-        text = ", ".join(f"{x:.6g}" if isinstance(x, float) else str(x) for x in values)
-        table.add_row(key, text)
+        table.add_row(key, ", ".join(printed(key, entry) for entry in values))
     Console().print(table)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters
+from solar_env.array.compilation import announce_compilation, mark_compiled
 from solar_env.environment.figures import episode_figures
 from solar_env.environment.settings import Changes, EnvironmentSettings
 from solar_env.environment.showing.film import Film
@@ -122,6 +123,7 @@ class Episodes:
         """
         if self._batch is None and lanes.size < len(self.parameters):
             raise gymnasium.error.ResetNeeded("the first reset must be one of all lanes")
+        announce_compilation(self.settings.integrator.name)
         begun = [self._start(generator, change) for generator, change in zip(generators, changes, strict=True)]
         drawn = [
             start.parameters if start else self.settings.draw(self.designs[lane], generator, change)
@@ -183,6 +185,7 @@ class Episodes:
             self.hold(lanes, actions)
             self.batch.advance(lanes, self._sample_ends)
         self.end(lanes)
+        mark_compiled(self.settings.integrator.name)
 
     def attempt(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> dict[int, SimulationError]:
         """`step` that hands back failures, lane -> why its simulation cannot go on; mostly there are none.
@@ -198,6 +201,7 @@ class Episodes:
         failed = list(failures)
         self.terms[failed], self.rewards[failed] = 0.0, 0.0
         self.end(lanes)
+        mark_compiled(self.settings.integrator.name)
         return failures
 
     def hold(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import gymnasium
 import numpy as np
@@ -12,8 +12,10 @@ import pytest
 import solar_env
 from solar_env.__main__ import main
 from solar_env.array import PRESETS, ArrayParameters
+from solar_env.array.parameters import plausibility
 from solar_env.array.parameters.file import explanations, parameter_text, read_parameters
 from solar_env.environment.settings import EnvironmentSettings
+from solar_env.mechanics.running.diagnosis import SimulationWarning
 
 
 @pytest.fixture
@@ -76,6 +78,21 @@ def test_tolerances_are_ranges_about_the_values_and_environments_take_both(file)
         ("tolerance = 3", 1, "write [tolerance]"),
         ("[tolerence]\nclearance = 1e-5", 1, "did you mean 'tolerance'"),
         ("body_mass = \nbody_inertia = 1", 1, "is no TOML"),
+        ("body_mass = 900\nspring_preload_angle = [1.5, 90]", 2, "must lie between -2 pi and 2 pi: it is in radians"),
+        ("[randomize]\nspring_preload_angle = [1, 90]", 2, "it is in radians, not in degrees"),
+        # What contradicts a value that the file leaves out.
+        ("body_mass = 900\njournal_radius = 1e-4", 2, "clearance = 0.0002 must be below journal_radius"),
+        ("body_mass = 900\nfriction_speed_full = 1e-5", 2, "friction_speed_zero = 0.0001 must be below"),
+        ("body_mass = 900\ncontact_law = 'x'", 2, "contact law 'x' is unknown"),
+        ("body_mass = 900\ncontact_law = 'pereira'", 2, "contact_stiffness = 73900000000.0 is that of spheres"),
+        # What is fine by itself.
+        ("[randomize]\nfriction_speed_zero = [1e-5, 8e-4]\nfriction_speed_full = [5e-4, 1e-3]", 2, "must be below"),
+        # Other ways in which TOML writes a table.
+        ("\ntolerance.clearance = -1", 2, "must be a finite number"),
+        ("\ntolerance = {clearance = -1}", 2, "must be a finite number"),
+        ("['tolerance']\n'clearance' = -1", 2, "must be a finite number"),
+        ("\n[[tolerance]]\nclearance = 1", 2, "write [tolerance]"),
+        ("\n[tolerance.clearance]\nx = 1", 2, "must be a finite number"),
     ],
 )
 def test_a_refusal_names_the_line_and_the_rule(content, line, words, file):
@@ -113,3 +130,49 @@ def test_parameters_are_written_as_toml_has_them():
     text = parameter_text(ArrayParameters(body_fixed=True))
     assert "\nbody_fixed = true\n" in text
     assert '\ncable_torque_ratio = "none"\n' in text
+
+
+@pytest.fixture
+def untold(monkeypatch):
+    """As in a new process, in which nothing was warned of yet."""
+    monkeypatch.setattr(plausibility, "_told", set())
+
+
+@pytest.mark.parametrize(
+    ("content", "line", "words"),
+    [
+        (
+            "body_mass = 900\npanel_length = 1500",
+            2,
+            "panel_length = 1500 m is implausibly large for a spacecraft (over 50",
+        ),
+        ("panel_thickness = 20", 1, "give it in m, not in mm"),
+        (
+            "panel_young = 280",
+            1,
+            "panel_young = 280 Pa is implausibly small (under 1e+05 Pa); give it in Pa, not in MPa",
+        ),
+        ("[randomize]\nbody_size = [1.0, 1000.0]", 2, "body_size = 1000 m is implausibly large"),
+        ("initial_rate = [0.0, 20.0]", 1, "initial_rate = 20 rad/s is implausibly large"),
+    ],
+)
+def test_a_value_in_another_unit_is_warned_of_once_by_line_value_and_unit(content, line, words, file, untold):
+    path = file(content)
+    with pytest.warns(SimulationWarning, match=re.escape(words)) as told:
+        read = read_parameters(path)
+    assert str(told[0].message).startswith(f"{path}, line {line}: ")
+    assert len(told) == 1
+    assert replace(read.parameters, wear_bins=90).wear_bins == 90, "and not again, whatever is made of it"
+
+
+def test_a_value_in_another_unit_is_warned_of_without_a_file_too(untold):
+    with pytest.warns(SimulationWarning, match=r"^journal_radius = 10 m is implausibly large"):
+        ArrayParameters(journal_radius=10.0)
+
+
+def test_every_default_is_plausible_by_a_factor_of_ten_either_way(untold):
+    """And so are the values over which the other tests draw arrays."""
+    for name, usual in plausibility.PLAUSIBLE.items():
+        for entry in ArrayParameters().entries(name):
+            assert entry == 0.0 or usual.low <= 0.1 * entry, name
+            assert 10.0 * entry <= usual.high, name

@@ -16,6 +16,7 @@ from solar_env.array import MODELS
 from solar_env.array.deployment import simulate
 from solar_env.commands import figures
 from solar_env.commands.arguments import parse_assignments
+from solar_env.commands.simulate import printed
 from solar_env.mechanics.integrators.settings import RungeKutta
 from solar_env.mechanics.running.diagnosis import SimulationWarning
 
@@ -58,6 +59,23 @@ def test_simulate_writes_summary_trajectory_and_figure(tmp_path, model):
     assert trajectory.metadata.get("elements") == (2 if model.startswith("flexible") else None)
     assert trajectory.coordinates.shape[1] == (4 + 2 * 12 if model.startswith("flexible") else 12)
     assert files["png"].stat().st_size > 10_000
+
+
+def test_simulate_prints_no_more_digits_than_its_figures_have_and_files_keep_all(tmp_path, capsys):
+    for name, value, text in (
+        ("peak_contact_force_N", 515.528, "516"),
+        ("peak_contact_force_N", 2515.528, "2520"),
+        ("wear_depth_max_m", 3.24367e-14, "3.24e-14"),
+        ("latch_times_s", 12.30114, "12.301"),
+        ("contact_starts", 17654, "17654"),
+        ("latch_times_s", None, "None"),
+    ):
+        assert printed(name, value) == text
+    assert main(["simulate", "--duration", "16", "--quiet", "--json", str(tmp_path / "summary.json")]) == 0
+    shown, summary = capsys.readouterr().out, json.loads((tmp_path / "summary.json").read_text())
+    for name in ("peak_contact_force_N", "postlock_impulse_Ns", "wear_depth_max_m"):
+        assert ", ".join(printed(name, entry) for entry in summary[name]) in shown
+        assert all(entry != float(printed(name, entry)) for entry in summary[name]), "the file has more digits"
 
 
 @pytest.mark.parametrize(

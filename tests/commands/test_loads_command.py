@@ -11,7 +11,14 @@ import pytest
 from solar_env import Trajectory
 from solar_env.__main__ import main
 
-FAST = "spring_stiffness = [2.5, 1.875]\ncable_preload_force = 1250.0\n[tolerance]\nclearance = 1e-5\n"
+FAST = """
+body_mass = 1200
+body_inertia = 300
+spring_stiffness = [2.5, 1.875]
+cable_preload_force = 1250.0
+[tolerance]
+clearance = 1e-5
+"""
 
 
 @pytest.fixture
@@ -46,7 +53,9 @@ def test_it_answers_and_writes_page_data_and_loads_on_the_hub(array, tmp_path, c
     np.testing.assert_array_equal([float(row["gap_m_1"]) for row in rows], -trajectory.penetration[:, 0])
 
     table = np.genfromtxt(files["hub.csv"], delimiter=",", names=True)
-    turned = (table["torque_z_Nm"] * (table["end_s"] - table["start_s"])).cumsum() / 250.0
+    turned = (table["torque_z_Nm"] * (table["end_s"] - table["start_s"])).cumsum() / table["hub_inertia_kgm2"]
+    assert set(table["hub_mass_kg"]) == {1200.0}, "of the file's array"
+    assert set(table["hub_inertia_kgm2"]) == {300.0}
     last = trajectory.velocities[-1, :4]
     ends = trajectory.coordinates[-1, :4]
     along = ends[2:] - ends[:2]

@@ -43,6 +43,13 @@ def test_keys_turn_the_torque_and_the_window_shows_it(player):
     assert player.torque == 0.0
 
 
+def test_neither_sound_nor_joysticks_are_asked_for(player):
+    assert pygame.display.get_init()
+    assert pygame.font.get_init()
+    assert pygame.mixer.get_init() is None
+    assert not pygame.joystick.get_init()
+
+
 def test_the_mouse_moves_the_slider(player):
     y = 540 + 18
     player.handle(pygame.event.Event(pygame.MOUSEBUTTONDOWN, pos=(936, y), button=1))

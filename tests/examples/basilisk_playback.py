@@ -3,8 +3,9 @@
 solar-env loads my_array.toml --hub hub.csv
 python tests/examples/basilisk_playback.py hub.csv
 
-`extForceTorque` holds each row's mean force and torque for its time. Basilisk's spacecraft then has the momentum of
-the deployment's hub at every row; its attitude differs by what the torque varies within a row.
+`extForceTorque` holds each row's mean force and torque for its time, on a hub of the mass and inertia that the table
+has from the array's parameters. Basilisk's spacecraft then has the momentum of the deployment's hub at every row; its
+attitude differs by what the torque varies within a row.
 """
 
 import sys
@@ -14,8 +15,9 @@ from Basilisk.simulation import extForceTorque, spacecraft
 from Basilisk.utilities import SimulationBaseClass, macros
 
 
-def attitude_history(table: np.ndarray, mass: float = 1500.0, inertia: float = 250.0) -> np.ndarray:
-    """(rows, 2) angle [rad] and rate [rad/s] of a hub about z at the end of each row of a table of `loads --hub`."""
+def attitude_history(table: np.ndarray) -> np.ndarray:
+    """(rows, 2) angle [rad] and rate [rad/s] of the hub about z at the end of each row of a table of `loads --hub`."""
+    mass, inertia = float(table["hub_mass_kg"][0]), float(table["hub_inertia_kgm2"][0])
     step = float(table["end_s"][0] - table["start_s"][0])
     simulation = SimulationBaseClass.SimBaseClass()
     process = simulation.CreateNewProcess("dynamics")
@@ -29,7 +31,8 @@ def attitude_history(table: np.ndarray, mass: float = 1500.0, inertia: float = 2
     simulation.ConfigureStopTime(0)
     simulation.ExecuteSimulation()
     history = np.zeros((len(table), 2))
-    for row, (start, end, force_x, force_y, torque) in enumerate(table.tolist()):
+    columns = ("start_s", "end_s", "force_x_N", "force_y_N", "torque_z_Nm")
+    for row, (start, end, force_x, force_y, torque) in enumerate(table[list(columns)].tolist()):
         if end - start < 0.999 * step:
             return history[:row]  # a last, shorter row
         loads.extForce_N = [force_x, force_y, 0.0]

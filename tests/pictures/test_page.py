@@ -7,11 +7,13 @@ import math
 import re
 import shutil
 import subprocess
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from helpers import page_data
 
+from solar_env.pictures.page import document
 from solar_env.pictures.page.content import Chart, Line, Motion, Page, Table
 from solar_env.pictures.page.document import page_text, write_page
 
@@ -71,6 +73,41 @@ def test_a_page_is_written_whole_or_not_at_all(tmp_path):
         write_page(broken, target)
     assert target.read_text(encoding="utf-8") == before
     assert [path.name for path in tmp_path.iterdir()] == ["page.html"]
+
+
+def test_a_folded_table_opens_at_its_title_and_wide_ones_scroll_by_themselves():
+    tables = [Table("Open", ["a"], [["1"]]), Table("Folded", ["b"], [["2"]], folded=True)]
+    text = page_text(replace(page(), tables=tables))
+    assert '<h2>Open</h2><div class="wide"><table>' in text
+    assert re.search(r'<details><summary>Folded</summary><div class="wide"><table>.*?</table></div></details>', text)
+
+
+def test_a_chart_round_a_bearing_labels_its_axis():
+    assert page_data(page_text(page()))["charts"][2]["y"] == "depth [m]"
+    assert "radialaxis: { title: { text: chart.y }" in (document._FOLDER / "page.js").read_text(encoding="utf-8")
+
+
+def test_no_box_is_wider_than_a_narrow_screen():
+    style = (document._FOLDER / "page.css").read_text(encoding="utf-8")
+    assert not re.search(r"minmax\(\d+px", style), "a column that is wider than the page would overflow"
+    assert 'name="viewport" content="width=device-width' in page_text(page())
+
+
+@pytest.mark.browser
+def test_on_a_narrow_screen_nothing_overflows(tmp_path):
+    probe = """<script>
+    ready.then(() => {
+      const result = document.createElement("pre");
+      result.id = "told";
+      result.textContent = `${document.documentElement.scrollWidth - window.innerWidth}`;
+      document.body.append(result);
+    });
+    </script></body>"""
+    target = tmp_path / "page.html"
+    wide = Table("Wide", [f"column {k}" for k in range(30)], [["1.234567"] * 30])
+    target.write_text(page_text(replace(page(), tables=[wide])).replace("</body>", probe), encoding="utf-8")
+    shown = in_chromium(tmp_path, target.as_uri(), "--window-size=400,900", "--dump-dom")
+    assert int(re.search(r'<pre id="told">(-?\d+)</pre>', shown)[1]) <= 0
 
 
 WATCH = """<body><script>

@@ -2,6 +2,7 @@
 
 import re
 import shlex
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
@@ -124,6 +125,18 @@ def test_every_picture_of_the_pages_is_shown_or_linked():
 def test_the_front_page_is_short_and_leads_to_every_other_page():
     assert len(TEXTS["README.md"].splitlines()) <= MOST_LINES
     assert {page for page in TEXTS if f"]({page})" not in TEXTS["README.md"]} == {"README.md"}
+
+
+def test_there_is_a_citation_to_copy_of_this_version_and_of_the_paper():
+    software, paper = re.findall(r"@\w+\{.*?\n\}", fenced(TEXTS["solar_env/contributing.md"], "bibtex")[0], re.DOTALL)
+    assert f"version = {{{version('solar-env')}}}" in software
+    assert all(word in paper for word in ("Li, Yuanyuan", "{117}", "188--209", "2019"))
+
+
+def test_the_front_page_says_that_its_figure_is_one_episode_where_it_tells_a_mean():
+    text = " ".join(TEXTS["README.md"].split())
+    assert "9 % less than the best tuned law in the mean over 100 episodes" in text
+    assert "Below one of these episodes" in text
 
 
 def test_a_section_is_read_and_replaced_and_a_page_without_it_refused(tmp_path):

@@ -9,11 +9,12 @@ from rich.console import Console
 
 from agents.commands.arguments import CommandRecord, ShowingOptions
 from agents.rollout import run_episode
+from solar_env.array import ArrayParameters
 from solar_env.environment.showing.recording import RecordTrajectory
 from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.pictures.page.content import Page, Table
 from solar_env.pictures.page.document import write_page
-from solar_env.studies.common.deployment_page import charts_of, motion_of
+from solar_env.studies.common.deployment_page import charts_of, motion_of, parameter_table
 from solar_env.support.files import check_target
 from solar_env.support.progress import counting_bar
 from solar_env.support.versions import versions
@@ -82,7 +83,9 @@ def replay_page(
     table = Table("Figures of the episode", ["figure", *figures], rows)
     motions = [motion_of(trajectory, name) for name, trajectory in episodes.items()]
     notes = [*linked, f"Made by: {command}", ", ".join(f"{name} {value}" for name, value in versions().items())]
-    return Page("One episode, " + " beside ".join(episodes), answer, motions, charts_of(episodes), [table], notes)
+    array = ArrayParameters().with_changes(next(iter(episodes.values())).metadata["parameters"])
+    tables = [table, parameter_table(array)]
+    return Page("One episode, " + " beside ".join(episodes), answer, motions, charts_of(episodes), tables, notes)
 
 
 def _or_infinity(value: float) -> float:

@@ -4,6 +4,7 @@ import math
 from dataclasses import fields
 from typing import Any
 
+from solar_env.array.parameters.plausibility import warn_of_implausible
 from solar_env.mechanics.joints.friction.laws import FRICTION_LAWS, SLIDING_READINGS
 from solar_env.mechanics.running.diagnosis import check_restitution
 from solar_env.support.numbers import is_number
@@ -19,6 +20,7 @@ _NOT_NEGATIVE = (
     "panel_damping", "spring_stiffness", "cable_stiffness", "cable_preload_force", "latch_gap", "latch_damping",
     "friction_coefficient", "friction_speed_zero", "wear_coefficient",
 )  # fmt: skip
+_TURN = 2.0 * math.pi
 # Parameters for which None is a value.
 OPTIONAL = ("cable_torque_ratio", "contact_stiffness")
 
@@ -28,6 +30,9 @@ def check_parameters(p: ArrayParameters) -> None:
 
     Raises:
         ValueError: naming the first of them.
+
+    Warns:
+        UnitWarning: of values that were probably given in another unit.
     """
     for item in fields(p):
         _check_type(p, item.name, item.default)
@@ -47,6 +52,10 @@ def check_parameters(p: ArrayParameters) -> None:
     _require(p, "initial_spin", p.initial_spin == 0.0 or not p.body_fixed, "needs a body that is not fixed")
     if p.cable_torque_ratio is not None:
         _require(p, "cable_torque_ratio", p.cable_torque_ratio >= 0.0, "must not be negative")
+    for name in ("spring_preload_angle", "latch_gap"):
+        largest = max(abs(entry) for entry in p.entries(name))
+        _require(p, name, largest <= _TURN, "must lie between -2 pi and 2 pi: it is in radians, not in degrees")
+    warn_of_implausible(p.entries)
     _check_friction(p)
     _check_contact(p)
 

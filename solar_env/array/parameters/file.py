@@ -10,6 +10,8 @@ import math
 import re
 import textwrap
 import tomllib
+import warnings
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -17,6 +19,7 @@ from typing import Any, NamedTuple
 from solar_env.array.names import unknown_name
 from solar_env.array.parameters.checks import OPTIONAL
 from solar_env.array.parameters.parameters import ArrayParameters
+from solar_env.array.parameters.plausibility import located
 from solar_env.array.parameters.ranges import Ranges, checked_ranges
 from solar_env.support.numbers import is_number
 from solar_env.support.plain_arrays import read_at_most
@@ -50,15 +53,41 @@ class _Text:
     path: Path
     lines: list[str]
 
+    def place(self, table: str, name: str) -> str:
+        """The file and, where it can be found, the line of a key, as a sentence begins."""
+        line = self._line((table, name) if table else (name,))
+        return f"{self.path}, line {line}: " if line else f"{self.path}: "
+
     def refusal(self, table: str, name: str, why: object) -> ValueError:
-        """An error that names the file and, where it can be found, the line."""
-        inside, pattern = "", re.compile(rf"""\s*["']?{re.escape(name)}["']?\s*[.=]""")
+        """An error that names the file and the line of a key."""
+        return ValueError(f"{self.place(table, name)}{why}")
+
+    def _line(self, wanted: tuple[str, ...]) -> int:
+        """Line of a key, counted from 1, or else of the table that holds it; 0 if neither is found."""
+        inside: tuple[str, ...] = ()
+        holder = 0
         for number, line in enumerate(self.lines, start=1):
-            if header := re.match(r"\s*\[\s*([\w-]+)\s*\]", line):
-                inside = header[1]
-            if (inside == table and pattern.match(line)) or (not table and header and header[1] == name):
-                return ValueError(f"{self.path}, line {number}: {why}")
-        return ValueError(f"{self.path}: {why}")
+            if header := _HEADER.match(line):
+                inside = path = _parts(header[1])
+            elif assignment := _ASSIGNMENT.match(line):
+                path = (*inside, *_parts(assignment[1]))
+            else:
+                continue
+            if path[: len(wanted)] == wanted:
+                return number
+            if path == wanted[:-1]:
+                holder = number
+        return holder
+
+
+_PART = r"""(?:[\w-]+|"[^"]*"|'[^']*')"""
+_KEY = rf"({_PART}(?:\s*\.\s*{_PART})*)"
+_HEADER, _ASSIGNMENT = re.compile(rf"\s*\[{{1,2}}\s*{_KEY}\s*\]"), re.compile(rf"\s*{_KEY}\s*=")
+
+
+def _parts(key: str) -> tuple[str, ...]:
+    """A dotted key as its names."""
+    return tuple(part.strip("\"'") for part in re.findall(_PART, key))
 
 
 def read_parameters(path: str | Path) -> ParameterFile:
@@ -92,12 +121,32 @@ def read_parameters(path: str | Path) -> ParameterFile:
             raise text.refusal("", name, unknown_name("parameter", name, [*known, *tables]))
     changes = {name: None if name in OPTIONAL and value == NONE else value for name, value in values.items()}
     try:
-        parameters = parameters.with_changes(changes)
+        with located(lambda name: text.place("", name)):
+            parameters = parameters.with_changes(changes)
     except ValueError as error:
-        # A value that contradicts another may be fine by itself: the message's first word names the one at fault.
-        name = str(error).split(" ", 1)[0]
-        raise text.refusal("", name, _explained(name, error)) from error
+        named, fault = _at_fault(error, changes, parameters.with_changes)
+        raise text.refusal("", fault, _explained(named, error)) from error
     return ParameterFile(parameters, _ranges(parameters, tables, text))
+
+
+def _at_fault(error: ValueError, given: dict[str, Any], check: Callable[[dict[str, Any]], object]) -> tuple[str, str]:
+    """The name that an error begins with, and the key of the file that it is about.
+
+    A value may be fine by itself and contradict another: the error's first word names one of them. Where that one has
+    its default, it is the key with which the error sets in.
+    """
+    named = str(error).split(" ", 1)[0]
+    if named in given:
+        return named, named
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        for count, name in enumerate(given, start=1):
+            try:
+                check(dict(list(given.items())[:count]))
+            except ValueError as found:
+                if str(found) == str(error):
+                    return named, name
+    return named, named
 
 
 def _ranges(parameters: ArrayParameters, tables: dict[str, dict[str, Any]], text: _Text) -> Ranges:
@@ -109,13 +158,16 @@ def _ranges(parameters: ArrayParameters, tables: dict[str, dict[str, Any]], text
                 raise text.refusal(table, name, f"{name} stands in both {TOLERANCE} and {RANDOMIZE}; keep one")
             try:
                 bounds = _about(parameters, name, entry) if table == TOLERANCE else entry
-                ranges |= checked_ranges(parameters, {name: bounds})
+                with located(lambda found, table=table: text.place(table, found)):  # type: ignore[misc]
+                    ranges |= checked_ranges(parameters, {name: bounds})
             except ValueError as error:
                 raise text.refusal(table, name, _explained(name, error)) from error
     try:
         return checked_ranges(parameters, ranges)
     except ValueError as error:
-        raise ValueError(f"{text.path}: {error}") from error
+        named, fault = _at_fault(error, ranges, lambda some: checked_ranges(parameters, some))
+        table = next((table for table, entries in tables.items() if fault in entries), "")
+        raise text.refusal(table, fault, _explained(named, error)) from error
 
 
 def _about(parameters: ArrayParameters, name: str, half_width: Any) -> tuple[Any, Any]:
@@ -156,6 +208,12 @@ def explanations() -> dict[str, str]:
             if name.strip():
                 texts[name.strip()] = " ".join(text.split()).rstrip(".")
     return texts
+
+
+def units() -> dict[str, str]:
+    """Unit of each parameter, by name; empty for what has none: the first in its explanation."""
+    found = {name: re.search(r"\[([^\]]+)\]", text) for name, text in explanations().items()}
+    return {name: unit[1] if unit and not name.endswith("poisson") else "" for name, unit in found.items()}
 
 
 def parameter_text(parameters: ArrayParameters) -> str:

@@ -27,7 +27,8 @@ from solar_env.support.numbers import plain
 class ArrayParameters:
     """Parameters of the array in SI units. Bad values are refused on construction with a ValueError.
 
-    A contact law that turns the restitution into quite another exit speed is accepted with a SimulationWarning.
+    A contact law that turns the restitution into quite another exit speed is accepted with a SimulationWarning, and so
+    is a value that no spacecraft has and that was probably given in another unit.
 
     Springs, latches, contacts, friction and initial rates may differ by joint, and cable stiffnesses by loop, both
     counted from the root: such a quantity takes one number, or a sequence whose last entry also holds for all further
@@ -47,7 +48,7 @@ class ArrayParameters:
         panel_damping: retardation time of the panels' material [s]: stress = E (strain + panel_damping * strain rate)
             (chosen: it damps kilohertz modes and leaves bending below 100 Hz alone; the paper has none).
         spring_stiffness: of the torsion springs, by joint [N m/rad].
-        spring_preload_angle: angle at which a spring is relaxed, by joint [rad].
+        spring_preload_angle: angle at which a spring is relaxed, by joint, at most a turn [rad].
         cable_stiffness: of the closed cable loops between neighbouring joints, by loop [N m/rad] (chosen: keeps the
             joint angles at 1 : 2 within a degree up to the latching).
         cable_torque_ratio: torque on the inner over that on the outer joint of a loop; None takes the wheel ratio

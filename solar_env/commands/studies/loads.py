@@ -85,7 +85,7 @@ def run_command(args: Args) -> int:
     if args.data:
         write_data(nominal.trajectory, args.data)
     if args.hub:
-        write_hub_loads(nominal.trajectory.time, nominal.hub_loads, args.hub)
+        write_hub_loads(plan.array.parameters, nominal.trajectory.time, nominal.hub_loads, args.hub)
     printed = Console()
     if not printed.is_terminal:
         printed.width = max(printed.width, _NARROWEST)

@@ -93,6 +93,7 @@ class Feature(NamedTuple):
         unit: as observed.
         low, high: bounds to which it is clipped.
         of: maps what is shown to (lanes, joints), or (lanes, 1) where it is not by joint.
+        formula: the same for who writes it in another language, in the words of `FORMULA_WORDS`.
         by_joint: whether there is one entry a joint.
     """
 
@@ -102,6 +103,7 @@ class Feature(NamedTuple):
     low: float
     high: float
     of: Callable[[Shown], Values]
+    formula: str
     by_joint: bool = False
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -114,55 +116,89 @@ def feature(name: str) -> Feature:
     return next(row for row in FEATURES if row.name == name)
 
 
+# Words of the formulas, and what they mean.
+FORMULA_WORDS = {
+    "approach": "1 until all joints have latched, then 0",
+    "d_j": "1 - (angle of joint j) / (its lock angle), as measured",
+    "r_j": "(rate of joint j) / (its lock angle), as measured [1/s]",
+    "d, r": "means of d_j and r_j over the joints",
+    "ahead_d, ahead_r": "d_1 or r_1 minus the mean of those of the other joints; 0 if there are none",
+    "left": "time to the deadline [s]",
+    "L(x, u)": "sign(x) ln(1 + |x| / u)",
+}
+
+
+def _place_formula(place: int) -> str:
+    """Formula of `near`."""
+    sides = []
+    if place > 0:
+        left = PLACES[place - 1]
+        sides.append(f"(1 - d - {left:g}) / {PLACES[place] - left:.3g}")
+    if place < len(PLACES) - 1:
+        right = PLACES[place + 1]
+        sides.append(f"({right:g} - 1 + d) / {right - PLACES[place]:.3g}")
+    return f"approach * max(0, min(1, {', '.join(sides)}))"
+
+
 _UNTIL, _AFTER = "until the last latch, then 0", "after the last latch, before it 0"
 FEATURES: tuple[Feature, ...] = (
-    Feature("approach", f"1 {_UNTIL}", "0 or 1", 0, 1, lambda s: s.approach),
+    Feature("approach", f"1 {_UNTIL}", "0 or 1", 0, 1, lambda s: s.approach, "approach"),
     Feature(
         "approach_opening", f"twice the mean opening less 0.8, {_UNTIL}", "lock angle", -4, 4,
         lambda s: s.approach * 2.0 * (0.2 - s.distance),
+        "approach * 2 * (0.2 - d)",
     ),
     Feature(
         "approach_distance", f"mean distance to the lock, logarithmic, {_UNTIL}", "-", -8, 8,
         lambda s: s.approach * (signed_logarithm(s.distance, DISTANCE) - 4.0) / 2.0,
+        "approach * (L(d, 2e-4) - 4) / 2",
     ),
     Feature(
         "approach_rate", f"mean opening rate, logarithmic, {_UNTIL}", "-", -16, 8,
         lambda s: s.approach * (signed_logarithm(s.opening_rate, RATE) - 5.0),
+        "approach * (L(r, 3e-4) - 5)",
     ),
     Feature(
         "approach_lead", f"opening of joint 1 beyond the others, logarithmic, {_UNTIL}", "-", -8, 8,
         lambda s: s.approach * signed_logarithm(-ahead(s.distances), DISTANCE) / 2.0,
+        "approach * L(-ahead_d, 2e-4) / 2",
     ),
     Feature(
         "approach_lead_rate", f"opening rate of joint 1 beyond the others, logarithmic, {_UNTIL}", "-", -8, 8,
         lambda s: s.approach * signed_logarithm(ahead(s.rates), RATE) / 3.0,
+        "approach * L(ahead_r, 3e-4) / 3",
     ),
     Feature(
         "approach_time", f"twice the time left less 0.3, {_UNTIL}", "deadline", -2, 2,
         lambda s: s.approach * 2.0 * (s.time_to_deadline - 0.3),
+        "approach * 2 * (left / deadline - 0.3)",
     ),
     Feature(
         "approach_deceleration", f"rate squared over twice the distance, logarithmic, {_UNTIL}", "-", -8, 8,
         lambda s: s.approach * (signed_logarithm(s.deceleration, 1e-4) - 4.0) / 2.0,
+        "approach * (L(max(r, 0) * max(r, 0) / (2 * max(d, 2e-4)), 1e-4) - 4) / 2",
     ),
     Feature(
         "approach_time_needed", f"time still needed at this rate over the time left, logarithmic, {_UNTIL}", "-", -8, 8,
         lambda s: s.approach * np.log(np.maximum(s.time_needed, 1e-3)),
+        "approach * ln(max(max(d, 0) / (max(r, 3e-4) * max(left, 0.1)), 1e-3))",
     ),
     *(
         Feature(
             f"approach_place_{place + 1}",
             f"1 at a mean opening of {opening:g}, linearly to 0 at the neighbouring places, {_UNTIL}", "-", 0, 1,
-            near(place),
+            near(place), _place_formula(place),
         )
         for place, opening in enumerate(PLACES)
     ),
     Feature(
         "settling_rate", f"opening rate, logarithmic, {_AFTER}", "-", -4, 4,
-        lambda s: (1.0 - s.approach) * signed_logarithm(s.rates, RATE) / 4.0, True,
+        lambda s: (1.0 - s.approach) * signed_logarithm(s.rates, RATE) / 4.0,
+        "(1 - approach) * L(r_j, 3e-4) / 4", True,
     ),
     Feature(
         "settling_distance", f"distance to the lock, logarithmic, {_AFTER}", "-", -4, 4,
-        lambda s: (1.0 - s.approach) * signed_logarithm(s.distances, DISTANCE) / 3.0, True,
+        lambda s: (1.0 - s.approach) * signed_logarithm(s.distances, DISTANCE) / 3.0,
+        "(1 - approach) * L(d_j, 2e-4) / 3", True,
     ),
 )  # fmt: skip

@@ -80,11 +80,12 @@ class Chart:
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of text under a title."""
+    """Rows of text under a title; a folded table opens when its title is clicked."""
 
     title: str
     columns: Sequence[str]
     rows: Sequence[Sequence[str]]
+    folded: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -46,6 +46,7 @@ def page_text(page: Page) -> str:
     return f"""<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><title>{html.escape(page.title)}</title>
 <meta http-equiv="Content-Security-Policy" content="{_POLICY}">
+<meta name="viewport" content="width=device-width, initial-scale=1">
 <style>{(_FOLDER / "page.css").read_text(encoding="utf-8")}</style></head>
 <body><h1>{html.escape(page.title)}</h1><section id="answer">{answer}</section>
 <section id="player"><button id="play">play</button><select id="speed" aria-label="speed">
@@ -97,4 +98,8 @@ def _chart(chart: Chart) -> dict[str, Any]:
 def _table(table: Table) -> str:
     head = "".join(f"<th>{html.escape(name)}</th>" for name in table.columns)
     rows = "".join(f"<tr>{''.join(f'<td>{html.escape(cell)}</td>' for cell in row)}</tr>" for row in table.rows)
-    return f"<h2>{html.escape(table.title)}</h2><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
+    title = html.escape(table.title)
+    body = f'<div class="wide"><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>'
+    if table.folded:
+        return f"<details><summary>{title}</summary>{body}</details>"
+    return f"<h2>{title}</h2>{body}"

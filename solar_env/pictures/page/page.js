@@ -80,6 +80,17 @@ class MotionView {
   }
 }
 
+// A title in lines that fit a width; letters of 15 pixels are less than 9 wide.
+function wrapped(title, width) {
+  const lines = [""];
+  for (const word of title.split(" ")) {
+    const last = lines[lines.length - 1];
+    if (last && 9 * (last.length + word.length + 1) > width) lines.push(word);
+    else lines[lines.length - 1] = last ? `${last} ${word}` : word;
+  }
+  return lines.join("<br>");
+}
+
 class ChartView {
   constructor(chart) {
     this.chart = chart;
@@ -102,11 +113,13 @@ class ChartView {
     });
     const axis = (title, kind) => ({ title: { text: title }, type: kind, gridcolor: "#e6e9ed", zeroline: false, automargin: true,
       ...(kind === "log" ? { exponentformat: "power", dtick: 1 } : {}) });
-    const layout = { title: { text: chart.title, font: { size: 15 }, x: 0.01 }, height: 320 + 18 * Math.ceil(traces.length / 3), margin: { t: 40, r: 12, b: 60 + 18 * Math.ceil(traces.length / 3), l: 60 },
+    const width = this.plot.clientWidth, title = wrapped(chart.title, width), above = 18 * (title.split("<br>").length - (chart.polar ? 0 : 1));
+    const below = 18 * Math.ceil(traces.length / Math.max(1, Math.floor(width / 180)));
+    const layout = { title: { text: title, font: { size: 15 }, x: 0.01 }, height: 320 + above + below, margin: { t: 40 + above, r: 12, b: 60 + below, l: 60 },
       legend: { orientation: "h", yref: "container", y: 0, yanchor: "bottom" }, hovermode: "closest", font: { color: INK },
       xaxis: axis(chart.x, chart.logarithmic.includes("x") ? "log" : "linear"),
       yaxis: axis(chart.y, chart.logarithmic.includes("y") ? "log" : "linear"),
-      polar: { radialaxis: { nticks: 3, tickformat: ".0e" } } };
+      polar: { radialaxis: { title: { text: chart.y }, nticks: 3, tickformat: ".0e" } } };
     Plotly.newPlot(this.plot, traces, layout, { responsive: true, displayModeBar: false });
     if (chart.over_time) {
       this.plot.on("plotly_click", (event) => show(event.points[0].x));

@@ -1,15 +1,18 @@
 """Deployments as pages show them: motions and charts over time, from trajectories."""
 
 from collections.abc import Callable, Iterable, Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters, build, main_body_corners
+from solar_env.array.parameters.file import units
+from solar_env.array.parameters.ranges import Ranges
 from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.integrators.methods.table import METHODS
 from solar_env.mechanics.running.trajectory import Trajectory
-from solar_env.pictures.page.content import Chart, Line, Motion
+from solar_env.pictures.page.content import Chart, Line, Motion, Table
 from solar_env.pictures.style import COLOURS, controller_looks
 
 Array = NDArray[np.float64]
@@ -74,6 +77,31 @@ def motion_of(trajectory: Trajectory, name: str) -> Motion:
         latch_times=trajectory.latch_times,
         torque=trajectory.motor_torque[kept].sum(axis=1),
     )
+
+
+def parameter_table(parameters: ArrayParameters, ranges: Ranges | None = None) -> Table:
+    """Every parameter of an array with its unit, folded.
+
+    Args:
+        parameters: of the array.
+        ranges: of what is drawn for every run, if anything is.
+    """
+    known, drawn = units(), ranges or {}
+    columns = ("parameter", "value", "unit", *(("drawn between",) if drawn else ()))
+    rows = []
+    for name, value in parameters.to_dict().items():
+        between = [" and ".join(map(_entered, drawn[name]))] if name in drawn else [""] if drawn else []
+        rows.append([name, _entered(value), known[name], *between])
+    return Table("Parameters of the array", columns, rows, folded=True)
+
+
+def _entered(value: Any) -> str:
+    """A value of a parameter as one would write it."""
+    if isinstance(value, (list, tuple)):
+        return f"({', '.join(map(_entered, value))})"
+    if value is None or isinstance(value, bool):
+        return {None: "from others", True: "yes", False: "no"}[value]
+    return f"{value:.10g}" if isinstance(value, float) else str(value)
 
 
 def charts_of(trajectories: Mapping[str, Trajectory]) -> list[Chart]:

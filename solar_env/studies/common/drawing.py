@@ -1,9 +1,10 @@
 """Drawing that the studies share: panels, axes, legends, saving. Figures are drawn from tables alone."""
 
+import itertools
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
@@ -16,6 +17,18 @@ from numpy.typing import NDArray
 
 from solar_env.pictures.style import FAINT, STYLE, Look
 from solar_env.support.files import save_figure
+
+Box = tuple[float, float, float, float]
+
+
+class Label(NamedTuple):
+    """A text that belongs to a point."""
+
+    text: str
+    x: float
+    y: float
+    colour: str
+
 
 _ABOVE = 0.72  # room for titles [inch]
 _TITLE_CHARACTERS = 10  # of the figure's title, for each inch of its width
@@ -87,11 +100,77 @@ def save(figure: Figure, path: Path, looks: Mapping[str, Look], title: str, note
         columns = _legend_columns(figure.get_figwidth())
         place = (0.5, 0.18 / figure.get_figheight())
         figure.legend(handles=handles, loc="lower center", ncols=columns, bbox_to_anchor=place)
-        lines = textwrap.fill(title, int(_TITLE_CHARACTERS * figure.get_figwidth()))
-        figure.suptitle(lines, y=1.0 - 0.06 / figure.get_figheight(), va="top")
+        lines = balanced(title, int(_TITLE_CHARACTERS * figure.get_figwidth()))
+        figure.suptitle("\n".join(lines), y=1.0 - 0.06 / figure.get_figheight(), va="top")
         if note:
             figure.text(0.5, 0.04 / figure.get_figheight(), note, ha="center", va="bottom", fontsize=7)
         save_figure(figure, path, dpi=160)
+
+
+def balanced(text: str, width: int) -> list[str]:
+    """A text in as few lines of some width as it needs, of about the same length, broken at spaces alone."""
+    count = len(textwrap.wrap(text, width, break_on_hyphens=False))
+    widths = range(max(len(text) // max(count, 1), 1), width + 1)
+    wrapped = (textwrap.wrap(text, some, break_on_hyphens=False, break_long_words=False) for some in widths)
+    for lines in wrapped:
+        if len(lines) <= count and all(len(line) <= width for line in lines):
+            return lines
+    return [text]
+
+
+def place_labels(axis: Axes, labels: Sequence[Label], obstacles: Sequence[Box]) -> None:
+    """Write labels beside their points, where they cover as little as possible of anything else.
+
+    Args:
+        axis: with its final limits and place.
+        labels: in the order in which they choose.
+        obstacles: x0, y0, x1, y1 of what is drawn already, in the units of the axes.
+    """
+    figure = axis.get_figure(root=True)
+    assert figure is not None
+    renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
+    margin = 3.0 * figure.dpi / 72.0  # half a mark [pixel]
+    inside = axis.get_window_extent(renderer)
+    taken: list[Box] = []
+    written: list[Box] = []
+    for x0, y0, x1, y1 in obstacles:
+        (left, low), (right, high) = axis.transData.transform([(x0, y0), (x1, y1)])
+        taken.append((left - margin, low - margin, right + margin, high + margin))
+    for label in labels:
+        text = axis.annotate(
+            label.text, (label.x, label.y), (0, 0), textcoords="offset points", fontsize=7, color=label.colour
+        )
+        tried: list[tuple[float, int, Any, Box]] = []
+        for distance, (dx, dy) in itertools.product((5.0, 9.0, 14.0, 20.0), _DIRECTIONS):
+            text.set_position((distance * dx, distance * dy))
+            text.set_horizontalalignment("left" if dx > 0.3 else "right" if dx < -0.3 else "center")
+            text.set_verticalalignment("bottom" if dy > 0.3 else "top" if dy < -0.3 else "center")
+            box = text.get_window_extent(renderer)
+            own: Box = (box.x0, box.y0, box.x1, box.y1)
+            outside = (box.x1 - box.x0) * (box.y1 - box.y0) - _shared(own, (inside.x0, inside.y0, inside.x1, inside.y1))
+            hidden = _LABELS * sum(_shared(own, other) for other in written) + sum(
+                _shared(own, other) for other in taken
+            )
+            covered = hidden + outside + _FARTHER * distance
+            looks = text.get_position(), text.get_horizontalalignment(), text.get_verticalalignment()
+            tried.append((covered, len(tried), looks, own))
+        _, _, (place, across, upright), own = min(tried, key=lambda one: one[:2])
+        text.set_position(place)
+        text.set_horizontalalignment(across)
+        text.set_verticalalignment(upright)
+        written.append(own)
+
+
+_LABELS = 20.0  # how much worse it is to cover a label than a line
+_FARTHER = 4.0  # area that may be covered lest a label stand a point farther away
+_DIRECTIONS = ((-1.0, 0.0), (1.0, 0.0), (-0.7, 0.7), (-0.7, -0.7), (0.7, 0.7), (0.7, -0.7), (0.0, 1.0), (0.0, -1.0))
+
+
+def _shared(one: Box, other: Box) -> float:
+    """Area that two boxes share."""
+    width = min(one[2], other[2]) - max(one[0], other[0])
+    height = min(one[3], other[3]) - max(one[1], other[1])
+    return max(width, 0.0) * max(height, 0.0)
 
 
 def short(value: float) -> str:

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from solar_env.array import has_clearance
 from solar_env.array.ladder import QUESTIONS, Answer, steps
 from solar_env.pictures.style import MODEL_LOOKS, STEEL, STYLE, look_of
-from solar_env.studies.common.drawing import make_figure, save, use_decades
+from solar_env.studies.common.drawing import Box, Label, make_figure, place_labels, save, use_decades
 
 _COLUMNS = 3
 _TOLERANCE, _CHEAP = 0.3, 0.5  # of the title
@@ -53,34 +53,33 @@ def _draw_panel(axis: Axes, answers: Sequence[Answer]) -> None:
     axis.set_xscale("log")
     axis.set_yscale("log")
     chosen = steps(answers, answers[0].question)
+    labels: list[Label] = []
+    obstacles: list[Box] = []
     for answer in answers:
         bound = max(answer.bound, _SMALLEST)
         style = {**look_of(answer.model, MODEL_LOOKS), "linestyle": "none"}
         if answer.error > 0.0:
             axis.plot([answer.error, bound], [answer.cost_ratio] * 2, linewidth=0.8, color=style["color"])
         axis.plot([bound], [answer.cost_ratio], markersize=4, **style)
+        obstacles.append((min(max(answer.error, _SMALLEST), bound), answer.cost_ratio, bound, answer.cost_ratio))
         # With ideal joints all panels answer alike, and their numbers would hide each other.
         if answer.panels and (has_clearance(answer.model) or answer in chosen):
-            kind = answer.panel_model.option[0]
-            side = -1 if has_clearance(answer.model) else 1
-            axis.annotate(
-                f"{answer.count}{kind}",
-                (bound, answer.cost_ratio),
-                xytext=(4 * side, 2 if kind == "m" else -7),
-                textcoords="offset points",
-                ha="left" if side > 0 else "right",
-                fontsize=7,
-                color=style["color"],
-            )
-    _draw_steps(axis, chosen)
+            text = f"{answer.count}{answer.panel_model.option[0]}"
+            labels.append(Label(text, bound, answer.cost_ratio, str(style["color"])))
+    obstacles += _draw_steps(axis, chosen)
     use_decades(axis, "x")
     use_decades(axis, "y")
+    place_labels(axis, labels, obstacles)
 
 
-def _draw_steps(axis: Axes, chosen: Sequence[Answer]) -> None:
-    """The cost of the cheapest level against the tolerance; none to the left of the finest."""
+def _draw_steps(axis: Axes, chosen: Sequence[Answer]) -> list[Box]:
+    """The cost of the cheapest level against the tolerance; none to the left of the finest. Returns its lines."""
     bounds = [max(answer.bound, _SMALLEST) for answer in chosen]
     costs = [answer.cost_ratio for answer in chosen]
     start, end = 0.4 * bounds[0], 2.0 * axis.get_xlim()[1]
     axis.step([*bounds, end], [*costs, costs[-1]], where="post", color=STEEL, linewidth=2.5, alpha=0.5, zorder=1)
     axis.set_xlim(start, end)
+    ends = [*bounds[1:], end]
+    levels = [(x0, y, x1, y) for x0, x1, y in zip(bounds, ends, costs, strict=True)]
+    drops = [(x, y1, x, y0) for x, y0, y1 in zip(bounds[1:], costs, costs[1:], strict=False)]
+    return levels + drops

@@ -64,18 +64,21 @@ def mean_loads(parameters: ArrayParameters, time: Array, velocity: Array) -> Arr
     return np.asarray(inertia * np.diff(velocity, axis=0) / np.diff(time)[:, None])
 
 
-def write_hub_loads(time: Array, loads: Array, path: Path) -> None:
-    """Write the mean loads on the hub, each from one sample to the next, as CSV.
+def write_hub_loads(parameters: ArrayParameters, time: Array, loads: Array, path: Path) -> None:
+    """Write the mean loads on the hub, each from one sample to the next, and the hub's mass and inertia, as CSV.
 
-    Held constant over each row's time they give the hub the momentum that it had at every sample.
+    Held constant over each row's time they give such a hub the momentum that it had at every sample.
 
     Args:
+        parameters: of the array, whose mass and inertia of the main body stand in every row.
         time: (nt,) of the samples [s].
         loads: (nt - 1, 3) force in inertial axes [N] and torque about the centroid [N m].
         path: the file.
     """
     columns = {"start_s": time[:-1], "end_s": time[1:], "force_x_N": loads[:, 0], "force_y_N": loads[:, 1]}
-    write_columns(path, columns | {"torque_z_Nm": loads[:, 2]})
+    hub = {"hub_mass_kg": parameters.body_mass, "hub_inertia_kgm2": parameters.body_inertia}
+    same = {name: np.full(len(loads), value) for name, value in hub.items()}
+    write_columns(path, columns | {"torque_z_Nm": loads[:, 2]} | same)
 
 
 def sampled_hinge_loads(parameters: ArrayParameters, trajectory: Trajectory, place: Array) -> Array:

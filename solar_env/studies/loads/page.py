@@ -6,10 +6,11 @@ import numpy as np
 
 from solar_env.pictures.page.content import Chart, Line, Page
 from solar_env.pictures.style import COLOURS
-from solar_env.studies.common.deployment_page import charts_of, motion_of, shown_samples
+from solar_env.studies.common.deployment_page import charts_of, motion_of, parameter_table, shown_samples
 from solar_env.studies.loads.ensemble import Loads
 from solar_env.studies.loads.report import answer, tables
 from solar_env.studies.loads.runs import Deployment
+from solar_env.studies.loads.statistics import shortened
 
 
 def loads_page(loads: Loads, nominal: Deployment, wear_limit: float, notes: Sequence[str]) -> Page:
@@ -25,32 +26,36 @@ def loads_page(loads: Loads, nominal: Deployment, wear_limit: float, notes: Sequ
     charts = charts_of({name: nominal.trajectory}) + _hub_charts(nominal) + _spectra(loads)
     motions = [motion_of(nominal.trajectory, name)]
     title = "How hard the hinges and the hub are hit"
-    return Page(title, answer(loads, wear_limit), motions, charts, tables(loads), notes)
+    array = parameter_table(loads.plan.array.parameters, loads.plan.array.randomize)
+    return Page(title, answer(loads, wear_limit), motions, charts, [*tables(loads), array], notes)
 
 
 def _hub_charts(nominal: Deployment) -> list[Chart]:
-    """Turn of the hub, and mean loads on it between the moments shown."""
+    """Turn of the hub, and the greatest loads on it from each of the moments shown to the next."""
     kept = shown_samples(nominal.trajectory)
     time = nominal.trajectory.time
     turn = np.degrees(nominal.place[kept, 2] - nominal.place[0, 2])
-    steps = np.diff(time)[:, None]
-    means = np.add.reduceat(nominal.hub_loads * steps, kept[:-1], axis=0) / np.add.reduceat(steps, kept[:-1], axis=0)
-    middle = time[kept[:-1]]
-    force = [Line(f"along {axis}", middle, means[:, k], COLOURS[k]) for k, axis in enumerate("xy")]
-    fast, twist = (f"{peak:.3g}" for peak in nominal.hub_peaks[:2])
+    begins = kept[kept < len(time) - 1]
+    greatest = np.maximum.reduceat(nominal.hub_greatest, begins, axis=0)
+    fast, twist = (shortened(peak, 3) for peak in greatest.max(axis=0))
     return [
         Chart(
-            f"The hub turns by up to {np.abs(turn).max():.3g} degrees",
+            f"The nominal hub turns by up to {np.abs(turn).max():.3g} degrees",
             "time [s]",
             "angle [deg]",
             [Line("hub", time[kept], turn, COLOURS[0])],
         ),
-        Chart(f"{fast} N act on the hub at the peak", "time [s]", "mean from point to point [N]", force),
         Chart(
-            f"{twist} N m act on the hub at the peak",
+            f"The nominal hub sees up to {fast} N",
             "time [s]",
-            "mean from point to point [N m]",
-            [Line("about its centroid", middle, means[:, 2], COLOURS[0])],
+            "greatest over 50 us [N]",
+            [Line("force of the root hinge", time[begins], greatest[:, 0], COLOURS[0])],
+        ),
+        Chart(
+            f"The nominal hub sees up to {twist} N m",
+            "time [s]",
+            "greatest over 50 us [N m]",
+            [Line("torque about its centroid", time[begins], greatest[:, 1], COLOURS[0])],
         ),
     ]
 

@@ -1,6 +1,7 @@
 """Report of an ensemble, in five lines and in tables."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -13,35 +14,26 @@ COLUMNS = ("quantity", "", "mean", "95 % interval", "99 % of runs below", "at 95
 
 
 def answer(loads: Loads, wear_limit: float) -> list[str]:
-    """Five lines: how hard, how sure, the hub, the wear, and what was left out."""
-    plan, figures = loads.plan, loads.figures
-    forces = figures["peak_force"]
-    worst = max(range(len(forces)), key=lambda j: _or_zero(forces[j].mean))
-    hit = forces[worst]
-    spread = hit.quantile_bound - hit.quantile
-    bound = f"; 99 % of deployments stay below {rounded(hit.quantile, spread)} N" if math.isfinite(hit.quantile) else ""
-    if math.isfinite(hit.quantile_bound):
-        bound += f", with 95 % confidence below {rounded(hit.quantile_bound, spread)} N"
-    lines = [f"Joint {worst + 1} is hit hardest: peak force {_with_interval(hit, 'N')} in the mean{bound}."]
-    level, finer = plan.levels
-    share = abs(hit.model_error / hit.mean)
-    known = math.isfinite(hit.model_low)
-    error = f"changes that by {share:.1%}" if known else "cannot yet be compared: give more runs"
-    if known and hit.model_low < 0.0 < hit.model_high:
-        error += ", which is within sampling"
-    lines.append(
-        f"Model: {level.name}, the cheapest level for {plan.question} within {plan.tolerance:g}; the next finer, "
-        f"{finer.name}, {error}."
-    )
-    hub = [_with_interval(figures[name][0], unit, scale) for name, unit, scale in _HUB_SENTENCE]
-    lines.append(f"The hub turns by {hub[0]} at most and sees {hub[1]} and {hub[2]} at the peak.")
-    wear = figures["wear_depth"]
-    deepest = max((f for f in wear if math.isfinite(f.mean)), key=lambda f: f.mean, default=wear[0])
+    """Five lines: peak force, impulse, wear, hub, and what they rest on.
+
+    Each figure comes with the interval of its mean, its high quantile and its own model error.
+    """
+    figures = loads.figures
+    joint, hit = _worst(figures["peak_force"])
+    lines = [f"Joint {joint} is hit hardest: peak force {_stated(hit, 'N')}."]
+    joint, push = _worst(figures["impulse"])
+    lines.append(f"The impulse after latching is greatest at joint {joint}: {_stated(push, 'N s')}.")
+    joint, deepest = _worst(figures["wear_depth"])
     deployments = wear_limit / deepest.mean if deepest.mean > 0.0 else math.inf
     lines.append(
-        f"Wear: {rounded(1e15 * deepest.mean, 1e15 * deepest.uncertainty)} fm a deployment at the deepest place; "
-        f"{shortened(deployments)} deployments to {1e6 * wear_limit:g} micrometres, if every one wears the same place."
+        f"A deployment wears joint {joint} deepest: {_stated(deepest, 'fm', 1e15)}; {shortened(deployments)} "
+        f"deployments to {1e6 * wear_limit:g} micrometres, if every one wears the same place."
     )
+    hub = [
+        f"{_with_interval(figures[name][0], unit, scale)} ({_with_model_error(figures[name][0], unit, scale)})"
+        for name, unit, scale in _HUB_SENTENCE
+    ]
+    lines.append(f"The hub turns by {hub[0]} at most and sees {hub[1]} and {hub[2]} at the peak.")
     lines.append(_basis(loads))
     return lines
 
@@ -49,18 +41,65 @@ def answer(loads: Loads, wear_limit: float) -> list[str]:
 _HUB_SENTENCE = (("hub_excursion", "deg", 180.0 / math.pi), ("hub_force", "N", 1.0), ("hub_torque", "N m", 1.0))
 
 
+def _worst(figures: Sequence[Figure]) -> tuple[int, Figure]:
+    """The joint with the greatest mean, counted from 1, and its figure."""
+    worst = max(range(len(figures)), key=lambda j: figures[j].mean if math.isfinite(figures[j].mean) else -math.inf)
+    return worst + 1, figures[worst]
+
+
+def _stated(figure: Figure, unit: str, scale: float = 1.0) -> str:
+    """Mean with its interval, the high quantile and its bound, the model error."""
+    parts = [_with_interval(figure, unit, scale)]
+    spread = scale * (figure.quantile_bound - figure.quantile)
+    if math.isfinite(spread):
+        quantile, bound = (rounded(scale * x, spread) for x in _quantiles(figure))
+        parts.append(f"99 % of deployments stay below {quantile} {unit} (with 95 % confidence below {bound} {unit})")
+    return ", ".join([*parts, _with_model_error(figure, unit, scale)])
+
+
+def _with_interval(figure: Figure, unit: str, scale: float) -> str:
+    half = scale * figure.half_width
+    spread = f" \u00b1 {rounded(half, half)}" if math.isfinite(half) else ""
+    return f"{rounded(scale * figure.mean, half)}{spread} {unit}"
+
+
+def _with_model_error(figure: Figure, unit: str, scale: float) -> str:
+    error = _model_error(figure, scale)
+    return f"model error {error} {unit}" if error else "model error unknown"
+
+
+def _model_error(figure: Figure, scale: float) -> str:
+    """The model error with its interval; empty where it is not known."""
+    half = scale * figure.model_half_width
+    if not math.isfinite(half):
+        return ""
+    text = rounded(scale * figure.model_error, half)
+    if float(text) == 0.0:
+        text = text.removeprefix("-")
+    elif not text.startswith("-"):
+        text = f"+{text}"
+    return f"{text} \u00b1 {rounded(half, half)}"
+
+
 def _basis(loads: Loads) -> str:
     """State what the figures rest on, and what is missing."""
-    plan = loads.plan
+    plan, (level, finer) = loads.plan, loads.plan.levels
     drawn = ", ".join(plan.array.randomize) or "no parameter"
     runs = "1 run" if plan.members == 1 else f"{plan.members} runs"
     text = f"{runs} of each level, released within 0.5 mrad/s of rest; drawn: {drawn}."
-    if plan.members < FEWEST:
-        text += f" Fewer than {FEWEST} runs have no interval."
+    if plan.members >= FEWEST:
+        text += " \u00b1 is the 95 % interval of a mean."
+    else:
+        text += f" Fewer than {FEWEST} runs have no interval and no model error."
+    text += (
+        f" Level: {level.name}, the cheapest for {plan.question} within {plan.tolerance:g}, and chosen for that "
+        f"question alone; the model error of every figure is that seen at the next finer level, {finer.name}: its "
+        "mean minus this one, over the same runs."
+    )
     if any(loads.unlatched):
         text += (
-            f" In {loads.unlatched[0]} of them a joint had not latched within {plan.deadline:g} s; they count only "
-            "where no latching is needed."
+            f" In {loads.unlatched[0]} runs of the level and {loads.unlatched[1]} of the finer a joint had not latched "
+            f"within {plan.deadline:g} s; they count only where no latching is needed."
         )
     for warning, times in loads.warnings.items():
         text += f" In {times} of {2 * plan.members} runs: {warning}."
@@ -88,31 +127,22 @@ _SHOWN = slice(3, None, 6)
 
 def _row(loads: Loads, name: str, index: int) -> list[str]:
     quantity, figure = QUANTITIES[name], loads.figures[name][index]
-    scale, uncertainty = quantity.scale, quantity.scale * figure.uncertainty
+    scale, half = quantity.scale, quantity.scale * figure.half_width
     interval = "-"
-    if math.isfinite(figure.low):
-        interval = f"{rounded(scale * figure.low, uncertainty)} to {rounded(scale * figure.high, uncertainty)}"
-    error = "-"
-    if math.isfinite(figure.model_low):
-        half = 0.5 * (figure.model_high - figure.model_low)
-        error = f"{_signed(scale * figure.model_error, scale * half)} \u00b1 {shortened(scale * half, 1)}"
+    if math.isfinite(half):
+        interval = f"{rounded(scale * figure.low, half)} to {rounded(scale * figure.high, half)}"
     return [
         quantity.name,
         quantity.unit,
-        rounded(scale * figure.mean, uncertainty),
+        rounded(scale * figure.mean, half),
         interval,
         *(rounded(scale * x, scale * (figure.quantile_bound - figure.quantile)) for x in _quantiles(figure)),
-        error,
+        _model_error(figure, scale) or "-",
     ]
 
 
 def _quantiles(figure: Figure) -> tuple[float, float]:
     return figure.quantile, figure.quantile_bound
-
-
-def _signed(value: float, uncertainty: float) -> str:
-    text = rounded(value, uncertainty)
-    return text if text.startswith("-") else f"+{text}"
 
 
 def _spectrum_row(loads: Loads, joint: int) -> list[list[str]]:
@@ -125,14 +155,3 @@ def _hub_spectrum_rows(loads: Loads) -> list[list[str]]:
     means = loads.hub_spectrum.mean(axis=1) if loads.hub_spectrum.size else np.zeros((2, 0))
     labels = ("acceleration of the hub [m/s2]", "  finer level")
     return [[label, *map(shortened, level[_SHOWN])] for label, level in zip(labels, means, strict=True)]
-
-
-def _with_interval(figure: Figure, unit: str, scale: float = 1.0) -> str:
-    text = f"{rounded(scale * figure.mean, scale * figure.uncertainty)} {unit}"
-    if not math.isfinite(figure.low):
-        return text
-    return f"{text} (\u00b1 {shortened(scale * 0.5 * (figure.high - figure.low), 1)})"
-
-
-def _or_zero(value: float) -> float:
-    return value if math.isfinite(value) else 0.0

@@ -44,6 +44,7 @@ class Deployment:
         hub_loads: (nt - 1, 3) mean force [N] and torque [N m] on the hub between the samples.
         peak_torque: (joints,) greatest torque of spring, cable, latch and motor together [N m].
         hub_peaks: greatest force [N], torque [N m] and acceleration [m/s2] of the hub, over 50 microseconds.
+        hub_greatest: (nt - 1, 2) greatest force [N] and torque [N m] on the hub, over 50 microseconds, between samples.
         hinge_spectrum: (f, joints) shock response spectra of the hinges' forces [N].
         hub_spectrum: (f,) of the acceleration of the hub's centroid [m/s2].
         warnings: what the simulator said.
@@ -55,6 +56,7 @@ class Deployment:
     hub_loads: Array
     peak_torque: Array
     hub_peaks: Array
+    hub_greatest: Array
     hinge_spectrum: Array
     hub_spectrum: Array
     warnings: tuple[str, ...]
@@ -98,11 +100,13 @@ def deploy(level: Level, parameters: ArrayParameters, member: int, window: float
     velocity = hub_velocity(parameters, run.simulation.model, trajectory.coordinates, trajectory.velocities)
     if parameters.body_fixed:
         loads = sampled_hinge_loads(parameters, trajectory, place)[1:]
-        run.hub_peaks[:2] = np.hypot(loads[:, 0], loads[:, 1]).max(), np.abs(loads[:, 2]).max()
+        greatest = np.column_stack([np.hypot(loads[:, 0], loads[:, 1]), np.abs(loads[:, 2])])
+        run.hub_peaks[:2] = greatest.max(axis=0)
     else:
+        greatest = run.hub_greatest()
         loads = mean_loads(parameters, trajectory.time, velocity)
     spectra = run.hinge_spectrum.finish(), run.hub_spectrum.finish()[:, 0]
-    return Deployment(trajectory, place, velocity, loads, run.peak_torque, run.hub_peaks, *spectra, said)
+    return Deployment(trajectory, place, velocity, loads, run.peak_torque, run.hub_peaks, greatest, *spectra, said)
 
 
 class _Run:
@@ -116,6 +120,9 @@ class _Run:
         self._contacts: list[Array] = []
         self._tick = 0  # of the next sample, in samples of RATE
         self._last_velocity: Array | None = None
+        self._last_tick = 0
+        # Piece by piece: milliseconds, and the greatest force and torque in each.
+        self._hub_loads: list[tuple[NDArray[np.int64], Array]] = []
         self.peak_torque = np.zeros(joints)
         self.hub_peaks = np.zeros(3)
         self.hinge_spectrum = ShockSpectrum(FREQUENCIES, RATE, joints)
@@ -157,18 +164,32 @@ class _Run:
         velocity = hub_velocity(
             self._parameters, self.simulation.model, table[:, self._columns["q"]], table[:, self._columns["v"]]
         )
+        ticks = self._tick + stride * np.arange(len(table))
         if self._last_velocity is not None:
-            gained = np.diff(np.vstack([self._last_velocity, velocity]), axis=0) * (RATE / stride)
-            acceleration, turning = np.hypot(gained[:, 0], gained[:, 1]).max(), np.abs(gained[:, 2]).max()
+            velocity, ticks = np.vstack([self._last_velocity, velocity]), np.append(self._last_tick, ticks)
+        if len(ticks) > 1:
+            gained = np.diff(velocity, axis=0) / (np.diff(ticks)[:, None] / RATE)
+            acceleration, turning = np.hypot(gained[:, 0], gained[:, 1]), np.abs(gained[:, 2])
             p = self._parameters
-            peaks = np.array([p.body_mass * acceleration, p.body_inertia * turning, acceleration])
-            self.hub_peaks = np.maximum(self.hub_peaks, peaks)
+            loads_on_hub = np.column_stack([p.body_mass * acceleration, p.body_inertia * turning])
+            self.hub_peaks = np.maximum(self.hub_peaks, [*loads_on_hub.max(axis=0), acceleration.max()])
+            milliseconds = -(-ticks[1:] // EVERY)
+            begins = np.flatnonzero(np.diff(milliseconds, prepend=-1))
+            self._hub_loads.append((milliseconds[begins], np.maximum.reduceat(loads_on_hub, begins, axis=0)))
             if stride == 1:
                 self.hub_spectrum.add(gained[:, None, :2])
         if stride == 1:
             self.hinge_spectrum.add(loads[:, :, [columns.FORCE_X, columns.FORCE_Y]])
-        self._last_velocity = velocity[-1:]
+        self._last_velocity, self._last_tick = velocity[-1:], int(ticks[-1])
         self._tick += len(table) * stride
+
+    def hub_greatest(self) -> Array:
+        """(nt - 1, 2) greatest force [N] and torque [N m] on the hub from one sample kept to the next."""
+        last = sum(map(len, self._samples)) - 1
+        greatest = np.zeros((last, 2))
+        for milliseconds, loads in self._hub_loads:
+            np.maximum.at(greatest, np.minimum(milliseconds, last) - 1, loads)
+        return greatest
 
     def trajectory(self, metadata: Mapping[str, Any]) -> Trajectory:
         """The run as a trajectory."""

@@ -44,11 +44,14 @@ class Figure:
     runs: int
 
     @property
-    def uncertainty(self) -> float:
-        """Uncertainty of the mean: half its interval, or the model error if greater; nan without interval."""
-        if math.isnan(self.low):
-            return math.nan
-        return max(0.5 * (self.high - self.low), 0.0 if math.isnan(self.model_low) else abs(self.model_error))
+    def half_width(self) -> float:
+        """Half of the mean's interval; nan without one."""
+        return 0.5 * (self.high - self.low)
+
+    @property
+    def model_half_width(self) -> float:
+        """Half of the model error's interval; nan without one."""
+        return 0.5 * (self.model_high - self.model_low)
 
 
 def figure_of(level: Array, finer: Array) -> Figure:

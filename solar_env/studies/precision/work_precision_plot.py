@@ -103,7 +103,9 @@ def _conclusion(rows: Table, question: Question) -> str:
         if ranked:
             best.setdefault(str(ranked[0]["method"]), []).append(str(model))
     head = "Most impacts right" if question.counts else f"Cheapest to within {short(question.goal)}"
-    return f"{head}: " + "; ".join(f"{method} ({', '.join(models)})" for method, models in best.items())
+    # Lines break between methods, not within.
+    clauses = [f"{method} ({', '.join(models)})".replace(" ", "\N{NO-BREAK SPACE}") for method, models in best.items()]
+    return f"{head}: {'; '.join(clauses)}"
 
 
 def _shows(rows: Table, question: Question) -> bool:

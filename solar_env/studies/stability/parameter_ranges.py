@@ -1,5 +1,6 @@
 """Ranges of the parameters: each of them over eight decades, what holds there, where it stops, with which message."""
 
+import warnings
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -9,6 +10,7 @@ from typing import Any
 from solar_env.array import ArrayParameters, build
 from solar_env.array.methods import default_integrator
 from solar_env.array.panels import PanelModel
+from solar_env.array.parameters.plausibility import UnitWarning
 from solar_env.mechanics.running.diagnosis import LARGEST_ENERGY_SHARE
 from solar_env.mechanics.running.simulation import Simulation
 from solar_env.studies.common.tables import Row, Table, provenance, write_table
@@ -42,6 +44,8 @@ def trial(name: str, factor: float, model: str, duration: float = DURATION) -> R
     row: Row = {"parameter": name, "model": model, "factor": factor, "value": value, "class": FINE, "message": ""}
 
     def deployed() -> Simulation:
+        # That a value is far from what is usual is what this study wants.
+        warnings.simplefilter("ignore", UnitWarning)
         panels = PanelModel.of(model)
         method = replace(default_integrator(model, panels), max_steps=MAX_STEPS)
         simulation = Simulation(build(ArrayParameters(**change), model, panels=panels), method)

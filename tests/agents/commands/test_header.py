@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import ctypes
+import re
 import shutil
 import subprocess
+from dataclasses import replace
 
+import gymnasium
 import numpy as np
 import pytest
 
-from agents.policies.c_form import c_header
+from agents.policies.c_form import c_header, interface_comment
 from agents.policies.network import Layer, PolicyNetwork
 from agents.policies.shipped import available, load_shipped
 from solar_env.__main__ import main
+from solar_env.environment.hardware.imperfections import Hardware
 
 
 def compiled(header, function, tmp_path):
@@ -48,9 +52,40 @@ def test_every_kind_of_network_has_its_header(activation, output, mean_limit, tm
 
     layers = (layer(5, 3, np.float64), layer(7, 5, np.float32), layer(4, 7, np.float32), layer(1, 4, np.float32))
     network = PolicyNetwork(layers, layer(5, 3, np.float64), 1.5, activation, output, mean_limit)
-    act = compiled(c_header(network, "x 1", ("a", "b", "c")), "x_1", tmp_path)
+    act = compiled(c_header(network, "x 1", ["not the end */ of the comment"]), "x_1", tmp_path)
     actions = []
     for observation in rng.normal(size=(100, 3)).astype(np.float32):
         actions.append(act(observation))
         assert actions[-1] == pytest.approx(float(network.act(observation)[0]), abs=2e-6)
     assert len(set(actions)) > 3, "not all are clipped"
+
+
+def comment_of(name, tmp_path):
+    assert main(["header", name, "--out", str(tmp_path / "own.h")]) == 0
+    text = (tmp_path / "own.h").read_text()
+    return text[: text.index("*/")]
+
+
+@pytest.mark.parametrize("name", available())
+def test_a_header_says_what_goes_in_and_how_often(name, tmp_path):
+    comment, description = comment_of(name, tmp_path), load_shipped(name).description
+    rows = re.findall(r"^ +(\d+)  (\w+) +\[(\S+), (\S+)\]", comment, re.MULTILINE)
+    assert [row[1] for row in rows] == list(description.observation_names)
+    assert [int(row[0]) for row in rows] == list(range(len(rows)))
+    space = gymnasium.make(description.env_id, **description.env_kwargs).observation_space
+    bounds = [[float(low), float(high)] for *_, low, high in rows]
+    np.testing.assert_allclose(bounds, np.stack([space.low, space.high], axis=1), rtol=1e-5)
+    assert f"every {description.control_period:g} s" in comment
+
+
+def test_a_header_says_what_comes_out(tmp_path):
+    comment = " ".join(comment_of("cma-es-randomised", tmp_path).split())
+    assert "clipped to [-1, 1] by the function; positive opens: the setpoint 0.0005 sinh(7 action) rad/s" in comment
+    assert "12 N m s/rad times (setpoint - rate), at most 0.5 N m either way, 100 times a second" in comment
+    description = load_shipped("cma-es-nominal").description
+    other = replace(description, env_kwargs={}, observation_names=("theta_2_1_ago", "own"))
+    lines = interface_comment(other, Hardware())
+    past = "joint angle: 0 folded, 1 locked (joint 2), as it was 1 periods ago; unit: lock angle"
+    assert any(past in line for line in lines)
+    assert "  1  own" in lines, "what is in no table has its name alone"
+    assert lines[-1] == "the torque of the motor on hinge 1, in units of 0.5 N m."

@@ -13,7 +13,7 @@ from agents.comparison.evaluation import common_env_id, common_env_kwargs, evalu
 from agents.comparison.report import references, summarize, tabulate
 from agents.comparison.suites import SUITES
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_sampling
-from agents.laws.baselines import episodes_spent, is_tuned, make_baseline
+from agents.laws.baselines import UntunedWarning, episodes_spent, is_tuned, make_baseline
 from agents.laws.table import TUNABLE
 from agents.learning import runs
 from agents.policies import shipped
@@ -46,6 +46,12 @@ def test_the_same_seeds_give_the_same_episodes_for_every_controller(rows):
 
 def test_episodes_differ_from_one_another(rows):
     assert len(set(column(rows, "passive", "peak_postlock_force_N"))) == 3
+
+
+def test_a_law_without_parameters_of_its_own_is_told_once_however_many_processes_run_it():
+    with pytest.warns(UntunedWarning, match="no parameters of 'servo' have been tuned for rigid-ideal") as told:
+        evaluate(["servo", "again=servo"], 2, 0, env_kwargs={"model": "rigid-ideal"}, progress=False)
+    assert len(told) == 1
 
 
 def test_the_return_is_the_sum_of_the_rewards_and_of_its_terms(rows):

@@ -53,6 +53,28 @@ def test_the_features_of_an_approach_are_those_of_the_mean_opening_and_of_its_di
     assert all(value == 0.0 for name, value in seen.items() if name.startswith("settling"))
 
 
+@each
+@pytest.mark.parametrize("latched", [(0, 0), (1, 1)])
+def test_the_formula_that_a_feature_is_described_by_is_what_it_computes(row, latched):
+    rng = np.random.default_rng(0)
+    for _ in range(20):
+        theta, rate, left = rng.uniform(-0.1, 1.1, 2), rng.normal(0.0, 0.1, 2), rng.uniform(0.0, 1.0)
+        seen = shown(theta, rate, latched, left, [row.name])
+        d, r = 1.0 - theta, rate / LOCK_ANGLES
+        words = {"approach": 1.0 - all(latched), "d": d.mean(), "r": r.mean(), "left": 20.0 * left, "deadline": 20.0}
+        words |= {
+            "ahead_d": d[0] - d[1],
+            "ahead_r": r[0] - r[1],
+            "L": logarithm,
+            "ln": math.log,
+            "max": max,
+            "min": min,
+        }
+        for joint, value in enumerate(seen.values()):
+            expected = eval(row.formula, words | {"d_j": d[joint], "r_j": r[joint]})
+            assert value == pytest.approx(min(max(expected, row.low), row.high), abs=1e-4)
+
+
 @pytest.mark.parametrize("opening", [0.0, 0.003, 0.35, 0.9, 0.997, 1.0])
 def test_a_linear_function_of_the_places_is_any_that_is_linear_between_them(opening):
     seen = shown((opening, opening), (0.1, 0.2), (0, 0), 0.4)

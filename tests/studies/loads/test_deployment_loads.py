@@ -17,10 +17,11 @@ from solar_env.studies.common.levels import Level
 from solar_env.studies.common.plans import FAST_PARAMETERS
 from solar_env.studies.loads import ensemble
 from solar_env.studies.loads.hub import hub_velocity, mean_loads, sampled_hinge_loads
+from solar_env.studies.loads.page import loads_page
 from solar_env.studies.loads.quantities import JOINT_QUANTITIES, QUANTITIES, read_all
 from solar_env.studies.loads.report import answer, tables
 from solar_env.studies.loads.runs import FREQUENCIES, deploy, member_parameters
-from solar_env.studies.loads.statistics import figure_of, high_quantile, rounded
+from solar_env.studies.loads.statistics import Figure, figure_of, high_quantile, rounded, shortened
 
 RIGID = Level("rigid-clearance")
 FAST = ParameterFile(FAST_PARAMETERS, {"clearance": ((1.9e-4, 1.9e-4), (2.1e-4, 2.1e-4))})
@@ -49,6 +50,38 @@ def test_the_peak_force_on_the_hub_is_that_of_the_first_joint(fast):
     # Means over 50 us are a little below the peak; friction of 0.15 adds to the normal force.
     assert 0.7 < fast.hub_peaks[0] / fast.trajectory.peak_force[0] < math.hypot(1.0, 0.15)
     assert fast.hub_peaks[2] == pytest.approx(fast.hub_peaks[0] / FAST_PARAMETERS.body_mass, rel=1e-12)
+
+
+def test_the_loads_on_the_hub_between_samples_reach_its_peaks_and_are_no_less_than_their_means(fast):
+    assert fast.hub_greatest.shape == (len(fast.trajectory.time) - 1, 2)
+    np.testing.assert_allclose(fast.hub_greatest.max(axis=0), fast.hub_peaks[:2], rtol=1e-12)
+    means = np.column_stack([np.hypot(fast.hub_loads[:, 0], fast.hub_loads[:, 1]), np.abs(fast.hub_loads[:, 2])])
+    assert (fast.hub_greatest >= means - 1e-6 * means.max(axis=0)).all()
+    # Nothing is struck before the first latching, up to which samples are a millisecond apart.
+    before = fast.trajectory.time[1:] < fast.trajectory.latch_times.min() - 0.6
+    np.testing.assert_allclose(fast.hub_greatest[before], means[before], rtol=1e-6, atol=1e-6)
+
+
+def test_what_the_titles_of_the_hubs_charts_say_is_what_they_draw(loads, fast):
+    charts = {chart.title: chart for chart in loads_page(loads, fast, 1e-6, []).charts}
+    for load, unit in zip(fast.hub_peaks[:2], ("N", "N m"), strict=True):
+        (line,) = charts[f"The nominal hub sees up to {shortened(load, 3)} {unit}"].lines
+        assert line.y.max() == pytest.approx(load, rel=1e-12)
+        assert len(line.x) == len(line.y)
+
+
+def test_the_page_has_a_folded_table_of_every_parameter_with_its_unit(loads, fast):
+    table = loads_page(loads, fast, 1e-6, []).tables[-1]
+    assert table.folded
+    rows = {name: rest for name, *rest in table.rows}
+    assert list(rows) == list(FAST_PARAMETERS.to_dict())
+    assert rows["clearance"] == ["0.0002", "m", "(0.00019, 0.00019) and (0.00021, 0.00021)"]
+    assert rows["panel_count"] == ["2", "", ""]
+    assert rows["latch_stiffness"][1] == "N m/rad^exponent"
+    assert rows["journal_poisson"][1] == ""
+    assert rows["journal_young"][1] == "Pa"
+    assert rows["body_fixed"] == ["no", "", ""]
+    assert rows["cable_torque_ratio"][0] == "from others"
 
 
 def test_the_same_member_gives_the_same_bits():
@@ -139,11 +172,12 @@ def test_a_figure_compares_the_same_members_and_says_what_it_cannot():
     figure = figure_of(level, level + 2.0)
     assert (figure.mean, figure.model_error, figure.runs) == (11.5, 2.0, 4)
     assert figure.model_low == figure.model_high == 2.0
-    assert figure.uncertainty == 2.0
+    assert figure.model_half_width == 0.0
+    assert figure.half_width == pytest.approx(0.5 * (figure.high - figure.low))
     few = figure_of(level[:3], level[:3])
     assert math.isnan(few.low)
     assert math.isnan(few.quantile)
-    assert math.isnan(few.uncertainty)
+    assert math.isnan(few.half_width)
     assert figure_of(np.array([np.nan]), np.zeros(0)).runs == 0
 
 
@@ -179,7 +213,7 @@ def test_five_lines_answer_and_tables_hold_every_quantity(loads):
     lines = answer(loads, 1e-6)
     assert len(lines) == 5
     assert lines[0].startswith("Joint ")
-    assert "the cheapest level for wear within 0.5" in lines[1]
+    assert "the cheapest for wear within 0.5, and chosen for that question alone" in lines[4]
     assert "4 runs of each level" in lines[4]
     assert "clearance" in lines[4]
     names = [row[0] for table in tables(loads)[:2] for row in table.rows]
@@ -187,6 +221,34 @@ def test_five_lines_answer_and_tables_hold_every_quantity(loads):
     assert all(len(row) == len(table.columns) for table in tables(loads) for row in table.rows)
     hit = max(loads.figures["peak_force"], key=lambda figure: figure.mean)
     assert hit.low < hit.mean < hit.high < hit.quantile_bound
+
+
+def test_force_impulse_and_wear_are_each_told_with_interval_quantile_and_their_own_model_error(loads):
+    first = {
+        "peak_force": [Figure(222.3, 214.0, 230.0, 268.0, 291.0, 10.4, -0.6, 21.4, 16)],
+        "impulse": [Figure(31.0, 30.9, 31.1, 31.5, 31.7, 0.2, 0.1, 0.3, 16)] * 2
+        + [Figure(55.024, 54.94, 55.1, 55.6, 55.8, -1.13, -1.2, -1.06, 16)],
+        "wear_depth": [Figure(3.02e-14, 2.9e-14, 3.14e-14, 3.8e-14, 4.2e-14, 3e-15, 1e-15, 5e-15, 16)],
+    }
+    force, impulse, wear, _, basis = answer(replace(loads, figures=loads.figures | first), 1e-6)
+    assert force == (
+        "Joint 1 is hit hardest: peak force 222 \u00b1 8 N, 99 % of deployments stay below 270 N (with 95 % confidence "
+        "below 290 N), model error +10 \u00b1 11 N."
+    )
+    assert impulse == (
+        "The impulse after latching is greatest at joint 3: 55.02 \u00b1 0.08 N s, 99 % of deployments stay below "
+        "55.60 N s (with 95 % confidence below 55.80 N s), model error -1.13 \u00b1 0.07 N s."
+    )
+    assert "30.2 \u00b1 1.2 fm" in wear
+    assert "model error +3 \u00b1 2 fm; 3.3e+07 deployments to 1 micrometres" in wear
+    assert "the model error of every figure is that seen at the next finer level" in basis
+
+
+def test_what_too_few_runs_do_not_tell_is_not_told(loads):
+    nan = math.nan
+    alone = (Figure(222.3, nan, nan, nan, nan, 10.4, nan, nan, 1),)
+    line = answer(replace(loads, figures=loads.figures | {"peak_force": alone}), 1e-6)[0]
+    assert line == "Joint 1 is hit hardest: peak force 220 N, model error unknown."
 
 
 def test_what_is_read_scatters_but_the_energy_that_is_lost_does_not_hang_on_the_tolerance(loads):

@@ -68,7 +68,8 @@ class Args(ModelOptions, TrainingOptions, TrustOption):
     each of which is gone on with by its own seed"""
     resume: str | None = None
     """run folder to go on from, with its algorithm, environment, seed, hyperparameters, residual and landings: to its
-    end if it was interrupted, by as many steps again, or --timesteps, if it is complete"""
+    end if it was interrupted, even before its first checkpoint, by as many steps again, or --timesteps, if it is
+    complete"""
     out: str | None = None
     """run folder; by default runs/<id>__<algo>__<seed>__<timestamp>, or the folder of the run to resume if that was
     interrupted"""

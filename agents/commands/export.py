@@ -23,7 +23,7 @@ from agents.policies.onnx_form import difference, onnx_model
 from agents.policies.policy import Description, ShippedPolicy
 from agents.rollout import run_episode
 from agents.torque_laws import Signals
-from solar_env.support.files import write_bytes, write_text
+from solar_env.support.files import check_name, new_folder, write_bytes, write_text
 from solar_env.support.plain_arrays import read_json
 
 TOLERANCE = 1e-5  # of actions, between the network and Stable-Baselines3
@@ -52,17 +52,21 @@ def observed(policy: ShippedPolicy, env: gymnasium.Env, seed: int) -> np.ndarray
 
 
 def export(run: str | Path, folder: Path, comparison: str | Path | None = None) -> ShippedPolicy:
-    """Write the best policy of a run, its ONNX form and its card to `folder`. Export only runs you trust: it unpickles.
+    """Write the best policy of a run, its ONNX form and its card to `folder`, whole or not at all.
+
+    Export only runs you trust: it unpickles.
 
     `comparison` is the folder of one in which the run, or a policy named as `folder` is, was measured; by default the
     run's own, or that of all the seeds that it was trained with.
 
     Raises:
         FileExistsError: `folder` exists.
+        OSError: It cannot be written.
         FileNotFoundError: There is no run, or it has no policy.
         ValueError: The training was interrupted, the policy has layers that cannot be exported, or `comparison` has no
             scores of it.
     """
+    check_name(folder)
     if folder.exists():
         raise FileExistsError(f"{folder} exists; choose another --name, or remove it")
     run = Path(run)
@@ -92,10 +96,10 @@ def export(run: str | Path, folder: Path, comparison: str | Path | None = None) 
             raise ValueError(f"the exported network differs from the run's policy by {found:.1e}; it is not written")
         scores = _scores(run, folder.name, Path(comparison) if comparison else None)
         text = card(folder.name, config, policy, env.unwrapped, scores, found)
-    folder.mkdir(parents=True)
-    shipped.save(folder, policy)
-    write_bytes(folder / shipped.ONNX, onnx_bytes)
-    write_text(folder / shipped.CARD, text)
+    with new_folder(folder) as made:
+        shipped.save(made, policy)
+        write_bytes(made / shipped.ONNX, onnx_bytes)
+        write_text(made / shipped.CARD, text)
     return policy
 
 

@@ -29,7 +29,7 @@ from agents.learning.trust import (
 )
 from agents.learning.weight_search import CMAES, WeightSearch
 from agents.torque_laws import Controller, Signals
-from solar_env.support.files import make_folder, write_bytes, write_text
+from solar_env.support.files import check_name, make_folder, write_bytes, write_text
 from solar_env.support.interruption import deaf
 from solar_env.support.plain_arrays import read_arrays, read_json
 
@@ -66,9 +66,11 @@ def new_run_folder(out: str | Path | None, env_id: str, algo: str, seed: int) ->
 
     Raises:
         FileExistsError: The folder holds a run already.
+        OSError: It cannot be made.
     """
     name = f"{re.sub(r'[^A-Za-z0-9.-]+', '-', env_id)}__{algo}__{seed}__{datetime.now():%Y%m%d-%H%M%S}"
     folder = Path(out) if out else Path("runs") / name
+    check_name(folder)
     if (folder / CONFIG).exists():
         raise FileExistsError(f"{folder} holds a run already; choose another --out, or go on from it with --resume")
     return make_folder(folder)

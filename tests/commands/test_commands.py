@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import json
+import os
 import re
 import subprocess
 import sys
@@ -296,3 +298,45 @@ def test_a_reader_who_leaves_early_is_no_error():
         process.stdout.close()
         assert process.stderr.read() == ""
     assert process.returncode == 0
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="a device of Linux")
+@pytest.mark.parametrize("words", ["--help", "--version", "parameters", "simulate --help"])
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_output_that_cannot_be_written_is_told_in_a_sentence(words, unbuffered):
+    with open("/dev/full", "w") as full:
+        done = run_with_output(words, full, unbuffered)
+    assert done.returncode == 2
+    assert done.stderr == (
+        "error: the output cannot be written (No space left on device); make room, or send it elsewhere\n"
+    )
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="pipes of POSIX")
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_who_has_read_enough_hears_nothing_more(unbuffered):
+    read, write = os.pipe()
+    os.close(read)
+    done = run_with_output("parameters", write, unbuffered)
+    os.close(write)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def run_with_output(words, output, unbuffered):
+    return subprocess.run(
+        [sys.executable, "-m", "solar_env", *words.split()],
+        env={**os.environ, "PYTHONUNBUFFERED": unbuffered},
+        stdout=output,
+        stderr=subprocess.PIPE,
+        text=True,
+        timeout=120,
+    )
+
+
+def test_errors_of_the_system_are_told_without_their_numbers(tmp_path, capsys, monkeypatch):
+    def refused(*_, **__):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(tmp_path / "array.yaml"))
+
+    monkeypatch.setattr("importlib.import_module", refused)
+    assert main(["simulate"]) == 2
+    assert capsys.readouterr().err == f"error: {tmp_path / 'array.yaml'}: Permission denied\n"

@@ -114,6 +114,11 @@ def test_wrong_arguments_are_named_before_training(tmp_path, arguments, message)
     assert not (tmp_path / "run").exists()
 
 
+def test_a_run_folder_with_a_name_that_is_too_long_is_refused(tmp_path):
+    with pytest.raises(OSError, match=r"aaa \(File name too long\); choose another name"):
+        run("--out", tmp_path / ("a" * 256))
+
+
 def test_several_seeds_need_a_folder_to_come_back_to():
     with pytest.raises(ValueError, match="--seeds takes --out, the folder of their runs"):
         run("--seeds", 0, 1)

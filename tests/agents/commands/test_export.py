@@ -200,6 +200,30 @@ def test_a_policy_that_could_not_be_written_whole_does_not_take_its_name(finishe
     assert shipped.available() == ["soft"]
 
 
+@pytest.mark.parametrize(
+    ("name", "content", "told"),
+    [
+        ("episodes.csv", "", "episodes.csv is damaged"),
+        ("episodes.csv", "a,b\n1,2\n", "episodes.csv is damaged"),
+        ("metrics.json", "", "metrics.json is damaged: it is no JSON"),
+        ("metrics.json", "5", "metrics.json is damaged: it does not say which command"),
+        ("metrics.json", "[]", "metrics.json is damaged: it does not say which command"),
+        ("metrics.json", '{"settings": {}}', "metrics.json is damaged: it does not say which command"),
+        (runs.TIMING, "5", "timing.json is damaged: it does not tell the steps"),
+        (runs.TIMING, '{"timesteps": "many"}', "timing.json is damaged: it does not tell the steps"),
+    ],
+)
+def test_a_damaged_file_of_the_run_is_told_by_its_name(finished, tmp_path, name, content, told):
+    measured, run = finished["residual"][0], tmp_path / finished["residual"][0].name
+    run.mkdir()
+    for kept in (runs.CONFIG, runs.POLICY, runs.TIMING, "episodes.csv", "metrics.json"):
+        (run / kept).write_bytes((measured / kept).read_bytes())
+    (run / name).write_text(content)
+    with pytest.raises(ValueError, match=told):
+        export.export(run, tmp_path / "shipped")
+    assert not (tmp_path / "shipped").exists()
+
+
 def test_what_a_kill_has_left_unfinished_is_no_shipped_policy(finished, tmp_path, monkeypatch):
     monkeypatch.setattr(shipped, "SHIPPED", tmp_path)
     with new_folder(tmp_path / "soft") as made:

@@ -139,7 +139,7 @@ def steps_taken(folder: str | Path) -> int:
     if not timing.is_file():
         return asked
     record = read_json(timing)
-    steps = record.get("timesteps", asked) if isinstance(record, dict) else None
+    steps: Any = record.get("timesteps", asked) if isinstance(record, dict) else None
     if not is_whole_number(steps, 0):
         raise DamagedFileError(f"{timing} is damaged: it does not tell the steps of the training; train the run anew")
     return int(steps)

@@ -116,7 +116,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # who reads the output has left, as `head` does
         _drop_output()
         return 0
-    except (ValueError, OSError) as error:
+    except (ValueError, OSError, MemoryError) as error:
         _drop_output()
         print(f"error: {_sentence(error)}", file=sys.stderr)
         return 2
@@ -138,6 +138,8 @@ def _answer(words: Sequence[str]) -> int:
 
 def _sentence(error: Exception) -> str:
     """What an error says; one of the system without its number."""
+    if isinstance(error, MemoryError):
+        return f"memory has no room for what was asked for ({str(error) or 'it is full'}); ask for less"
     if not isinstance(error, OSError) or error.strerror is None:
         return str(error)
     if error.filename is not None:

@@ -333,3 +333,13 @@ def test_errors_of_the_system_are_told_without_their_numbers(tmp_path, capsys, m
     monkeypatch.setattr("importlib.import_module", refused)
     assert main(["simulate"]) == 2
     assert capsys.readouterr().err == f"error: {tmp_path / 'array.yaml'}: Permission denied\n"
+
+
+def test_memory_that_runs_out_is_told_in_a_sentence(capsys, monkeypatch):
+    def full(*_):
+        raise MemoryError("Unable to allocate 33.5 GiB")
+
+    monkeypatch.setattr("importlib.import_module", full)
+    assert main(["train"]) == 2
+    told = "error: memory has no room for what was asked for (Unable to allocate 33.5 GiB); ask for less\n"
+    assert capsys.readouterr().err == told

@@ -343,3 +343,26 @@ def test_memory_that_runs_out_is_told_in_a_sentence(capsys, monkeypatch):
     assert main(["train"]) == 2
     told = "error: memory has no room for what was asked for (Unable to allocate 33.5 GiB); ask for less\n"
     assert capsys.readouterr().err == told
+
+
+@pytest.mark.parametrize(
+    ("command", "option"),
+    [
+        ("evaluate", "--controllers"),
+        ("show", "--controllers"),
+        ("replay", "--controllers"),
+        ("curves", "--algos"),
+        ("curves", "--seeds"),
+        ("curves", "--suites"),
+        ("transfer", "--seeds"),
+        ("train", "--seeds"),
+        ("bench", "--models"),
+        ("paper", "--figure"),
+    ],
+)
+def test_a_list_without_entries_is_refused_before_the_work(command, option, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main([command, option]) == 2
+    told = f"error: {option} is given without a value; give at least one, or leave it out; see --help\n"
+    assert capsys.readouterr().err == told
+    assert list(tmp_path.iterdir()) == []

@@ -11,6 +11,7 @@ import numpy as np
 
 from agents.torque_laws import Controller
 from solar_env.mechanics.joints.joint import ANGLE, RATE
+from solar_env.support.numbers import is_number
 
 UNITS = ("s", "N", "Ns", "J", "m")
 """Ends of the names of figures: `contact_starts` has no unit."""
@@ -51,6 +52,15 @@ def run_episode(
             record(_step(env.unwrapped, observation, action, info))
         if terminated or truncated:
             return {"seed": seed, **episode_figures(info["deployment"], terms)}
+
+
+def are_figures(content: object) -> bool:
+    """Whether something read from a file can be what `run_episode` returned."""
+    return (
+        isinstance(content, Mapping)
+        and {"return", "latched"} <= set(content)
+        and all(isinstance(value, bool) or is_number(value) for value in content.values())
+    )
 
 
 def _step(env: Any, observation: np.ndarray, action: np.ndarray, info: Mapping[str, Any]) -> Step:

@@ -3,6 +3,7 @@
 `COMMANDS` names all of them by their modules, those of `agents` too: the package itself knows nothing of `agents`.
 """
 
+import errno
 import importlib
 import os
 import sys
@@ -14,6 +15,7 @@ from typing import Any, NamedTuple
 from solar_env.support.interruption import first_alone, report_interruption
 
 PROG = "solar-env"
+_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EIO)  # of output that has no name
 
 
 class Command(NamedTuple):
@@ -103,29 +105,57 @@ def main(arguments: Sequence[str] | None = None) -> int:
     0: done; 1: a verification or map failed; 2: wrong input or a failed run; 130: interrupted by Ctrl-C.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
+    usual = warnings.formatwarning
+    warnings.formatwarning = lambda message, *_, **__: f"warning: {message}\n"  # without the line of code
+    try:
+        with first_alone():
+            status = _answer(words)
+        if sys.stdout is not None:
+            sys.stdout.flush()
+        return status
+    except BrokenPipeError:  # who reads the output has left, as `head` does
+        _drop_output()
+        return 0
+    except (ValueError, OSError, MemoryError) as error:
+        _drop_output()
+        print(f"error: {_sentence(error)}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt as stop:
+        return report_interruption(stop)
+    finally:
+        warnings.formatwarning = usual
+
+
+def _answer(words: Sequence[str]) -> int:
     if not words or words[0] in ("-h", "--help"):
         print(overview(), end="", file=sys.stdout if words else sys.stderr)
         return 0 if words else 2
     if words[0] == "--version":
         print(f"{PROG} {version('solar-env')}")
         return 0
-    usual = warnings.formatwarning
-    warnings.formatwarning = lambda message, *_, **__: f"warning: {message}\n"  # without the line of code
+    return _run(words[0], words[1:])
+
+
+def _sentence(error: Exception) -> str:
+    """What an error says; one of the system without its number."""
+    if isinstance(error, MemoryError):
+        return f"memory has no room for what was asked for ({str(error) or 'it is full'}); ask for less"
+    if not isinstance(error, OSError) or error.strerror is None:
+        return str(error)
+    if error.filename is not None:
+        return f"{error.filename}: {error.strerror}"
+    if error.errno in _FULL:
+        return f"the output cannot be written ({error.strerror}); make room, or send it elsewhere"
+    return error.strerror
+
+
+def _drop_output() -> None:
+    """Let what is left of the output go nowhere: else Python tries once more at its end, and says so at length."""
     try:
-        with first_alone():
-            status = _run(words[0], words[1:])
-        sys.stdout.flush()
-        return status
-    except BrokenPipeError:  # who reads the output has left, as `head` does
+        if sys.stdout is not None:
+            sys.stdout.flush()
+    except OSError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
-    except (ValueError, OSError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt as stop:
-        return report_interruption(stop)
-    finally:
-        warnings.formatwarning = usual
 
 
 def execute(name: str, words: Sequence[str]) -> int:

@@ -1,8 +1,6 @@
 """Command that ships a trained policy as plain arrays and as ONNX, with a card: `solar-env export`."""
 
-import csv
 import re
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -12,7 +10,7 @@ import numpy as np
 import tyro
 
 from agents.commands.arguments import TrustOption
-from agents.comparison.report import Row, tabulate
+from agents.comparison.report import read_rows, tabulate
 from agents.environments import episode_seeds, make_env
 from agents.laws.table import BASELINES, LAWS
 from agents.learning import runs
@@ -23,7 +21,7 @@ from agents.policies.onnx_form import difference, onnx_model
 from agents.policies.policy import Description, ShippedPolicy
 from agents.rollout import run_episode
 from agents.torque_laws import Signals
-from solar_env.support.files import write_bytes, write_text
+from solar_env.support.files import check_name, new_folder, write_bytes, write_text
 from solar_env.support.plain_arrays import read_json
 
 TOLERANCE = 1e-5  # of actions, between the network and Stable-Baselines3
@@ -52,17 +50,21 @@ def observed(policy: ShippedPolicy, env: gymnasium.Env, seed: int) -> np.ndarray
 
 
 def export(run: str | Path, folder: Path, comparison: str | Path | None = None) -> ShippedPolicy:
-    """Write the best policy of a run, its ONNX form and its card to `folder`. Export only runs you trust: it unpickles.
+    """Write the best policy of a run, its ONNX form and its card to `folder`, whole or not at all.
+
+    Export only runs you trust: it unpickles.
 
     `comparison` is the folder of one in which the run, or a policy named as `folder` is, was measured; by default the
     run's own, or that of all the seeds that it was trained with.
 
     Raises:
         FileExistsError: `folder` exists.
+        OSError: It cannot be written.
         FileNotFoundError: There is no run, or it has no policy.
         ValueError: The training was interrupted, the policy has layers that cannot be exported, or `comparison` has no
             scores of it.
     """
+    check_name(folder)
     if folder.exists():
         raise FileExistsError(f"{folder} exists; choose another --name, or remove it")
     run = Path(run)
@@ -92,10 +94,10 @@ def export(run: str | Path, folder: Path, comparison: str | Path | None = None) 
             raise ValueError(f"the exported network differs from the run's policy by {found:.1e}; it is not written")
         scores = _scores(run, folder.name, Path(comparison) if comparison else None)
         text = card(folder.name, config, policy, env.unwrapped, scores, found)
-    folder.mkdir(parents=True)
-    shipped.save(folder, policy)
-    write_bytes(folder / shipped.ONNX, onnx_bytes)
-    write_text(folder / shipped.CARD, text)
+    with new_folder(folder) as made:
+        shipped.save(made, policy)
+        write_bytes(made / shipped.ONNX, onnx_bytes)
+        write_text(made / shipped.CARD, text)
     return policy
 
 
@@ -112,27 +114,27 @@ def _scores(run: Path, name: str, comparison: Path | None) -> str:
         return spec == name or Path(spec).resolve() == run.resolve()
 
     for folder in folders:
-        with (folder / "episodes.csv").open() as file:
-            rows = [_numbers(row) for row in csv.DictReader(file)]
+        rows = read_rows(folder / "episodes.csv")
         own = [row for row in rows if row["spec"] not in BASELINES and is_own(row["spec"])]
         if own:
-            settings = read_json(folder / "metrics.json")["settings"]
+            command = _command(folder / "metrics.json")
             tables = tabulate([row for row in rows if row["spec"] in BASELINES] + own).folded().strip()
-            return f"`{own[0]['controller']}` is this policy. Measured by `{settings['command']}`.\n\n{tables}"
+            return f"`{own[0]['controller']}` is this policy. Measured by `{command}`.\n\n{tables}"
     if comparison is not None:
         found = ", ".join(dict.fromkeys(row["spec"] for row in rows))
         raise ValueError(f"{comparison} has no scores of {run}; it has those of {found}")
     return "None were measured."
 
 
-def _numbers(row: Mapping[str, str]) -> Row:
-    """Convert a row of `episodes.csv` to the types that `evaluate` returns."""
-    plain = {"True": True, "False": False}
-    return {
-        key: text if key in ("controller", "spec") else plain[text] if text in plain else float(text)
-        for key, text in row.items()
-        if text
-    }
+def _command(path: Path) -> str:
+    """Read the command that a comparison was made by."""
+    try:
+        return str(read_json(path)["settings"]["command"])
+    except (KeyError, TypeError, IndexError) as error:
+        raise ValueError(
+            f"{path} is damaged: it does not say which command the comparison was made by; restore it, or compare anew "
+            "(solar-env evaluate) and name that with --scores"
+        ) from error
 
 
 def run_command(args: Args) -> int:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any
 
+import torch
 import tyro
 
 from agents.commands.arguments import ModelOptions, TrainingOptions, TrustOption
@@ -68,7 +69,8 @@ class Args(ModelOptions, TrainingOptions, TrustOption):
     each of which is gone on with by its own seed"""
     resume: str | None = None
     """run folder to go on from, with its algorithm, environment, seed, hyperparameters, residual and landings: to its
-    end if it was interrupted, by as many steps again, or --timesteps, if it is complete"""
+    end if it was interrupted, even before its first checkpoint, by as many steps again, or --timesteps, if it is
+    complete"""
     out: str | None = None
     """run folder; by default runs/<id>__<algo>__<seed>__<timestamp>, or the folder of the run to resume if that was
     interrupted"""
@@ -169,7 +171,19 @@ def check_comparison(args: Args, seed: int) -> None:
     args.workers  # noqa: B018 (checks them)
     if args.checkpoint_interval < 1:
         raise ValueError(f"--checkpoint-interval is {args.checkpoint_interval}; give a positive number of steps")
+    check_device(args.device)
     check_episode_seeds(seed, args.eval_episodes)
+
+
+def check_device(name: str) -> None:
+    """Refuse a device, by a ValueError, that PyTorch does not know or that is not there: by computing a bit on it."""
+    try:
+        torch.zeros(1, device="cpu" if name == "auto" else name).item()
+    except Exception as error:  # PyTorch has a dozen kinds, of devices whose libraries are missing too
+        reason = " ".join(str(error).split())[:200]
+        raise ValueError(
+            f"--device is {name!r}, on which PyTorch cannot compute ({reason}); give cpu or cuda"
+        ) from error
 
 
 def references(config: configurations.Configuration) -> list[str]:

@@ -18,7 +18,7 @@ from agents.environments import environment_settings, make_env
 from agents.laws.baselines import CONFIGS, UntunedWarning, make_baseline, warn_if_untuned
 from agents.laws.table import LAWS, TUNABLE
 from agents.learning import runs
-from agents.rollout import run_episode
+from agents.rollout import are_figures, run_episode
 from agents.torque_laws import Controller, LawParameters
 from solar_env.support.campaigns import ONE, Campaign, Cell, Workers, each_done
 from solar_env.support.progress import counting_bar
@@ -72,7 +72,7 @@ def run_cells(
         progress: Show a progress bar.
 
     Raises:
-        ValueError: The file was written by other code or with other baselines.
+        ValueError: The file was written by other code or with other baselines, or is damaged.
 
     Warns:
         UntunedWarning: Once for each law that gets the parameters of another model.
@@ -91,7 +91,8 @@ def run_cells(
                 done[json.dumps(cell, sort_keys=True)] = figures
                 bar.advance(task)
         else:
-            campaign = Campaign(run_cell, tuple(different.values()), store, {"agents": _agents_digest()})
+            made_by = {"agents": _agents_digest()}
+            campaign = Campaign(run_cell, tuple(different.values()), store, made_by, are_figures)
             bar.advance(task, len(different) - len(campaign.missing))
             for _ in campaign.run(workers):
                 bar.advance(task)

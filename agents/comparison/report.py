@@ -176,6 +176,51 @@ def write_comparison(
     return summary, tables
 
 
+def read_rows(path: Path) -> list[Row]:
+    """Read the rows of an `episodes.csv` that `write_comparison` wrote.
+
+    Raises:
+        OSError: It cannot be read.
+        ValueError: It is damaged; the message names it.
+    """
+    with path.open(newline="", encoding="utf-8") as file:
+        try:
+            rows = [_numbers(row) for row in csv.DictReader(file)]
+            _check_complete(rows)
+        except (ValueError, csv.Error) as error:
+            raise ValueError(
+                f"{path} is damaged, or has no episodes of a comparison ({error}); restore it, or compare anew "
+                "(solar-env evaluate)"
+            ) from error
+    return rows
+
+
+def _numbers(row: Mapping[Any, Any]) -> Row:
+    """Convert a row of `episodes.csv` to the types that `evaluate` returns."""
+    if None in row or None in row.values():
+        raise ValueError("a line has not one cell for each heading")
+    plain = {"True": True, "False": False}
+    return {
+        key: text if key in ("controller", "spec") else plain[text] if text in plain else float(text)
+        for key, text in row.items()
+        if text
+    }
+
+
+def _check_complete(rows: Sequence[Row]) -> None:
+    """Refuse rows that `summarize` cannot take, by a ValueError."""
+    if not rows:
+        raise ValueError("it has no lines")
+    wanted = {"controller", "spec", "episode", "return", "latched", *(set(TABLE) & set(rows[0]))}
+    episodes: dict[tuple[str, str], set[float]] = {}
+    for row in rows:
+        if lacking := sorted(wanted - set(row)):
+            raise ValueError(f"a line has no {lacking[0]}")
+        episodes.setdefault((row["controller"], row["spec"]), set()).add(row["episode"])
+    if len(set(map(frozenset, episodes.values()))) > 1 or sum(map(len, episodes.values())) < len(rows):
+        raise ValueError("its controllers have not the same episodes, once each")
+
+
 def _plain(value: Any) -> Any:
     """Convert estimates to dictionaries, and NaN, which JSON lacks, to None."""
     if isinstance(value, Estimate):

@@ -2,11 +2,16 @@
 
 import inspect
 import math
+import re
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
+import gymnasium
+import numpy as np
+import torch
 from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
 
 from agents.environments import EPISODES_PER_SEED, INTERFACE, check_episode_seeds, environment_settings, with_sampling
@@ -18,13 +23,21 @@ from solar_env.support.numbers import is_number
 from solar_env.support.plain_arrays import read_json
 
 # Arguments of the Stable-Baselines3 classes that are no hyperparameters.
-NOT_HYPERPARAMETERS = {"policy", "env", "seed", "device", "verbose", "tensorboard_log", "_init_setup_model"} | {
+NOT_HYPERPARAMETERS = {"policy", "env", "seed", "device", "verbose", "tensorboard_log", "_init_setup_model"}
+# Nor do replay buffers save memory that tell episodes cut off from those that ended, as these here do.
+NOT_HYPERPARAMETERS |= {"optimize_memory_usage"} | {
     f"{kind}_buffer_{part}" for kind in ("replay", "rollout") for part in ("class", "kwargs")
 }
 COUNTS = {"batch_size", "buffer_size", "n_epochs", "n_steps", "policy_delay", "train_freq"}
-COUNTS |= {"n_delta", "n_top", "population", "generations_between", "finalists", "episodes"}
+COUNTS |= {"n_delta", "n_top", "generations_between", "finalists", "episodes"}
+COUNTS |= {"target_update_interval", "stats_window_size"}
+# Whole numbers of which -1 says "as many as".
+COUNTS_OR_ALL = {"gradient_steps", "sde_sample_freq"}
 SHARES = {"gamma", "tau"}
-NOT_NEGATIVE = {"learning_rate", "exploration_noise"}
+POSITIVE = {"actor_learning_rate", "clip_range", "delta_std", "deviation", "max_grad_norm"}
+NOT_NEGATIVE = {"learning_rate", "exploration_noise", "vf_coef", "target_policy_noise", "target_noise_clip"}
+_GREATEST_COUNT = 10**9
+SWITCHES = {"use_sde", "use_sde_at_warmup", "normalize_advantage"}
 
 
 @dataclass(frozen=True)
@@ -129,6 +142,8 @@ def complete(
     chosen = {**found["hyperparameters"], **(hyperparameters or {})}
     if "policy_kwargs" in found["hyperparameters"]:
         chosen["policy_kwargs"] = {**found["hyperparameters"]["policy_kwargs"], **chosen["policy_kwargs"]}
+    _check_networks(algo, chosen)
+    _check_batches(algo, chosen, counts["n_envs"])
     adds_to = residual_on(scale, law or DEFAULT_LAW, env_id, law_model or model, counts["landings"]) if scale else None
     counts |= {} if scale else {"landings": 0}
     return Configuration(
@@ -172,7 +187,16 @@ def _check_positive(name: str, number: int) -> None:
 
 def _finite(values: Any) -> bool:
     """Whether `values` are a list of finite numbers."""
-    return isinstance(values, list) and all(is_number(value) and math.isfinite(value) for value in values)
+    return isinstance(values, list) and all(is_number(value) and abs(value) < math.inf for value in values)
+
+
+def _is_automatic(value: Any) -> bool:
+    """Whether it is "auto", or "auto_" with the positive number to begin with, as SAC's `ent_coef` may be."""
+    found = re.fullmatch(r"auto(?:_([\d.]+(?:[eE][+-]?\d+)?))?", value) if isinstance(value, str) else None
+    try:
+        return found is not None and (found[1] is None or 0.0 < float(found[1]) < math.inf)
+    except ValueError:
+        return False
 
 
 def _check_hyperparameters(algo: str, values: Mapping[str, Any]) -> None:
@@ -185,15 +209,61 @@ def _check_hyperparameters(algo: str, values: Mapping[str, Any]) -> None:
     for name, value in values.items():
         if name not in accepted:
             raise ValueError(f"{algo} has no hyperparameter {name!r}; it has {', '.join(sorted(accepted))}")
-        number = is_number(value) and math.isfinite(value)
+        number = is_number(value) and abs(value) < math.inf
+        whole = number and isinstance(value, int)
+        on_policy = issubclass(runs.algorithm(algo), OnPolicyAlgorithm)
         rules = (
             (NOT_NEGATIVE, number and value >= 0, "a positive number, or 0 for none"),
-            ({"actor_learning_rate"}, number and value > 0, "a positive number"),
-            (COUNTS, number and value == int(value) >= 1, "a positive whole number"),
+            (POSITIVE, number and value > 0, "a positive number"),
+            (COUNTS, whole and 1 <= value <= _GREATEST_COUNT, f"a positive whole number, at most {_GREATEST_COUNT:,}"),
+            (COUNTS_OR_ALL, whole and (value >= 1 or value == -1), "a positive whole number, or -1"),
+            ({"population"}, whole and value >= 2, "a whole number, at least 2"),
+            ({"learning_starts"}, whole and value >= 0, "a whole number, not negative"),
             (SHARES, number and 0 < value <= 1, "a number above 0, at most 1"),
+            ({"gae_lambda"}, number and 0 <= value <= 1, "a number from 0 to 1"),
+            ({"clip_range_vf", "target_kl"}, value is None or (number and value > 0), "a positive number, or None"),
+            ({"ent_coef"}, number or (not on_policy and _is_automatic(value)), "a number, or auto for sac"),
+            ({"target_entropy"}, number or value == "auto", "a number, or auto"),
+            (SWITCHES, isinstance(value, bool), "true or false"),
             ({"policy_kwargs"}, isinstance(value, Mapping), "a dictionary"),
             ({"first_weights"}, value is None or number or _finite(value), "a number, or one for each entry observed"),
         )
         for names, holds, required in rules:
             if name in names and not holds:
                 raise ValueError(f"hyperparameter {name} is {value!r}; give {required}")
+
+
+def _check_networks(algo: str, chosen: Mapping[str, Any]) -> None:
+    """Refuse keywords of the policy of which it makes no networks: by making them, for an observation of a few entries.
+
+    Raises:
+        ValueError: Networks cannot be made.
+    """
+    keywords = chosen.get("policy_kwargs")
+    if keywords is None:
+        return
+    policy: Any = runs.algorithm(algo).policy_aliases["MlpPolicy"]
+    box = gymnasium.spaces.Box(-1.0, 1.0, (4,), np.float32)
+    try:
+        with torch.random.fork_rng(devices=[]), warnings.catch_warnings():
+            warnings.simplefilter("error", UserWarning)
+            policy(box, gymnasium.spaces.Box(-1.0, 1.0, (1,), np.float32), lambda _: 1e-3, **keywords)
+    except Exception as error:  # whatever PyTorch makes of what nobody has thought of
+        reason = " ".join(str(error).split())[:200]
+        raise ValueError(
+            f"hyperparameter policy_kwargs is {keywords!r}, of which no networks can be made ({reason}); give keywords "
+            f"of Stable-Baselines3's {policy.__name__}"
+        ) from error
+
+
+def _check_batches(algo: str, chosen: Mapping[str, Any], n_envs: int) -> None:
+    """Refuse batches of a single step, whose advantages cannot be normalised.
+
+    Raises:
+        ValueError: There would be such.
+    """
+    if not issubclass(runs.algorithm(algo), OnPolicyAlgorithm) or not chosen.get("normalize_advantage", True):
+        return
+    for name, factor in (("batch_size", 1), ("n_steps", n_envs)):
+        if chosen[name] * factor < 2:
+            raise ValueError(f"hyperparameter {name} is {chosen[name]}; give at least 2, to normalise advantages by")

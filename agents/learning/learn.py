@@ -106,7 +106,8 @@ def train(training: Training) -> None:
     """Train and fill the run folder with policy, checkpoints, configuration and logs.
 
     A run that was interrupted goes on to its end, and repeats one that was not, bit for bit, on the same versions and
-    device; one that is complete trains for as many steps as the configuration says once more.
+    device: from its checkpoint, or from its beginning where it had none yet. One that is complete trains for as many
+    steps as the configuration says once more.
 
     Raises:
         FileNotFoundError, DamagedFileError, UntrustedFileError: There is no checkpoint to go on from, see
@@ -117,14 +118,13 @@ def train(training: Training) -> None:
     config, folder, threads = training.config, training.folder, training.threads
     torch.set_num_threads(1)  # small networks: more threads only contend
     start = time.perf_counter()
-    restored = checkpoints.read(training.resume) if training.resume else None
+    source = _source(training.resume) if training.resume else None
+    restored = checkpoints.read(source) if source else None
     done = restored.timesteps if restored else 0
-    before = _steps_before(training.resume, done)
+    before = _steps_before(source, done)
     left = before + config.timesteps - done
     if left < 0:
-        raise ValueError(
-            f"timesteps is {config.timesteps}: {training.resume} has trained for {done - before} steps; give more"
-        )
+        raise ValueError(f"timesteps is {config.timesteps}: {source} has trained for {done - before} steps; give more")
     features, landings = (None, restored.landings) if restored else prepare(config, threads)
     preparing = time.perf_counter() - start
     monitor = f"{done}.monitor.csv" if restored else "monitor.csv"
@@ -133,7 +133,7 @@ def train(training: Training) -> None:
         model = restored.restore(config, venv, training.device)
     else:
         model = make_model(config, venv, features, training.device)  # type: ignore[arg-type]
-    record = {**asdict(config), "resumed_from": str(training.resume) if restored else None, "timesteps_before": before}
+    record = {**asdict(config), "resumed_from": str(source) if restored else None, "timesteps_before": before}
     runs.write_config(folder, {**record, "command": training.command, "versions": versions(*runs.LIBRARIES)})
     model.set_logger(configure(str(folder / "tensorboard"), ["tensorboard"]))
 
@@ -154,7 +154,9 @@ def train(training: Training) -> None:
             shown = Call(lambda model: bar.advance(task, model.n_envs))
             model.learn(left, CallbackList([logger, validation, shown, keeping]), reset_num_timesteps=not restored)
     except KeyboardInterrupt as stop:
-        if keeping.latest is not None:
+        if keeping.latest is None:
+            stop.add_note(f"no checkpoint was due yet; solar-env train --resume {folder} begins where this one began")
+        else:
             stop.add_note(f"kept the checkpoint of step {keeping.latest}; solar-env train --resume {folder} goes on")
         raise
     finally:
@@ -176,6 +178,17 @@ def train(training: Training) -> None:
 def has_checkpoint(folder: Path) -> bool:
     """Return whether the run in `folder` can go on."""
     return any((folder / name).is_file() for name in runs.CHECKPOINTS)
+
+
+def _source(resume: str | Path) -> str | Path | None:
+    """The run with the checkpoint that the run `resume` goes on from: itself, or the one that it was begun with.
+
+    None is the beginning: it was interrupted before its first checkpoint.
+    """
+    if has_checkpoint(Path(resume)) or runs.is_complete(resume):
+        return resume
+    begun_with: str | None = runs.read_config(resume).get("resumed_from")
+    return begun_with
 
 
 def _steps_before(resume: str | Path | None, steps: int) -> int:

@@ -29,8 +29,9 @@ from agents.learning.trust import (
 )
 from agents.learning.weight_search import CMAES, WeightSearch
 from agents.torque_laws import Controller, Signals
-from solar_env.support.files import make_folder, write_bytes, write_text
+from solar_env.support.files import check_name, make_folder, write_bytes, write_text
 from solar_env.support.interruption import deaf
+from solar_env.support.numbers import is_whole_number
 from solar_env.support.plain_arrays import read_arrays, read_json
 
 LIBRARIES = ("gymnasium", "stable-baselines3", "torch")  # whose versions policies depend on, beside those of all
@@ -66,9 +67,11 @@ def new_run_folder(out: str | Path | None, env_id: str, algo: str, seed: int) ->
 
     Raises:
         FileExistsError: The folder holds a run already.
+        OSError: It cannot be made.
     """
     name = f"{re.sub(r'[^A-Za-z0-9.-]+', '-', env_id)}__{algo}__{seed}__{datetime.now():%Y%m%d-%H%M%S}"
     folder = Path(out) if out else Path("runs") / name
+    check_name(folder)
     if (folder / CONFIG).exists():
         raise FileExistsError(f"{folder} holds a run already; choose another --out, or go on from it with --resume")
     return make_folder(folder)
@@ -127,10 +130,19 @@ def steps_taken(folder: str | Path) -> int:
     """Return the environment steps of a run, with those of the runs that it was resumed from.
 
     Of a run that is not complete those that were asked for; rollouts are whole, so that more are taken.
+
+    Raises:
+        DamagedFileError: Its files do not tell them.
     """
     config, timing = read_config(folder), Path(folder) / TIMING
     asked = int(config["timesteps_before"] + config["timesteps"])
-    return int(read_json(timing).get("timesteps", asked)) if timing.is_file() else asked
+    if not timing.is_file():
+        return asked
+    record = read_json(timing)
+    steps: Any = record.get("timesteps", asked) if isinstance(record, dict) else None
+    if not is_whole_number(steps, 0):
+        raise DamagedFileError(f"{timing} is damaged: it does not tell the steps of the training; train the run anew")
+    return int(steps)
 
 
 def policy_path(folder: str | Path) -> Path:

@@ -13,7 +13,7 @@ import numpy as np
 
 from agents.policies.network import Layer, PolicyNetwork
 from agents.policies.policy import Description, ShippedPolicy
-from solar_env.support.files import write_text, writing
+from solar_env.support.files import PART, write_text, writing
 from solar_env.support.plain_arrays import read_arrays, read_json
 
 SHIPPED = Path(__file__).parent
@@ -39,7 +39,8 @@ def save(folder: Path, policy: ShippedPolicy) -> None:
 
 def available() -> list[str]:
     """List the names of the policies that come with this package."""
-    return sorted(path.parent.name for path in SHIPPED.glob(f"*/{DESCRIPTION}"))
+    names = (path.parent.name for path in SHIPPED.glob(f"*/{DESCRIPTION}"))
+    return sorted(name for name in names if not name.endswith(PART))  # what a kill has left unfinished
 
 
 def load_shipped(name: str | Path) -> ShippedPolicy:

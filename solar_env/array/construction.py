@@ -52,8 +52,7 @@ def build(
             "main body",
             p.body_mass,
             p.body_inertia,
-            # Base points must not lie too close to each other.
-            length=p.hinge_x if p.hinge_x > 1e-3 * p.body_size else p.body_size,
+            length=p.body_length,
             centroid=(0.0, -p.hinge_y),
             position=(0.0, p.hinge_y),
             velocity=_turning(p.initial_spin, (0.0, p.hinge_y)),

@@ -5,10 +5,10 @@ Errors and costs of the levels are read from a table that `solar-env ladder` mea
 
 import csv
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import get_type_hints
+from typing import Any, get_type_hints
 
 from solar_env.array.panels import PanelModel
 
@@ -81,12 +81,33 @@ def read_answers(path: Path = PACKAGED_TABLE) -> tuple[Answer, ...]:
     if not path.is_file():
         raise ValueError(f"{path} does not exist; measure it: solar-env ladder")
     kinds = get_type_hints(Answer)
-    with path.open(newline="", encoding="utf-8") as file:
-        rows = csv.DictReader(line for line in file if not line.startswith("# "))
-        try:
-            return tuple(Answer(**{name: kind(row[name]) for name, kind in kinds.items()}) for row in rows)
-        except (KeyError, TypeError, ValueError, OverflowError, csv.Error) as error:
-            raise ValueError(f"{path} is not a table of the ladder: {error!r}") from error
+    answers = []
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
+        head = next((number for number, line in enumerate(lines) if not line.startswith("# ")), len(lines))
+        reader = csv.DictReader(lines[head:])
+        for row in reader:
+            place = f"{path}, line {head + reader.line_num}"
+            answers.append(Answer(**{name: _read_cell(row, name, kind, place) for name, kind in kinds.items()}))
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise ValueError(f"{path} is not a table of the ladder ({error}); measure it anew: solar-env ladder") from error
+    return tuple(answers)
+
+
+def _read_cell(row: Mapping[str, str | None], name: str, kind: type[Any], place: str) -> Any:
+    text = row.get(name)
+    if text is None:
+        raise ValueError(
+            f"{place} is not of a table of the ladder: it lacks {name!r}; measure it anew: solar-env ladder"
+        )
+    try:
+        value = kind(text)
+    except (ValueError, OverflowError):
+        value = None
+    if value is None or (name == "cost_ratio" and not value > 0.0):
+        wanted = {int: "a whole number", float: "a number"}[kind] if value is None else "a positive number"
+        raise ValueError(f"{place}: {name} is {text!r}, where {wanted} belongs; measure it anew: solar-env ladder")
+    return value
 
 
 def steps(answers: Iterable[Answer], question: str) -> tuple[Answer, ...]:

@@ -9,7 +9,7 @@ import shlex
 import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Annotated, Any, TypeVar, get_type_hints
+from typing import Annotated, Any, TypeVar, get_origin, get_type_hints
 
 import tyro
 
@@ -101,6 +101,7 @@ def parse_arguments(cls: type[Arguments], argv: Sequence[str], prog: str | None 
     """
     fields = dataclasses.fields(cls)  # type: ignore[arg-type]
     repeatable = {f"--{field.name.replace('_', '-')}" for field in fields if field.type is Assignments}
+    _refuse_empty_lists(cls, argv)
     words = _gathered(argv, repeatable)
     report = io.StringIO()
     try:
@@ -115,6 +116,18 @@ def parse_arguments(cls: type[Arguments], argv: Sequence[str], prog: str | None 
         if end.code:
             print(f"error: {_first_sentence(report.getvalue())}; see --help", file=sys.stderr)
         raise
+
+
+def _refuse_empty_lists(cls: type[Any], argv: Sequence[str]) -> None:
+    """End the process where the option of a list is given without a value, which would be nothing to do."""
+    lists = {f"--{name.replace('_', '-')}" for name, kind in get_type_hints(cls).items() if get_origin(kind) is list}
+    for word, following in zip(argv, [*argv[1:], "--"], strict=True):
+        if word in lists and "--help" not in argv and following.startswith("--"):
+            print(
+                f"error: {word} is given without a value; give at least one, or leave it out; see --help",
+                file=sys.stderr,
+            )
+            raise SystemExit(2)
 
 
 def _with_plain_defaults(cls: type[Any]) -> type[Any]:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters
+from solar_env.environment.actions import as_floats
 from solar_env.environment.episodes import Episodes
 from solar_env.environment.exclusive import Exclusive
 from solar_env.environment.settings import RENDER_MODES, EnvironmentSettings
@@ -198,7 +199,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
         Raises:
             gymnasium.error.ResetNeeded: before the first reset and after the end of an episode.
-            ValueError: if the action has the wrong shape or is not finite.
+            ValueError, TypeError: if the action has the wrong shape, is not finite, or is no number.
             SimulationError: if the simulation cannot go on, or takes more than `max_steps` steps.
             RuntimeError: if another thread is in a call of this environment.
             KeyboardInterrupt: within a second of Ctrl-C; the simulation stays at an accepted step.
@@ -207,7 +208,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             SimulationWarning: if the episode was less accurate than it looks, see `Simulation.check`.
         """
         episodes = self._episodes
-        values = np.asarray(action, dtype=np.float64)
+        values = as_floats(action)
         if values.shape != self.action_space.shape:
             raise ValueError(f"action has shape {values.shape}, expected {self.action_space.shape}")
         if not np.isfinite(values[0]):

@@ -11,6 +11,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
+from solar_env.environment.actions import as_floats
 from solar_env.environment.env import RESET_OPTIONS, Observation
 from solar_env.environment.episodes import Episodes, SavedEpisode
 from solar_env.environment.exclusive import Exclusive
@@ -175,7 +176,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
 
         Raises:
             gymnasium.error.ResetNeeded: before the first reset, and where an episode has ended with autoreset disabled.
-            ValueError: if the actions have the wrong shape or are not finite.
+            ValueError, TypeError: if the actions have the wrong shape, are not finite, or are no numbers.
             SimulationError: with `on_failure="raise"`, if a simulation cannot go on, or needs more than `max_steps`.
             RuntimeError: if another thread is in a call of this environment.
             KeyboardInterrupt: within a second of Ctrl-C; the simulations stay at accepted steps.
@@ -185,7 +186,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         """
         if np.shape(actions) != self._actions.shape:
             raise ValueError(f"actions have shape {np.shape(actions)}, expected {self._actions.shape}")
-        given = np.array(actions, dtype=np.float64)
+        given = as_floats(actions)
         if not np.isfinite(given).all():
             lane = int(np.argmin(np.isfinite(given[:, 0])))
             raise ValueError(f"action = {given[lane]!r} of lane {lane} is not finite")

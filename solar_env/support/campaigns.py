@@ -114,9 +114,10 @@ class Campaign:
         cells: arguments; mappings that JSON keeps, no two alike.
         store: file of the results.
         settings: what else the results hang on.
+        admits: whether something in the file can be a result.
 
     Raises:
-        ValueError: if the file belongs to another campaign, or two cells are alike.
+        ValueError: if the file belongs to another campaign or is damaged, or two cells are alike.
     """
 
     def __init__(
@@ -125,8 +126,9 @@ class Campaign:
         cells: Sequence[Cell],
         store: Path,
         settings: Mapping[str, Any] | None = None,
+        admits: Callable[[Any], bool] = lambda _: True,
     ) -> None:
-        self._function = function
+        self._function, self._admits = function, admits
         self.cells = tuple(cells)
         self._store = store
         keys = [_key(cell) for cell in self.cells]
@@ -151,12 +153,22 @@ class Campaign:
             made_by, *rows = [parse_json(line) for line in lines]
             found = {_key(row["cell"]): row["result"] for row in rows}
         except (KeyError, TypeError, ValueError) as error:
-            raise ValueError(f"{self._store} is damaged ({error}); delete it, and the work is done again") from error
+            raise ValueError(
+                f"{self._store} is damaged: a line of it holds no cell with its result ({error}); delete it, and the "
+                "work is done again"
+            ) from error
         if made_by != json.loads(json.dumps(self._made_by)):
             raise ValueError(
                 f"{self._store} was made by other code or with other settings; delete it or choose another"
             )
-        self._results.update((key, result) for key, result in found.items() if key in keys)
+        for key, result in found.items():
+            if key in keys:
+                if not self._admits(result):
+                    raise ValueError(
+                        f"{self._store} is damaged: {json.dumps(result)[:80]} is the result of no cell; delete it, and "
+                        "the work is done again"
+                    )
+                self._results[key] = result
 
     @property
     def missing(self) -> tuple[Cell, ...]:

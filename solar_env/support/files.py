@@ -12,7 +12,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO, Any
 
-PART = ".part"  # end of the names of unfinished files
+PART = ".part"  # end of the names of unfinished files and folders
+_KEPT = 50  # characters of a name that an unfinished one has too: the whole of it might be too long
 
 
 @contextmanager
@@ -29,7 +30,7 @@ def writing(path: str | Path) -> Iterator[IO[bytes]]:
         with target.open("wb") as file:
             yield file
         return
-    beside = target.with_name(f".{target.name}.{secrets.token_hex(4)}{PART}")
+    beside = _unfinished(target)
     try:
         with beside.open("x+b") as file:
             yield file
@@ -43,6 +44,31 @@ def writing(path: str | Path) -> Iterator[IO[bytes]]:
             beside.unlink()
         raise
     _sync_folder(target.parent)
+
+
+@contextmanager
+def new_folder(path: str | Path) -> Iterator[Path]:
+    """Make a folder, to be filled, that becomes `path` when the block ends without an exception: whole or not at all.
+
+    Raises:
+        OSError: it cannot be made, or there is something at `path`.
+    """
+    target = Path(path)
+    make_folder(target.parent)
+    beside = _unfinished(target)
+    try:
+        beside.mkdir()
+        yield beside
+        _sync_folder(beside)
+        beside.rename(target)
+    except BaseException:
+        shutil.rmtree(beside, ignore_errors=True)
+        raise
+    _sync_folder(target.parent)
+
+
+def _unfinished(target: Path) -> Path:
+    return target.with_name(f".{target.name[:_KEPT]}.{secrets.token_hex(4)}{PART}")
 
 
 def _sync_folder(folder: Path) -> None:
@@ -88,6 +114,8 @@ def make_folder(path: str | Path) -> Path:
         folder.mkdir(parents=True, exist_ok=True)
     except (FileExistsError, NotADirectoryError) as error:
         raise NotADirectoryError(f"{folder} cannot be a folder: a file is in its place; choose another") from error
+    except OSError as error:
+        raise OSError(f"{folder} cannot be made ({_reason(error)}); choose another folder") from error
     _try_writing(folder)
     return folder
 
@@ -97,9 +125,10 @@ def check_target(path: str | Path, suffixes: Sequence[str] = ()) -> None:
 
     Raises:
         ValueError: the suffix is another, the folder does not exist, or `path` is one.
-        OSError: no file can be written there.
+        OSError: no file can be written there, or have this name.
     """
     target = Path(path)
+    check_name(target)
     if suffixes and target.suffix.lower() not in suffixes:
         raise ValueError(f"the suffix {target.suffix!r} of {target} is unknown; choose from {', '.join(suffixes)}")
     if not target.parent.is_dir():
@@ -110,11 +139,26 @@ def check_target(path: str | Path, suffixes: Sequence[str] = ()) -> None:
         _try_writing(target.parent)
 
 
+def check_name(path: str | Path) -> None:
+    """Check that the system can look for a file or folder at `path`, be there one or not.
+
+    Raises:
+        OSError: its name is too long, or a folder on the way must not be looked into.
+    """
+    try:
+        Path(path).exists()
+    except OSError as error:
+        raise OSError(f"nothing can be written at {path} ({_reason(error)}); choose another name") from error
+
+
+def _reason(error: OSError) -> str:
+    return error.strerror or str(error)
+
+
 def _try_writing(folder: Path) -> None:
     trial = folder / f".{secrets.token_hex(4)}{PART}"
     try:
         trial.touch(exist_ok=False)
         trial.unlink()
     except OSError as error:
-        reason = error.strerror or str(error)
-        raise OSError(f"no file can be written in {folder} ({reason}); choose another folder") from error
+        raise OSError(f"no file can be written in {folder} ({_reason(error)}); choose another folder") from error

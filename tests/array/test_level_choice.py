@@ -91,12 +91,36 @@ def test_another_file_is_no_table(tmp_path, text):
     path = tmp_path / "ladder.csv"
     path.write_text(text)
     if text:
-        with pytest.raises(ValueError, match=r"ladder\.csv is not a table"):
+        with pytest.raises(ValueError, match=r"ladder\.csv, line \d is not of a table of the ladder: it lacks"):
             read_answers(path)
     else:
         assert read_answers(path) == ()
     with pytest.raises(ValueError, match=r"absent\.csv does not exist.*measure"):
         read_answers(tmp_path / "absent.csv")
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "wanted"),
+    [
+        ("count", "few", "a whole number"),
+        ("count", "1.5", "a whole number"),
+        ("error", "", "a number"),
+        ("evaluations", "many", "a number"),
+        ("cost_ratio", "0", "a positive number"),
+        ("cost_ratio", "nan", "a positive number"),
+    ],
+)
+def test_a_bad_cell_is_told_with_its_line_and_column(tmp_path, name, text, wanted):
+    path = tmp_path / "ladder.csv"
+    cells = {"question": "wear", "model": "rigid-ideal", "panels": "", "count": 0, "error": 0.1, "half_width": 0.01}
+    cells |= {"cost_ratio": 0.5, "evaluations": 10.0, "members": 8}
+    lines = [",".join(map(str, row)) for row in (cells, cells.values(), {**cells, name: text}.values())]
+    path.write_text("\n".join(["# command: solar-env ladder", *lines]) + "\n")
+    with pytest.raises(ValueError, match=rf"ladder\.csv, line 4: {name} is '{text}', where {wanted} belongs; measure"):
+        read_answers(path)
+    path.write_bytes(b"\xff\xfe")
+    with pytest.raises(ValueError, match=r"ladder\.csv is not a table of the ladder .*; measure it anew"):
+        read_answers(path)
 
 
 def test_the_table_of_the_package_answers_every_question_at_every_level_and_says_how_it_was_made():

@@ -13,15 +13,21 @@ import numpy as np
 import pytest
 
 from solar_env.array import (
+    MODELS,
+    PANELS,
     PRESETS,
     ArrayParameters,
+    PanelModel,
     build,
     check_model,
 )
 from solar_env.array.deployment import simulate
+from solar_env.array.methods import default_integrator
+from solar_env.array.models import has_flexible_panels
 from solar_env.mechanics.joints.friction.ramp import RampedCoulomb
 from solar_env.mechanics.mechanism.description import Stop
 from solar_env.mechanics.running.diagnosis import SimulationWarning
+from solar_env.mechanics.running.simulation import Simulation
 
 NUMBERS = [f.name for f in fields(ArrayParameters) if not isinstance(f.default, (str, bool))]
 PER_JOINT = ArrayParameters.BY_JOINT
@@ -131,6 +137,55 @@ def test_other_values_without_sense_are_refused() -> None:
     refused({"wear_bins": 100_001}, "wear_bins = 100001 must lie between 1 and 100000")
     refused({"friction_speed_zero": 1e-2}, "friction_speed_zero = 0.01 must be below friction_speed_full = 0.001")
     refused({"body_mass": None}, "body_mass = None must be a finite number")
+
+
+EXTREMES = (1e-300, 1e-160, 1e-20, 1e20, 1e160, 1e300)
+
+
+LEVELS = [(model, panels) for model in MODELS for panels in (PANELS if has_flexible_panels(model) else [None])]
+
+
+def said_of(parameters: ArrayParameters, model: str, panels: str | None) -> str:
+    """What is said of an array that cannot be, and nothing of one that can."""
+    chosen = PanelModel.of(model, panels)
+    try:
+        Simulation(build(parameters, model, panels=chosen), default_integrator(model, chosen))
+    except ValueError as error:
+        return str(error)
+    return ""
+
+
+@pytest.mark.filterwarnings("ignore:the contact law .* turns a restitution of")
+@pytest.mark.parametrize("value", EXTREMES)
+@pytest.mark.parametrize("name", sorted(ArrayParameters.CONTINUOUS))
+def test_an_extreme_value_is_refused_by_name_or_makes_an_array(name: str, value: float) -> None:
+    try:
+        parameters = ArrayParameters().with_changes({name: value})
+    except ValueError as error:
+        told = str(error)
+    else:
+        said = {said_of(parameters, model, panels) for model, panels in LEVELS} - {""}
+        if name in ("initial_spin", "initial_rate"):  # too fast for constraints to be met in a computer's numbers
+            said = {told for told in said if "the initial velocity violates a constraint" not in told}
+        assert not said
+        return
+    assert name in told
+    assert repr(value) in told
+
+
+def test_what_no_number_of_a_computer_can_hold_is_refused_by_name_and_value() -> None:
+    refused({"panel_length": 1e-21}, "panel_length = 1e-21 must be at least 1e-20")
+    refused({"contact_stiffness": (1e-300, 1e10)}, "contact_stiffness = (1e-300, 10000000000.0) must be at least 1e-20")
+    refused({"hinge_y": -1e21}, "hinge_y = -1e+21 must be at most 1e+20, in magnitude")
+    refused({"initial_spin": 10**400}, "must be at most 1e+20, in magnitude")
+    refused(
+        {"clearance": 1e-19}, "clearance = 1e-19 is lost in rounding beside journal_radius = 0.01; for no clearance"
+    )
+    refused({"panel_thickness": 1e9}, "panel_thickness = 1000000000.0 is out of proportion to panel_length = 1.5")
+    refused(
+        {"body_mass": 1e-12}, "body_inertia = 250.0 makes, with body_mass = 1e-12, a radius of gyration of 1.58e+07 m"
+    )
+    assert ArrayParameters(hinge_y=1e-33, initial_rate=-1e-300).hinge_y == 1e-33
 
 
 def test_an_unknown_name_is_refused_with_the_one_that_was_meant() -> None:

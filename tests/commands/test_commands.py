@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import json
+import os
 import re
 import subprocess
 import sys
@@ -308,9 +310,77 @@ def test_simulate_shows_a_warning_on_one_line(capsys):
     assert "give rtol" in line
 
 
-def test_a_reader_who_leaves_early_is_no_error():
-    command = [sys.executable, "-m", "solar_env", "parameters"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-        process.stdout.close()
-        assert process.stderr.read() == ""
-    assert process.returncode == 0
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="a device of Linux")
+@pytest.mark.parametrize("words", ["--help", "--version", "parameters", "simulate --help"])
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_output_that_cannot_be_written_is_told_in_a_sentence(words, unbuffered):
+    with open("/dev/full", "w") as full:
+        done = run_with_output(words, full, unbuffered)
+    assert done.returncode == 2
+    assert done.stderr == (
+        "error: the output cannot be written (No space left on device); make room, or send it elsewhere\n"
+    )
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="pipes of POSIX")
+@pytest.mark.parametrize("words", ["--help", "parameters"])
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_a_reader_who_leaves_early_is_no_error(words, unbuffered):
+    read, write = os.pipe()
+    os.close(read)
+    done = run_with_output(words, write, unbuffered)
+    os.close(write)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def run_with_output(words, output, unbuffered):
+    return subprocess.run(
+        [sys.executable, "-m", "solar_env", *words.split()],
+        env={**os.environ, "PYTHONUNBUFFERED": unbuffered},
+        stdout=output,
+        stderr=subprocess.PIPE,
+        text=True,
+        timeout=120,
+    )
+
+
+def test_errors_of_the_system_are_told_without_their_numbers(tmp_path, capsys, monkeypatch):
+    def refused(*_, **__):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(tmp_path / "array.yaml"))
+
+    monkeypatch.setattr("importlib.import_module", refused)
+    assert main(["simulate"]) == 2
+    assert capsys.readouterr().err == f"error: {tmp_path / 'array.yaml'}: Permission denied\n"
+
+
+def test_memory_that_runs_out_is_told_in_a_sentence(capsys, monkeypatch):
+    def full(*_):
+        raise MemoryError("Unable to allocate 33.5 GiB")
+
+    monkeypatch.setattr("importlib.import_module", full)
+    assert main(["train"]) == 2
+    told = "error: memory has no room for what was asked for (Unable to allocate 33.5 GiB); ask for less\n"
+    assert capsys.readouterr().err == told
+
+
+@pytest.mark.parametrize(
+    ("command", "option"),
+    [
+        ("evaluate", "--controllers"),
+        ("show", "--controllers"),
+        ("replay", "--controllers"),
+        ("curves", "--algos"),
+        ("curves", "--seeds"),
+        ("curves", "--suites"),
+        ("transfer", "--seeds"),
+        ("train", "--seeds"),
+        ("bench", "--models"),
+        ("paper", "--figure"),
+    ],
+)
+def test_a_list_without_entries_is_refused_before_the_work(command, option, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main([command, option]) == 2
+    told = f"error: {option} is given without a value; give at least one, or leave it out; see --help\n"
+    assert capsys.readouterr().err == told
+    assert list(tmp_path.iterdir()) == []

@@ -247,11 +247,12 @@ def test_an_action_of_the_wrong_shape_is_refused(action):
         env.step(action)
 
 
-def test_an_action_that_is_not_finite_is_refused_and_leaves_the_episode_running():
+@pytest.mark.parametrize("action", [[math.nan], [-math.inf], 10**400, [10**400]])
+def test_an_action_that_is_not_finite_is_refused_and_leaves_the_episode_running(action):
     env = gymnasium.make(ID).unwrapped
     env.reset(seed=0)
     with pytest.raises(ValueError, match="finite"):
-        env.step([math.nan])
+        env.step(action)
     env.step([0.0])
     assert env.simulation.time == pytest.approx(0.1)
 

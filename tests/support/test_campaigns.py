@@ -79,6 +79,24 @@ def test_a_line_cut_short_is_done_again(tmp_path: Path) -> None:
     assert all(json.loads(line) for line in store.read_text().splitlines())
 
 
+@pytest.mark.parametrize("line", ["5", "{}", "null", '{"cell": 5, "result": 1}', '{"cell": {"x": 1}}', "[1", "\x00"])
+def test_a_line_that_holds_no_cell_with_its_result_is_told(tmp_path: Path, line: str) -> None:
+    store = tmp_path / "cells.jsonl"
+    list(Campaign(square, CELLS[:2], store).run())
+    store.write_text(store.read_text() + line + "\n")
+    with pytest.raises(ValueError, match=r"cells\.jsonl is damaged: a line of it holds no cell with its result"):
+        Campaign(square, CELLS, store)
+
+
+@pytest.mark.parametrize("result", ["5", "{}", "null"])
+def test_a_result_that_cannot_be_one_is_told(tmp_path: Path, result: str) -> None:
+    store = tmp_path / "cells.jsonl"
+    list(Campaign(square, CELLS[:2], store).run())
+    store.write_text(store.read_text() + f'{{"cell": {{"x": 2}}, "result": {result}}}\n')
+    with pytest.raises(ValueError, match=f"cells.jsonl is damaged: {result} is the result of no cell; delete it"):
+        Campaign(square, CELLS, store, admits=lambda found: isinstance(found, dict) and "square" in found)
+
+
 def test_results_of_other_code_or_settings_are_not_mixed(tmp_path: Path) -> None:
     store = tmp_path / "cells.jsonl"
     list(Campaign(square, CELLS, store, {"members": 8}).run())

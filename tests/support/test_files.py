@@ -16,7 +16,7 @@ ROOT = Path(solar_env.__file__).resolve().parent.parent
 # What writes a file by its name, past `solar_env.support.files`.
 BYPASSES = re.compile(
     r"""open\([^()]*["'][rb]*[wxa]\+?[bt]?["']|\.write_(text|bytes)\(|np\.savez?(_compressed)?\((?!file\b)|json\.dump\((?!.*stdout)"""
-    r"""|\.savefig\(|torch\.save\(|\.save\((?!file\b|folder, policy|figure, |self\.|lane\b|args\.out\))"""
+    r"""|\.savefig\(|torch\.save\(|\.save\((?!file\b|made, policy|figure, |self\.|lane\b|args\.out\))"""
     r"""|shutil\.(copy|copyfile|move)\("""
 )
 ALLOWED = {
@@ -132,6 +132,61 @@ def test_an_exception_while_writing_leaves_nothing_behind(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_folder_appears_when_it_is_whole(tmp_path):
+    with files.new_folder(tmp_path / "above" / "new") as folder:
+        files.write_text(folder / "table.csv", "whole")
+        assert [path.name for path in (tmp_path / "above").iterdir()] == [folder.name]
+        assert folder.name.endswith(files.PART)
+    assert [path.name for path in (tmp_path / "above").iterdir()] == ["new"]
+    assert (tmp_path / "above" / "new" / "table.csv").read_text() == "whole"
+
+
+@pytest.mark.parametrize("fault", [KeyboardInterrupt, OSError])
+def test_a_folder_that_was_interrupted_leaves_nothing_behind(tmp_path, fault):
+    def fill():
+        with files.new_folder(tmp_path / "new") as folder:
+            files.write_text(folder / "table.csv", "half")
+            raise fault
+
+    with pytest.raises(fault):
+        fill()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_with_files_is_not_replaced_by_a_new_one(tmp_path):
+    (tmp_path / "old").mkdir()
+    files.write_text(tmp_path / "old" / "table.csv", "before")
+    with pytest.raises(OSError, match="old"), files.new_folder(tmp_path / "old") as folder:
+        files.write_text(folder / "table.csv", "after")
+    assert [path.name for path in tmp_path.iterdir()] == ["old"]
+    assert (tmp_path / "old" / "table.csv").read_text() == "before"
+
+
+@pytest.mark.parametrize("name", ["a" * 255, "\u00e4" * 127])
+def test_names_are_as_long_as_the_system_takes(tmp_path, name):
+    files.check_target(tmp_path / name)
+    files.write_text(tmp_path / name, "whole")
+    assert (tmp_path / name).read_text() == "whole"
+
+
+@pytest.mark.parametrize("check", [files.make_folder, files.check_target, files.check_name])
+def test_a_name_that_is_too_long_is_refused_in_a_sentence(tmp_path, check):
+    with pytest.raises(OSError, match=r"aaa (cannot be made )?\(File name too long\); choose another") as refused:
+        check(tmp_path / ("a" * 256))
+    assert "Errno" not in str(refused.value)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_without_permission_is_refused_in_a_sentence(tmp_path, monkeypatch):
+    def refused(self, *_, **__):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(self))
+
+    monkeypatch.setattr(Path, "mkdir", refused)
+    with pytest.raises(OSError, match=r"new cannot be made \(Permission denied\); choose another folder") as told:
+        files.make_folder(tmp_path / "new")
+    assert "Errno" not in str(told.value)
+
+
 OUTPUTS = {
     "chart": ["--quick", "--out", "{}"],
     "stability": ["--quick", "--out", "{}"],
@@ -155,6 +210,15 @@ def test_commands_refuse_a_folder_that_cannot_be_before_the_work(command, tmp_pa
     assert error.count("\n") == 1
     assert error.startswith("error: ")
     assert str(in_place) in error
+
+
+@pytest.mark.parametrize("command", OUTPUTS)
+def test_commands_refuse_a_name_that_is_too_long_before_the_work(command, tmp_path, capsys):
+    assert main([command, *(word.format(tmp_path / ("a" * 256)) for word in OUTPUTS[command])]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert error.startswith("error: ")
+    assert "(File name too long); choose another" in error
 
 
 @pytest.mark.parametrize("command", OUTPUTS)

@@ -198,6 +198,11 @@ class ArrayParameters:
         """
         return changed("parameter", self, changes)
 
+    @property
+    def body_length(self) -> float:
+        """Distance of the main body's base points [m], which must not lie too close to each other."""
+        return self.hinge_x if self.hinge_x > 1e-3 * self.body_size else self.body_size
+
     def lock_angle(self, joint: int) -> float:
         """Angle at which a joint latches [rad]: pi/2 at the root, pi further out."""
         return math.pi / 2 if joint == 0 else math.pi

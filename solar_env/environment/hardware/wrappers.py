@@ -15,6 +15,7 @@ import numpy as np
 from gymnasium.utils import RecordConstructorArgs
 from numpy.typing import NDArray
 
+from solar_env.environment.actions import as_floats
 from solar_env.support.numbers import is_whole_number
 
 Values = NDArray[np.floating]
@@ -150,7 +151,7 @@ class LaggedAction(gymnasium.ActionWrapper, RecordConstructorArgs):
 
     def action(self, action: Any) -> Any:
         """The action that the motor reaches within the step."""
-        asked = np.clip(np.asarray(action, dtype=np.float64), self._box.low, self._box.high)
+        asked = np.clip(as_floats(action), self._box.low, self._box.high)
         change = self._response * (asked - self._reached)
         self._reached = self._reached + np.clip(change, -self._change, self._change)
         return self._reached.astype(self._box.dtype)

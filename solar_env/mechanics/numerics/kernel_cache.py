@@ -68,9 +68,12 @@ def _check_private(path: Path) -> None:
                 f"{path}, for compiled kernels, belongs to another user; set NUMBA_CACHE_DIR to a folder of your own"
             )
         if others_write:
+            # What they have put there already would be executed, too: to take their right away is not enough.
+            first = "" if folder == path else f"take their right away (chmod go-w {folder}), "
             raise OSError(
                 f"others can write in {folder}, and what is in the folder of compiled kernels {path} is executed; "
-                "take their right away (chmod go-w), or set NUMBA_CACHE_DIR to another folder"
+                f"{first}delete {path} (rm -r) if it holds nothing else, and kernels are compiled anew, or set "
+                "NUMBA_CACHE_DIR to another folder"
             )
 
 

@@ -12,7 +12,7 @@ from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.studies.common.levels import Level
 from solar_env.studies.common.motion import Scene, run_own
 from solar_env.studies.common.plans import ChartPlan
-from solar_env.studies.common.tables import Row, Table
+from solar_env.studies.common.tables import Row, Table, number
 from solar_env.studies.common.timing import Job, Measured
 from solar_env.studies.precision.ensembles import member_job, member_rows
 from solar_env.studies.precision.levels import Key as LevelKey
@@ -130,7 +130,7 @@ def page(rows: Table, members: Table) -> str:
         lines.append(
             [
                 *map(str, chosen.values()),
-                *(f"{float(row[error]):.1e}" for error in ERRORS),
+                *(f"{number(row, error):.1e}" for error in ERRORS),
                 str(len(own.values("member"))),
                 *(" / ".join(mean_and_error(of, statistic) for of in by_joint) for statistic in MEANS),
             ]

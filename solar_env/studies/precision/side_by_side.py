@@ -20,7 +20,7 @@ from solar_env.studies.common.levels import FINEST, Level
 from solar_env.studies.common.measures import angle_error, latch_error
 from solar_env.studies.common.motion import Motion, Scene, perturbed, perturbed_setting, run_own
 from solar_env.studies.common.plans import ChartPlan
-from solar_env.studies.common.tables import Row, Table
+from solar_env.studies.common.tables import Cell, Row, Table, number
 from solar_env.studies.common.timing import Job, Measured
 from solar_env.studies.precision.methods import find_method
 from solar_env.support.files import write_text
@@ -194,14 +194,14 @@ def _force_ratios(case: Case, results: Mapping[Case, Measured]) -> Row:
     return dict(zip(names, [*means.tolist(), *errors.tolist()], strict=True))
 
 
-def ratio_at_equal_error(rows: Table, peer: Row) -> float:
+def ratio_at_equal_error(rows: Table, peer: Mapping[str, Cell]) -> float:
     """The peer's wall time over that of the cheapest own run whose errors are no larger; nan if there is none."""
     walls = [
-        float(row["wall_s"])
+        number(row, "wall_s")
         for row in rows.where(model=peer["model"], peer=0).rows
-        if all(float(row[name]) <= float(peer[name]) for name in ("angle_error_rad", "latch_error_s"))
+        if all(number(row, name) <= number(peer, name) for name in ("angle_error_rad", "latch_error_s"))
     ]
-    return float(peer["wall_s"]) / min(walls, default=math.nan)
+    return number(peer, "wall_s") / min(walls, default=math.nan)
 
 
 _COLUMNS = (
@@ -216,22 +216,22 @@ def write_side_by_side(rows: Table, folder: Path) -> list[Path]:
     lines = []
     for row in rows.rows:
         cells = [str(row[name]) for name in ("model", "method", "panels")]
-        cells.append("" if row["method"] == DEFAULT else f"{row['value']:g}")
+        cells.append("" if row["method"] == DEFAULT else f"{number(row, 'value'):g}")
         if row["failure"]:
             lines.append([*cells, "failed", *[""] * 5])
             continue
         ratio = ""
         if row["peer"]:
-            own = ratio_at_equal_error(rows, dict(row))
+            own = ratio_at_equal_error(rows, row)
             ratio = "none of ours is as accurate" if math.isnan(own) else f"{own:.3g}"
-        wall = float(row["wall_s"])
-        errors = f"{row['angle_error_rad']:.1e}", f"{row['latch_error_s']:.1e}"
-        lines.append([*cells, f"{wall:.3g}", f"{float(row['duration_s']) / wall:.3g}", *errors, _forces(row), ratio])
+        wall, duration = number(row, "wall_s"), number(row, "duration_s")
+        errors = [f"{number(row, name):.1e}" for name in ("angle_error_rad", "latch_error_s")]
+        lines.append([*cells, f"{wall:.3g}", f"{duration / wall:.3g}", *errors, _forces(row), ratio])
     path = folder / "side_by_side.md"
     write_text(path, markdown_table(_COLUMNS, lines) + "\n")
     return [path]
 
 
-def _forces(row: Mapping[str, object]) -> str:
-    ratios = [(float(str(row[f"force_ratio_{j}"])), float(str(row[f"force_ratio_{j}_error"]))) for j in (1, 2)]
+def _forces(row: Mapping[str, Cell]) -> str:
+    ratios = [(number(row, f"force_ratio_{j}"), number(row, f"force_ratio_{j}_error")) for j in (1, 2)]
     return "" if math.isnan(ratios[0][0]) else " / ".join(f"{ratio:.2f} ± {error:.2f}" for ratio, error in ratios)

@@ -1,6 +1,7 @@
 """Figures of work against precision, from their tables alone: a column for each model, a row for each cost."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,7 @@ from matplotlib.axes import Axes
 
 from solar_env.pictures.style import METHOD_LOOKS, STEEL, STYLE, Look, look_of
 from solar_env.studies.common.drawing import draw_floor, make_figure, positive_points, save, short, use_decades
-from solar_env.studies.common.tables import Table
+from solar_env.studies.common.tables import Cell, Table, number
 
 COSTS = (("wall_s", "wall time [s]"), ("evaluations", "evaluations"), ("factorizations", "factorisations"))
 _SIZE = (2.6, 1.9)  # of one panel with its labels [inch]
@@ -76,13 +77,13 @@ def _draw(question: Question, rows: Table, floors: Table, folder: Path) -> Path:
     figure, axes = make_figure(len(COSTS), len(models), _SIZE, len(looks))
     with mpl.rc_context(STYLE):
         for column, model in zip(axes.T, models, strict=True):
-            known = floors.where(model=model)
-            floor = float(known.rows[0][question.error]) if question.error in known.rows[0] else 0.0
+            known = floors.first(model=model)
+            floor = number(known, question.error) if question.error in known else 0.0
             for axis, (cost, label) in zip(column, COSTS, strict=True):
                 _draw_panel(axis, rows.where(model=model), question, cost, looks)
                 draw_floor(axis, floor)
                 axis.set_ylabel(label)
-            column[0].set_title(_title(rows.where(model=model), floors.where(model=model)), fontsize=7.5)
+            column[0].set_title(_title(rows.where(model=model), known), fontsize=7.5)
             column[-1].set_xlabel(question.label)
             _share_errors(column, question)
     path = folder / f"{question.file}.png"
@@ -94,12 +95,12 @@ def _conclusion(rows: Table, question: Question) -> str:
     """The best method of each model: the cheapest within the goal, or the one with most right predictions."""
     best: dict[str, list[str]] = {}
     for model in rows.values("model"):
-        own = [row for row in rows.where(model=model).rows if math.isfinite(float(row[question.error]))]
+        own = [row for row in rows.where(model=model).rows if math.isfinite(number(row, question.error))]
         if question.counts:
-            ranked = sorted(own, key=lambda row: (-float(row[question.error]), float(row["wall_s"])))
+            ranked = sorted(own, key=lambda row: (-number(row, question.error), number(row, "wall_s")))
         else:
-            within = [row for row in own if 0.0 < float(row[question.error]) <= question.goal]
-            ranked = sorted(within, key=lambda row: float(row["wall_s"]))
+            within = [row for row in own if 0.0 < number(row, question.error) <= question.goal]
+            ranked = sorted(within, key=lambda row: number(row, "wall_s"))
         if ranked:
             best.setdefault(str(ranked[0]["method"]), []).append(str(model))
     head = "Most impacts right" if question.counts else f"Cheapest to within {short(question.goal)}"
@@ -142,12 +143,13 @@ def _share_errors(column: Any, question: Question) -> None:
             use_decades(axis, "x")
 
 
-def _title(rows: Table, floors: Table) -> str:
+def _title(rows: Table, known: Mapping[str, Cell]) -> str:
     """Model; its panels, impacts that errors are taken over, runs that could not go on."""
-    model, known = rows.rows[0]["model"], floors.rows[0]
+    model = rows.rows[0]["model"]
     details = [str(panels) for panels in rows.values("panels") if panels != "rigid"]
-    if math.isfinite(float(known["impacts_compared"])):
-        details.append(f"{known['impacts_compared']:g} of {known['impacts_in_horizon']:g} impacts")
+    compared, predictable = number(known, "impacts_compared"), number(known, "impacts_in_horizon")
+    if math.isfinite(compared):
+        details.append(f"{compared:g} of {predictable:g} impacts")
     failed = sum(1 for row in rows.rows if row["failure"])
     if failed:
         details.append(f"{failed} failed")

@@ -14,7 +14,7 @@ from matplotlib.patches import Patch, Rectangle
 
 from solar_env.pictures.style import OUTCOME_COLOURS, STEEL, STYLE
 from solar_env.studies.common.drawing import short
-from solar_env.studies.common.tables import Table, read_table
+from solar_env.studies.common.tables import Table, choice, number, read_table
 from solar_env.studies.stability.maps import Kind, Said
 from solar_env.support.files import save_figure
 
@@ -83,18 +83,18 @@ def _draw_panel(axes: Axes, table: Table, about: Any, first: bool) -> None:
     x_ticks, y_ticks = (np.array(table.values(about[axis]), dtype=float) for axis in "xy")
     for row, x, y in zip(table.rows, x_values, y_values, strict=True):
         i, k = int(np.flatnonzero(x_ticks == x)[0]), int(np.flatnonzero(y_ticks == y)[0])
-        kind = Kind(str(row["class"]))
+        kind = choice(row, "class", Kind)
         axes.add_patch(
             Rectangle((i - 0.5, k - 0.5), 1.0, 1.0, facecolor=OUTCOME_COLOURS[kind], edgecolor="white", linewidth=0.4)
         )
         ink = "white" if kind in _DARK else "black"
-        value = float(row["value"])
+        value = number(row, "value")
         if math.isfinite(value):
             axes.text(i, k, short(value), ha="center", va="center", fontsize=6.5, color=ink, zorder=3)
-        if row["said"] != Said.SILENT:
+        if choice(row, "said", Said) != Said.SILENT:
             axes.plot(i + 0.4, k + 0.34, ".", color=ink, markersize=2.0)
     for k, y in enumerate(table.values(about["y"])):
-        place = _place(float(table.where(**{about["y"]: y}).rows[0]["limit"]), x_ticks)
+        place = _place(number(table.first(**{about["y"]: y}), "limit"), x_ticks)
         if math.isfinite(place):
             axes.plot([place, place], [k - 0.5, k + 0.5], color="black", linewidth=1.6, solid_capstyle="butt", zorder=2)
     axes.set_xlim(-0.5, len(x_ticks) - 0.5)

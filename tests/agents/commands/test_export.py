@@ -18,6 +18,7 @@ from agents.learning.features import DriveFeatures, whole_motion
 from agents.policies import shipped
 from agents.policies.shipped import Layer, load_shipped
 from solar_env.__main__ import execute
+from solar_env.support.files import new_folder
 
 
 @pytest.mark.parametrize("name", TRAINED)
@@ -181,6 +182,60 @@ def test_the_command_writes_below_the_shipped_policies_and_overwrites_nothing(fi
     for arguments in ([run], [run, "--name", "../soft"], ["--name", "soft"]):
         with pytest.raises(ValueError, match=r"give both: solar-env export runs/<run> --name NAME"):
             execute("export", arguments)
+
+
+@pytest.mark.parametrize("fault", [KeyboardInterrupt, OSError("No space left on device")])
+def test_a_policy_that_could_not_be_written_whole_does_not_take_its_name(finished, tmp_path, monkeypatch, fault):
+    def broken(*_):
+        raise fault
+
+    monkeypatch.setattr(shipped, "SHIPPED", tmp_path / "policies")
+    run = finished["ppo"][0]
+    with monkeypatch.context() as patch:
+        patch.setattr(export, "write_bytes", broken)
+        with pytest.raises(type(fault) if isinstance(fault, OSError) else fault):
+            export.export(run, tmp_path / "policies" / "soft")
+    assert list((tmp_path / "policies").iterdir()) == []
+    export.export(run, tmp_path / "policies" / "soft")
+    assert shipped.available() == ["soft"]
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "told"),
+    [
+        ("episodes.csv", "", "episodes.csv is damaged"),
+        ("episodes.csv", "a,b\n1,2\n", "episodes.csv is damaged"),
+        ("metrics.json", "", "metrics.json is damaged: it is no JSON"),
+        ("metrics.json", "5", "metrics.json is damaged: it does not say which command"),
+        ("metrics.json", "[]", "metrics.json is damaged: it does not say which command"),
+        ("metrics.json", '{"settings": {}}', "metrics.json is damaged: it does not say which command"),
+        (runs.TIMING, "5", "timing.json is damaged: it does not tell the steps"),
+        (runs.TIMING, '{"timesteps": "many"}', "timing.json is damaged: it does not tell the steps"),
+    ],
+)
+def test_a_damaged_file_of_the_run_is_told_by_its_name(finished, tmp_path, name, content, told):
+    measured, run = finished["residual"][0], tmp_path / finished["residual"][0].name
+    run.mkdir()
+    for kept in (runs.CONFIG, runs.POLICY, runs.TIMING, "episodes.csv", "metrics.json"):
+        (run / kept).write_bytes((measured / kept).read_bytes())
+    (run / name).write_text(content)
+    with pytest.raises(ValueError, match=told):
+        export.export(run, tmp_path / "shipped")
+    assert not (tmp_path / "shipped").exists()
+
+
+def test_what_a_kill_has_left_unfinished_is_no_shipped_policy(finished, tmp_path, monkeypatch):
+    monkeypatch.setattr(shipped, "SHIPPED", tmp_path)
+    with new_folder(tmp_path / "soft") as made:
+        (made / shipped.DESCRIPTION).write_bytes((finished["ppo"][1] / shipped.DESCRIPTION).read_bytes())
+        assert shipped.available() == []
+    assert shipped.available() == ["soft"]
+
+
+def test_a_name_that_is_too_long_for_the_system_is_refused(finished, tmp_path, monkeypatch):
+    monkeypatch.setattr(shipped, "SHIPPED", tmp_path)
+    with pytest.raises(OSError, match=r"aaa \(File name too long\); choose another name"):
+        execute("export", [str(finished["ppo"][0]), "--name", "a" * 256])
 
 
 @pytest.mark.parametrize("package", ["onnx", "onnxruntime"])

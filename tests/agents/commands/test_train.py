@@ -7,7 +7,7 @@ from agents.commands import search, train
 from agents.comparison.suites import SUITES
 from agents.environments import environment_settings
 from agents.learning import configurations
-from solar_env.commands.arguments import parse_arguments
+from solar_env.commands.arguments import parse_arguments, parse_assignments
 
 pytestmark = pytest.mark.usefixtures("few_validation_episodes")
 
@@ -63,6 +63,24 @@ def test_the_discount_reaches_over_a_whole_episode(algo, residual, env_id):
 
 
 @pytest.mark.parametrize(
+    ("algo", "values"),
+    [
+        ("ppo", ["clip_range_vf=None", "target_kl=0.1", "ent_coef=-0.1", "vf_coef=0", "normalize_advantage=false"]),
+        ("ppo", ["normalize_advantage=false", "batch_size=1", "sde_sample_freq=-1", "stats_window_size=5"]),
+        ("sac", ["ent_coef=auto_0.1", "gradient_steps=-1", "target_entropy=-2.0", "use_sde_at_warmup=true"]),
+        ("sac", ["ent_coef=auto_1e-2", "learning_starts=0", "target_update_interval=3"]),
+        ("td3", ["target_policy_noise=0", "target_noise_clip=0.1", "policy_delay=3"]),
+        ("cma-es", ["population=2", "deviation=0.5"]),
+    ],
+)
+def test_what_hyperparameters_may_be_is_not_refused(algo, values):
+    words = ["--algo", algo, "--model", "rigid-clearance", "--hyperparams", *values]
+    config = train.configuration(parse_arguments(train.Args, words), seed=0)
+    for name, value in parse_assignments(values).items():
+        assert config.hyperparameters[name] == value
+
+
+@pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (["--algo", "a2c"], "no algorithm 'a2c'; available: ppo, sac, td3"),
@@ -85,6 +103,40 @@ def test_the_discount_reaches_over_a_whole_episode(algo, residual, env_id):
         (["--algo", "td3", "--hyperparams", "exploration_noise=much"], "exploration_noise is 'much'; give a positive"),
         (["--algo", "sac", "--hyperparams", "replay_buffer_kwargs={}"], "no hyperparameter 'replay_buffer_kwargs'"),
         (["--hyperparams", "policy_kwargs=3"], "policy_kwargs is 3; give a dictionary"),
+        (["--hyperparams", "learning_rate=-1"], "learning_rate is -1; give a positive number, or 0 for none"),
+        (["--hyperparams", "gamma=" + "9" * 400], "give a number above 0, at most 1"),
+        (["--hyperparams", "n_steps=10000000000"], "n_steps is 10000000000; give a positive whole number, at most"),
+        (["--hyperparams", "n_steps=20.0"], "n_steps is 20.0; give a positive whole number"),
+        (["--hyperparams", "batch_size=1"], "batch_size is 1; give at least 2, to normalise advantages by"),
+        (["--hyperparams", "n_steps=1", "--n-envs", "1"], "n_steps is 1; give at least 2, to normalise advantages by"),
+        (["--hyperparams", "ent_coef=auto"], "ent_coef is 'auto'; give a number, or auto for sac"),
+        (["--algo", "sac", "--hyperparams", "ent_coef=auto_x"], "ent_coef is 'auto_x'; give a number, or auto for sac"),
+        (
+            ["--algo", "sac", "--hyperparams", "gradient_steps=0"],
+            "gradient_steps is 0; give a positive whole number, or",
+        ),
+        (
+            ["--algo", "sac", "--hyperparams", "learning_starts=-1"],
+            "learning_starts is -1; give a whole number, not neg",
+        ),
+        (["--algo", "sac", "--hyperparams", "target_entropy=abc"], "target_entropy is 'abc'; give a number, or auto"),
+        (["--algo", "sac", "--hyperparams", "optimize_memory_usage=true"], "no hyperparameter 'optimize_memory_usage'"),
+        (["--algo", "cma-es", "--hyperparams", "population=1"], "population is 1; give a whole number, at least 2"),
+        (["--algo", "ars", "--hyperparams", "delta_std=0"], "delta_std is 0; give a positive number"),
+        (["--hyperparams", "clip_range=-0.2"], "clip_range is -0.2; give a positive number"),
+        (["--hyperparams", "target_kl=abc"], "target_kl is 'abc'; give a positive number, or None"),
+        (["--hyperparams", "gae_lambda=2"], "gae_lambda is 2; give a number from 0 to 1"),
+        (["--hyperparams", "vf_coef=abc"], "vf_coef is 'abc'; give a positive number, or 0 for none"),
+        (["--hyperparams", "use_sde=5"], "use_sde is 5; give true or false"),
+        (
+            ["--hyperparams", "policy_kwargs={'nope':1}"],
+            "policy_kwargs is .*'nope': 1.* no networks can be made .*'nope'",
+        ),
+        (["--hyperparams", "policy_kwargs={'net_arch':'abc'}"], "'abc', .* of which no networks can be made"),
+        (["--hyperparams", "policy_kwargs={'net_arch':[0]}"], "no networks can be made .* give keywords of Stable-Bas"),
+        (["--device", "nonsense"], "--device is 'nonsense', on which PyTorch cannot compute .*; give cpu or cuda"),
+        (["--device", "meta"], "--device is 'meta', on which PyTorch cannot compute .*; give cpu or cuda"),
+        (["--seeds", "1", "2", "--device", "nonsense"], "--device is 'nonsense', on which PyTorch cannot compute"),
         (
             ["--algo", "cma-es", "--hyperparams", "first_weights=much"],
             "first_weights is 'much'; give a number, or one for",
@@ -112,6 +164,11 @@ def test_wrong_arguments_are_named_before_training(tmp_path, arguments, message)
     with pytest.raises(ValueError, match=message):
         run("--out", tmp_path / "run", *arguments)
     assert not (tmp_path / "run").exists()
+
+
+def test_a_run_folder_with_a_name_that_is_too_long_is_refused(tmp_path):
+    with pytest.raises(OSError, match=r"aaa \(File name too long\); choose another name"):
+        run("--out", tmp_path / ("a" * 256))
 
 
 def test_several_seeds_need_a_folder_to_come_back_to():

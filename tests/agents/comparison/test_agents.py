@@ -283,6 +283,8 @@ def test_a_documented_dataclass_is_a_command_line(capsys):
         (["--stepz", "3"], "--stepz"),
         (["--steps", "few"], "--steps: .*'few'"),
         (["--steps"], "--steps"),
+        (["--names"], "--names is given without a value; give at least one, or leave it out"),
+        (["--names", "--steps", "3"], "--names is given without a value; give at least one, or leave it out"),
         (["--keywords", "k"], "--keywords: cannot read 'k'"),
         (["--keywords", "a=1", "--keywords", "a=2"], "--keywords: 'a' is given twice"),
     ],

@@ -19,7 +19,7 @@ from agents.learning import runs
 from agents.policies import shipped
 from agents.policies.shipped import load_shipped
 from agents.rollout import run_episode
-from solar_env.__main__ import execute
+from solar_env.__main__ import execute, main
 from solar_env.array import MODELS
 
 # What the configuration of a run holds at least.
@@ -109,6 +109,21 @@ def test_the_command_writes_what_it_prints(tmp_path, capsys):
     summary = metrics["controllers"]["passive"]["peak_postlock_force_N"]
     assert summary["mean"] == pytest.approx(np.mean(forces))
     assert summary["maximum"] == max(forces)
+
+
+@pytest.mark.parametrize("result", ["5", "{}", '{"return": "much", "latched": true}'])
+def test_finished_episodes_that_are_none_are_told_by_their_file(tmp_path, result, capsys):
+    words = ["evaluate", "--controllers", "passive", "--episodes", "1", "--quiet", "--out", str(tmp_path)]
+    words += ["--model", "rigid-ideal", "--env-kwargs", *QUICK]
+    assert main(words) == 0
+    store = tmp_path / "episodes.jsonl"
+    made_by, row = store.read_text().splitlines()
+    store.write_text(f'{made_by}\n{{"cell": {json.dumps(json.loads(row)["cell"])}, "result": {result}}}\n')
+    capsys.readouterr()
+    assert main(words) == 2
+    error = capsys.readouterr().err
+    assert error.startswith(f"error: {store} is damaged: {result}"), error
+    assert error.count("\n") == 1
 
 
 QUICK = ["deadline=0.5", "postlock_window=0.2"]

@@ -2,7 +2,9 @@
 
 import re
 
-from agents.comparison.report import references, summarize, tabulate
+import pytest
+
+from agents.comparison.report import read_rows, references, summarize, tabulate, write_comparison
 
 
 def episode(controller, spec, index, force, latched=True):
@@ -63,3 +65,39 @@ def test_a_single_episode_has_no_interval():
     more = str(tabulate([episode("x", "x", i, 100.0) for i in range(2)]))
     assert re.search(r"\d \[", more)
     assert "One episode" not in more
+
+
+def test_rows_come_back_as_they_were_written(tmp_path):
+    rows = [episode(name, name, i, 2.5) for name in ("passive", "ppo") for i in range(3)]
+    write_comparison(tmp_path, rows, {}, {})
+    assert read_rows(tmp_path / "episodes.csv") == rows
+
+
+@pytest.mark.parametrize(
+    ("damage", "told"),
+    [
+        (lambda text: "", "it has no lines"),
+        (lambda text: text.splitlines()[0], "it has no lines"),
+        (lambda text: text.replace("return", "yield"), "a line has no return"),
+        (lambda text: text[: text.rindex(",") - 3], "a line has not one cell for each heading"),
+        (lambda text: text.replace("passive", "passive,1", 1), "a line has not one cell for each heading"),
+        (lambda text: text.rsplit("\n", 2)[0], "its controllers have not the same episodes, once each"),
+        (lambda text: text + text.rsplit("\n", 2)[1], "its controllers have not the same episodes, once each"),
+        (lambda text: text.replace("-2.5", "much"), "could not convert string to float: 'much'"),
+        (lambda text: text.replace("2.5", "", 1), "a line has no|could not convert"),
+        (lambda text: "{}", "a line has no|it has no lines"),
+    ],
+)
+def test_a_damaged_file_of_episodes_is_told_by_its_name(tmp_path, damage, told):
+    rows = [episode(name, name, i, 2.5) for name in ("passive", "ppo") for i in range(3)]
+    write_comparison(tmp_path, rows, {}, {})
+    path = tmp_path / "episodes.csv"
+    path.write_bytes(damage(path.read_text()).encode())
+    with pytest.raises(ValueError, match=rf"episodes.csv is damaged, or has no episodes of a comparison \(({told})"):
+        read_rows(path)
+
+
+def test_bytes_that_are_no_text_are_no_episodes(tmp_path):
+    (tmp_path / "episodes.csv").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(ValueError, match=r"episodes\.csv is damaged"):
+        read_rows(tmp_path / "episodes.csv")

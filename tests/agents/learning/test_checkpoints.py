@@ -116,6 +116,36 @@ def test_a_training_that_is_complete_goes_on_for_as_many_steps_again(tmp_path):
     assert steps == sorted(set(steps))
 
 
+@pytest.mark.parametrize("resumed", [False, True])
+def test_a_training_interrupted_before_its_first_checkpoint_begins_again(resumed, tmp_path, monkeypatch):
+    before = train(tmp_path / "before", configuration(timesteps=40)) if resumed else None
+    config = configuration(timesteps=80)
+    whole, cut = train(tmp_path / "whole", config, before), tmp_path / "cut"
+
+    def interrupted(self):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(checkpoints.Checkpoints, "_on_rollout_start", interrupted)
+        with pytest.raises(KeyboardInterrupt) as stop:
+            train(cut, config, before)
+    assert stop.value.__notes__ == [
+        f"no checkpoint was due yet; solar-env train --resume {cut} begins where this one began"
+    ]
+    assert not learn.has_checkpoint(cut)
+    train(cut, configurations.resumed_configuration(cut), cut)
+    assert content(cut) == content(whole)
+    assert runs.read_config(cut) == runs.read_config(whole)
+
+
+def test_a_complete_training_without_its_checkpoint_is_not_begun_again(tmp_path):
+    folder = train(tmp_path / "run", configuration(timesteps=40))
+    for name in runs.CHECKPOINTS:
+        (folder / name).unlink(missing_ok=True)
+    with pytest.raises(FileNotFoundError, match="has no checkpoint to go on from; start a new run"):
+        train(tmp_path / "other", configurations.resumed_configuration(folder), folder)
+
+
 def test_fewer_steps_than_an_interrupted_training_has_done_are_refused(tmp_path):
     train_until(135, tmp_path / "cut", configuration())
     with pytest.raises(ValueError, match=r"timesteps is 50: .* has trained for 120 steps; give more"):

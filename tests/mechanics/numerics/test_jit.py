@@ -186,8 +186,12 @@ def test_compiled_kernels_are_found_again_wherever_the_package_lies(
 def test_a_folder_of_kernels_that_others_can_write_is_refused(tmp_path: Path, above: bool) -> None:
     folder = private_folder(tmp_path / "own" / "cache")
     assert folder.stat().st_mode & 0o777 == 0o700
-    (folder.parent if above else folder).chmod(0o777)
-    with pytest.raises(OSError, match=r"others can write in .*chmod go-w"):
+    open_one = folder.parent if above else folder
+    open_one.chmod(0o777)
+    remedy = rf"delete {folder} \(rm -r\) if it holds nothing else, and kernels are compiled anew"
+    if above:
+        remedy = rf"take their right away \(chmod go-w {open_one}\), {remedy}"
+    with pytest.raises(OSError, match=rf"others can write in {open_one}, .* is executed; {remedy}"):
         private_folder(folder)
 
 

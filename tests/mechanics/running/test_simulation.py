@@ -14,6 +14,7 @@ from helpers import fingerprint, in_miniature
 from mechanisms import block, pendulum, rotor
 
 from solar_env.array import ArrayParameters, build
+from solar_env.array.deployment import simulate as simulate_array
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, ModalRadau, Rosenbrock, RungeKutta
 from solar_env.mechanics.joints.joint import ANGLE, NORMAL
@@ -219,6 +220,26 @@ def test_a_duration_or_output_step_without_sense_is_refused(name: str, value: An
     arguments = {"duration": 1.0, name: value}
     with pytest.raises(ValueError, match=f"{name} = {value!r} s must be positive and finite"):
         simulate(pendulum(), **arguments)
+
+
+@pytest.mark.parametrize("step", [1e-12, 5e-324])
+def test_samples_without_number_are_refused_before_the_run(step: float) -> None:
+    wanted = rf"output_step = {step!r} s makes \S+ samples of 30.0 s, more than 10,000,000; choose at least 3e-06 s"
+    with pytest.raises(ValueError, match=wanted):
+        simulate(pendulum(), 30.0, output_step=step)
+    with pytest.raises(ValueError, match=wanted):
+        simulate_array(output_step=step)
+
+
+def test_samples_that_memory_has_no_room_for_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(model: Any, state: Any, times: Any, contacts: int) -> Any:
+        if len(times) > 0:
+            raise MemoryError
+        return make_recorder(model, state, times, contacts)
+
+    monkeypatch.setattr("solar_env.mechanics.running.simulation.make_recorder", full)
+    with pytest.raises(ValueError, match=r"output_step = 0.1 s makes 10 samples of 1.0 s, more than this machine has"):
+        simulate(pendulum(), 1.0, output_step=0.1)
 
 
 UNCOMPILED = """

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from solar_env.array import ArrayParameters
 from solar_env.pictures.style import BLUE, FAINT, GREY, STYLE, VERMILLION
 from solar_env.studies.common.drawing import short
-from solar_env.studies.common.tables import Table
+from solar_env.studies.common.tables import Table, number
 from solar_env.studies.paper.claims import CLAIMS
 from solar_env.studies.paper.identification.exclusions import NEARLY
 from solar_env.studies.paper.identification.open_parameters import OPEN_PARAMETERS, quantities
@@ -71,7 +71,7 @@ def _draw_map(axis: Axes, pairs: Table, claims: Sequence[str]) -> int:
     place = {key: number for number, key in enumerate(claims)}
     for row in pairs.rows:
         a, b = place[str(row["claim"])], place[str(row["other"])]
-        sets[a, b] = sets[b, a] = float(row["sets"])
+        sets[a, b] = sets[b, a] = number(row, "sets")
     image = axis.imshow(np.where(sets > 0, sets, np.nan), cmap="Blues", norm=LogNorm(1.0, sets.max()))
     alone = sets.diagonal()
     apart = [(a, b) for a, b in np.argwhere(sets == 0) if a != b and alone[a] and alone[b]]

@@ -8,6 +8,7 @@ import re
 import shlex
 import sys
 from collections.abc import Iterable, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, TypeVar, get_origin, get_type_hints
 
@@ -121,7 +122,7 @@ def parse_arguments(cls: type[Arguments], argv: Sequence[str], prog: str | None 
 def _refuse_empty_lists(cls: type[Any], argv: Sequence[str]) -> None:
     """End the process where the option of a list is given without a value, which would be nothing to do."""
     lists = {f"--{name.replace('_', '-')}" for name, kind in get_type_hints(cls).items() if get_origin(kind) is list}
-    for word, following in zip(argv, [*argv[1:], "--"], strict=True):
+    for word, following in pairwise([*argv, "--"]):
         if word in lists and "--help" not in argv and following.startswith("--"):
             print(
                 f"error: {word} is given without a value; give at least one, or leave it out; see --help",

@@ -156,6 +156,7 @@ def said_of(parameters: ArrayParameters, model: str, panels: str | None) -> str:
 
 
 @pytest.mark.filterwarnings("ignore:the contact law .* turns a restitution of")
+@pytest.mark.filterwarnings("ignore::solar_env.array.parameters.plausibility.UnitWarning")
 @pytest.mark.parametrize("value", EXTREMES)
 @pytest.mark.parametrize("name", sorted(ArrayParameters.CONTINUOUS))
 def test_an_extreme_value_is_refused_by_name_or_makes_an_array(name: str, value: float) -> None:

@@ -40,6 +40,7 @@ SEARCH = ["--algo", "cma-es", "--env-kwargs", "control_period=0.5", "postlock_wi
 SEARCH += ["--n-envs", 2, "--hyperparams", "population=4"]
 
 
+@pytest.mark.filterwarnings("ignore::agents.laws.baselines.UntunedWarning")
 def test_a_search_begins_with_the_policy_of_another_run_on_other_panels(tmp_path):
     first = run("--model", "rigid-ideal", *SEARCH, "--out", tmp_path / "first" / "seed-3", "--seed", 3)
     begun = ["--model", "flexible-ideal", *SEARCH, "--start"]

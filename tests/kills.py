@@ -41,11 +41,8 @@ TUNING = ["--controller", "brake", *QUICK, "--episodes", "80", "--validation-epi
 
 
 def _train(folder: Path) -> None:
-    words = (
-        ["--resume", str(folder), "--jobs", "1", "--quiet"]
-        if checkpoints_of(folder)
-        else [*SMALL, "--out", str(folder)]
-    )
+    begun = (folder / runs.CONFIG).exists()
+    words = ["--resume", str(folder), "--jobs", "1", "--quiet"] if begun else [*SMALL, "--out", str(folder)]
     sys.exit(solar_env(["train", *words]))
 
 
@@ -72,11 +69,6 @@ COMMANDS: dict[str, Callable[[Path], object]] = {
     "design": _command("design", "--members", "1", "--jobs", "1"),
     "chart": _command("chart", "--quick", "--only", "growth"),
 }
-
-
-def checkpoints_of(folder: Path) -> bool:
-    """Whether a training can go on there."""
-    return any((folder / name).is_file() for name in runs.CHECKPOINTS)
 
 
 def attempt(
@@ -188,9 +180,6 @@ def campaign(name: str, kills: int, full_disks: int, place: Path, chance: random
             print(f"{name} {number}: {broken} {said[-800:]}", file=sys.stderr)
         counts["damaged"] += bool(broken)
         if name == "train":
-            config = folder / runs.CONFIG
-            if config.exists() and not checkpoints_of(folder):
-                shutil.rmtree(folder)
             attempt(command, folder, lambda _: None)
             counts["not as undisturbed"] += end_of_training(folder) != reference
         shutil.rmtree(folder, ignore_errors=True)

@@ -4,14 +4,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-import gymnasium
 import tyro
 
+from agents.environments import environment_settings
 from agents.policies.c_form import c_header, interface_comment
 from agents.policies.policy import ShippedPolicy
 from agents.policies.shipped import load_shipped
 from solar_env.environment.hardware.imperfections import Hardware
-from solar_env.environment.settings import EnvironmentSettings
 from solar_env.support.files import check_target, write_text
 
 
@@ -40,7 +39,4 @@ def run_command(args: Args) -> int:
 
 def drive_of(policy: ShippedPolicy) -> Hardware:
     """The drive that a policy was trained on."""
-    description = policy.description
-    registered = gymnasium.registry.get(description.env_id)
-    usual = registered.kwargs if registered else {}
-    return EnvironmentSettings.of({**usual, **description.env_kwargs}).drive
+    return environment_settings(policy.description.env_id, policy.description.env_kwargs).drive

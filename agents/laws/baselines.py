@@ -32,7 +32,7 @@ def load_parameters(name: str, env_id: str, model: str) -> LawParameters:
         ValueError: The file has no entry for `env_id` that would do, or its keys are not those of the law.
     """
     entry, source = _entry(name, env_id, model)
-    warn_if_untuned(name, env_id, model)
+    _warn_if_borrowed(name, env_id, model, source)
     try:
         return TUNABLE[name].defaults.from_json(entry["parameters"])
     except ValueError as error:
@@ -49,6 +49,11 @@ def warn_if_untuned(name: str, env_id: str, model: str) -> None:
         UntunedWarning: It does.
     """
     _, source = _entry(name, env_id, model)
+    _warn_if_borrowed(name, env_id, model, source)
+
+
+def _warn_if_borrowed(name: str, env_id: str, model: str, source: str) -> None:
+    """Warn if `source`, the model that parameters were tuned for, is another one than `model`."""
     if source != model:
         warnings.warn(
             f"no parameters of {name!r} have been tuned for {model}; it gets those for {source}. To tune: "

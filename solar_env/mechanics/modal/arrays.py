@@ -133,7 +133,7 @@ joint_scratch = record(
         ("torque_tolerance", np.float64),
         ("depth", np.float64),  # at the start of the step
         ("sliding_work", np.float64),  # of the step
-        ("tried", np.float64, (2, 2)),  # sliding speed at the stages in the iteration before
+        ("tried", np.float64, (2, 2)),  # latest sliding speeds in the iteration, by stage: negative, positive
     ]
 )
 cable_scratch = record(

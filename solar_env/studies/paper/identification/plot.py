@@ -68,7 +68,7 @@ def draw_identification(pairs: Table, front: Table, path: Path) -> None:
 def _draw_map(axis: Axes, pairs: Table, claims: Sequence[str]) -> int:
     """Draw by how many sets pairs of claims are met; returns how many pairs are met alone but not together."""
     sets = np.zeros((len(claims), len(claims)))
-    place = {key: number for number, key in enumerate(claims)}
+    place = {key: index for index, key in enumerate(claims)}
     for row in pairs.rows:
         a, b = place[str(row["claim"])], place[str(row["other"])]
         sets[a, b] = sets[b, a] = number(row, "sets")

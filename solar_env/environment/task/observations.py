@@ -96,6 +96,18 @@ OBSERVATIONS: dict[str, Names] = {
         "settling_rate",
         "settling_distance",
     ),
+    "pace": (
+        "approach",
+        "approach_time_needed",
+        "approach_opening",
+        "approach_distance",
+        "approach_rate",
+        "approach_lead",
+        "approach_lead_rate",
+        "approach_deceleration",
+        "settling_rate",
+        "settling_distance",
+    ),
     "privileged": (*_DRIVE, ("eccentricity_x", "eccentricity_y", "in_contact"), "main_body_spin"),
 }
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array.models import has_clearance, has_flexible_panels
-from solar_env.array.panels import PanelModel
+from solar_env.array.panels import MODAL, PanelModel
 from solar_env.array.parameters import ArrayParameters
 from solar_env.mechanics.bodies.description import Point
 from solar_env.mechanics.mechanism.description import AnyBody, Body, CableLoop, Joint, Mechanism, Spring
@@ -46,6 +46,11 @@ def build(
     chosen = PanelModel.of(model, panels, elements, modes)
     panel = chosen.body if has_flexible_panels(model) else _rigid_panel
     p = parameters
+    if p.cable_bearing_forces and chosen.kind == MODAL and has_flexible_panels(model):
+        raise ValueError(
+            "cable_bearing_forces = True: cables do not pull on the bearings of modal panels; choose panels='ancf', a "
+            "model with rigid panels, or cable_bearing_forces = False"
+        )
     # Base points of the main body: below the hinge's height at the centroid, and the hinge itself.
     bodies: list[AnyBody] = [
         Body(

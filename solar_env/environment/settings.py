@@ -94,6 +94,8 @@ class EnvironmentSettings:
         # Whatever follows from the keywords refuses values that it cannot follow from.
         for name in ("level", "integrator", "array", "ranges", "drive", "task", "entries", "terms", "beginnings"):
             getattr(self, name)
+        model, panels = self.level
+        build(self.array, model, panels=panels)  # refuses parameters that do not go with the panels
 
     @classmethod
     def of(cls, keywords: Changes) -> Self:

@@ -24,6 +24,7 @@ from solar_env.array import (
 from solar_env.array.deployment import simulate
 from solar_env.array.methods import default_integrator
 from solar_env.array.models import has_flexible_panels
+from solar_env.environment.env import SolarArrayEnv
 from solar_env.mechanics.joints.friction.ramp import RampedCoulomb
 from solar_env.mechanics.mechanism.description import Stop
 from solar_env.mechanics.running.diagnosis import SimulationWarning
@@ -242,8 +243,19 @@ def test_friction_speeds_are_compared_joint_by_joint() -> None:
 def test_a_cable_that_pulls_on_the_bearings_has_its_wheel() -> None:
     assert build(ArrayParameters()).cables[0].wheel_radius is None
     assert build(ArrayParameters(cable_bearing_forces=True)).cables[0].wheel_radius == 0.05
-    with pytest.raises(ValueError, match="ModalRadau takes no loops that pull on bearings; choose panels of cable"):
-        simulate({"cable_bearing_forces": True}, model="flexible-ideal", duration=0.1)
+
+
+def test_modal_panels_refuse_a_cable_that_pulls_on_the_bearings_before_anything_runs() -> None:
+    pulling = {"cable_bearing_forces": True}
+    for refuse in (
+        lambda: simulate(pulling, model="flexible-ideal", duration=0.1),
+        lambda: SolarArrayEnv(model="flexible-clearance", parameters=pulling),
+    ):
+        with pytest.raises(ValueError, match=r"^cable_bearing_forces = True: .* choose panels='ancf'"):
+            refuse()
+    SolarArrayEnv(model="flexible-clearance", panels="ancf", parameters=pulling).close()
+    with pytest.raises(ValueError, match="ModalRadau takes no loops that pull on bearings; choose another integrator"):
+        simulate(pulling, model="rigid-ideal", integrator="modal-radau", duration=0.1)
 
 
 def test_the_default_entries_by_joint_also_serve_a_single_panel() -> None:

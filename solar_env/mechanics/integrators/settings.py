@@ -29,7 +29,8 @@ class RungeKutta:
 
     A run asks the same of every method: `name`; whether it `takes_drives`; whether its multipliers only settle to
     the constraint forces after a change of step (`settles_forces`); `steps_needed_per_impact`, None if its steps
-    adapt to impacts; and `remedy`, what makes its energy book close better.
+    adapt to impacts; `loosest_in_contact`, the rtol up to which single contacts can be trusted; and `remedy`, what
+    makes its energy book close better.
     """
 
     rtol: float = 1e-6
@@ -42,6 +43,7 @@ class RungeKutta:
     takes_drives = True
     settles_forces = False
     steps_needed_per_impact = None
+    loosest_in_contact = math.inf
     remedy = property(lambda self: f"tighten rtol = {self.rtol:g}")
     fewest_steps = FEWEST_EXPLICIT_STEPS
     least_rtol = 1e-13
@@ -100,6 +102,8 @@ class ModalRadau(RungeKutta):
     takes_drives = False
     fewest_steps = 3
     least_rtol = 1e-10
+    # Up to here none of 30 deployments had a peak force out of line, at 0.03 five had one of three to fifteen times.
+    loosest_in_contact = 1e-2
 
 
 @dataclass(frozen=True)
@@ -128,6 +132,7 @@ class GeneralizedAlpha:
     name = "generalized-alpha"
     takes_drives = True
     settles_forces = True
+    loosest_in_contact = math.inf
 
     @property
     def steps_needed_per_impact(self) -> int | None:

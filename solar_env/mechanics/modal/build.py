@@ -169,7 +169,7 @@ def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
         if cable.wheel_radius is not None:
             raise ValueError(
                 f"CableLoop.wheel_radius = {cable.wheel_radius!r}: ModalRadau takes no loops that pull on bearings; "
-                "choose panels of cable elements or rigid ones"
+                "choose another integrator, with flexible panels beams of cable elements (FlexibleBody)"
             )
     model.cables["chord_sense"] = [chord_sense(mechanism, cable) for cable in mechanism.cables]
     joints = len(mechanism.joints)

@@ -14,6 +14,7 @@ from solar_env.mechanics.running.diagnosis import (
     check_energy,
     check_impact_steps,
     check_modal_range,
+    check_tolerance,
 )
 
 # Between looks at a run that goes on call by call: a look takes as long as some hundred steps.
@@ -73,6 +74,7 @@ class AccuracyWatch:
         self._steps = int(simulation.state.clock["steps"][0])
         chosen = simulation.integrator
         self.check_impacts()
+        self._check_tolerance()
         if chosen.settles_forces:
             self._check_forces()
         if "energy" not in self._told:
@@ -102,6 +104,12 @@ class AccuracyWatch:
         shortest = float(durations[struck].min())
         steps = shortest / float(simulation.state.clock["last_step"][0])
         self._tell("impacts", check_impact_steps(steps, needed, shortest))
+
+    def _check_tolerance(self) -> None:
+        simulation = self._simulation
+        rtol, loosest = simulation.integrator.rtol, simulation.integrator.loosest_in_contact
+        if rtol is not None and "tolerance" not in self._told and simulation.state.joints["contact_starts"].any():
+            self._tell("tolerance", check_tolerance(rtol, loosest))
 
     def _check_forces(self) -> None:
         simulation = self._simulation

@@ -106,6 +106,22 @@ def check_impact_steps(steps: float, needed: int, duration: float) -> bool:
     return True
 
 
+def check_tolerance(rtol: float, loosest: float) -> bool:
+    """Warn if a tolerance is too loose for single contacts to be trusted; whether it did warn.
+
+    Args:
+        rtol: of the integrator.
+        loosest: up to which they can be.
+    """
+    if rtol <= loosest:
+        return False
+    _warn(
+        f"at rtol = {rtol:g} a single contact may come out with ten times its force, whatever the energy book says; "
+        f"tighten rtol to {loosest:g} or less"
+    )
+    return True
+
+
 def check_restitution(law: str, asked: float, given: float) -> bool:
     """Warn if a contact law does not give the coefficient of restitution that was asked for; whether it did warn.
 

@@ -64,7 +64,9 @@ class Trajectory:
         contacts: structured array of all contacts in the order of their ends; those still open come last, with
             end_s = nan.
         latch_times: (nj,) nan if not latched.
-        peak_force, postlock_peak_force: (nj,) over all accepted steps; post-lock counts from the first latching.
+        peak_force, postlock_peak_force: (nj,) over all accepted steps; post-lock counts from the first latching. With
+            flexible panels and ideal joints the former has no limit: springs that act from one moment on send a wave
+            into the panels, and the finer these are, the greater the reaction in its first tenth of a millisecond.
         postlock_impulse, postlock_sliding_work: (nj,).
         contact_starts: (nj,).
         clearance, journal_radius: (nj,) zero for ideal joints.

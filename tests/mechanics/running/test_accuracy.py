@@ -13,7 +13,7 @@ from mechanisms import block, pendulum
 
 from solar_env.array import ArrayParameters, build
 from solar_env.array.deployment import simulate as simulate_deployment
-from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
+from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, ModalRadau, RungeKutta
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.mechanism.description import Bearing, Stop
 from solar_env.mechanics.mechanism.textbook import bouncing_block, four_bar
@@ -85,6 +85,17 @@ def test_energy_that_a_loose_tolerance_loses_is_told_with_the_tolerance() -> Non
         simulate(
             bouncing_block(GAP, 6.0), 0.05, integrator=RungeKutta(rtol=0.1, impact_resolution=4.0, velocity_scale=10.0)
         )
+
+
+@pytest.mark.parametrize("rtol", [0.01, 0.02])
+def test_a_tolerance_that_lets_single_contacts_come_out_tenfold_is_told(rtol: float) -> None:
+    """At 0.02 a joint of modal panels had 1,400 N for 102 N in one of 30 deployments, and a book closed to 0.5 %."""
+    said = told_by(lambda: simulate(bouncing_block(GAP, 6.0), 0.05, integrator=ModalRadau(rtol=rtol)))
+    assert [one for one in said if "a single contact may come out" in one] == said[: int(rtol > 0.01)]
+
+
+def test_a_loose_tolerance_without_contact_is_silent_about_contacts() -> None:
+    assert not told_by(lambda: simulate(point_pendulum(1.0, 1.0), 0.1, integrator=ModalRadau(rtol=0.05)))
 
 
 def test_a_run_that_goes_on_call_by_call_is_looked_at_every_ten_thousand_steps() -> None:

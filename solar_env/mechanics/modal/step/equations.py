@@ -20,9 +20,10 @@ from solar_env.mechanics.modal.arrays import (
 from solar_env.mechanics.modal.step.cables import fill_cable_torques
 from solar_env.mechanics.numerics.jit import kernel
 
-# Least time [s] over which a gap of an ideal joint is closed, and the greatest speed, over the one that errors may
-# have: faster, it would be felt as a blow, which no step is short enough for.
-_RETURN_TIME, _RETURN_SPEED = 1e-3, 3.0
+# Least time [s] over which a gap of an ideal joint is closed; and over the speed that errors may have, the greatest
+# speed of that, and by how much it changes in a step: faster, it would be felt as a blow, which no step is short enough
+# for.
+_RETURN_TIME, _RETURN_SPEED, _RETURN_CHANGE = 1e-3, 3.0, 0.1
 
 
 @kernel(inlined=True)
@@ -92,10 +93,12 @@ def reaction_row(work, s, n, r, h, renewed):
     j, kind = work.unknowns[r].owner, work.unknowns[r].kind
     own = work.mobility[r, r].response
     scale = 1.0 / (abs(own[3]) + abs(own[7]))
-    rate = work.joints[j].motion[s, VELOCITY_X if kind == REACTION_X else VELOCITY_Y]
+    column = VELOCITY_X if kind == REACTION_X else VELOCITY_Y
+    rate, before = work.joints[j].motion[s, column], -work.joints[j].motion[START, column]
     gap = work.joints[j].motion[START, ECCENTRICITY_X if kind == REACTION_X else ECCENTRICITY_Y]
-    limit = _RETURN_SPEED * work.velocity_tolerance[0]
+    limit, change = _RETURN_SPEED * work.velocity_tolerance[0], _RETURN_CHANGE * work.velocity_tolerance[0]
     back = min(max(gap / max(h, _RETURN_TIME), -limit), limit)
+    back = min(max(back, before - change), before + change)
     work.correction[s * n + r] = -scale * (rate + back)
     if not renewed:
         return

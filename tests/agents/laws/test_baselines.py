@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from agents.environments import make_env, with_model
-from agents.laws.baselines import make_baseline
+from agents.environments import DEFAULT_ENV_ID, make_env, with_model
+from agents.laws.baselines import load_parameters, make_baseline
 from agents.laws.brake import BrakeParameters, ConstantBrake
 from agents.laws.damper import DamperParameters, ViscousDamper
 from agents.laws.open_loop import OpenLoopParameters, OpenLoopTorque
@@ -226,6 +226,19 @@ def test_open_loop_torque_follows_the_clock_alone_and_ends_with_the_deadline():
         for other in (observe(0.1), observe(0.9, 0.3), observe(1.0, latched=1.0)):
             other[NAMES.index("time_to_deadline")] = to_go
             assert law.predict(other)[0] == pytest.approx(torque / LIMIT, abs=1e-5)
+
+
+@pytest.mark.parametrize("name", TUNABLE)
+def test_parameters_lie_in_the_ranges_that_tuning_searches_and_no_gain_is_negative(name):
+    defaults = TUNABLE[name].defaults
+    for parameters in (defaults, load_parameters(name, DEFAULT_ENV_ID, "rigid-clearance")):
+        numbers = parameters.to_unit()
+        assert np.all((numbers >= 0.0) & (numbers <= 1.0))
+    low, high = defaults.bounds().T
+    torques = low < 0.0
+    # What may be negative is a torque, to either side alike and within the motor's limit.
+    np.testing.assert_array_equal(low[torques], -high[torques])
+    assert np.all(high[torques] <= LIMIT)
 
 
 @pytest.mark.parametrize("name", BASELINES)

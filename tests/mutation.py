@@ -59,7 +59,7 @@ OPERATORS = (
     "NumberReplacer",
     "ZeroIterationForLoop",
 )
-LEAST_SECONDS = 10.0
+LEAST_SECONDS = 20.0  # that an attempt may take: its change may keep a loop from ending, which is noticed too
 # Nothing that costs time: no one reads what a failing test says.
 QUICK = ("-x", "-q", "--assert=plain", "-p", "no:cacheprovider", "-p", "no:unraisableexception")
 
@@ -85,7 +85,7 @@ LONG = ("block_leaves", "undamped_impact", "volume_worn", "turning_journal", "tu
 SHORT = ("-k", " and ".join(f"not {part}" for part in LONG))
 CONTACT = (JOINTS + "test_contact_laws.py", *SHORT)
 FRICTION = (JOINTS + "test_friction_laws.py",)
-JOINT = (JOINTS + "test_joint.py", JOINTS + "test_cable_loop.py::test_a_belt_changes_no_momentum")
+JOINT = (JOINTS + "test_joint.py", JOINTS + "test_cable_loop.py::test_the_forces_of_a_belt_are_the_slope_of_its_energy")
 CONTACT_LAWS, FRICTION_LAWS = "solar_env/mechanics/joints/contact/", "solar_env/mechanics/joints/friction/"
 # Reasons that recur.
 CODE = "codes are compared with each other alone"
@@ -94,11 +94,21 @@ INTEGRATORS = "tests/mechanics/integrators/"
 STEPS = (
     INTEGRATORS + "test_step_control.py",
     INTEGRATORS + "test_impact_steps.py",
-    INTEGRATORS + "test_adaptive.py::test_a_latching_is_found_whatever_the_step",
     "-k",
     "not peak_of_an_impact and not thousand_further",
 )
-LAWS = ("tests/agents/laws/test_baselines.py", "-k", "not the_tuned_soft_start")
+LAWS = ("tests/agents/laws/test_baselines.py", "-k", "(batched or refused or shares or entries) and not follows")
+# Untuned parameters, and how far tuning searches.
+CHOSEN = {"= bounded(": "a choice: tests ask that it lies in its range, which is not negative where it is no torque"}
+
+
+def _law(name: str, tests: str, explained: dict[str, str] | None = None) -> Row:
+    """The row of a torque law, with tests by their names."""
+    words = f"({tests}) and not the_tuned_soft_start"
+    path = "tests/agents/laws/test_baselines.py"
+    return Row(f"agents/laws/{name}.py", (path, "-k", words), {**CHOSEN, **(explained or {})})
+
+
 ROWS = (
     Row(CONTACT_LAWS + "surfaces.py", CONTACT),
     Row(
@@ -161,22 +171,25 @@ ROWS = (
         {"if not error <= math.inf": "no power of an infinite error is more than the least share"},
     ),
     *(Row(f"solar_env/mechanics/integrators/{name}.py", STEPS) for name in ("events", "acceptance", "adaptive")),
-    *(
-        Row(f"agents/laws/{name}.py", LAWS)
-        for name in (
-            "brake",
-            "damper",
-            "open_loop",
-            "pd",
-            "servo",
-            "shaped",
-            "soft_start",
-            "residual",
-            "baselines",
-            "table",
-        )
-    ),
+    _law("brake", "brake"),
+    _law("damper", "damper"),
+    _law("open_loop", "open_loop or open-loop"),
+    _law("pd", "pd"),
+    _law("servo", "servo and not follows_its_profile"),
+    _law("shaped", "shaped and not at_rest"),
+    _law("soft_start", "soft"),
+    _law("table", "refused or ranges"),
+    Row("agents/laws/residual.py", ("tests/agents/laws/test_residual.py",)),
     Row("agents/laws/receding_horizon.py", ("tests/agents/laws/test_search.py",)),
+    Row(
+        "agents/laws/baselines.py",
+        (
+            "tests/agents/laws/test_residual.py",
+            "tests/agents/laws/test_tuned_laws.py",
+            "-k",
+            "episodes or refused or has_the_parameters or any_number or says_so",
+        ),
+    ),
     Row("agents/torque_laws.py", LAWS),
 )
 

@@ -89,6 +89,7 @@ JOINT = (JOINTS + "test_joint.py", JOINTS + "test_cable_loop.py::test_the_forces
 CONTACT_LAWS, FRICTION_LAWS = "solar_env/mechanics/joints/contact/", "solar_env/mechanics/joints/friction/"
 # Reasons that recur.
 CODE = "codes are compared with each other alone"
+MORE_TURNS = "further turns come to the same root"
 BOUND = "both formulas are right at the bound between them"
 INTEGRATORS = "tests/mechanics/integrators/"
 STEPS = (
@@ -170,7 +171,20 @@ ROWS = (
         ("tests/mechanics/numerics/test_step_size.py",),
         {"if not error <= math.inf": "no power of an infinite error is more than the least share"},
     ),
-    *(Row(f"solar_env/mechanics/integrators/{name}.py", STEPS) for name in ("events", "acceptance", "adaptive")),
+    Row(
+        "solar_env/mechanics/integrators/events.py",
+        STEPS,
+        {
+            "1.0, np.int64(- ": "without an event no joint is asked for",
+            "and f_high == 0.0": MORE_TURNS,
+            "continue": MORE_TURNS,
+            "if not low <= middle < high": MORE_TURNS,
+            "if root <= share or what == NO_EVENT": "of two events at one instant either may be the first",
+            "stop_engaged = 2": "it is asked whether this is nought",
+        },
+    ),
+    Row("solar_env/mechanics/integrators/acceptance.py", STEPS),
+    Row("solar_env/mechanics/integrators/adaptive.py", STEPS),
     _law("brake", "brake"),
     _law("damper", "damper"),
     _law("open_loop", "open_loop or open-loop"),

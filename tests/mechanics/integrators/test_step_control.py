@@ -22,7 +22,7 @@ from solar_env.mechanics.running.simulation import Simulation
 # Nothing is ever rejected: a step is as long as it is asked for.
 UNCONTROLLED = RungeKutta(rtol=0.1, velocity_scale=1e9)
 CLEARANCE = 1e-3
-CHORD = 2e-3  # share by which an angle is off after one long step: its coordinates run on a circle
+CHORD = 3e-3  # share by which an angle is off after one long step: its coordinates run on a circle
 STOP = Stop(gap=0.01, stiffness=100.0, exponent=1.0, ramp_depth=1e-3, damping=10.0)
 
 
@@ -155,6 +155,35 @@ def test_of_two_latchings_within_a_step_the_earlier_one_ends_it(angles: tuple[fl
     simulation.integrator = replace(UNCONTROLLED, max_step=0.5)
     simulation.advance(0.6)
     assert sorted(simulation.state.joints["latch_time"]) == pytest.approx([spun_up(0.02), spun_up(0.03)], rel=CHORD)
+
+
+@pytest.mark.parametrize("torques", [(-0.5, -1.0), (-1.0, -0.5)])
+def test_of_two_stow_stops_within_a_step_the_earlier_one_sets_in(torques: tuple[float, float]) -> None:
+    joints = tuple(pin(name, stow_angle=0.0) for name in "ab")
+    simulation = with_step(Mechanism((wheel("a"), wheel("b")), joints), 1.0)
+    for k, torque in enumerate(torques):
+        simulation.set_motor_torque(k, torque)
+    attempt(simulation, 3.0)
+    assert simulation.state.joints["stop_engaged"].tolist() == [torque == -1.0 for torque in torques]
+    assert simulation.time == pytest.approx(spun_up(STOP.gap, 1.0), rel=CHORD)
+
+
+@pytest.mark.parametrize("first", ["latching", "stow stop"])
+def test_of_a_latching_and_a_stow_stop_within_a_step_the_earlier_one_ends_it(first: str) -> None:
+    simulation = with_step(Mechanism((wheel("a"), wheel("b")), (pin("a", 0.02), pin("b", stow_angle=0.0))), 1.0)
+    # The latch is twice as far as the stop, and reached with torques of twice or half as much a unit of way.
+    simulation.set_motor_torque(0, 4.0 if first == "latching" else 1.0)
+    simulation.set_motor_torque(1, -1.0)
+    attempt(simulation, 3.0)
+    joints = simulation.state.joints
+    assert (joints["latched"][0], joints["stop_engaged"][1]) == ((1, 0) if first == "latching" else (0, 1))
+
+
+def test_a_joint_at_rest_at_its_very_lock_angle_latches_at_once() -> None:
+    simulation = with_step(Mechanism((wheel("a"),), (pin("a", lock_angle=0.0),)), 0.1)
+    attempt(simulation, 3.0)
+    assert simulation.state.joints["latched"][0] == 1
+    assert simulation.state.joints["latch_time"][0] == 0.0
 
 
 def test_latchings_at_one_instant_all_happen_then() -> None:

@@ -198,7 +198,17 @@ ROWS = (
             "here >= after": "between two samples of one height either is the top of the same parabola",
         },
     ),
-    Row("solar_env/mechanics/integrators/adaptive.py", STEPS),
+    Row(
+        "solar_env/mechanics/integrators/adaptive.py",
+        STEPS,
+        {
+            "trial[-1]": ONE,
+            "acceleration_current != m.": "a method evaluates anew what does not belong to the state",
+            "recorder.times.size > -1": "where no samples are asked for none is due",
+            "recorder, 1.0, clock.time)": "nothing lies between the start and the start",
+            "array[s, i] = -1.0": "any number that is finite has the weight zero",
+        },
+    ),
     _law("brake", "brake"),
     _law("damper", "damper"),
     _law("open_loop", "open_loop or open-loop"),

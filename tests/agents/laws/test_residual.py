@@ -20,14 +20,26 @@ OBSERVATIONS = np.array([[0.4, 0.0], [0.6, 0.0], [1.0, 1.0]], dtype=np.float32)
 
 @pytest.mark.parametrize(
     ("base", "action", "sum_of_both"),
-    [(0.3, 0.0, 0.3), (0.3, 1.0, 0.55), (0.3, -0.4, 0.2), (0.3, -9.0, 0.05), (0.9, 1.0, 1.0), (-0.9, -1.0, -1.0)],
+    [
+        (0.3, 0.0, 0.3),
+        (0.3, 1.0, 0.55),
+        (0.3, -0.4, 0.2),
+        (0.3, -9.0, 0.05),
+        (0.3, 9.0, 0.55),
+        (0.9, 1.0, 1.0),
+        (-0.9, -1.0, -1.0),
+    ],
 )
 def test_a_share_of_the_action_is_added_within_the_bounds_of_both(base, action, sum_of_both):
     assert added(np.full(2, base), np.full(2, action), 0.25) == pytest.approx(sum_of_both, rel=1e-14)
 
 
 def test_a_residual_controller_is_its_law_and_a_share_of_its_policy():
-    policy = SimpleNamespace(predict=lambda observation, deterministic: (np.full((len(observation), 1), -0.8), None))
+    def predict(observation, deterministic):
+        assert deterministic, "chance has no place in what is compared"
+        return np.full((len(observation), 1), -0.8), None
+
+    policy = SimpleNamespace(predict=predict)
     actions, _ = ResidualController(policy, BRAKE, SIGNALS).predict(OBSERVATIONS)
     # The brake pulls with 0.1 of 0.5 N m, beyond its onset alone.
     assert actions[:, 0] == pytest.approx([-0.2, -0.4, -0.2], rel=1e-6)

@@ -218,7 +218,15 @@ ROWS = (
     _law("soft_start", "soft"),
     _law("table", "refused or ranges"),
     Row("agents/laws/residual.py", ("tests/agents/laws/test_residual.py",)),
-    Row("agents/laws/receding_horizon.py", ("tests/agents/laws/test_search.py",)),
+    Row(
+        "agents/laws/receding_horizon.py",
+        ("tests/agents/laws/test_search.py",),
+        {
+            "knots: int =": "a choice",
+            "seed: int =": "a choice",
+            "nothing = np.zeros(1": "of a plan that is yet to be made no action is played",
+        },
+    ),
     Row(
         "agents/laws/baselines.py",
         (

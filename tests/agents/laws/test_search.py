@@ -151,10 +151,24 @@ def test_an_episode_begins_anew_and_repeats_itself():
     first = play(world, controller)
     np.testing.assert_array_equal(play(world, controller), first)
     assert len(controller.predicted_returns) == 1
-    # One that is met in its middle is planned from there.
-    world.period, world.tried = 7, []
-    search(world).act(np.zeros(1))
-    assert world.tried[0].shape[1] == 7
+    assert len(world.tried) == 4, "each episode is searched"
+
+
+def test_an_episode_that_is_met_in_its_middle_is_planned_from_there():
+    world = World()
+    controller = search(world, replan_every=3, iterations=1)
+    actions = []
+    for world.period in range(7, 14):
+        actions.append(controller.act(np.zeros(1))[0])
+    assert [tried.shape[1] for tried in world.tried] == [7, 4, 1]
+    assert controller.predicted_returns[1] > controller.predicted_returns[0], "a later search finds a better plan"
+    assert controller.predicted_returns[-1] == pytest.approx(returns(world, np.array([actions]))[0], rel=1e-6)
+
+
+@pytest.mark.parametrize("least", [0.0, -0.001])
+def test_a_spread_that_may_vanish_is_refused(least):
+    with pytest.raises(ValueError, match=r"least_deviation = .* must be positive"):
+        SearchSettings(least_deviation=least)
 
 
 def test_after_the_deadline_a_plan_reaches_over_one_period_at_least():

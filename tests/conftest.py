@@ -12,6 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numba
 import pytest
 from hypothesis import HealthCheck, settings
 
@@ -48,7 +49,9 @@ def pytest_sessionstart(session: pytest.Session) -> None:
 
 @pytest.fixture(scope="session", autouse=True)
 def kernels() -> None:
-    """Load the compiled kernels once."""
+    """Load the compiled kernels once, where there is a compiler."""
+    if numba.config.DISABLE_JIT:
+        return
     from solar_env.commands.warmup import load_all_models
     from solar_env.mechanics.integrators.settings import INTEGRATORS
 

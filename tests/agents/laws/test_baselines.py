@@ -7,17 +7,18 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from agents.environments import make_env, with_model
-from agents.laws.baselines import make_baseline
+from agents.environments import DEFAULT_ENV_ID, make_env, with_model
+from agents.laws.baselines import load_parameters, make_baseline
 from agents.laws.brake import BrakeParameters, ConstantBrake
 from agents.laws.damper import DamperParameters, ViscousDamper
 from agents.laws.open_loop import OpenLoopParameters, OpenLoopTorque
+from agents.laws.pd import ProportionalDerivative, ProportionalDerivativeParameters
 from agents.laws.servo import RESERVE, ServoParameters, VelocityProfileServo
 from agents.laws.shaped import InputShapedProfile, ShapedProfileParameters
 from agents.laws.soft_start import SoftStartParameters, SoftStartServo
 from agents.laws.table import BASELINES, LAWS, TUNABLE
 from agents.rollout import run_episode
-from agents.torque_laws import Signals
+from agents.torque_laws import Signals, weighted_opening
 from solar_env.__main__ import execute
 
 NAMES = (
@@ -169,6 +170,36 @@ def test_brake_still_acts_while_one_joint_has_yet_to_latch():
     assert ConstantBrake(SIGNALS).predict(observation)[0] < 0.0
 
 
+def test_brake_acts_from_its_very_onset_on():
+    brake = ConstantBrake(SIGNALS, BrakeParameters(torque=0.1, onset=0.5))
+    assert brake.predict(observe(0.5))[0] == pytest.approx(-0.1 / LIMIT, rel=1e-6)
+
+
+@pytest.mark.parametrize(("driven", "lock"), [(0, np.pi / 2), (1, np.pi)])
+@pytest.mark.parametrize("latched", [0.0, 1.0])
+def test_pd_is_a_spring_and_a_damper_to_the_lock_angle_up_to_its_saturation(driven, lock, latched):
+    p = ProportionalDerivativeParameters(proportional_gain=0.2, derivative_gain=2.0, saturation=0.25)
+    pd = ProportionalDerivative(replace(SIGNALS, driven_joint=driven), p)
+    torque = 0.2 * 0.4 * lock - 2.0 * 0.02 * lock
+    assert LIMIT * pd.predict(observe(0.6, 0.02, latched))[0] == pytest.approx(torque, rel=1e-5)
+    assert LIMIT * pd.predict(observe(1.0, 0.3, latched))[0] == pytest.approx(-0.25, rel=1e-6)
+    assert LIMIT * pd.predict(observe(0.0, -0.3, latched))[0] == pytest.approx(0.25, rel=1e-6)
+
+
+@pytest.mark.parametrize(("weight", "share"), [(0.0, 1.0), (0.25, 0.75), (1.0, 0.0)])
+def test_the_joints_share_in_the_opening_by_their_weights(weight, share):
+    """Joint 1 is 0.1 of its lock angle further open than joint 2, and 0.2 lock angles a second faster."""
+    entries = {"theta_1": 0.6, "theta_2": 0.5, "rate_1": 0.3 * np.pi / 2, "rate_2": 0.1 * np.pi}
+    found = weighted_opening({name: np.array([value]) for name, value in entries.items()}, weight)
+    assert np.concatenate(found) == pytest.approx([0.5 + 0.1 * share, 0.1 + 0.2 * share, 0.2], rel=1e-12)
+
+
+def test_a_servo_that_is_behind_is_asked_for_no_more_than_the_opening_left_within_a_tenth_of_a_second():
+    servo = VelocityProfileServo(SIGNALS, SERVO)
+    for left in (RESERVE + 0.1, RESERVE, 0.0):
+        assert servo.reference_rate(np.array([0.7, 1.2]), left) == pytest.approx([3.0, SERVO.latch_rate], rel=1e-12)
+
+
 def test_damper_opposes_the_rate_of_joint_1_by_its_coefficient_of_the_phase():
     damper = ViscousDamper(SIGNALS, DamperParameters(damping=0.5, postlock_damping=2.0))
     opening, latched = observe(0.5, 0.1), observe(1.0, 0.1, latched=1.0)
@@ -226,6 +257,19 @@ def test_open_loop_torque_follows_the_clock_alone_and_ends_with_the_deadline():
         for other in (observe(0.1), observe(0.9, 0.3), observe(1.0, latched=1.0)):
             other[NAMES.index("time_to_deadline")] = to_go
             assert law.predict(other)[0] == pytest.approx(torque / LIMIT, abs=1e-5)
+
+
+@pytest.mark.parametrize("name", TUNABLE)
+def test_parameters_lie_in_the_ranges_that_tuning_searches_and_no_gain_is_negative(name):
+    defaults = TUNABLE[name].defaults
+    for parameters in (defaults, load_parameters(name, DEFAULT_ENV_ID, "rigid-clearance")):
+        numbers = parameters.to_unit()
+        assert np.all((numbers >= 0.0) & (numbers <= 1.0))
+    low, high = defaults.bounds().T
+    torques = low < 0.0
+    # What may be negative is a torque, to either side alike and within the motor's limit.
+    np.testing.assert_array_equal(low[torques], -high[torques])
+    assert np.all(high[torques] <= LIMIT)
 
 
 @pytest.mark.parametrize("name", BASELINES)

@@ -57,6 +57,12 @@ def test_the_compiled_force_is_that_of_the_law_and_rises_from_zero_without_a_jum
     assert impact_scales(joint, 1.0 / MASS, SPEED) == pytest.approx(expected, rel=1e-14)
 
 
+def test_a_linear_contact_has_no_slope_before_it_touches() -> None:
+    joint = row(PowerLaw(1e10, 1.0))
+    assert normal_force(joint, 0.0, SPEED, SPEED) == (0.0, 0.0, 0.0, 0.0)
+    assert normal_force(joint, 1e-12, 0.0, SPEED)[2] == pytest.approx(1e10, rel=1e-14)
+
+
 def test_a_code_that_no_law_has_is_no_other_law() -> None:
     joint = row(PowerLaw(1e10))
     joint["contact_law"] = 99
@@ -75,6 +81,23 @@ def test_the_force_never_attracts_and_its_elastic_part_is_the_force_at_rest(name
             assert min(force, by_depth, by_rate) >= 0.0
             assert elastic == law.force(law.parameters(), depth, 0.0, SPEED)[0] > 0.0
         assert law.depth_under(elastic) == pytest.approx(depth, rel=1e-14)
+
+
+def test_a_damped_force_its_slopes_and_its_energy_by_hand() -> None:
+    # 2 N/m^1.5 times 4^1.5 = 8 is 16 N; damping adds half the ratio of rate and impact speed, 0.25 of it.
+    parameters = PowerLaw(2.0, 1.5, damping=0.5).parameters()
+    assert PowerLaw.force(parameters, 4.0, 0.3, 0.6) == pytest.approx((20.0, 16.0, 7.5, 16.0 * 0.5 / 0.6), rel=1e-14)
+    assert PowerLaw.energy(parameters, 4.0) == pytest.approx(2.0 * 4.0**2.5 / 2.5, rel=1e-14)
+    # With the exponent 2: 2 N/m^2 times 16, and slopes of 2 times 2 times 4.
+    parameters = PowerLaw(2.0, 2.0, damping=0.5).parameters()
+    assert PowerLaw.force(parameters, 4.0, 0.3, 0.6) == pytest.approx((40.0, 32.0, 20.0, 32.0 * 0.5 / 0.6), rel=1e-14)
+    assert PowerLaw.energy(parameters, 4.0) == pytest.approx(2.0 * 4.0**3 / 3.0, rel=1e-14)
+
+
+@pytest.mark.parametrize("rate", [-1.2, -1.3, -100.0])
+def test_surfaces_that_part_faster_than_the_damping_lets_them_feel_no_force(rate: float) -> None:
+    # The force would turn round at a rate of minus the impact speed over the damping factor.
+    assert PowerLaw.force(PowerLaw(2.0, 1.5, damping=0.5).parameters(), 4.0, rate, 0.6) == (0.0, 16.0, 0.0, 0.0)
 
 
 @EVERY_LAW
@@ -179,6 +202,16 @@ def test_the_exit_speed_solves_the_separated_equation(damping: float) -> None:
         assert left == pytest.approx(right, rel=1e-9)
 
 
+@pytest.mark.parametrize("damping", [1e-4, 2.9e-4])
+def test_the_exit_speed_of_a_slight_damping_is_right_to_ten_digits(damping: float) -> None:
+    e = PowerLaw(1.0, damping=damping).exit_speed_ratio()
+    with localcontext(prec=60):
+        for shift, sign in ((-5e-11, -1), (5e-11, 1)):
+            factor, ratio = Decimal(damping), Decimal(e) + Decimal(shift)
+            defect = (1 + factor).ln() - (1 - factor * ratio).ln() - factor * (1 + ratio)
+            assert defect * sign > 0
+
+
 def test_damping_factors_are_those_of_the_named_laws() -> None:
     assert contact_law("hertz", SURFACES, 0.3).damping == 0.0
     assert lankarani_nikravesh.damping(0.9) == pytest.approx(0.75 * 0.19, rel=1e-14)
@@ -232,6 +265,19 @@ def test_the_cylinders_law_is_continuous_in_the_clearance_and_proportional_to_th
     assert whole.exponent == pytest.approx(1.18339, abs=1e-5)
 
 
+def test_the_cylinders_force_at_a_depth_of_one_millimetre_is_the_factor_of_the_formula() -> None:
+    # One to whatever power is one: (0.965 c + 0.0965) L E* / c in N, mm and MPa, with c = 0.2 mm and L = 1 m.
+    law = pereira.law(SURFACES, 1.0)
+    expected = (0.965 * 0.2 + 0.0965) * 1000.0 * (1e-6 / SURFACES.compliance) / 0.2
+    assert law.force(law.parameters(), 1e-3, 0.0, SPEED)[0] == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize(("bearing", "journal"), [(1e-5, 5e-6), (0.02, 0.01)])
+def test_the_bounds_of_the_cylinders_fit_belong_to_it(bearing: float, journal: float) -> None:
+    law = pereira.law(replace(SURFACES, bearing_radius=bearing, journal_radius=journal), 1.0)
+    assert 1.0 < law.exponent < 1.5
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -245,11 +291,18 @@ def test_what_the_cylinders_law_was_not_fitted_to_is_refused(changes: dict[str, 
         contact_law("pereira", replace(SURFACES, **changes), 0.9)
 
 
+def test_a_surface_may_be_as_soft_as_it_likes() -> None:
+    # The softer one alone yields: (1 - nu^2) / E.
+    soft = replace(SURFACES, bearing_young=0.5)
+    assert soft.compliance == pytest.approx((1.0 - 0.34**2) / 0.5, rel=1e-9)
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
         ({"bearing_radius": 0.01}, "journal radius 0.01 must be positive and below the bearing's 0.01"),
         ({"journal_radius": -0.01}, "journal radius -0.01"),
+        ({"journal_radius": 0.0}, "journal radius 0.0"),
         ({"journal_radius": math.nan}, "journal radius nan"),
         ({"bearing_young": 0.0}, "moduli must be positive, got 0.0"),
         ({"journal_young": -1.0}, "moduli must be positive, got .* and -1.0"),

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from solar_env.array import ArrayParameters
 from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.joints.friction.brown_mcphee import BrownMcPhee
@@ -78,6 +79,26 @@ def test_the_ramp_sets_in_at_one_speed_and_is_full_at_the_other() -> None:
     # Continuous and monotone: no change exceeds the ramp's slope times the distance of the speeds.
     assert changes.min() >= 0.0
     assert changes.max() <= np.diff(SPEEDS).max() / 9e-4 * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_ramp_is_flat_up_to_and_from_its_corners_on(sign: float) -> None:
+    law = RampedCoulomb(1e-4, 1e-3)
+    assert law.share(law.parameters(), sign * 1e-4) == (0.0, 0.0)
+    assert law.share(law.parameters(), sign * 5.5e-4) == pytest.approx((sign * 0.5, 1.0 / 9e-4), rel=1e-12)
+    assert law.share(law.parameters(), sign * 1e-3) == (sign, 0.0)
+
+
+def test_the_ramp_may_set_in_at_rest() -> None:
+    law = RampedCoulomb(0.0, 1e-3)
+    assert law.share(law.parameters(), 0.0) == (0.0, 0.0)
+    assert law.share(law.parameters(), 2.5e-4) == pytest.approx((0.25, 1e3), rel=1e-14)
+
+
+def test_laws_without_parameters_set_in_at_the_speeds_of_the_array() -> None:
+    array = ArrayParameters()
+    speeds = (array.friction_speed_zero, array.friction_speed_full, 1.0)
+    assert [RampedCoulomb(), BrownMcPhee()] == [FRICTION_LAWS[name](*speeds) for name in ("ramp", "brown-mcphee")]
 
 
 @pytest.mark.parametrize("speeds", [(1e-3, 1e-3), (2e-3, 1e-3), (-1e-3, 1e-3), (0.0, math.inf), (math.nan, 1e-3)])

@@ -15,7 +15,8 @@ from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.bodies.markers import place, velocity
 from solar_env.mechanics.joints import joint as columns
 from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS
-from solar_env.mechanics.joints.joint import one_sided_stop, penetration, stop_torque
+from solar_env.mechanics.joints.joint import one_sided_stop, penetration, stop_energy, stop_torque
+from solar_env.mechanics.joints.sliding import contact_motion
 from solar_env.mechanics.mechanism.description import CableLoop, Mechanism, Spring
 
 # Angle of either joint relative to the latch at 0.9 and the stow stop at 0, both with 0.05 of free play.
@@ -190,6 +191,29 @@ def test_the_places_of_contact_slide_by_the_share_of_the_depth_in_the_distance_o
     assert tangential == pytest.approx(-0.4 * share * 50.0 * 0.1**1.5 * (1.0 + 0.7 * 0.1), rel=1e-12)
 
 
+def test_the_centres_slide_by_their_whole_speed_across_their_line() -> None:
+    # On the ramp from 0.2 to 3 m/s; the journal's spin counts for nothing.
+    tangential = contact_of_block((0.0, 1.6), sliding="centres", spin=20.0)[columns.TANGENTIAL]
+    assert tangential == pytest.approx(-0.4 * 0.5 * 50.0 * 0.1**1.5, rel=1e-12)
+
+
+@pytest.mark.parametrize("distance", [0.05, 0.1], ids=["in flight", "on the very wall"])
+@pytest.mark.parametrize(("sliding", "speed"), [("material", 5.0 + 0.3 * 20.0), ("centres", 5.0), ("places", 5.0)])
+def test_without_depth_the_places_of_contact_slide_as_the_centres_do(
+    distance: float, sliding: str, speed: float
+) -> None:
+    joint = Forces(block(bearing=replace(ROUND_BEARING, sliding=sliding))).model.joints[0]
+    motion = contact_motion(joint, distance, 0.0, 0.3, 5.0, 20.0, 0.0)
+    assert motion.depth == pytest.approx(distance - 0.1, abs=1e-15)
+    assert (motion.rate, motion.centre_speed, motion.sliding_speed) == pytest.approx((0.3, 5.0, speed), rel=1e-14)
+
+
+def test_a_centred_journal_has_no_line_of_centres_and_slides_by_its_spin_alone() -> None:
+    motion = contact_motion(Forces(block(bearing=ROUND_BEARING)).model.joints[0], 0.0, 0.0, 0.3, 0.4, 20.0, 10.0)
+    assert motion[:6] == (-0.1, 0.0, 0.0, 0.0, 0.3, 0.0)
+    assert motion.slip == motion.sliding_speed == pytest.approx(0.3 * 10.0, rel=1e-14)
+
+
 def test_a_journal_that_rolls_does_not_slide() -> None:
     # Centre speed v, rim speed -v at the contact: no slip, though the centres move.
     assert contact_of_block((0.0, 4.0), spin=-4.0 / 0.3)[columns.TANGENTIAL] == 0.0
@@ -278,12 +302,75 @@ def test_the_damping_of_a_stop_is_full_beyond_its_ramp() -> None:
     assert one_sided_stop(row, 0.15, 0.4)[3] == pytest.approx(1.0, rel=1e-13)
 
 
+def test_a_stop_that_opens_a_little_too_fast_lets_go_at_once() -> None:
+    # Full damping of 2 N m s/rad: a rate of -k depth^e / 2 balances the spring.
+    row, depth = stop_row(), 0.4
+    balanced = -3.0 * depth**1.5 / 2.0
+    assert one_sided_stop(row, depth, balanced - 0.1)[::2] == (0.0, 0.0)
+    assert one_sided_stop(row, depth, balanced + 0.1)[0] == pytest.approx(0.2, rel=1e-12)
+
+
+@pytest.mark.parametrize("depth", [0.05, 0.15, 0.29, 0.4])
+@pytest.mark.parametrize("rate", [-0.05, 0.0, 0.7])
+def test_the_slopes_of_a_stop_are_those_of_its_torque(depth: float, rate: float) -> None:
+    def torque(x: Vector) -> Vector:
+        return np.array([one_sided_stop(stop_row(), x[0], x[1])[0]])
+
+    slopes = central_difference(torque, np.array([depth, rate]))[0]
+    assert one_sided_stop(stop_row(), depth, rate)[2:] == pytest.approx(slopes, rel=1e-8)
+
+
+@pytest.mark.parametrize("angle", [1.2, 0.5], ids=["beyond the lock angle", "short of it"])
+@pytest.mark.parametrize("rate", [-0.3, 0.3])
+def test_a_latch_brakes_whatever_way_the_joint_moves_and_its_slopes_are_those_of_its_torque(
+    angle: float, rate: float
+) -> None:
+    def torque(x: Vector) -> Vector:
+        return np.array([stop_of("free", x[0], x[1], latched=True)[0]])
+
+    found, elastic, *slopes = stop_of("free", angle, rate, latched=True)
+    assert (found - elastic) * rate < 0.0
+    assert slopes == pytest.approx(central_difference(torque, np.array([angle, rate]))[0], rel=1e-8)
+
+
+def test_a_stop_stores_energy_where_it_pushes_and_nowhere_else() -> None:
+    forces = random_state(0, "free")
+    joint, own = forces.model.joints[0], forces.state.joints[0]
+    own.latched, own.stop_engaged = 1, 1
+    # k depth^(e + 1) / (e + 1) beyond the play of 0.05.
+    assert stop_energy(joint, own, 0.9 + 0.05 + 0.2) == pytest.approx(3.0 * 0.2**2.5 / 2.5, rel=1e-12)
+    assert stop_energy(joint, own, 0.9) == 0.0
+    own.stop_engaged = 0
+    assert stop_energy(joint, own, 1.5) == 0.0
+
+
+def test_a_joint_without_a_stow_stop_folds_as_far_as_it_likes() -> None:
+    mechanism = chain(
+        np.random.default_rng(0), angles=np.array([-0.6]), eccentricities=np.zeros((1, 2)), spring=None, stow_angle=None
+    )
+    forces = Forces(mechanism)
+    forces.state.joints["stop_engaged"] = 1
+    assert not forces.force(forces.state.q, forces.state.v).any()
+    forces.state.joints["latched"] = 1
+    forces.force(forces.state.q, np.zeros_like(forces.state.v))
+    assert forces.work.loads[0, columns.STOP_TORQUE] == pytest.approx(3.0 * (1.5 - 0.05) ** 1.5, rel=1e-12)
+
+
+CONTACT_COLUMNS = [columns.NORMAL, columns.TANGENTIAL, columns.FORCE_X, columns.FORCE_Y]
+
+
+def test_a_journal_in_flight_bears_nothing() -> None:
+    forces = random_state(0, "free", "flying")
+    forces.force(forces.state.q, forces.state.v)
+    assert not forces.work.loads[:, CONTACT_COLUMNS].any()
+
+
 def test_an_ideal_joint_has_neither_gap_nor_contact() -> None:
     rng = np.random.default_rng(0)
     mechanism = chain(rng, angles=np.array([0.4]), eccentricities=np.zeros((1, 2)), bearing=None, stop=None)
     forces = Forces(mechanism, impact_speed=1.0)
     forces.force(forces.state.q, forces.state.v)
-    assert not forces.work.loads[0, [columns.ECCENTRICITY_X, columns.ECCENTRICITY_Y, columns.TANGENTIAL]].any()
+    assert not forces.work.loads[0, [columns.ECCENTRICITY_X, columns.ECCENTRICITY_Y, *CONTACT_COLUMNS]].any()
     assert not forces.integral_powers()[0, [m.SLIDING_WORK, m.NORMAL_DISSIPATION]].any()
 
 

@@ -220,7 +220,7 @@ ROWS = (
     Row("agents/laws/residual.py", ("tests/agents/laws/test_residual.py",)),
     Row(
         "agents/laws/receding_horizon.py",
-        ("tests/agents/laws/test_search.py",),
+        ("tests/agents/laws/test_receding_search.py",),
         {
             "knots: int =": "a choice",
             "seed: int =": "a choice",

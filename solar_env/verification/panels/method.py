@@ -43,7 +43,7 @@ def _errors(mechanism: Mechanism, halvings: int) -> NDArray[np.float64]:
     settled.advance(settling)
 
     def run(step: float) -> tuple[NDArray[np.float64], ...]:
-        constant = ModalRadau(rtol=0.1, velocity_scale=1e9, max_step=step * (1.0 + 1e-9))
+        constant = ModalRadau(rtol=0.01, velocity_scale=1e9, max_step=step * (1.0 + 1e-9))
         simulation = Simulation(mechanism, constant)
         simulation.restore(settled.snapshot())
         simulation.state.clock["step_size"] = step

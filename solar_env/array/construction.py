@@ -44,9 +44,10 @@ def build(
         ValueError: if a name or a number is refused, or if they contradict each other.
     """
     chosen = PanelModel.of(model, panels, elements, modes)
-    panel = chosen.body if has_flexible_panels(model) else _rigid_panel
+    flexible = has_flexible_panels(model)
+    panel = chosen.body if flexible else _rigid_panel
     p = parameters
-    if p.cable_bearing_forces and chosen.kind == MODAL and has_flexible_panels(model):
+    if p.cable_bearing_forces and flexible and chosen.kind == MODAL:
         raise ValueError(
             "cable_bearing_forces = True: cables do not pull on the bearings of modal panels; choose panels='ancf', a "
             "model with rigid panels, or cable_bearing_forces = False"

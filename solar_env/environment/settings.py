@@ -21,6 +21,7 @@ from solar_env.environment.task.reward import Reward
 from solar_env.environment.task.sensors import Sensors
 from solar_env.environment.task.task import Task
 from solar_env.mechanics.integrators.settings import Integrator
+from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.running.simulation import Simulation
 
 RENDER_MODES = ("human", "rgb_array")
@@ -94,8 +95,7 @@ class EnvironmentSettings:
         # Whatever follows from the keywords refuses values that it cannot follow from.
         for name in ("level", "integrator", "array", "ranges", "drive", "task", "entries", "terms", "beginnings"):
             getattr(self, name)
-        model, panels = self.level
-        build(self.array, model, panels=panels)  # refuses parameters that do not go with the panels
+        self._mechanism(self.array)  # refuses parameters that do not go with the panels
 
     @classmethod
     def of(cls, keywords: Changes) -> Self:
@@ -239,5 +239,8 @@ class EnvironmentSettings:
 
     def simulation(self, parameters: ArrayParameters) -> Simulation:
         """A folded array at rest."""
+        return Simulation(self._mechanism(parameters), self.integrator)
+
+    def _mechanism(self, parameters: ArrayParameters) -> Mechanism:
         model, panels = self.level
-        return Simulation(build(parameters, model, panels=panels), self.integrator)
+        return build(parameters, model, panels=panels)

@@ -91,7 +91,7 @@ def test_energy_that_a_loose_tolerance_loses_is_told_with_the_tolerance() -> Non
 def test_a_tolerance_that_lets_single_contacts_come_out_tenfold_is_told(rtol: float) -> None:
     """At 0.02 a joint of modal panels had 1,400 N for 102 N in one of 30 deployments, and a book closed to 0.5 %."""
     said = told_by(lambda: simulate(bouncing_block(GAP, 6.0), 0.05, integrator=ModalRadau(rtol=rtol)))
-    assert [one for one in said if "a single contact may come out" in one] == said[: int(rtol > 0.01)]
+    assert ["a single contact may come out" in one for one in said] == [True] * (rtol > 0.01)
 
 
 def test_a_loose_tolerance_without_contact_is_silent_about_contacts() -> None:

@@ -5,6 +5,8 @@ from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
 from typing import TypeVar
 
+from threadpoolctl import threadpool_limits
+
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.studies.common.motion import Motion
 from solar_env.support.campaigns import ONE, Workers, each_done
@@ -54,6 +56,7 @@ def measure(
 ) -> dict[Key, Measured]:
     """Run every job once, announced by its name, then those to be repeated again, up to the number of repeats.
 
+    Linear algebra gets one thread: for matrices this small a second one gains nothing, and waits for a busy processor.
     With several workers nothing is repeated, jobs are announced as they are done, and wall times mean little.
     """
     if workers != ONE:
@@ -63,14 +66,15 @@ def measure(
             done[key] = result
         return {key: done[key] for key in jobs}
     first: dict[Key, Measured] = {}
-    for key, job in jobs.items():
-        announce(job.name)
-        first[key] = _first_run((key, job))
-    walls = {key: list(result.walls) for key, result in first.items()}
-    for round_ in range(1, max((job.repeats for job in jobs.values()), default=1)):
+    with threadpool_limits(1):
         for key, job in jobs.items():
-            if round_ < job.repeats and walls[key] and walls[key][0] <= job.long_run:
-                walls[key].append(job.solve().wall_time)
+            announce(job.name)
+            first[key] = _first_run((key, job))
+        walls = {key: list(result.walls) for key, result in first.items()}
+        for round_ in range(1, max((job.repeats for job in jobs.values()), default=1)):
+            for key, job in jobs.items():
+                if round_ < job.repeats and walls[key] and walls[key][0] <= job.long_run:
+                    walls[key].append(job.solve().wall_time)
     return {key: Measured(result.motion, tuple(walls[key]), result.failure) for key, result in first.items()}
 
 

@@ -3,6 +3,7 @@ from functools import partial
 
 import pytest
 from helpers import make_motion
+from threadpoolctl import threadpool_info
 
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.studies.common.timing import Job, measure
@@ -33,6 +34,18 @@ def test_runs_are_repeated_in_turn_and_long_or_failed_ones_are_not():
     assert len(measured["long"].walls) == 1
     assert measured["bad"].motion is None
     assert measured["bad"].failure == "Newton"
+
+
+def test_timed_runs_leave_linear_algebra_one_thread():
+    threads = []
+
+    def run():
+        threads.extend(pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas")
+        return make_motion()
+
+    measure({"run": Job("run", run)})
+    assert threads
+    assert set(threads) == {1}
 
 
 def once(name):

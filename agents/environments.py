@@ -8,13 +8,16 @@ import gymnasium
 
 import solar_env  # noqa: F401  (registers the environment ids)
 from solar_env.array import MODELS, has_flexible_panels
+from solar_env.array.parameters.ranges import RELEASE_RATE
 from solar_env.environment.settings import EnvironmentSettings
+from solar_env.support.numbers import plain
 
 DEFAULT_ENV_ID = "solar_env/Deploy-v1"
 
 # The nominal scenario is deterministic, and impacts are chaotic: the figures of a single deployment would be arbitrary.
-# Episodes therefore differ by micrometres in the place of the root hinge, as those of the paper's ensembles here.
-SAMPLED, HALF_WIDTH = "hinge_x", 5e-6
+# Episodes therefore differ in the rates at which the joints are released, as the members of all ensembles here. In the
+# place of a hinge by micrometres would not do: they would share their first seconds, and the errors of these.
+SAMPLED = "initial_rate"
 
 # They say what is observed, what an action is and how long it holds: each controller has its own.
 INTERFACE = ("observation", "action", "control_period")
@@ -29,7 +32,7 @@ EPISODES_PER_SEED = 10_000
 
 
 def with_sampling(env_kwargs: Mapping[str, Any], env_id: str = DEFAULT_ENV_ID) -> dict[str, Any]:
-    """Return `env_kwargs` with the place of the root hinge drawn, unless they or the scenario name ranges to draw from.
+    """Return `env_kwargs` with the joints' release rates drawn, unless they or the scenario name ranges to draw from.
 
     Raises:
         ValueError: The environment refuses its keywords; `max_episode_steps` would cut episodes off before the landing;
@@ -47,9 +50,11 @@ def with_sampling(env_kwargs: Mapping[str, Any], env_id: str = DEFAULT_ENV_ID) -
     if "randomize" in env_kwargs:
         return dict(env_kwargs)
     settings = environment_settings(env_id, env_kwargs)
-    middle = getattr(settings.parameters, SAMPLED)
-    around = {SAMPLED: (middle - HALF_WIDTH, middle + HALF_WIDTH)}
-    return dict(env_kwargs) if settings.randomize else {"randomize": around, **env_kwargs}
+    if settings.randomize:
+        return dict(env_kwargs)
+    nominal = [settings.parameters.by_joint(SAMPLED, joint) for joint in range(settings.parameters.panel_count)]
+    low, high = (tuple(rate + change for rate in nominal) for change in (-RELEASE_RATE, RELEASE_RATE))
+    return {"randomize": {SAMPLED: (low, high)}, **env_kwargs}
 
 
 def without_sampling(env_kwargs: Mapping[str, Any], env_id: str = DEFAULT_ENV_ID) -> dict[str, Any]:
@@ -59,7 +64,7 @@ def without_sampling(env_kwargs: Mapping[str, Any], env_id: str = DEFAULT_ENV_ID
         ValueError: As `with_sampling`.
     """
     asked = {name: value for name, value in env_kwargs.items() if name != "randomize"}
-    drawn = {name: tuple(bounds) for name, bounds in env_kwargs.get("randomize", {}).items()}
+    drawn = {name: plain(bounds) for name, bounds in env_kwargs.get("randomize", {}).items()}
     return asked if with_sampling(asked, env_id).get("randomize") == drawn else dict(env_kwargs)
 
 

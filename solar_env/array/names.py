@@ -20,8 +20,10 @@ def changed(kind: str, values: Values, changes: Mapping[str, Any]) -> Values:
     """A copy of a dataclass with some fields changed; its own checks refuse bad values.
 
     Raises:
-        ValueError: if a name is unknown, said of this kind of value, or a value is refused.
+        ValueError: if they are no mapping, a name is unknown, said of this kind of value, or a value is refused.
     """
+    if not isinstance(changes, Mapping):
+        raise ValueError(f"{kind}: {changes!r} must be a mapping of names to values")
     known = [item.name for item in fields(values)]
     for name in changes:
         if name not in known:

@@ -109,6 +109,7 @@ def test_a_deployment_takes_a_method_by_name_and_a_tolerance(name: str | None, m
 @pytest.mark.parametrize(
     ("asked", "message"),
     [
+        ({"parameters": "rigid-ideal"}, "parameter: 'rigid-ideal' must be a mapping of names to values"),
         ({"integrator": "euler"}, "integrator 'euler' is unknown; choose from runge-kutta"),
         ({"integrator": 45}, "integrator = 45 must be one of runge-kutta, "),
         ({"integrator": RungeKutta}, "must be one of runge-kutta, "),

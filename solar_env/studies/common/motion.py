@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters, PanelModel, build
 from solar_env.array.panels import ANCF
+from solar_env.array.parameters.ranges import RELEASE_RATE
 from solar_env.mechanics.integrators.settings import Integrator
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.running.diagnosis import SimulationWarning
@@ -17,8 +18,7 @@ from solar_env.mechanics.running.trajectory import Trajectory, contact_record
 
 Array = NDArray[np.float64]
 
-# Of the runs of an ensemble: release rates of the joints, and settings of the method, within these of the nominal ones.
-RELEASE_RATE = 5e-4  # rad/s; joint 1 deploys at 0.13 rad/s in the mean
+# Of the runs of an ensemble: settings of the method, within this share of the nominal one.
 SETTING_SHARE = 3e-3
 BEAMS = PanelModel(ANCF, 6)
 

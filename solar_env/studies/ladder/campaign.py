@@ -11,8 +11,9 @@ from rich.console import Console
 from solar_env.array import ArrayParameters, PanelModel, has_clearance
 from solar_env.array.ladder import QUESTIONS, Answer
 from solar_env.array.panels import ANCF, MODAL
+from solar_env.array.parameters.ranges import RELEASE_RATE
 from solar_env.studies.common.levels import FINEST, Level
-from solar_env.studies.common.motion import RELEASE_RATE, SETTING_SHARE
+from solar_env.studies.common.motion import SETTING_SHARE
 from solar_env.studies.common.tables import Row, provenance, write_table
 from solar_env.studies.ladder.answers import mean_error, ranking_error
 from solar_env.studies.ladder.runs import CONTROLLERS, SAMPLE_STEP, Outcome, Profile, control, deploy

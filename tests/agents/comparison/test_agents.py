@@ -51,9 +51,10 @@ def test_seeds_beyond_their_block_are_refused(seed, count):
         episode_seeds("training", seed, count)
 
 
-def test_nominal_episodes_differ_by_micrometres_and_randomised_ones_as_their_scenario_says():
-    assert with_sampling({}) == {"randomize": {"hinge_x": (0.5 - 5e-6, 0.5 + 5e-6)}}
-    assert with_sampling({"parameters": {"hinge_x": 0.3}})["randomize"] == {"hinge_x": (0.3 - 5e-6, 0.3 + 5e-6)}
+def test_nominal_episodes_differ_by_release_rates_and_randomised_ones_as_their_scenario_says():
+    assert with_sampling({}) == {"randomize": {"initial_rate": ((-5e-4, -5e-4), (5e-4, 5e-4))}}
+    around = with_sampling({"parameters": {"panel_count": 3, "initial_rate": (0.01, 0.0)}})["randomize"]["initial_rate"]
+    assert around == ((0.0095, -5e-4, -5e-4), (0.0105, 5e-4, 5e-4))
     assert with_sampling({}, "solar_env/DeployRandomised-v1") == {}
     for given in ({"randomize": {}}, {"randomize": {"clearance": (1e-4, 2e-4)}}):
         assert with_sampling(given) == given

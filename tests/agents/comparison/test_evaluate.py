@@ -21,6 +21,7 @@ from agents.policies.shipped import load_shipped
 from agents.rollout import run_episode
 from solar_env.__main__ import execute, main
 from solar_env.array import MODELS
+from solar_env.support.numbers import plain
 
 # What the configuration of a run holds at least.
 RUN = {"env_id": DEFAULT_ENV_ID, "env_kwargs": {}, "algo": "ppo", "residual": None}
@@ -102,9 +103,7 @@ def test_the_command_writes_what_it_prints(tmp_path, capsys):
         written = list(csv.DictReader(file))
     assert [row["controller"] for row in written] == ["passive", "passive", "brake", "brake"]
     metrics = json.loads((tmp_path / "metrics.json").read_text())
-    assert metrics["settings"]["env_kwargs"]["randomize"] == {
-        "hinge_x": list(with_sampling({})["randomize"]["hinge_x"])
-    }
+    assert plain(metrics["settings"]["env_kwargs"]["randomize"]["initial_rate"]) == ((-5e-4, -5e-4), (5e-4, 5e-4))
     forces = [float(row["peak_postlock_force_N"]) for row in written if row["controller"] == "passive"]
     summary = metrics["controllers"]["passive"]["peak_postlock_force_N"]
     assert summary["mean"] == pytest.approx(np.mean(forces))
@@ -148,14 +147,6 @@ def test_elements_of_rigid_panels_are_refused(tmp_path):
         evaluated_on(tmp_path, "--model", "rigid-ideal", "--elements", "4")
 
 
-def test_an_array_is_the_one_asked_for_whatever_a_policy_was_trained_on(tmp_path):
-    """Draws about the usual place of the hinge in training become draws about the place asked for."""
-    asked = "parameters={'hinge_x': 0.6}"
-    options = ["--controllers", "passive", "cma-es-nominal", "--model", "rigid-clearance", "--env-kwargs", asked]
-    low, high = evaluated_on(tmp_path, *options)["randomize"]["hinge_x"]
-    assert (low + high) / 2 == pytest.approx(0.6)
-
-
 def test_a_scenario_as_a_keyword_is_refused_since_nothing_is_tuned_by_it(tmp_path):
     with pytest.raises(ValueError, match=r"choose --env-id, one of .*DeployRandomised-v1"):
         evaluated_on(tmp_path, "--controllers", "servo", "--env-kwargs", "scenario=randomised")
@@ -175,6 +166,15 @@ def test_the_model_of_run_folders_holds_unless_another_is_asked_for(tmp_path):
     with pytest.raises(ValueError, match="say with --env-kwargs"):
         common_env_kwargs([first, second])
     assert common_env_kwargs([first, second], given=["model"]) == {"elements": 1, "deadline": 0.5}
+
+
+def test_an_array_is_the_one_asked_for_whatever_a_run_was_trained_on(tmp_path):
+    """Draws about the usual rates of release in training become draws about the rates asked for."""
+    describe_run(tmp_path, env_kwargs=with_sampling({"model": "rigid-ideal"}))
+    kept = common_env_kwargs([str(tmp_path)])
+    assert kept == {"model": "rigid-ideal"}
+    low, high = with_sampling({**kept, "parameters": {"initial_rate": 0.01}})["randomize"]["initial_rate"]
+    assert (np.array(low) + high) / 2 == pytest.approx([0.01, 0.01])
 
 
 def test_what_was_drawn_in_training_does_not_replace_the_draws_of_another_scenario(tmp_path):

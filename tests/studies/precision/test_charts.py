@@ -17,7 +17,7 @@ from solar_env.studies.common.plans import FULL, QUICK, Durations, Ensemble
 from solar_env.studies.common.tables import Table, read_table
 from solar_env.studies.common.timing import Measured
 from solar_env.studies.precision import charts, growth, methods, side_by_side
-from solar_env.studies.precision.ensembles import LABELS, statistics_of
+from solar_env.studies.precision.ensembles import CONTESTANTS, LABELS, statistics_of
 from solar_env.studies.precision.growth import with_panels
 
 MOMENT = replace(
@@ -183,6 +183,20 @@ def test_the_ratio_is_taken_with_the_cheapest_own_run_of_no_larger_error():
     assert side_by_side.ratio_at_equal_error(table, row(1, 8.0, 1e-4, 1e-5)) == pytest.approx(40.0)
     assert side_by_side.ratio_at_equal_error(table, row(1, 8.0, 1e-7, 1e-5)) == pytest.approx(16.0)
     assert math.isnan(side_by_side.ratio_at_equal_error(table, row(1, 8.0, 1e-12, 1e-5)))
+
+
+@pytest.mark.parametrize("model", CONTESTANTS)
+def test_no_ensemble_is_compared_with_itself_or_with_a_coarser_one(model):
+    """The first with the same panels is the reference of the others."""
+    contestants = CONTESTANTS[model]
+    assert len(set(contestants)) == len(contestants)
+    scene = FULL.deployment(model)
+    finest: dict[str, tuple[str, float]] = {}
+    for chosen in contestants:
+        method, reference = finest.setdefault(
+            methods.find_method(chosen.method).size(scene), (chosen.method, chosen.value)
+        )
+        assert method != chosen.method or reference <= chosen.value
 
 
 def test_forces_are_those_of_the_members_over_those_of_the_converged_ensemble():

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from solar_env.array import ArrayParameters, PanelModel
+from solar_env.array.parameters.ranges import RELEASE_RATE
 from solar_env.studies.common.levels import Level
-from solar_env.studies.common.motion import RELEASE_RATE, SETTING_SHARE, perturbed, perturbed_setting
+from solar_env.studies.common.motion import SETTING_SHARE, perturbed, perturbed_setting
 from solar_env.studies.common.plans import FULL, QUICK
 from solar_env.studies.common.tables import Table
 from solar_env.studies.precision import levels_plot

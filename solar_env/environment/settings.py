@@ -10,7 +10,7 @@ import numpy as np
 
 from solar_env.array import ArrayParameters, PanelModel, build, check_model
 from solar_env.array.ladder import DEFAULT_QUESTION, DEFAULT_TOLERANCE, cheapest, read_answers
-from solar_env.array.methods import default_integrator
+from solar_env.array.methods import landing_integrator
 from solar_env.array.names import unknown_name
 from solar_env.array.parameters.ranges import Ranges, checked_ranges, drawn
 from solar_env.environment.hardware import Hardware
@@ -135,7 +135,7 @@ class EnvironmentSettings:
     @cached_property
     def integrator(self) -> Integrator:
         """Method of the model, with the bound on its steps."""
-        return replace(default_integrator(*self.level), max_steps=self.max_steps)
+        return replace(landing_integrator(*self.level), max_steps=self.max_steps)
 
     @property
     def frames_per_second(self) -> int:

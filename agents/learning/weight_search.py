@@ -37,7 +37,7 @@ class WeightSearch(ARS):
     """ARS of sb3-contrib that evaluates as many candidates at once as there are environments.
 
     The policy is linear without a bias, `clip(weights observation, -1, 1)`. By default it begins with one weight, which
-    is of the first entry of the observation: in the observation "landing" it is 1 until the last latch.
+    is of the first entry of the observation: in the observations "landing" and "pace" it is 1 until the last latch.
 
     Args:
         policy, env, n_delta, n_top, learning_rate, delta_std, seed, device: See `sb3_contrib.ARS`.

@@ -69,8 +69,13 @@ def without_sampling(env_kwargs: Mapping[str, Any], env_id: str = DEFAULT_ENV_ID
 
 
 def completed(given: Mapping[str, Any], usual: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the keywords `given` with those of `usual` that they lack, but for its panels where they name any."""
-    left_out = PANEL_KEYWORDS if any(name in given for name in PANEL_KEYWORDS) else ()
+    """Return the keywords `given` with those of `usual` that they lack, but for its panels where they name any or none.
+
+    A rigid model names none.
+    """
+    model = given.get("model")
+    rigid = model in MODELS and not has_flexible_panels(model)
+    left_out = PANEL_KEYWORDS if rigid or any(name in given for name in PANEL_KEYWORDS) else ()
     return {**{name: value for name, value in usual.items() if name not in left_out}, **given}
 
 

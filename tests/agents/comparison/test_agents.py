@@ -10,7 +10,7 @@ from scipy.stats import norm
 
 from agents.commands import evaluate
 from agents.comparison.statistics import difference, estimate, improvement, interquartile_mean
-from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_model, with_sampling
+from agents.environments import DEFAULT_ENV_ID, completed, episode_seeds, make_env, with_model, with_sampling
 from agents.rollout import episode_figures
 from solar_env import SimulationError
 from solar_env.__main__ import main as solar_env
@@ -58,6 +58,13 @@ def test_nominal_episodes_differ_by_release_rates_and_randomised_ones_as_their_s
     assert with_sampling({}, "solar_env/DeployRandomised-v1") == {}
     for given in ({"randomize": {}}, {"randomize": {"clearance": (1e-4, 2e-4)}}):
         assert with_sampling(given) == given
+
+
+def test_panels_of_a_training_are_left_behind_on_a_rigid_model():
+    trained = {"modes": 32, "deadline": 5.0}
+    assert completed({"model": "rigid-ideal"}, trained) == {"model": "rigid-ideal", "deadline": 5.0}
+    assert completed({"model": "flexible-ideal"}, trained) == {"model": "flexible-ideal", **trained}
+    assert completed({"elements": 2}, trained) == {"elements": 2, "deadline": 5.0}
 
 
 def test_model_and_elements_join_the_environments_keywords():

@@ -72,7 +72,7 @@ def test_agents_that_add_more_or_less_to_the_same_law_have_their_landings_in_com
 
 def test_every_landing_comes_before_any_comes_again_in_an_order_that_follows_from_the_seed():
     config, landings = prepared(ENV_IDS[0], count=6)
-    number = {landing.episode.parameters.hinge_x: k for k, landing in enumerate(landings)}
+    number = {landing.episode.parameters.initial_rate: k for k, landing in enumerate(landings)}
 
     def order(seed):
         venv = LandingVecEnv(LANES, config.env_id, config.env_kwargs, landings)
@@ -80,7 +80,7 @@ def test_every_landing_comes_before_any_comes_again_in_an_order_that_follows_fro
         seen = []
         for _ in range(4):
             venv.reset()
-            seen += [number[parameters.hinge_x] for parameters in venv.get_attr("episode_parameters")]
+            seen += [number[parameters.initial_rate] for parameters in venv.get_attr("episode_parameters")]
         return seen
 
     assert sorted(order(1)[:6]) == sorted(order(1)[6:]) == list(range(6))

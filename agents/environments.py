@@ -52,7 +52,7 @@ def with_sampling(env_kwargs: Mapping[str, Any], env_id: str = DEFAULT_ENV_ID) -
     settings = environment_settings(env_id, env_kwargs)
     if settings.randomize:
         return dict(env_kwargs)
-    nominal = [settings.array.by_joint(SAMPLED, joint) for joint in range(settings.array.panel_count)]
+    nominal = settings.array.for_each_joint(SAMPLED)
     low, high = (tuple(rate + change for rate in nominal) for change in (-RELEASE_RATE, RELEASE_RATE))
     return {"randomize": {SAMPLED: (low, high)}, **env_kwargs}
 

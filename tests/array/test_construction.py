@@ -86,7 +86,7 @@ def test_at_its_lock_angles_the_array_is_straight_and_stands_off_the_body(panels
 
 def test_springs_relax_at_the_lock_angles_by_default() -> None:
     p = ArrayParameters(panel_count=4)
-    assert [p.by_joint("spring_preload_angle", k) for k in range(4)] == [p.lock_angle(k) for k in range(4)]
+    assert p.for_each_joint("spring_preload_angle") == tuple(p.lock_angle(k) for k in range(4))
 
 
 @pytest.mark.parametrize("panels", [1, 2, 3, 4])

@@ -185,7 +185,7 @@ def _about(parameters: ArrayParameters, name: str, half_width: Any) -> tuple[Any
     if name not in ArrayParameters.BY_JOINT:
         return value - half_width, value + half_width
     widths = [entries[min(joint, len(entries) - 1)] for joint in range(parameters.panel_count)]
-    values = [parameters.by_joint(name, joint) for joint in range(parameters.panel_count)]
+    values = parameters.for_each_joint(name)
     if len(entries) > parameters.panel_count:
         raise ValueError(f"tolerance of {name} = {half_width!r} has more entries than panels")
     ends = [tuple(v + sign * w for v, w in zip(values, widths, strict=True)) for sign in (-1, 1)]

@@ -174,6 +174,10 @@ class ArrayParameters:
         entry = entries[min(joint, len(entries) - 1)]
         return None if entry is None else float(entry)
 
+    def for_each_joint(self, name: str) -> tuple[Any, ...]:
+        """Entries of a quantity by joint, one for each of the joints."""
+        return tuple(self.by_joint(name, joint) for joint in range(self.panel_count))
+
     @classmethod
     def preset(cls, name: str) -> Self:
         """Named parameter sets: "default", and "paper", which reads the paper as literally as its results allow.

@@ -90,7 +90,7 @@ def perturbed(parameters: ArrayParameters, member: int) -> ArrayParameters:
     latching all members would be alike. Member 0 is the nominal array.
     """
     rates = RELEASE_RATE * _deviations(member, parameters.panel_count)
-    nominal = [parameters.by_joint("initial_rate", joint) for joint in range(parameters.panel_count)]
+    nominal = parameters.for_each_joint("initial_rate")
     return replace(parameters, initial_rate=tuple((nominal + rates).tolist()))
 
 

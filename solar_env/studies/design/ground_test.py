@@ -69,7 +69,7 @@ def wear_campaign(
         raise ValueError(f"deployments = {deployments} must be at least 1, members = {members} at least 2")
     if not growth >= 0.0:
         raise ValueError(f"growth = {growth!r} must not be negative")
-    clearance = np.array([parameters.by_joint("clearance", joint) for joint in range(parameters.panel_count)])
+    clearance = np.array(parameters.for_each_joint("clearance"))
     number, repeated, simulated, before = 0, 0, 0, np.zeros_like(clearance)
     while number < deployments:
         worn = replace(parameters, clearance=tuple(clearance.tolist()))

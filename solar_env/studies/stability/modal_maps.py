@@ -87,7 +87,7 @@ _IMPULSE_TOLERANCE = 0.03  # of levels
 
 def _impulses(softening: float, strength: float, **panels: Any) -> NDArray[np.float64]:
     """Impulses on the joints from the latch to a few seconds after it [N s]."""
-    springs = tuple(strength * _ARRAY.by_joint("spring_stiffness", joint) for joint in range(_ARRAY.panel_count))
+    springs = tuple(strength * stiffness for stiffness in _ARRAY.for_each_joint("spring_stiffness"))
     softer = replace(_ARRAY, panel_young=_ARRAY.panel_young / softening, spring_stiffness=springs)
     duration = _OBSERVED * _LATCH_TIME / math.sqrt(strength)
     return np.asarray(simulate(softer, model="flexible-ideal", duration=duration, **panels).postlock_impulse)

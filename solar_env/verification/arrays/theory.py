@@ -38,7 +38,7 @@ def hinge_map(p: ArrayParameters) -> NDArray[np.float64]:
 def springs(p: ArrayParameters) -> tuple[Array, Array]:
     """(panels,) stiffnesses [N m/rad] and preload angles [rad]."""
     names = ("spring_stiffness", "spring_preload_angle")
-    stiffness, relaxed = (np.array([p.by_joint(name, k) for k in range(p.panel_count)]) for name in names)
+    stiffness, relaxed = (np.array(p.for_each_joint(name)) for name in names)
     return stiffness, relaxed
 
 

@@ -8,7 +8,7 @@ from typing import Any
 from agents.commands.arguments import Assignments, TrainingOptions
 from agents.comparison.evaluation import STORE, evaluate
 from agents.comparison.figures import transfer_figure
-from agents.comparison.report import header, summarize
+from agents.comparison.report import header, summarize, with_interval
 from agents.comparison.statistics import Estimate
 from agents.environments import DEFAULT_ENV_ID, check_distinct_seeds, check_episode_seeds, with_model
 from agents.learning import configurations, learn, runs
@@ -111,9 +111,7 @@ def markdown(args: Args, returns: Mapping[str, Mapping[str, Estimate]]) -> str:
         *header(["trained on", *(f"judged on {level}" for level in returns)]),
     ]
     for name in next(iter(returns.values())):
-        cells = [
-            f"{value.mean:.3g} [{value.lower:.3g}, {value.upper:.3g}]" for value in (r[name] for r in returns.values())
-        ]
+        cells = [with_interval(by_training[name], "{:.3g}") for by_training in returns.values()]
         lines.append(f"| {name} | " + " | ".join(cells) + " |")
     return "\n".join(lines) + "\n"
 

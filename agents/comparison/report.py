@@ -13,6 +13,7 @@ import numpy as np
 from agents.comparison.statistics import Estimate, difference, estimate, improvement, interquartile_mean
 from agents.laws.table import BASELINES
 from agents.learning import runs
+from solar_env.studies.common.bootstrap import FEWEST
 from solar_env.support.files import make_folder, write_text
 from solar_env.support.versions import versions
 
@@ -106,10 +107,8 @@ def tabulate(rows: Sequence[Row], summary: Summary | None = None, effort: str = 
     figures = [figure for figure in TABLE if figure in summary[names[0]]]
     episodes = len({row["episode"] for row in rows})
     head = ["controller", "latched", *(TABLE[figure][0] for figure in figures)]
-    few = " One episode says nothing of another: evaluate more." if episodes == 1 else ""
     scores = [
-        f"Interquartile mean over {episodes} evaluation episodes, the same for every controller, with a 95 % "
-        f"bootstrap interval, and the worst episode. Post-lock figures are those of deployments that latched.{few}",
+        f"{_basis(episodes)} Post-lock figures are those of deployments that latched.",
         "",
         *header(head),
     ]
@@ -128,10 +127,7 @@ def tabulate(rows: Sequence[Row], summary: Summary | None = None, effort: str = 
         for name in names:
             if name != reference:
                 cells = [_cell(summary[name][f"{figure} - {reference}"], figure, worst=False) for figure in figures]
-                better = summary[name][f"better than {reference}"]
-                share = f"{better.mean:.0%}"
-                if better.count > 1:
-                    share += f" [{better.lower:.0%}, {better.upper:.0%}]"
+                share = with_interval(summary[name][f"better than {reference}"], "{:.0%}")
                 differences.append(f"| {name} | " + " | ".join([*cells, share]) + " |")
     return Tables("\n".join(scores), "\n".join(differences[1:]), effort)
 
@@ -141,15 +137,31 @@ def header(names: Sequence[str]) -> list[str]:
     return ["| " + " | ".join(names) + " |", "|" + " --- |" * len(names)]
 
 
+def _basis(episodes: int) -> str:
+    """State what the numbers of a table are, and what they rest on."""
+    if episodes == 1:
+        return "One evaluation episode, the same for every controller, which says nothing of another: evaluate more."
+    over = f"Interquartile mean over {episodes} evaluation episodes, the same for every controller, "
+    if episodes < FEWEST:
+        return f"{over}and the worst episode. Fewer than {FEWEST} have no interval: evaluate more."
+    return f"{over}with a 95 % bootstrap interval, and the worst episode."
+
+
 def _cell(value: Estimate, figure: str, worst: bool = True) -> str:
     if value.count == 0:
         return "-"
     factor = TABLE[figure][1]
-    text = f"{value.mean * factor:.4g}"
-    if value.count > 1:  # a single episode has no interval
-        text += f" [{value.lower * factor:.4g}, {value.upper * factor:.4g}]"
+    text = with_interval(value, "{:.4g}", factor)
     extreme = value.minimum if figure in HIGHER_IS_BETTER else value.maximum
-    return text + (f"; worst {extreme * factor:.4g}" if worst else "")
+    return text + (f"; worst {extreme * factor:.4g}" if worst and value.count > 1 else "")
+
+
+def with_interval(value: Estimate, form: str, factor: float = 1.0) -> str:
+    """Return a mean in a form, times a factor, and its interval where there are values enough for one."""
+    text = form.format(value.mean * factor)
+    if value.count < FEWEST:
+        return text
+    return f"{text} [{form.format(value.lower * factor)}, {form.format(value.upper * factor)}]"
 
 
 def write_comparison(

@@ -7,6 +7,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+FEWEST = 4
+"""Values with fewer of which an interval says nothing."""
+
 _RESAMPLES, _SEED = 2000, 0
 
 

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from solar_env.pictures.page.content import Table
+from solar_env.studies.common.bootstrap import FEWEST
 from solar_env.studies.loads.ensemble import Loads
 from solar_env.studies.loads.quantities import HUB_QUANTITIES, JOINT_QUANTITIES, QUANTITIES
-from solar_env.studies.loads.statistics import FEWEST, Figure, rounded, shortened
+from solar_env.studies.loads.statistics import Figure, rounded, shortened
 
 COLUMNS = ("quantity", "", "mean", "95 % interval", "99 % of runs below", "at 95 % confidence", "model error")
 

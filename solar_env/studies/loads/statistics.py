@@ -11,13 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from solar_env.studies.common.bootstrap import mean_band
+from solar_env.studies.common.bootstrap import FEWEST, mean_band
 
 Array = NDArray[np.float64]
 
 QUANTILE, CONFIDENCE = 0.99, 0.95
-# With fewer runs an interval says nothing.
-FEWEST = 4
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """The transfer matrix judges what every level trained on all levels, and does not train twice."""
 
 import json
+import re
 from dataclasses import asdict
 
 import pytest
@@ -63,7 +64,9 @@ def test_every_level_is_judged_on_all_levels_beside_passive_and_servo(tmp_path, 
         assert trained.items() >= keywords.items()
         law = configurations.stored_configuration(tmp_path / f"{level.replace(' ', '-')}-0").residual
         assert law["parameters"] == asdict(load_parameters("servo", DEFAULT_ENV_ID, "flexible-clearance"))
-    assert (tmp_path / "transfer.md").read_text() in printed
+    assert set(re.findall(r"-?\d[\d.]+", (tmp_path / "transfer.md").read_text())) <= set(
+        re.findall(r"-?\d[\d.]+", printed)
+    )
     assert (tmp_path / "transfer.png").stat().st_size > 0
 
     def refuse(*arguments):
@@ -84,8 +87,9 @@ def test_every_number_stands_where_it_belongs(tmp_path, monkeypatch, saved_figur
     def pretend(controllers, episodes, seed, env_id, env_kwargs, *others):
         judged = [transfer.LEVELS[level] for level in levels].index(env_kwargs)
         return [
-            {"controller": c.name, "spec": c.spec, "episode": 0, "latched": True, "return": -(10.0 * k + judged + 1.0)}
+            {"controller": c.name, "spec": c.spec, "episode": e, "latched": True, "return": -(10.0 * k + judged + 1.0)}
             for k, c in enumerate(parse_controllers(controllers))
+            for e in range(4)
         ]
 
     monkeypatch.setattr(transfer, "evaluate", pretend)

@@ -58,13 +58,18 @@ def test_the_worst_episode_is_the_lowest_return_and_the_highest_force():
     assert "worst 900" in text
 
 
-def test_a_single_episode_has_no_interval():
-    text = str(tabulate([episode(name, name, 0, force) for name, force in (("passive", 100.0), ("x", 900.0))]))
-    assert not re.search(r"\d \[", text)
-    assert "One episode says nothing of another" in text
-    more = str(tabulate([episode("x", "x", i, 100.0) for i in range(2)]))
-    assert re.search(r"\d \[", more)
-    assert "One episode" not in more
+@pytest.mark.parametrize(
+    ("episodes", "told"),
+    [(1, "One evaluation episode"), (3, "Fewer than 4 have no interval"), (4, "with a 95 % bootstrap interval")],
+)
+def test_too_few_episodes_have_no_interval_and_the_table_says_so(episodes, told):
+    rows = [
+        episode(name, name, i, force) for name, force in (("passive", 100.0), ("x", 900.0)) for i in range(episodes)
+    ]
+    text = str(tabulate(rows))
+    assert told in text
+    assert bool(re.search(r"\d%? \[", text)) == (episodes >= 4)
+    assert ("worst" in text) == (episodes > 1)
 
 
 def test_rows_come_back_as_they_were_written(tmp_path):

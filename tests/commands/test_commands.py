@@ -223,6 +223,27 @@ def test_help_of_every_command_needs_no_compiler():
     subprocess.run([sys.executable, "-c", program], check=True, capture_output=True)
 
 
+# What `pip install solar-env` does not bring along, by the names that are imported.
+OPTIONAL = (
+    *("onnx", "onnxruntime", "pygame", "imageio_ffmpeg", "moviepy", "ray", "Basilisk", "exudyn", "atheris", "pdoc"),
+    *("hypothesis", "importlinter", "mypy", "pytest", "cosmic_ray"),
+)
+
+
+def test_help_of_every_command_needs_no_optional_package(run_python):
+    program = """
+import contextlib, io, sys
+sys.modules.update(dict.fromkeys(sys.argv[1:]))  # None: not to be imported
+from solar_env.__main__ import COMMANDS, main
+for name in [name for group in COMMANDS.values() for name in group]:
+    with contextlib.redirect_stdout(io.StringIO()) as shown:
+        assert main([name, "--help"]) == 0, name
+    assert f"usage: solar-env {name}" in shown.getvalue(), name
+    print(name)
+"""
+    assert run_python(program, *OPTIONAL).split() == [name for rows in COMMANDS.values() for name in rows]
+
+
 def test_a_missing_or_unknown_command_is_an_error(capsys):
     assert main([]) == 2
     assert "usage: solar-env COMMAND" in capsys.readouterr().err

@@ -8,7 +8,6 @@ from typing import Annotated, Any
 
 import tyro
 from rich.console import Console
-from rich.progress import Progress
 from rich.table import Table
 
 from solar_env.array import (
@@ -23,6 +22,7 @@ from solar_env.array.models import has_flexible_panels
 from solar_env.commands.arguments import Assignments, QuietOption
 from solar_env.mechanics.integrators.settings import Rosenbrock, RungeKutta
 from solar_env.support.files import check_target, write_text
+from solar_env.support.progress import share_bar
 
 _QUESTION_HELP = (
     "take the cheapest model and panels that answer a question, as measured by the command ladder: "
@@ -96,8 +96,8 @@ def run_command(args: Args) -> int:
     if answer is not None:
         console.print(_answer_note(answer, parameters), highlight=False, soft_wrap=True)
     warm_up(console, model, name)
-    with Progress(console=console, transient=True) as progress:
-        task = progress.add_task("simulating", total=args.duration)
+    with share_bar(console) as progress:
+        task = progress.add_task("seconds simulated", total=args.duration)
         trajectory = simulate(
             parameters,
             model=model,

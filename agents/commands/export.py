@@ -3,6 +3,7 @@
 import re
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
 from typing import Annotated, Any
 
 import gymnasium
@@ -17,7 +18,6 @@ from agents.learning import runs
 from agents.policies import shipped
 from agents.policies.card import card
 from agents.policies.extraction import network_of
-from agents.policies.onnx_form import difference, onnx_model
 from agents.policies.policy import Description, ShippedPolicy
 from agents.rollout import run_episode
 from agents.torque_laws import Signals
@@ -61,9 +61,10 @@ def export(run: str | Path, folder: Path, comparison: str | Path | None = None) 
         FileExistsError: `folder` exists.
         OSError: It cannot be written.
         FileNotFoundError: There is no run, or it has no policy.
-        ValueError: The training was interrupted, the policy has layers that cannot be exported, or `comparison` has no
-            scores of it.
+        ValueError: ONNX is not installed, the training was interrupted, the policy has layers that cannot be exported,
+            or `comparison` has no scores of it.
     """
+    onnx_form = _onnx_form()
     check_name(folder)
     if folder.exists():
         raise FileExistsError(f"{folder} exists; choose another --name, or remove it")
@@ -87,9 +88,9 @@ def export(run: str | Path, folder: Path, comparison: str | Path | None = None) 
             **signals,
         )
         policy = ShippedPolicy(network, description)
-        onnx_bytes = onnx_model(network).SerializeToString()
+        onnx_bytes = onnx_form.onnx_model(network).SerializeToString()
         seed = episode_seeds("validation", config["seed"], 1)[0]
-        found = difference(network, onnx_bytes, model, observed(policy, env, seed))
+        found = onnx_form.difference(network, onnx_bytes, model, observed(policy, env, seed))
         if not found <= TOLERANCE:
             raise ValueError(f"the exported network differs from the run's policy by {found:.1e}; it is not written")
         scores = _scores(run, folder.name, Path(comparison) if comparison else None)
@@ -99,6 +100,14 @@ def export(run: str | Path, folder: Path, comparison: str | Path | None = None) 
         write_bytes(made / shipped.ONNX, onnx_bytes)
         write_text(made / shipped.CARD, text)
     return policy
+
+
+def _onnx_form() -> ModuleType:
+    try:
+        from agents.policies import onnx_form
+    except ImportError as error:
+        raise ValueError("exporting needs ONNX and its runtime: pip install 'solar-env[onnx]'") from error
+    return onnx_form
 
 
 def _scores(run: Path, name: str, comparison: Path | None) -> str:

@@ -3,12 +3,8 @@
 from typing import Any
 
 import numpy as np
-
-try:
-    import onnxruntime
-    from onnx import TensorProto, checker, helper, numpy_helper
-except ImportError as missing:
-    raise ImportError("exporting needs ONNX and its runtime; pip install 'solar-env[onnx]'") from missing
+import onnxruntime
+from onnx import TensorProto, checker, helper, numpy_helper
 
 from agents.policies.network import Layer, PolicyNetwork
 from agents.torque_laws import Controller

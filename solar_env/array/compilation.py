@@ -1,6 +1,7 @@
 """Whether the kernels of an integrator are compiled already, and a word before they are."""
 
 import sys
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 
@@ -13,6 +14,11 @@ def kernels_are_compiled(integrator: str) -> bool:
     import numba
 
     return bool(numba.config.DISABLE_JIT) or _mark(integrator).exists()
+
+
+def compilation_note(integrators: Iterable[str]) -> str:
+    """What to add to the name of what needs the kernels of some integrators: that they are compiled first, or ""."""
+    return "" if all(map(kernels_are_compiled, integrators)) else " (compiles kernels first: minutes, this time alone)"
 
 
 @cache

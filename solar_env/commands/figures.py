@@ -5,10 +5,11 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
-from rich.progress import track
+from rich.console import Console
 
 from solar_env.commands.arguments import QuietOption
 from solar_env.support.files import make_folder, writing
+from solar_env.support.progress import counting_bar
 from solar_env.support.readme import PACKAGE, STUDIES
 
 # A moment after latching, with the journals in flight.
@@ -79,9 +80,10 @@ PICTURES = {
 
 def run_command(args: Args) -> int:
     """Draw every picture."""
-    for place, draw in track(PICTURES.items(), description="drawing", disable=args.quiet):
-        path = place if args.out is None else args.out / place.name
-        make_folder(path.parent)
-        draw(path)
-        print(path)
+    paths = {place if args.out is None else args.out / place.name: draw for place, draw in PICTURES.items()}
+    with counting_bar(Console(stderr=True, quiet=args.quiet)) as bar:
+        for path, draw in bar.track(paths.items(), description="pictures"):
+            make_folder(path.parent)
+            draw(path)
+    print(*paths, sep="\n")
     return 0

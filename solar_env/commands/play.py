@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from solar_env.commands.arguments import Assignments
+from solar_env.environment.showing.window import open_display
 from solar_env.pictures.raster import CARD, INK
 from solar_env.pictures.style import BLUE, FAINT
 
@@ -44,12 +45,10 @@ class Player:
     """
 
     def __init__(self, env: Any, seed: int) -> None:
-        import pygame
-
-        self._game, self._env, self._seed = pygame, env, seed
-        # Not the rest of it: sound, say, complains at length where there is no device.
-        pygame.display.init()
+        # Display and fonts alone: sound, say, complains at length where there is no device.
+        self._game = pygame = open_display()
         pygame.font.init()
+        self._env, self._seed = env, seed
         self.torque, self.paused, self.running, self._dragging = 0.0, True, True, False
         self.restart()
         height, width = self._frame.shape[:2]

@@ -8,12 +8,12 @@ from typing import Annotated, Any
 
 import tyro
 from rich.console import Console
-from rich.progress import Progress
 from rich.table import Table
 
 from solar_env.array import (
     ArrayParameters,
     PanelModel,
+    build,
     check_model,
     read_parameters,
 )
@@ -23,6 +23,7 @@ from solar_env.array.models import has_flexible_panels
 from solar_env.commands.arguments import Assignments, QuietOption
 from solar_env.mechanics.integrators.settings import Rosenbrock, RungeKutta
 from solar_env.support.files import check_target, write_text
+from solar_env.support.progress import share_bar
 
 _QUESTION_HELP = (
     "take the cheapest model and panels that answer a question, as measured by the command ladder: "
@@ -89,6 +90,10 @@ def run_command(args: Args) -> int:
         check_target(args.json)
     name = args.integrator or default_integrator(model, panels).name
     integrator = make_integrator(name, model, args.step, args.rtol)
+    build(parameters, model, panels=panels)
+    from solar_env.mechanics.running.sampling import sample_times
+
+    sample_times(args.duration, args.output_step)
     from solar_env.array.deployment import panel_deflections, simulate
     from solar_env.commands.warmup import warm_up
 
@@ -96,8 +101,8 @@ def run_command(args: Args) -> int:
     if answer is not None:
         console.print(_answer_note(answer, parameters), highlight=False, soft_wrap=True)
     warm_up(console, model, name)
-    with Progress(console=console, transient=True) as progress:
-        task = progress.add_task("simulating", total=args.duration)
+    with share_bar(console) as progress:
+        task = progress.add_task("seconds simulated", total=args.duration)
         trajectory = simulate(
             parameters,
             model=model,

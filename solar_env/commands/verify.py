@@ -6,7 +6,9 @@ from pathlib import Path
 
 from rich.console import Console
 
+from solar_env.array.compilation import compilation_note
 from solar_env.commands.arguments import QuietOption
+from solar_env.mechanics.integrators.settings import INTEGRATORS
 from solar_env.support.files import check_target, write_text
 from solar_env.support.progress import counting_bar
 from solar_env.verification.report import make_table, to_json
@@ -32,14 +34,13 @@ def run_command(args: Args) -> int:
     to_standard_output = str(args.json) == "-"
     if args.json and not to_standard_output:
         check_target(args.json)
-    begun = itertools.count()
+    begun, compiling = itertools.count(), compilation_note(INTEGRATORS)
     with counting_bar(Console(stderr=True, quiet=args.quiet)) as progress:
         task = progress.add_task("", total=len(names))
 
         def announce(name: str) -> None:
             done = next(begun)
-            note = "" if done else " (compiles kernels the first time: a few minutes at most)"
-            progress.update(task, completed=done, description=name + note)
+            progress.update(task, completed=done, description=name if done else name + compiling)
 
         rows = run(args.only, announce)
     if to_standard_output:

@@ -9,9 +9,10 @@ from dataclasses import dataclass
 from rich.console import Console
 
 from solar_env.array import MODELS, ArrayParameters, PanelModel, build
-from solar_env.array.compilation import kernels_are_compiled, mark_compiled
+from solar_env.array.compilation import compilation_note, kernels_are_compiled, mark_compiled
 from solar_env.array.methods import make_integrator
 from solar_env.mechanics.integrators.settings import INTEGRATORS
+from solar_env.support.progress import stage
 
 # Functions of `compilation.py`: what everything calls, and the longest of the rest.
 PARTS = ("compile_evaluation", "compile_linear_step", "compile_modal_step")
@@ -61,7 +62,7 @@ def compile_side_by_side(integrators: Sequence[str] = tuple(INTEGRATORS)) -> Ite
 
 def warm_up(console: Console, model: str, integrator: str) -> None:
     """Compile or load the kernels of a model, saying so."""
-    with console.status(f"loading kernels of {model}, {integrator} (compiled the first time: two minutes)"):
+    with stage(console, f"loading kernels of {model}, {integrator}{compilation_note([integrator])}"):
         if not kernels_are_compiled(integrator):
             list(compile_side_by_side([integrator]))
         load_kernels(model, integrator)
@@ -75,7 +76,8 @@ def run_command(args: Args) -> int:
 
     console = Console()
     start = time.perf_counter()
-    with console.status("compiling the kernels of all models (two minutes; later runs load them)"):
+    text = f"loading the kernels of all models{compilation_note(INTEGRATORS)}"
+    with stage(console if console.is_interactive else Console(stderr=True), text):
         for integrator, times in compile_side_by_side():
             for model, seconds in zip(MODELS, times, strict=True):
                 console.print(f"{model}, {integrator}: {seconds:.1f} s")

@@ -1,6 +1,7 @@
 """Ctrl-C: one line that says what was kept, and exit status 130, in every command."""
 
 import atexit
+import gc
 import signal
 import sys
 import threading
@@ -33,6 +34,8 @@ def report_interruption(stop: KeyboardInterrupt) -> int:
     """Say in one line what was kept, by the notes of an interruption or what was left; returns the exit status."""
     # Libraries end their processes at the exit of this one.
     atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
+    # Python's last collections would go over all that PyTorch and the compiler have loaded: seconds under load.
+    atexit.register(gc.freeze)
     notes = getattr(stop, "__notes__", _left)
     print(f"interrupted; {'; '.join(notes) or 'nothing was kept'}", file=sys.stderr)
     return EXIT_STATUS

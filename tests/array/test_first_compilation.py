@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 import solar_env  # noqa: F401 (registers the environments)
+from solar_env.__main__ import main
 from solar_env.array import compilation
 from solar_env.array.deployment import simulate
 
@@ -47,3 +48,21 @@ def test_the_first_episode_says_that_it_compiles_and_remembers_it(lanes, nothing
     assert (nothing_compiled / "runge-kutta").exists()
     assert said[0].count("solar_env compiles the kernels of runge-kutta: minutes") == 1
     assert said[1] == ""
+
+
+def test_commands_say_that_kernels_are_compiled_where_they_are_not_there_yet(nothing_compiled, capsys, monkeypatch):
+    monkeypatch.setattr("solar_env.commands.warmup.compile_side_by_side", lambda integrators: [])
+    told = []
+    for _ in range(2):
+        assert main(["simulate", "--duration", "0.1"]) == 0
+        told.append(capsys.readouterr().err.splitlines())
+    loading = "loading kernels of rigid-clearance, runge-kutta"
+    assert told[0][0] == f"{loading} (compiles kernels first: minutes, this time alone)"
+    assert told[1][0] == loading
+    assert told[0][1:] == told[1][1:] == ["seconds simulated: 0 of 0.1, 0:00:00"]
+
+
+def test_of_several_methods_one_that_is_not_there_yet_is_enough(nothing_compiled):
+    compilation.mark_compiled("runge-kutta")
+    assert compilation.compilation_note(["runge-kutta"]) == ""
+    assert "minutes" in compilation.compilation_note(["runge-kutta", "rosenbrock"])

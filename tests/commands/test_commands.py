@@ -104,13 +104,22 @@ def test_simulate_prints_no_more_digits_than_its_figures_have_and_files_keep_all
         (["--rtol", "-1"], ["rtol", "-1"]),
         (["--duration", "-1"], ["duration", "-1"]),
         (["--duration", "nan"], ["duration", "nan"]),
+        (["--duration", "inf"], ["duration", "inf"]),
+        (["--output-step", "nan"], ["output_step", "nan"]),
+        (["--output-step", "1e-9"], ["output_step", "1e-09", "samples", "choose"]),
+        (["--step", "nan"], ["step", "nan"]),
+        (["--rtol", "nan"], ["rtol", "nan"]),
+        (["--model", "flexible-ideal", "--set", "cable_bearing_forces=true"], ["cable_bearing_forces"]),
         (["--out", "no/such/folder/run.npz"], ["folder", "no/such/folder"]),
         (["--out", "run.xlsx"], ["suffix", ".xlsx", ".csv, .npz"]),
         (["--durration", "1"], ["--durration", "--help"]),
         (["array.toml", "--preset", "paper"], ["array.toml", "--preset", "give one"]),
     ],
 )
-def test_wrong_input_exits_with_2_and_names_the_thing(arguments, words, capsys):
+def test_wrong_input_exits_with_2_and_names_the_thing_before_anything_is_compiled(
+    arguments, words, capsys, monkeypatch
+):
+    monkeypatch.setattr("solar_env.commands.warmup.warm_up", lambda *_: pytest.fail("kernels are loaded"))
     assert main(["simulate", *arguments]) == 2
     message = capsys.readouterr().err
     for word in words:
@@ -221,6 +230,27 @@ def test_help_of_every_command_needs_no_compiler():
         "assert 'numba' not in sys.modules\n"
     )
     subprocess.run([sys.executable, "-c", program], check=True, capture_output=True)
+
+
+# What `pip install solar-env` does not bring along, by the names that are imported.
+OPTIONAL = (
+    *("onnx", "onnxruntime", "pygame", "imageio_ffmpeg", "moviepy", "ray", "Basilisk", "exudyn", "atheris", "pdoc"),
+    *("hypothesis", "importlinter", "mypy", "pytest", "cosmic_ray"),
+)
+
+
+def test_help_of_every_command_needs_no_optional_package(run_python):
+    program = """
+import contextlib, io, sys
+sys.modules.update(dict.fromkeys(sys.argv[1:]))  # None: not to be imported
+from solar_env.__main__ import COMMANDS, main
+for name in [name for group in COMMANDS.values() for name in group]:
+    with contextlib.redirect_stdout(io.StringIO()) as shown:
+        assert main([name, "--help"]) == 0, name
+    assert f"usage: solar-env {name}" in shown.getvalue(), name
+    print(name)
+"""
+    assert run_python(program, *OPTIONAL).split() == [name for rows in COMMANDS.values() for name in rows]
 
 
 def test_a_missing_or_unknown_command_is_an_error(capsys):

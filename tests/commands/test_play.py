@@ -98,6 +98,26 @@ def test_the_command_ends_when_its_window_is_closed(monkeypatch, capsys):
     assert "return" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize("driver", ["offscreen", "dummy"])
+def test_without_a_display_nothing_is_played_and_it_says_what_to_do_instead(driver, monkeypatch, capsys):
+    monkeypatch.delenv("SDL_VIDEODRIVER")
+    monkeypatch.setattr(pygame.display, "get_driver", lambda: driver)
+    monkeypatch.setattr(pygame.event, "get", lambda: [pygame.event.Event(pygame.QUIT)])
+    assert main(["play", "--model", "rigid-ideal"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    for word in ("no display", repr(driver), "solar-env record", "solar-env replay"):
+        assert word in line
+
+
+def test_a_driver_that_does_not_work_is_told_in_the_same_words(monkeypatch, capsys):
+    def fail():
+        raise pygame.error("x11 not available")
+
+    monkeypatch.setattr(pygame.display, "init", fail)
+    assert main(["play", "--model", "rigid-ideal"]) == 2
+    assert "no display for a window (x11 not available); " in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("options", "word"),
     [(["--model", "rigid"], "rigid"), (["--env-id", "x/y-v0"], "x/y-v0"), (["--env-kwargs", "torq=1"], "torque_limit")],

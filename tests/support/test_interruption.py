@@ -51,6 +51,17 @@ def test_so_does_the_script_while_packages_are_being_loaded(capsys, monkeypatch)
     assert capsys.readouterr().err == "interrupted; nothing was kept\n"
 
 
+def test_what_was_loaded_is_not_gone_over_at_the_end(run_python):
+    program = """
+import atexit, gc
+from solar_env.support.interruption import report_interruption
+atexit.register(lambda: print(gc.get_freeze_count() > 0))  # called last
+report_interruption(KeyboardInterrupt())
+print(gc.get_freeze_count() > 0)
+"""
+    assert run_python(program).split() == ["False", "True"]
+
+
 def test_a_second_ctrl_c_does_not_tear_what_the_first_lets_end():
     ended = []
 

@@ -6,7 +6,9 @@ from pathlib import Path
 
 from rich.console import Console
 
+from solar_env.array.compilation import compilation_note
 from solar_env.commands.arguments import QuietOption
+from solar_env.mechanics.integrators.settings import INTEGRATORS
 from solar_env.support.files import make_folder, write_text
 from solar_env.support.progress import counting_bar
 
@@ -45,7 +47,7 @@ def run_command(args: Args) -> int:
     with counting_bar(Console(stderr=True, quiet=args.quiet)) as progress:
         task = progress.add_task("", total=cells)
         for name in names:
-            progress.update(task, description=f"{name} (compiles kernels the first time: a few minutes at most)")
+            progress.update(task, description=name + compilation_note(INTEGRATORS))
             measure_map(name, args.quick, args.out / f"{name}.csv", lambda: progress.advance(task))
     return max(_report(name, args.out) for name in names)
 

@@ -1,10 +1,33 @@
 """The window of the render mode "human"."""
 
 import importlib.util
+import os
 from typing import Any
 
 import gymnasium
 from numpy.typing import NDArray
+
+_INVISIBLE = ("offscreen", "dummy")  # drivers that SDL takes where there is no display
+
+
+def open_display() -> Any:
+    """Begin with pygame's display, where there is one or `SDL_VIDEODRIVER` asks for what SDL takes; returns pygame.
+
+    Raises:
+        OSError: what is shown would be seen by nobody.
+    """
+    import pygame
+
+    advice = "run it where there is one, or film an episode (solar-env record), or show it on a page (solar-env replay)"
+    try:
+        pygame.display.init()
+    except pygame.error as error:
+        raise OSError(f"there is no display for a window ({error}); {advice}") from error
+    driver = pygame.display.get_driver()
+    if driver in _INVISIBLE and not os.environ.get("SDL_VIDEODRIVER"):
+        pygame.display.quit()
+        raise OSError(f"there is no display for a window (SDL has its driver {driver!r} alone); {advice}")
+    return pygame
 
 
 class Window:
@@ -15,11 +38,13 @@ class Window:
 
     Raises:
         gymnasium.error.DependencyNotInstalled: on construction, without pygame.
+        OSError: on construction, without a display.
     """
 
     def __init__(self, rate: float) -> None:
         if importlib.util.find_spec("pygame") is None:
             raise gymnasium.error.DependencyNotInstalled("the window needs pygame: pip install 'solar-env[play]'")
+        open_display()  # refuses before anything is compiled
         self._rate = rate
         self._surface: Any = None
         self._clock: Any = None
@@ -29,12 +54,10 @@ class Window:
 
     def show(self, frame: NDArray[Any] | None) -> None:
         """Show a frame, (height, width, 3) uint8, once its time has come."""
-        import pygame
-
         assert frame is not None
+        pygame = open_display()
         image = pygame.surfarray.make_surface(frame.swapaxes(0, 1))
         if self._surface is None:
-            pygame.display.init()
             self._surface, self._clock = pygame.display.set_mode(image.get_size()), pygame.time.Clock()
             pygame.display.set_caption("solar_env")
         self._surface.blit(image, (0, 0))

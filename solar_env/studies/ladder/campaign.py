@@ -9,6 +9,7 @@ import numpy as np
 from rich.console import Console
 
 from solar_env.array import ArrayParameters, PanelModel, has_clearance
+from solar_env.array.compilation import compilation_note
 from solar_env.array.ladder import QUESTIONS, Answer
 from solar_env.array.panels import ANCF, MODAL
 from solar_env.array.parameters.ranges import RELEASE_RATE
@@ -157,7 +158,8 @@ def measure_ladder(quick: bool, folder: Path, console: Console) -> Path:
     """Measure the ladder, in a quarter of an hour or `quick` in two minutes, and write its table; returns the file."""
     plan = QUICK if quick else FULL
     with counting_bar(console) as progress:
-        task = progress.add_task("loading kernels (the first time compiles them)", total=len(plan.runs))
+        methods = [level.integrator().name for level in plan.levels]
+        task = progress.add_task(f"loading kernels{compilation_note(methods)}", total=len(plan.runs))
         _warm_up(plan)
         rows = run_ladder(plan, lambda run: progress.update(task, advance=1, description=run))
     made_by = provenance(

@@ -7,6 +7,8 @@ from typing import Any
 
 from rich.console import Console
 
+from solar_env.array.compilation import compilation_note
+from solar_env.mechanics.integrators.settings import INTEGRATORS
 from solar_env.studies.common.plans import FULL, QUICK, ChartPlan
 from solar_env.studies.common.tables import Row, Table, provenance, read_table, write_table
 from solar_env.studies.common.timing import Job, Measured, measure
@@ -83,7 +85,7 @@ def measure_charts(names: Sequence[str], quick: bool, folder: Path, console: Con
     jobs = {name: STUDIES[name].jobs(plan) for name in names}
     with counting_bar(console) as progress:
         total = sum(map(len, jobs.values()))
-        task = progress.add_task("loading kernels (the first time compiles them: up to two minutes)", total=total)
+        task = progress.add_task(f"loading kernels{compilation_note(INTEGRATORS)}", total=total)
         warm_up(plan)
         for name in names:
             study = STUDIES[name]

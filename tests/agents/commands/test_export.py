@@ -15,7 +15,7 @@ from agents.commands import export
 from agents.environments import make_env
 from agents.learning import runs
 from agents.learning.features import DriveFeatures, whole_motion
-from agents.policies import shipped
+from agents.policies import onnx_form, shipped
 from agents.policies.shipped import Layer, load_shipped
 from solar_env.__main__ import execute
 from solar_env.support.files import new_folder
@@ -84,7 +84,7 @@ def test_means_beyond_the_limits_are_handled_as_the_algorithm_does(cls, keywords
     assert expected.min() < 0.9 * greatest
     actions, _ = network.predict(observations)
     np.testing.assert_allclose(actions, expected, rtol=0.0, atol=1e-6)
-    session = onnxruntime.InferenceSession(export.onnx_model(network).SerializeToString())
+    session = onnxruntime.InferenceSession(onnx_form.onnx_model(network).SerializeToString())
     np.testing.assert_allclose(session.run(None, {"observation": observations})[0], actions, rtol=0.0, atol=1e-6)
 
 
@@ -239,16 +239,18 @@ def test_a_name_that_is_too_long_for_the_system_is_refused(finished, tmp_path, m
 
 
 @pytest.mark.parametrize("package", ["onnx", "onnxruntime"])
-def test_without_onnx_it_says_what_to_install(package, run_python):
+def test_without_onnx_the_command_says_what_to_install_before_anything_is_read(package, run_python, tmp_path):
     program = f"""
-import sys
+import contextlib, io, sys
 sys.modules["{package}"] = None
-try:
-    import agents.commands.export
-except ImportError as error:
-    print(error)
+from solar_env.__main__ import main
+with contextlib.redirect_stderr(io.StringIO()) as said:
+    print(main(["export", sys.argv[1], "--name", "policy"]))
+print(said.getvalue())
 """
-    assert run_python(program).strip() == "exporting needs ONNX and its runtime; pip install 'solar-env[onnx]'"
+    told = run_python(program, str(tmp_path / "no-run")).split("\n", 1)
+    assert told[0] == "2"
+    assert told[1].strip() == "error: exporting needs ONNX and its runtime: pip install 'solar-env[onnx]'"
 
 
 def test_the_parity_that_the_card_tells_is_that_of_the_onnx_form_too(finished):
@@ -256,10 +258,10 @@ def test_the_parity_that_the_card_tells_is_that_of_the_onnx_form_too(finished):
     policy, env = load_shipped(folder), make_env(env_kwargs=QUICK)
     model, observations = runs.load_model(run, env), export.observed(policy, env, seed=3)
     written = (folder / shipped.ONNX).read_bytes()
-    assert export.difference(policy.network, written, model, observations) < export.TOLERANCE
+    assert onnx_form.difference(policy.network, written, model, observations) < export.TOLERANCE
     scaled = Layer(1.001 * policy.network.layers[0].weights, policy.network.layers[0].biases)
-    other = export.onnx_model(replace(policy.network, layers=(scaled, *policy.network.layers[1:])))
-    assert export.difference(policy.network, other.SerializeToString(), model, observations) > export.TOLERANCE
+    other = onnx_form.onnx_model(replace(policy.network, layers=(scaled, *policy.network.layers[1:])))
+    assert onnx_form.difference(policy.network, other.SerializeToString(), model, observations) > export.TOLERANCE
 
 
 def test_a_network_that_acts_otherwise_than_the_run_is_not_written(finished, tmp_path, monkeypatch):

@@ -72,3 +72,10 @@ def test_without_pygame_the_mode_is_refused_with_what_to_install(monkeypatch):
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
     with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"pip install 'solar-env\[play\]'"):
         gymnasium.make(ID, render_mode="human")
+
+
+def test_without_a_display_the_mode_is_refused_before_the_first_episode(monkeypatch):
+    monkeypatch.delenv("SDL_VIDEODRIVER")
+    monkeypatch.setattr(pygame.display, "get_driver", lambda: "offscreen")
+    with pytest.raises(OSError, match=r"no display .*'offscreen'.*solar-env record.*solar-env replay"):
+        gymnasium.make(ID, render_mode="human", **QUICK)

@@ -106,10 +106,9 @@ def tabulate(rows: Sequence[Row], summary: Summary | None = None, effort: str = 
     figures = [figure for figure in TABLE if figure in summary[names[0]]]
     episodes = len({row["episode"] for row in rows})
     head = ["controller", "latched", *(TABLE[figure][0] for figure in figures)]
-    few = " One episode says nothing of another: evaluate more." if episodes == 1 else ""
     scores = [
-        f"Interquartile mean over {episodes} evaluation episodes, the same for every controller, with a 95 % "
-        f"bootstrap interval, and the worst episode. Post-lock figures are those of deployments that latched.{few}",
+        f"{_basis(episodes, any(entry['runs'] > 1 for entry in summary.values()))} Post-lock figures are those of "
+        "deployments that latched.",
         "",
         *header(head),
     ]
@@ -136,6 +135,18 @@ def tabulate(rows: Sequence[Row], summary: Summary | None = None, effort: str = 
     return Tables("\n".join(scores), "\n".join(differences[1:]), effort)
 
 
+def _basis(episodes: int, several_runs: bool) -> str:
+    """What the cells of a table are."""
+    if episodes == 1 and not several_runs:
+        return "One evaluation episode, the same for every controller; it says nothing of another: evaluate more."
+    over = "one evaluation episode" if episodes == 1 else f"{episodes} evaluation episodes"
+    few = " One episode says nothing of another: evaluate more." if episodes == 1 else ""
+    return (
+        f"Interquartile mean over {over}, the same for every controller, with a 95 % bootstrap interval, and the worst "
+        f"episode.{few}"
+    )
+
+
 def header(names: Sequence[str]) -> list[str]:
     """Return the first two lines of a table in Markdown."""
     return ["| " + " | ".join(names) + " |", "|" + " --- |" * len(names)]
@@ -149,7 +160,7 @@ def _cell(value: Estimate, figure: str, worst: bool = True) -> str:
     if value.count > 1:  # a single episode has no interval
         text += f" [{value.lower * factor:.4g}, {value.upper * factor:.4g}]"
     extreme = value.minimum if figure in HIGHER_IS_BETTER else value.maximum
-    return text + (f"; worst {extreme * factor:.4g}" if worst else "")
+    return text + (f"; worst {extreme * factor:.4g}" if worst and value.count > 1 else "")
 
 
 def write_comparison(

@@ -61,10 +61,13 @@ def test_the_worst_episode_is_the_lowest_return_and_the_highest_force():
 def test_a_single_episode_has_no_interval():
     text = str(tabulate([episode(name, name, 0, force) for name, force in (("passive", 100.0), ("x", 900.0))]))
     assert not re.search(r"\d \[", text)
-    assert "One episode says nothing of another" in text
+    assert text.startswith("One evaluation episode, the same for every controller; it says nothing of another")
+    assert "worst" not in text, "the one episode is the worst"
     more = str(tabulate([episode("x", "x", i, 100.0) for i in range(2)]))
     assert re.search(r"\d \[", more)
-    assert "One episode" not in more
+    assert more.startswith("Interquartile mean over 2 evaluation episodes")
+    pooled = str(tabulate([episode("x", spec, 0, 100.0) for spec in ("a", "b")]))
+    assert "mean over one evaluation episode, the same" in pooled
 
 
 def test_rows_come_back_as_they_were_written(tmp_path):

@@ -107,8 +107,9 @@ def tabulate(rows: Sequence[Row], summary: Summary | None = None, effort: str = 
     figures = [figure for figure in TABLE if figure in summary[names[0]]]
     episodes = len({row["episode"] for row in rows})
     head = ["controller", "latched", *(TABLE[figure][0] for figure in figures)]
+    basis = _basis(episodes, max(entry["return"].count for entry in summary.values()))
     scores = [
-        f"{_basis(episodes)} Post-lock figures are those of deployments that latched.",
+        f"{basis} Post-lock figures are those of deployments that latched.",
         "",
         *header(head),
     ]
@@ -137,14 +138,14 @@ def header(names: Sequence[str]) -> list[str]:
     return ["| " + " | ".join(names) + " |", "|" + " --- |" * len(names)]
 
 
-def _basis(episodes: int) -> str:
-    """State what the numbers of a table are, and what they rest on."""
-    if episodes == 1:
+def _basis(episodes: int, values: int) -> str:
+    """State what the numbers of a table are, and what they rest on: episodes, and values with those of several runs."""
+    if values == 1:
         return "One evaluation episode, the same for every controller, which says nothing of another: evaluate more."
-    over = f"Interquartile mean over {episodes} evaluation episodes, the same for every controller, "
-    if episodes < FEWEST:
-        return f"{over}and the worst episode. Fewer than {FEWEST} have no interval: evaluate more."
-    return f"{over}with a 95 % bootstrap interval, and the worst episode."
+    over = "one evaluation episode" if episodes == 1 else f"{episodes} evaluation episodes"
+    interval = "with a 95 % bootstrap interval, " if values >= FEWEST else ""
+    few = "" if values >= FEWEST else f" Fewer than {FEWEST} have no interval: evaluate more."
+    return f"Interquartile mean over {over}, the same for every controller, {interval}and the worst episode.{few}"
 
 
 def _cell(value: Estimate, figure: str, worst: bool = True) -> str:

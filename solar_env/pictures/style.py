@@ -15,6 +15,7 @@ SKY, ORANGE, OLIVE, GREY = "#56b4e9", "#e69f00", "#8a7f00", "#555555"
 BROWN, VIOLET, CRIMSON = "#7b4f2a", "#6a3d9a", "#b80058"
 COLOURS = (BLUE, VERMILLION, GREEN, PURPLE, SKY, ORANGE, OLIVE, GREY)  # joint i has colour i modulo 8
 FAINT, STEEL, SAND = "#c8ced6", "#7c8896", "#ddcc77"
+FORCE_DECADES = (-2, 3)  # exponents at the ends of the scale of forces [N], in frames and where pages compare
 STYLE: Any = {  # not dict[str, Any]: Matplotlib lists the names that a key may have in its type
     "font.size": 8,
     "axes.labelsize": 8,

@@ -8,13 +8,12 @@ from PIL import Image
 
 from solar_env.pictures.raster import CARD, GRID, INK, QUIET, Layout, Region, TextPen
 from solar_env.pictures.scene import Array, Scene
-from solar_env.pictures.style import COLOURS
+from solar_env.pictures.style import COLOURS, FORCE_DECADES
 
 BODY, BODY_EDGE, PANEL, PANEL_SHINE = "#d8b365", "#a67c2d", "#1f3f77", "#7fa6d9"
 BEARING, BOLT, JOURNAL, JOURNAL_MARK, FORCE = "#aeb9c6", "#7c8896", "#3d4a5c", "#75839a", "#e01e37"
 LATCHED = "#1a7f37"
 
-FORCE_DECADES = (-2, 3)  # exponents at the ends of the force scale [N]
 JOURNAL_SHARE = 0.72  # drawn journal radius / drawn bearing radius; what is left stands for the clearance
 # The spacecraft turns against the unfolding panels, by 2 degrees with one panel and 20 with eight.
 TILT, SWAY = math.radians(22.0), math.radians(3.0)  # room in the view, with that turn and against it

@@ -68,6 +68,12 @@ def test_tolerances_are_ranges_about_the_values_and_environments_take_both(file)
         ("body_mass = -1", 1, "body_mass = -1 must be positive"),
         ("restitution = 0.9\nfriction_speed_zero = 1e-2", 2, "must be below friction_speed_full = 0.001"),
         ("clearance = [1e-4, 2e-4]\n[tolerance]\nclearance = 1e-3", 3, "must be positive"),
+        (
+            "clearance = 1e-4\n[tolerance]\nclearance = 2e-4",
+            3,
+            "tolerance of clearance = 0.0002 is too wide about 0.0001",
+        ),
+        ("[tolerance]\nbody_mass = 1e9", 2, "choose a smaller one: at its end body_mass = -9"),
         ("[tolerance]\nbody_mass = -1", 2, "must be a finite number, not negative"),
         ("[tolerance]\nbody_mass = [1, 2]", 2, "must be a single number"),
         ("[tolerance]\nclearance = [1e-6, 1e-6, 1e-6]", 2, "more entries than panels"),

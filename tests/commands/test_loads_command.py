@@ -7,6 +7,7 @@ import re
 
 import numpy as np
 import pytest
+from helpers import page_data
 
 from solar_env import Trajectory
 from solar_env.__main__ import main
@@ -35,8 +36,13 @@ def test_it_answers_and_writes_page_data_and_loads_on_the_hub(array, tmp_path, c
     first = capsys.readouterr().out
     assert "is hit hardest" in first
     assert "Fewer than 4 runs have no interval" in " ".join(first.split())
+    assert "acceleration of the hub [m/s2]" in first, "brackets are no markup"
     text = files["loads.html"].read_text(encoding="utf-8")
     assert "is hit hardest" in text
+    (wear,) = (chart for chart in page_data(text)["charts"] if chart["polar"])
+    assert wear["y"] == "fm"
+    deepest = max(max(line["y"]) for line in wear["lines"])
+    assert f"{float(f'{deepest:.3g}'):g} fm" in wear["title"], "in the unit of its axis"
     assert re.search(r"solar-env \d.*numba", text)
     # The runs are there: the second time only reads them.
     kept = (tmp_path / "runs" / "loads.jsonl").read_bytes()

@@ -18,6 +18,9 @@ from solar_env.pictures.page.content import Chart, Line, Motion, Page, Table
 from solar_env.pictures.page.document import page_text, write_page
 
 TIME = np.linspace(0.0, 2.0, 21)
+ANGLE = np.arange(0.0, 360.0, 5.0)
+# Deep everywhere but about 112.5 degrees.
+ROUND = Line("round", ANGLE, np.where(np.abs(ANGLE - 112.5) < 30.0, 1.0, 57.0), "#0072b2")
 
 
 def motion(name="array"):
@@ -42,7 +45,7 @@ def page():
     charts = [
         Chart("It grows", "time [s]", "height [m]", lines),
         Chart("Spectrum", "frequency [Hz]", "force [N]", lines[:1], over_time=False, logarithmic="xy"),
-        Chart("Round", "", "depth [m]", lines[:1], over_time=False, polar=True),
+        Chart("Round", "", "fm", [ROUND], over_time=False, polar=True),
     ]
     table = Table("Figures & <signs>", ["name", "value"], [["a < b", "1"]])
     return Page("A title </script>", ["The answer & more."], [motion(), motion("other")], charts, [table], ["made by"])
@@ -82,11 +85,6 @@ def test_a_folded_table_opens_at_its_title_and_wide_ones_scroll_by_themselves():
     assert re.search(r'<details><summary>Folded</summary><div class="wide"><table>.*?</table></div></details>', text)
 
 
-def test_a_chart_round_a_bearing_labels_its_axis():
-    assert page_data(page_text(page()))["charts"][2]["y"] == "depth [m]"
-    assert "radialaxis: { title: { text: chart.y }" in (document._FOLDER / "page.js").read_text(encoding="utf-8")
-
-
 def test_no_box_is_wider_than_a_narrow_screen():
     style = (document._FOLDER / "page.css").read_text(encoding="utf-8")
     assert not re.search(r"minmax\(\d+px", style), "a column that is wider than the page would overflow"
@@ -108,6 +106,51 @@ def test_on_a_narrow_screen_nothing_overflows(tmp_path):
     target.write_text(page_text(replace(page(), tables=[wide])).replace("</body>", probe), encoding="utf-8")
     shown = in_chromium(tmp_path, target.as_uri(), "--window-size=400,900", "--dump-dom")
     assert int(re.search(r'<pre id="told">(-?\d+)</pre>', shown)[1]) <= 0
+
+
+AXES = """<script>
+ready.then(() => {
+  const result = document.createElement("pre");
+  const labels = (axis) => axis._vals.map((value) => value.text).filter(Boolean);
+  result.id = "told";
+  result.textContent = JSON.stringify({
+    axes: charts.filter((view) => !view.chart.polar).map((view) => labels(view.plot._fullLayout.yaxis)),
+    radial: charts.filter((view) => view.chart.polar).map(({plot}) => plot.layout.polar.radialaxis),
+  });
+  document.body.append(result);
+});
+</script></body>"""
+
+
+def told_axes(tmp_path, charts):
+    target = tmp_path / "page.html"
+    target.write_text(page_text(replace(page(), charts=charts)).replace("</body>", AXES), encoding="utf-8")
+    shown = in_chromium(tmp_path, target.as_uri(), "--dump-dom")
+    return json.loads(re.search(r'<pre id="told">(.*?)</pre>', shown)[1])
+
+
+@pytest.mark.browser
+@pytest.mark.parametrize("span", [0.5, 1.0, 1.7, 2.4, 5.0])
+def test_a_logarithmic_axis_has_three_labels_or_more_and_not_too_many(span, tmp_path):
+    line = Line("force", TIME + 1.0, 30.0 * 10.0 ** (span * np.sin(TIME * np.pi / 4.0)), "#0072b2")
+    (labels,) = told_axes(tmp_path, [Chart("Force", "f", "N", [line], over_time=False, logarithmic="xy")])["axes"]
+    assert 3 <= len(labels) <= 12
+    assert [float(label) for label in labels] == sorted(float(label) for label in labels)
+
+
+@pytest.mark.browser
+def test_limits_of_a_logarithmic_axis_are_labelled_at_their_decades(tmp_path):
+    line = Line("force", TIME, np.full(21, 5.0), "#0072b2")
+    chart = Chart("Force", "t", "N", [line], logarithmic="y", limits=(0.01, 1000.0))
+    assert told_axes(tmp_path, [chart])["axes"] == [["0.01", "0.1", "1", "10", "100", "1000"]]
+
+
+@pytest.mark.browser
+def test_depths_round_a_bearing_are_labelled_with_their_unit_where_curves_are_shallow(tmp_path):
+    chart = Chart("Round", "", "fm", [ROUND], over_time=False, polar=True)
+    (axis,) = told_axes(tmp_path, [chart])["radial"]
+    assert axis["angle"] == 112.5
+    assert axis["ticktext"] == ["20 fm", "40 fm"]
 
 
 WATCH = """<body><script>

@@ -9,7 +9,7 @@ import pytest
 
 from solar_env.__main__ import main
 from solar_env.array import PanelModel
-from solar_env.array.ladder import PACKAGED_TABLE, QUESTIONS, read_answers
+from solar_env.array.ladder import PACKAGED_TABLE, QUESTIONS, cheapest, read_answers
 from solar_env.studies.common.levels import Level
 from solar_env.studies.common.tables import read_table
 from solar_env.studies.ladder import campaign
@@ -18,7 +18,9 @@ from solar_env.studies.ladder.answers import (
     mean_error,
     ranking_error,
 )
+from solar_env.studies.ladder.plot import conclusion
 from solar_env.studies.ladder.runs import CONTROLLERS, deploy
+from solar_env.support.readme import STUDIES
 
 ONE = PanelModel("ancf", 1)
 TINY = campaign.LadderPlan(
@@ -155,6 +157,45 @@ def test_drawing_without_a_table_says_what_to_do(tmp_path, capsys):
 def test_a_deployment_that_does_not_latch_is_refused():
     with pytest.raises(ValueError, match="has not latched within 1 s"):
         deploy(Level("rigid-ideal"), 0, 1.0)
+
+
+def test_the_figures_title_names_the_cheapest_panels_within_a_tenth():
+    answers = read_answers()
+    title = conclusion(answers, list(QUESTIONS))
+    assert title == "Cheapest within 10%: rigid panels for latch-time and tip-motion, 32 modes for all else"
+    for question in QUESTIONS:
+        level = cheapest(answers, question, 0.1).level
+        assert level.startswith("rigid") == (question in ("latch-time", "tip-motion")), question
+        assert level.startswith("rigid") or level.endswith("32 modes"), question
+
+
+def test_a_question_that_nothing_answers_is_named_in_the_title():
+    coarse = [replace(answer, error=1.0) for answer in read_answers() if answer.question == "wear"]
+    rest = [answer for answer in read_answers() if answer.question in ("impulse", "peak-force")]
+    assert "none for wear" in conclusion([*rest, *coarse], ["wear", "impulse", "peak-force"])
+    assert conclusion(rest, ["impulse", "peak-force"]) == "Cheapest within 10%: 32 modes for all questions"
+
+
+def test_the_opening_sentence_of_the_page_is_what_its_table_says():
+    page = " ".join((STUDIES / "ladder" / "README.md").read_text(encoding="utf-8").split())
+    opening = page.split(" a question ")[1].split(" `solar-env ladder` asks")[0]
+    answers = read_answers()
+    told = {
+        "peak-force": "7.9",
+        "impulse": "0.088",
+        "controller-ranking": "5",
+        "tip-motion": "0.048",
+        "latch-time": "0.00079",
+    }
+    for question, percent in told.items():
+        assert f"{percent} %" in opening
+        assert cheapest(answers, question, float(percent) / 100.0).level == "flexible-clearance, 32 modes"
+    one, modes = (cheapest(answers, "controller-ranking", tolerance) for tolerance in (0.15, 0.05))
+    assert one.level == "flexible-clearance, 1 element"
+    assert one.cost_ratio / modes.cost_ratio == pytest.approx(0.6, abs=0.05), "six tenths of its cost"
+    for question, percent in (("tip-motion", "7.6"), ("latch-time", "0.11")):
+        assert f"{percent} %" in opening
+        assert cheapest(answers, question, float(percent) / 100.0).level == "rigid-ideal"
 
 
 # Its users ------------------------------------------------------------------------------------------------------------

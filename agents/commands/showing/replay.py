@@ -20,14 +20,14 @@ from solar_env.support.progress import counting_bar
 from solar_env.support.versions import versions
 
 TABLES = "comparison.md"  # of a run's evaluation
-# Figure of an episode -> in words, with its unit.
+# Figure of an episode -> in words, with its unit, and the factor to that.
 SHOWN = {
-    "return": "return",
-    "latch_times_s": "all latched after [s]",
-    "peak_postlock_force_N": "peak force after latching [N]",
-    "postlock_impulse_Ns": "impulse after latching [N s]",
-    "postlock_sliding_work_J": "sliding work after latching [J]",
-    "wear_depth_max_m": "deepest wear [m]",
+    "return": ("return", 1.0),
+    "latch_times_s": ("all latched after [s]", 1.0),
+    "peak_postlock_force_N": ("peak force after latching [N]", 1.0),
+    "postlock_impulse_Ns": ("impulse after latching [N s]", 1.0),
+    "postlock_sliding_work_J": ("sliding work after latching [mJ]", 1e3),
+    "wear_depth_max_m": ("deepest wear [fm, 1e-15 m]", 1e15),
 }
 
 
@@ -76,8 +76,10 @@ def replay_page(
         f"{figures[best]['return']:.3g}.",
         "One episode, the same for all: impacts are chaotic, so compare many with solar-env evaluate.",
     ]
-    shown = {name: words for name, words in SHOWN.items() if all(name in own for own in figures.values())}
-    rows = [[words, *(f"{own[name]:.4g}" for own in figures.values())] for name, words in shown.items()]
+    shown = {name: how for name, how in SHOWN.items() if all(name in own for own in figures.values())}
+    rows = [
+        [words, *(f"{factor * own[name]:.4g}" for own in figures.values())] for name, (words, factor) in shown.items()
+    ]
     terms = [name for name in next(iter(figures.values())) if name.startswith("reward_")]
     rows += [[name.replace("_", " "), *(f"{own[name]:.3g}" for own in figures.values())] for name in terms]
     table = Table("Figures of the episode", ["figure", *figures], rows)

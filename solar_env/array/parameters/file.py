@@ -158,16 +158,29 @@ def _ranges(parameters: ArrayParameters, tables: dict[str, dict[str, Any]], text
                 raise text.refusal(table, name, f"{name} stands in both {TOLERANCE} and {RANDOMIZE}; keep one")
             try:
                 bounds = _about(parameters, name, entry) if table == TOLERANCE else entry
+            except ValueError as error:
+                raise text.refusal(table, name, _explained(name, error)) from error
+            try:
                 with located(lambda found, table=table: text.place(table, found)):  # type: ignore[misc]
                     ranges |= checked_ranges(parameters, {name: bounds})
             except ValueError as error:
-                raise text.refusal(table, name, _explained(name, error)) from error
+                too_wide = _too_wide(parameters, tables, name)
+                raise text.refusal(table, name, f"{too_wide}{_explained(name, error)}") from error
     try:
         return checked_ranges(parameters, ranges)
     except ValueError as error:
         named, fault = _at_fault(error, ranges, lambda some: checked_ranges(parameters, some))
         table = next((table for table, entries in tables.items() if fault in entries), "")
-        raise text.refusal(table, fault, _explained(named, error)) from error
+        too_wide = _too_wide(parameters, tables, fault)
+        raise text.refusal(table, fault, f"{too_wide}{_explained(named, error)}") from error
+
+
+def _too_wide(parameters: ArrayParameters, tables: dict[str, dict[str, Any]], name: str) -> str:
+    """How an error of what a tolerance reaches begins, lest it tell of values that nobody wrote; else empty."""
+    if name not in tables[TOLERANCE] or name not in ArrayParameters.CONTINUOUS:
+        return ""
+    value, half_width = getattr(parameters, name), tables[TOLERANCE][name]
+    return f"tolerance of {name} = {half_width!r} is too wide about {value!r}, choose a smaller one: at its end "
 
 
 def _about(parameters: ArrayParameters, name: str, half_width: Any) -> tuple[Any, Any]:

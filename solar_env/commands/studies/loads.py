@@ -6,6 +6,7 @@ from typing import Annotated
 
 import tyro
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from solar_env.array import build, read_parameters
@@ -96,6 +97,6 @@ def run_command(args: Args) -> int:
     for table in tables(loads):
         shown = Table(*table.columns, title=table.title)
         for row in table.rows:
-            shown.add_row(*row)
+            shown.add_row(*map(escape, row))
         printed.print(shown)
     return 0

@@ -66,7 +66,8 @@ class Chart:
         lines: what is drawn.
         over_time: whether x is the time [s] that the slider moves.
         logarithmic: axes with a logarithmic scale: "", "y" or "xy".
-        polar: whether y is drawn round a circle.
+        polar: whether y, of which `y` is the unit alone, is drawn round a circle.
+        limits: of y; by default those of its lines.
     """
 
     title: str
@@ -76,6 +77,7 @@ class Chart:
     over_time: bool = True
     logarithmic: str = ""
     polar: bool = False
+    limits: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)

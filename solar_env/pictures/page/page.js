@@ -1,7 +1,9 @@
 "use strict";
 const data = JSON.parse(document.getElementById("data").textContent);
 const slider = document.getElementById("time"), clock = document.getElementById("clock");
-const INK = "#1d2733", QUIET = "#66717f", FORCE = "#d55e00", BODY = "#7c8896";
+const INK = "#1d2733", QUIET = "#66717f", BODY = "#7c8896";
+// Of journals in contact, as in frames, and apart: no joint has these colours.
+const FORCE = "#e01e37", JOURNAL = "#8e99a6", SMALL = "21px sans-serif";
 const colour = (k) => data.colours[k % data.colours.length];
 
 // Index of the last of ascending times that is not after t.
@@ -57,25 +59,30 @@ class MotionView {
     pen.font = "20px sans-serif";
     pen.textAlign = "left";
     if (m.torque.some((x) => x !== 0)) pen.fillText(`motor ${m.torque[k].toFixed(3)} N m`, 30, 28);
-    const shown = Math.min(m.panels.length, 3), radius = Math.min(110, 240 / shown);
-    for (let j = 0; j < shown; j++) this.bearing(pen, j, k, t, 880, (560 * (j + 0.5)) / shown, radius);
+    const shown = Math.min(m.panels.length, 3), radius = Math.min(100, 240 / shown);
+    for (let j = 0; j < shown; j++) this.bearing(pen, j, k, t, 870, (560 * (j + 0.5)) / shown, radius);
   }
   // The drawn gap stands for the clearance: circles touch exactly where the surfaces do.
   bearing(pen, j, k, t, x, y, radius) {
     const m = this.motion, journal = 0.72 * radius, force = m.force[k][j], [ex, ey] = m.eccentricity[k][j];
+    const clearance = 1e3 * m.clearance[j], touching = force > 0 && clearance > 0;
     pen.lineWidth = 5;
     pen.strokeStyle = colour(j);
     pen.beginPath(); pen.arc(x, y, radius, 0, 7); pen.stroke();
-    pen.fillStyle = force > 0 && m.clearance[j] > 0 ? FORCE : "#aab4bf";
+    pen.fillStyle = touching ? FORCE : JOURNAL;
     pen.beginPath(); pen.arc(x + ex * (radius - journal), y - ey * (radius - journal), journal - 2.5, 0, 7); pen.fill();
-    const lines = [`joint ${j + 1}`, `${force.toPrecision(3)} N`];
-    lines.push(m.clearance[j] > 0 ? `clearance ${1e3 * m.clearance[j] < 1 ? (1e3 * m.clearance[j]).toPrecision(2) : (1e3 * m.clearance[j]).toFixed(1)} mm` : "ideal joint");
-    lines.push(m.latch_times[j] !== null && t >= m.latch_times[j] ? "latched" : "free");
+    // The colour of the third line is that of the journal, which it explains.
+    const lines = [[`joint ${j + 1}`, colour(j), SMALL], [`${force.toPrecision(3)} N`, INK, "bold 28px sans-serif"]];
+    if (clearance > 0) {
+      lines.push([touching ? "in contact" : "apart", touching ? FORCE : JOURNAL, SMALL]);
+      lines.push([`clearance ${clearance < 1 ? clearance.toPrecision(2) : clearance.toFixed(1)} mm`, QUIET, SMALL]);
+    } else lines.push(["ideal joint", QUIET, SMALL]);
+    lines.push([m.latch_times[j] !== null && t >= m.latch_times[j] ? "latched" : "not latched", QUIET, SMALL]);
     pen.textAlign = "left";
-    lines.forEach((text, i) => {
-      pen.fillStyle = i === 1 ? INK : QUIET;
-      pen.font = i === 1 ? "bold 26px sans-serif" : "19px sans-serif";
-      pen.fillText(text, x + radius + 14, y - 42 + 30 * i);
+    lines.forEach(([text, ink, font], i) => {
+      pen.fillStyle = ink;
+      pen.font = font;
+      pen.fillText(text, x + radius + 14, y - 48 + 29 * i);
     });
   }
 }
@@ -89,6 +96,28 @@ function wrapped(title, width) {
     else lines[lines.length - 1] = last ? `${last} ${word}` : word;
   }
   return lines.join("<br>");
+}
+
+// Least and greatest exponent of what a logarithmic axis shows.
+function decades(lines, name) {
+  let low = Infinity, high = -Infinity;
+  for (const line of lines) for (const value of line[name]) if (value > 0) {
+    low = Math.min(low, Math.log10(value)); high = Math.max(high, Math.log10(value));
+  }
+  return low < high ? [low, high] : [0, 1];
+}
+// A label at each decade of a wide axis, and several within those of a narrow one.
+const logTicks = ([low, high]) => high - low > 2.2 ? Math.min(Math.floor(high - low) + 1, 8) : 4;
+
+// A radial axis in the direction [deg] where its labels hide least: between those that have a name, where curves are shallowest.
+function radialAxis(lines, unit) {
+  const deepest = (wanted) => Math.max(0, ...lines.map((line) => Math.max(0, ...line.y.filter((_, i) => wanted(line.x[i])))));
+  const near = (direction) => deepest((angle) => Math.abs((angle - direction + 540) % 360 - 180) < 20);
+  const angle = [22.5, -22.5, 67.5, -67.5, 112.5, -112.5, 157.5, -157.5].reduce((best, next) => near(next) < near(best) ? next : best);
+  const most = deepest(() => true) || 1, power = 10 ** Math.floor(Math.log10(most / 2));
+  const step = [5, 2, 1].find((factor) => factor * power <= most / 2) * power, values = [];
+  for (let value = step; value <= 1.01 * most; value += step) values.push(value);
+  return { angle, tickangle: angle, range: [0, 1.05 * most], tickvals: values, ticktext: values.map((value) => `${+value.toPrecision(3)} ${unit}`) };
 }
 
 class ChartView {
@@ -111,15 +140,17 @@ class ChartView {
       return chart.polar ? { type: "scatterpolar", name: line.name, theta: line.x, r: line.y, ...look }
         : { type: "scatter", name: line.name, x: line.x, y: line.y, ...look };
     });
-    const axis = (title, kind) => ({ title: { text: title }, type: kind, gridcolor: "#e6e9ed", zeroline: false, automargin: true,
-      ...(kind === "log" ? { exponentformat: "power", dtick: 1 } : {}) });
+    const axis = (title, name, limits) => {
+      const log = chart.logarithmic.includes(name), ends = limits && log ? limits.map(Math.log10) : limits;
+      return { title: { text: title }, type: log ? "log" : "linear", gridcolor: "#e6e9ed", zeroline: false, automargin: true,
+        ...(ends ? { range: ends } : {}), ...(log ? { tickformat: "~g", nticks: logTicks(ends || decades(chart.lines, name)) } : {}) };
+    };
     const width = this.plot.clientWidth, title = wrapped(chart.title, width), above = 18 * (title.split("<br>").length - (chart.polar ? 0 : 1));
     const below = 18 * Math.ceil(traces.length / Math.max(1, Math.floor(width / 180)));
     const layout = { title: { text: title, font: { size: 15 }, x: 0.01 }, height: 320 + above + below, margin: { t: 40 + above, r: 12, b: 60 + below, l: 60 },
       legend: { orientation: "h", yref: "container", y: 0, yanchor: "bottom" }, hovermode: "closest", font: { color: INK },
-      xaxis: axis(chart.x, chart.logarithmic.includes("x") ? "log" : "linear"),
-      yaxis: axis(chart.y, chart.logarithmic.includes("y") ? "log" : "linear"),
-      polar: { radialaxis: { title: { text: chart.y }, nticks: 3, tickformat: ".0e" } } };
+      xaxis: axis(chart.x, "x"), yaxis: axis(chart.y, "y", chart.limits),
+      ...(chart.polar ? { polar: { radialaxis: radialAxis(chart.lines, chart.y) } } : {}) };
     Plotly.newPlot(this.plot, traces, layout, { responsive: true, displayModeBar: false });
     if (chart.over_time) {
       this.plot.on("plotly_click", (event) => show(event.points[0].x));

@@ -1,6 +1,7 @@
 """Deployments as pages show them: motions and charts over time, from trajectories."""
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,12 +14,14 @@ from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.integrators.methods.table import METHODS
 from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.pictures.page.content import Chart, Line, Motion, Table
-from solar_env.pictures.style import COLOURS, controller_looks
+from solar_env.pictures.style import COLOURS, FORCE_DECADES, controller_looks
 
 Array = NDArray[np.float64]
 
 # Between two moments shown before the first latching, and from shortly before it on [s].
 _SLOW, _FAST, _MARGIN = 0.05, 0.005, 0.1
+_WINDOW = 0.2  # over which a line of several deployments takes its greatest [s]
+_FEMTOMETRES = 1e15  # in a metre
 _DASHES = ("solid", "dash", "dot")
 _STORED = ("kinetic", "spring", "cable", "latch", "contact", "elastic")
 _LOST = ("contact_dissipation", "friction_dissipation", "latch_dissipation", "material_dissipation")
@@ -108,6 +111,8 @@ def charts_of(trajectories: Mapping[str, Trajectory]) -> list[Chart]:
     """Angles, forces, gaps, torques, energies and wear of deployments by their names.
 
     A single deployment has a colour for each joint; of several each has that of its controller, and each joint a dash.
+    Forces and gaps, which jump from impact to impact, would hide each other there: of several deployments each has one
+    line, the greatest of all joints, window by window.
     """
     single, looks = len(trajectories) == 1, controller_looks(list(trajectories))
 
@@ -124,17 +129,21 @@ def charts_of(trajectories: Mapping[str, Trajectory]) -> list[Chart]:
         return lines
 
     titles = _single_titles(next(iter(trajectories.values()))) if single else _titles(trajectories)
-    charts = [
-        Chart(titles["angles"], "time [s]", "angle [deg]", by_joint(lambda t, k: np.degrees(t.angles[k]))),
-        Chart(titles["forces"], "time [s]", "greatest from point to point [N]", by_joint(peaks_between)),
-        Chart(titles["gaps"], "time [s]", "gap [mm], 0 in contact", by_joint(_gaps)),
-        Chart(titles["torques"], "time [s]", "torque [N m]", by_joint(lambda t, k: t.latch_torque[k])),
-    ]  # fmt: skip
+    charts = [Chart(titles["angles"], "time [s]", "angle [deg]", by_joint(lambda t, k: np.degrees(t.angles[k])))]
+    if single:
+        charts += [
+            Chart(titles["forces"], "time [s]", "greatest from point to point [N]", by_joint(peaks_between)),
+            Chart(titles["gaps"], "time [s]", "gap [mm], 0 in contact", by_joint(_gaps)),
+        ]
+    else:
+        charts += [_compared_forces(titles["forces"], trajectories), _compared_gaps(titles["gaps"], trajectories)]
+    charts.append(Chart(titles["torques"], "time [s]", "torque [N m]", by_joint(lambda t, k: t.latch_torque[k])))
     if any(t.motor_torque.any() for t in trajectories.values()):
         charts.append(Chart(titles["motor"], "time [s]", "torque [N m]", by_joint(_driven)))
-    charts.append(Chart(titles["energies"], "time [s]", "energy [J]", _energies(trajectories)))
+    stored = "energy [J]" if single else "stored energy [J]"
+    charts.append(Chart(titles["energies"], "time [s]", stored, _energies(trajectories)))
     if any(t.wear_depth.any() for t in trajectories.values()):
-        charts.append(Chart(titles["wear"], "", "depth [m]", _wear(trajectories), False, polar=True))
+        charts.append(Chart(titles["wear"], "", "fm", _wear(trajectories), False, polar=True))
     return charts
 
 
@@ -147,7 +156,7 @@ def _single_titles(trajectory: Trajectory) -> dict[str, str]:
         "gaps": f"Journals touch their bearings {_in_words(100.0 * _touching(trajectory))} % of the time",
         "motor": f"The motor turns with up to {np.abs(trajectory.motor_torque).max():.3g} N m",
         "energies": f"{lost:.0%} of the energy put in is lost by the end",
-        "wear": f"Bearings wear by up to {_in_words(trajectory.wear_bearing.max(axis=1))} m",
+        "wear": f"Bearings wear by up to {_in_words(_FEMTOMETRES * trajectory.wear_bearing.max(axis=1))} fm (1e-15 m)",
     }
 
 
@@ -173,7 +182,7 @@ def _titles(trajectories: Mapping[str, Trajectory]) -> dict[str, str]:
         "gaps": f"Journals touch longest under {closest}, {-touching[closest]:.0%} of the time",
         "motor": f"{laziest} needs the least torque, {turned[laziest]:.3g} N m (root mean square)",
         "energies": f"{calmest} is left with the least energy, {left[calmest]:.3g} J",
-        "wear": f"{freshest} wears bearings least, by {worn[freshest]:.3g} m at most",
+        "wear": f"{freshest} wears bearings least, by {_FEMTOMETRES * worn[freshest]:.3g} fm (1e-15 m) at most",
     }
 
 
@@ -187,30 +196,59 @@ def _gaps(trajectory: Trajectory, kept: NDArray[np.intp]) -> Array:
     return np.asarray(-1e3 * trajectory.penetration[kept])
 
 
+def greatest_in_windows(time: Array, values: Array) -> tuple[Array, Array]:
+    """The beginnings of windows of time, and the greatest of (n, joints) values in each, at any joint."""
+    number = np.floor(time / _WINDOW + 1e-6)
+    starts = np.flatnonzero(np.diff(number, prepend=-1.0))
+    return time[starts], np.asarray(np.maximum.reduceat(values.max(axis=1), starts))
+
+
+def _compared(trajectories: Mapping[str, Trajectory], read: Callable[[Trajectory], Array]) -> list[Line]:
+    looks = controller_looks(list(trajectories))
+    return [
+        Line(name, *greatest_in_windows(trajectory.time, read(trajectory)), looks[name]["color"])
+        for name, trajectory in trajectories.items()
+    ]
+
+
+def _compared_forces(title: str, trajectories: Mapping[str, Trajectory]) -> Chart:
+    """Forces of several deployments, on the scale of the frames: soft landings show beside hard ones."""
+    lines = _compared(trajectories, lambda t: peaks_between(t, np.arange(len(t.time))))
+    low, high = (10.0**decade for decade in FORCE_DECADES)
+    limits = low, max(high, *(1.1 * float(line.y.max()) for line in lines))
+    # What is zero lies a little below the axis, lest the line end there.
+    lines = [replace(line, y=np.maximum(line.y, 0.63 * low)) for line in lines]
+    label = f"greatest in {_WINDOW:g} s, any joint [N]"
+    return Chart(title, "time [s]", label, lines, logarithmic="y", limits=limits)
+
+
+def _compared_gaps(title: str, trajectories: Mapping[str, Trajectory]) -> Chart:
+    every = _compared(trajectories, lambda t: np.maximum(-1e3 * t.penetration, 0.0))
+    return Chart(title, "time [s]", f"greatest gap in {_WINDOW:g} s, any joint [mm]", every)
+
+
 def _driven(trajectory: Trajectory, kept: NDArray[np.intp]) -> Array:
     """Torques of the joints that have a motor."""
     return np.asarray(trajectory.motor_torque[kept][:, trajectory.motor_torque.any(axis=0)])
 
 
 def _energies(trajectories: Mapping[str, Trajectory]) -> list[Line]:
+    """Parts of the energy of a single deployment; of several what each has stored, as in their title."""
     lines, looks = [], controller_looks(list(trajectories))
     for name, trajectory in trajectories.items():
         kept, energies = shown_samples(trajectory), trajectory.energies
-        parts = {"kinetic": energies["kinetic"], "springs": energies["spring"]}
-        parts |= {
-            "all stored": np.sum([energies[part] for part in _STORED], axis=0),
-            "lost": np.sum([energies[part] for part in _LOST], axis=0),
-        }
-        for i, (part, values) in enumerate(parts.items()):
-            single = len(trajectories) == 1
-            label, colour = (part, COLOURS[i]) if single else (f"{name}, {part}", looks[name]["color"])
-            dash = "solid" if single else ("solid", "dash", "dot", "dashdot")[i]
-            lines.append(Line(label, trajectory.time[kept], values[kept], colour, dash))
+        time, stored = trajectory.time[kept], np.sum([energies[part] for part in _STORED], axis=0)
+        if len(trajectories) > 1:
+            lines.append(Line(name, time, stored[kept], looks[name]["color"]))
+            continue
+        lost = np.sum([energies[part] for part in _LOST], axis=0)
+        parts = {"kinetic": energies["kinetic"], "springs": energies["spring"], "all stored": stored, "lost": lost}
+        lines += [Line(part, time, parts[part][kept], COLOURS[i]) for i, part in enumerate(parts)]
     return lines
 
 
 def _wear(trajectories: Mapping[str, Trajectory]) -> list[Line]:
-    """Depth of the bearings' wear round them, in their bodies' own frames."""
+    """Depth [fm] of the bearings' wear round them, in their bodies' own frames."""
     lines, looks = [], controller_looks(list(trajectories))
     for name, trajectory in trajectories.items():
         for j, depth in enumerate(trajectory.wear_bearing):
@@ -218,5 +256,6 @@ def _wear(trajectories: Mapping[str, Trajectory]) -> list[Line]:
             label = f"joint {j + 1}" if single else f"{name}, joint {j + 1}"
             angle = np.linspace(0.0, 360.0, len(depth), endpoint=False)
             colour = COLOURS[j % len(COLOURS)] if single else looks[name]["color"]
-            lines.append(Line(label, angle, depth, colour, "solid" if single else _DASHES[j % len(_DASHES)]))
+            dash = "solid" if single else _DASHES[j % len(_DASHES)]
+            lines.append(Line(label, angle, _FEMTOMETRES * depth, colour, dash))
     return lines

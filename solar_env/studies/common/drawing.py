@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import NullFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
 from solar_env.pictures.style import FAINT, STYLE, Look
@@ -74,13 +74,19 @@ def positive_points(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[NDA
 
 
 def use_decades(axis: Axes, which: str) -> None:
-    """A logarithmic axis, "x" or "y", with labels at decades alone and at least one decade wide."""
+    """A logarithmic axis, "x" or "y", at least one decade wide, labelled at decades, and within where one is alone."""
     own, limits = (axis.xaxis, axis.get_xlim()) if which == "x" else (axis.yaxis, axis.get_ylim())
     low, high = np.log10(limits)
     if high - low < 1.2:
         low, high = np.floor(low), np.ceil(high)
         (axis.set_xlim if which == "x" else axis.set_ylim)(10.0**low, 10.0**high)
+    # Exponents set small could not be read where a page shows the figure at half its size.
+    own.set_major_formatter(FuncFormatter(lambda value, _: short(value)))
     own.set_minor_formatter(NullFormatter())
+    if np.floor(high) - np.ceil(low) < 1.0:
+        own.set_minor_locator(LogLocator(subs=(3.0,)))
+        own.set_minor_formatter(FuncFormatter(lambda value, _: short(value)))
+        own.set_tick_params(which="minor", length=mpl.rcParams["xtick.major.size"])
 
 
 def draw_floor(axis: Axes, floor: float) -> None:
@@ -118,24 +124,29 @@ def balanced(text: str, width: int) -> list[str]:
     return [text]
 
 
-def place_labels(axis: Axes, labels: Sequence[Label], obstacles: Sequence[Box]) -> None:
-    """Write labels beside their points, where they cover as little as possible of anything else.
+def place_labels(
+    axis: Axes, labels: Sequence[Label], marks: Sequence[tuple[float, float]], lines: Sequence[Box] = ()
+) -> None:
+    """Write labels beside their points, inside the axes, off other labels and marks, and off lines where they can be.
 
     Args:
         axis: with its final limits and place.
         labels: in the order in which they choose.
-        obstacles: x0, y0, x1, y1 of what is drawn already, in the units of the axes.
+        marks: x, y of those drawn already, in the units of the axes.
+        lines: x0, y0, x1, y1 of those drawn already.
     """
     figure = axis.get_figure(root=True)
     assert figure is not None
     renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
     margin = 3.0 * figure.dpi / 72.0  # half a mark [pixel]
     inside = axis.get_window_extent(renderer)
-    taken: list[Box] = []
-    written: list[Box] = []
-    for x0, y0, x1, y1 in obstacles:
+
+    def around(x0: float, y0: float, x1: float, y1: float, room: float) -> Box:
         (left, low), (right, high) = axis.transData.transform([(x0, y0), (x1, y1)])
-        taken.append((left - margin, low - margin, right + margin, high + margin))
+        return min(left, right) - room, min(low, high) - room, max(left, right) + room, max(low, high) + room
+
+    crossed = [around(*line, 0.3 * margin) for line in lines]
+    kept_off = [around(x, y, x, y, margin) for x, y in marks]
     for label in labels:
         text = axis.annotate(
             label.text, (label.x, label.y), (0, 0), textcoords="offset points", fontsize=7, color=label.colour
@@ -148,22 +159,37 @@ def place_labels(axis: Axes, labels: Sequence[Label], obstacles: Sequence[Box]) 
             box = text.get_window_extent(renderer)
             own: Box = (box.x0, box.y0, box.x1, box.y1)
             outside = (box.x1 - box.x0) * (box.y1 - box.y0) - _shared(own, (inside.x0, inside.y0, inside.x1, inside.y1))
-            hidden = _LABELS * sum(_shared(own, other) for other in written) + sum(
-                _shared(own, other) for other in taken
-            )
-            covered = hidden + outside + _FARTHER * distance
+            hidden = outside + sum(_shared(own, other) for other in kept_off)
+            if distance > _NEAR:
+                x, y = axis.transData.transform((label.x, label.y))
+                reach = distance * figure.dpi / 72.0
+                hidden += _struck((x, y), (x + dx * reach, y + dy * reach), kept_off)
+            covered = _MARKS * hidden + sum(_shared(own, other) for other in crossed) + _FARTHER * distance
             looks = text.get_position(), text.get_horizontalalignment(), text.get_verticalalignment()
             tried.append((covered, len(tried), looks, own))
         _, _, (place, across, upright), own = min(tried, key=lambda one: one[:2])
-        text.set_position(place)
-        text.set_horizontalalignment(across)
-        text.set_verticalalignment(upright)
-        written.append(own)
+        text.remove()
+        axis.annotate(
+            label.text, (label.x, label.y), place, textcoords="offset points", fontsize=7, color=label.colour,
+            ha=across, va=upright,
+            arrowprops={"arrowstyle": "-", "linewidth": 0.5, "color": label.colour, "shrinkA": 0.0, "shrinkB": 2.0}
+            if np.hypot(*place) > _NEAR else None,
+        )  # fmt: skip
+        kept_off.append(own)
 
 
-_LABELS = 20.0  # how much worse it is to cover a label than a line
+_MARKS = 20.0  # how much worse it is to cover a mark or a label, or to leave the axes, than to cover a line
+_NEAR = 8.0  # from a point [point]; a label farther away has a line to it
 _FARTHER = 4.0  # area that may be covered lest a label stand a point farther away
 _DIRECTIONS = ((-1.0, 0.0), (1.0, 0.0), (-0.7, 0.7), (-0.7, -0.7), (0.7, 0.7), (0.7, -0.7), (0.0, 1.0), (0.0, -1.0))
+
+
+def _struck(point: tuple[float, float], tip: tuple[float, float], boxes: Sequence[Box]) -> float:
+    """How much a label's line covers of boxes other than that of its point: it would seem to tell of them."""
+    (x, y), (tip_x, tip_y) = point, tip
+    others = [box for box in boxes if not (box[0] < x < box[2] and box[1] < y < box[3])]
+    along = [(x + t * (tip_x - x), y + t * (tip_y - y)) for t in (0.2, 0.4, 0.6, 0.8, 1.0)]
+    return sum(_shared((a - 3.0, b - 3.0, a + 3.0, b + 3.0), box) for a, b in along for box in others)
 
 
 def _shared(one: Box, other: Box) -> float:

@@ -11,12 +11,12 @@ from solar_env.array.ladder import QUESTIONS, Answer, steps
 from solar_env.pictures.style import MODEL_LOOKS, STEEL, STYLE, look_of
 from solar_env.studies.common.drawing import Box, Label, make_figure, place_labels, save, use_decades
 
-_COLUMNS = 3
-_TOLERANCE, _CHEAP = 0.3, 0.5  # of the title
+_COLUMNS = 2
+_TOLERANCE = 0.1  # of the title
 _SMALLEST = 1e-6  # errors below are drawn here
 _NOTE = (
-    "mark: error and 95 % sampling half-width, from which tolerance on a level answers; line to its left: half-width; "
-    "numbers: elements (e) or modes (m); grey: the level chosen"
+    "mark: error and 95 % sampling half-width (line), the tolerance from which a level answers; "
+    "e: elements, m: modes; grey: the level chosen"
 )
 
 
@@ -25,7 +25,7 @@ def draw_ladder(answers: Sequence[Answer], folder: Path) -> Path:
     asked = [question for question in QUESTIONS if any(answer.question == question for answer in answers)]
     looks = {answer.model: look_of(answer.model, MODEL_LOOKS) for answer in answers}
     rows = -(-len(asked) // _COLUMNS)
-    figure, axes = make_figure(rows, _COLUMNS, (2.8, 2.3), len(looks), gap=0.7)
+    figure, axes = make_figure(rows, _COLUMNS, (4.1, 2.4), len(looks), gap=0.7)
     with mpl.rc_context(STYLE):
         for axis, question in zip(axes.flat, asked, strict=False):
             _draw_panel(axis, [answer for answer in answers if answer.question == question])
@@ -35,18 +35,21 @@ def draw_ladder(answers: Sequence[Answer], folder: Path) -> Path:
         for axis in axes.flat[len(asked) :]:
             axis.set_axis_off()
     path = folder / "ladder.png"
-    save(figure, path, looks, _title(answers, asked), _NOTE)
+    save(figure, path, looks, conclusion(answers, asked), _NOTE)
     return path
 
 
-def _title(answers: Sequence[Answer], asked: Sequence[str]) -> str:
-    """How many questions a cheap level answers."""
-    chosen = [[answer for answer in steps(answers, question) if answer.bound <= _TOLERANCE] for question in asked]
-    cheap = sum(bool(levels) and levels[-1].cost_ratio <= _CHEAP for levels in chosen)
-    return (
-        f"{cheap} of {len(asked)} questions are answered within {_TOLERANCE:.0%} at no more than "
-        f"{_CHEAP:.0%} of the reference's cost"
-    )
+def conclusion(answers: Sequence[Answer], asked: Sequence[str]) -> str:
+    """Which panels answer which questions to a tolerance, the cheapest ones, and which question none does."""
+    chosen: dict[str, list[str]] = {}
+    for question in asked:
+        within = [answer for answer in steps(answers, question) if answer.bound <= _TOLERANCE]
+        panels = "none" if not within else within[-1].panel_model.size if within[-1].panels else "rigid panels"
+        chosen.setdefault(panels, []).append(question)
+    most = max(chosen, key=lambda panels: len(chosen[panels]))
+    clauses = [f"{panels} for {' and '.join(own)}" for panels, own in chosen.items() if panels != most]
+    rest = f"{most} for all else" if clauses else f"{most} for all questions"
+    return f"Cheapest within {_TOLERANCE:.0%}: {', '.join([*clauses, rest])}"
 
 
 def _draw_panel(axis: Axes, answers: Sequence[Answer]) -> None:
@@ -54,29 +57,31 @@ def _draw_panel(axis: Axes, answers: Sequence[Answer]) -> None:
     axis.set_yscale("log")
     chosen = steps(answers, answers[0].question)
     labels: list[Label] = []
-    obstacles: list[Box] = []
+    marks: list[tuple[float, float]] = []
+    lines: list[Box] = []
     for answer in answers:
         bound = max(answer.bound, _SMALLEST)
         style = {**look_of(answer.model, MODEL_LOOKS), "linestyle": "none"}
         if answer.error > 0.0:
             axis.plot([answer.error, bound], [answer.cost_ratio] * 2, linewidth=0.8, color=style["color"])
         axis.plot([bound], [answer.cost_ratio], markersize=4, **style)
-        obstacles.append((min(max(answer.error, _SMALLEST), bound), answer.cost_ratio, bound, answer.cost_ratio))
+        marks.append((bound, answer.cost_ratio))
+        lines.append((min(max(answer.error, _SMALLEST), bound), answer.cost_ratio, bound, answer.cost_ratio))
         # With ideal joints all panels answer alike, and their numbers would hide each other.
         if answer.panels and (has_clearance(answer.model) or answer in chosen):
             text = f"{answer.count}{answer.panel_model.option[0]}"
             labels.append(Label(text, bound, answer.cost_ratio, str(style["color"])))
-    obstacles += _draw_steps(axis, chosen)
+    lines += _draw_steps(axis, chosen)
     use_decades(axis, "x")
     use_decades(axis, "y")
-    place_labels(axis, labels, obstacles)
+    place_labels(axis, labels, marks, lines)
 
 
 def _draw_steps(axis: Axes, chosen: Sequence[Answer]) -> list[Box]:
     """The cost of the cheapest level against the tolerance; none to the left of the finest. Returns its lines."""
     bounds = [max(answer.bound, _SMALLEST) for answer in chosen]
     costs = [answer.cost_ratio for answer in chosen]
-    start, end = 0.4 * bounds[0], 2.0 * axis.get_xlim()[1]
+    start, end = 0.3 * bounds[0], 2.0 * axis.get_xlim()[1]
     axis.step([*bounds, end], [*costs, costs[-1]], where="post", color=STEEL, linewidth=2.5, alpha=0.5, zorder=1)
     axis.set_xlim(start, end)
     ends = [*bounds[1:], end]

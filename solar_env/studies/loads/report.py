@@ -9,7 +9,7 @@ from solar_env.pictures.page.content import Table
 from solar_env.studies.common.bootstrap import FEWEST
 from solar_env.studies.loads.ensemble import Loads
 from solar_env.studies.loads.quantities import HUB_QUANTITIES, JOINT_QUANTITIES, QUANTITIES
-from solar_env.studies.loads.statistics import Figure, rounded, shortened
+from solar_env.studies.loads.statistics import Figure, counted, rounded, shortened
 
 COLUMNS = ("quantity", "", "mean", "95 % interval", "99 % of runs below", "at 95 % confidence", "model error")
 
@@ -26,9 +26,10 @@ def answer(loads: Loads, wear_limit: float) -> list[str]:
     lines.append(f"The impulse after latching is greatest at joint {joint}: {_stated(push, 'N s')}.")
     joint, deepest = _worst(figures["wear_depth"])
     deployments = wear_limit / deepest.mean if deepest.mean > 0.0 else math.inf
+    limit = 1e6 * wear_limit
     lines.append(
-        f"A deployment wears joint {joint} deepest: {_stated(deepest, 'fm', 1e15)}; {shortened(deployments)} "
-        f"deployments to {1e6 * wear_limit:g} micrometres, if every one wears the same place."
+        f"A deployment wears joint {joint} deepest: {_stated(deepest, 'fm', 1e15)}; {counted(deployments)} deployments "
+        f"to {limit:g} {'micrometre' if limit == 1.0 else 'micrometres'}, if every one wears the same place."
     )
     hub = [
         f"{_with_interval(figures[name][0], unit, scale)} ({_with_model_error(figures[name][0], unit, scale)})"

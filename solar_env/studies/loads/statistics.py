@@ -119,3 +119,15 @@ def shortened(value: float, digits: int = 2) -> str:
     shown = float(f"{value:.{digits}g}")
     places = max(digits - 1 - math.floor(math.log10(abs(shown))), 0)
     return f"{shown:.{places}f}" if 1e-3 <= abs(shown) < 1e5 else f"{shown:.{digits - 1}e}"
+
+
+def counted(number: float) -> str:
+    """A great number in words and two digits, as in "17 million"."""
+    if not 1e4 <= number < 1e15:
+        return shortened(number)
+    shown = float(f"{number:.2g}")
+    size, word = next(((size, word) for size, word in _SIZES if shown >= size), (1.0, ""))
+    return f"{shown / size:,.3g} {word}" if word else f"{shown:,.0f}"
+
+
+_SIZES = ((1e12, "trillion"), (1e9, "billion"), (1e6, "million"))

@@ -15,7 +15,8 @@ from solar_env.studies.common.drawing import draw_floor, make_figure, positive_p
 from solar_env.studies.common.tables import Cell, Table, number
 
 COSTS = (("wall_s", "wall time [s]"), ("evaluations", "evaluations"), ("factorizations", "factorisations"))
-_SIZE = (2.6, 1.9)  # of one panel with its labels [inch]
+# Of one panel with its labels, and of all in a row at least [inch].
+_WIDTH, _HEIGHT, _LEAST_WIDTH = 2.15, 1.9, 6.4
 
 
 @dataclass(frozen=True)
@@ -74,7 +75,8 @@ def _draw(question: Question, rows: Table, floors: Table, folder: Path) -> Path:
     shown = [str(name) for name in rows.values("method") if _shows(rows.where(method=name), question)]
     looks = {name: look_of(name, METHOD_LOOKS) for name in shown}
     models = rows.values("model")
-    figure, axes = make_figure(len(COSTS), len(models), _SIZE, len(looks))
+    size = max(_WIDTH, _LEAST_WIDTH / len(models)), _HEIGHT
+    figure, axes = make_figure(len(COSTS), len(models), size, len(looks))
     with mpl.rc_context(STYLE):
         for column, model in zip(axes.T, models, strict=True):
             known = floors.first(model=model)
@@ -82,10 +84,12 @@ def _draw(question: Question, rows: Table, floors: Table, folder: Path) -> Path:
             for axis, (cost, label) in zip(column, COSTS, strict=True):
                 _draw_panel(axis, rows.where(model=model), question, cost, looks)
                 draw_floor(axis, floor)
-                axis.set_ylabel(label)
+                if column[0] is axes[0, 0]:
+                    axis.set_ylabel(label)
             column[0].set_title(_title(rows.where(model=model), known), fontsize=7.5)
-            column[-1].set_xlabel(question.label)
             _share_errors(column, question)
+        # Once for all models: it is wider than one panel.
+        figure.text(0.5, axes[-1, 0].get_position().y0 - 0.4 / figure.get_figheight(), question.label, ha="center")
     path = folder / f"{question.file}.png"
     save(figure, path, looks, _conclusion(rows, question), question.note)
     return path

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
+from matplotlib.patheffects import withStroke
 
 from solar_env.pictures.style import OUTCOME_COLOURS, STEEL, STYLE
 from solar_env.studies.common.drawing import short
@@ -90,9 +91,11 @@ def _draw_panel(axes: Axes, table: Table, about: Any, first: bool) -> None:
         ink = "white" if kind in _DARK else "black"
         value = number(row, "value")
         if math.isfinite(value):
-            axes.text(i, k, short(value), ha="center", va="center", fontsize=6.5, color=ink, zorder=3)
+            text = axes.text(i, k, short(value), ha="center", va="center", fontsize=7, color=ink, zorder=3)
+            # The line of the limit ends round a number that it would strike out.
+            text.set_path_effects([withStroke(linewidth=3.0, foreground=OUTCOME_COLOURS[kind])])
         if choice(row, "said", Said) != Said.SILENT:
-            axes.plot(i + 0.4, k + 0.34, ".", color=ink, markersize=2.0)
+            axes.plot(i + 0.42, k + 0.4, ".", color=ink, markersize=2.0)
     for k, y in enumerate(table.values(about["y"])):
         place = _place(number(table.first(**{about["y"]: y}), "limit"), x_ticks)
         if math.isfinite(place):

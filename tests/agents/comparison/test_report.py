@@ -72,6 +72,12 @@ def test_too_few_episodes_have_no_interval_and_the_table_says_so(episodes, told)
     assert ("worst" in text) == (episodes > 1)
 
 
+def test_the_runs_of_a_controller_count_too():
+    text = str(tabulate([episode("x", spec, 0, 100.0) for spec in "abcd"]))
+    assert text.startswith("Interquartile mean over one evaluation episode, the same for every controller, with a 95 %")
+    assert re.search(r"\d \[", text)
+
+
 def test_rows_come_back_as_they_were_written(tmp_path):
     rows = [episode(name, name, i, 2.5) for name in ("passive", "ppo") for i in range(3)]
     write_comparison(tmp_path, rows, {}, {})

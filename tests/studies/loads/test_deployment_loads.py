@@ -21,7 +21,7 @@ from solar_env.studies.loads.page import loads_page
 from solar_env.studies.loads.quantities import JOINT_QUANTITIES, QUANTITIES, read_all
 from solar_env.studies.loads.report import answer, tables
 from solar_env.studies.loads.runs import FREQUENCIES, deploy, member_parameters
-from solar_env.studies.loads.statistics import Figure, figure_of, high_quantile, rounded, shortened
+from solar_env.studies.loads.statistics import Figure, counted, figure_of, high_quantile, rounded, shortened
 
 RIGID = Level("rigid-clearance")
 FAST = ParameterFile(FAST_PARAMETERS, {"clearance": ((1.9e-4, 1.9e-4), (2.1e-4, 2.1e-4))})
@@ -240,8 +240,22 @@ def test_force_impulse_and_wear_are_each_told_with_interval_quantile_and_their_o
         "55.60 N s (with 95 % confidence below 55.80 N s), model error -1.13 \u00b1 0.07 N s."
     )
     assert "30.2 \u00b1 1.2 fm" in wear
-    assert "model error +3 \u00b1 2 fm; 3.3e+07 deployments to 1 micrometres" in wear
+    assert "model error +3 \u00b1 2 fm; 33 million deployments to 1 micrometre," in wear
     assert "the model error of every figure is that seen at the next finer level" in basis
+
+
+@pytest.mark.parametrize(
+    ("number", "words"),
+    [
+        (40.0, "40"),
+        (17_300.0, "17,000"),
+        (999_900.0, "1 million"),
+        (3.31e7, "33 million"),
+        (math.inf, "infinitely many"),
+    ],
+)
+def test_great_numbers_are_told_in_words(number, words):
+    assert counted(number) == words
 
 
 def test_what_too_few_runs_do_not_tell_is_not_told(loads):

@@ -13,6 +13,7 @@ from rich.table import Table
 from solar_env.array import (
     ArrayParameters,
     PanelModel,
+    build,
     check_model,
     read_parameters,
 )
@@ -89,6 +90,10 @@ def run_command(args: Args) -> int:
         check_target(args.json)
     name = args.integrator or default_integrator(model, panels).name
     integrator = make_integrator(name, model, args.step, args.rtol)
+    build(parameters, model, panels=panels)
+    from solar_env.mechanics.running.sampling import sample_times
+
+    sample_times(args.duration, args.output_step)
     from solar_env.array.deployment import panel_deflections, simulate
     from solar_env.commands.warmup import warm_up
 

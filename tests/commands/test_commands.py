@@ -104,13 +104,22 @@ def test_simulate_prints_no_more_digits_than_its_figures_have_and_files_keep_all
         (["--rtol", "-1"], ["rtol", "-1"]),
         (["--duration", "-1"], ["duration", "-1"]),
         (["--duration", "nan"], ["duration", "nan"]),
+        (["--duration", "inf"], ["duration", "inf"]),
+        (["--output-step", "nan"], ["output_step", "nan"]),
+        (["--output-step", "1e-9"], ["output_step", "1e-09", "samples", "choose"]),
+        (["--step", "nan"], ["step", "nan"]),
+        (["--rtol", "nan"], ["rtol", "nan"]),
+        (["--model", "flexible-ideal", "--set", "cable_bearing_forces=true"], ["cable_bearing_forces"]),
         (["--out", "no/such/folder/run.npz"], ["folder", "no/such/folder"]),
         (["--out", "run.xlsx"], ["suffix", ".xlsx", ".csv, .npz"]),
         (["--durration", "1"], ["--durration", "--help"]),
         (["array.toml", "--preset", "paper"], ["array.toml", "--preset", "give one"]),
     ],
 )
-def test_wrong_input_exits_with_2_and_names_the_thing(arguments, words, capsys):
+def test_wrong_input_exits_with_2_and_names_the_thing_before_anything_is_compiled(
+    arguments, words, capsys, monkeypatch
+):
+    monkeypatch.setattr("solar_env.commands.warmup.warm_up", lambda *_: pytest.fail("kernels are loaded"))
     assert main(["simulate", *arguments]) == 2
     message = capsys.readouterr().err
     for word in words:

@@ -74,9 +74,13 @@ def test_it_answers_and_writes_page_data_and_loads_on_the_hub(array, tmp_path, c
         (["--tolerance", "1e-6"], ["no level answers", "peak-force"]),
         (["--wear-limit", "0"], ["wear limit", "positive"]),
         (["--window", "-1"], ["window", "-1"]),
+        (["--window", "nan"], ["window", "nan"]),
+        (["--jobs", "0"], ["jobs", "0"]),
+        (["--cluster", "slurm"], ["cluster", "slurm", "ray"]),
     ],
 )
-def test_wrong_input_is_refused_before_anything_runs(options, words, array, capsys):
+def test_wrong_input_is_refused_before_anything_is_compiled(options, words, array, capsys, monkeypatch):
+    monkeypatch.setattr("solar_env.commands.warmup.warm_up", lambda *_: pytest.fail("kernels are loaded"))
     assert main(["loads", str(array), *options]) == 2
     message = capsys.readouterr().err
     for word in words:

@@ -8,7 +8,7 @@ import tyro
 from rich.console import Console
 from rich.table import Table
 
-from solar_env.array import read_parameters
+from solar_env.array import build, read_parameters
 from solar_env.array.ladder import QUESTIONS
 from solar_env.array.parameters import ArrayParameters
 from solar_env.array.parameters.file import ParameterFile
@@ -60,7 +60,9 @@ def run_command(args: Args) -> int:
     if not args.wear_limit > 0.0:
         raise ValueError(f"wear limit = {args.wear_limit!r} m must be positive")
     array = read_parameters(args.array) if args.array else ParameterFile(ArrayParameters(), {})
-    plan = LoadsPlan(array, args.question, args.tolerance, args.runs, args.window, args.deadline)
+    plan, workers = LoadsPlan(array, args.question, args.tolerance, args.runs, args.window, args.deadline), args.workers
+    for level in plan.levels:
+        build(array.parameters, level.model, panels=level.panels)  # refuses before anything is compiled
     for path, suffixes in ((args.data, SUFFIXES), (args.html, (".html",)), (args.hub, (".csv",))):
         if path is not None:
             check_target(path, suffixes)
@@ -70,7 +72,7 @@ def run_command(args: Args) -> int:
     console = Console(stderr=True, quiet=args.quiet)
     for level in plan.levels:
         warm_up(console, level.model, default_integrator(level.model, level.panels).name)
-    loads = measure_loads(plan, args.out, args.workers, console)
+    loads = measure_loads(plan, args.out, workers, console)
     if args.html or args.data or args.hub:
         nominal = nominal_deployment(plan)
     if args.html:

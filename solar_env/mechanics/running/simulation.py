@@ -24,10 +24,10 @@ from solar_env.mechanics.running.accuracy import AccuracyWatch
 from solar_env.mechanics.running.assembly import assemble, contact_table, energy_flows
 from solar_env.mechanics.running.errors import raise_for_status
 from solar_env.mechanics.running.pace import Pace, tried_steps
+from solar_env.mechanics.running.sampling import sample_times
 from solar_env.mechanics.running.trajectory import Trajectory
 
 _CONTACTS_PER_DRAIN, _PROGRESS_CALLS = 4096, 20
-_MOST_SAMPLES = 10_000_000
 _SMALLEST_ENERGY_SCALE = 1e-9  # J, for a mechanism that starts without energy
 
 
@@ -276,20 +276,15 @@ def simulate(
     Warns:
         SimulationWarning: if the result is less accurate than it looks, see `Simulation.check`.
     """
-    for name, value in (("duration", duration), ("output_step", output_step)):
-        if not 0.0 < value < math.inf:
-            raise ValueError(f"{name} = {value!r} s must be positive and finite")
-    count = duration / output_step
-    too_many = f"output_step = {output_step!r} s makes {count:.3g} samples of {duration!r} s, more than "
-    if count > _MOST_SAMPLES:
-        least = duration / _MOST_SAMPLES
-        raise ValueError(f"{too_many}{_MOST_SAMPLES:,}; choose at least {least:.2g} s, or simulate a shorter time")
+    times = sample_times(duration, output_step)
     simulation = Simulation(mechanism, integrator)
-    times = np.append(np.arange(math.ceil(count - 1e-9)) * output_step, duration)
     try:
         recorder = make_recorder(simulation.model, simulation.state, times, _CONTACTS_PER_DRAIN)
     except MemoryError as error:
-        raise ValueError(f"{too_many}this machine has memory for; choose a longer one") from error
+        raise ValueError(
+            f"output_step = {output_step!r} s makes {duration / output_step:.3g} samples of {duration!r} s, more than "
+            "this machine has memory for; choose a longer one"
+        ) from error
     contacts: list[NDArray[np.float64]] = []
     start = time.perf_counter()
     status, left = m.PAUSED, simulation.integrator.max_steps

@@ -282,8 +282,8 @@ def simulate(
         recorder = make_recorder(simulation.model, simulation.state, times, _CONTACTS_PER_DRAIN)
     except MemoryError as error:
         raise ValueError(
-            f"output_step = {output_step!r} s makes {times.size:.3g} samples of {duration!r} s, more than this machine "
-            "has memory for; choose a longer one"
+            f"output_step = {output_step!r} s makes {duration / output_step:.3g} samples of {duration!r} s, more than "
+            "this machine has memory for; choose a longer one"
         ) from error
     contacts: list[NDArray[np.float64]] = []
     start = time.perf_counter()

@@ -71,8 +71,9 @@ def run_command(args: Args) -> int:
     from solar_env.commands.warmup import warm_up
 
     console = Console(stderr=True, quiet=args.quiet)
-    for level in plan.levels:
-        warm_up(console, level.model, default_integrator(level.model, level.panels).name)
+    kernels = [(level.model, default_integrator(level.model, level.panels).name) for level in plan.levels]
+    for model, method in dict.fromkeys(kernels):
+        warm_up(console, model, method)
     loads = measure_loads(plan, args.out, workers, console)
     if args.html or args.data or args.hub:
         nominal = nominal_deployment(plan)

@@ -194,3 +194,8 @@ def page_data(text):
     """The numbers in a page of HTML."""
     packed = re.search(r'<script type="text/plain" id="data">(.*?)</script>', text)[1]
     return json.loads(gzip.decompress(base64.b64decode(packed)))
+
+
+def numbers(text: str) -> set[str]:
+    """The numbers of a text as they are written, whatever stands between them."""
+    return {number.rstrip(".,") for number in re.findall(r"-?\d[\d.,]*", text)}

@@ -17,7 +17,7 @@ def kernels_are_compiled(integrator: str) -> bool:
 
 
 def compilation_note(integrators: Iterable[str]) -> str:
-    """What to add to the name of what needs the kernels of some integrators: that they are compiled first, or ""."""
+    """A remark that the kernels of some integrators are compiled first; empty if all are compiled already."""
     return "" if all(map(kernels_are_compiled, integrators)) else " (compiles kernels first: minutes, this time alone)"
 
 

@@ -81,9 +81,10 @@ PICTURES = {
 def run_command(args: Args) -> int:
     """Draw every picture."""
     paths = {place if args.out is None else args.out / place.name: draw for place, draw in PICTURES.items()}
+    for path in paths:
+        make_folder(path.parent)
     with counting_bar(Console(stderr=True, quiet=args.quiet)) as bar:
         for path, draw in bar.track(paths.items(), description="pictures"):
-            make_folder(path.parent)
             draw(path)
     print(*paths, sep="\n")
     return 0

@@ -1,11 +1,11 @@
 """The benchmark measures what it says, and its tables hold all of it."""
 
-import re
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from helpers import numbers
 
 from solar_env.__main__ import main
 from solar_env.studies.throughput import step_rates
@@ -167,7 +167,7 @@ def test_the_command_prints_and_writes_its_tables(brief, monkeypatch, tmp_path: 
     monkeypatch.setattr(step_rates, "measure_peers", lambda model: {"SyncVectorEnv": 2.0, "SubprocVecEnv": 3.0})
     assert main(["bench", "--models", MODEL, "--quick", "--out", str(tmp_path)]) == 0
     printed = capsys.readouterr().out
-    assert set(re.findall(r"\d[\d.,]*", (tmp_path / "bench.md").read_text())) <= set(re.findall(r"\d[\d.,]*", printed))
+    assert numbers((tmp_path / "bench.md").read_text()) <= numbers(printed)
     assert MODEL in printed
 
 

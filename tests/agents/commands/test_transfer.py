@@ -1,10 +1,10 @@
 """The transfer matrix judges what every level trained on all levels, and does not train twice."""
 
 import json
-import re
 from dataclasses import asdict
 
 import pytest
+from helpers import numbers
 
 from agents.commands import transfer
 from agents.comparison.controllers import parse_controllers
@@ -64,9 +64,7 @@ def test_every_level_is_judged_on_all_levels_beside_passive_and_servo(tmp_path, 
         assert trained.items() >= keywords.items()
         law = configurations.stored_configuration(tmp_path / f"{level.replace(' ', '-')}-0").residual
         assert law["parameters"] == asdict(load_parameters("servo", DEFAULT_ENV_ID, "flexible-clearance"))
-    assert set(re.findall(r"-?\d[\d.]+", (tmp_path / "transfer.md").read_text())) <= set(
-        re.findall(r"-?\d[\d.]+", printed)
-    )
+    assert numbers((tmp_path / "transfer.md").read_text()) <= numbers(printed)
     assert (tmp_path / "transfer.png").stat().st_size > 0
 
     def refuse(*arguments):

@@ -9,14 +9,13 @@ import onnxruntime
 import pytest
 from trained import QUICK, TRAINED, random_observations
 
-from agents.commands import export
 from agents.environments import make_env
 from agents.laws import baselines
 from agents.laws.baselines import make_baseline
 from agents.laws.servo import ServoParameters
 from agents.learning import runs
 from agents.learning.features import LIMIT, whole_motion
-from agents.policies import shipped
+from agents.policies import onnx_form, shipped
 from agents.policies.shipped import Layer, PolicyNetwork, load_shipped
 from agents.rollout import run_episode
 
@@ -60,7 +59,7 @@ def test_features_are_clipped_and_gated_and_not_activated():
     )
     expected = np.array([[-0.75], [-0.3], [0.3], [0.75], [0.375], [0.0]])
     np.testing.assert_allclose(network.predict(observations)[0], expected, atol=1e-6)
-    session = onnxruntime.InferenceSession(export.onnx_model(network).SerializeToString())
+    session = onnxruntime.InferenceSession(onnx_form.onnx_model(network).SerializeToString())
     np.testing.assert_allclose(session.run(None, {"observation": observations})[0], expected, atol=1e-6)
 
 

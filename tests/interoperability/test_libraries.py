@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import solar_env  # noqa: F401 (registers the environments)
-from agents.environments import make_env
+from agents.environments import completed, make_env
 from agents.policies.shipped import load_shipped
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -66,7 +66,7 @@ def test_minari_collects_episodes_of_a_shipped_policy(tmp_path, monkeypatch):
     minari = pytest.importorskip("minari")
     monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))
     policy = load_shipped("cma-es-nominal")
-    keywords = {**policy.description.env_kwargs, "model": "rigid-ideal"}
+    keywords = completed({"model": "rigid-ideal"}, policy.description.env_kwargs)
     env = minari.DataCollector(make_env("solar_env/Deploy-v1", keywords))
     policy.check(env)
     observation, _ = env.reset(seed=0)

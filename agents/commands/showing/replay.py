@@ -8,6 +8,7 @@ from typing import Any
 from rich.console import Console
 
 from agents.commands.arguments import CommandRecord, ShowingOptions
+from agents.comparison.report import TABLE
 from agents.rollout import run_episode
 from solar_env.array import ArrayParameters
 from solar_env.environment.showing.recording import RecordTrajectory
@@ -20,14 +21,14 @@ from solar_env.support.progress import counting_bar
 from solar_env.support.versions import versions
 
 TABLES = "comparison.md"  # of a run's evaluation
-# Figure of an episode -> in words, with its unit, and the factor to that.
+# Figure of an episode -> in words, with the unit in which comparisons tell it.
 SHOWN = {
-    "return": ("return", 1.0),
-    "latch_times_s": ("all latched after [s]", 1.0),
-    "peak_postlock_force_N": ("peak force after latching [N]", 1.0),
-    "postlock_impulse_Ns": ("impulse after latching [N s]", 1.0),
-    "postlock_sliding_work_J": ("sliding work after latching [mJ]", 1e3),
-    "wear_depth_max_m": ("deepest wear [fm, 1e-15 m]", 1e15),
+    "return": "return",
+    "latch_times_s": "all latched after [s]",
+    "peak_postlock_force_N": "peak force after latching [N]",
+    "postlock_impulse_Ns": "impulse after latching [N s]",
+    "postlock_sliding_work_J": "sliding work after latching [mJ]",
+    "wear_depth_max_m": "deepest wear [fm, 1e-15 m]",
 }
 
 
@@ -76,9 +77,9 @@ def replay_page(
         f"{figures[best]['return']:.3g}.",
         "One episode, the same for all: impacts are chaotic, so compare many with solar-env evaluate.",
     ]
-    shown = {name: how for name, how in SHOWN.items() if all(name in own for own in figures.values())}
+    shown = {name: words for name, words in SHOWN.items() if all(name in own for own in figures.values())}
     rows = [
-        [words, *(f"{factor * own[name]:.4g}" for own in figures.values())] for name, (words, factor) in shown.items()
+        [words, *(f"{TABLE[name][1] * own[name]:.4g}" for own in figures.values())] for name, words in shown.items()
     ]
     terms = [name for name in next(iter(figures.values())) if name.startswith("reward_")]
     rows += [[name.replace("_", " "), *(f"{own[name]:.3g}" for own in figures.values())] for name in terms]

@@ -10,10 +10,14 @@ import gymnasium
 
 from agents.environments import INTERFACE
 from agents.laws.baselines import episodes_spent, make_baseline
+from agents.laws.receding_horizon import RecedingHorizon
 from agents.laws.table import LAWS, TUNABLE
 from agents.learning import runs
 from agents.policies import shipped
 from agents.torque_laws import Controller
+
+SEARCH_AROUND = "receding-horizon:"
+"""What the spec of a search with foresight begins with, before the controller that it begins at."""
 
 
 @dataclass(frozen=True)
@@ -22,7 +26,7 @@ class NamedController(ABC):
 
     Attributes:
         name: Name in tables and figures.
-        spec: Name in `agents.laws.table.LAWS`, shipped policy, or run folder.
+        spec: Name in `agents.laws.table.LAWS`, shipped policy, or run folder; or one of these after `SEARCH_AROUND`.
 
     Raises:
         FileNotFoundError: By the methods, where there is no such run or it has no policy.
@@ -75,6 +79,33 @@ class _Law(NamedController):
 
     def effort(self, env_id: str, model: str) -> str | None:
         return f"{episodes_spent(self.spec, env_id, model):,} episodes" if self.spec in TUNABLE else None
+
+
+class _Search(NamedController):
+    """A search with foresight around another controller, `receding-horizon:OTHER`."""
+
+    @property
+    def base(self) -> NamedController:
+        return parse_controller(self.spec.removeprefix(SEARCH_AROUND))
+
+    def load(self, env: gymnasium.Env) -> Controller:
+        return RecedingHorizon(env, self.base.load(env))
+
+    def files(self) -> list[Path]:
+        return self.base.files()
+
+    def check(self) -> None:
+        self.base.check()
+
+    def training(self) -> Mapping[str, Any]:
+        return self.base.training()
+
+    def effort(self, env_id: str, model: str) -> str | None:
+        return self.base.effort(env_id, model)
+
+    @property
+    def resolved(self) -> str:
+        return SEARCH_AROUND + self.base.resolved
 
 
 class _ShippedPolicy(NamedController):
@@ -136,10 +167,17 @@ def parse_controller(text: str) -> NamedController:
     """Read `NAME=SPEC`, or SPEC alone: a law or policy then names itself, a run folder has its last component as name.
 
     A folder that exists is one, whatever characters are in its name.
+
+    Raises:
+        ValueError: A search is to begin at another search.
     """
     name, separator, spec = text.partition("=")
     if not separator or Path(text).is_dir():
         name, spec = Path(text).name or Path(text).resolve().name, text
+    if spec.startswith(SEARCH_AROUND):
+        if isinstance(parse_controller(spec.removeprefix(SEARCH_AROUND)), _Search) or spec.endswith("receding-horizon"):
+            raise ValueError(f"{spec!r} is a search around a search; name a law, a shipped policy or a run folder")
+        return _Search(name if separator else text, spec)
     kind = _Law if spec in LAWS else _ShippedPolicy if spec in shipped.available() else _Run
     return kind(name, spec)
 

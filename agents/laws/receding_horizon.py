@@ -17,13 +17,13 @@ class SearchSettings:
     """Settings of the search of `RecedingHorizon`.
 
     Attributes:
-        knots: Number of values of the residual torque, at equal distances from now to the deadline.
+        knots: Number of values of the residual action, at equal distances from now to the deadline.
         candidates: Number of rollouts of an iteration.
         elites: Number of the best of them, to which the next iteration's distribution is fitted.
         iterations: Number of iterations of the cross-entropy method at every replanning.
         replan_every: Control periods from one replanning to the next.
-        initial_deviation: Standard deviation of the knots in the first iteration [N m].
-        least_deviation: Bound below which it does not shrink [N m].
+        initial_deviation: Standard deviation of the knots in the first iteration, in units of the action.
+        least_deviation: Bound below which it does not shrink.
 
     Raises:
         ValueError: On construction, for a value out of range.
@@ -34,8 +34,8 @@ class SearchSettings:
     elites: int = 6
     iterations: int = 2
     replan_every: int = 20
-    initial_deviation: float = 0.02
-    least_deviation: float = 0.002
+    initial_deviation: float = 0.04
+    least_deviation: float = 0.004
 
     def __post_init__(self) -> None:
         for name, least in (("knots", 2), ("elites", 2), ("candidates", 3), ("iterations", 1), ("replan_every", 1)):
@@ -53,34 +53,35 @@ class SearchSettings:
 
 @dataclass(frozen=True)
 class PredictedEpisode:
-    """Torques to the end of an episode, and what they are predicted to earn."""
+    """Actions to the end of an episode, and what they are predicted to earn."""
 
     start: int  # control period in which it begins
     actions: np.ndarray  # (periods,) float32, from `start` to the end of the episode
     rewards: np.ndarray  # (periods,) of these actions
     knot_times: np.ndarray  # (knots,) of the residual's values [s]
-    residual: np.ndarray  # (knots,) torque on top of that of the base law [N m]
+    residual: np.ndarray  # (knots,) action on top of that of the base
     predicted_return: float  # sum of the rewards; -inf where there is no plan yet
 
 
 class RecedingHorizon(DeterministicController):
-    """Torques found by search over rollouts of the simulator from its present state.
+    """Actions found by search over rollouts of the simulator from its present state.
 
     Its return can be reached by a controller with foresight; it is no upper bound of the return.
 
-    Candidates are torques linear over time on top of those of a base law, to the end of the episode, for the cost comes
-    with latching and after it. They are searched by the cross-entropy method (R. Y. Rubinstein, Methodol. Comput. Appl.
-    Probab. 1 (1999) 127-190, doi:10.1023/A:1010091220143), anew every `replan_every` periods, around the last plan. The
-    rollouts start from the exact state, with the true parameters, the true motor, and perfect sensors for the base law.
+    Candidates are actions linear over time on top of those of a base, a law or a policy, to the end of the episode, for
+    the cost comes with latching and after it. They are searched by the cross-entropy method (R. Y. Rubinstein,
+    Methodol. Comput. Appl. Probab. 1 (1999) 127-190, doi:10.1023/A:1010091220143), anew every `replan_every` periods,
+    around the last plan. The rollouts start from the exact state, with the true parameters, the true motor, and perfect
+    sensors for the base.
 
-    The torques of the best rollout are applied: the simulator is deterministic, so that its return is reached whatever
+    The actions of the best rollout are applied: the simulator is deterministic, so that its return is reached whatever
     the sensors show. A plan is replaced only by a better one: the predicted return never falls, and is never below that
-    of the base law with perfect sensors.
+    of the base with perfect sensors.
 
     Args:
         env: Environment of this project, not a vector; `act` must be asked in every period of its episodes, and
             the answers be taken as they are.
-        base: Controller without a memory that reads entries of the observation "drive".
+        base: Controller without a memory that reads no entries of earlier periods.
         settings: Settings of the search.
         seed: Seed of the search, used anew in every episode.
 
@@ -148,13 +149,13 @@ class RecedingHorizon(DeterministicController):
         self.predicted_returns.append(self._plan.predicted_return)
 
     def _roll_out(self, knot_times: np.ndarray, residuals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Actions, float32, and rewards (n, periods) from now to the end, under residuals (n, knots) [N m].
+        """Actions, float32, and rewards (n, periods) from now to the end, under residuals (n, knots).
 
         After the end of an episode that is shorter than others there are zeros.
         """
         task, count = self._env.task, len(residuals)
         times = np.arange(knot_times[0], task.deadline + task.postlock_window, task.control_period)
-        offsets = np.array([np.interp(times, knot_times, row) for row in residuals]) / task.torque_limit
+        offsets = np.array([np.interp(times, knot_times, row) for row in residuals])
         actions, rewards = np.zeros(offsets.shape, dtype=np.float32), np.zeros(offsets.shape)
         lanes, k = np.arange(count), 0
         with closing(self._env.futures(count)) as futures:

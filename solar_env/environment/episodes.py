@@ -162,7 +162,8 @@ class Episodes:
         return late[generator.integers(len(late))] if late else self._approaches[-1][1]
 
     def _run_approaches(self, starts: Starts) -> list[tuple[float, SavedEpisode]]:
-        settings = replace(self.settings.with_exact_observations(), action="rate", starts=None, render_mode=None)
+        exact = replace(self.settings.with_exact_observations(), observation="drive")
+        settings = replace(exact, action="rate", starts=None, render_mode=None)
         designs = (self.designs * starts.count)[: starts.count]
         return run_approaches(type(self)(settings, designs, self._threads), starts)
 
@@ -261,8 +262,8 @@ class Episodes:
         """Copies of the present episode of a lane, which go on without touching it.
 
         Each has the original's whole state, mid-contact included, its parameters, its charges so far and its motor, and
-        goes on to the same bits under the same actions. They observe the entries of "drive" with perfect sensors: no
-        random number is drawn.
+        goes on to the same bits under the same actions. They observe with perfect sensors, and no entries of earlier
+        periods: no random number is drawn.
 
         Args:
             lane: of the original.
@@ -283,6 +284,7 @@ class Episodes:
         copies.terminated[:], copies._charged[:] = self.terminated[lane], self._charged[lane]
         copies._loop_torques[:] = self._loop_torques[lane]
         copies._observe(np.arange(count))
+        copies._sensors.measure(np.arange(count))
         return copies
 
     def info(self, lane: int) -> dict[str, Any]:

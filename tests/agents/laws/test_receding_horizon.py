@@ -185,6 +185,49 @@ def test_it_is_a_controller_on_the_tuned_servo_but_no_baseline_that_others_are_m
     assert controller._base.parameters == make_baseline("servo", env).parameters
 
 
+def test_around_a_shipped_policy_it_commands_rates_and_is_no_worse_than_the_policy():
+    around = parse_controller("receding-horizon:cma-es-rigid")
+    assert around.name == "receding-horizon:cma-es-rigid"
+    assert around.interface()["action"] == "rate"
+    env = make_env(DEFAULT_ENV_ID, around.interface())
+    policy = parse_controller("cma-es-rigid").load(env)
+    settings = SearchSettings(candidates=4, elites=2, iterations=1, replan_every=100)
+    realised, _, predicted = played(env, RecedingHorizon(env, policy, settings))
+    assert realised == pytest.approx(predicted[-1], rel=1e-12)
+    assert realised >= run_episode(env, policy, 0)["return"]
+
+
+def test_around_another_controller_it_has_a_name_of_its_own_files_and_effort():
+    policy, around = parse_controller("cma-es-rigid"), parse_controller("bound=receding-horizon:cma-es-rigid")
+    assert around.name == "bound"
+    assert around.files() == policy.files()
+    assert around.effort(DEFAULT_ENV_ID, "rigid-clearance") == policy.effort(DEFAULT_ENV_ID, "rigid-clearance")
+    assert parse_controller("receding-horizon:runs/seed-0").name == "receding-horizon:runs/seed-0"
+
+
+@pytest.mark.parametrize("base", ["receding-horizon", "receding-horizon:servo"])
+def test_a_search_around_a_search_is_refused(base):
+    with pytest.raises(ValueError, match="is a search around a search; name a law"):
+        parse_controller(f"receding-horizon:{base}")
+
+
+def test_with_perfect_sensors_futures_observe_features_as_the_environment_does():
+    env = make(observation="pace")
+    observation = brought_into_contact(env)
+    np.testing.assert_array_equal(env.unwrapped.futures(1).observations[0], observation)
+
+
+def test_futures_observe_what_the_environment_does_but_for_the_past():
+    env = make(observation=["theta", ("rate_1_ago", "approach_rate"), "time_to_deadline"])
+    env.reset(seed=0)
+    assert env.unwrapped.futures(1).settings.observation_names == (
+        "theta_1", "theta_2", "approach_rate", "time_to_deadline",
+    )  # fmt: skip
+    env = make(observation=["theta_1_ago"])
+    env.reset(seed=0)
+    assert "motor_torque" in env.unwrapped.futures(1).settings.observation_names
+
+
 @pytest.mark.parametrize(
     ("name", "value"),
     [

@@ -33,9 +33,9 @@ class SearchSettings:
     candidates: int = 24
     elites: int = 6
     iterations: int = 2
-    replan_every: int = 20
-    initial_deviation: float = 0.04
-    least_deviation: float = 0.004
+    replan_every: int = 40
+    initial_deviation: float = 0.01
+    least_deviation: float = 0.001
 
     def __post_init__(self) -> None:
         for name, least in (("knots", 2), ("elites", 2), ("candidates", 3), ("iterations", 1), ("replan_every", 1)):

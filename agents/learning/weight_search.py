@@ -18,33 +18,32 @@ from stable_baselines3.common.callbacks import BaseCallback
 
 
 def all_weights(first: float | Sequence[float], entries: int) -> np.ndarray:
-    """The weights (entries,) that a linear policy begins with: the first one given, the others zero, or all given.
+    """The weights (entries,) that a linear policy begins with: the first ones as given, the others zero.
 
     Raises:
-        ValueError: There are not as many as entries.
+        ValueError: There are more than entries.
     """
-    given = np.asarray(first, dtype=float)
-    if given.ndim == 0:
-        return np.eye(1, entries)[0] * given
-    if given.shape != (entries,):
+    given = np.atleast_1d(np.asarray(first, dtype=float))
+    if given.ndim > 1 or given.size > entries:
         raise ValueError(
-            f"first_weights has {given.size} numbers, but a policy here has {entries}; give as many, or one"
+            f"first_weights has {given.size} numbers, but a policy here has {entries}; give as many, or fewer"
         )
-    return given
+    return np.pad(given, (0, entries - given.size))
 
 
 class WeightSearch(ARS):
     """ARS of sb3-contrib that evaluates as many candidates at once as there are environments.
 
-    The policy is linear without a bias, `clip(weights observation, -1, 1)`. By default it begins with one weight, which
-    is of the first entry of the observation: in the observations "landing" and "pace" it is 1 until the last latch.
+    The policy is linear without a bias, `clip(weights observation, -1, 1)`. It begins with weights of the first entries
+    of the observation: the first one of "landing" and "pace" is 1 until the last latch, the first two of "stages" are
+    the shares of the way there and of the landing.
 
     Args:
         policy, env, n_delta, n_top, learning_rate, delta_std, seed, device: See `sb3_contrib.ARS`.
-        first_weights: Weight of the first entry at the beginning, all others being zero; or those of all entries.
+        first_weights: Weights of the first entries at the beginning, one or more, all others being zero.
 
     Raises:
-        ValueError: on construction, if there are not as many weights as entries.
+        ValueError: on construction, if there are more weights than entries.
     """
 
     def __init__(

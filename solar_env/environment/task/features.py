@@ -12,6 +12,8 @@ DISTANCE = 2e-4  # below which a distance to the lock, in units of the lock angl
 RATE = 3e-4  # the same of an opening rate [1/s]; 5e-4 rad/s of the root hinge
 PLACES = (0.0, 0.01, 0.05, 0.2, 0.5, 0.8, 0.93, 0.98, 0.995, 1.0)
 """Mean openings between which a linear function of `approach_place_1` and the others is linear, piece by piece."""
+FAR, NEAR = 0.3, 0.1
+"""Mean distances to the lock, in units of the lock angle, from which the approach is far and up to which it is near."""
 MEASURED = ("theta", "rate", "latched", "time_to_deadline")
 """Observables that features are made of."""
 
@@ -48,6 +50,16 @@ class Shown:
     def approach(self) -> Values:
         """(lanes, 1) 1 until all joints have latched, then 0."""
         return 1.0 - np.all(self._latched > 0.5, axis=1, keepdims=True)
+
+    @cached_property
+    def near(self) -> Values:
+        """(lanes, 1) 0 up to 0.7 of the opening, from 0.9 on 1, linear between, and 0 after the last latch."""
+        return self.approach * np.clip((FAR - self.distance) / (FAR - NEAR), 0.0, 1.0)
+
+    @property
+    def far(self) -> Values:
+        """(lanes, 1) the rest of the approach: 1 minus `near` until the last latch, then 0."""
+        return self.approach - self.near
 
     @cached_property
     def distance(self) -> Values:
@@ -119,6 +131,8 @@ def feature(name: str) -> Feature:
 # Words of the formulas, and what they mean.
 FORMULA_WORDS = {
     "approach": "1 until all joints have latched, then 0",
+    "near": "approach * max(0, min(1, (0.3 - d) / 0.2))",
+    "far": "approach - near",
     "d_j": "1 - (angle of joint j) / (its lock angle), as measured",
     "r_j": "(rate of joint j) / (its lock angle), as measured [1/s]",
     "d, r": "means of d_j and r_j over the joints",
@@ -140,49 +154,85 @@ def _place_formula(place: int) -> str:
     return f"approach * max(0, min(1, {', '.join(sides)}))"
 
 
+class Quantity(NamedTuple):
+    """What a feature of the approach shows, before its share of the approach: see `Feature`."""
+
+    name: str
+    meaning: str
+    unit: str
+    low: float
+    high: float
+    of: Callable[[Shown], Values]
+    formula: str
+
+
+_QUANTITIES = (
+    Quantity("", "1", "0 or 1", 0, 1, lambda s: np.ones_like(s.distance), "1"),
+    Quantity(
+        "opening", "twice the mean opening less 0.8", "lock angle", -4, 4,
+        lambda s: 2.0 * (0.2 - s.distance),
+        "2 * (0.2 - d)",
+    ),
+    Quantity(
+        "distance", "mean distance to the lock, logarithmic", "-", -8, 8,
+        lambda s: (signed_logarithm(s.distance, DISTANCE) - 4.0) / 2.0,
+        "(L(d, 2e-4) - 4) / 2",
+    ),
+    Quantity(
+        "rate", "mean opening rate, logarithmic", "-", -16, 8,
+        lambda s: signed_logarithm(s.opening_rate, RATE) - 5.0,
+        "(L(r, 3e-4) - 5)",
+    ),
+    Quantity(
+        "lead", "opening of joint 1 beyond the others, logarithmic", "-", -8, 8,
+        lambda s: signed_logarithm(-ahead(s.distances), DISTANCE) / 2.0,
+        "L(-ahead_d, 2e-4) / 2",
+    ),
+    Quantity(
+        "lead_rate", "opening rate of joint 1 beyond the others, logarithmic", "-", -8, 8,
+        lambda s: signed_logarithm(ahead(s.rates), RATE) / 3.0,
+        "L(ahead_r, 3e-4) / 3",
+    ),
+    Quantity(
+        "time", "twice the time left less 0.3", "deadline", -2, 2,
+        lambda s: 2.0 * (s.time_to_deadline - 0.3),
+        "2 * (left / deadline - 0.3)",
+    ),
+    Quantity(
+        "deceleration", "rate squared over twice the distance, logarithmic", "-", -8, 8,
+        lambda s: (signed_logarithm(s.deceleration, 1e-4) - 4.0) / 2.0,
+        "(L(max(r, 0) * max(r, 0) / (2 * max(d, 2e-4)), 1e-4) - 4) / 2",
+    ),
+    Quantity(
+        "time_needed", "time still needed at this rate over the time left, logarithmic", "-", -8, 8,
+        lambda s: np.log(np.maximum(s.time_needed, 1e-3)),
+        "ln(max(max(d, 0) / (max(r, 3e-4) * max(left, 0.1)), 1e-3))",
+    ),
+)  # fmt: skip
+
 _UNTIL, _AFTER = "until the last latch, then 0", "after the last latch, before it 0"
+# Shares of the approach: of all of it, of the way there, and of the landing.
+_SHARES: dict[str, tuple[Callable[[Shown], Values], str]] = {
+    "approach": (lambda s: s.approach, _UNTIL),
+    "far": (lambda s: s.far, "up to 0.7 of the opening, fading out to 0.9, then 0"),
+    "near": (lambda s: s.near, "from 0.9 of the opening to the last latch, fading in from 0.7, else 0"),
+}
+
+
+def _shared(share: str, quantity: Quantity) -> Feature:
+    """The feature that is a share of the approach times a quantity."""
+    of_share, while_ = _SHARES[share]
+    return Feature(
+        f"{share}_{quantity.name}".removesuffix("_"),
+        f"{quantity.meaning} {while_}" if not quantity.name else f"{quantity.meaning}, {while_}",
+        quantity.unit, quantity.low, quantity.high,
+        lambda s: of_share(s) * quantity.of(s),
+        f"{share} * {quantity.formula}" if quantity.name else share,
+    )  # fmt: skip
+
+
 FEATURES: tuple[Feature, ...] = (
-    Feature("approach", f"1 {_UNTIL}", "0 or 1", 0, 1, lambda s: s.approach, "approach"),
-    Feature(
-        "approach_opening", f"twice the mean opening less 0.8, {_UNTIL}", "lock angle", -4, 4,
-        lambda s: s.approach * 2.0 * (0.2 - s.distance),
-        "approach * 2 * (0.2 - d)",
-    ),
-    Feature(
-        "approach_distance", f"mean distance to the lock, logarithmic, {_UNTIL}", "-", -8, 8,
-        lambda s: s.approach * (signed_logarithm(s.distance, DISTANCE) - 4.0) / 2.0,
-        "approach * (L(d, 2e-4) - 4) / 2",
-    ),
-    Feature(
-        "approach_rate", f"mean opening rate, logarithmic, {_UNTIL}", "-", -16, 8,
-        lambda s: s.approach * (signed_logarithm(s.opening_rate, RATE) - 5.0),
-        "approach * (L(r, 3e-4) - 5)",
-    ),
-    Feature(
-        "approach_lead", f"opening of joint 1 beyond the others, logarithmic, {_UNTIL}", "-", -8, 8,
-        lambda s: s.approach * signed_logarithm(-ahead(s.distances), DISTANCE) / 2.0,
-        "approach * L(-ahead_d, 2e-4) / 2",
-    ),
-    Feature(
-        "approach_lead_rate", f"opening rate of joint 1 beyond the others, logarithmic, {_UNTIL}", "-", -8, 8,
-        lambda s: s.approach * signed_logarithm(ahead(s.rates), RATE) / 3.0,
-        "approach * L(ahead_r, 3e-4) / 3",
-    ),
-    Feature(
-        "approach_time", f"twice the time left less 0.3, {_UNTIL}", "deadline", -2, 2,
-        lambda s: s.approach * 2.0 * (s.time_to_deadline - 0.3),
-        "approach * 2 * (left / deadline - 0.3)",
-    ),
-    Feature(
-        "approach_deceleration", f"rate squared over twice the distance, logarithmic, {_UNTIL}", "-", -8, 8,
-        lambda s: s.approach * (signed_logarithm(s.deceleration, 1e-4) - 4.0) / 2.0,
-        "approach * (L(max(r, 0) * max(r, 0) / (2 * max(d, 2e-4)), 1e-4) - 4) / 2",
-    ),
-    Feature(
-        "approach_time_needed", f"time still needed at this rate over the time left, logarithmic, {_UNTIL}", "-", -8, 8,
-        lambda s: s.approach * np.log(np.maximum(s.time_needed, 1e-3)),
-        "approach * ln(max(max(d, 0) / (max(r, 3e-4) * max(left, 0.1)), 1e-3))",
-    ),
+    *(_shared(share, quantity) for share in _SHARES for quantity in _QUANTITIES),
     *(
         Feature(
             f"approach_place_{place + 1}",

@@ -108,6 +108,21 @@ OBSERVATIONS: dict[str, Names] = {
         "settling_rate",
         "settling_distance",
     ),
+    "stages": (
+        "far",
+        "near",
+        "far_opening",
+        "far_time_needed",
+        "far_rate",
+        "near_distance",
+        "near_rate",
+        "near_deceleration",
+        "near_lead",
+        "near_lead_rate",
+        "near_time_needed",
+        "settling_rate",
+        "settling_distance",
+    ),
     "privileged": (*_DRIVE, ("eccentricity_x", "eccentricity_y", "in_contact"), "main_body_spin"),
 }
 

@@ -62,6 +62,8 @@ def test_the_formula_that_a_feature_is_described_by_is_what_it_computes(row, lat
         seen = shown(theta, rate, latched, left, [row.name])
         d, r = 1.0 - theta, rate / LOCK_ANGLES
         words = {"approach": 1.0 - all(latched), "d": d.mean(), "r": r.mean(), "left": 20.0 * left, "deadline": 20.0}
+        words["near"] = words["approach"] * min(max((0.3 - d.mean()) / 0.2, 0.0), 1.0)
+        words["far"] = words["approach"] - words["near"]
         words |= {
             "ahead_d": d[0] - d[1],
             "ahead_r": r[0] - r[1],
@@ -73,6 +75,16 @@ def test_the_formula_that_a_feature_is_described_by_is_what_it_computes(row, lat
         for joint, value in enumerate(seen.values()):
             expected = eval(row.formula, words | {"d_j": d[joint], "r_j": r[joint]})
             assert value == pytest.approx(min(max(expected, row.low), row.high), abs=1e-4)
+
+
+@pytest.mark.parametrize(("opening", "near"), [(0.0, 0.0), (0.7, 0.0), (0.75, 0.25), (0.9, 1.0), (1.001, 1.0)])
+def test_features_of_the_way_there_fade_out_as_those_of_the_landing_fade_in(opening, near):
+    seen = shown((opening, opening), (0.1, 0.2), (0, 0), 0.4)
+    assert (seen["far"], seen["near"]) == pytest.approx((1.0 - near, near), abs=1e-6)
+    for quantity in ("opening", "distance", "rate", "lead", "lead_rate", "time", "deceleration", "time_needed"):
+        whole = seen[f"approach_{quantity}"]
+        assert seen[f"far_{quantity}"] == pytest.approx((1.0 - near) * whole, abs=1e-5)
+        assert seen[f"near_{quantity}"] == pytest.approx(near * whole, abs=1e-5)
 
 
 @pytest.mark.parametrize("opening", [0.0, 0.003, 0.35, 0.9, 0.997, 1.0])
@@ -88,7 +100,7 @@ def test_after_the_last_latch_the_features_are_those_of_each_joint():
     for k, (distance, rate) in enumerate([(-0.002, -0.003 / LOCK_ANGLES[0]), (0.001, 0.01 / LOCK_ANGLES[1])], start=1):
         assert seen[f"settling_distance_{k}"] == pytest.approx(logarithm(distance, 2e-4) / 3.0, abs=1e-3)
         assert seen[f"settling_rate_{k}"] == pytest.approx(logarithm(rate, 3e-4) / 4.0, abs=1e-5)
-    assert all(value == 0.0 for name, value in seen.items() if name.startswith("approach"))
+    assert all(value == 0.0 for name, value in seen.items() if name.startswith(("approach", "far", "near")))
     assert shown((1.0, 0.9), (0.0, 0.1), (1, 0), 0.1)["approach"] == 1.0, "one joint is still open"
 
 

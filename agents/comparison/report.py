@@ -21,6 +21,7 @@ from solar_env.support.versions import versions
 TABLE: dict[str, tuple[str, float]] = {
     "return": ("return", 1.0),
     "peak_postlock_force_N": ("peak post-lock force [N]", 1.0),
+    "peak_prelatch_force_N": ("peak force before latching [N]", 1.0),
     "sliding_work_J": ("sliding work [mJ]", 1e3),
     "postlock_impulse_Ns": ("post-lock impulse [N s]", 1.0),
     "postlock_sliding_work_J": ("post-lock sliding work [mJ]", 1e3),

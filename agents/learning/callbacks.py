@@ -18,6 +18,7 @@ from solar_env.support.files import write_bytes
 LOGGED = (
     "latched",
     "latch_times_s",
+    "peak_prelatch_force_N",
     "peak_postlock_force_N",
     "postlock_impulse_Ns",
     "sliding_work_J",

@@ -60,6 +60,8 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
       setpoint of `action="rate"`: rates, the lead of joint 1, places on the way, and distances after the last latch.
     * "pace" has fewer of them, and among these the time that the rest of the opening needs at the present rate, by
       which a linear function arrives in time whatever else it does.
+    * "stages" has such features apart for the way there (`far_...`) and for the landing (`near_...`), so that a change
+      of one leaves the other as it is.
     * "privileged" extends "drive" by what only a simulator knows, for analysis and bounds: `eccentricity_x_i`,
       `eccentricity_y_i` (inertial axes) and `in_contact_i` joint by joint, and `main_body_spin`.
 
@@ -101,9 +103,9 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     ## Information
 
     Every step: `time_s` and `reward_terms`. The last step also: `deployment`, the physical figures of the episode
-    (`latched`, `latch_times_s`, `peak_postlock_force_N`, `sliding_work_J`, `postlock_impulse_Ns`,
-    `postlock_sliding_work_J`, `wear_depth_max_m`, `contact_starts`, each a list by joint but the first, `motor_work_J`,
-    `energy_residual_J`, `duration_s`).
+    (`latched`, `latch_times_s`, `peak_prelatch_force_N`, `peak_postlock_force_N`, `sliding_work_J`,
+    `postlock_impulse_Ns`, `postlock_sliding_work_J`, `wear_depth_max_m`, `contact_starts`, each a list by joint but the
+    first, `motor_work_J`, `energy_residual_J`, `duration_s`).
 
     ## Arguments
 

@@ -26,6 +26,7 @@ def episode_figures(simulation: Simulation, driven_joint: int) -> dict[str, Any]
     return {
         "latched": bool(joints["latched"].all()),
         "latch_times_s": [float(time) if latched else None for time, latched in latches],
+        "peak_prelatch_force_N": joints["lock_peak_force" if locked else "peak_force"].tolist(),
         "peak_postlock_force_N": joints["postlock_peak_force"].tolist(),
         "sliding_work_J": by_joint[:, m.SLIDING_WORK].tolist(),
         "postlock_impulse_Ns": ((by_joint[:, m.IMPULSE] - joints["lock_impulse"]) * locked).tolist(),

@@ -120,6 +120,32 @@ def test_braking_before_the_latch_is_rewarded(passive):
     assert total > (0.8 if model == "flexible-ideal-modal" else 0.5) * alone
 
 
+def test_the_peak_before_latching_is_the_greatest_force_up_to_the_first_latching():
+    env = make("rigid-clearance", parameters=LATE_ROOT)
+    env.reset(seed=0)
+    peaks, over = [env.simulation.state.joints["peak_force"].copy()], False
+    while not over:
+        *_, over, _, info = env.step([0.0])
+        joints = env.simulation.state.joints
+        if not joints["latched"].any():
+            peaks.append(joints["peak_force"].copy())
+    figure = np.array(info["deployment"]["peak_prelatch_force_N"])
+    assert np.all(peaks[-1] <= figure)
+    assert np.all(figure < 1.2 * peaks[-1]), "of the one period in which it latches"
+    assert np.all(figure < 0.7 * np.array(info["deployment"]["peak_postlock_force_N"]))
+    assert np.all(peaks[-1] > 0.0)
+
+
+def test_where_nothing_latches_the_peak_before_latching_is_that_of_the_episode():
+    env = make("rigid-clearance", deadline=0.5)
+    env.reset(seed=0)
+    over = False
+    while not over:
+        *_, over, _, info = env.step([-0.1])
+    assert info["deployment"]["peak_prelatch_force_N"] == env.simulation.state.joints["peak_force"].tolist()
+    assert min(info["deployment"]["peak_prelatch_force_N"]) > 0.0
+
+
 def test_the_time_since_latching_counts_from_the_last_one_in_units_of_the_window():
     env = make("rigid-clearance", parameters=LATE_ROOT)
     env.reset(seed=0)

@@ -16,7 +16,7 @@ from solar_env.support.markdown import markdown_table
 from solar_env.support.numbers import is_number
 
 # Codes of `reading`.
-PEAK_IMPACT, WEAR, MISSED_DEADLINE, ATTITUDE_DISTURBANCE, POSTLOCK_WEAR, MOTOR_WORK = range(6)
+PEAK_IMPACT, WEAR, MISSED_DEADLINE, ATTITUDE_DISTURBANCE, POSTLOCK_WEAR, MOTOR_WORK, PRELATCH_PEAK = range(7)
 # How a figure grows with its readings at the ends of the control periods: it is the latest one (of what never falls),
 # the greatest magnitude, or the sum of the magnitudes of their changes.
 LATEST, GREATEST, CHANGES = range(3)
@@ -71,7 +71,8 @@ class RewardTerm(NamedTuple):
     price: Price
 
 
-_POSTLOCK, _WHOLE, _DEADLINE = "from the first latching", "whole episode", "at the deadline"
+_PRELATCH, _POSTLOCK = "up to the first latching", "from the first latching"
+_WHOLE, _DEADLINE = "whole episode", "at the deadline"
 REWARD_TERMS = (
     RewardTerm("peak_impact", "peak force, over all joints", _POSTLOCK, "N", PEAK_IMPACT, LATEST, Price(500.0)),
     # Wear is proportional to the integral of normal force times sliding speed (Archard, J. Appl. Phys. 24 (1953) 981).
@@ -94,6 +95,9 @@ REWARD_TERMS = (
     ),
     RewardTerm(
         "motor_work", "magnitudes of the motor's work by period", _WHOLE, "J", MOTOR_WORK, CHANGES, Price(0.5, 0.0)
+    ),
+    RewardTerm(
+        "prelatch_peak", "peak force, over all joints", _PRELATCH, "N", PRELATCH_PEAK, LATEST, Price(500.0, 0.0)
     ),
 )
 
@@ -189,6 +193,8 @@ def reading(code, model, state, task):
         own, work = state.joints[j], state.integrals[m.INTEGRALS_PER_JOINT * j + m.SLIDING_WORK]
         if code == PEAK_IMPACT and postlock:
             total += own.postlock_peak_force
+        if code == PRELATCH_PEAK:
+            total += own.lock_peak_force if postlock else own.peak_force
         if code == WEAR:
             total += work
         if code == POSTLOCK_WEAR and postlock:

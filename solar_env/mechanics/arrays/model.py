@@ -114,6 +114,7 @@ joint_state_type = record(
         ("recent_peak_force", np.float64),  # since the caller last set it to zero
         ("lock_impulse", np.float64),  # values of the joint's integrals at the first latching
         ("lock_sliding_work", np.float64),
+        ("lock_peak_force", np.float64),  # greatest force up to the first latching
         ("latched", np.int64),
         ("latch_time", np.float64),
         ("stop_engaged", np.int64),  # whether the latch's or the stow stop's torque is evaluated

@@ -67,6 +67,7 @@ def latch(state, j, time):
         for k in range(state.joints.size):
             state.joints[k].lock_impulse = state.integrals[m.INTEGRALS_PER_JOINT * k + m.IMPULSE]
             state.joints[k].lock_sliding_work = state.integrals[m.INTEGRALS_PER_JOINT * k + m.SLIDING_WORK]
+            state.joints[k].lock_peak_force = state.joints[k].peak_force
     state.clock[0].latched_joints += 1
 
 

@@ -44,6 +44,8 @@ def show(state, lane, period):
         state.clock["latched_joints"] = 1
         state.joints["lock_sliding_work"] = work[LATCHING]
         state.joints["postlock_peak_force"] = peaks[period] - peaks[LATCHING]
+        state.joints["lock_peak_force"] = peaks[LATCHING]
+    state.joints["peak_force"] = peaks[period]
     x, y = state.q[2:4] - state.q[:2]
     state.v[2:4] = state.v[:2] + spin[period] * np.array([-y, x])
     state.clock["time"] = 20.0 if period == PERIODS - 1 else 0.1 * (period + 1)
@@ -62,6 +64,7 @@ def figures(lane):
         "attitude_disturbance": np.maximum.accumulate(np.abs(spin)),
         "postlock_wear": np.where(after, total - at_latching, 0.0),
         "motor_work": np.abs(np.diff(motor, prepend=0.0)).cumsum(),
+        "prelatch_peak": peaks[np.minimum(index, LATCHING)].sum(axis=1),
     }
 
 

@@ -16,7 +16,8 @@ from solar_env.support.markdown import markdown_table
 from solar_env.support.numbers import is_number
 
 # Codes of `reading`.
-PEAK_IMPACT, WEAR, MISSED_DEADLINE, ATTITUDE_DISTURBANCE, POSTLOCK_WEAR, MOTOR_WORK, PRELATCH_PEAK = range(7)
+PEAK_IMPACT, WEAR, MISSED_DEADLINE, ATTITUDE_DISTURBANCE, POSTLOCK_WEAR = range(5)
+MOTOR_WORK, PRELATCH_PEAK = range(5, 7)
 # How a figure grows with its readings at the ends of the control periods: it is the latest one (of what never falls),
 # the greatest magnitude, or the sum of the magnitudes of their changes.
 LATEST, GREATEST, CHANGES = range(3)

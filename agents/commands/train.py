@@ -35,21 +35,23 @@ from solar_env.support.interruption import keeping
 from solar_env.support.terminal import print_markdown
 
 BASELINES = ("passive", "servo-untuned", "servo")
-# As many as leave a training with its comparison within ten minutes on two cores.
-TIMESTEPS = 86_400
+# As many as leave a training with its comparison within ten minutes on two cores: of a search, whose policy is chosen
+# for the first time by then, and of an agent that adds to a law.
+SEARCH_TIMESTEPS, TIMESTEPS = 130_000, 86_400
 
 
 @dataclass
 class Args(ModelOptions, TrainingOptions, TrustOption):
     """Train a controller that deploys the solar array softly, and compare it with the baselines.
 
-    The model is flexible-clearance, or rigid-clearance for agents without a law, unless another is named; training
-    takes at most 86,400 steps where neither a model, an agent without a law nor a number of steps is asked for. With
-    --resume all that is not given is as in the run to resume.
+    The model is flexible-clearance, or rigid-clearance for PPO, SAC and TD3 without a law, unless another is named.
+    Where neither a model nor a number of steps is asked for, a search on flexible panels takes at most 130,000 steps
+    and an agent that adds to a law 86,400. With --resume all that is not given is as in the run to resume.
     """
 
     algo: str | None = None
-    """algorithm: ppo, sac or td3; cma-es or ars, which add to no law; by default ppo"""
+    """algorithm: cma-es or ars, which add to no law; ppo, sac or td3; by default cma-es, or ppo where --residual, --law
+    or --landings is given"""
     seed: int | None = None
     """seed of networks, exploration and training episodes, and chooses those of the comparison; by default 0; beside
     --seeds it chooses the comparison's alone"""
@@ -124,10 +126,13 @@ def run(args: Args) -> Path:
 def configuration(args: Args, seed: int) -> configurations.Configuration:
     """Make the configuration that the arguments ask for, with a seed."""
     env_id = args.env_id or DEFAULT_ENV_ID
-    algo = args.algo or "ppo"
+    of_a_law = args.residual, args.law, args.landings
+    algo = args.algo or ("cma-es" if of_a_law == (None, None, None) else "ppo")
+    searches = configurations.searches_weights(algo)
     whole = args.residual == 0.0 or not configurations.entry(algo, env_id)["residual"]
     named = args.model or args.env_kwargs.get("model")
-    keywords = args.keywords(env_id, WHOLE_TORQUE_MODEL if whole else MODEL)
+    on_rigid = whole and not searches
+    keywords = args.keywords(env_id, WHOLE_TORQUE_MODEL if on_rigid else MODEL)
     numbers = args.n_envs, args.timesteps, args.hyperparams, args.residual, args.landings, args.law
     config = configurations.complete(algo, env_id, keywords, seed, *numbers)
     if args.start:
@@ -137,8 +142,9 @@ def configuration(args: Args, seed: int) -> configurations.Configuration:
         with make_env(env_id, config.env_kwargs) as env:
             weights = runs.linear_weights(begun, env)
         config = replace(config, hyperparameters={**config.hyperparameters, "first_weights": weights})
-    quick = args.timesteps is None and not (named or whole)
-    return replace(config, timesteps=min(config.timesteps, TIMESTEPS)) if quick else config
+    if args.timesteps is not None or named or on_rigid:
+        return config
+    return replace(config, timesteps=min(config.timesteps, SEARCH_TIMESTEPS if searches else TIMESTEPS))
 
 
 def train_seeds(args: Args) -> Path:

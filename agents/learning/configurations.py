@@ -126,7 +126,7 @@ def complete(
     asked = {"n_envs": n_envs, "timesteps": timesteps, "landings": landings}
     scale = entry(algo, env_id)["residual"] if residual is None else residual
     found = entry(algo, env_id, whole=not scale)
-    if scale and issubclass(runs.algorithm(algo), WeightSearch):
+    if scale and searches_weights(algo):
         raise ValueError(f"residual is {scale!r}, but {algo} searches the weights of a policy alone; leave it out")
     _check_hyperparameters(algo, hyperparameters or {})
     counts = {name: found[name] if number is None else number for name, number in asked.items()}
@@ -149,6 +149,15 @@ def complete(
     return Configuration(
         algo, env_id, runs.jsonable(keywords), seed, hyperparameters=chosen, residual=adds_to, **counts
     )
+
+
+def searches_weights(algo: str) -> bool:
+    """Whether an algorithm searches the weights of a policy by whole episodes.
+
+    Raises:
+        ValueError: There is no such algorithm.
+    """
+    return issubclass(runs.algorithm(algo), WeightSearch)
 
 
 def stored_configuration(folder: str | Path) -> Configuration:

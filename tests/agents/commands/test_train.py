@@ -15,16 +15,18 @@ pytestmark = pytest.mark.usefixtures("few_validation_episodes")
 @pytest.mark.parametrize(
     ("arguments", "model", "panels", "timesteps"),
     [
-        ([], "flexible-clearance", {"modes": 32}, 86_400),
-        (["--algo", "cma-es"], "rigid-clearance", {}, 2_000_000),
+        ([], "flexible-clearance", {"modes": 32}, 130_000),
+        (["--algo", "cma-es", "--model", "rigid-clearance"], "rigid-clearance", {}, 1_000_000),
+        (["--algo", "ppo"], "flexible-clearance", {"modes": 32}, 86_400),
+        (["--law", "soft-start"], "flexible-clearance", {"modes": 32}, 86_400),
         (["--elements", "4", "--timesteps", "500"], "flexible-clearance", {"elements": 4}, 500),
         (["--algo", "sac"], "flexible-clearance", {"modes": 32}, 86_400),
-        (["--model", "flexible-clearance"], "flexible-clearance", {}, 216_000),
-        (["--env-kwargs", "model=rigid-clearance"], "rigid-clearance", {}, 216_000),
+        (["--algo", "ppo", "--model", "flexible-clearance"], "flexible-clearance", {}, 216_000),
+        (["--algo", "ppo", "--env-kwargs", "model=rigid-clearance"], "rigid-clearance", {}, 216_000),
         (["--residual", "0"], "rigid-clearance", {}, 200_000),
     ],
 )
-def test_a_short_training_on_flexible_panels_unless_a_model_is_named_or_there_is_no_law(
+def test_a_short_training_on_flexible_panels_unless_a_model_is_named_or_single_steps_teach_the_whole_torque(
     arguments, model, panels, timesteps
 ):
     config = train.configuration(parse_arguments(train.Args, arguments), seed=0)
@@ -161,8 +163,9 @@ def test_what_hyperparameters_may_be_is_not_refused(algo, values):
     ],
 )
 def test_wrong_arguments_are_named_before_training(tmp_path, arguments, message):
+    algorithm = () if "--algo" in arguments else ("--algo", "ppo")
     with pytest.raises(ValueError, match=message):
-        run("--out", tmp_path / "run", *arguments)
+        run("--out", tmp_path / "run", *algorithm, *arguments)
     assert not (tmp_path / "run").exists()
 
 

@@ -47,7 +47,7 @@ def test_a_search_begins_with_the_policy_of_another_run_on_other_panels(tmp_path
     second = run(*begun, first, "--out", tmp_path / "second")
     weights = runs.read_config(second)["hyperparameters"]["first_weights"]
     kept = runs.load_model(first, make_env(DEFAULT_ENV_ID, runs.read_config(first)["env_kwargs"]))
-    assert len(weights) == 12
+    assert len(weights) == 15
     assert np.array_equal(weights, np.concatenate([p.detach().numpy().ravel() for p in kept.policy.parameters()]))
     by_seed = run(*begun, tmp_path / "first", "--seeds", 3, "--out", tmp_path / "third")
     assert runs.read_config(by_seed / "seed-3")["hyperparameters"]["first_weights"] == weights

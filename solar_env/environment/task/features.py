@@ -155,7 +155,7 @@ def _place_formula(place: int) -> str:
 
 
 class Quantity(NamedTuple):
-    """What a feature of the approach shows, before its share of the approach: see `Feature`."""
+    """A quantity that features of the approach show a share of; see `Feature`."""
 
     name: str
     meaning: str

@@ -154,56 +154,45 @@ def _place_formula(place: int) -> str:
     return f"approach * max(0, min(1, {', '.join(sides)}))"
 
 
-class Quantity(NamedTuple):
-    """A quantity that features of the approach show a share of; see `Feature`."""
-
-    name: str
-    meaning: str
-    unit: str
-    low: float
-    high: float
-    of: Callable[[Shown], Values]
-    formula: str
-
-
+# What features of the approach show a share of, under the names that follow that of the share.
 _QUANTITIES = (
-    Quantity("", "1", "0 or 1", 0, 1, lambda s: np.ones_like(s.distance), "1"),
-    Quantity(
+    Feature("", "1", "0 or 1", 0, 1, lambda s: np.ones_like(s.distance), "1"),
+    Feature(
         "opening", "twice the mean opening less 0.8", "lock angle", -4, 4,
         lambda s: 2.0 * (0.2 - s.distance),
         "2 * (0.2 - d)",
     ),
-    Quantity(
+    Feature(
         "distance", "mean distance to the lock, logarithmic", "-", -8, 8,
         lambda s: (signed_logarithm(s.distance, DISTANCE) - 4.0) / 2.0,
         "(L(d, 2e-4) - 4) / 2",
     ),
-    Quantity(
+    Feature(
         "rate", "mean opening rate, logarithmic", "-", -16, 8,
         lambda s: signed_logarithm(s.opening_rate, RATE) - 5.0,
         "(L(r, 3e-4) - 5)",
     ),
-    Quantity(
+    Feature(
         "lead", "opening of joint 1 beyond the others, logarithmic", "-", -8, 8,
         lambda s: signed_logarithm(-ahead(s.distances), DISTANCE) / 2.0,
         "L(-ahead_d, 2e-4) / 2",
     ),
-    Quantity(
+    Feature(
         "lead_rate", "opening rate of joint 1 beyond the others, logarithmic", "-", -8, 8,
         lambda s: signed_logarithm(ahead(s.rates), RATE) / 3.0,
         "L(ahead_r, 3e-4) / 3",
     ),
-    Quantity(
+    Feature(
         "time", "twice the time left less 0.3", "deadline", -2, 2,
         lambda s: 2.0 * (s.time_to_deadline - 0.3),
         "2 * (left / deadline - 0.3)",
     ),
-    Quantity(
+    Feature(
         "deceleration", "rate squared over twice the distance, logarithmic", "-", -8, 8,
         lambda s: (signed_logarithm(s.deceleration, 1e-4) - 4.0) / 2.0,
         "(L(max(r, 0) * max(r, 0) / (2 * max(d, 2e-4)), 1e-4) - 4) / 2",
     ),
-    Quantity(
+    Feature(
         "time_needed", "time still needed at this rate over the time left, logarithmic", "-", -8, 8,
         lambda s: np.log(np.maximum(s.time_needed, 1e-3)),
         "ln(max(max(d, 0) / (max(r, 3e-4) * max(left, 0.1)), 1e-3))",
@@ -219,7 +208,7 @@ _SHARES: dict[str, tuple[Callable[[Shown], Values], str]] = {
 }
 
 
-def _shared(share: str, quantity: Quantity) -> Feature:
+def _shared(share: str, quantity: Feature) -> Feature:
     """The feature that is a share of the approach times a quantity."""
     of_share, while_ = _SHARES[share]
     return Feature(

@@ -219,8 +219,8 @@ ROWS = (
     _law("table", "refused or ranges"),
     Row("agents/laws/residual.py", ("tests/agents/laws/test_residual.py",)),
     Row(
-        "agents/laws/receding_horizon.py",
-        ("tests/agents/laws/test_receding_search.py",),
+        "agents/comparison/receding_horizon.py",
+        ("tests/agents/comparison/test_receding_search.py",),
         {
             "knots: int =": "a choice",
             "seed: int =": "a choice",

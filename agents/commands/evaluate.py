@@ -23,10 +23,9 @@ FIGURE = "comparison.png"
 COMPARISON = Path(__file__).parents[1] / "comparison"
 
 CONTROLLERS = (
-    f"laws ({', '.join(LAWS)}; the last one searches with the simulator itself, from the servo or, as "
-    "receding-horizon:OTHER, from another of these, and is slow), shipped policies and run folders; several runs under "
-    "one name, NAME=FOLDER NAME=FOLDER, are pooled as training seeds of one controller; none: those of the "
-    "suite, else passive, brake and servo"
+    f"laws ({', '.join(LAWS)}), shipped policies and run folders, and receding-horizon:OTHER, which searches with the "
+    "simulator itself around another of these, and is slow; several runs under one name, NAME=FOLDER NAME=FOLDER, are "
+    "pooled as training seeds of one controller; none: those of the suite, else passive, brake and servo"
 )
 
 

@@ -13,7 +13,7 @@ import tyro
 from agents.commands.arguments import TrustOption
 from agents.comparison.report import read_rows, tabulate
 from agents.environments import episode_seeds, make_env
-from agents.laws.table import BASELINES, LAWS
+from agents.laws.table import LAWS
 from agents.learning import runs
 from agents.policies import shipped
 from agents.policies.card import card
@@ -124,10 +124,10 @@ def _scores(run: Path, name: str, comparison: Path | None) -> str:
 
     for folder in folders:
         rows = read_rows(folder / "episodes.csv")
-        own = [row for row in rows if row["spec"] not in BASELINES and is_own(row["spec"])]
+        own = [row for row in rows if row["spec"] not in LAWS and is_own(row["spec"])]
         if own:
             command = _command(folder / "metrics.json")
-            tables = tabulate([row for row in rows if row["spec"] in BASELINES] + own).folded().strip()
+            tables = tabulate([row for row in rows if row["spec"] in LAWS] + own).folded().strip()
             return f"`{own[0]['controller']}` is this policy. Measured by `{command}`.\n\n{tables}"
     if comparison is not None:
         found = ", ".join(dict.fromkeys(row["spec"] for row in rows))

@@ -126,8 +126,8 @@ def run(args: Args) -> Path:
 def configuration(args: Args, seed: int) -> configurations.Configuration:
     """Make the configuration that the arguments ask for, with a seed."""
     env_id = args.env_id or DEFAULT_ENV_ID
-    of_a_law = args.residual, args.law, args.landings
-    algo = args.algo or ("cma-es" if of_a_law == (None, None, None) else "ppo")
+    of_ppo = any(option is not None for option in (args.residual, args.law, args.landings))
+    algo = args.algo or ("ppo" if of_ppo else "cma-es")
     searches = configurations.searches_weights(algo)
     whole = args.residual == 0.0 or not configurations.entry(algo, env_id)["residual"]
     named = args.model or args.env_kwargs.get("model")

@@ -8,9 +8,9 @@ from typing import Any
 
 import gymnasium
 
+from agents.comparison.receding_horizon import RecedingHorizon
 from agents.environments import INTERFACE
 from agents.laws.baselines import episodes_spent, make_baseline
-from agents.laws.receding_horizon import RecedingHorizon
 from agents.laws.table import LAWS, TUNABLE
 from agents.learning import runs
 from agents.policies import shipped
@@ -169,13 +169,15 @@ def parse_controller(text: str) -> NamedController:
     A folder that exists is one, whatever characters are in its name.
 
     Raises:
-        ValueError: A search is to begin at another search.
+        ValueError: A search is to begin at nothing, or at another search.
     """
     name, separator, spec = text.partition("=")
     if not separator or Path(text).is_dir():
         name, spec = Path(text).name or Path(text).resolve().name, text
+    if f"{spec}:" == SEARCH_AROUND and not Path(spec).is_dir():
+        raise ValueError(f"{spec!r} searches around another controller: name it, as in {SEARCH_AROUND}servo")
     if spec.startswith(SEARCH_AROUND):
-        if isinstance(parse_controller(spec.removeprefix(SEARCH_AROUND)), _Search) or spec.endswith("receding-horizon"):
+        if isinstance(parse_controller(spec.removeprefix(SEARCH_AROUND)), _Search):
             raise ValueError(f"{spec!r} is a search around a search; name a law, a shipped policy or a run folder")
         return _Search(name if separator else text, spec)
     kind = _Law if spec in LAWS else _ShippedPolicy if spec in shipped.available() else _Run

@@ -13,10 +13,10 @@ import gymnasium
 import numpy as np
 from rich.console import Console
 
-from agents.comparison.controllers import NamedController, parse_controller
+from agents.comparison.controllers import SEARCH_AROUND, NamedController, parse_controller
 from agents.environments import environment_settings, make_env
 from agents.laws.baselines import CONFIGS, UntunedWarning, make_baseline, warn_if_untuned
-from agents.laws.table import LAWS, TUNABLE
+from agents.laws.table import TUNABLE
 from agents.learning import runs
 from agents.rollout import are_figures, run_episode
 from agents.torque_laws import Controller, LawParameters
@@ -57,7 +57,7 @@ def _prepared(spec: str, policy: str | None, env_id: str, keywords: str) -> tupl
 def _law_and_model(cell: Cell) -> tuple[str, str, str]:
     """Law that a cell of a law runs, or searches from; environment id and model."""
     spec, env_id = str(cell["spec"]), str(cell["env_id"])
-    return str(LAWS[spec].base or spec), env_id, environment_settings(env_id, cell["env_kwargs"]).level[0]
+    return spec.removeprefix(SEARCH_AROUND), env_id, environment_settings(env_id, cell["env_kwargs"]).level[0]
 
 
 def run_cells(
@@ -77,10 +77,10 @@ def run_cells(
     Warns:
         UntunedWarning: Once for each law that gets the parameters of another model.
     """
-    of_laws = {json.dumps({**cell, "seed": 0}, sort_keys=True): cell for cell in cells if cell["spec"] in LAWS}
-    for spec, env_id, model in dict.fromkeys(map(_law_and_model, of_laws.values())):
-        if spec in TUNABLE:
-            warn_if_untuned(spec, env_id, model)
+    settings = {json.dumps({**cell, "seed": 0}, sort_keys=True): cell for cell in cells}
+    tuned = (cell for cell in settings.values() if str(cell["spec"]).removeprefix(SEARCH_AROUND) in TUNABLE)
+    for spec, env_id, model in dict.fromkeys(map(_law_and_model, tuned)):
+        warn_if_untuned(spec, env_id, model)
     keys = [json.dumps(cell, sort_keys=True) for cell in cells]
     different = dict(zip(keys, cells, strict=True))
     with counting_bar(Console(stderr=True, quiet=not progress)) as bar:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from agents.comparison.statistics import Estimate, difference, estimate, improvement, interquartile_mean
-from agents.laws.table import BASELINES
+from agents.laws.table import LAWS
 from agents.learning import runs
 from solar_env.studies.common.bootstrap import FEWEST
 from solar_env.support.files import make_folder, write_text
@@ -71,7 +71,7 @@ def references(rows: Sequence[Row]) -> list[str]:
     names = list(dict.fromkeys(row["controller"] for row in rows))
     returns = {
         name: float(interquartile_mean(np.array([row["return"] for row in rows if row["controller"] == name])))
-        for name in dict.fromkeys(row["controller"] for row in rows if row["spec"] in BASELINES)
+        for name in dict.fromkeys(row["controller"] for row in rows if row["spec"] in LAWS)
     }
     best = max(returns, key=returns.__getitem__, default=names[0])
     return list(dict.fromkeys([names[0], best]))

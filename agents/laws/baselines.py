@@ -7,7 +7,6 @@ from typing import Any
 
 import gymnasium
 
-from agents.laws.receding_horizon import RecedingHorizon
 from agents.laws.table import LAWS, TUNABLE
 from agents.torque_laws import Controller, LawParameters, Signals
 from solar_env.support.files import write_text
@@ -120,11 +119,8 @@ def make_baseline(name: str, env: gymnasium.Env, parameters: LawParameters | Non
     """
     if name not in LAWS:
         raise ValueError(f"no baseline {name!r}; available: {', '.join(LAWS)}")
-    row, unwrapped = LAWS[name], env.unwrapped
-    if issubclass(row.cls, RecedingHorizon):
-        return row.cls(env, make_baseline(str(row.base), env))
     signals = Signals.of(env)
     if name not in TUNABLE:
-        return row.cls(signals)
-    model: str = unwrapped.model  # type: ignore[attr-defined]
+        return LAWS[name].cls(signals)
+    model: str = env.unwrapped.model  # type: ignore[attr-defined]
     return TUNABLE[name](signals, parameters or load_parameters(name, env.spec.id if env.spec else "", model))

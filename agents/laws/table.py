@@ -8,7 +8,6 @@ from agents.laws.damper import ViscousDamper
 from agents.laws.open_loop import OpenLoopTorque
 from agents.laws.passive import Passive
 from agents.laws.pd import ProportionalDerivative
-from agents.laws.receding_horizon import RecedingHorizon
 from agents.laws.servo import VelocityProfileServo
 from agents.laws.shaped import InputShapedProfile
 from agents.laws.soft_start import SoftStartServo
@@ -17,11 +16,10 @@ from agents.torque_laws import TorqueLaw, TunableLaw
 
 @dataclass(frozen=True)
 class Row:
-    """A controller without learning: the class of a torque law, or of a search that needs the simulator."""
+    """A controller without learning: the class of a torque law."""
 
-    cls: type[TorqueLaw] | type[RecedingHorizon]
+    cls: type[TorqueLaw]
     tuned: bool = False  # whether the parameters are those that `solar-env tune` has found
-    base: str | None = None  # name of the law that a search improves on; None for a torque law
 
 
 LAWS: dict[str, Row] = {
@@ -34,12 +32,8 @@ LAWS: dict[str, Row] = {
     "soft-start": Row(SoftStartServo, tuned=True),
     "pd": Row(ProportionalDerivative, tuned=True),
     "servo-untuned": Row(VelocityProfileServo),
-    "receding-horizon": Row(RecedingHorizon, base="servo"),
 }
 """Name of a controller without learning -> its row."""
-
-BASELINES = tuple(name for name, row in LAWS.items() if row.base is None)
-"""Names of the torque laws, which need nothing but observations."""
 
 TUNABLE: dict[str, type[TunableLaw[Any]]] = {
     name: row.cls for name, row in LAWS.items() if row.tuned and issubclass(row.cls, TunableLaw)

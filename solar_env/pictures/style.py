@@ -137,14 +137,16 @@ def look_of(name: str, looks: Mapping[str, Look]) -> Look:
 def controller_looks(names: Sequence[str]) -> dict[str, Look]:
     """Looks of the controllers of one figure.
 
-    A controller has its row of `CONTROLLER_LOOKS`, a shipped policy ("cma-es-nominal") the row of its algorithm; when
-    that is taken, and for training runs under names of their own, the next of some spare looks.
+    A controller has its row of `CONTROLLER_LOOKS`, a shipped policy ("cma-es-nominal") the row of its algorithm, a
+    search around another controller ("receding-horizon:servo") that of the search; when that is taken, and for training
+    runs under names of their own, the next of some spare looks.
     """
     looks = {name: CONTROLLER_LOOKS[name] for name in names if name in CONTROLLER_LOOKS}
     taken, spare = list(looks.values()), list(_OTHERS)
     for name in names:
         if name not in looks:
-            own = next((look for row, look in CONTROLLER_LOOKS.items() if name.startswith(f"{row}-")), None)
+            owners = (row for row in CONTROLLER_LOOKS if name.startswith((f"{row}-", f"{row}:")))
+            own = CONTROLLER_LOOKS.get(next(owners, ""))
             look = own if own is not None and own not in taken else spare[0]
             spare = spare[1:] + spare[:1] if look is spare[0] else spare
             taken.append(look)

@@ -8,9 +8,9 @@ import gymnasium
 import numpy as np
 import pytest
 
+from agents.comparison.receding_horizon import RecedingHorizon, SearchSettings
 from agents.laws.brake import BrakeParameters, ConstantBrake
 from agents.laws.damper import DamperParameters, ViscousDamper
-from agents.laws.receding_horizon import RecedingHorizon, SearchSettings
 from agents.laws.servo import ServoParameters, VelocityProfileServo
 from agents.laws.shaped import InputShapedProfile
 from agents.torque_laws import Signals

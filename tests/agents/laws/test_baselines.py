@@ -16,7 +16,7 @@ from agents.laws.pd import ProportionalDerivative, ProportionalDerivativeParamet
 from agents.laws.servo import RESERVE, ServoParameters, VelocityProfileServo
 from agents.laws.shaped import InputShapedProfile, ShapedProfileParameters
 from agents.laws.soft_start import SoftStartParameters, SoftStartServo
-from agents.laws.table import BASELINES, LAWS, TUNABLE
+from agents.laws.table import LAWS, TUNABLE
 from agents.rollout import run_episode
 from agents.torque_laws import Signals, weighted_opening
 from solar_env.__main__ import execute
@@ -272,7 +272,7 @@ def test_parameters_lie_in_the_ranges_that_tuning_searches_and_no_gain_is_negati
     assert np.all(high[torques] <= LIMIT)
 
 
-@pytest.mark.parametrize("name", BASELINES)
+@pytest.mark.parametrize("name", LAWS)
 def test_batched_prediction_equals_the_single_ones(name):
     controller = law(name)
     rng = np.random.default_rng(0)
@@ -289,7 +289,7 @@ def entries_read(name):
     return {entry.replace("driven", "1") for entry in LAWS[name].cls.reads}
 
 
-@pytest.mark.parametrize("name", BASELINES)
+@pytest.mark.parametrize("name", LAWS)
 def test_entries_are_found_by_name_not_by_position_and_others_are_not_read(name):
     """With latches open and shut, for laws that hold the latched array otherwise than they deploy it."""
     rng = np.random.default_rng(0)
@@ -303,7 +303,7 @@ def test_entries_are_found_by_name_not_by_position_and_others_are_not_read(name)
     np.testing.assert_array_equal(law(name).predict(others)[0], straight)
 
 
-@pytest.mark.parametrize("name", BASELINES)
+@pytest.mark.parametrize("name", LAWS)
 def test_a_law_is_refused_where_an_entry_that_it_reads_is_not_observed(name):
     for entry in entries_read(name):
         with pytest.raises(ValueError, match=f"reads {entry}, but the observation has only"):

@@ -9,7 +9,7 @@ from agents.environments import DEFAULT_ENV_ID, make_env, with_model
 from agents.laws.baselines import load_parameters, make_baseline
 from agents.laws.brake import BrakeParameters, ConstantBrake
 from agents.laws.passive import Passive
-from agents.laws.table import BASELINES
+from agents.laws.table import LAWS
 from agents.rollout import run_episode
 from agents.torque_laws import Signals
 from solar_env.array import MODELS
@@ -61,7 +61,7 @@ def test_without_rigid_parameters_to_fall_back_on_another_model_is_refused(confi
 
 @pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")
 @pytest.mark.parametrize("model", [model for model in MODELS if model.endswith("clearance")])
-@pytest.mark.parametrize("name", BASELINES)
+@pytest.mark.parametrize("name", LAWS)
 def test_every_baseline_deploys_the_nominal_array(model, name):
     env = make_env(env_kwargs={"model": model} | ({"elements": 1} if model.startswith("flexible") else {}))
     figures = run_episode(env, make_baseline(name, env), seed=0)

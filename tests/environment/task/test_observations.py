@@ -128,6 +128,13 @@ def test_the_observations_list_what_is_documented_in_that_order():
     assert names(3, "privileged") == [*drive, *journals, "main_body_spin"]
 
 
+@pytest.mark.parametrize("name", OBSERVATIONS)
+def test_an_observation_with_a_name_is_made_of_rows_of_the_table_each_once(name):
+    shown = [entry.name for entry in observation_entries(2, name)]
+    assert len(shown) == len(set(shown))
+    assert gymnasium.make(ID, observation=name).unwrapped.observation_names == tuple(shown)
+
+
 def test_a_list_of_ones_own_shows_the_past_without_the_present_and_in_the_order_asked_for():
     keywords = {**WILD, "scenario": "randomised", "hardware": {"sensor_delay": 1}}
     own = gymnasium.make(ID, observation=["time_to_deadline", "motor_torque_2_ago", "theta"], **keywords).unwrapped

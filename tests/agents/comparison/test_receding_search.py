@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from agents.laws.receding_horizon import RecedingHorizon, SearchSettings
+from agents.comparison.receding_horizon import RecedingHorizon, SearchSettings
 
 PERIOD, DEADLINE, AFTER = 0.1, 1.0, 0.4
 BASE = 0.2  # the base law's action

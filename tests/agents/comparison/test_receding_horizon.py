@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from agents.comparison.controllers import parse_controller
+from agents.comparison.receding_horizon import RecedingHorizon, SearchSettings
 from agents.environments import DEFAULT_ENV_ID, make_env
 from agents.laws.baselines import make_baseline
 from agents.laws.damper import DamperParameters, ViscousDamper
-from agents.laws.receding_horizon import RecedingHorizon, SearchSettings
-from agents.laws.table import BASELINES
+from agents.laws.table import LAWS
 from agents.rollout import run_episode
 from agents.torque_laws import Signals
 
@@ -177,10 +177,10 @@ def test_actions_have_the_shape_of_the_observation_and_the_bounds_of_the_action_
     np.testing.assert_array_equal(row, [one])
 
 
-def test_it_is_a_controller_on_the_tuned_servo_but_no_baseline_that_others_are_measured_by():
-    assert "receding-horizon" not in BASELINES
+def test_around_a_law_it_begins_at_the_tuned_parameters_but_others_are_not_measured_by_it():
+    assert "receding-horizon:servo" not in LAWS
     env = make_env()
-    controller = parse_controller("receding-horizon").load(env)
+    controller = parse_controller("receding-horizon:servo").load(env)
     assert isinstance(controller, RecedingHorizon)
     assert controller._base.parameters == make_baseline("servo", env).parameters
 
@@ -205,10 +205,14 @@ def test_around_another_controller_it_has_a_name_of_its_own_files_and_effort():
     assert parse_controller("receding-horizon:runs/seed-0").name == "receding-horizon:runs/seed-0"
 
 
-@pytest.mark.parametrize("base", ["receding-horizon", "receding-horizon:servo"])
-def test_a_search_around_a_search_is_refused(base):
+def test_a_search_around_nothing_or_around_a_search_is_refused():
+    for text in ("receding-horizon", "bound=receding-horizon", "receding-horizon:receding-horizon"):
+        with pytest.raises(ValueError, match="'receding-horizon' searches around another controller: name it, as in"):
+            parse_controller(text)
     with pytest.raises(ValueError, match="is a search around a search; name a law"):
-        parse_controller(f"receding-horizon:{base}")
+        parse_controller("receding-horizon:receding-horizon:servo")
+    runs = ("receding-horizon:runs/receding-horizon", "runs/receding-horizon")
+    assert [parse_controller(run).resolved.endswith("runs/receding-horizon") for run in runs] == [True, True]
 
 
 def test_with_perfect_sensors_futures_observe_features_as_the_environment_does():

@@ -1,5 +1,6 @@
 """Growth of the cost with the size of the model: wall time against elements, modes and panels, measured and drawn."""
 
+import itertools
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
@@ -15,7 +16,7 @@ from solar_env.array.methods import default_integrator
 from solar_env.array.panels import ANCF, MODAL
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator
 from solar_env.pictures.style import METHOD_LOOKS, STYLE, Look, look_of
-from solar_env.studies.common.drawing import make_figure, save, use_decades
+from solar_env.studies.common.drawing import Box, Label, make_figure, place_labels, save, use_decades
 from solar_env.studies.common.motion import Scene, run_own
 from solar_env.studies.common.plans import ChartPlan
 from solar_env.studies.common.tables import Cell, Row, Table
@@ -170,16 +171,21 @@ def _title(rows: Table) -> str:
 def _draw_panel(axis: Axes, rows: Table, cost: str) -> None:
     axis.set_xscale("log", base=2)
     axis.set_yscale("log")
+    labels: list[Label] = []
+    marks: list[tuple[float, float]] = []
+    lines: list[Box] = []
     for model, method in dict.fromkeys((row["model"], row["method"]) for row in rows.rows):
         own = rows.where(model=model, method=method)
         counts, costs = own.column("count"), own.column(cost)
         style = _look(own.rows[0])
         axis.plot(counts, costs, markersize=3.5, **style)
-        exponent = fitted_exponent(counts, costs)
-        axis.annotate(
-            f"{exponent:.2f}", (counts[-1], costs[-1]), (4, 0), textcoords="offset points", color=style["color"]
-        )
+        exponent = f"{fitted_exponent(counts, costs):.2f}"
+        labels.append(Label(exponent, counts[-1], costs[-1], str(style["color"])))
+        points = list(zip(counts, costs, strict=True))
+        marks += points
+        lines += [(*start, *end) for start, end in itertools.pairwise(points)]
     low, high = axis.get_xlim()
-    axis.set_xlim(low, 1.25 * high)
+    axis.set_xlim(low, 1.6 * high)
     axis.xaxis.set_major_formatter("{x:g}")
     use_decades(axis, "y")
+    place_labels(axis, labels, marks, lines)

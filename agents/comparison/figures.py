@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from agents.comparison.report import HIGHER_IS_BETTER, TABLE
+from agents.comparison.report import FEWEST, HIGHER_IS_BETTER, TABLE
 from agents.learning import runs
 from agents.rollout import Step
 from solar_env.pictures.style import CONTROLLER_LOOKS, STYLE, controller_looks, look_of
@@ -107,7 +107,7 @@ def run_figure(
 def comparison_figure(summary: Mapping[str, Mapping[str, Any]], path: Path) -> None:
     """Draw a comparison: interquartile mean, interval and worst episode of every controller.
 
-    A figure that is zero for all of them, as wear where joints are ideal, has no panel. `summary` is that of
+    Fewer than `FEWEST` episodes have no interval. A figure that is zero for all of them, as wear where joints are ideal, has no panel. `summary` is that of
     `agents.comparison.report.summarize`.
     """
     panels = [("return", "minus return", -1.0)]
@@ -125,7 +125,8 @@ def comparison_figure(summary: Mapping[str, Mapping[str, Any]], path: Path) -> N
             ends = sorted((factor * value.lower, factor * value.upper))
             worst = factor * (value.minimum if key in HIGHER_IS_BETTER else value.maximum)
             color, marker = looks[name]["color"], looks[name]["marker"]
-            axes.plot(ends, [row, row], "-", color=color, lw=4, solid_capstyle="butt", alpha=0.5)
+            if value.count >= FEWEST:
+                axes.plot(ends, [row, row], "-", color=color, lw=4, solid_capstyle="butt", alpha=0.5)
             axes.plot(factor * value.mean, row, marker, color=color, ms=4)
             axes.plot(worst, row, "x", color=color, ms=5)
         axes.set_xscale("log")
@@ -136,7 +137,8 @@ def comparison_figure(summary: Mapping[str, Mapping[str, Any]], path: Path) -> N
         axes.set_xlabel(label)
         axes.grid(visible=False, axis="y")
     best = max(summary, key=lambda name: summary[name]["return"].mean)
-    marks = "marks: interquartile mean with 95 % interval; x: worst episode"
+    interval = " with 95 % interval" if summary[best]["return"].count >= FEWEST else ""
+    marks = f"marks: interquartile mean{interval}; x: worst episode"
     figure.suptitle(f"{best} has the best return, {summary[best]['return'].mean:.3g}\n{marks}")
     save_figure(figure, path, dpi=130)
 

@@ -107,8 +107,8 @@ def run_figure(
 def comparison_figure(summary: Mapping[str, Mapping[str, Any]], path: Path) -> None:
     """Draw a comparison: interquartile mean, interval and worst episode of every controller.
 
-    Fewer than `FEWEST` episodes have no interval. A figure that is zero for all of them, as wear where joints are ideal, has no panel. `summary` is that of
-    `agents.comparison.report.summarize`.
+    Fewer than `FEWEST` episodes have no interval. A figure that is zero for all controllers, as wear where joints are
+    ideal, has no panel. `summary` is that of `agents.comparison.report.summarize`.
     """
     panels = [("return", "minus return", -1.0)]
     for key in ("peak_postlock_force_N", "sliding_work_J", "wear_depth_max_m"):

@@ -5,6 +5,7 @@ from typing import Any
 from agents.laws.baselines import is_tuned
 from agents.laws.table import TUNABLE
 from agents.policies import shipped
+from agents.policies.policy import Description
 from solar_env.array import DEFAULT_MODES
 
 # Agents are trained and both suites judged on this model, whose peak forces have converged. It is also the cheapest
@@ -18,7 +19,11 @@ SUITES = {"paper": "solar_env/Deploy-v1", "robust": "solar_env/DeployRandomised-
 
 
 def suite_controllers(env_id: str) -> list[str]:
-    """List the passive deployment, the laws tuned for the scenario and the suite's model, and its shipped policies."""
+    """List the passive deployment, and the laws and shipped policies that are for a scenario and the suites' model."""
     tuned = [name for name in TUNABLE if is_tuned(name, env_id, MODEL["model"])]
-    names = shipped.available()
-    return ["passive", *tuned, *(name for name in names if shipped.load_shipped(name).description.env_id == env_id)]
+    trained = {name: shipped.load_shipped(name).description for name in shipped.available()}
+    return ["passive", *tuned, *(name for name, of in trained.items() if _is_for(of, env_id))]
+
+
+def _is_for(description: Description, env_id: str) -> bool:
+    return description.env_id == env_id and description.env_kwargs["model"] == MODEL["model"]

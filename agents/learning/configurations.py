@@ -235,7 +235,11 @@ def _check_hyperparameters(algo: str, values: Mapping[str, Any]) -> None:
             ({"target_entropy"}, number or value == "auto", "a number, or auto"),
             (SWITCHES, isinstance(value, bool), "true or false"),
             ({"policy_kwargs"}, isinstance(value, Mapping), "a dictionary"),
-            ({"first_weights"}, value is None or number or _finite(value), "a number, or one for each entry observed"),
+            (
+                {"first_weights"},
+                value is None or number or _finite(value),
+                "a number, or one for each of the first entries observed",
+            ),
         )
         for names, holds, required in rules:
             if name in names and not holds:

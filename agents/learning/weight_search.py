@@ -35,8 +35,7 @@ class WeightSearch(ARS):
     """ARS of sb3-contrib that evaluates as many candidates at once as there are environments.
 
     The policy is linear without a bias, `clip(weights observation, -1, 1)`. It begins with weights of the first entries
-    of the observation: the first one of "landing" and "pace" is 1 until the last latch, the first two of "stages" are
-    the shares of the way there and of the landing.
+    of the observation: the first two of "landing" are the shares of the way there and of the landing.
 
     Args:
         policy, env, n_delta, n_top, learning_rate, delta_std, seed, device: See `sb3_contrib.ARS`.

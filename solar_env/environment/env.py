@@ -56,12 +56,9 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
       `time_to_deadline`, `time_since_latch`.
     * "history" appends angles, rates and motor torque as they were observed one, two and three periods ago
       (`theta_1_1_ago`, ...); before the first step they are the first ones.
-    * "landing" has those features of the table's end with which a linear function deploys and lands the array, as a
-      setpoint of `action="rate"`: rates, the lead of joint 1, places on the way, and distances after the last latch.
-    * "pace" has fewer of them, and among these the time that the rest of the opening needs at the present rate, by
-      which a linear function arrives in time whatever else it does.
-    * "stages" has such features apart for the way there (`far_...`) and for the landing (`near_...`), so that a change
-      of one leaves the other as it is.
+    * "landing" has features with which a linear function deploys and lands the array, as a setpoint of
+      `action="rate"`: of the way there (`far_...`), of the landing (`near_...`) and of what follows the last latch,
+      apart, so that a change of one leaves the others as they are.
     * "privileged" extends "drive" by what only a simulator knows, for analysis and bounds: `eccentricity_x_i`,
       `eccentricity_y_i` (inertial axes) and `in_contact_i` joint by joint, and `main_body_spin`.
 

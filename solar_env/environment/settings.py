@@ -48,7 +48,7 @@ class EnvironmentSettings:
             default at most a fifth of the pairs of controllers may be ranked wrongly ("controller-ranking", 0.2).
         torque_limit, control_period, deadline, postlock_window, driven_joint: see `task.task.Task`.
         action: "torque" or "rate", see `task.task.Task`.
-        observation: "drive", "history", "landing", "pace", "stages" or "privileged", or names of observables, such as
+        observation: "drive", "history", "landing" or "privileged", or names of observables, such as
             `["theta", "rate", "rate_1_ago", "time_to_deadline"]`; "rate_1_ago" is the rate of one period ago.
         prices: version of the reward's prices, "v1" or "v0"; the next keyword changes them.
         reward: mapping of terms to their weights, or to mappings of "scale", "weight" and "bound".

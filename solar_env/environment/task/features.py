@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 Values = NDArray[Any]
 DISTANCE = 2e-4  # below which a distance to the lock, in units of the lock angle, counts as proportional
 RATE = 3e-4  # the same of an opening rate [1/s]; 5e-4 rad/s of the root hinge
-PLACES = (0.0, 0.01, 0.05, 0.2, 0.5, 0.8, 0.93, 0.98, 0.995, 1.0)
-"""Mean openings between which a linear function of `approach_place_1` and the others is linear, piece by piece."""
 FAR, NEAR = 0.3, 0.1
 """Mean distances to the lock, in units of the lock angle, from which the approach is far and up to which it is near."""
+START, AT_RELEASE = 0.2, 16.0
+"""Duration of the start [s]; what is shown of it at release, so that weights of the size of others reverse a drive."""
 MEASURED = ("theta", "rate", "latched", "time_to_deadline")
 """Observables that features are made of."""
 
@@ -61,6 +61,11 @@ class Shown:
         """(lanes, 1) the rest of the approach: 1 minus `near` until the last latch, then 0."""
         return self.approach - self.near
 
+    @property
+    def start(self) -> Values:
+        """(lanes, 1) 1 at release, linearly to 0 at the end of the start, then 0."""
+        return np.maximum(1.0 - (1.0 - self.time_to_deadline) * self._deadline / START, 0.0)
+
     @cached_property
     def distance(self) -> Values:
         """(lanes, 1) mean distance to the lock, in units of the lock angle."""
@@ -81,12 +86,6 @@ class Shown:
         """(lanes, 1) share of the time left that the rest of the opening takes at this rate."""
         left = np.maximum(self.time_to_deadline * self._deadline, 0.1)
         return np.maximum(self.distance, 0.0) / (np.maximum(self.opening_rate, RATE) * left)
-
-
-def near(place: int) -> Callable[[Shown], Values]:
-    """Make the function (lanes, 1) that is 1 at a place, falls linearly to 0 at its neighbours, and is 0 elsewhere."""
-    unit = np.eye(len(PLACES))[place]
-    return lambda shown: shown.approach * np.interp(1.0 - shown.distance, PLACES, unit)
 
 
 def ahead(values: Values) -> Values:
@@ -137,26 +136,14 @@ FORMULA_WORDS = {
     "r_j": "(rate of joint j) / (its lock angle), as measured [1/s]",
     "d, r": "means of d_j and r_j over the joints",
     "ahead_d, ahead_r": "d_1 or r_1 minus the mean of those of the other joints; 0 if there are none",
+    "deadline": "of all latches [s]",
     "left": "time to the deadline [s]",
     "L(x, u)": "sign(x) ln(1 + |x| / u)",
 }
 
-
-def _place_formula(place: int) -> str:
-    """Formula of `near`."""
-    sides = []
-    if place > 0:
-        left = PLACES[place - 1]
-        sides.append(f"(1 - d - {left:g}) / {PLACES[place] - left:.3g}")
-    if place < len(PLACES) - 1:
-        right = PLACES[place + 1]
-        sides.append(f"({right:g} - 1 + d) / {right - PLACES[place]:.3g}")
-    return f"approach * max(0, min(1, {', '.join(sides)}))"
-
-
-# What features of the approach show a share of, under the names that follow that of the share.
+# What the way there and the landing are described by, under names that follow theirs.
 _QUANTITIES = (
-    Feature("", "1", "0 or 1", 0, 1, lambda s: np.ones_like(s.distance), "1"),
+    Feature("", "1", "-", 0, 1, lambda s: np.ones_like(s.distance), "1"),
     Feature(
         "opening", "twice the mean opening less 0.8", "lock angle", -4, 4,
         lambda s: 2.0 * (0.2 - s.distance),
@@ -183,11 +170,6 @@ _QUANTITIES = (
         "L(ahead_r, 3e-4) / 3",
     ),
     Feature(
-        "time", "twice the time left less 0.3", "deadline", -2, 2,
-        lambda s: 2.0 * (s.time_to_deadline - 0.3),
-        "2 * (left / deadline - 0.3)",
-    ),
-    Feature(
         "deceleration", "rate squared over twice the distance, logarithmic", "-", -8, 8,
         lambda s: (signed_logarithm(s.deceleration, 1e-4) - 4.0) / 2.0,
         "(L(max(r, 0) * max(r, 0) / (2 * max(d, 2e-4)), 1e-4) - 4) / 2",
@@ -199,17 +181,16 @@ _QUANTITIES = (
     ),
 )  # fmt: skip
 
-_UNTIL, _AFTER = "until the last latch, then 0", "after the last latch, before it 0"
-# Shares of the approach: of all of it, of the way there, and of the landing.
+# Shares of the time until the last latch: of the way there, and of the landing.
 _SHARES: dict[str, tuple[Callable[[Shown], Values], str]] = {
-    "approach": (lambda s: s.approach, _UNTIL),
     "far": (lambda s: s.far, "up to 0.7 of the opening, fading out to 0.9, then 0"),
     "near": (lambda s: s.near, "from 0.9 of the opening to the last latch, fading in from 0.7, else 0"),
 }
+_AFTER = "after the last latch, before it 0"
 
 
 def _shared(share: str, quantity: Feature) -> Feature:
-    """The feature that is a share of the approach times a quantity."""
+    """The feature that is a share times a quantity."""
     of_share, while_ = _SHARES[share]
     return Feature(
         f"{share}_{quantity.name}".removesuffix("_"),
@@ -222,13 +203,10 @@ def _shared(share: str, quantity: Feature) -> Feature:
 
 FEATURES: tuple[Feature, ...] = (
     *(_shared(share, quantity) for share in _SHARES for quantity in _QUANTITIES),
-    *(
-        Feature(
-            f"approach_place_{place + 1}",
-            f"1 at a mean opening of {opening:g}, linearly to 0 at the neighbouring places, {_UNTIL}", "-", 0, 1,
-            near(place), _place_formula(place),
-        )
-        for place, opening in enumerate(PLACES)
+    Feature(
+        "start", "16 at release, linearly to 0 within 0.2 s, then 0", "-", 0, 16,
+        lambda s: AT_RELEASE * s.start,
+        "16 * max(0, 1 - (deadline - left) / 0.2)",
     ),
     Feature(
         "settling_rate", f"opening rate, logarithmic, {_AFTER}", "-", -4, 4,

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array.names import unknown_name
-from solar_env.environment.task.features import FEATURES, MEASURED, PLACES, Feature
+from solar_env.environment.task.features import FEATURES, MEASURED, Feature
 from solar_env.environment.task.task import last_latch
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.formulations import view_joint_of
@@ -88,27 +88,6 @@ OBSERVATIONS: dict[str, Names] = {
     "drive": _DRIVE,
     "history": (*_DRIVE, *_PAST),
     "landing": (
-        "approach",
-        "approach_rate",
-        "approach_lead",
-        "approach_lead_rate",
-        *(f"approach_place_{place + 1}" for place in range(len(PLACES))),
-        "settling_rate",
-        "settling_distance",
-    ),
-    "pace": (
-        "approach",
-        "approach_time_needed",
-        "approach_opening",
-        "approach_distance",
-        "approach_rate",
-        "approach_lead",
-        "approach_lead_rate",
-        "approach_deceleration",
-        "settling_rate",
-        "settling_distance",
-    ),
-    "stages": (
         "far",
         "near",
         "far_opening",

@@ -216,16 +216,16 @@ def test_a_search_around_nothing_or_around_a_search_is_refused():
 
 
 def test_with_perfect_sensors_futures_observe_features_as_the_environment_does():
-    env = make(observation="pace")
+    env = make(observation="landing")
     observation = brought_into_contact(env)
     np.testing.assert_array_equal(env.unwrapped.futures(1).observations[0], observation)
 
 
 def test_futures_observe_what_the_environment_does_but_for_the_past():
-    env = make(observation=["theta", ("rate_1_ago", "approach_rate"), "time_to_deadline"])
+    env = make(observation=["theta", ("rate_1_ago", "near_rate"), "time_to_deadline"])
     env.reset(seed=0)
     assert env.unwrapped.futures(1).settings.observation_names == (
-        "theta_1", "theta_2", "approach_rate", "time_to_deadline",
+        "theta_1", "theta_2", "near_rate", "time_to_deadline",
     )  # fmt: skip
     env = make(observation=["theta_1_ago"])
     env.reset(seed=0)

@@ -82,9 +82,10 @@ def test_ppo_without_a_law_begins_with_a_constant_rate_that_arrives_and_acts_at_
     config = configurations.complete("ppo", "solar_env/Deploy-v1", {"model": "rigid-clearance"}, seed=0, residual=0.0)
     venv = learn.make_training_env(config, [], None, threads=1)
     model = learn.make_model(config, venv, learn.prepare(config)[0])
-    before_latching, latched = np.eye(2, 18).astype(np.float32)
-    assert model.predict(before_latching, deterministic=True)[0] == pytest.approx(0.85)
-    assert model.predict(latched, deterministic=True)[0] == 0.0
+    observed = dict(zip(venv.get_attr("observation_names", 0)[0], np.eye(16, dtype=np.float32), strict=True))
+    for approaching in ("far", "near"):
+        assert model.predict(observed[approaching], deterministic=True)[0] == pytest.approx(0.85)
+    assert model.predict(observed["settling_rate_1"], deterministic=True)[0] == 0.0
     assert venv.get_attr("task", 0)[0].control_period == 0.5
 
 

@@ -118,5 +118,5 @@ def test_a_search_over_weights_adds_to_no_law():
     assert (config.residual, config.landings) == (None, 0)
     assert {name: config.env_kwargs[name] for name in ("action", "observation")} == {
         "action": "rate",
-        "observation": "stages",
+        "observation": "landing",
     }

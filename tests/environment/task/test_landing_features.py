@@ -12,7 +12,7 @@ import pytest
 
 import solar_env
 from solar_env import Hardware
-from solar_env.environment.task.features import FEATURES, PLACES, signed_logarithm
+from solar_env.environment.task.features import FEATURES, signed_logarithm
 from solar_env.environment.task.observations import observation_entries
 from solar_env.environment.task.sensors import Sensors
 
@@ -36,21 +36,22 @@ def logarithm(value, unit):
     return math.copysign(math.log(1.0 + abs(value) / unit), value)
 
 
-def test_the_features_of_an_approach_are_those_of_the_mean_opening_and_of_its_difference():
-    seen = shown((0.9, 0.86), (0.11, 0.2), (0, 0), 0.4)
-    distance, opening_rate = 0.12, 0.5 * (0.11 / LOCK_ANGLES[0] + 0.2 / LOCK_ANGLES[1])
-    assert seen["approach"] == 1.0
-    assert seen["approach_opening"] == pytest.approx(2.0 * (0.88 - 0.8), abs=1e-6)
-    assert seen["approach_distance"] == pytest.approx(0.5 * (logarithm(distance, 2e-4) - 4.0), abs=1e-5)
-    assert seen["approach_rate"] == pytest.approx(logarithm(opening_rate, 3e-4) - 5.0, abs=1e-5)
-    assert seen["approach_lead"] == pytest.approx(0.5 * logarithm(0.04, 2e-4), abs=1e-5)
+@pytest.mark.parametrize(("theta", "share"), [((0.9, 0.94), "near"), ((0.2, 0.16), "far")])
+def test_features_of_the_way_there_and_of_the_landing_are_those_of_the_mean_opening_and_of_the_lead(theta, share):
+    seen = shown(theta, (0.11, 0.2), (0, 0), 0.4)
+    distance, opening_rate = 1.0 - sum(theta) / 2, 0.5 * (0.11 / LOCK_ANGLES[0] + 0.2 / LOCK_ANGLES[1])
+    assert (seen["near"], seen["far"]) == ((1.0, 0.0) if share == "near" else (0.0, 1.0))
+    assert seen[f"{share}_opening"] == pytest.approx(2.0 * (0.2 - distance), abs=1e-6)
+    assert seen[f"{share}_distance"] == pytest.approx(0.5 * (logarithm(distance, 2e-4) - 4.0), abs=1e-5)
+    assert seen[f"{share}_rate"] == pytest.approx(logarithm(opening_rate, 3e-4) - 5.0, abs=1e-5)
+    assert seen[f"{share}_lead"] == pytest.approx(0.5 * logarithm(theta[0] - theta[1], 2e-4), abs=1e-5)
     ahead = 0.11 / LOCK_ANGLES[0] - 0.2 / LOCK_ANGLES[1]
-    assert seen["approach_lead_rate"] == pytest.approx(logarithm(ahead, 3e-4) / 3.0, abs=1e-5)
-    assert seen["approach_time"] == pytest.approx(2.0 * (0.4 - 0.3), abs=1e-6)
+    assert seen[f"{share}_lead_rate"] == pytest.approx(logarithm(ahead, 3e-4) / 3.0, abs=1e-5)
     deceleration = opening_rate**2 / (2.0 * distance)
-    assert seen["approach_deceleration"] == pytest.approx(0.5 * (logarithm(deceleration, 1e-4) - 4.0), abs=1e-5)
-    assert seen["approach_time_needed"] == pytest.approx(math.log(distance / opening_rate / 8.0), abs=1e-5)
-    assert all(value == 0.0 for name, value in seen.items() if name.startswith("settling"))
+    assert seen[f"{share}_deceleration"] == pytest.approx(0.5 * (logarithm(deceleration, 1e-4) - 4.0), abs=1e-5)
+    assert seen[f"{share}_time_needed"] == pytest.approx(math.log(distance / opening_rate / 8.0), abs=1e-5)
+    other = "far" if share == "near" else "near"
+    assert all(value == 0.0 for name, value in seen.items() if name.startswith(("settling", other)))
 
 
 @each
@@ -81,18 +82,14 @@ def test_the_formula_that_a_feature_is_described_by_is_what_it_computes(row, lat
 def test_features_of_the_way_there_fade_out_as_those_of_the_landing_fade_in(opening, near):
     seen = shown((opening, opening), (0.1, 0.2), (0, 0), 0.4)
     assert (seen["far"], seen["near"]) == pytest.approx((1.0 - near, near), abs=1e-6)
-    for quantity in ("opening", "distance", "rate", "lead", "lead_rate", "time", "deceleration", "time_needed"):
-        whole = seen[f"approach_{quantity}"]
-        assert seen[f"far_{quantity}"] == pytest.approx((1.0 - near) * whole, abs=1e-5)
-        assert seen[f"near_{quantity}"] == pytest.approx(near * whole, abs=1e-5)
+    whole = logarithm(0.05 * (1.0 / LOCK_ANGLES[0] + 2.0 / LOCK_ANGLES[1]), 3e-4) - 5.0
+    assert (seen["far_rate"], seen["near_rate"]) == pytest.approx(((1.0 - near) * whole, near * whole), abs=1e-5)
 
 
-@pytest.mark.parametrize("opening", [0.0, 0.003, 0.35, 0.9, 0.997, 1.0])
-def test_a_linear_function_of_the_places_is_any_that_is_linear_between_them(opening):
-    seen = shown((opening, opening), (0.1, 0.2), (0, 0), 0.4)
-    weights = np.random.default_rng(0).normal(size=len(PLACES))
-    places = [seen[f"approach_place_{place + 1}"] for place in range(len(PLACES))]
-    assert np.dot(weights, places) == pytest.approx(np.interp(opening, PLACES, weights), abs=1e-5)
+@pytest.mark.parametrize(("time", "start"), [(0.0, 16.0), (0.1, 8.0), (0.2, 0.0), (3.0, 0.0), (20.0, 0.0)])
+def test_the_start_fades_out_within_two_periods_of_the_release(time, start):
+    seen = shown((0.0, 0.0), (0.0, 0.0), (0, 0), (DEADLINE - time) / DEADLINE)
+    assert seen["start"] == pytest.approx(start, abs=1e-4)
 
 
 def test_after_the_last_latch_the_features_are_those_of_each_joint():
@@ -100,8 +97,8 @@ def test_after_the_last_latch_the_features_are_those_of_each_joint():
     for k, (distance, rate) in enumerate([(-0.002, -0.003 / LOCK_ANGLES[0]), (0.001, 0.01 / LOCK_ANGLES[1])], start=1):
         assert seen[f"settling_distance_{k}"] == pytest.approx(logarithm(distance, 2e-4) / 3.0, abs=1e-3)
         assert seen[f"settling_rate_{k}"] == pytest.approx(logarithm(rate, 3e-4) / 4.0, abs=1e-5)
-    assert all(value == 0.0 for name, value in seen.items() if name.startswith(("approach", "far", "near")))
-    assert shown((1.0, 0.9), (0.0, 0.1), (1, 0), 0.1)["approach"] == 1.0, "one joint is still open"
+    assert all(value == 0.0 for name, value in seen.items() if name.startswith(("far", "near")))
+    assert shown((1.0, 0.9), (0.0, 0.1), (1, 0), 0.1)["near"] == 1.0, "one joint is still open"
 
 
 def test_a_signed_logarithm_is_proportional_where_values_are_small_and_odd():

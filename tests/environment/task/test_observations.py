@@ -122,7 +122,7 @@ def test_the_observations_list_what_is_documented_in_that_order():
     drive += ["motor_torque", "time_to_deadline", "time_since_latch"]
     remembered = [*drive[:6], "motor_torque"]
     journals = [f"{name}_{k}" for k in (1, 2, 3) for name in ("eccentricity_x", "eccentricity_y", "in_contact")]
-    assert set(OBSERVATIONS) == {"drive", "history", "landing", "pace", "privileged", "stages"}
+    assert set(OBSERVATIONS) == {"drive", "history", "landing", "privileged"}
     assert names(3, "drive") == drive
     assert names(3, "history") == drive + [f"{name}_{back}_ago" for back in (1, 2, 3) for name in remembered]
     assert names(3, "privileged") == [*drive, *journals, "main_body_spin"]

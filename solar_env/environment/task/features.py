@@ -136,7 +136,7 @@ FORMULA_WORDS = {
     "r_j": "(rate of joint j) / (its lock angle), as measured [1/s]",
     "d, r": "means of d_j and r_j over the joints",
     "ahead_d, ahead_r": "d_1 or r_1 minus the mean of those of the other joints; 0 if there are none",
-    "deadline": "of all latches [s]",
+    "deadline": "time by which all joints must have latched [s]",
     "left": "time to the deadline [s]",
     "L(x, u)": "sign(x) ln(1 + |x| / u)",
 }

@@ -169,6 +169,7 @@ def run_command(args: Args) -> int:
         raise ValueError(f"nothing to search for {args.algo!r}; choose from {', '.join(SPACES)}")
     default = WHOLE_TORQUE_MODEL if args.whole else MODEL
     env_kwargs = args.keywords(args.env_id, default)
+    values = start(args.algo, args.env_id, args.whole, args.repeat)
     make_folder(args.out)
     check_target(CONFIGS / f"{args.algo}.json")
     scores: dict[Path, float] = {}
@@ -183,7 +184,6 @@ def run_command(args: Args) -> int:
         scores.update({folder: score(folder) for folder in folders})
         return [-scores[folder] for folder in folders]
 
-    values = start(args.algo, args.env_id, args.whole, args.repeat)
     first = point(values, args.algo, args.whole)
     minimise(costs, first, args.trials, args.seed, progress=not args.quiet, spread=SPREAD)
     before = -costs([first])[0]

@@ -129,7 +129,8 @@ def test_there_must_be_a_search_to_repeat(written):
     entries[DEFAULT_ENV_ID]["whole_torque"].pop("search", None)
     (written / "sac.json").write_text(json.dumps(entries))
     with pytest.raises(ValueError, match=r"sac\.json records no such search for 'solar_env/Deploy-v1'"):
-        execute("search", ["--algo", "sac", "--whole", "--repeat"])
+        execute("search", ["--algo", "sac", "--whole", "--repeat", "--out", str(written / "search")])
+    assert not (written / "search").exists(), "a refusal leaves no folder"
 
 
 def test_trials_train_on_as_many_landings_as_they_are_told():

@@ -54,8 +54,8 @@ def _prepared(spec: str, policy: str | None, env_id: str, keywords: str) -> tupl
         return env, parse_controller(spec).load(env)
 
 
-def _law_and_model(cell: Cell) -> tuple[str, str, str]:
-    """Law that a cell of a law runs, or searches from; environment id and model."""
+def _base_and_model(cell: Cell) -> tuple[str, str, str]:
+    """What a cell runs, or searches around; environment id and model."""
     spec, env_id = str(cell["spec"]), str(cell["env_id"])
     return spec.removeprefix(SEARCH_AROUND), env_id, environment_settings(env_id, cell["env_kwargs"]).level[0]
 
@@ -78,9 +78,9 @@ def run_cells(
         UntunedWarning: Once for each law that gets the parameters of another model.
     """
     settings = {json.dumps({**cell, "seed": 0}, sort_keys=True): cell for cell in cells}
-    tuned = (cell for cell in settings.values() if str(cell["spec"]).removeprefix(SEARCH_AROUND) in TUNABLE)
-    for spec, env_id, model in dict.fromkeys(map(_law_and_model, tuned)):
-        warn_if_untuned(spec, env_id, model)
+    for spec, env_id, model in dict.fromkeys(map(_base_and_model, settings.values())):
+        if spec in TUNABLE:
+            warn_if_untuned(spec, env_id, model)
     keys = [json.dumps(cell, sort_keys=True) for cell in cells]
     different = dict(zip(keys, cells, strict=True))
     with counting_bar(Console(stderr=True, quiet=not progress)) as bar:

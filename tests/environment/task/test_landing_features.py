@@ -84,6 +84,9 @@ def test_features_of_the_way_there_fade_out_as_those_of_the_landing_fade_in(open
     assert (seen["far"], seen["near"]) == pytest.approx((1.0 - near, near), abs=1e-6)
     whole = logarithm(0.05 * (1.0 / LOCK_ANGLES[0] + 2.0 / LOCK_ANGLES[1]), 3e-4) - 5.0
     assert (seen["far_rate"], seen["near_rate"]) == pytest.approx(((1.0 - near) * whole, near * whole), abs=1e-5)
+    for quantity in ("opening", "distance", "rate", "lead", "lead_rate", "deceleration", "time_needed"):
+        far_share, near_share = near * seen[f"far_{quantity}"], (1.0 - near) * seen[f"near_{quantity}"]
+        assert far_share == pytest.approx(near_share, abs=1e-5), "the same quantity, in two shares"
 
 
 @pytest.mark.parametrize(("time", "start"), [(0.0, 16.0), (0.1, 8.0), (0.2, 0.0), (3.0, 0.0), (20.0, 0.0)])

@@ -130,7 +130,7 @@ def test_the_observations_list_what_is_documented_in_that_order():
 
 @pytest.mark.parametrize("name", OBSERVATIONS)
 def test_an_observation_with_a_name_is_made_of_rows_of_the_table_each_once(name):
-    shown = [entry.name for entry in observation_entries(2, name)]
+    shown = names(2, name)
     assert len(shown) == len(set(shown))
     assert gymnasium.make(ID, observation=name).unwrapped.observation_names == tuple(shown)
 

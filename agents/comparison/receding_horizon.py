@@ -71,17 +71,16 @@ class RecedingHorizon(DeterministicController):
     Candidates are actions linear over time on top of those of a base, a law or a policy, to the end of the episode, for
     the cost comes with latching and after it. They are searched by the cross-entropy method (R. Y. Rubinstein,
     Methodol. Comput. Appl. Probab. 1 (1999) 127-190, doi:10.1023/A:1010091220143), anew every `replan_every` periods,
-    around the last plan. The rollouts start from the exact state, with the true parameters, the true motor, and perfect
-    sensors for the base.
+    around the last plan. The rollouts start from the exact state, with the true parameters, the true motor, and the
+    noise of the sensors that is to come.
 
-    The actions of the best rollout are applied: the simulator is deterministic, so that its return is reached whatever
-    the sensors show. A plan is replaced only by a better one: the predicted return never falls, and is never below that
-    of the base with perfect sensors.
+    The actions of the best rollout are applied: the simulator is deterministic, so that its return is reached. A plan
+    is replaced only by a better one: the predicted return never falls, and is never below that of the base.
 
     Args:
         env: Environment of this project, not a vector; `act` must be asked in every period of its episodes, and
             the answers be taken as they are.
-        base: Controller without a memory that reads no entries of earlier periods.
+        base: Controller without a memory.
         settings: Settings of the search.
         seed: Seed of the search, used anew in every episode.
 

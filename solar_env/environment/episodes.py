@@ -162,8 +162,10 @@ class Episodes:
         return late[generator.integers(len(late))] if late else self._approaches[-1][1]
 
     def _run_approaches(self, starts: Starts) -> list[tuple[float, SavedEpisode]]:
-        exact = replace(self.settings.with_exact_observations(), observation="drive")
-        settings = replace(exact, action="rate", starts=None, render_mode=None)
+        exact = self.settings.drive.with_ideal_sensors()
+        settings = replace(
+            self.settings, hardware=exact, observation="drive", action="rate", starts=None, render_mode=None
+        )
         designs = (self.designs * starts.count)[: starts.count]
         return run_approaches(type(self)(settings, designs, self._threads), starts)
 
@@ -261,9 +263,8 @@ class Episodes:
     def futures(self, lane: int, count: int, threads: int | None = None) -> Self:
         """Copies of the present episode of a lane, which go on without touching it.
 
-        Each has the original's whole state, mid-contact included, its parameters, its charges so far and its motor, and
-        goes on to the same bits under the same actions. They observe with perfect sensors, and no entries of earlier
-        periods: no random number is drawn.
+        Each has the original's whole state, mid-contact included, its parameters, its charges so far, its motor and its
+        sensors with the noise that is to come, and goes on to the same bits under the same actions.
 
         Args:
             lane: of the original.
@@ -274,17 +275,16 @@ class Episodes:
             gymnasium.error.ResetNeeded: before the first reset.
             ValueError: if `count` or `threads` is not positive.
         """
-        state, parameters = self.batch.simulations[lane].state, self.parameters[lane]
-        simulations = [self.settings.simulation(parameters) for _ in range(count)]
-        for simulation in simulations:
-            simulation.restore(state)
-        copies = type(self)(self.settings.with_exact_observations(), [parameters] * count, threads)
+        saved = self.save(lane)
+        simulations = [self.settings.simulation(saved.parameters) for _ in range(count)]
+        copies = type(self)(replace(self.settings, render_mode=None), [saved.parameters] * count, threads)
+        for k, simulation in enumerate(simulations):
+            simulation.restore(saved.state)
+            copies._sensors.recall(k, saved.sensors)
         copies._batch = Batch(simulations, threads)
         copies.terms[:], copies.rewards[:] = self.terms[lane], self.rewards[lane]
         copies.terminated[:], copies._charged[:] = self.terminated[lane], self._charged[lane]
         copies._loop_torques[:] = self._loop_torques[lane]
-        copies._observe(np.arange(count))
-        copies._sensors.measure(np.arange(count))
         return copies
 
     def info(self, lane: int) -> dict[str, Any]:

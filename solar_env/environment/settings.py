@@ -16,7 +16,7 @@ from solar_env.array.parameters.ranges import Ranges, checked_ranges, drawn
 from solar_env.environment.hardware import Hardware
 from solar_env.environment.scenarios import scenario_named
 from solar_env.environment.starts import Starts
-from solar_env.environment.task.observations import Entry, Names, observation_entries, present_names
+from solar_env.environment.task.observations import Entry, Names, observation_entries
 from solar_env.environment.task.reward import Reward
 from solar_env.environment.task.sensors import Sensors
 from solar_env.environment.task.task import Task
@@ -206,14 +206,6 @@ class EnvironmentSettings:
     def action_space(self) -> gymnasium.Space[Any]:
         """Space of one action."""
         return gymnasium.spaces.Box(-1.0, 1.0, (1,), dtype=np.float32)
-
-    def with_exact_observations(self) -> Self:
-        """The same with perfect sensors, and without entries of earlier periods; the motor stays as it is.
-
-        Where all entries are of earlier periods, those of "drive" are observed.
-        """
-        observation = present_names(self.observation) or "drive"
-        return replace(self, hardware=self.drive.with_ideal_sensors(), observation=observation)
 
     def check_changes(self, design: ArrayParameters, changes: Changes) -> None:
         """Check changes of the parameters of one episode, before anything is drawn.

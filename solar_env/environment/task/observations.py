@@ -151,13 +151,6 @@ def observation_entries(joints: int, observation: str | Names) -> tuple[Entry, .
     return tuple(entries)
 
 
-def present_names(observation: str | Names) -> Names:
-    """Names of an observation, of `observation_entries`, without those of earlier periods; none may be left."""
-    names = OBSERVATIONS[observation] if isinstance(observation, str) else observation
-    turns = [tuple(name) if isinstance(name, (tuple, list)) else (name,) for name in names]
-    return [present for turn in turns if (present := tuple(name for name in turn if not _observable(name)[1]))]
-
-
 def _observable(name: str) -> tuple[Observable | Feature, int]:
     """The observable or feature that a name of an observation stands for, and its age [control periods]."""
     past = re.fullmatch(r"(\w+)_([1-9]\d*)_ago", str(name))

@@ -2,32 +2,26 @@
 
 import csv
 import io
-import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import numpy as np
-
 from agents.commands.arguments import ModelOptions, TrainingOptions
-from agents.comparison.figures import learning_curves_figure
+from agents.comparison.figures import Curve, learning_curves_figure
 from agents.comparison.suites import MODEL, SUITES, WHOLE_TORQUE_MODEL
-from agents.environments import check_distinct_seeds
+from agents.environments import check_distinct_seeds, environment_settings
 from agents.learning import configurations, learn, runs
 from solar_env.environment.registration import ENVIRONMENTS
 from solar_env.support.files import copy_file, make_folder, write_text
 
 FIGURE, TABLE = "learning_curves.png", "learning_curves.csv"
 
-# (panel of the figure, algorithm) -> mean validation return (seeds, validations), after these steps (validations,).
-Curves = dict[tuple[str, str], tuple[np.ndarray, np.ndarray]]
-
 
 @dataclass
 class Args(ModelOptions, TrainingOptions):
     """Train agents on both scenarios with several seeds and draw how their validation returns develop.
 
-    The model is flexible-clearance unless another is named, and for the whole torque rigid-clearance.
+    The model is flexible-clearance unless another is named, for the whole torque rigid-clearance.
     """
 
     algos: list[str] = field(default_factory=lambda: sorted(runs.ALGORITHMS))
@@ -37,7 +31,7 @@ class Args(ModelOptions, TrainingOptions):
     suites: list[str] = field(default_factory=lambda: list(SUITES))
     """scenarios: paper (nominal) and robust (randomised)"""
     whole: bool = False
-    """agents that command the whole torque too, on rigid panels, not only those that add to the tuned servo"""
+    """agents that command the whole torque instead of those that add to the tuned servo"""
     out: str = "curves"
     """folder of runs, table and figure; runs that are complete there are not trained again"""
     readme: bool = False
@@ -47,15 +41,13 @@ class Args(ModelOptions, TrainingOptions):
 def wanted_runs(args: Args) -> dict[tuple[str, str], dict[Path, configurations.Configuration]]:
     """Plan the runs: (panel, algorithm) -> run folder -> its configuration, one for each seed."""
     wanted: dict[tuple[str, str], dict[Path, configurations.Configuration]] = {}
-    for suite, whole in itertools.product(args.suites, (False, True) if args.whole else (False,)):
+    whole = args.whole
+    residual, landings = (0.0, None) if whole else (None, args.landings)
+    numbers = None, args.timesteps, args.hyperparams, residual, landings
+    for suite in args.suites:
         env_id = SUITES[suite]
-        if whole:
-            keywords = {**args.env_kwargs, **WHOLE_TORQUE_MODEL}
-        else:
-            keywords = args.keywords(env_id, MODEL)
+        keywords = args.keywords(env_id, WHOLE_TORQUE_MODEL if whole else MODEL)
         panel = f"{ENVIRONMENTS[env_id][0]}, {keywords['model']}, {'whole torque' if whole else 'added to the servo'}"
-        residual, landings = (0.0, None) if whole else (None, args.landings)
-        numbers = None, args.timesteps, args.hyperparams, residual, landings
         for algo in args.algos:
             if not whole and not configurations.entry(algo, env_id)["residual"]:
                 continue  # it adds to no law
@@ -67,20 +59,21 @@ def wanted_runs(args: Args) -> dict[tuple[str, str], dict[Path, configurations.C
     return wanted
 
 
-def curve(folders: Sequence[Path]) -> tuple[np.ndarray, np.ndarray]:
-    """Read steps (validations,) and mean validation returns (runs, validations) of runs of one configuration."""
-    histories = [runs.read_evaluations(folder) for folder in folders]
-    return histories[0]["timesteps"], np.array([history["results"].mean(axis=1) for history in histories])
+def curve(folder: Path, config: configurations.Configuration) -> Curve:
+    """Read simulated time [s] and mean validation return (validations,) of a run."""
+    history = runs.read_evaluations(folder)
+    period = environment_settings(config.env_id, config.env_kwargs).task.control_period
+    return period * history["timesteps"], history["results"].mean(axis=1)
 
 
-def write_table(curves: Curves, seeds: Sequence[int], path: Path) -> None:
+def write_table(curves: Mapping[tuple[str, str], Sequence[Curve]], seeds: Sequence[int], path: Path) -> None:
     """Write a CSV file with a row for each validation of each run; the runs of an agent are those of the seeds."""
     text = io.StringIO(newline="")
     writer = csv.writer(text)
-    writer.writerow(["task", "algorithm", "seed", "steps", "validation return"])
-    for (panel, algo), (steps, returns) in curves.items():
-        for seed, history in zip(seeds, returns, strict=True):
-            writer.writerows([panel, algo, seed, int(s), float(r)] for s, r in zip(steps, history, strict=True))
+    writer.writerow(["task", "algorithm", "seed", "simulated time [s]", "validation return"])
+    for (panel, algo), of_agent in curves.items():
+        for seed, (times, returns) in zip(seeds, of_agent, strict=True):
+            writer.writerows([panel, algo, seed, round(t, 3), float(r)] for t, r in zip(times, returns, strict=True))
     write_text(path, text.getvalue())
 
 
@@ -94,7 +87,7 @@ def run_command(args: Args) -> int:
     out = make_folder(args.out)
     everything = {folder: config for of_agent in wanted.values() for folder, config in of_agent.items()}
     learn.train_missing(everything, args.command, "cpu", args.workers, not args.quiet)
-    curves: Curves = {key: curve(list(of_agent)) for key, of_agent in wanted.items()}
+    curves = {key: [curve(*run) for run in of_agent.items()] for key, of_agent in wanted.items()}
     write_table(curves, args.seeds, out / TABLE)
     learning_curves_figure(curves, out / FIGURE)
     if args.readme:

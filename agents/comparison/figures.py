@@ -21,6 +21,9 @@ from solar_env.support.files import save_figure
 OPENING, RATES = "opening [lock angle]", "joint rates [rad/s]"
 TORQUE, FORCE, CHARGED = "motor torque [N m]", "peak force in a period [N]", "charged so far"
 
+Curve = tuple[np.ndarray, np.ndarray]
+"""Of a training run: simulated time [s] and mean validation return (validations,)."""
+
 
 def plot_learning_curve(axes: Axes, folder: Path, reference_returns: Mapping[str, float]) -> None:
     """Plot minus the returns of training and validation episodes over environment steps, with references as lines."""
@@ -162,10 +165,10 @@ def transfer_figure(returns: Mapping[str, Mapping[str, float]], path: Path) -> N
 
 
 @rc_context(STYLE)
-def learning_curves_figure(curves: Mapping[tuple[str, str], tuple[np.ndarray, np.ndarray]], path: Path) -> None:
-    """Draw validation returns over environment steps, panel by panel: medians over training seeds, and their range.
+def learning_curves_figure(curves: Mapping[tuple[str, str], Sequence[Curve]], path: Path) -> None:
+    """Draw validation returns over simulated time, panel by panel: medians over training seeds, and their range.
 
-    `curves` maps (panel, algorithm) to steps (n,) and mean validation returns (seeds, n).
+    `curves` maps (panel, algorithm) to the curves of the seeds, which are drawn as far as all of them go.
     """
     panels = list(dict.fromkeys(panel for panel, _ in curves))
     across = min(len(panels), 2)
@@ -173,21 +176,28 @@ def learning_curves_figure(curves: Mapping[tuple[str, str], tuple[np.ndarray, np
     figure = Figure(figsize=(5.5 * across, 3.6 * down), layout="constrained")
     for axes, panel in zip(figure.subplots(down, across, squeeze=False).flat, panels, strict=False):
         for algo in (algo for title, algo in curves if title == panel):
-            steps, returns = curves[panel, algo]
-            color = look_of(algo, CONTROLLER_LOOKS)["color"]
-            axes.plot(steps, -np.median(returns, axis=0), color=color, label=f"{algo}, {len(returns)} seeds")
-            axes.fill_between(steps, -returns.max(axis=0), -returns.min(axis=0), color=color, alpha=0.15, lw=0)
-        axes.set(yscale="log", xlabel="environment steps", ylabel="minus the validation return", title=panel)
+            times, returns = _over_common_times(curves[panel, algo])
+            color, hours = look_of(algo, CONTROLLER_LOOKS)["color"], times / 3600.0
+            axes.plot(hours, -np.median(returns, axis=0), color=color, label=f"{algo}, {len(returns)} seeds")
+            axes.fill_between(hours, -returns.max(axis=0), -returns.min(axis=0), color=color, alpha=0.15, lw=0)
+        axes.set(yscale="log", xlabel="simulated time [h]", ylabel="minus the validation return", title=panel)
         axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 1.5, 2.0, 3.0, 5.0, 7.0)))  # some in less than a decade
         axes.yaxis.set_major_formatter("{x:g}")
         axes.yaxis.set_minor_formatter(NullFormatter())
         axes.legend()
-    last = {key: np.median(returns[:, -1]) for key, (_, returns) in curves.items()}
+    last = {key: np.median(_over_common_times(of_agent)[1][:, -1]) for key, of_agent in curves.items()}
     best = Counter(max((key for key in last if key[0] == panel), key=last.__getitem__)[1] for panel in panels)
     figure.suptitle(
         "Best at the end: " + ", ".join(f"{algo} in {n} of {len(panels)} tasks" for algo, n in best.items())
     )
     save_figure(figure, path, dpi=130)
+
+
+def _over_common_times(of_agent: Sequence[Curve]) -> tuple[np.ndarray, np.ndarray]:
+    """Times of all runs up to the first end of one (n,), and the returns at these, linear in between (runs, n)."""
+    times = np.unique(np.concatenate([times for times, _ in of_agent]))
+    times = times[times <= min(run_times[-1] for run_times, _ in of_agent)]
+    return times, np.array([np.interp(times, *run) for run in of_agent])
 
 
 @rc_context(STYLE)

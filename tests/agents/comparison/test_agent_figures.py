@@ -94,11 +94,11 @@ def test_the_transfer_matrix_has_its_rows_for_training_and_its_columns_for_judgi
 
 
 def test_a_learning_curve_is_the_median_of_the_seeds_and_their_range_on_the_panel_of_its_task(tmp_path, saved_figures):
-    steps = np.array([0, 10])
+    times = 3600.0 * np.array([0.0, 10.0])
     curves = {
-        ("nominal", "ppo"): (steps, -np.array([[1.0, 0.5], [2.0, 0.7], [6.0, 0.1]])),
-        ("nominal", "sac"): (steps, -np.array([[3.0, 4.0]])),
-        ("randomised", "ppo"): (steps, -np.array([[5.0, 4.0]])),
+        ("nominal", "ppo"): [(times, -np.array(costs)) for costs in ([1.0, 0.5], [2.0, 0.7], [6.0, 0.1])],
+        ("nominal", "sac"): [(times, -np.array([3.0, 4.0]))],
+        ("randomised", "ppo"): [(times, -np.array([5.0, 4.0]))],
     }
     learning_curves_figure(curves, tmp_path / "figure.png")
     nominal, randomised = saved_figures[0].axes
@@ -109,6 +109,17 @@ def test_a_learning_curve_is_the_median_of_the_seeds_and_their_range_on_the_pane
     assert drawn(randomised, "ppo, 1 seeds") == ([0.0, 10.0], [5.0, 4.0])
     band = nominal.collections[0].get_paths()[0].vertices
     assert (band[band[:, 0] == 0.0, 1].min(), band[band[:, 0] == 0.0, 1].max()) == (1.0, 6.0)
+
+
+def test_learning_curves_whose_validations_fall_apart_are_drawn_as_far_as_all_runs_go(tmp_path, saved_figures):
+    runs = [
+        (3600.0 * np.array([0.0, 10.0]), -np.array([4.0, 2.0])),
+        (3600.0 * np.array([0.0, 5.0, 12.0]), -np.array([4.0, 1.0, 0.1])),
+    ]
+    learning_curves_figure({("nominal", "cma-es"): runs}, tmp_path / "figure.png")
+    (axes,) = saved_figures[0].axes
+    second = 1.0 - 0.9 * 5.0 / 7.0
+    assert drawn(axes, "cma-es, 2 seeds") == ([0.0, 5.0, 10.0], pytest.approx([4.0, 2.0, (2.0 + second) / 2.0]))
 
 
 def test_deployments_show_the_torque_that_acts_the_rates_the_forces_and_what_was_charged(tmp_path, saved_figures):

@@ -187,9 +187,8 @@ def learning_curves_figure(curves: Mapping[tuple[str, str], Sequence[Curve]], pa
         axes.legend()
     last = {key: np.median(_over_common_times(of_agent)[1][:, -1]) for key, of_agent in curves.items()}
     best = Counter(max((key for key in last if key[0] == panel), key=last.__getitem__)[1] for panel in panels)
-    figure.suptitle(
-        "Best at the end: " + ", ".join(f"{algo} in {n} of {len(panels)} tasks" for algo, n in best.items())
-    )
+    where = ", ".join(f"{algo} in {n} of {len(panels)} tasks" if len(panels) > 1 else algo for algo, n in best.items())
+    figure.suptitle(f"Best at the end: {where}")
     save_figure(figure, path, dpi=130)
 
 

@@ -119,6 +119,7 @@ def test_learning_curves_whose_validations_fall_apart_are_drawn_as_far_as_all_ru
     learning_curves_figure({("nominal", "cma-es"): runs}, tmp_path / "figure.png")
     (axes,) = saved_figures[0].axes
     second = 1.0 - 0.9 * 5.0 / 7.0
+    assert saved_figures[0].get_suptitle() == "Best at the end: cma-es"
     assert drawn(axes, "cma-es, 2 seeds") == ([0.0, 5.0, 10.0], pytest.approx([4.0, 2.0, (2.0 + second) / 2.0]))
 
 

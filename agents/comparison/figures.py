@@ -171,12 +171,13 @@ def learning_curves_figure(curves: Mapping[tuple[str, str], Sequence[Curve]], pa
     `curves` maps (panel, algorithm) to the curves of the seeds, which are drawn as far as all of them go.
     """
     panels = list(dict.fromkeys(panel for panel, _ in curves))
+    common = {key: _over_common_times(of_agent) for key, of_agent in curves.items()}
     across = min(len(panels), 2)
     down = math.ceil(len(panels) / across)
     figure = Figure(figsize=(5.5 * across, 3.6 * down), layout="constrained")
     for axes, panel in zip(figure.subplots(down, across, squeeze=False).flat, panels, strict=False):
         for algo in (algo for title, algo in curves if title == panel):
-            times, returns = _over_common_times(curves[panel, algo])
+            times, returns = common[panel, algo]
             color, hours = look_of(algo, CONTROLLER_LOOKS)["color"], times / 3600.0
             axes.plot(hours, -np.median(returns, axis=0), color=color, label=f"{algo}, {len(returns)} seeds")
             axes.fill_between(hours, -returns.max(axis=0), -returns.min(axis=0), color=color, alpha=0.15, lw=0)
@@ -185,7 +186,7 @@ def learning_curves_figure(curves: Mapping[tuple[str, str], Sequence[Curve]], pa
         axes.yaxis.set_major_formatter("{x:g}")
         axes.yaxis.set_minor_formatter(NullFormatter())
         axes.legend()
-    last = {key: np.median(_over_common_times(of_agent)[1][:, -1]) for key, of_agent in curves.items()}
+    last = {key: np.median(returns[:, -1]) for key, (_, returns) in common.items()}
     best = Counter(max((key for key in last if key[0] == panel), key=last.__getitem__)[1] for panel in panels)
     where = ", ".join(f"{algo} in {n} of {len(panels)} tasks" if len(panels) > 1 else algo for algo, n in best.items())
     figure.suptitle(f"Best at the end: {where}")

@@ -253,12 +253,16 @@ class Episodes:
         simulation = self.settings.simulation(saved.parameters)
         simulation.restore(saved.state)
         self.batch.replace(lane, simulation)
+        self._recall(lane, saved)
+        if self._films is not None:
+            self._films[lane] = Film(self.settings)
+
+    def _recall(self, lane: int, saved: SavedEpisode) -> None:
+        """Take over what a saved episode has beside the state of its simulation."""
         self.parameters[lane] = saved.parameters
         self._charged[lane], self.terms[lane], self.terminated[lane] = saved.charged, saved.terms, False
         self.rewards[lane], self._loop_torques[lane] = saved.terms.sum(), saved.loop_torque
         self._sensors.recall(lane, saved.sensors)
-        if self._films is not None:
-            self._films[lane] = Film(self.settings)
 
     def futures(self, lane: int, count: int, threads: int | None = None) -> Self:
         """Copies of the present episode of a lane, which go on without touching it.
@@ -280,11 +284,9 @@ class Episodes:
         copies = type(self)(replace(self.settings, render_mode=None), [saved.parameters] * count, threads)
         for k, simulation in enumerate(simulations):
             simulation.restore(saved.state)
-            copies._sensors.recall(k, saved.sensors)
+            copies._recall(k, saved)
         copies._batch = Batch(simulations, threads)
-        copies.terms[:], copies.rewards[:] = self.terms[lane], self.rewards[lane]
-        copies.terminated[:], copies._charged[:] = self.terminated[lane], self._charged[lane]
-        copies._loop_torques[:] = self._loop_torques[lane]
+        copies.rewards[:], copies.terminated[:] = self.rewards[lane], self.terminated[lane]
         return copies
 
     def info(self, lane: int) -> dict[str, Any]:

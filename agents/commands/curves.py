@@ -8,7 +8,7 @@ from pathlib import Path
 
 from agents.commands.arguments import ModelOptions, TrainingOptions
 from agents.comparison.figures import Curve, learning_curves_figure
-from agents.comparison.suites import MODEL, SUITES, WHOLE_TORQUE_MODEL
+from agents.comparison.suites import SUITES, training_model
 from agents.environments import check_distinct_seeds, environment_settings
 from agents.learning import configurations, learn, runs
 from solar_env.environment.registration import ENVIRONMENTS
@@ -46,7 +46,7 @@ def wanted_runs(args: Args) -> dict[tuple[str, str], dict[Path, configurations.C
     numbers = None, args.timesteps, args.hyperparams, residual, landings
     for suite in args.suites:
         env_id = SUITES[suite]
-        keywords = args.keywords(env_id, WHOLE_TORQUE_MODEL if whole else MODEL)
+        keywords = args.keywords(env_id, training_model(whole))
         panel = f"{ENVIRONMENTS[env_id][0]}, {keywords['model']}, {'whole torque' if whole else 'added to the servo'}"
         for algo in args.algos:
             if not whole and not configurations.entry(algo, env_id)["residual"]:

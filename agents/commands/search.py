@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from agents.commands.arguments import CommandRecord, ModelOptions, WorkerOptions
-from agents.comparison.suites import MODEL, WHOLE_TORQUE_MODEL
+from agents.comparison.suites import training_model
 from agents.environments import DEFAULT_ENV_ID
 from agents.laws.baselines import CONFIGS
 from agents.learning import configurations, learn, runs
@@ -167,8 +167,7 @@ def run_command(args: Args) -> int:
     """Run the command; see `Args`. A ValueError says that there is nothing to search, or the budget is too small."""
     if args.algo not in SPACES:
         raise ValueError(f"nothing to search for {args.algo!r}; choose from {', '.join(SPACES)}")
-    default = WHOLE_TORQUE_MODEL if args.whole else MODEL
-    env_kwargs = args.keywords(args.env_id, default)
+    env_kwargs = args.keywords(args.env_id, training_model(args.whole))
     values = start(args.algo, args.env_id, args.whole, args.repeat)
     make_folder(args.out)
     check_target(CONFIGS / f"{args.algo}.json")

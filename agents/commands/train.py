@@ -17,7 +17,7 @@ from agents.commands.arguments import ModelOptions, TrainingOptions, TrustOption
 from agents.comparison.evaluation import efforts, evaluate
 from agents.comparison.figures import run_figure
 from agents.comparison.report import Summary, Tables, write_comparison
-from agents.comparison.suites import MODEL, WHOLE_TORQUE_MODEL
+from agents.comparison.suites import training_model
 from agents.environments import (
     DEFAULT_ENV_ID,
     INTERFACE,
@@ -132,7 +132,7 @@ def configuration(args: Args, seed: int) -> configurations.Configuration:
     whole = args.residual == 0.0 or not configurations.entry(algo, env_id)["residual"]
     named = args.model or args.env_kwargs.get("model")
     on_rigid = whole and not searches
-    keywords = args.keywords(env_id, WHOLE_TORQUE_MODEL if on_rigid else MODEL)
+    keywords = args.keywords(env_id, training_model(on_rigid))
     numbers = args.n_envs, args.timesteps, args.hyperparams, args.residual, args.landings, args.law
     config = configurations.complete(algo, env_id, keywords, seed, *numbers)
     if args.start:

@@ -30,7 +30,7 @@ def c_header(network: PolicyNetwork, name: str, comment: Sequence[str]) -> str:
     features, *hidden, last = network.layers
     lines = [
         f"/* Policy {word}: one action from {network.inputs} observations.",
-        *(f"   {line}".rstrip().replace("*/", "* /") for line in comment),
+        *(_in_a_comment(line) for line in comment),
         "*/",
         f"#ifndef {word.upper()}_H",
         f"#define {word.upper()}_H",
@@ -71,10 +71,17 @@ def c_header(network: PolicyNetwork, name: str, comment: Sequence[str]) -> str:
         before = layer.biases.size
     mean = f"values[{len(network.layers[1:]) % 2}][0]"
     if network.mean_limit is not None:
-        limit = f"{network.mean_limit!r}f"
+        limit = f"{float(network.mean_limit)!r}f"
         mean = f"fminf(fmaxf({mean}, -{limit}), {limit})"
     action = f"tanhf({mean})" if network.output == "tanh" else f"fminf(fmaxf({mean}, -1.0f), 1.0f)"
     return "\n".join([*lines, f"    return {action};", "}", "#endif", ""])
+
+
+def _in_a_comment(line: str) -> str:
+    """A line within a comment of C, which it cannot end: what a policy says of itself comes from whoever made it."""
+    plain = "".join(character if character.isprintable() else " " for character in line)
+    # C joins a line that ends in a backslash, or in its trigraph, with the next one before it looks for comments.
+    return f"   {plain}".replace("\\", "/").replace("??/", "?? /").replace("*/", "* /").rstrip()
 
 
 def interface_comment(description: Description, drive: Hardware) -> list[str]:

@@ -43,7 +43,7 @@ def test_a_shipped_policys_header_acts_as_its_network_does(name, tmp_path):
 
 
 @pytest.mark.parametrize("activation", ["relu", "tanh"])
-@pytest.mark.parametrize(("output", "mean_limit"), [("clip", None), ("tanh", 0.7)])
+@pytest.mark.parametrize(("output", "mean_limit"), [("clip", None), ("tanh", 0.7), ("tanh", 1)])
 def test_every_kind_of_network_has_its_header(activation, output, mean_limit, tmp_path):
     rng = np.random.default_rng(1)
 
@@ -58,6 +58,29 @@ def test_every_kind_of_network_has_its_header(activation, output, mean_limit, tm
         actions.append(act(observation))
         assert actions[-1] == pytest.approx(float(network.act(observation)[0]), abs=2e-6)
     assert len(set(actions)) > 3, "not all are clipped"
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "*/ int evil;",
+        "*\\\n/ int evil;",
+        "*\\\r\n/ int evil;",
+        "*??/\n/ int evil;",
+        "*\\",
+        "*??/",
+        "*\x0b/",
+        "*\u2028/",
+    ],
+)
+def test_what_a_policy_says_of_itself_cannot_end_the_comment(line):
+    layer = Layer(np.ones((1, 1)), np.zeros(1))
+    network = PolicyNetwork((layer, layer), layer, 1.0, "tanh", "clip", None)
+    header = c_header(network, "own", [line, "/ int evil;"])
+    # As C reads it: trigraphs, then lines that are joined, then comments.
+    read = re.sub(r"\\\s*\n", "", header.replace("??/", "\\"))
+    assert "evil" not in read[read.index("*/") :]
+    assert header[header.index("*/") :].startswith("*/\n#ifndef OWN_H")
 
 
 def comment_of(name, tmp_path):

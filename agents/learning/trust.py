@@ -11,6 +11,7 @@ import json
 import os
 import re
 import secrets
+import stat
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -23,6 +24,7 @@ from solar_env.support.plain_arrays import read_json
 
 SEAL = "seal"  # key of a sealed configuration
 _TRAILER = re.compile(rb"\nsolar_env ([0-9a-f]{64}) ([0-9a-f]{64})\n")
+_KEY_LENGTH = 32  # bytes
 _TRAILER_LENGTH = len("\nsolar_env  \n") + 2 * 64
 REMEDY = (
     "loading it executes what its author wrote: if you trust where it comes from, pass --trust once, which seals it as "
@@ -42,7 +44,7 @@ def key() -> bytes:
     """Return the user's key, made on first use; it lies in the user's data folder, where nobody else can read it.
 
     Raises:
-        OSError: The folder cannot be written.
+        OSError: The folder cannot be written, or the key is not whole, another user's, or open to others.
     """
     path = user_data_path("solar_env", appauthor=False) / "key"
     if not path.is_file():
@@ -50,7 +52,9 @@ def key() -> bytes:
             path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
             fresh = path.with_name(secrets.token_hex(8))
             with open(os.open(fresh, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as file:
-                file.write(secrets.token_bytes(32))
+                file.write(secrets.token_bytes(_KEY_LENGTH))
+                file.flush()
+                os.fsync(file.fileno())
             with suppress(FileExistsError):  # of several processes the first one makes it
                 os.link(fresh, path)
             fresh.unlink()
@@ -59,7 +63,18 @@ def key() -> bytes:
                 f"the key that seals run folders cannot be kept in {path.parent} ({error.strerror}); "
                 "set XDG_DATA_HOME to a folder that can be written"
             ) from error
-    return path.read_bytes()
+    found, content = path.stat(), path.read_bytes()
+    again = f"delete it, and pass --trust once with every run that was sealed with it (rm {path})"
+    if len(content) != _KEY_LENGTH:
+        raise OSError(f"the key that seals run folders, {path}, has {len(content)} bytes, not {_KEY_LENGTH}; {again}")
+    if hasattr(os, "getuid"):
+        if found.st_uid != os.getuid():
+            raise OSError(
+                f"the key that seals run folders, {path}, is another user's; set XDG_DATA_HOME to a folder of your own"
+            )
+        if found.st_mode & (stat.S_IRWXG | stat.S_IRWXO):
+            raise OSError(f"others can read or write the key that seals run folders, {path}; {again}")
+    return content
 
 
 def _digest(content: bytes) -> str:

@@ -57,6 +57,9 @@ def private_folder(path: Path) -> Path:
 
 
 def _check_private(path: Path) -> None:
+    # The owner of a folder can put another in the place of what is in it. Whoever owns the root can do so anywhere: the
+    # administrator, or where there is none that the system would name, as in some containers, its stand-in.
+    trusted = {0, os.getuid(), Path(path.anchor).stat().st_uid}
     for folder in (path, *path.parents):
         found = folder.stat()
         others_write = found.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
@@ -66,6 +69,11 @@ def _check_private(path: Path) -> None:
         elif found.st_uid != os.getuid():
             raise OSError(
                 f"{path}, for compiled kernels, belongs to another user; set NUMBA_CACHE_DIR to a folder of your own"
+            )
+        if found.st_uid not in trusted:
+            raise OSError(
+                f"{folder} belongs to another user, who can put any folder in the place of {path}, whose compiled "
+                "kernels are executed; set NUMBA_CACHE_DIR to a folder below folders of your own"
             )
         if others_write:
             # What they have put there already would be executed, too: to take their right away is not enough.

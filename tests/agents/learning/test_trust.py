@@ -103,6 +103,25 @@ def test_the_key_is_made_once_and_is_the_users_alone(tmp_path, monkeypatch):
         trust.key()
 
 
+@pytest.mark.skipif(os.name != "posix", reason="permissions of POSIX")
+def test_a_key_that_is_not_whole_or_not_ones_own_alone_seals_nothing(tmp_path, monkeypatch):
+    monkeypatch.setattr(trust, "user_data_path", lambda *_, **__: tmp_path)
+    trust.key()
+    key = tmp_path / "key"
+    key.chmod(0o644)
+    with pytest.raises(OSError, match=r"others can read or write the key .*; delete it, and pass --trust once"):
+        trust.key()
+    key.chmod(0o600)
+    trust.key()
+    key.write_bytes(b"")
+    with pytest.raises(OSError, match=r"key has 0 bytes, not 32; delete it, and pass --trust once"):
+        trust.key()
+    key.write_bytes(bytes(32))
+    monkeypatch.setattr(os, "getuid", lambda: key.stat().st_uid + 1)
+    with pytest.raises(OSError, match=r"key, is another user's; set XDG_DATA_HOME"):
+        trust.key()
+
+
 @pytest.mark.parametrize("damage", ["emptied", "cut", "changed"])
 @pytest.mark.parametrize("name", [runs.CONFIG, runs.POLICY, runs.EVALUATIONS])
 def test_a_damaged_file_of_a_run_is_named_in_one_sentence_before_any_work(folder, name, damage, monkeypatch):

@@ -202,6 +202,14 @@ def test_a_folder_of_kernels_of_another_user_is_refused(tmp_path: Path) -> None:
         private_folder(tmp_path)
 
 
+@pytest.mark.skipif(not hasattr(os, "getuid") or os.getuid() != 0, reason="only root gives files away")
+def test_a_folder_of_kernels_below_one_of_another_user_is_refused(tmp_path: Path) -> None:
+    folder = private_folder(tmp_path / "theirs" / "own")
+    os.chown(folder.parent, 12345, -1)
+    with pytest.raises(OSError, match=rf"{folder.parent} belongs to another user, who can put any folder in the place"):
+        private_folder(folder)
+
+
 def test_a_folder_with_the_sticky_bit_may_lie_above(tmp_path: Path) -> None:
     tmp_path.chmod(0o1777)
     assert private_folder(tmp_path / "cache").is_dir()

@@ -12,6 +12,7 @@ from solar_env.array import MODELS, ArrayParameters, PanelModel, build
 from solar_env.array.compilation import compilation_note, kernels_are_compiled, mark_compiled
 from solar_env.array.methods import make_integrator
 from solar_env.mechanics.integrators.settings import INTEGRATORS
+from solar_env.support.interruption import starting_workers
 from solar_env.support.progress import stage
 
 # Functions of `compilation.py`: what everything calls, and the longest of the rest.
@@ -52,12 +53,22 @@ def compile_side_by_side(integrators: Sequence[str] = tuple(INTEGRATORS)) -> Ite
     Yields:
         Name of an integrator, with the seconds that it took to load for each of MODELS.
     """
-    with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as pool:
-        for part in [pool.submit(compile_part, name) for name in PARTS]:
+    # Not as other work is spread: joblib takes the memory of compiling for a leak, and starts its workers anew.
+    pool = ProcessPoolExecutor(2, multiprocessing.get_context("spawn"))
+    try:
+        with starting_workers():
+            parts = [pool.submit(compile_part, name) for name in PARTS]
+        for part in parts:
             part.result()
         jobs = {pool.submit(load_all_models, integrator): integrator for integrator in integrators}
         for job in as_completed(jobs):
             yield jobs[job], job.result()
+    except BaseException:
+        for worker in multiprocessing.active_children():  # each would compile what it is at to the end
+            worker.terminate()
+        raise
+    finally:
+        pool.shutdown(cancel_futures=True)
 
 
 def warm_up(console: Console, model: str, integrator: str) -> None:

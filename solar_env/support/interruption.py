@@ -1,5 +1,6 @@
 """Ctrl-C: one line that says what was kept, and exit status 130, in every command."""
 
+import _thread
 import atexit
 import gc
 import signal
@@ -7,6 +8,7 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import Any
 
 EXIT_STATUS = 130  # 128 + SIGINT, as shells have it
 
@@ -54,16 +56,50 @@ def _answering(handler: Callable[..., object] | signal.Handlers) -> Iterator[Non
         signal.signal(signal.SIGINT, before)
 
 
+_AGAIN_AFTER = 0.05  # s
+
+
 @contextmanager
 def first_alone() -> Iterator[None]:
-    """Hear one Ctrl-C within the block, and no second one, which would tear what the first lets end, workers too."""
+    """Hear one Ctrl-C within the block, and no second one, which would tear what the first lets end, workers too.
+
+    It ends the block wherever it comes. Where C has called Python, as compilers do, the exception that an interruption
+    is cannot get through: it is raised again a moment later, and an error that comes of the first one is replaced.
+    """
+    heard = False
+    timers: list[threading.Timer] = []
+    usual = sys.unraisablehook
 
     def first(*_: object) -> None:
+        nonlocal heard
+        heard = True
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         raise KeyboardInterrupt
 
-    with _answering(first):
-        yield
+    def again(lost: Any) -> None:
+        if not (heard and lost.exc_type is KeyboardInterrupt):
+            usual(lost)
+            return
+        signal.signal(signal.SIGINT, first)
+        timer = threading.Timer(_AGAIN_AFTER, _thread.interrupt_main)
+        timer.daemon = True
+        timers.append(timer)
+        timer.start()
+
+    sys.unraisablehook = again
+    try:
+        with _answering(first):
+            try:
+                yield
+            except Exception as error:
+                if heard:
+                    raise KeyboardInterrupt from error
+                raise
+            finally:
+                for timer in timers:
+                    timer.cancel()
+    finally:
+        sys.unraisablehook = usual
 
 
 @contextmanager

@@ -1,6 +1,7 @@
 """Ctrl-C ends every command with exit status 130 and one line of what was kept, in worker processes too."""
 
 import builtins
+import ctypes
 import os
 import re
 import signal
@@ -79,6 +80,38 @@ def test_a_second_ctrl_c_does_not_tear_what_the_first_lets_end():
         work()
     assert ended == ["whole"]
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def in_a_callback(call):
+    """Call Python from C, as a compiler does: an exception does not get out of it."""
+    ctypes.CFUNCTYPE(None)(call)()
+
+
+@pytest.mark.parametrize("afterwards", ["it goes on", "it fails"])
+def test_ctrl_c_where_c_has_called_python_is_heard(afterwards, capsys):
+    def press():
+        os.kill(os.getpid(), signal.SIGINT)
+        time.sleep(1)
+
+    @interruption.first_alone()
+    def work():
+        in_a_callback(press)
+        if afterwards == "it fails":
+            raise RuntimeError("no compiled object yet")
+        in_a_callback(lambda: time.sleep(1))  # where it comes again, and is lost again
+        time.sleep(10)
+
+    usual = sys.unraisablehook
+    with pytest.raises(KeyboardInterrupt):
+        work()
+    time.sleep(0.1)
+    assert capsys.readouterr().err == ""
+    assert sys.unraisablehook is usual
+
+
+def test_an_error_without_ctrl_c_stays_what_it_is():
+    with pytest.raises(RuntimeError, match="of its own"), interruption.first_alone():
+        raise RuntimeError("of its own")
 
 
 def test_what_must_not_be_torn_hears_ctrl_c_at_its_end_with_other_threads_about():

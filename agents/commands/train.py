@@ -6,6 +6,7 @@ compares runs.
 """
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -29,7 +30,7 @@ from agents.environments import (
 )
 from agents.laws.baselines import make_baseline
 from agents.laws.table import TUNABLE
-from agents.learning import configurations, learn, runs
+from agents.learning import checkpoints, configurations, learn, runs
 from agents.rollout import Step, run_episode
 from solar_env.support.interruption import keeping
 from solar_env.support.terminal import print_markdown
@@ -99,6 +100,7 @@ def run(args: Args) -> Path:
     if args.resume:
         if args.trust:
             runs.trust_run(args.resume)
+        checkpoints.mend_config(args.resume)
         config = configurations.resumed_configuration(args.resume, args.timesteps)
         check_resumable(args, config)
     else:
@@ -109,11 +111,15 @@ def run(args: Args) -> Path:
     else:
         folder = runs.new_run_folder(args.out, config.env_id, config.algo, config.seed)
     print(f"{config.algo} on {config.env_id}, {config.timesteps} steps -> {folder}")
-    learn.train(
-        learn.Training(
-            config, folder, args.resume, args.command, args.device, not args.quiet, None, args.checkpoint_interval
-        )
+    training = learn.Training(
+        config, folder, args.resume, args.command, args.device, not args.quiet, None, args.checkpoint_interval
     )
+    try:
+        learn.train(training)
+    except BaseException:
+        with suppress(OSError):  # a training that was refused leaves no folder, one that has begun has files in its
+            folder.rmdir()
+        raise
 
     with keeping(lambda: f"{folder} holds the trained run; solar-env evaluate --controllers {folder} compares it"):
         summary, tables = compare(args, config, [folder], folder)
@@ -159,7 +165,11 @@ def train_seeds(args: Args) -> Path:
     check_comparison(args, args.seed or 0)
     out = Path(args.out)
     wanted = {out / seed_folder(seed): configuration(args, seed) for seed in args.seeds}
-    learn.train_missing(wanted, args.command, args.device, args.workers, not args.quiet)
+    if args.trust:
+        for folder in wanted:
+            if (folder / runs.CONFIG).is_file():
+                runs.trust_run(folder)
+    learn.train_missing(wanted, args.command, args.device, args.workers, not args.quiet, args.checkpoint_interval)
     with keeping(lambda: f"the trainings are complete in {out}; the same command compares them"):
         _, tables = compare(args, wanted[out / seed_folder(args.seeds[-1])], list(wanted), out)
     print_markdown(str(tables))

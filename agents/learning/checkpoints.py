@@ -13,6 +13,7 @@ import pickle
 import random
 import warnings
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -51,6 +52,7 @@ class Checkpoint:
         policy: The file of the best policy; None before the first validation.
         history: See `Validation.history`.
         terms: See `DeploymentLogger.terms`.
+        record: What the configuration file of the run holds; None of older versions.
     """
 
     timesteps: int
@@ -61,6 +63,7 @@ class Checkpoint:
     policy: bytes | None
     history: dict[str, Any]
     terms: list[Any]
+    record: dict[str, Any] | None = None
 
     @property
     def landings(self) -> Sequence[Landing]:
@@ -111,7 +114,9 @@ def _distribution(model: Any) -> Any:
     return getattr(actor, "action_dist", actor)
 
 
-def _taken(model: Any, validation: Validation, logger: DeploymentLogger, folder: Path) -> Checkpoint:
+def _taken(
+    model: Any, validation: Validation, logger: DeploymentLogger, folder: Path, record: dict[str, Any]
+) -> Checkpoint:
     file = io.BytesIO()
     model.save(file)
     layers = [
@@ -131,7 +136,7 @@ def _taken(model: Any, validation: Validation, logger: DeploymentLogger, folder:
     best = folder / runs.POLICY
     policy = unsealed(best) if best.is_file() else None
     return Checkpoint(
-        model.num_timesteps, file.getvalue(), layers, buffer, states, policy, validation.history, logger.terms
+        model.num_timesteps, file.getvalue(), layers, buffer, states, policy, validation.history, logger.terms, record
     )
 
 
@@ -181,11 +186,32 @@ def read(folder: str | Path) -> Checkpoint:
     raise AssertionError
 
 
+def mend_config(folder: str | Path) -> None:
+    """Write the configuration file of a run anew, from its checkpoint, where it is lost or damaged.
+
+    Where there is no checkpoint to take it from nothing is done, and reading it says what is wrong.
+
+    Warns:
+        UserWarning: It was written anew.
+    """
+    try:
+        runs.read_config(folder)
+    except UntrustedFileError:
+        return
+    except (FileNotFoundError, DamagedFileError):
+        with suppress(FileNotFoundError, DamagedFileError, UntrustedFileError):
+            record = read(folder).record
+            if record is not None:
+                runs.write_config(Path(folder), record)
+                warnings.warn(f"{Path(folder) / runs.CONFIG} is written anew, from the checkpoint", stacklevel=2)
+
+
 class Checkpoints(BaseCallback):
     """Writes checkpoints at the first beginning of a rollout after every `interval` steps, and one at the end.
 
     Args:
         folder: Of the run.
+        record: What its configuration file holds.
         interval: Steps of all environments together; a rollout that is longer sets the distance.
         validation, logger: Of the run.
         restored: Checkpoint that the run goes on from.
@@ -197,6 +223,7 @@ class Checkpoints(BaseCallback):
     def __init__(
         self,
         folder: Path,
+        record: dict[str, Any],
         interval: int,
         validation: Validation,
         logger: DeploymentLogger,
@@ -204,7 +231,7 @@ class Checkpoints(BaseCallback):
     ) -> None:
         super().__init__()
         self._folder, self._interval, self._validation, self._deployments = folder, interval, validation, logger
-        self._restored = restored
+        self._record, self._restored = record, restored
         self.latest: int | None = None
 
     def _on_step(self) -> bool:
@@ -227,5 +254,5 @@ class Checkpoints(BaseCallback):
 
     def _write(self) -> None:
         with deaf():  # torch takes an interruption for a fault of its own
-            write(self._folder, _taken(self.model, self._validation, self._deployments, self._folder))
+            write(self._folder, _taken(self.model, self._validation, self._deployments, self._folder, self._record))
         self.latest = self.num_timesteps

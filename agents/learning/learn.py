@@ -124,7 +124,12 @@ def train(training: Training) -> None:
     before = _steps_before(source, done)
     left = before + config.timesteps - done
     if left < 0:
-        raise ValueError(f"timesteps is {config.timesteps}: {source} has trained for {done - before} steps; give more")
+        # Rollouts are whole: a run that was interrupted as it ended may have more steps than were asked for.
+        if source is None or config.timesteps < runs.read_config(source)["timesteps"]:
+            raise ValueError(
+                f"timesteps is {config.timesteps}: {source} has trained for {done - before} steps; give more"
+            )
+        left = 0
     features, landings = (None, restored.landings) if restored else prepare(config, threads)
     preparing = time.perf_counter() - start
     monitor = f"{done}.monitor.csv" if restored else "monitor.csv"
@@ -134,7 +139,8 @@ def train(training: Training) -> None:
     else:
         model = make_model(config, venv, features, training.device)  # type: ignore[arg-type]
     record = {**asdict(config), "resumed_from": str(source) if restored else None, "timesteps_before": before}
-    runs.write_config(folder, {**record, "command": training.command, "versions": versions(*runs.LIBRARIES)})
+    record |= {"command": training.command, "versions": versions(*runs.LIBRARIES)}
+    runs.write_config(folder, record)
     model.set_logger(configure(str(folder / "tensorboard"), ["tensorboard"]))
 
     # The mean of a search wanders: more of them are looked at.
@@ -143,7 +149,7 @@ def train(training: Training) -> None:
     every = max(interval // config.n_envs, 1)
     validation = Validation(make_validation_env(config, threads), folder, every, VALIDATION_EPISODES)
     logger = DeploymentLogger()
-    keeping = checkpoints.Checkpoints(folder, training.checkpoint_interval, validation, logger, restored)
+    keeping = checkpoints.Checkpoints(folder, record, training.checkpoint_interval, validation, logger, restored)
     if restored:
         validation.history = restored.history
         if restored.policy is not None:
@@ -153,7 +159,7 @@ def train(training: Training) -> None:
             task = bar.add_task("steps", total=config.timesteps, completed=config.timesteps - left)
             shown = Call(lambda model: bar.advance(task, model.n_envs))
             model.learn(left, CallbackList([logger, validation, shown, keeping]), reset_num_timesteps=not restored)
-    except KeyboardInterrupt as stop:
+    except (KeyboardInterrupt, OSError) as stop:
         if keeping.latest is None:
             stop.add_note(f"no checkpoint was due yet; solar-env train --resume {folder} begins where this one began")
         else:
@@ -199,7 +205,12 @@ def _steps_before(resume: str | Path | None, steps: int) -> int:
 
 
 def train_missing(
-    wanted: Mapping[Path, Configuration], command: str, device: str, workers: Workers, progress: bool = True
+    wanted: Mapping[Path, Configuration],
+    command: str,
+    device: str,
+    workers: Workers,
+    progress: bool = True,
+    checkpoint_interval: int = CHECKPOINT_INTERVAL,
 ) -> None:
     """Train those of the runs `wanted`, run folder -> configuration, that are not complete, side by side on `workers`.
 
@@ -209,6 +220,7 @@ def train_missing(
         ValueError: A run has another configuration.
     """
     for folder, config in wanted.items():
+        checkpoints.mend_config(folder)
         if (folder / runs.CONFIG).is_file() and asdict(stored_configuration(folder)) != runs.jsonable(asdict(config)):
             raise ValueError(f"{folder} holds a run with another configuration; choose another --out")
     for folder in wanted:
@@ -216,7 +228,9 @@ def train_missing(
             runs.check_policy(folder)
     # One thread each and no bar of their own: they run side by side.
     missing = [
-        Training(config, folder, folder if has_checkpoint(folder) else None, command, device, False, 1)
+        Training(
+            config, folder, folder if has_checkpoint(folder) else None, command, device, False, 1, checkpoint_interval
+        )
         for folder, config in wanted.items()
         if not runs.is_complete(folder)
     ]

@@ -152,8 +152,9 @@ def test_fewer_steps_than_an_interrupted_training_has_done_are_refused(tmp_path)
         train(tmp_path / "other", configurations.resumed_configuration(tmp_path / "cut", 50), tmp_path / "cut")
 
 
-def test_a_training_that_ended_before_it_could_say_so_only_says_so(tmp_path):
-    folder = train(tmp_path / "run", configuration(timesteps=80))
+@pytest.mark.parametrize("timesteps", [80, 70])  # whole rollouts, and more than were asked for
+def test_a_training_that_ended_before_it_could_say_so_only_says_so(timesteps, tmp_path):
+    folder = train(tmp_path / "run", configuration(timesteps=timesteps))
     before = content(folder)
     (folder / runs.TIMING).unlink()
     train(folder, configurations.resumed_configuration(folder), folder)
@@ -166,6 +167,30 @@ def test_steps_are_told_as_they_were_taken_in_whole_rollouts(tmp_path):
     assert runs.steps_taken(folder) == checkpoints.read(folder).timesteps > 50
     (folder / runs.TIMING).unlink()
     assert runs.steps_taken(folder) == 50
+
+
+@pytest.mark.parametrize("left", [None, b"", b'{"algo": "pp'])
+def test_a_configuration_that_is_lost_or_damaged_is_written_anew_from_the_checkpoint(left, tmp_path):
+    folder = train(tmp_path / "run", configuration(timesteps=40))
+    config, before = folder / runs.CONFIG, runs.read_config(folder)
+    checkpoints.mend_config(folder)
+    if left is None:
+        config.unlink()
+    else:
+        config.write_bytes(left)
+    with pytest.warns(UserWarning, match=r"config\.json is written anew, from the checkpoint"):
+        checkpoints.mend_config(folder)
+    assert runs.read_config(folder) == before
+
+
+def test_where_no_checkpoint_is_whole_a_damaged_configuration_stays_so(tmp_path):
+    folder = train(tmp_path / "run", configuration(timesteps=40))
+    for name in (runs.CONFIG, *runs.CHECKPOINTS):
+        (folder / name).write_bytes(b"")
+    with pytest.warns(UserWarning, match=r"checkpoint\.pkl is damaged"):
+        checkpoints.mend_config(folder)
+    with pytest.raises(DamagedFileError, match=r"config\.json"):
+        runs.read_config(folder)
 
 
 @pytest.mark.parametrize("damage", [b"", b"half"])

@@ -11,7 +11,8 @@ from training import SMALL, last_model, run
 
 from agents.comparison.evaluation import common_env_kwargs, evaluate
 from agents.environments import DEFAULT_ENV_ID, INTERFACE, make_env
-from agents.learning import checkpoints, configurations, learn, runs
+from agents.learning import checkpoints, configurations, learn, runs, trust
+from agents.learning.trust import UntrustedFileError
 from solar_env.array import MODELS
 from solar_env.support.campaigns import Workers
 
@@ -59,6 +60,26 @@ def test_training_begins_with_searches_alone_that_see_the_same(ppo_run, tmp_path
         run("--algo", "cma-es", "--start", ppo_run, "--out", tmp_path / "run", "--env-kwargs", *drive, "action=torque")
     with pytest.raises(ValueError, match="observation"):
         run("--algo", "cma-es", "--start", ppo_run, "--out", tmp_path / "run")
+
+
+@pytest.mark.filterwarnings("ignore::agents.laws.baselines.UntunedWarning")
+def test_runs_of_several_seeds_take_interval_and_trust_as_a_single_one_does(tmp_path, monkeypatch):
+    written, write = [], checkpoints.write
+    monkeypatch.setattr(checkpoints, "write", lambda *of: written.append(of) or write(*of))
+    longer = [400 if word == 100 else word for word in SEARCH]  # generations
+    words = ["--model", "rigid-ideal", *longer, "--out", tmp_path / "runs", "--seeds", 3, "--jobs", 1]
+    run(*words, "--checkpoint-interval", 20)
+    assert len(written) > 2, "more than at the beginning and at the end"
+    monkeypatch.setattr(trust, "key", lambda: b"of another account")
+    with pytest.raises(UntrustedFileError):
+        run(*words)
+    run(*words, "--trust")
+
+
+def test_a_training_that_is_refused_leaves_no_folder(tmp_path):
+    with pytest.raises(ValueError, match="render_mode"):
+        run("--model", "rigid-ideal", *SEARCH[:4], "render_mode=human", *SEARCH[5:], "--out", tmp_path / "run")
+    assert list(tmp_path.iterdir()) == []
 
 
 def policy_weights(folder):

@@ -155,7 +155,7 @@ def make_vector_env(
 def _made(make: Callable[..., Any], env_id: str, env_kwargs: Mapping[str, Any] | None) -> Any:
     try:
         return make(**dict(env_kwargs or {}))
-    except gymnasium.error.UnregisteredEnv as error:
+    except gymnasium.error.Error as error:  # of an id that is malformed it is no `UnregisteredEnv`
         raise ValueError(f"no environment {env_id!r} is registered; available: {', '.join(_registered())}") from error
     except (TypeError, ValueError) as error:
         raise ValueError(f"environment {env_id!r} refused its keywords {dict(env_kwargs or {})}: {error}") from error

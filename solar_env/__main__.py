@@ -118,7 +118,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 0
     except (ValueError, OSError, MemoryError) as error:
         _drop_output()
-        print(f"error: {_sentence(error)}", file=sys.stderr)
+        print("; ".join([f"error: {_sentence(error)}", *getattr(error, "__notes__", ())]), file=sys.stderr)
         return 2
     except KeyboardInterrupt as stop:
         return report_interruption(stop)
@@ -142,6 +142,8 @@ def _sentence(error: Exception) -> str:
         return f"memory has no room for what was asked for ({str(error) or 'it is full'}); ask for less"
     if not isinstance(error, OSError) or error.strerror is None:
         return str(error)
+    if error.filename is not None and error.errno in _FULL:
+        return f"{error.filename} cannot be written ({error.strerror}); make room, or choose another place"
     if error.filename is not None:
         return f"{error.filename}: {error.strerror}"
     if error.errno in _FULL:

@@ -102,6 +102,7 @@ def parse_arguments(cls: type[Arguments], argv: Sequence[str], prog: str | None 
     """
     fields = dataclasses.fields(cls)  # type: ignore[arg-type]
     repeatable = {f"--{field.name.replace('_', '-')}" for field in fields if field.type is Assignments}
+    _refuse_empty_words(argv)
     _refuse_empty_lists(cls, argv)
     words = _gathered(argv, repeatable)
     report = io.StringIO()
@@ -117,6 +118,14 @@ def parse_arguments(cls: type[Arguments], argv: Sequence[str], prog: str | None 
         if end.code:
             print(f"error: {_first_sentence(report.getvalue())}; see --help", file=sys.stderr)
         raise
+
+
+def _refuse_empty_words(argv: Sequence[str]) -> None:
+    """End the process where a value is empty, as of a variable of the shell that is not set."""
+    for option, word in pairwise(["a value", *argv]):
+        if not word or re.fullmatch(r"--[\w-]+=", word):
+            print(f"error: {word.rstrip('=') or option} is empty; give a value, or leave it out", file=sys.stderr)
+            raise SystemExit(2)
 
 
 def _refuse_empty_lists(cls: type[Any], argv: Sequence[str]) -> None:
@@ -190,6 +199,17 @@ def check_choice(kind: str, name: str, known: Iterable[str]) -> str:
     if name not in names:
         raise ValueError(unknown_name(kind, name, names))
     return name
+
+
+def check_measured(folder: Path) -> Path:
+    """Return a folder that figures are to be drawn from again.
+
+    Raises:
+        FileNotFoundError: It is not there.
+    """
+    if not folder.is_dir():
+        raise FileNotFoundError(f"there is no folder {folder} to draw from; measure first, without --draw")
+    return folder
 
 
 @dataclasses.dataclass

@@ -2,7 +2,7 @@
 
 import json
 import sys
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -62,6 +62,8 @@ class Args(QuietOption):
     """fixed step, or bound on adaptive ones [s]"""
     rtol: float | None = None
     """local error tolerance"""
+    max_steps: int | None = None
+    """bound on the steps of the run; by default 20,000,000"""
     output_step: float = 0.01
     """distance of the samples [s]"""
     plot: Path | None = None
@@ -90,6 +92,8 @@ def run_command(args: Args) -> int:
         check_target(args.json)
     name = args.integrator or default_integrator(model, panels).name
     integrator = make_integrator(name, model, args.step, args.rtol)
+    if args.max_steps is not None:
+        integrator = replace(integrator, max_steps=args.max_steps)
     build(parameters, model, panels=panels)
     from solar_env.mechanics.running.sampling import sample_times
 

@@ -179,8 +179,13 @@ class Campaign:
         """Do what is missing, and yield each cell when its result is in the file."""
         with self._store.open("a", encoding="utf-8") as file, keeping(self._kept):
             for cell, result in each_done(self._function, self.missing, workers):
-                file.write(json.dumps({"cell": dict(cell), "result": result}) + "\n")
-                file.flush()
+                try:
+                    file.write(json.dumps({"cell": dict(cell), "result": result}) + "\n")
+                    file.flush()
+                except OSError as error:
+                    error.filename = str(self._store)
+                    error.add_note(self._kept())
+                    raise
                 self._results[_key(cell)] = json.loads(json.dumps(result))
                 yield cell
 

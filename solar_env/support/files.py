@@ -39,7 +39,9 @@ def writing(path: str | Path) -> Iterator[IO[bytes]]:
         if target.exists():
             shutil.copymode(target, beside)
         beside.replace(target)
-    except BaseException:
+    except BaseException as error:
+        if isinstance(error, OSError) and error.filename in (None, str(beside)):  # the system names none as it writes
+            error.filename = str(target)
         with suppress(OSError):
             beside.unlink()
         raise

@@ -383,6 +383,18 @@ def test_errors_of_the_system_are_told_without_their_numbers(tmp_path, capsys, m
     assert capsys.readouterr().err == f"error: {tmp_path / 'array.yaml'}: Permission denied\n"
 
 
+def test_a_full_disk_is_told_with_the_file_and_what_was_kept(capsys, monkeypatch, tmp_path):
+    def full(*_):
+        error = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(tmp_path / "checkpoint.new"))
+        error.add_note("kept the checkpoint of step 40")
+        raise error
+
+    monkeypatch.setattr("importlib.import_module", full)
+    assert main(["train"]) == 2
+    told = f"error: {tmp_path / 'checkpoint.new'} cannot be written (No space left on device); make room, or choose "
+    assert capsys.readouterr().err == f"{told}another place; kept the checkpoint of step 40\n"
+
+
 def test_memory_that_runs_out_is_told_in_a_sentence(capsys, monkeypatch):
     def full(*_):
         raise MemoryError("Unable to allocate 33.5 GiB")
@@ -391,6 +403,31 @@ def test_memory_that_runs_out_is_told_in_a_sentence(capsys, monkeypatch):
     assert main(["train"]) == 2
     told = "error: memory has no room for what was asked for (Unable to allocate 33.5 GiB); ask for less\n"
     assert capsys.readouterr().err == told
+
+
+@pytest.mark.parametrize(
+    ("words", "option"),
+    [
+        (["train", "--resume", ""], "--resume"),
+        (["evaluate", "--out="], "--out"),
+        (["evaluate", "--controllers", "passive", ""], "passive"),
+        (["simulate", ""], "a value"),
+    ],
+)
+def test_an_empty_word_is_refused_before_the_work(words, option, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(words) == 2
+    assert capsys.readouterr().err == f"error: {option} is empty; give a value, or leave it out\n"
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("command", ["design", "chart", "ladder"])
+def test_nothing_is_drawn_from_a_folder_that_is_not_there_and_none_is_made(command, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main([command, "--draw", "--out", "measured"]) == 2
+    told = "error: there is no folder measured to draw from; measure first, without --draw\n"
+    assert capsys.readouterr().err == told
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize(

@@ -54,8 +54,9 @@ def test_a_full_disk_leaves_the_file_that_was_there(tmp_path, monkeypatch, writt
     path = tmp_path / "table.csv"
     path.write_text("before")
     fill_disk_after(monkeypatch, written)
-    with pytest.raises(OSError, match="No space left"):
+    with pytest.raises(OSError, match="No space left") as error:
         files.write_bytes(path, b"x" * 5001)
+    assert error.value.filename == str(path)
     assert [p.name for p in tmp_path.iterdir()] == ["table.csv"]
     assert path.read_text() == "before"
 

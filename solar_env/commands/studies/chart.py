@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from rich.console import Console
 
-from solar_env.commands.arguments import FolderOptions, QuietOption, check_choice
+from solar_env.commands.arguments import FolderOptions, QuietOption, check_choice, check_measured
 from solar_env.support.campaigns import Workers
 from solar_env.support.files import make_folder
 from solar_env.support.readme import STUDIES as STUDY_FOLDER
@@ -43,6 +43,8 @@ def run_command(args: Args) -> int:
     if args.readme:
         for section in SECTIONS.values():
             section.read()  # refuses a page without a place before everything is measured
+    if args.draw:
+        check_measured(tables)
     for folder in (tables, figures):
         make_folder(folder)
     if not args.draw:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from solar_env.commands.arguments import WorkerOptions
+from solar_env.commands.arguments import WorkerOptions, check_measured
 from solar_env.support.files import make_folder
 from solar_env.support.readme import STUDIES
 
@@ -34,6 +34,8 @@ def run_command(args: Args) -> int:
 
     if args.members < 1:
         raise ValueError(f"members = {args.members} must be at least 1")
+    if args.draw:
+        check_measured(args.out)
     pictures = make_folder(STUDIES / "design" / "figures" if args.readme else args.out)
     if not args.draw:
         workers = args.workers

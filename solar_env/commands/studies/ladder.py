@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from rich.console import Console
 
 from solar_env.array.ladder import PACKAGED_TABLE, QUESTIONS, Answer, read_answers, steps
-from solar_env.commands.arguments import FolderOptions, QuietOption
+from solar_env.commands.arguments import FolderOptions, QuietOption, check_measured
 from solar_env.support.files import make_folder
 from solar_env.support.markdown import markdown_table
 from solar_env.support.readme import STUDIES, Section
@@ -36,6 +36,8 @@ def run_command(args: Args) -> int:
 
     out = args.folder("ladder")
     tables, figures = (PACKAGED_TABLE.parent, STUDIES / "ladder" / "figures") if args.readme else (out, out)
+    if args.draw:
+        check_measured(tables)
     for folder in (tables, figures):
         make_folder(folder)
     if not args.draw:

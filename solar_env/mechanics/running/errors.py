@@ -63,7 +63,8 @@ _CAUSES = {
     ),
     m.TOO_MANY_STEPS: (
         "steps",
-        "{value:.0f} steps were taken in one call without reaching its end; loosen rtol, or raise max_steps",
+        "{value:.0f} steps were taken in one call without reaching its end; loosen rtol, or raise max_steps of the "
+        "integrator or the environment",
     ),
 }
 

@@ -25,6 +25,8 @@ LONGEST = 120  # characters of a message on the page; the table has all of it
 # What these are measured from is zero or an angle, so that they have no decades.
 WITHOUT_DECADES = ("hinge_y", "initial_spin", "initial_rate", "spring_preload_angle")
 NAMES = tuple(name for name in vars(ArrayParameters()) if name in ArrayParameters.CONTINUOUS - {*WITHOUT_DECADES})
+# Counts, names and switches.
+NO_QUANTITIES = tuple(name for name in vars(ArrayParameters()) if name not in ArrayParameters.CONTINUOUS)
 FINE, WARNED, STOPPED, REFUSED, SILENT = "fine", "warned", "stopped", "refused", "silent failure"
 
 
@@ -82,11 +84,13 @@ def page(table: Table) -> str:
     lines = [
         "# Ranges of the parameters",
         "",
-        "Each parameter from a ten thousandth to ten thousand times its default, all others as they are,",
+        "Each of the parameters below from a ten thousandth to ten thousand times its default, all others as they are,",
         f"{DURATION:g} s of {' and '.join(f'`{model}`' for model in MODELS)}. Fine: the run ends, and its energy book",
         f"closes within {LARGEST_ENERGY_SHARE:.0%} of the energy turned over. All else the library says, as quoted:",
         f"{len(table.rows)} runs, {silent} failures without a word. Written by",
-        "`solar-env stability --parameters --out solar_env/studies/stability`.",
+        "`solar-env stability --parameters --out solar_env/studies/stability`. Not tried are those whose default is",
+        f"zero or an angle ({_words(WITHOUT_DECADES)}) and those that are no quantities ({_words(NO_QUANTITIES)});",
+        "`solar-env parameters` says what these may be.",
         "",
         markdown_table(
             ["parameter", "default", *(f"fine, {model}" for model in MODELS), "elsewhere, at times the default"],
@@ -95,6 +99,11 @@ def page(table: Table) -> str:
         "",
     ]
     return "\n".join(lines)
+
+
+def _words(names: Iterable[str]) -> str:
+    """Names of parameters in a sentence."""
+    return ", ".join(f"`{name}`" for name in names)
 
 
 def _line(table: Table) -> list[str]:

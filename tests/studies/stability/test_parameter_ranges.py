@@ -2,6 +2,7 @@
 
 import pytest
 
+from solar_env.array import ArrayParameters
 from solar_env.studies.common.tables import Table
 from solar_env.studies.stability import parameter_ranges as ranges
 
@@ -10,6 +11,11 @@ from solar_env.studies.stability import parameter_ranges as ranges
 def test_a_default_is_fine(name):
     if name != "cable_torque_ratio":  # which follows from the wheels; any other destroys work
         assert ranges.trial(name, 1.0, "rigid-clearance", 0.1)["class"] == ranges.FINE
+
+
+def test_every_parameter_is_tried_or_named_as_not_tried():
+    listed = [*ranges.NAMES, *ranges.WITHOUT_DECADES, *ranges.NO_QUANTITIES]
+    assert sorted(listed) == sorted(vars(ArrayParameters()))
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ FACTORS = tuple(10.0**decade for decade in range(-4, 5))
 MODELS = ("rigid-clearance", "flexible-clearance")
 DURATION = 15.0  # s; the default array latches after 12.3 s
 MAX_STEPS = 500_000
-LONGEST = 120  # characters of a message on the page; the table has all of it
+LONGEST = 140  # characters of a message on the page; the table has all of it
 # What these are measured from is zero or an angle, so that they have no decades.
 WITHOUT_DECADES = ("hinge_y", "initial_spin", "initial_rate", "spring_preload_angle")
 NAMES = tuple(name for name in vars(ArrayParameters()) if name in ArrayParameters.CONTINUOUS - {*WITHOUT_DECADES})

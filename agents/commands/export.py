@@ -150,8 +150,8 @@ def run_command(args: Args) -> int:
     """Run the command; see `Args`."""
     if args.run is None or not re.fullmatch(r"\w[\w.-]*", args.name or ""):
         raise ValueError(
-            f"run is {args.run!r}, name {args.name!r}; give both, the name of letters, digits, dots and hyphens: "
-            "solar-env export runs/<run> --name NAME"
+            f"run is {args.run!r}, name {args.name!r}; give both, the name of letters, digits, underscores, dots and "
+            "hyphens: solar-env export runs/<run> --name NAME"
         )
     if args.name in LAWS:
         raise ValueError(f"name is {args.name!r}, which is that of a controller without learning; choose another one")

@@ -180,7 +180,9 @@ def test_the_command_writes_below_the_shipped_policies_and_overwrites_nothing(fi
     with pytest.raises(ValueError, match="name is 'servo', which is that of a controller without learning"):
         execute("export", [run, "--name", "servo"])
     for arguments in ([run], [run, "--name", "../soft"], ["--name", "soft"]):
-        with pytest.raises(ValueError, match=r"give both: solar-env export runs/<run> --name NAME"):
+        with pytest.raises(
+            ValueError, match=r"give both, the name of letters, .*: solar-env export runs/<run> --name NAME"
+        ):
             execute("export", arguments)
 
 

@@ -74,8 +74,8 @@ def test_every_kind_of_network_has_its_header(activation, output, mean_limit, tm
     ],
 )
 def test_what_a_policy_says_of_itself_cannot_end_the_comment(line):
-    layer = Layer(np.ones((1, 1)), np.zeros(1))
-    network = PolicyNetwork((layer, layer), layer, 1.0, "tanh", "clip", None)
+    features, last = (Layer(np.ones((1, 1), kind), np.zeros(1, kind)) for kind in (np.float64, np.float32))
+    network = PolicyNetwork((features, last), features, 1.0, "tanh", "clip", None)
     header = c_header(network, "own", [line, "/ int evil;"])
     # As C reads it: trigraphs, then lines that are joined, then comments.
     read = re.sub(r"\\\s*\n", "", header.replace("??/", "\\"))

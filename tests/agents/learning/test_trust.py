@@ -114,7 +114,7 @@ def test_a_key_that_is_not_whole_or_not_ones_own_alone_seals_nothing(tmp_path, m
     key.chmod(0o600)
     trust.key()
     key.write_bytes(b"")
-    with pytest.raises(OSError, match=r"key has 0 bytes, not 32; delete it, and pass --trust once"):
+    with pytest.raises(OSError, match=r"key, has 0 bytes, not 32; delete it, and pass --trust once"):
         trust.key()
     key.write_bytes(bytes(32))
     monkeypatch.setattr(os, "getuid", lambda: key.stat().st_uid + 1)

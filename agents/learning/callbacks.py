@@ -127,7 +127,17 @@ class Validation(EvalCallback):
 
     def _on_training_start(self) -> None:
         if not self.evaluations_timesteps:
-            self._on_step()
+            self._validate()
+
+    def _on_training_end(self) -> None:
+        if self.evaluations_timesteps[-1] != self.num_timesteps:
+            self._validate()
+
+    def _validate(self) -> None:
+        """Validate now, whatever the number of calls."""
+        calls, self.n_calls = self.n_calls, 0
+        self._on_step()
+        self.n_calls = calls
 
     def _on_step(self) -> bool:
         start = time.perf_counter()

@@ -111,7 +111,7 @@ class WeightSearch(ARS):
         returns, running = np.zeros(len(weights)), np.ones(len(weights), dtype=bool)
         observations = env.reset()
         while running.any():
-            # Lanes that have nothing to do are kept folded, which costs next to no time.
+            # Lanes without a candidate are kept folded, and cost as much time as the others.
             actions = np.full((env.num_envs, 1), -1.0, dtype=np.float32)
             linear = np.einsum("ij,ij->i", observations[: len(weights)], weights)
             actions[: len(weights), 0] = np.where(running, np.clip(linear, -1.0, 1.0), -1.0)
@@ -129,7 +129,8 @@ class CMAES(WeightSearch):
 
     The mean of the distribution wanders over a rough landscape, and a single episode flatters. Every few generations
     the best candidates since the last time and the mean therefore have a round each, an episode in every environment,
-    the same ones every time, and the policy is the best of all that have had one.
+    the same ones every time, and the policy is the best of all that have had one. The last generation is followed by
+    rounds too, which are beyond the steps asked for. As many environments as candidates waste no time.
 
     Args:
         policy, env, first_weights, seed, device: See `WeightSearch`.
@@ -155,6 +156,7 @@ class CMAES(WeightSearch):
         self.population, self.deviation = population, deviation
         self.generations_between, self.finalists = generations_between, finalists
         self.search: Any = None
+        self.rounds = 0
         super().__init__(
             policy, env, first_weights=first_weights, seed=seed, device=device, _init_setup_model=_init_setup_model
         )
@@ -175,12 +177,14 @@ class CMAES(WeightSearch):
         self.search.tell(asked, (-returns).tolist())
         self.seen += zip(returns.tolist(), asked, strict=True)
         self._n_updates += 1
-        if self._n_updates % self.generations_between == 0:
+        is_last = self.num_timesteps >= self._total_timesteps
+        if self._n_updates % self.generations_between == 0 or is_last:
             best = sorted(self.seen, key=lambda pair: -pair[0])[: self.finalists]
             for weights in (self.search.mean, *(weights for _, weights in best)):
                 self._judge(weights, callback)
             self.seen.clear()
-            self._seed_episodes(1 + self._n_updates // self.generations_between)
+            self.rounds += 1
+            self._seed_episodes(self.rounds)
         self.logger.record("train/deviation", self.search.sigma)
 
     def _judge(self, weights: np.ndarray, callback: BaseCallback) -> None:

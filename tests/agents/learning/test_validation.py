@@ -39,7 +39,17 @@ def test_a_training_that_spoils_the_agent_keeps_it_as_it_was_and_so_does_one_tha
     learn.train(learn.Training(configuration(), first, progress=False, threads=1))
     with np.load(first / "evaluations.npz") as history:
         before, after = history["results"].mean(axis=1)
+        assert history["timesteps"].tolist() == [0, 100]
     assert after < before
     assert runs.algorithm("ppo").load(first / runs.POLICY).num_timesteps == 0
     learn.train(learn.Training(configurations.resumed_configuration(first), second, first, progress=False, threads=1))
     assert (second / runs.POLICY).read_bytes() == (first / runs.POLICY).read_bytes()
+
+
+@pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")
+def test_a_training_ends_with_a_validation_wherever_the_one_before_was(tmp_path, monkeypatch):
+    monkeypatch.setattr(learn, "VALIDATION_EPISODES", 1)
+    monkeypatch.setattr(learn, "SHORTEST_VALIDATION_INTERVAL", 70)
+    learn.train(learn.Training(configuration(), tmp_path, progress=False, threads=1))
+    with np.load(tmp_path / "evaluations.npz") as history:
+        assert history["timesteps"].tolist() == [0, 70, 100]

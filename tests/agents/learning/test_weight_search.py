@@ -56,6 +56,15 @@ def test_the_best_weights_of_a_known_task_are_found_whatever_the_number_of_envir
     assert model.policy.action_net[0].weight.detach().numpy()[0] == pytest.approx(TARGET, abs=0.03)
 
 
+def test_a_search_that_ends_before_its_next_choice_chooses_after_its_last_generation():
+    model = made("cma-es", DummyVecEnv([OneByOne] * 8), generations_between=1000)
+    model.learn(3000)
+    assert model.policy.action_net[0].weight.detach().numpy()[0] == pytest.approx(TARGET, abs=0.1)
+    judged = 2 * 8 * 3  # the mean and a finalist, an episode of three steps in every environment
+    assert 3000 <= model.num_timesteps - judged < 3000 + 8 * 3
+    assert model.rounds == 1
+
+
 @each
 def test_the_same_seed_gives_the_same_weights_and_a_saved_search_goes_on(name, tmp_path):
     one, other = (made(name, DummyVecEnv([OneByOne] * 4)).learn(300) for _ in range(2))

@@ -215,9 +215,6 @@ class Checkpoints(BaseCallback):
         interval: Steps of all environments together; a rollout that is longer sets the distance.
         validation, logger: Of the run.
         restored: Checkpoint that the run goes on from.
-
-    Attributes:
-        latest: Environment steps at the last checkpoint; None before the first.
     """
 
     def __init__(
@@ -232,14 +229,20 @@ class Checkpoints(BaseCallback):
         super().__init__()
         self._folder, self._interval, self._validation, self._deployments = folder, interval, validation, logger
         self._record, self._restored = record, restored
-        self.latest: int | None = None
+        self._latest: int | None = None
+
+    def kept(self) -> str:
+        """Say what an interruption has left, and how to go on."""
+        if self._latest is None:
+            return f"no checkpoint was due yet; solar-env train --resume {self._folder} begins where this one began"
+        return f"kept the checkpoint of step {self._latest}; solar-env train --resume {self._folder} goes on"
 
     def _on_step(self) -> bool:
         return True
 
     def _on_rollout_start(self) -> None:
         self._restore()
-        if self.latest is None or self.num_timesteps - self.latest >= self._interval:
+        if self._latest is None or self.num_timesteps - self._latest >= self._interval:
             self._write()
 
     def _on_training_end(self) -> None:
@@ -255,4 +258,4 @@ class Checkpoints(BaseCallback):
     def _write(self) -> None:
         with deaf():  # torch takes an interruption for a fault of its own
             write(self._folder, _taken(self.model, self._validation, self._deployments, self._folder, self._record))
-        self.latest = self.num_timesteps
+        self._latest = self.num_timesteps

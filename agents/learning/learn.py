@@ -26,6 +26,7 @@ from agents.learning.vec_env import FixedSeeds, LogarithmicCharges, NativeVecEnv
 from agents.learning.weight_search import WeightSearch
 from solar_env.support.campaigns import Workers, each_done
 from solar_env.support.files import make_folder, write_bytes
+from solar_env.support.interruption import keeping
 from solar_env.support.progress import counting_bar
 from solar_env.support.versions import versions
 
@@ -149,22 +150,16 @@ def train(training: Training) -> None:
     every = max(interval // config.n_envs, 1)
     validation = Validation(make_validation_env(config, threads), folder, every, VALIDATION_EPISODES)
     logger = DeploymentLogger()
-    keeping = checkpoints.Checkpoints(folder, record, training.checkpoint_interval, validation, logger, restored)
+    saving = checkpoints.Checkpoints(folder, record, training.checkpoint_interval, validation, logger, restored)
     if restored:
         validation.history = restored.history
         if restored.policy is not None:
             write_bytes(folder / runs.POLICY, sealed(restored.policy))
     try:
-        with counting_bar(Console(stderr=True, quiet=not training.progress)) as bar:
+        with keeping(saving.kept), counting_bar(Console(stderr=True, quiet=not training.progress)) as bar:
             task = bar.add_task("steps", total=config.timesteps, completed=config.timesteps - left)
             shown = Call(lambda model: bar.advance(task, model.n_envs))
-            model.learn(left, CallbackList([logger, validation, shown, keeping]), reset_num_timesteps=not restored)
-    except (KeyboardInterrupt, OSError) as stop:
-        if keeping.latest is None:
-            stop.add_note(f"no checkpoint was due yet; solar-env train --resume {folder} begins where this one began")
-        else:
-            stop.add_note(f"kept the checkpoint of step {keeping.latest}; solar-env train --resume {folder} goes on")
-        raise
+            model.learn(left, CallbackList([logger, validation, shown, saving]), reset_num_timesteps=not restored)
     finally:
         model.logger.close()
         validation.eval_env.close()

@@ -122,9 +122,12 @@ def parse_arguments(cls: type[Arguments], argv: Sequence[str], prog: str | None 
 
 def _refuse_empty_words(argv: Sequence[str]) -> None:
     """End the process where a value is empty, as of a variable of the shell that is not set."""
-    for option, word in pairwise(["a value", *argv]):
+    of = ""
+    for word in argv:
+        if word.startswith("--"):
+            of = f" of {word.partition('=')[0]}"
         if not word or re.fullmatch(r"--[\w-]+=", word):
-            print(f"error: {word.rstrip('=') or option} is empty; give a value, or leave it out", file=sys.stderr)
+            print(f"error: a value{of} is empty; give one, or leave it out", file=sys.stderr)
             raise SystemExit(2)
 
 

@@ -184,7 +184,6 @@ class Campaign:
                     file.flush()
                 except OSError as error:
                     error.filename = str(self._store)
-                    error.add_note(self._kept())
                     raise
                 self._results[_key(cell)] = json.loads(json.dumps(result))
                 yield cell

@@ -18,13 +18,13 @@ _left: list[str] = []  # what the last generator said that was left before its e
 
 @contextmanager
 def keeping(kept: Callable[[], str]) -> Iterator[None]:
-    """Let Ctrl-C within the block say what was kept, in the words of `kept`.
+    """Let Ctrl-C within the block, or a disk that is full, say what was kept, in the words of `kept`.
 
     The block may be that of a generator. Where its caller is interrupted, it is only closed, and does not hear why.
     """
     try:
         yield
-    except KeyboardInterrupt as stop:
+    except (KeyboardInterrupt, OSError) as stop:
         stop.add_note(kept())
         raise
     except GeneratorExit:

@@ -78,18 +78,18 @@ def test_memory_that_runs_out_is_told_in_a_sentence(capsys, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("words", "option"),
+    ("words", "of"),
     [
-        (["train", "--resume", ""], "--resume"),
-        (["evaluate", "--out="], "--out"),
-        (["evaluate", "--controllers", "passive", ""], "passive"),
-        (["simulate", ""], "a value"),
+        (["train", "--resume", ""], " of --resume"),
+        (["evaluate", "--out="], " of --out"),
+        (["evaluate", "--controllers", "passive", ""], " of --controllers"),
+        (["simulate", ""], ""),
     ],
 )
-def test_an_empty_word_is_refused_before_the_work(words, option, tmp_path, monkeypatch, capsys):
+def test_an_empty_word_is_refused_before_the_work(words, of, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert main(words) == 2
-    assert capsys.readouterr().err == f"error: {option} is empty; give a value, or leave it out\n"
+    assert capsys.readouterr().err == f"error: a value{of} is empty; give one, or leave it out\n"
     assert list(tmp_path.iterdir()) == []
 
 

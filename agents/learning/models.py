@@ -59,6 +59,10 @@ def make_model(config: Configuration, venv: VecEnv, features: Features, device: 
     hyperparameters = dict(config.hyperparameters)
     if issubclass(cls, WeightSearch):
         unchanged = VecNormalize(venv, norm_obs=False, norm_reward=False)
+        # Noise that stays as large would keep the policy from the narrow best of them.
+        for name in ("learning_rate", "delta_std"):
+            if name in hyperparameters:
+                hyperparameters[name] = LinearSchedule(hyperparameters[name], 0.0, 1.0)
         return cls("LinearPolicy", unchanged, seed=seed, device=device, **hyperparameters)
     hyperparameters["policy_kwargs"] = {
         **hyperparameters.get("policy_kwargs", {}),

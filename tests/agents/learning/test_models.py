@@ -101,6 +101,19 @@ def test_the_learning_rate_of_ppo_falls_from_update_to_update_and_none_is_withou
     assert used == pytest.approx([1e-3, 0.75e-3, 0.5e-3, 0.25e-3])
 
 
+def test_the_noise_and_the_steps_of_ars_fall_to_nothing():
+    config = configurations.complete("ars", "solar_env/Deploy-v1", {"model": "rigid-ideal"}, 0, n_envs=1)
+    venv = learn.make_training_env(config, [], None, threads=1)
+    model = learn.make_model(config, venv, learn.prepare(config)[0])
+    chosen = config.hyperparameters
+    assert [model.delta_std_schedule(left) for left in (1.0, 0.5, 0.0)] == [
+        chosen["delta_std"] * left for left in (1.0, 0.5, 0.0)
+    ]
+    assert [model.lr_schedule(left) for left in (1.0, 0.5, 0.0)] == [
+        chosen["learning_rate"] * left for left in (1.0, 0.5, 0.0)
+    ]
+
+
 @pytest.mark.parametrize("algo", ["sac", "td3"])
 def test_agents_with_a_replay_buffer_learn_from_returns_over_many_periods_and_ever_more_slowly(algo, tmp_path):
     small = {"batch_size": 32, "buffer_size": 2000, "learning_rate": 1e-3, "n_steps": 7}

@@ -36,8 +36,8 @@ from solar_env.support.interruption import keeping
 from solar_env.support.terminal import print_markdown
 
 BASELINES = ("passive", "servo-untuned", "servo")
-# As many as leave a training with its comparison within ten minutes on two cores: of a search, whose policy is chosen
-# for the first time by then, and of an agent that adds to a law.
+# As many as leave a training with its comparison within ten minutes on two cores: of a search, and of an agent that
+# adds to a law.
 SEARCH_TIMESTEPS, TIMESTEPS = 130_000, 86_400
 
 
@@ -51,7 +51,7 @@ class Args(ModelOptions, TrainingOptions, TrustOption):
     """
 
     algo: str | None = None
-    """algorithm: cma-es or ars, which add to no law; ppo, sac or td3; by default cma-es, or ppo where --residual, --law
+    """algorithm: ars or cma-es, which add to no law; ppo, sac or td3; by default ars, or ppo where --residual, --law
     or --landings is given"""
     seed: int | None = None
     """seed of networks, exploration and training episodes, and chooses those of the comparison; by default 0; beside
@@ -133,7 +133,7 @@ def configuration(args: Args, seed: int) -> configurations.Configuration:
     """Make the configuration that the arguments ask for, with a seed."""
     env_id = args.env_id or DEFAULT_ENV_ID
     of_ppo = any(option is not None for option in (args.residual, args.law, args.landings))
-    algo = args.algo or ("ppo" if of_ppo else "cma-es")
+    algo = args.algo or ("ppo" if of_ppo else "ars")
     searches = configurations.searches_weights(algo)
     whole = args.residual == 0.0 or not configurations.entry(algo, env_id)["residual"]
     named = args.model or args.env_kwargs.get("model")

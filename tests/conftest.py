@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -19,6 +20,7 @@ from hypothesis import HealthCheck, settings
 import solar_env
 
 os.environ["SDL_VIDEODRIVER"] = "dummy"  # windows without a display
+signal.signal(signal.SIGINT, signal.default_int_handler)  # shells let commands in the background ignore Ctrl-C
 PACKAGE_PARENT = Path(solar_env.__file__).resolve().parent.parent
 
 # The option --hypothesis-profile is read before any module of tests.

@@ -88,6 +88,8 @@ class WeightSearch(ARS):
 
     def _do_one_update(self, callback: BaseCallback, async_eval: AsyncEval | None) -> None:
         callback.on_rollout_start()  # before anything is drawn: checkpoints are written here
+        # ARS itself counts the steps that are left of a training that goes on as if they were all.
+        self._update_current_progress_remaining(self.num_timesteps, self._total_timesteps)
         self._update(callback, async_eval)
         callback.on_rollout_end()
 

@@ -46,7 +46,8 @@ class SlowedAdam(torch.optim.Adam):
 def make_model(config: Configuration, venv: VecEnv, features: Features, device: str = "cpu") -> BaseAlgorithm:
     """Make a fresh model on `venv` with normalised rewards, whose networks see `features`.
 
-    A search over weights has rewards as they are, and its policy sees the observation.
+    A search over weights has rewards as they are, and its policy sees the observation. The noise and the steps of ARS
+    fall linearly from those given to nothing.
 
     An agent that adds to a law begins with nothing to add: the last layer of its actor is zero (T. Silver et al.,
     Residual Policy Learning, 2018, arXiv:1812.06298). That layer has no bias: where its features are zero, exploration
@@ -59,7 +60,7 @@ def make_model(config: Configuration, venv: VecEnv, features: Features, device: 
     hyperparameters = dict(config.hyperparameters)
     if issubclass(cls, WeightSearch):
         unchanged = VecNormalize(venv, norm_obs=False, norm_reward=False)
-        # Noise that stays as large would keep the policy from the narrow best of them.
+        # The best weights are a narrow funnel on a rough plateau, which noise that stays as large does not find.
         for name in ("learning_rate", "delta_std"):
             if name in hyperparameters:
                 hyperparameters[name] = LinearSchedule(hyperparameters[name], 0.0, 1.0)

@@ -186,7 +186,7 @@ class CMAES(WeightSearch):
                 self._judge(weights, callback)
             self.seen.clear()
             self.rounds += 1
-            self._seed_episodes(self.rounds)
+            self._seed_episodes(1 + self.rounds)
         self.logger.record("train/deviation", self.search.sigma)
 
     def _judge(self, weights: np.ndarray, callback: BaseCallback) -> None:

@@ -21,8 +21,6 @@ from agents.learning.features import DriveFeatures, Features
 from agents.learning.weight_search import WeightSearch, all_weights
 
 SHARE = "share"
-NOISE_PERIODS = 100
-"""Control periods over which the noise of TD3 is correlated."""
 
 
 class SlowedAdam(torch.optim.Adam):
@@ -53,7 +51,8 @@ def make_model(config: Configuration, venv: VecEnv, features: Features, device: 
     Residual Policy Learning, 2018, arXiv:1812.06298). That layer has no bias: where its features are zero, exploration
     noise is almost zero, any bias would be most improbable, and the bias's gradient would exceed all others.
 
-    With `first_weights` a linear policy begins as the searches do, see `WeightSearch`.
+    With `first_weights` a linear policy begins as the searches do, see `WeightSearch`; SAC and TD3 act with the
+    hyperbolic tangent of its output.
     """
     seed = episode_seeds("training", config.seed, 1)[0]
     cls: Any = runs.algorithm(config.algo)
@@ -74,12 +73,13 @@ def make_model(config: Configuration, venv: VecEnv, features: Features, device: 
     if actor_rate is not None:
         hyperparameters["policy_kwargs"]["optimizer_class"] = SlowedAdam
     first_weights = hyperparameters.pop("first_weights", None)
-    noise = hyperparameters.pop("exploration_noise", None)
+    noise, noise_periods = hyperparameters.pop("exploration_noise", None), hyperparameters.pop("noise_periods", 1)
     if noise is not None:
         n_actions = venv.action_space.shape[0]  # type: ignore[index]
-        # White noise would shake the latched array rather than explore: this one forgets as slowly as gSDE's does.
-        forgetting = 1.0 / NOISE_PERIODS
-        spread = np.full(n_actions, noise * math.sqrt(2.0 * forgetting))
+        # Where actions are torques, white noise would shake the latched array rather than explore: it can be as slow
+        # as gSDE's.
+        forgetting = 1.0 / noise_periods
+        spread = np.full(n_actions, noise * math.sqrt(forgetting * (2.0 - forgetting)))
         hyperparameters["action_noise"] = OrnsteinUhlenbeckActionNoise(np.zeros(n_actions), spread, forgetting, dt=1.0)
     gamma = hyperparameters.get("gamma", 0.99)
     normalized = VecNormalize(venv, norm_obs=False, gamma=gamma)
@@ -97,9 +97,10 @@ def make_model(config: Configuration, venv: VecEnv, features: Features, device: 
         for group in policy.actor.optimizer.param_groups:
             group[SHARE] = actor_rate / rate if rate else 0.0
     if first_weights is not None:
-        (layer,) = _actor_layers(model)
-        weights = all_weights(first_weights, layer.weight.shape[1])
-        layer.weight.data = torch.as_tensor(weights, dtype=layer.weight.dtype)[None]
+        for layer in _actor_layers(model):
+            weights = all_weights(first_weights, layer.weight.shape[1])
+            layer.weight.data = torch.as_tensor(weights, dtype=layer.weight.dtype)[None]
+            torch.nn.init.zeros_(layer.bias)
     if config.residual:
         for layer in _actor_layers(model):
             torch.nn.init.zeros_(layer.weight)

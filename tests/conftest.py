@@ -8,7 +8,6 @@ import signal
 import subprocess
 import sys
 import time
-import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -113,7 +112,4 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Path, 
     """The result of `trained.train_and_export`."""
     from trained import train_and_export
 
-    with warnings.catch_warnings():
-        # The law that a residual is added to has not been tuned for the model that is quickest to train on.
-        warnings.filterwarnings("ignore", "no parameters of .* have been tuned")
-        return train_and_export(tmp_path_factory.mktemp("export"))
+    return train_and_export(tmp_path_factory.mktemp("export"))

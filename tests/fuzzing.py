@@ -138,7 +138,7 @@ TARGETS = {
     "run-folder": Target(
         run_folder,
         (ValueError,),
-        lambda: [b'{"env_id": "solar_env/Deploy-v1", "env_kwargs": {}, "algo": "ppo", "residual": null, "seal": "0"}'],
+        lambda: [b'{"env_id": "solar_env/Deploy-v1", "env_kwargs": {}, "algo": "ppo", "seal": "0"}'],
     ),
     "sealed-file": Target(sealed_file, (ValueError,), lambda: [b"content\nsolar_env " + b"0" * 64 + b" " + b"0" * 64]),
     "table": Target(table, (ValueError,), lambda: [b"# command: x\nmethod,error,wall_s\nours,0.1,2\nother,1e-3,5\n"]),

@@ -229,7 +229,6 @@ ROWS = (
     _law("shaped", "shaped and not at_rest"),
     _law("soft_start", "soft"),
     _law("table", "refused or ranges"),
-    Row("agents/laws/residual.py", ("tests/agents/laws/test_residual.py",)),
     Row(
         "agents/comparison/receding_horizon.py",
         ("tests/agents/comparison/test_receding_search.py",),
@@ -242,7 +241,6 @@ ROWS = (
     Row(
         "agents/laws/baselines.py",
         (
-            "tests/agents/laws/test_residual.py",
             "tests/agents/laws/test_tuned_laws.py",
             "-k",
             "episodes or refused or has_the_parameters or any_number or says_so",

@@ -14,26 +14,26 @@ COMMAND = "python train.py --seed 7"
 QUICK = {"model": "rigid-ideal", "control_period": 0.5, "postlock_window": 2.0}
 QUICK |= {"observation": "drive", "action": "torque"}
 ON_POLICY = {"n_steps": 50, "batch_size": 50}
-OFF_POLICY = {"learning_starts": 60, "buffer_size": 500, "batch_size": 16}
-# Name -> algorithm, hyperparameters, scale of the residual.
+DEEP = {"first_weights": None, "policy_kwargs": {"net_arch": [64, 64]}}
+OFF_POLICY = {"learning_starts": 60, "buffer_size": 500, "batch_size": 16, **DEEP}
+# Name -> algorithm, hyperparameters.
 TRAINED = {
-    "ppo": ("ppo", {**ON_POLICY, "first_weights": None, "policy_kwargs": {"net_arch": [64, 64]}}, 0.0),
-    "sac": ("sac", OFF_POLICY, 0.0),
-    "td3": ("td3", OFF_POLICY, 0.0),
-    "cma-es": ("cma-es", {"population": 4}, 0.0),
-    "residual": ("ppo", ON_POLICY, 0.3),
+    "ppo": ("ppo", {**ON_POLICY, **DEEP}),
+    "sac": ("sac", OFF_POLICY),
+    "td3": ("td3", OFF_POLICY),
+    "cma-es": ("cma-es", {"population": 4}),
+    "linear": ("ppo", ON_POLICY),
 }
 
 
 def train_and_export(folder: Path) -> dict[str, tuple[Path, Path]]:
-    """Name -> run, and folder of what was exported of it; the residual has scores."""
+    """Name -> run, and folder of what was exported of it; the linear one has scores."""
     made = {}
-    for name, (algo, hyperparameters, residual) in TRAINED.items():
-        landings = 2 if residual else None
-        config = configurations.complete(algo, DEFAULT_ENV_ID, QUICK, 7, 1, 100, hyperparameters, residual, landings)
+    for name, (algo, hyperparameters) in TRAINED.items():
+        config = configurations.complete(algo, DEFAULT_ENV_ID, QUICK, 7, 1, 100, hyperparameters)
         run = runs.new_run_folder(folder / "runs" / name, config.env_id, algo, config.seed)
         learn.train(learn.Training(config, run, command=COMMAND, progress=False, threads=1))
-        if name == "residual":
+        if name == "linear":
             rows = evaluate(["passive", f"ppo={run}"], 2, 7, config.env_id, config.env_kwargs, progress=False)
             write_comparison(run, rows, {"command": COMMAND}, {})
         made[name] = run, folder / "policies" / name

@@ -9,7 +9,7 @@ from agents.learning import checkpoints, runs
 from solar_env.commands.arguments import parse_arguments
 
 RIGID = ["--model", "rigid-clearance"]
-OFF_POLICY = [*RIGID, "--n-envs", "1", "--landings", "4"]
+OFF_POLICY = [*RIGID, "--n-envs", "1"]
 OFF_POLICY += ["--hyperparams", "learning_starts=50", "buffer_size=2000", "batch_size=32"]
 OFF_POLICY += ["train_freq=50", "gradient_steps=2"]
 SMALL = {
@@ -19,8 +19,6 @@ SMALL = {
         *RIGID,
         "--n-envs",
         "2",
-        "--landings",
-        "4",
         "--hyperparams",
         "n_steps=300",
         "batch_size=100",

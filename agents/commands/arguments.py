@@ -94,7 +94,5 @@ class TrainingOptions(WorkerOptions, CommandRecord):
 
     timesteps: int | None = None
     """environment steps of every training; by default the number in agents/configs"""
-    landings: int | None = None
-    """episodes of the law alone with whose landings training begins; by default the number in agents/configs"""
     hyperparams: Assignments = dataclasses.field(default_factory=dict)
     """hyperparameters in place of those in agents/configs, for example learning_rate=1e-3"""

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from agents.commands.arguments import ModelOptions, TrainingOptions
 from agents.comparison.figures import Curve, learning_curves_figure
-from agents.comparison.suites import SUITES, training_model
+from agents.comparison.suites import SUITES
 from agents.environments import check_distinct_seeds, environment_settings
 from agents.learning import configurations, learn, runs
 from solar_env.environment.registration import ENVIRONMENTS
@@ -21,17 +21,15 @@ FIGURE, TABLE = "learning_curves.png", "learning_curves.csv"
 class Args(ModelOptions, TrainingOptions):
     """Train agents on both scenarios with several seeds and draw how their validation returns develop.
 
-    The model is flexible-clearance unless another is named, for the whole torque rigid-clearance.
+    The model is rigid-clearance unless another is named.
     """
 
     algos: list[str] = field(default_factory=lambda: sorted(runs.ALGORITHMS))
-    """algorithms; ars and cma-es command the whole torque alone"""
+    """algorithms"""
     seeds: list[int] = field(default_factory=lambda: [0, 1, 2, 3, 4])
     """training seeds of every agent"""
     suites: list[str] = field(default_factory=lambda: list(SUITES))
     """scenarios: paper (nominal) and robust (randomised)"""
-    whole: bool = False
-    """agents that command the whole torque instead of those that add to the tuned servo"""
     out: str = "curves"
     """folder of runs, table and figure; runs that are complete there are not trained again"""
     readme: bool = False
@@ -41,19 +39,16 @@ class Args(ModelOptions, TrainingOptions):
 def wanted_runs(args: Args) -> dict[tuple[str, str], dict[Path, configurations.Configuration]]:
     """Plan the runs: (panel, algorithm) -> run folder -> its configuration, one for each seed."""
     wanted: dict[tuple[str, str], dict[Path, configurations.Configuration]] = {}
-    whole = args.whole
-    residual, landings = (0.0, None) if whole else (None, args.landings)
-    numbers = None, args.timesteps, args.hyperparams, residual, landings
+    numbers = None, args.timesteps, args.hyperparams
     for suite in args.suites:
         env_id = SUITES[suite]
-        keywords = args.keywords(env_id, training_model(whole))
-        panel = f"{ENVIRONMENTS[env_id][0]}, {keywords['model']}, {'whole torque' if whole else 'added to the servo'}"
+        keywords = args.keywords(env_id, {"model": "rigid-clearance"})
+        panel = f"{ENVIRONMENTS[env_id][0]}, {keywords['model']}"
         for algo in args.algos:
-            if not whole and not configurations.entry(algo, env_id)["residual"]:
-                continue  # it adds to no law
-            name = f"{suite}-{algo}{'-whole' if whole else ''}"
             wanted[panel, algo] = {
-                Path(args.out) / f"{name}-{seed}": configurations.complete(algo, env_id, keywords, seed, *numbers)
+                Path(args.out) / f"{suite}-{algo}-{seed}": configurations.complete(
+                    algo, env_id, keywords, seed, *numbers
+                )
                 for seed in args.seeds
             }
     return wanted

@@ -73,7 +73,7 @@ def export(run: str | Path, folder: Path, comparison: str | Path | None = None) 
     if not runs.is_complete(run):
         raise ValueError(f"the training in {run} was interrupted; resume it, and export what comes of that")
     with make_env(config["env_id"], config["env_kwargs"]) as env:
-        model = runs.load_model(run, env)
+        model = runs.load_policy(run, env)
         network = network_of(model)
         signals = dict(vars(Signals.of(env)))
         del signals["driven_joint"], signals["action"]  # the keywords of the environment hold them
@@ -84,7 +84,6 @@ def export(run: str | Path, folder: Path, comparison: str | Path | None = None) 
             env_id=config["env_id"],
             env_kwargs=config["env_kwargs"],
             observation_names=signals.pop("names"),
-            residual=config.get("residual"),
             **signals,
         )
         policy = ShippedPolicy(network, description)

@@ -9,16 +9,15 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import torch
-import tyro
 
 from agents.commands.arguments import ModelOptions, TrainingOptions, TrustOption
 from agents.comparison.evaluation import efforts, evaluate
 from agents.comparison.figures import run_figure
 from agents.comparison.report import Summary, Tables, write_comparison
-from agents.comparison.suites import training_model
+from agents.comparison.suites import MODEL
 from agents.environments import (
     DEFAULT_ENV_ID,
     INTERFACE,
@@ -29,30 +28,26 @@ from agents.environments import (
     make_env,
 )
 from agents.laws.baselines import make_baseline
-from agents.laws.table import TUNABLE
 from agents.learning import checkpoints, configurations, learn, runs
 from agents.rollout import Step, run_episode
 from solar_env.support.interruption import keeping
 from solar_env.support.terminal import print_markdown
 
 BASELINES = ("passive", "servo-untuned", "servo")
-# As many as leave a training with its comparison within ten minutes on two cores: of a search, and of an agent that
-# adds to a law.
-SEARCH_TIMESTEPS, TIMESTEPS = 130_000, 86_400
+SHORT_TIMESTEPS = 130_000  # of a search on flexible panels, with its comparison within ten minutes on two cores
 
 
 @dataclass
 class Args(ModelOptions, TrainingOptions, TrustOption):
     """Train a controller that deploys the solar array softly, and compare it with the baselines.
 
-    The model is flexible-clearance, or rigid-clearance for PPO, SAC and TD3 without a law, unless another is named.
-    Where neither a model nor a number of steps is asked for, a search on flexible panels takes at most 130,000 steps
-    and an agent that adds to a law 86,400. With --resume all that is not given is as in the run to resume.
+    The model is flexible-clearance, or rigid-clearance for PPO, SAC and TD3, which need more episodes, unless another
+    is named. Where neither a model nor a number of steps is asked for, a search on flexible panels takes at most
+    130,000 steps. With --resume all that is not given is as in the run to resume.
     """
 
     algo: str | None = None
-    """algorithm: ars or cma-es, which add to no law; ppo, sac or td3; by default ars, or ppo where --residual, --law
-    or --landings is given"""
+    """algorithm: ars or cma-es, which search the weights of a linear policy; ppo, sac or td3; by default ars"""
     seed: int | None = None
     """seed of networks, exploration and training episodes, and chooses those of the comparison; by default 0; beside
     --seeds it chooses the comparison's alone"""
@@ -63,17 +58,12 @@ class Args(ModelOptions, TrainingOptions, TrustOption):
     """environment id; by default solar_env/Deploy-v1"""
     n_envs: int | None = None
     """environments stepped together; by default the number in agents/configs"""
-    residual: float | None = None
-    """the agent adds up to this share of the torque limit to the torque of a tuned law; 0: it commands the whole
-    torque; by default as in agents/configs"""
-    law: Annotated[str | None, tyro.conf.arg(help=f"that law: {', '.join(TUNABLE)}; by default servo")] = None
     start: str | None = None
     """run of cma-es or ars, on whatever model, whose policy training begins with; with --seeds a folder of such runs,
     each of which is gone on with by its own seed"""
     resume: str | None = None
-    """run folder to go on from, with its algorithm, environment, seed, hyperparameters, residual and landings: to its
-    end if it was interrupted, even before its first checkpoint, by as many steps again, or --timesteps, if it is
-    complete"""
+    """run folder to go on from, with its algorithm, environment, seed and hyperparameters: to its end if it was
+    interrupted, even before its first checkpoint, by as many steps again, or --timesteps, if it is complete"""
     out: str | None = None
     """run folder; by default runs/<id>__<algo>__<seed>__<timestamp>, or the folder of the run to resume if that was
     interrupted"""
@@ -132,15 +122,10 @@ def run(args: Args) -> Path:
 def configuration(args: Args, seed: int) -> configurations.Configuration:
     """Make the configuration that the arguments ask for, with a seed."""
     env_id = args.env_id or DEFAULT_ENV_ID
-    of_ppo = any(option is not None for option in (args.residual, args.law, args.landings))
-    algo = args.algo or ("ppo" if of_ppo else "ars")
+    algo = args.algo or "ars"
     searches = configurations.searches_weights(algo)
-    whole = args.residual == 0.0 or not configurations.entry(algo, env_id)["residual"]
-    named = args.model or args.env_kwargs.get("model")
-    on_rigid = whole and not searches
-    keywords = args.keywords(env_id, training_model(on_rigid))
-    numbers = args.n_envs, args.timesteps, args.hyperparams, args.residual, args.landings, args.law
-    config = configurations.complete(algo, env_id, keywords, seed, *numbers)
+    keywords = args.keywords(env_id, MODEL if searches else {"model": "rigid-clearance"})
+    config = configurations.complete(algo, env_id, keywords, seed, args.n_envs, args.timesteps, args.hyperparams)
     if args.start:
         begun = Path(args.start) / seed_folder(seed) if args.seeds else Path(args.start)
         if args.trust:
@@ -148,9 +133,9 @@ def configuration(args: Args, seed: int) -> configurations.Configuration:
         with make_env(env_id, config.env_kwargs) as env:
             weights = runs.linear_weights(begun, env)
         config = replace(config, hyperparameters={**config.hyperparameters, "first_weights": weights})
-    if args.timesteps is not None or named or on_rigid:
+    if not searches or args.timesteps is not None or args.model or args.env_kwargs.get("model"):
         return config
-    return replace(config, timesteps=min(config.timesteps, SEARCH_TIMESTEPS if searches else TIMESTEPS))
+    return replace(config, timesteps=min(config.timesteps, SHORT_TIMESTEPS))
 
 
 def train_seeds(args: Args) -> Path:
@@ -202,18 +187,12 @@ def check_device(name: str) -> None:
         ) from error
 
 
-def references(config: configurations.Configuration) -> list[str]:
-    """List the laws that a run is compared with: the baselines, and the one that it adds to."""
-    law = [config.residual["law"]] if config.residual else []
-    return list(dict.fromkeys([*BASELINES, *law]))
-
-
 def compare(
     args: Args, config: configurations.Configuration, folders: Sequence[Path], out: Path
 ) -> tuple[Summary, Tables]:
     """Compare runs, as training seeds of one controller, with the baselines; for the rest see `write_comparison`."""
     seed = args.seed or 0 if args.seeds else config.seed
-    controllers = [*references(config), *(f"{config.algo}={folder}" for folder in folders)]
+    controllers = [*BASELINES, *(f"{config.algo}={folder}" for folder in folders)]
     env_id, env_kwargs = config.env_id, _of_laws(config)
     rows = evaluate(controllers, args.eval_episodes, seed, env_id, env_kwargs, not args.quiet, args.workers)
     settings = {"command": args.command, "eval_episodes": args.eval_episodes, "seed": seed}
@@ -238,11 +217,9 @@ def check_resumable(args: Args, config: configurations.Configuration) -> None:
         "model": model,
         **dict.fromkeys(("panels", "elements", "modes")),
         **panels.keywords_of(model),
-        "residual": config.residual["scale"] if config.residual else 0.0,
-        "law": config.residual["law"] if config.residual else None,
     }
-    learning = ("algo", "seed", "hyperparams", "n_envs", "residual", "law", "landings")
-    for name in ("env_id", "model", "panels", "elements", "modes", "env_kwargs", *learning):
+    environment = ("env_id", "model", "panels", "elements", "modes", "env_kwargs")
+    for name in (*environment, "algo", "seed", "hyperparams", "n_envs"):
         given, fixed = getattr(args, name), fixed_values[name]
         if isinstance(given, dict):
             agrees = all(fixed.get(key) == value for key, value in runs.jsonable(given).items())
@@ -261,4 +238,4 @@ def draw(folder: Path, config: configurations.Configuration, returns: dict[str, 
     episodes: dict[str, list[Step]] = {config.algo: [], "passive": []}
     run_episode(env, runs.load_policy(folder, env), seed, episodes[config.algo].append)
     run_episode(of_laws, make_baseline("passive", of_laws), seed, episodes["passive"].append)
-    run_figure(folder, {name: returns[name] for name in references(config)}, episodes)
+    run_figure(folder, {name: returns[name] for name in BASELINES}, episodes)

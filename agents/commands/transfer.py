@@ -20,8 +20,6 @@ FIGURE, TABLE = "transfer.png", "transfer.md"
 COMPARISON = Path(__file__).parents[1] / "comparison"
 SECTION = Section(COMPARISON / "README.md", "transfer", "solar-env transfer --readme")
 
-# Agents that add to a law add to the same one on all levels, that of the finest: they differ by their training alone.
-LAW_MODEL = "flexible-clearance"
 # Name -> keywords, from the cheapest to the finest.
 LEVELS: dict[str, dict[str, Any]] = {
     "rigid": {"model": "rigid-clearance"},
@@ -38,11 +36,9 @@ class Args(TrainingOptions):
     """Train an agent on every level of the model and judge each on all of them."""
 
     algo: str = "cma-es"
-    """algorithm: cma-es or ars, from nothing; ppo, sac or td3"""
+    """algorithm: ars, cma-es, ppo, sac or td3"""
     seeds: list[int] = field(default_factory=lambda: [0])
     """training seeds; those of a level are pooled"""
-    residual: float | None = None
-    """as for train.py"""
     episodes: int = 20
     """evaluation episodes of every agent on every level"""
     env_id: str = DEFAULT_ENV_ID
@@ -61,12 +57,12 @@ def train_all(args: Args) -> dict[str, list[Path]]:
     Raises:
         ValueError: A complete run there has another configuration.
     """
-    numbers = None, args.timesteps, args.hyperparams, args.residual, args.landings
+    numbers = None, args.timesteps, args.hyperparams
     wanted: dict[str, dict[Path, configurations.Configuration]] = {}
     for level, keywords in LEVELS.items():
         wanted[level] = {
             Path(args.out) / f"{level.replace(' ', '-')}-{seed}": configurations.complete(
-                args.algo, args.env_id, on_level(args, keywords), seed, *numbers, law_model=LAW_MODEL
+                args.algo, args.env_id, on_level(args, keywords), seed, *numbers
             )
             for seed in args.seeds
         }
@@ -102,11 +98,10 @@ def on_level(args: Args, keywords: Mapping[str, Any]) -> dict[str, Any]:
 
 def markdown(args: Args, returns: Mapping[str, Mapping[str, Estimate]]) -> str:
     """Write the matrix as a table: a row per level of training, a column per level of evaluation."""
-    config = configurations.complete(args.algo, args.env_id, {}, 0, None, args.timesteps, None, args.residual)
-    adding = ", that add to the servo tuned for flexible panels" if config.residual else ", without a law"
+    config = configurations.complete(args.algo, args.env_id, {}, 0, None, args.timesteps)
     lines = [
-        f"Interquartile mean return with its 95 % interval, of agents of {args.algo} after {config.timesteps:,} steps"
-        f"{adding}. The servo alone is the one tuned for rigid panels where it is judged on these.",
+        f"Interquartile mean return with its 95 % interval, of agents of {args.algo} after {config.timesteps:,} steps. "
+        "The servo is the one tuned for rigid panels where it is judged on these.",
         "",
         *header(["trained on", *(f"judged on {level}" for level in returns)]),
     ]

@@ -123,8 +123,7 @@ class _ShippedPolicy(NamedController):
         return vars(shipped.load_shipped(self.spec).description)
 
     def effort(self, env_id: str, model: str) -> str:
-        training = self.training()
-        return _training_effort(training["training_steps"], training["residual"])
+        return f"{self.training()['training_steps']:,} steps"
 
 
 class _Run(NamedController):
@@ -151,16 +150,12 @@ class _Run(NamedController):
         return runs.read_config(self.spec)
 
     def effort(self, env_id: str, model: str) -> str:
-        training = self.training()
-        return _training_effort(runs.steps_taken(self.spec), training["residual"])
+        self.training()
+        return f"{runs.steps_taken(self.spec):,} steps"
 
     @property
     def resolved(self) -> str:
         return str(Path(self.spec).resolve())
-
-
-def _training_effort(steps: int, residual: Mapping[str, Any] | None) -> str:
-    return f"{steps:,} steps" + (f" and {residual['tuning_episodes']:,} episodes for the law" if residual else "")
 
 
 def parse_controller(text: str) -> NamedController:

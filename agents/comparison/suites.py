@@ -8,20 +8,12 @@ from agents.policies import shipped
 from agents.policies.policy import Description
 from solar_env.array import DEFAULT_MODES
 
-# Agents are trained and both suites judged on this model, whose peak forces have converged. It is also the cheapest
+# Both suites are judged on this model, whose peak forces have converged. It is also the cheapest
 # with flexible panels: under the servo 579 environment steps a second of a core with 24 modes, 453 with 8, and 380, 270
 # and 172 with 2, 4 and 6 beam elements.
 MODEL: dict[str, Any] = {"model": "flexible-clearance", "modes": DEFAULT_MODES}
 # Name -> environment id of the scenario.
 SUITES = {"paper": "solar_env/Deploy-v1", "robust": "solar_env/DeployRandomised-v1"}
-
-
-def training_model(whole: bool) -> dict[str, Any]:
-    """Return the keywords of the model that agents are trained on unless another is named: `MODEL`, or rigid panels.
-
-    Those that command the `whole` torque need more episodes than there is time for with flexible panels.
-    """
-    return {"model": "rigid-clearance"} if whole else dict(MODEL)
 
 
 def suite_controllers(env_id: str) -> list[str]:

@@ -1,4 +1,4 @@
-"""Torque laws: controllers without learning, one file a law, and the residual that an agent adds to one.
+"""Torque laws: controllers without learning, one file a law.
 
 Imports `agents.torque_laws` (the base classes), `agents.environments` and the simulator; nothing that learns.
 

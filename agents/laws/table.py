@@ -1,4 +1,4 @@
-"""The table of controllers without learning; tuning, evaluation, residual agents, suites and help texts follow it."""
+"""The table of controllers without learning; tuning, evaluation, suites and help texts follow it."""
 
 from dataclasses import dataclass
 from typing import Any

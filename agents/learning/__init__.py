@@ -1,4 +1,4 @@
-"""Training with Stable-Baselines3: configurations, features, landings, models, and the run from one to the other.
+"""Training with Stable-Baselines3: configurations, features, models, and the run from one to the other.
 
 `runs` reads and writes the folder of a training run, whose files `trust` seals; `vec_env` is the vector environment
 behind Stable-Baselines3's interface, `weight_search` CMA-ES and ARS over the weights of a policy. Imports the laws; not

@@ -12,7 +12,6 @@ import io
 import pickle
 import random
 import warnings
-from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,14 +27,12 @@ from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper, VecNormalize
 from agents.learning import runs
 from agents.learning.callbacks import DeploymentLogger, Validation
 from agents.learning.configurations import Configuration
-from agents.learning.landings import Landing
-from agents.learning.models import freeze_bias
 from agents.learning.trust import DamagedFileError, UntrustedFileError, sealed, unsealed
 from solar_env.support.files import write_bytes
 from solar_env.support.interruption import deaf
 
 # Attributes of environments that belong to the process: files, clocks, and what is made anew.
-_OF_THE_PROCESS = {"venv", "class_attributes", "results_writer", "t_start", "stepping_time", "_law"}
+_OF_THE_PROCESS = {"venv", "class_attributes", "results_writer", "t_start", "stepping_time"}
 _SDE = ("exploration_mat", "exploration_matrices")
 
 
@@ -65,11 +62,6 @@ class Checkpoint:
     terms: list[Any]
     record: dict[str, Any] | None = None
 
-    @property
-    def landings(self) -> Sequence[Landing]:
-        """The landings that episodes begin with; none for an agent that commands the whole torque."""
-        return self.lanes[-1].get("_landings", ())
-
     def restore(self, config: Configuration, venv: VecEnv, device: str = "cpu") -> BaseAlgorithm:
         """Make the model with its environments; `venv` is a fresh one of the same configuration, without normalisation.
 
@@ -81,8 +73,6 @@ class Checkpoint:
         # Only now: to load a model seeds its environment.
         for layer, values in zip(_layers(normalized), self.lanes, strict=True):
             vars(layer).update(values)
-        if config.residual:
-            freeze_bias(model)
         if isinstance(model, OffPolicyAlgorithm):
             model.replay_buffer = self.replay_buffer
             model.replay_buffer.device = model.device

@@ -14,9 +14,8 @@ import numpy as np
 import torch
 from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
 
-from agents.environments import EPISODES_PER_SEED, INTERFACE, check_episode_seeds, environment_settings, with_sampling
+from agents.environments import INTERFACE, check_episode_seeds, with_sampling
 from agents.laws.baselines import CONFIGS
-from agents.laws.residual import DEFAULT_LAW, residual_on
 from agents.learning import runs
 from agents.learning.weight_search import WeightSearch
 from solar_env.support.numbers import is_number
@@ -57,8 +56,6 @@ class Configuration:
             `first_weights`, see `agents.learning.models.make_model`. Learning rates are those
             of the first update and fall linearly to zero; a resumed run takes them up at the share of all steps,
             earlier ones included, that is left.
-        residual: Law that the agent adds to, see `agents.laws.residual.residual_on`; None: it commands all torque.
-        landings: Episodes of that law alone that training begins with, see `agents.learning.landings`; 0 without a law.
     """
 
     algo: str
@@ -68,19 +65,10 @@ class Configuration:
     n_envs: int
     timesteps: int
     hyperparameters: dict[str, Any]
-    residual: dict[str, Any] | None = None
-    landings: int = 0
-
-    def __post_init__(self) -> None:
-        if self.landings > EPISODES_PER_SEED:
-            raise ValueError(f"landings is {self.landings}, but a seed has {EPISODES_PER_SEED:,} episodes; give fewer")
 
 
-def entry(algo: str, env_id: str, whole: bool = False) -> dict[str, Any]:
+def entry(algo: str, env_id: str) -> dict[str, Any]:
     """Read the entry of `agents/configs/<algo>.json` for `env_id`.
-
-    It is for an agent that adds to a law; for one that commands the `whole` torque, the values under "whole_torque"
-    replace the others.
 
     Raises:
         ValueError: There is no algorithm of this name, or no entry.
@@ -89,11 +77,7 @@ def entry(algo: str, env_id: str, whole: bool = False) -> dict[str, Any]:
     entries = read_json(CONFIGS / f"{algo}.json")
     if env_id not in entries:
         raise ValueError(f"{algo}.json has no hyperparameters for {env_id!r}; it has {', '.join(entries)}")
-    found = dict(entries[env_id])
-    of_whole = found.pop("whole_torque")
-    if whole:
-        found.pop("search", None)
-        found |= of_whole
+    found: dict[str, Any] = entries[env_id]
     return found
 
 
@@ -105,51 +89,32 @@ def complete(
     n_envs: int | None = None,
     timesteps: int | None = None,
     hyperparameters: Mapping[str, Any] | None = None,
-    residual: float | None = None,
-    landings: int | None = None,
-    law: str | None = None,
-    law_model: str | None = None,
 ) -> Configuration:
     """Complete a request with the values in `agents/configs/<algo>.json` for its environment, in place of each None.
 
     Args:
         algo, env_id, env_kwargs, seed, n_envs, timesteps: See `Configuration`.
         hyperparameters: Values in place of single ones of the file, and of single "policy_kwargs" of its.
-        residual: Greatest action that the agent adds to a law, as a share of the torque limit; 0: no law.
-        landings: See `Configuration`; there are none without a law.
-        law: Name in `agents.laws.table.TUNABLE` of the law that the agent adds to; None: the servo.
-        law_model: Model whose tuned parameters the law has; None: that of the environment.
 
     Raises:
         ValueError: Algorithm, environment, one of its keywords or a hyperparameter is unknown, or a number is
             out of range.
     """
-    asked = {"n_envs": n_envs, "timesteps": timesteps, "landings": landings}
-    scale = entry(algo, env_id)["residual"] if residual is None else residual
-    found = entry(algo, env_id, whole=not scale)
-    if scale and searches_weights(algo):
-        raise ValueError(f"residual is {scale!r}, but {algo} searches the weights of a policy alone; leave it out")
+    asked = {"n_envs": n_envs, "timesteps": timesteps}
+    found = entry(algo, env_id)
     _check_hyperparameters(algo, hyperparameters or {})
     counts = {name: found[name] if number is None else number for name, number in asked.items()}
-    for name in ("n_envs", "timesteps", *(["landings"] if scale else [])):
-        _check_positive(name, counts[name])
+    for name, number in counts.items():
+        _check_positive(name, number)
     check_episode_seeds(seed, counts["n_envs"])
     interface = {name: found[name] for name in INTERFACE if name in found}
     keywords = with_sampling({**interface, **env_kwargs}, env_id)
-    model = environment_settings(env_id, keywords).model
-    for name, given in (("landings", landings), ("law", law)):
-        if given and not scale:
-            raise ValueError(f"{name} is {given!r}, but with residual 0 there is no law; leave it out")
     chosen = {**found["hyperparameters"], **(hyperparameters or {})}
     if "policy_kwargs" in found["hyperparameters"]:
         chosen["policy_kwargs"] = {**found["hyperparameters"]["policy_kwargs"], **chosen["policy_kwargs"]}
     _check_networks(algo, chosen)
     _check_batches(algo, chosen, counts["n_envs"])
-    adds_to = residual_on(scale, law or DEFAULT_LAW, env_id, law_model or model, counts["landings"]) if scale else None
-    counts |= {} if scale else {"landings": 0}
-    return Configuration(
-        algo, env_id, runs.jsonable(keywords), seed, hyperparameters=chosen, residual=adds_to, **counts
-    )
+    return Configuration(algo, env_id, runs.jsonable(keywords), seed, hyperparameters=chosen, **counts)
 
 
 def searches_weights(algo: str) -> bool:

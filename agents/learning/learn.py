@@ -1,11 +1,8 @@
 """Training through Stable-Baselines3, from a configuration to a run folder."""
 
-import json
 import time
-from collections.abc import Mapping, Sequence
-from contextlib import closing
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from functools import lru_cache
 from pathlib import Path
 
 import torch
@@ -14,15 +11,13 @@ from stable_baselines3.common.callbacks import CallbackList
 from stable_baselines3.common.logger import configure
 from stable_baselines3.common.vec_env import VecEnv, VecMonitor, VecNormalize
 
-from agents.environments import EPISODES_PER_SEED, environment_settings, episode_seeds
+from agents.environments import episode_seeds
 from agents.learning import checkpoints, runs
 from agents.learning.callbacks import Call, DeploymentLogger, Validation
 from agents.learning.configurations import Configuration, stored_configuration
-from agents.learning.features import Features, landing, whole_motion
-from agents.learning.landings import Landing, LandingVecEnv, record
 from agents.learning.models import make_model
 from agents.learning.trust import sealed
-from agents.learning.vec_env import FixedSeeds, LogarithmicCharges, NativeVecEnv, ResidualVecEnv
+from agents.learning.vec_env import FixedSeeds, LogarithmicCharges, NativeVecEnv
 from agents.learning.weight_search import WeightSearch
 from solar_env.support.campaigns import Workers, each_done
 from solar_env.support.files import make_folder, write_bytes
@@ -37,56 +32,20 @@ SHORTEST_VALIDATION_INTERVAL = 2000  # environment steps; a validation takes abo
 CHARGE_SCALE = 0.5  # above the cost of any soft landing; see `LogarithmicCharges`
 
 
-def make_training_env(
-    config: Configuration, landings: Sequence[Landing], monitor: Path | None, threads: int | None = None
-) -> VecEnv:
+def make_training_env(config: Configuration, monitor: Path | None = None, threads: int | None = None) -> VecEnv:
     """Make `n_envs` environments with `LogarithmicCharges`, on `threads` threads, by default one per processor.
 
-    Episodes begin with `landings` if there are any. The CSV file `monitor` logs finished ones, with their true returns.
+    The CSV file `monitor` logs finished episodes, with their true returns.
     """
-    made = config.n_envs, config.env_id, {**config.env_kwargs, "num_threads": threads}
-    lanes = LandingVecEnv(*made, landings) if landings else NativeVecEnv(*made)
-    monitored = VecMonitor(_with_law(lanes, config), str(monitor) if monitor else None)
-    return LogarithmicCharges(monitored, CHARGE_SCALE)
+    lanes = NativeVecEnv(config.n_envs, config.env_id, {**config.env_kwargs, "num_threads": threads})
+    return LogarithmicCharges(VecMonitor(lanes, str(monitor) if monitor else None), CHARGE_SCALE)
 
 
 def make_validation_env(config: Configuration, threads: int | None = None) -> VecNormalize:
     """Make an environment for every validation episode, the same ones at every reset, with unnormalised rewards."""
     first = episode_seeds("validation", config.seed, VALIDATION_EPISODES)[0]
     lanes = NativeVecEnv(VALIDATION_EPISODES, config.env_id, {**config.env_kwargs, "num_threads": threads})
-    venv = VecMonitor(_with_law(FixedSeeds(lanes, first), config))
-    return VecNormalize(venv, training=False, norm_obs=False, norm_reward=False)
-
-
-def _with_law(venv: VecEnv, config: Configuration) -> VecEnv:
-    return ResidualVecEnv(venv, config.residual) if config.residual else venv
-
-
-def prepare(config: Configuration, threads: int | None = None) -> tuple[Features, list[Landing]]:
-    """Prepare the features of the networks and, for an agent that adds to a law, the landings to begin training with.
-
-    The landings are recorded in `config.landings` episodes of the law alone.
-
-    Raises:
-        ValueError: The law does not land the array.
-    """
-    if config.residual is not None:
-        first = episode_seeds("training", config.seed, EPISODES_PER_SEED)[-config.landings]
-        law = {**config.residual, "scale": 1.0}  # nothing is added, whatever the scale
-        return _recorded(config.env_id, json.dumps(config.env_kwargs), json.dumps(law), config.landings, first, threads)
-    return whole_motion(environment_settings(config.env_id, config.env_kwargs).observation_names), []
-
-
-@lru_cache(maxsize=1)  # the trials of a search have the landings in common
-def _recorded(
-    env_id: str, env_kwargs: str, residual: str, landings: int, first: int, threads: int | None
-) -> tuple[Features, list[Landing]]:
-    """Record what `prepare` returns for agents that add to a law; the keywords and the law are JSON."""
-    lanes = NativeVecEnv(landings, env_id, {**json.loads(env_kwargs), "num_threads": threads})
-    with closing(ResidualVecEnv(FixedSeeds(lanes, first), json.loads(residual))) as venv:
-        found, observations = record(venv)
-        (names,), (task,) = (venv.get_attr(name, 0) for name in ("observation_names", "task"))
-        return landing(names, observations, task.driven_joint), found
+    return VecNormalize(VecMonitor(FixedSeeds(lanes, first)), training=False, norm_obs=False, norm_reward=False)
 
 
 @dataclass(frozen=True)
@@ -131,14 +90,12 @@ def train(training: Training) -> None:
                 f"timesteps is {config.timesteps}: {source} has trained for {done - before} steps; give more"
             )
         left = 0
-    features, landings = (None, restored.landings) if restored else prepare(config, threads)
-    preparing = time.perf_counter() - start
     monitor = f"{done}.monitor.csv" if restored else "monitor.csv"
-    venv = make_training_env(config, landings, folder / monitor, threads)
+    venv = make_training_env(config, folder / monitor, threads)
     if restored:
         model = restored.restore(config, venv, training.device)
     else:
-        model = make_model(config, venv, features, training.device)  # type: ignore[arg-type]
+        model = make_model(config, venv, training.device)
     record = {**asdict(config), "resumed_from": str(source) if restored else None, "timesteps_before": before}
     record |= {"command": training.command, "versions": versions(*runs.LIBRARIES)}
     runs.write_config(folder, record)
@@ -168,10 +125,9 @@ def train(training: Training) -> None:
     timing = {
         "timesteps": model.num_timesteps,
         "wall_time_s": wall,
-        "preparing_s": preparing,
         "stepping_s": stepping,
         "validation_s": validation.wall_time,
-        "learning_s": wall - preparing - stepping - validation.wall_time,
+        "learning_s": wall - stepping - validation.wall_time,
     }
     runs.write_json(folder / runs.TIMING, timing)
 

@@ -14,10 +14,10 @@ from stable_baselines3.common.policies import ActorCriticPolicy
 from stable_baselines3.common.utils import LinearSchedule
 from stable_baselines3.common.vec_env import VecEnv, VecNormalize
 
-from agents.environments import episode_seeds
+from agents.environments import environment_settings, episode_seeds
 from agents.learning import runs
 from agents.learning.configurations import Configuration
-from agents.learning.features import DriveFeatures, Features
+from agents.learning.features import DriveFeatures, observation_features
 from agents.learning.weight_search import WeightSearch, all_weights
 
 SHARE = "share"
@@ -41,15 +41,11 @@ class SlowedAdam(torch.optim.Adam):
         return loss
 
 
-def make_model(config: Configuration, venv: VecEnv, features: Features, device: str = "cpu") -> BaseAlgorithm:
-    """Make a fresh model on `venv` with normalised rewards, whose networks see `features`.
+def make_model(config: Configuration, venv: VecEnv, device: str = "cpu") -> BaseAlgorithm:
+    """Make a fresh model on `venv` with normalised rewards, whose networks see the observation's features.
 
     A search over weights has rewards as they are, and its policy sees the observation. The noise and the steps of ARS
     fall linearly from those given to nothing.
-
-    An agent that adds to a law begins with nothing to add: the last layer of its actor is zero (T. Silver et al.,
-    Residual Policy Learning, 2018, arXiv:1812.06298). That layer has no bias: where its features are zero, exploration
-    noise is almost zero, any bias would be most improbable, and the bias's gradient would exceed all others.
 
     With `first_weights` a linear policy begins as the searches do, see `WeightSearch`; SAC and TD3 act with the
     hyperbolic tangent of its output.
@@ -67,7 +63,9 @@ def make_model(config: Configuration, venv: VecEnv, features: Features, device: 
     hyperparameters["policy_kwargs"] = {
         **hyperparameters.get("policy_kwargs", {}),
         "features_extractor_class": DriveFeatures,
-        "features_extractor_kwargs": {"features": features},
+        "features_extractor_kwargs": {
+            "features": observation_features(environment_settings(config.env_id, config.env_kwargs).observation_names)
+        },
     }
     actor_rate = hyperparameters.pop("actor_learning_rate", None)
     if actor_rate is not None:
@@ -101,11 +99,6 @@ def make_model(config: Configuration, venv: VecEnv, features: Features, device: 
             weights = all_weights(first_weights, layer.weight.shape[1])
             layer.weight.data = torch.as_tensor(weights, dtype=layer.weight.dtype)[None]
             torch.nn.init.zeros_(layer.bias)
-    if config.residual:
-        for layer in _actor_layers(model):
-            torch.nn.init.zeros_(layer.weight)
-            torch.nn.init.zeros_(layer.bias)
-        freeze_bias(model)
     return model
 
 
@@ -124,9 +117,3 @@ def _actor_layers(model: BaseAlgorithm) -> list[torch.nn.Linear]:
     if hasattr(policy, "actor_target"):
         actors.append(policy.actor_target.mu)
     return [[layer for layer in actor.modules() if isinstance(layer, torch.nn.Linear)][-1] for actor in actors]
-
-
-def freeze_bias(model: BaseAlgorithm) -> None:
-    """Keep the bias of the actor's last layer from learning, which a saved model does not remember."""
-    for layer in _actor_layers(model):
-        layer.bias.requires_grad_(False)

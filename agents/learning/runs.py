@@ -16,7 +16,6 @@ from stable_baselines3 import PPO, SAC, TD3
 from stable_baselines3.common.base_class import BaseAlgorithm
 
 from agents.environments import make_env
-from agents.laws.residual import ResidualController
 from agents.learning.trust import (
     SEAL,
     DamagedFileError,
@@ -28,7 +27,7 @@ from agents.learning.trust import (
     unsealed,
 )
 from agents.learning.weight_search import CMAES, WeightSearch
-from agents.torque_laws import Controller, Signals
+from agents.torque_laws import Signals
 from solar_env.support.files import check_name, make_folder, write_bytes, write_text
 from solar_env.support.interruption import deaf
 from solar_env.support.numbers import is_whole_number
@@ -102,9 +101,13 @@ def read_config(folder: str | Path) -> dict[str, Any]:
         record = read_json(path)
     except ValueError as error:
         raise DamagedFileError(str(error)) from error
-    if not isinstance(record, dict) or not {"env_id", "env_kwargs", "algo", "residual"} <= set(record):
+    if not isinstance(record, dict) or not {"env_id", "env_kwargs", "algo"} <= set(record):
         raise DamagedFileError(f"{path} describes no training run; name a folder that train.py has written")
     check_record(record, path)
+    if record.get("residual"):
+        raise DamagedFileError(
+            f"{path} is of an agent that adds to a law, which there are none of any more; train anew"
+        )
     return {name: value for name, value in record.items() if name != SEAL}
 
 
@@ -158,21 +161,11 @@ def policy_path(folder: str | Path) -> Path:
     return path
 
 
-def load_policy(folder: str | Path, env: gymnasium.Env) -> Controller:
-    """Load the best policy of the run in `folder`, with the law that it adds to if there is one, for use on `env`.
-
-    Raises:
-        FileNotFoundError, DamagedFileError, UntrustedFileError, ValueError: As `load_model`.
-    """
-    residual, model = read_config(folder)["residual"], load_model(folder, env)
-    return ResidualController(model, residual, Signals.of(env)) if residual else model
-
-
 def check_policy(folder: str | Path) -> None:
     """Refuse a run whose policy cannot be loaded, before any work that needs it.
 
     Raises:
-        FileNotFoundError, DamagedFileError, UntrustedFileError: As `load_model`.
+        FileNotFoundError, DamagedFileError, UntrustedFileError: As `load_policy`.
     """
     unsealed(policy_path(folder))
 
@@ -202,8 +195,8 @@ def save_policy(folder: Path, model: BaseAlgorithm) -> None:
         write_bytes(folder / POLICY, sealed(file.getvalue()))
 
 
-def load_model(folder: str | Path, env: gymnasium.Env) -> BaseAlgorithm:
-    """Load the network of the run in `folder`, for use on `env`. It is a pickle: only runs of this account are loaded.
+def load_policy(folder: str | Path, env: gymnasium.Env) -> BaseAlgorithm:
+    """Load the best policy of the run in `folder`, for use on `env`: a pickle, of runs of this account alone.
 
     Raises:
         FileNotFoundError: There is no run, or it was interrupted before its first validation.
@@ -222,10 +215,10 @@ def linear_weights(folder: str | Path, env: gymnasium.Env) -> list[float]:
     """Weights of the best policy of a search over weights, to begin another training on `env` with.
 
     Raises:
-        FileNotFoundError, DamagedFileError, UntrustedFileError: As `load_model`.
+        FileNotFoundError, DamagedFileError, UntrustedFileError: As `load_policy`.
         ValueError: The run was no such search, or observations or actions of `env` have another meaning.
     """
-    model = load_model(folder, env)
+    model = load_policy(folder, env)
     if not isinstance(model, WeightSearch):
         searches = ", ".join(name for name, cls in ALGORITHMS.items() if issubclass(cls, WeightSearch))
         raise ValueError(

@@ -12,11 +12,6 @@ from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvObs, VecEnvStepReturn
 
 from agents.environments import DEFAULT_ENV_ID, make_vector_env
-from agents.laws.residual import added, base_law
-from agents.torque_laws import Signals
-
-LAW_REWARD = "law_reward"
-"""Key in the infos of landings (`agents.learning.landings`): reward of the torque law alone in the same period."""
 
 
 class NativeVecEnv(VecEnv):
@@ -133,7 +128,7 @@ class LogarithmicCharges(VecEnvWrapper):
 
     A missed deadline costs some hundred times as much as a soft landing. It would fix the scale of normalised rewards,
     and leave differences between landings too small to learn from. Small costs hardly change, and the order of costs
-    stays. In landings (`learning.landings`) the cost of the law alone is added back, so that the law itself earns 0.
+    stays.
 
     Args:
         venv: Environment to wrap.
@@ -143,51 +138,17 @@ class LogarithmicCharges(VecEnvWrapper):
     def __init__(self, venv: VecEnv, scale: float) -> None:
         super().__init__(venv)
         self._scale = scale
-        self._costs, self._costs_of_law = np.zeros(venv.num_envs), np.zeros(venv.num_envs)
+        self._costs = np.zeros(venv.num_envs)
 
     def reset(self) -> VecEnvObs:
         """Begin new episodes."""
-        self._costs[:] = self._costs_of_law[:] = 0.0
+        self._costs[:] = 0.0
         return self.venv.reset()
 
     def step_wait(self) -> VecEnvStepReturn:
         """Return the step of the environment with logarithmic rewards."""
         observations, rewards, dones, infos = self.venv.step_wait()
-        of_law = np.array([info.get(LAW_REWARD, 0.0) for info in infos])
-        seen = self._charge(self._costs, rewards, dones) - self._charge(self._costs_of_law, of_law, dones)
+        total = self._costs - rewards
+        seen = self._scale * np.log((self._scale + self._costs) / (self._scale + total))
+        self._costs[:] = np.where(dones, 0.0, total)
         return observations, seen.astype(rewards.dtype), dones, infos
-
-    def _charge(self, costs: np.ndarray, rewards: np.ndarray, dones: np.ndarray) -> np.ndarray:
-        """Return the logarithmic reward of a period, and add its cost to the `costs` (num_envs,) so far."""
-        total = costs - rewards
-        seen = self._scale * np.log((self._scale + costs) / (self._scale + total))
-        costs[:] = np.where(dones, 0.0, total)
-        return seen
-
-
-class ResidualVecEnv(VecEnvWrapper):
-    """Adds the agent's actions to those of a torque law, see `residual_on`, that gets the same observations."""
-
-    def __init__(self, venv: VecEnv, residual: Mapping[str, Any]) -> None:
-        super().__init__(venv)
-        names, task = (venv.get_attr(name, 0)[0] for name in ("observation_names", "task"))
-        self._law = base_law(residual, Signals.seen(names, task))
-        self._scale = residual["scale"]
-        self._base = np.zeros(0, dtype=np.float32)
-
-    def reset(self) -> VecEnvObs:
-        """Begin new episodes."""
-        return self._seen(self.venv.reset())
-
-    def step_async(self, actions: np.ndarray) -> None:
-        """Take the additions of the agent (num_envs, 1)."""
-        self.venv.step_async(added(self._base, actions, self._scale))
-
-    def step_wait(self) -> VecEnvStepReturn:
-        """Return the step of the environment."""
-        observations, *told = self.venv.step_wait()
-        return self._seen(observations), *told
-
-    def _seen(self, observations: Any) -> Any:
-        self._base = self._law.predict(observations)[0]
-        return observations

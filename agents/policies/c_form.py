@@ -37,7 +37,6 @@ def c_header(network: PolicyNetwork, name: str, comment: Sequence[str]) -> str:
         "#include <math.h>",
         "",
         *_arrays(f"{word}_features", features, "double"),
-        *_arrays(f"{word}_gates", network.gates, "double"),
     ]
     for number, layer in enumerate((*hidden, last), start=1):
         lines += _arrays(f"{word}_layer_{number}", layer, "float")
@@ -48,13 +47,10 @@ def c_header(network: PolicyNetwork, name: str, comment: Sequence[str]) -> str:
         f"    float values[2][{widest}];",
         "    int i, k;",
         f"    for (i = 0; i < {features.biases.size}; i++) {{",
-        f"        double feature = {word}_features_biases[i], gate = {word}_gates_biases[i];",
-        f"        for (k = 0; k < {network.inputs}; k++) {{",
+        f"        double feature = {word}_features_biases[i];",
+        f"        for (k = 0; k < {network.inputs}; k++)",
         f"            feature += {word}_features_weights[i][k] * observation[k];",
-        f"            gate += {word}_gates_weights[i][k] * observation[k];",
-        "        }",
-        f"        feature = fmin(fmax(feature, {-network.feature_limit!r}), {network.feature_limit!r});",
-        "        values[0][i] = (float)(feature * fmin(fmax(gate, 0.0), 1.0));",
+        f"        values[0][i] = (float)fmin(fmax(feature, {-network.feature_limit!r}), {network.feature_limit!r});",
         "    }",
     ]
     before, hidden_value = features.biases.size, _ACTIVATIONS[network.activation].format("sum")
@@ -125,11 +121,6 @@ def interface_comment(description: Description, drive: Hardware) -> list[str]:
             f"and the lock angle is pi/2 of joint 1, pi of the others; the deadline {description.deadline:g} s."
         )
     lines += ["", "Action, clipped to [-1, 1] by the function; positive opens:"]
-    if description.residual is not None:
-        lines.append(
-            f"what is added, times {description.residual['scale']:g}, to the action of the law "
-            f"{description.residual['law']}; of the sum, clipped to [-1, 1]:"
-        )
     if description.signals.action == "rate":
         lines += [
             f"the setpoint {SLOWEST:g} sinh({STEEPNESS:g} action) rad/s of the rate of hinge {hinge}.",

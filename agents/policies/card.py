@@ -42,8 +42,7 @@ def _training(config: dict[str, Any], policy: ShippedPolicy, env: Any) -> str:
         "environments together": config["n_envs"],
         "seed": config["seed"],
         "network": f"{' - '.join(map(str, sizes))}; the first layer is not learned: features of the observation, "
-        f"clipped to {policy.network.feature_limit} and gated; {hidden}",
-        "action": _formula(policy.description.residual),
+        f"clipped to {policy.network.feature_limit}; {hidden}",
         "versions": ", ".join(
             f"{name} {version}" for name, version in config["versions"].items() if name != "platform"
         ),
@@ -63,15 +62,6 @@ def _ranges(ranges: Mapping[str, Any]) -> str:
 def _imperfections(hardware: Hardware) -> str:
     ideal = vars(Hardware())
     return ", ".join(f"`{name}` {value}" for name, value in vars(hardware).items() if value != ideal[name]) or "ideal"
-
-
-def _formula(residual: Mapping[str, Any] | None) -> str:
-    if residual is None:
-        return "the network's"
-    return (
-        f"clip({residual['law']} + {residual['scale']} network, -1, 1); the law's parameters, which this policy keeps: "
-        f"`{json.dumps(residual['parameters'])}`"
-    )
 
 
 def _limits(policy: ShippedPolicy, env: Any) -> str:
@@ -95,12 +85,6 @@ def _limits(policy: ShippedPolicy, env: Any) -> str:
 
 
 def _use(name: str, policy: ShippedPolicy, found: float) -> str:
-    alone = ""
-    if policy.description.residual is not None:
-        alone = (
-            ' **The file holds the network alone**: what drives the motor is the sum with the law, see "action" above, '
-            "which the NumPy form adds up."
-        )
     return f"""## Use
 
 In NumPy, without PyTorch; nothing is unpickled. Along a deployment and over random observations its network's actions,
@@ -118,7 +102,7 @@ policy.check(env)
 print(run_episode(env, policy, seed=0))
 ```
 
-In ONNX Runtime, from observations (n, {policy.network.inputs}) to actions (n, 1).{alone}
+In ONNX Runtime, from observations (n, {policy.network.inputs}) to actions (n, 1).
 
 ```python
 import numpy

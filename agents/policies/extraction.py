@@ -53,7 +53,6 @@ def network_of(model: BaseAlgorithm) -> PolicyNetwork:
     layers += [_layer(leaf.weight, leaf.bias) for leaf in cast(list[nn.Linear], linear)]
     return PolicyNetwork(
         tuple(layers),
-        _layer(features.gate_matrix, features.gate_offset),
         feature_limit=LIMIT,
         activation=ACTIVATIONS[type(between[0])] if between else "tanh",
         # TD3's actor ends with the Tanh that the others leave to the distribution.
@@ -66,9 +65,8 @@ def network_of(model: BaseAlgorithm) -> PolicyNetwork:
 def _linear(weights: torch.Tensor) -> PolicyNetwork:
     """The network of a linear policy without a bias, whose features are the entries of the observation."""
     entries = weights.shape[1]
-    features, gates = Layer(np.eye(entries), np.zeros(entries)), Layer(np.zeros((entries, entries)), np.ones(entries))
-    last = _layer(weights, torch.zeros(1))
-    return PolicyNetwork((features, last), gates, feature_limit=GREATEST, activation="tanh", output="clip")
+    layers = Layer(np.eye(entries), np.zeros(entries)), _layer(weights, torch.zeros(1))
+    return PolicyNetwork(layers, feature_limit=GREATEST, activation="tanh", output="clip")
 
 
 def _layer(weights: torch.Tensor, biases: torch.Tensor) -> Layer:

@@ -28,8 +28,7 @@ class PolicyNetwork(DeterministicController):
     Attributes:
         layers: Layers from the observation to the mean of the action; the first, in float64, computes the features, see
             `agents.learning.features`, the others are float32.
-        gates: Layer in float64 whose outputs, clipped to [0, 1], multiply the features.
-        feature_limit: Bound to which the features are clipped before, in either direction.
+        feature_limit: Bound to which the features are clipped, in either direction.
         activation: Function between the other layers: relu or tanh.
         output: Function that maps the mean to an action in [-1, 1]: clip or tanh.
         mean_limit: Bound to which the mean is clipped before that; None: no bound.
@@ -40,7 +39,6 @@ class PolicyNetwork(DeterministicController):
     """
 
     layers: tuple[Layer, ...]
-    gates: Layer
     feature_limit: float
     activation: str
     output: str
@@ -58,12 +56,6 @@ class PolicyNetwork(DeterministicController):
             raise ValueError(f"there are {len(self.layers)} layers; a policy network needs features and an output")
         for number, layer in enumerate(self.layers, start=1):
             _check_layer(f"layer {number}", layer, np.float64 if number == 1 else np.float32)
-        _check_layer("gates", self.gates, np.float64)
-        if self.gates.weights.shape != self.layers[0].weights.shape:
-            raise ValueError(
-                f"gates: weights have shape {self.gates.weights.shape}; expected those of layer 1, "
-                f"{self.layers[0].weights.shape}"
-            )
         for number, (before, layer) in enumerate(itertools.pairwise(self.layers), start=2):
             if layer.weights.shape[1] != before.biases.size:
                 raise ValueError(
@@ -101,7 +93,6 @@ class PolicyNetwork(DeterministicController):
         """Action (outputs,) of an observation (inputs,)."""
         features, seen = self.layers[0], observation.astype(np.float64)
         values = np.clip(features.weights @ seen + features.biases, -self.feature_limit, self.feature_limit)
-        values *= np.clip(self.gates.weights @ seen + self.gates.biases, 0.0, 1.0)
         values = values.astype(np.float32)
         for layer in self.layers[1:-1]:
             values = layer.weights @ values + layer.biases

@@ -6,7 +6,7 @@ import numpy as np
 import onnxruntime
 from onnx import TensorProto, checker, helper, numpy_helper
 
-from agents.policies.network import Layer, PolicyNetwork
+from agents.policies.network import PolicyNetwork
 from agents.torque_laws import Controller
 
 OPSET = 17
@@ -28,14 +28,15 @@ def onnx_model(network: PolicyNetwork) -> Any:
 
     seen = node("Cast", ["observation"], "observation_in_double_precision", to=TensorProto.DOUBLE)
 
-    def clipped_sum(name: str, layer: Layer, low: float, high: float) -> str:
-        weights, biases = (constant(f"{part}_{name}", getattr(layer, part), np.float64) for part in layer._fields)
-        limits = [constant(f"least_{name}", low, np.float64), constant(f"greatest_{name}", high, np.float64)]
-        return node("Clip", [node("Gemm", [seen, weights, biases], f"sum_{name}", transB=1), *limits], name)
-
-    ungated = clipped_sum("ungated_features", network.layers[0], -network.feature_limit, network.feature_limit)
-    gated = node("Mul", [ungated, clipped_sum("gates", network.gates, 0.0, 1.0)], "features_in_double_precision")
-    values = node("Cast", [gated], "features", to=TensorProto.FLOAT)
+    first = network.layers[0]
+    weights, biases = (constant(f"{part}_1", getattr(first, part), np.float64) for part in first._fields)
+    limits = [
+        constant("least_feature", -network.feature_limit, np.float64),
+        constant("greatest_feature", network.feature_limit, np.float64),
+    ]
+    total = node("Gemm", [seen, weights, biases], "sum_1", transB=1)
+    features = node("Clip", [total, *limits], "features_in_double_precision")
+    values = node("Cast", [features], "features", to=TensorProto.FLOAT)
     for number, layer in enumerate(network.layers[1:], start=2):
         weights, biases = constant(f"weights_{number}", layer.weights), constant(f"biases_{number}", layer.biases)
         values = node("Gemm", [values, weights, biases], f"sum_{number}", transB=1)

@@ -7,9 +7,8 @@ from typing import Any
 import gymnasium
 import numpy as np
 
-from agents.laws.residual import ResidualController
 from agents.policies.network import PolicyNetwork
-from agents.torque_laws import Controller, DeterministicController, Signals
+from agents.torque_laws import DeterministicController, Signals
 from solar_env.support.numbers import is_number, is_whole_number
 
 
@@ -31,7 +30,6 @@ _RULES: tuple[tuple[tuple[str, ...], Callable[[Any], bool], str], ...] = (
     (("mean_limit",), lambda value: value is None or _is_finite(value), "a number or null"),
     (("training_steps",), lambda value: is_whole_number(value, 0), "a whole number"),
     (("env_kwargs",), lambda value: isinstance(value, dict), "a mapping"),
-    (("residual",), lambda value: value is None or isinstance(value, dict), "a mapping or null"),
     (
         ("observation_names",),
         # They stand in the comment of a C header.
@@ -46,16 +44,13 @@ class Description:
     """Content of `policy.json`: all of a shipped policy but the network's arrays.
 
     Attributes:
-        algorithm: ppo, sac or td3.
+        algorithm: Name in `agents.learning.runs.ALGORITHMS`.
         feature_limit, activation, output, mean_limit: See `PolicyNetwork`.
         training_steps: Environment steps of its training, with those of the runs that it was resumed from.
         env_id: Environment that it was trained on.
         env_kwargs: Keywords of that environment.
         observation_names: Name of every entry, in order.
         torque_limit, deadline, control_period, postlock_window: See `Signals`.
-        residual: {"law": name in `agents.laws.table.TUNABLE`, "parameters": those of the law, "tuning_episodes": their
-            cost, "scale": share of the torque limit}; the action is then `clip(law + scale * network, -1, 1)`. None:
-            the action is the network's.
     """
 
     algorithm: str
@@ -71,7 +66,6 @@ class Description:
     deadline: float
     control_period: float
     postlock_window: float
-    residual: dict[str, Any] | None
 
     def __post_init__(self) -> None:
         for names, holds, wanted in _RULES:
@@ -89,11 +83,10 @@ class Description:
 
 
 class ShippedPolicy(DeterministicController):
-    """A trained policy as a controller: the network's action, added to that of a torque law where it was trained so.
+    """A trained policy as a controller.
 
     Raises:
-        ValueError: The network does not fit the observation or the action, or the law or one of its parameters is
-            unknown.
+        ValueError: The network does not fit the observation or the action.
     """
 
     def __init__(self, network: PolicyNetwork, description: Description) -> None:
@@ -109,14 +102,10 @@ class ShippedPolicy(DeterministicController):
             )
         self.network = network
         self.description = description
-        residual = description.residual
-        self._controller: Controller = (
-            ResidualController(network, residual, description.signals) if residual is not None else network
-        )
 
     def act(self, observation: np.ndarray) -> np.ndarray:
         """Map observations (n_obs,) or (n, n_obs) to actions (1,) or (n, 1); see `PolicyNetwork.act`."""
-        return self._controller.predict(observation, deterministic=True)[0]
+        return self.network.act(observation)
 
     def check(self, env: gymnasium.Env) -> None:
         """Refuse an environment whose observations or actions have another meaning than in training.

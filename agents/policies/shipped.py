@@ -21,16 +21,15 @@ ARRAYS = "policy.npz"
 DESCRIPTION = "policy.json"
 ONNX = "policy.onnx"
 CARD = "card.md"
-FORMAT = 3
-GATES = "gates"  # in place of the number of a layer
-_MEMBER = re.compile(rf"({'|'.join(Layer._fields)})_(\d{{1,3}}|{GATES})")
+FORMAT = 4
+_MEMBER = re.compile(rf"({'|'.join(Layer._fields)})_\d{{1,3}}")
 _MOST_BYTES = 2**26
 
 
 def save(folder: Path, policy: ShippedPolicy) -> None:
     """Write `policy.npz`, which holds plain arrays alone, and `policy.json` into an existing folder."""
-    layers = dict(enumerate(policy.network.layers, start=1)) | {GATES: policy.network.gates}
-    arrays = {f"{name}_{key}": array for key, layer in layers.items() for name, array in layer._asdict().items()}
+    layers = enumerate(policy.network.layers, start=1)
+    arrays = {f"{name}_{number}": array for number, layer in layers for name, array in layer._asdict().items()}
     with writing(folder / ARRAYS) as file:
         np.savez(file, **arrays)
     content = {"format": FORMAT, **asdict(policy.description)}
@@ -60,9 +59,8 @@ def load_shipped(name: str | Path) -> ShippedPolicy:
         )
     try:
         description = _read_description(folder / DESCRIPTION)
-        *layers, gates = _read_layers(folder / ARRAYS)
         d = description
-        network = PolicyNetwork(tuple(layers), gates, d.feature_limit, d.activation, d.output, d.mean_limit)
+        network = PolicyNetwork(_read_layers(folder / ARRAYS), d.feature_limit, d.activation, d.output, d.mean_limit)
         return ShippedPolicy(network, description)
     except ValueError as error:
         raise ValueError(f"{folder}: {error}") from error
@@ -81,15 +79,12 @@ def _read_description(path: Path) -> Description:
 
 
 def _read_layers(path: Path) -> tuple[Layer, ...]:
-    """Read the layers in their order, and last the gates."""
+    """Read the layers in their order."""
     try:
         arrays = read_arrays(path, lambda name: _MEMBER.fullmatch(name) is not None, _MOST_BYTES)
     except ValueError as error:
         raise ValueError(f"{path.name} cannot be read as plain arrays, and is not unpickled: {error}") from error
-    keys = [*range(1, len(arrays) // 2), GATES]
-    if not arrays or set(arrays) != {f"{name}_{key}" for key in keys for name in Layer._fields}:
-        raise ValueError(
-            f"{path.name} holds {sorted(arrays)}; expected weights_1, biases_1, weights_2 and so on, and those of the "
-            "gates"
-        )
-    return tuple(Layer(arrays[f"weights_{key}"], arrays[f"biases_{key}"]) for key in keys)
+    numbers = range(1, len(arrays) // 2 + 1)
+    if not arrays or set(arrays) != {f"{name}_{number}" for number in numbers for name in Layer._fields}:
+        raise ValueError(f"{path.name} holds {sorted(arrays)}; expected weights_1, biases_1, weights_2 and so on")
+    return tuple(Layer(arrays[f"weights_{number}"], arrays[f"biases_{number}"]) for number in numbers)

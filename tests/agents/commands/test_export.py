@@ -14,7 +14,7 @@ from trained import COMMAND, QUICK, TRAINED, random_observations
 from agents.commands import export
 from agents.environments import make_env
 from agents.learning import runs
-from agents.learning.features import DriveFeatures, whole_motion
+from agents.learning.features import DriveFeatures, observation_features
 from agents.policies import onnx_form, shipped
 from agents.policies.shipped import Layer, load_shipped
 from solar_env.__main__ import execute
@@ -26,7 +26,7 @@ def test_a_shipped_network_acts_as_stable_baselines3_in_numpy_and_in_onnx(finish
     run, folder = finished[name]
     observations = random_observations(500)
     network, env = load_shipped(folder).network, make_env(env_kwargs=runs.read_config(run)["env_kwargs"])
-    expected, _ = runs.load_model(run, env).predict(observations, deterministic=True)
+    expected, _ = runs.load_policy(run, env).predict(observations, deterministic=True)
     actions, _ = network.predict(observations)
     assert (actions.shape, actions.dtype) == ((500, 1), np.float32)
     np.testing.assert_allclose(actions, expected, rtol=0.0, atol=1e-6)
@@ -43,7 +43,7 @@ def untrained(cls, **keywords):
     env = make_env(env_kwargs={"model": "rigid-ideal", "observation": "drive"})
     features = {
         "features_extractor_class": DriveFeatures,
-        "features_extractor_kwargs": {"features": whole_motion(env.unwrapped.observation_names)},
+        "features_extractor_kwargs": {"features": observation_features(env.unwrapped.observation_names)},
     }
     kwargs = {"net_arch": [32, 16], **features, **keywords.pop("policy_kwargs", {})}
     return cls("MlpPolicy", env, policy_kwargs=kwargs, seed=3, device="cpu", **keywords)
@@ -113,19 +113,18 @@ def test_policies_of_another_kind_are_refused(keywords, message):
 
 
 def test_the_card_tells_how_the_policy_came_about_and_its_snippets_run(finished, monkeypatch, capsys):
-    folder = finished["residual"][1]
+    folder = finished["linear"][1]
     monkeypatch.setattr(shipped, "SHIPPED", folder.parent)
     card = (folder / shipped.CARD).read_text()
     assert COMMAND in card
     assert "| seed | 7 |" in card
     assert '"n_steps": 50' in card
-    features = len(load_shipped(finished["residual"][1]).network.layers[0].biases)
+    features = len(load_shipped(finished["linear"][1]).network.layers[0].biases)
     assert f"| network | 9 - {features} - 1; the first layer is not learned" in card
     assert "the action is linear in them" in card
     assert "model | rigid-ideal" in card
     assert "`ppo` is this policy" in card
     assert "| passive | " in card
-    assert "The file holds the network alone" in card
     snippets = re.findall(r"```python\n(.*?)```", card, re.DOTALL)
     assert len(snippets) == 2
     for snippet in snippets:
@@ -135,8 +134,8 @@ def test_the_card_tells_how_the_policy_came_about_and_its_snippets_run(finished,
 
 def test_the_card_of_one_of_several_seeds_has_its_scores_alone_and_without_any_it_says_so(finished, tmp_path):
     assert "None were measured." in (finished["ppo"][1] / shipped.CARD).read_text()
-    measured, folder = finished["residual"]
-    run = tmp_path / "residual"
+    measured, folder = finished["linear"]
+    run = tmp_path / "linear"
     run.mkdir()
     for name in (runs.CONFIG, runs.POLICY, runs.TIMING):
         (run / name).write_bytes((measured / name).read_bytes())
@@ -216,7 +215,7 @@ def test_a_policy_that_could_not_be_written_whole_does_not_take_its_name(finishe
     ],
 )
 def test_a_damaged_file_of_the_run_is_told_by_its_name(finished, tmp_path, name, content, told):
-    measured, run = finished["residual"][0], tmp_path / finished["residual"][0].name
+    measured, run = finished["linear"][0], tmp_path / finished["linear"][0].name
     run.mkdir()
     for kept in (runs.CONFIG, runs.POLICY, runs.TIMING, "episodes.csv", "metrics.json"):
         (run / kept).write_bytes((measured / kept).read_bytes())
@@ -258,7 +257,7 @@ print(said.getvalue())
 def test_the_parity_that_the_card_tells_is_that_of_the_onnx_form_too(finished):
     run, folder = finished["ppo"]
     policy, env = load_shipped(folder), make_env(env_kwargs=QUICK)
-    model, observations = runs.load_model(run, env), export.observed(policy, env, seed=3)
+    model, observations = runs.load_policy(run, env), export.observed(policy, env, seed=3)
     written = (folder / shipped.ONNX).read_bytes()
     assert onnx_form.difference(policy.network, written, model, observations) < export.TOLERANCE
     scaled = Layer(1.001 * policy.network.layers[0].weights, policy.network.layers[0].biases)

@@ -51,7 +51,7 @@ def test_every_kind_of_network_has_its_header(activation, output, mean_limit, tm
         return Layer(*((0.4 * rng.normal(size=shape)).astype(precision) for shape in ((outputs, inputs), (outputs,))))
 
     layers = (layer(5, 3, np.float64), layer(7, 5, np.float32), layer(4, 7, np.float32), layer(1, 4, np.float32))
-    network = PolicyNetwork(layers, layer(5, 3, np.float64), 1.5, activation, output, mean_limit)
+    network = PolicyNetwork(layers, 1.5, activation, output, mean_limit)
     act = compiled(c_header(network, "x 1", ["not the end */ of the comment"]), "x_1", tmp_path)
     actions = []
     for observation in rng.normal(size=(100, 3)).astype(np.float32):
@@ -75,7 +75,7 @@ def test_every_kind_of_network_has_its_header(activation, output, mean_limit, tm
 )
 def test_what_a_policy_says_of_itself_cannot_end_the_comment(line):
     features, last = (Layer(np.ones((1, 1), kind), np.zeros(1, kind)) for kind in (np.float64, np.float32))
-    network = PolicyNetwork((features, last), features, 1.0, "tanh", "clip", None)
+    network = PolicyNetwork((features, last), 1.0, "tanh", "clip", None)
     header = c_header(network, "own", [line, "/ int evil;"])
     # As C reads it: trigraphs, then lines that are joined, then comments.
     read = re.sub(r"\\\s*\n", "", header.replace("??/", "\\"))

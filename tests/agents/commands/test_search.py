@@ -19,14 +19,11 @@ from solar_env.__main__ import execute
 
 
 @pytest.mark.parametrize("env_id", SUITES.values(), ids=SUITES)
-@pytest.mark.parametrize("whole", [False, True], ids=["added", "whole"])
 @pytest.mark.parametrize("algo", search.SPACES)
-def test_the_point_of_a_configuration_gives_that_configuration_back(algo, whole, env_id):
-    entry = configurations.entry(algo, env_id, whole)
-    point = search.point(search.start(algo, env_id, whole), algo, whole)
-    config = search.trial(search.Args(algo=algo, env_id=env_id, whole=whole), {}, point)
-    scale = config.residual["scale"] if config.residual else 0.0
-    assert scale == pytest.approx(0.0 if whole else entry["residual"], rel=1e-2)
+def test_the_point_of_a_configuration_gives_that_configuration_back(algo, env_id):
+    entry = configurations.entry(algo, env_id)
+    point = search.point(search.start(algo, env_id), algo)
+    config = search.trial(search.Args(algo=algo, env_id=env_id), {}, point)
     found, expected = dict(config.hyperparameters), dict(entry["hyperparameters"])
     inner, outer = found.pop("policy_kwargs"), expected.pop("policy_kwargs")
     assert inner["net_arch"] == outer["net_arch"]
@@ -38,10 +35,9 @@ def test_the_point_of_a_configuration_gives_that_configuration_back(algo, whole,
         assert found[name] == pytest.approx(expected[name], rel=1e-2)
 
 
-@pytest.mark.parametrize("whole", [False, True], ids=["added", "whole"])
 @pytest.mark.parametrize("algo", search.SPACES)
-def test_points_stay_within_the_ranges(algo, whole):
-    for name, r in search.space(algo, whole).items():
+def test_points_stay_within_the_ranges(algo):
+    for name, r in search.SPACES[algo].items():
         values = [r.value(unit) for unit in np.linspace(0.0, 1.0, 11)]
         assert (values[0], values[-1]) == (r.low, r.high), name
         assert values == sorted(values)
@@ -58,10 +54,6 @@ def written(tmp_path, monkeypatch):
     return folder
 
 
-def chosen(config, name):
-    return config.residual["scale"] if name == "residual" else config.hyperparameters[name]
-
-
 def train_best_at(monkeypatch, name, best):
     """Replace training by one whose return is highest at a value of a hyperparameter; returns what gets trained."""
     trained = []
@@ -69,7 +61,7 @@ def train_best_at(monkeypatch, name, best):
     def pretend(training):
         set_random_seed(0)  # as every training does
         trained.append(training.folder.name)
-        value = -abs(np.log(chosen(training.config, name) / best))
+        value = -abs(np.log(training.config.hyperparameters[name] / best))
         write_history(training.folder, [[value - 1.0], [value]])
         runs.write_config(training.folder, asdict(training.config))
         (training.folder / runs.POLICY).write_bytes(sealed(b"a policy"))
@@ -80,43 +72,34 @@ def train_best_at(monkeypatch, name, best):
 
 
 @pytest.mark.parametrize(
-    ("algo", "whole", "name"),
-    [("ppo", False, "residual"), ("sac", True, "learning_rate"), ("td3", False, "learning_rate")],
+    ("algo", "name"), [("ppo", "learning_rate"), ("sac", "learning_rate"), ("td3", "exploration_noise")]
 )
-def test_a_search_finds_what_trains_best_and_writes_it_where_it_belongs(
-    tmp_path, monkeypatch, written, algo, whole, name
-):
-    before = {w: configurations.entry(algo, DEFAULT_ENV_ID, w) for w in (False, True)}
-    start = search.start(algo, DEFAULT_ENV_ID, whole)
-    best = 1.5 * start[name]
+def test_a_search_finds_what_trains_best_and_writes_it_where_it_belongs(tmp_path, monkeypatch, written, algo, name):
+    before = configurations.entry(algo, DEFAULT_ENV_ID)
+    start = search.start(algo, DEFAULT_ENV_ID)
+    best = 0.67 * start[name]
     train_best_at(monkeypatch, name, best)
     options = ["--algo", algo, "--trials", "24", "--out", str(tmp_path / "search"), "--jobs", "1", "--quiet"]
-    execute("search", [*options, *(["--whole"] if whole else [])])
-    after = {w: configurations.entry(algo, DEFAULT_ENV_ID, w) for w in (False, True)}
-    found, record = search.start(algo, DEFAULT_ENV_ID, whole), after[whole]["search"]
+    execute("search", options)
+    after, found = configurations.entry(algo, DEFAULT_ENV_ID), search.start(algo, DEFAULT_ENV_ID)
+    record = after["search"]
     assert abs(np.log(found[name] / best)) < 0.2
     assert record["start"] == start
     assert record["validation_return"] == pytest.approx(-abs(np.log(found[name] / best)))
-    assert record["validation_return_before"] == pytest.approx(-np.log(1.5))
-    kept = ("hyperparameters", "search", "residual")
-    assert {k: v for k, v in after[whole].items() if k not in kept} == {
-        k: v for k, v in before[whole].items() if k not in kept
-    }
-    if whole:
-        assert after[False] == before[False]
-    else:
-        assert after[True] == before[True] | {"residual": after[True]["residual"]}
+    assert record["validation_return_before"] == pytest.approx(np.log(0.67))
+    kept = ("hyperparameters", "search")
+    assert {k: v for k, v in after.items() if k not in kept} == {k: v for k, v in before.items() if k not in kept}
 
 
 def test_no_trial_is_trained_twice_and_a_search_that_is_repeated_gives_the_same(tmp_path, monkeypatch, written):
-    trained = train_best_at(monkeypatch, "residual", 0.1)
+    trained = train_best_at(monkeypatch, "learning_rate", 0.002)
     options = ["--trials", "24", "--out", str(tmp_path / "search"), "--jobs", "1", "--quiet"]
     execute("search", options)
     found = configurations.entry("ppo", DEFAULT_ENV_ID)
-    assert len(trained) == found["search"]["trials"] == 25
+    assert len(trained) == found["search"]["trials"] == 22
     shutil.rmtree(tmp_path / "search" / "trial-20")
     execute("search", [*options, "--repeat"])
-    assert trained[25:] == ["trial-20"], "what is missing is trained, the rest is not"
+    assert trained[22:] == ["trial-20"], "what is missing is trained, the rest is not"
     repeated = configurations.entry("ppo", DEFAULT_ENV_ID)
     assert repeated["search"].pop("command") == found["search"].pop("command") + " --repeat"
     assert repeated == found
@@ -126,16 +109,11 @@ def test_no_trial_is_trained_twice_and_a_search_that_is_repeated_gives_the_same(
 
 def test_there_must_be_a_search_to_repeat(written):
     entries = json.loads((written / "sac.json").read_text())
-    entries[DEFAULT_ENV_ID]["whole_torque"].pop("search", None)
+    entries[DEFAULT_ENV_ID].pop("search", None)
     (written / "sac.json").write_text(json.dumps(entries))
     with pytest.raises(ValueError, match=r"sac\.json records no such search for 'solar_env/Deploy-v1'"):
-        execute("search", ["--algo", "sac", "--whole", "--repeat", "--out", str(written / "search")])
+        execute("search", ["--algo", "sac", "--repeat", "--out", str(written / "search")])
     assert not (written / "search").exists(), "a refusal leaves no folder"
-
-
-def test_trials_train_on_as_many_landings_as_they_are_told():
-    point = search.point(search.start("ppo", DEFAULT_ENV_ID), "ppo", whole=False)
-    assert search.trial(search.Args(landings=7), {}, point).landings == 7
 
 
 def test_what_cannot_be_searched_is_refused():

@@ -1,15 +1,14 @@
 """The transfer matrix judges what every level trained on all levels, and does not train twice."""
 
 import json
-from dataclasses import asdict
 
 import pytest
 from helpers import numbers
 
 from agents.commands import transfer
 from agents.comparison.controllers import parse_controllers
-from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_sampling
-from agents.laws.baselines import load_parameters, make_baseline
+from agents.environments import episode_seeds, make_env, with_sampling
+from agents.laws.baselines import make_baseline
 from agents.learning import configurations, learn
 from agents.rollout import run_episode
 from solar_env.__main__ import execute
@@ -21,10 +20,6 @@ QUICK = [
         "ppo",
         "--timesteps",
         "20",
-        "--residual",
-        "0.1",
-        "--landings",
-        "2",
         "--episodes",
         "1",
         "--quiet",
@@ -62,8 +57,6 @@ def test_every_level_is_judged_on_all_levels_beside_passive_and_servo(tmp_path, 
     for level, keywords in transfer.LEVELS.items():
         trained = configurations.stored_configuration(tmp_path / f"{level.replace(' ', '-')}-0").env_kwargs
         assert trained.items() >= keywords.items()
-        law = configurations.stored_configuration(tmp_path / f"{level.replace(' ', '-')}-0").residual
-        assert law["parameters"] == asdict(load_parameters("servo", DEFAULT_ENV_ID, "flexible-clearance"))
     assert numbers((tmp_path / "transfer.md").read_text()) <= numbers(printed)
     assert (tmp_path / "transfer.png").stat().st_size > 0
 

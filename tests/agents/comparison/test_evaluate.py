@@ -25,7 +25,7 @@ from solar_env.array import MODELS
 from solar_env.support.numbers import plain
 
 # What the configuration of a run holds at least.
-RUN = {"env_id": DEFAULT_ENV_ID, "env_kwargs": {}, "algo": "ppo", "residual": None}
+RUN = {"env_id": DEFAULT_ENV_ID, "env_kwargs": {}, "algo": "ppo"}
 
 
 @pytest.fixture(scope="module")
@@ -155,7 +155,7 @@ def test_a_scenario_as_a_keyword_is_refused_since_nothing_is_tuned_by_it(tmp_pat
 
 def describe_run(folder, **config):
     """Write the configuration of a run into a folder."""
-    runs.write_config(folder, {"algo": "ppo", "residual": None, "env_id": DEFAULT_ENV_ID, "env_kwargs": {}, **config})
+    runs.write_config(folder, {"algo": "ppo", "env_id": DEFAULT_ENV_ID, "env_kwargs": {}, **config})
 
 
 def test_the_model_of_run_folders_holds_unless_another_is_asked_for(tmp_path):

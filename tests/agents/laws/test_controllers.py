@@ -31,7 +31,6 @@ def policy(env, tmp_path, monkeypatch):
     """A shipped policy that pulls with a third of the limit."""
     signals = Signals.of(env)
     features = Layer(np.eye(len(signals.names)), np.zeros(len(signals.names)))
-    gates = Layer(np.zeros_like(features.weights), np.ones_like(features.biases))
     layer = Layer(np.zeros((1, len(signals.names)), np.float32), np.full(1, -1.0 / 3.0, np.float32))
     description = Description(
         algorithm="ppo",
@@ -47,10 +46,9 @@ def policy(env, tmp_path, monkeypatch):
         deadline=signals.deadline,
         control_period=signals.control_period,
         postlock_window=signals.postlock_window,
-        residual=None,
     )
     (tmp_path / "third").mkdir()
-    network = PolicyNetwork((features, layer), gates, 1.0, "tanh", "clip")
+    network = PolicyNetwork((features, layer), 1.0, "tanh", "clip")
     shipped.save(tmp_path / "third", ShippedPolicy(network, description))
     monkeypatch.setattr(shipped, "SHIPPED", tmp_path)
     return description
@@ -95,14 +93,10 @@ def test_a_run_is_not_used_where_its_actions_mean_something_else(finished):
         parse_controller(str(run)).load(make_env(env_kwargs={**QUICK, "torque_limit": 0.3}))
 
 
-def test_what_a_run_cost_are_its_steps_those_of_the_runs_before_it_and_the_episodes_of_its_law(tmp_path):
+def test_what_a_run_cost_are_its_steps_and_those_of_the_runs_before_it(tmp_path):
     run = {"env_id": DEFAULT_ENV_ID, "env_kwargs": {}, "algo": "ppo", "timesteps": 300, "timesteps_before": 1_000}
-    write_config(tmp_path, {**run, "residual": {"tuning_episodes": 1_874}})
-    assert (
-        parse_controller(str(tmp_path)).effort(DEFAULT_ENV_ID, "rigid-clearance")
-        == "1,300 steps and 1,874 episodes for the law"
-    )
-    write_config(tmp_path, {**run, "residual": None})
+    write_config(tmp_path, run)
+    assert parse_controller(str(tmp_path)).effort(DEFAULT_ENV_ID, "rigid-clearance") == "1,300 steps"
     runs = [f"ppo={tmp_path}", f"ppo={tmp_path}/", "passive"]
     assert efforts(runs, DEFAULT_ENV_ID, {}) == {"ppo": "2 x 1,300 steps"}
 

@@ -23,14 +23,13 @@ pytestmark = [
 QUICK = {"model": "rigid-ideal", "control_period": 0.5, "postlock_window": 2.0, "observation": "drive"}
 ON_POLICY = {"n_steps": 20, "batch_size": 20}
 OFF_POLICY = {"learning_starts": 30, "buffer_size": 500, "batch_size": 16, "train_freq": 10, "gradient_steps": 2}
-# Name -> algorithm, hyperparameters, scale of the residual.
+# Name -> algorithm, hyperparameters.
 AGENTS = {
-    "ppo": ("ppo", ON_POLICY, 0.0),
-    "sac": ("sac", OFF_POLICY, 0.0),
-    "td3": ("td3", {**OFF_POLICY, "exploration_noise": 0.2}, 0.0),
-    "residual": ("ppo", ON_POLICY, 0.3),
-    "cma-es": ("cma-es", {"population": 4, "generations_between": 2, "finalists": 1}, None),
-    "ars": ("ars", {"n_delta": 2, "n_top": 2}, None),
+    "ppo": ("ppo", ON_POLICY),
+    "sac": ("sac", OFF_POLICY),
+    "td3": ("td3", {**OFF_POLICY, "exploration_noise": 0.2}),
+    "cma-es": ("cma-es", {"population": 4, "generations_between": 2, "finalists": 1}),
+    "ars": ("ars", {"n_delta": 2, "n_top": 2}),
 }
 
 
@@ -38,11 +37,9 @@ SEARCHES = ("cma-es", "ars")  # whose rollouts are whole episodes of several can
 
 
 def configuration(name="ppo", timesteps=200):
-    algo, hyperparameters, residual = AGENTS[name]
+    algo, hyperparameters = AGENTS[name]
     env_kwargs = {**QUICK, "observation": "landing"} if name in SEARCHES else QUICK
-    return configurations.complete(
-        algo, DEFAULT_ENV_ID, env_kwargs, 5, 2, timesteps, hyperparameters, residual, 2 if residual else None
-    )
+    return configurations.complete(algo, DEFAULT_ENV_ID, env_kwargs, 5, 2, timesteps, hyperparameters)
 
 
 def train(folder, config, resume=None):
@@ -75,7 +72,7 @@ def content(folder):
     """State of a training: weights and optimiser, replay buffer, random states, validations."""
     found = checkpoints.read(folder)
     config = configurations.stored_configuration(folder)
-    venv = learn.make_training_env(config, found.landings, None, 1)
+    venv = learn.make_training_env(config, threads=1)
     model = found.restore(config, venv)
     weights = model.policy.state_dict()
     buffer = vars(model.replay_buffer) if hasattr(model, "replay_buffer") else {}

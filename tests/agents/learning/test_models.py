@@ -1,88 +1,22 @@
 """Agents learn as their configuration says: at which rate, with which noise, and from which beginning."""
 
-from dataclasses import asdict, replace
-
 import numpy as np
 import pytest
 import torch
 from stable_baselines3.common.logger import Logger
-from training import RIGID, last_model, run
+from training import last_model
 
-from agents.commands.search import SPACES
 from agents.comparison.suites import SUITES
-from agents.environments import make_env
-from agents.laws.baselines import load_parameters, make_baseline
-from agents.laws.open_loop import OpenLoopParameters, OpenLoopTorque
-from agents.laws.residual import ResidualController
 from agents.learning import checkpoints, configurations, learn, runs
-from agents.torque_laws import Signals
 
 pytestmark = pytest.mark.usefixtures("few_validation_episodes")
 
 
-@pytest.mark.parametrize("law", ["servo", "soft-start"])
-def test_a_residual_agent_starts_as_the_law_it_adds_to_and_the_run_keeps_that_law(tmp_path, law):
-    small = ["--timesteps", 20, "--n-envs", 1, "--hyperparams", "n_steps=10", "batch_size=10", "learning_rate=0.0"]
-    folder = run(*RIGID, "--residual", 0.3, "--law", law, "--landings", 4, *small, "--out", tmp_path / "run")
-    residual = runs.read_config(folder)["residual"]
-    env = make_env()
-    assert residual["law"] == law
-    assert residual["scale"] == 0.3
-    assert residual["parameters"] == runs.jsonable(
-        asdict(load_parameters(law, "solar_env/Deploy-v1", "rigid-clearance"))
-    )
-    observations = env.observation_space.sample()[None] * np.linspace(0.0, 1.0, 20)[:, None].astype(np.float32)
-    base = make_baseline(law, env).predict(observations)[0]
-    assert np.array_equal(runs.load_policy(folder, env).predict(observations, deterministic=True)[0], base)
-    trained = ResidualController(
-        OpenLoopTorque(Signals.of(env), OpenLoopParameters((0.2,) * 16)), residual, Signals.of(env)
-    )
-    np.testing.assert_allclose(trained.predict(observations)[0], np.clip(base + 0.3 * 0.4, -1.0, 1.0), atol=1e-6)
-
-
-@pytest.mark.parametrize("algo", ["ppo", "sac", "td3"])
-def test_a_fresh_agent_adds_nothing_to_a_law_but_is_not_held_back_without_one(algo):
-    small = {"batch_size": 300} if algo == "ppo" else {"buffer_size": 100}
-    config = configurations.complete(
-        algo, "solar_env/Deploy-v1", {}, 0, n_envs=1, hyperparameters=small, residual=0.2, landings=4
-    )
-    venv = learn.make_training_env(config, [], None, threads=1)
-    space = venv.observation_space
-    observations = np.random.default_rng(0).uniform(space.low, space.high, (2000, *space.shape)).astype(np.float32)
-    without = replace(config, residual=None)
-    added, whole = (
-        learn.make_model(c, venv, learn.prepare(c)[0]).predict(observations, deterministic=True)[0]
-        for c in (config, without)
-    )
-    assert not added.any()
-    assert whole.any()
-
-
-@pytest.mark.parametrize("algo", ["ppo", "sac", "td3"])
-def test_an_agent_adds_nothing_to_a_law_where_it_has_no_features_however_long_it_trains(tmp_path, algo):
-    few = {"train_freq": 50, "gradient_steps": 2, "buffer_size": 2000, "batch_size": 32}
-    small = {"batch_size": 100, "n_steps": 300} if algo == "ppo" else few
-    config = configurations.complete(
-        algo, "solar_env/Deploy-v1", {}, 0, n_envs=1, timesteps=600, hyperparameters=small, residual=0.3, landings=4
-    )
-    learn.train(learn.Training(config, tmp_path, progress=False))
-    venv = learn.make_training_env(config, [], None, threads=1)
-    resumed = checkpoints.read(tmp_path).restore(config, venv)
-    resumed.learn(600)
-    before = last_model(tmp_path)
-    folded = np.zeros((1, *venv.observation_space.shape), dtype=np.float32)
-    latched = np.ones_like(folded)
-    latched[:, venv.get_attr("observation_names", 0)[0].index("time_since_latch")] = 0.0
-    for agent in (before, resumed):
-        assert not agent.predict(folded, deterministic=True)[0].any()
-        assert agent.predict(latched, deterministic=True)[0].any()
-
-
 @pytest.mark.parametrize("algo", ["ppo", "sac", "td3"])
 def test_agents_without_a_law_begin_with_a_constant_rate_that_arrives_and_act_at_their_own_period(algo):
-    config = configurations.complete(algo, "solar_env/Deploy-v1", {"model": "rigid-clearance"}, seed=0, residual=0.0)
-    venv = learn.make_training_env(config, [], None, threads=1)
-    model = learn.make_model(config, venv, learn.prepare(config)[0])
+    config = configurations.complete(algo, "solar_env/Deploy-v1", {"model": "rigid-clearance"}, seed=0)
+    venv = learn.make_training_env(config, threads=1)
+    model = learn.make_model(config, venv)
     observed = dict(zip(venv.get_attr("observation_names", 0)[0], np.eye(16, dtype=np.float32), strict=True))
     for approaching in ("far", "near"):
         assert model.predict(observed[approaching], deterministic=True)[0] == pytest.approx(0.85, abs=0.003)
@@ -93,8 +27,8 @@ def test_agents_without_a_law_begin_with_a_constant_rate_that_arrives_and_act_at
 def test_the_learning_rate_of_ppo_falls_from_update_to_update_and_none_is_without_effect():
     rollouts = {"n_steps": 50, "batch_size": 50, "learning_rate": 1e-3}
     quick = {"model": "rigid-ideal"}
-    config = configurations.complete("ppo", "solar_env/Deploy-v1", quick, 0, 2, 400, rollouts, residual=0.0)
-    model = learn.make_model(config, learn.make_training_env(config, [], None, threads=1), learn.prepare(config)[0])
+    config = configurations.complete("ppo", "solar_env/Deploy-v1", quick, 0, 2, 400, rollouts)
+    model = learn.make_model(config, learn.make_training_env(config, threads=1))
     used = []
     update = model.train
     model.train = lambda: (update(), used.append(model.policy.optimizer.param_groups[0]["lr"]))
@@ -104,8 +38,8 @@ def test_the_learning_rate_of_ppo_falls_from_update_to_update_and_none_is_withou
 
 def test_the_noise_and_the_steps_of_ars_fall_to_nothing():
     config = configurations.complete("ars", "solar_env/Deploy-v1", {"model": "rigid-ideal"}, 0, n_envs=1)
-    venv = learn.make_training_env(config, [], None, threads=1)
-    model = learn.make_model(config, venv, learn.prepare(config)[0])
+    venv = learn.make_training_env(config, threads=1)
+    model = learn.make_model(config, venv)
     chosen = config.hyperparameters
     assert [model.delta_std_schedule(left) for left in (1.0, 0.5, 0.0)] == [
         chosen["delta_std"] * left for left in (1.0, 0.5, 0.0)
@@ -119,9 +53,9 @@ def test_the_noise_and_the_steps_of_ars_fall_to_nothing():
 def test_agents_with_a_replay_buffer_learn_from_returns_over_many_periods_and_ever_more_slowly(algo, tmp_path):
     small = {"batch_size": 32, "buffer_size": 2000, "learning_rate": 1e-3, "n_steps": 7}
     small |= {"train_freq": 20, "gradient_steps": 2}
-    config = configurations.complete(algo, "solar_env/Deploy-v1", {}, 0, 1, 40, small, residual=0.3, landings=1)
+    config = configurations.complete(algo, "solar_env/Deploy-v1", {}, 0, 1, 40, small)
     learn.train(learn.Training(config, tmp_path, progress=False))
-    resumed = checkpoints.read(tmp_path).restore(config, learn.make_training_env(config, [], None, threads=1))
+    resumed = checkpoints.read(tmp_path).restore(config, learn.make_training_env(config, threads=1))
     assert (resumed.replay_buffer.n_steps, resumed.replay_buffer.gamma) == (7, config.hyperparameters["gamma"])
     assert [resumed.lr_schedule(left) for left in (1.0, 0.5, 0.0)] == pytest.approx([1e-3, 0.5e-3, 0.0])
 
@@ -133,9 +67,9 @@ def test_the_actor_learns_at_a_rate_of_its_own_in_a_resumed_run_too(algo, tmp_pa
     small |= {"train_freq": 100, "gradient_steps": 1, "actor_learning_rate": 1e-4}
     small |= {"policy_delay": 1} if algo == "td3" else {}
     made = "solar_env/Deploy-v1", {"model": "rigid-ideal"}, 0, 1
-    config = configurations.complete(algo, *made, 200, small, residual=0.3, landings=1)
+    config = configurations.complete(algo, *made, 200, small)
     learn.train(learn.Training(config, tmp_path, progress=False))
-    resumed = checkpoints.read(tmp_path).restore(config, learn.make_training_env(config, [], None, threads=1))
+    resumed = checkpoints.read(tmp_path).restore(config, learn.make_training_env(config, threads=1))
     networks = resumed.policy.actor.mu, resumed.policy.critic
     before = [[weights.clone() for weights in network.parameters()] for network in networks]
     resumed.lr_schedule = lambda left: 1e-2
@@ -150,13 +84,13 @@ def test_the_actor_learns_at_a_rate_of_its_own_in_a_resumed_run_too(algo, tmp_pa
 
 
 @pytest.mark.parametrize("algo", ["ppo", "sac"])
-def test_noise_on_the_weights_stays_for_a_hundred_periods(algo):
+def test_noise_on_the_weights_stays_as_many_periods_as_it_is_told(algo):
     """Stable-Baselines3 draws it anew at the beginning of every rollout too, which for SAC can be every step."""
-    quick = {"batch_size": 300} if algo == "ppo" else {"batch_size": 32, "gradient_steps": 1}
-    config = configurations.complete(
-        algo, "solar_env/Deploy-v1", {}, 0, n_envs=1, hyperparameters=quick, residual=0.3, landings=1
-    )
-    model = learn.make_model(config, learn.make_training_env(config, [], None, threads=1), learn.prepare(config)[0])
+    quick = {"use_sde": True, "sde_sample_freq": 100}
+    quick |= {"batch_size": 300, "n_steps": 300} if algo == "ppo" else {"batch_size": 32, "gradient_steps": 1}
+    quick |= {} if algo == "ppo" else {"train_freq": 100}
+    config = configurations.complete(algo, "solar_env/Deploy-v1", {}, 0, n_envs=1, hyperparameters=quick)
+    model = learn.make_model(config, learn.make_training_env(config, threads=1))
     actor = model.policy if algo == "ppo" else model.actor
     drawn = []
     model.learn(300, callback=lambda *_: drawn.append(actor.action_dist.exploration_matrices.clone()) is None)
@@ -168,8 +102,8 @@ def test_noise_on_the_weights_stays_for_a_hundred_periods(algo):
 @pytest.mark.parametrize("periods", [1, 4, 100])
 def test_td3_explores_with_the_noise_it_is_told_which_forgets_in_the_periods_it_is_told(periods):
     quick = {"exploration_noise": 0.4, "noise_periods": periods, "buffer_size": 100}
-    config = configurations.complete("td3", "solar_env/Deploy-v1", {}, 0, 1, None, quick, residual=0.0)
-    model = learn.make_model(config, learn.make_training_env(config, [], None, threads=1), learn.prepare(config)[0])
+    config = configurations.complete("td3", "solar_env/Deploy-v1", {}, 0, 1, None, quick)
+    model = learn.make_model(config, learn.make_training_env(config, threads=1))
     np.random.seed(0)  # noqa: NPY002 (what Stable-Baselines3 draws from)
     noise = np.array([model.action_noise()[0] for _ in range(200_000)])
     assert noise.std() == pytest.approx(0.4, rel=0.1)
@@ -179,50 +113,24 @@ def test_td3_explores_with_the_noise_it_is_told_which_forgets_in_the_periods_it_
 
 def test_one_rollout_trains_too(ppo_run):
     config = configurations.stored_configuration(ppo_run)
-    venv = learn.make_training_env(config, [], None, threads=1)
-    fresh = learn.make_model(config, venv, learn.prepare(config)[0])
+    venv = learn.make_training_env(config, threads=1)
+    fresh = learn.make_model(config, venv)
     trained = last_model(ppo_run)
     assert not torch.equal(fresh.policy.action_net.weight, trained.policy.action_net.weight)
 
 
 def test_the_target_actor_of_a_fresh_td3_agent_is_its_actor():
     small = {"buffer_size": 100}
-    config = configurations.complete(
-        "td3", "solar_env/Deploy-v1", {}, 0, n_envs=1, hyperparameters=small, residual=0.2, landings=4
-    )
-    venv = learn.make_training_env(config, [], None, threads=1)
-    policy = learn.make_model(config, venv, learn.prepare(config)[0]).policy
+    config = configurations.complete("td3", "solar_env/Deploy-v1", {}, 0, n_envs=1, hyperparameters=small)
+    venv = learn.make_training_env(config, threads=1)
+    policy = learn.make_model(config, venv).policy
     actor, target = (part.state_dict() for part in (policy.actor, policy.actor_target))
     assert all(torch.equal(actor[name], target[name]) for name in actor)
 
 
-def test_training_takes_the_agents_action_as_an_addition_to_the_law():
-    config = configurations.complete("ppo", "solar_env/Deploy-v1", {}, seed=0, n_envs=2, residual=0.2)
-    venv = learn.make_training_env(config, [], None, threads=1)
-    plain = learn.make_training_env(replace(config, residual=None), [], None, threads=1)
-    law = make_baseline("servo", make_env())
-    venv.seed(3)
-    plain.seed(3)
-    observations = venv.reset()
-    assert np.array_equal(observations, plain.reset())
-    for k in range(12):
-        added = np.full((2, 1), np.sin(k), dtype=np.float32)
-        whole = np.clip(law.predict(observations)[0] + np.float32(0.2) * added, -1.0, 1.0)
-        observations, *_ = venv.step(added)
-        assert np.array_equal(observations, plain.step(whole)[0])
-
-
 @pytest.mark.parametrize("algo", sorted(runs.ALGORITHMS))
-@pytest.mark.parametrize("residual", [None, 0.0], ids=["added", "whole"])
-def test_there_is_a_model_for_every_configuration_of_the_randomised_scenario(algo, residual):
-    config = configurations.complete(
-        algo,
-        SUITES["robust"],
-        {"model": "rigid-clearance"},
-        seed=0,
-        residual=residual,
-        landings=2 if residual is None and algo in SPACES else None,
-    )
-    venv = learn.make_training_env(config, [], None, threads=1)
-    model = learn.make_model(config, venv, learn.prepare(config)[0])
+def test_there_is_a_model_for_every_configuration_of_the_randomised_scenario(algo):
+    config = configurations.complete(algo, SUITES["robust"], {"model": "rigid-clearance"}, seed=0)
+    venv = learn.make_training_env(config, threads=1)
+    model = learn.make_model(config, venv)
     assert np.isfinite(model.predict(venv.reset(), deterministic=True)[0]).all()

@@ -120,11 +120,8 @@ def test_candidates_have_the_returns_of_their_policies_and_who_has_ended_is_kept
         assert alone == pytest.approx(together[lane], rel=1e-5)
 
 
-def test_a_search_over_weights_adds_to_no_law():
-    with pytest.raises(ValueError, match=r"residual is 0\.1, but cma-es searches the weights"):
-        configurations.complete("cma-es", DEFAULT_ENV_ID, {}, 0, residual=0.1)
+def test_a_search_over_weights_sees_landings_and_sets_the_rate():
     config = configurations.complete("cma-es", DEFAULT_ENV_ID, {}, 0)
-    assert (config.residual, config.landings) == (None, 0)
     assert {name: config.env_kwargs[name] for name in ("action", "observation")} == {
         "action": "rate",
         "observation": "landing",

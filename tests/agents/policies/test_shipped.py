@@ -2,7 +2,6 @@
 
 import json
 import pickle
-from pathlib import Path
 
 import numpy as np
 import onnxruntime
@@ -10,16 +9,11 @@ import pytest
 from trained import QUICK, TRAINED, random_observations
 
 from agents.environments import make_env
-from agents.laws import baselines
-from agents.laws.baselines import make_baseline
-from agents.laws.servo import ServoParameters
 from agents.learning import runs
-from agents.learning.features import LIMIT, whole_motion
+from agents.learning.features import LIMIT, observation_features
 from agents.policies import onnx_form, shipped
 from agents.policies.shipped import Layer, PolicyNetwork, load_shipped
 from agents.rollout import run_episode
-
-RESIDUAL = {"law": "servo", "parameters": {}, "tuning_episodes": 0, "scale": 0.2}
 
 
 @pytest.fixture
@@ -43,21 +37,18 @@ def spoil_arrays(folder, **changes):
 
 def test_the_first_layer_and_its_limit_are_the_features_of_the_observation(finished):
     policy = load_shipped(finished["ppo"][1])
-    features = whole_motion(policy.description.observation_names)
-    for array, expected in zip((*policy.network.layers[0], *policy.network.gates), features, strict=True):
+    features = observation_features(policy.description.observation_names)
+    for array, expected in zip(policy.network.layers[0], features, strict=True):
         np.testing.assert_array_equal(array, expected)
     assert policy.network.feature_limit == policy.description.feature_limit == LIMIT
 
 
-def test_features_are_clipped_and_gated_and_not_activated():
+def test_features_are_clipped_and_not_activated():
     features = Layer(np.array([[3.0, 0.0]]), np.zeros(1))
-    gates = Layer(np.array([[0.0, 2.0]]), np.full(1, -0.5))
     output = Layer(np.full((1, 1), 0.5, np.float32), np.zeros(1, np.float32))
-    network = PolicyNetwork((features, output), gates, feature_limit=1.5, activation="relu", output="clip")
-    observations = np.array(
-        [[-2.0, 1.0], [-0.2, 1.0], [0.2, 1.0], [2.0, 1.0], [2.0, 0.5], [2.0, 0.2]], dtype=np.float32
-    )
-    expected = np.array([[-0.75], [-0.3], [0.3], [0.75], [0.375], [0.0]])
+    network = PolicyNetwork((features, output), feature_limit=1.5, activation="relu", output="clip")
+    observations = np.array([[-2.0, 1.0], [-0.2, 1.0], [0.2, 1.0], [2.0, 0.0]], dtype=np.float32)
+    expected = np.array([[-0.75], [-0.3], [0.3], [0.75]])
     np.testing.assert_allclose(network.predict(observations)[0], expected, atol=1e-6)
     session = onnxruntime.InferenceSession(onnx_form.onnx_model(network).SerializeToString())
     np.testing.assert_allclose(session.run(None, {"observation": observations})[0], expected, atol=1e-6)
@@ -71,20 +62,6 @@ def test_a_shipped_policy_deploys_the_array_as_the_run_does(finished, name):
     policy.check(env)
     expected, figures = (run_episode(env, controller, seed=5) for controller in (runs.load_policy(run, env), policy))
     assert figures == pytest.approx(expected, rel=1e-3, abs=1e-6, nan_ok=True)
-
-
-def test_a_residual_is_added_to_its_law_with_the_parameters_that_it_was_shipped_with(finished, monkeypatch):
-    policy = load_shipped(finished["residual"][1])
-    residual = policy.description.residual
-    assert residual == runs.read_config(finished["residual"][0])["residual"]
-    env = make_env(policy.description.env_id, policy.description.env_kwargs)
-    servo = make_baseline("servo", env, ServoParameters.from_json(residual["parameters"]))
-    observations = random_observations(100)
-    expected = servo.predict(observations)[0] + residual["scale"] * policy.network.predict(observations)[0]
-    np.testing.assert_allclose(policy.predict(observations)[0], np.clip(expected, -1.0, 1.0), rtol=0.0, atol=1e-6)
-    monkeypatch.setattr(baselines, "CONFIGS", Path("retuned"))
-    again = load_shipped(finished["residual"][1])
-    np.testing.assert_array_equal(again.predict(observations)[0], policy.predict(observations)[0])
 
 
 def test_loading_needs_neither_pickle_nor_learning_libraries(finished, run_python):
@@ -122,15 +99,14 @@ def test_pickled_content_is_refused_and_not_run(own):
         ({"weights_2": np.zeros((64, 9), np.float32)}, r"layer 2: weights have shape \(64, 9\), but layer 1 has 11"),
         ({"biases_3": np.zeros(63, np.float32)}, r"layer 3: biases have shape \(63,\), but weights have .*\(64, 64\)"),
         (
-            {f"weights_{key}": np.zeros((11, 8)) for key in (1, "gates")},
+            {"weights_1": np.zeros((11, 8))},
             r"layer 1: weights have shape \(11, 8\); expected 9 inputs.*theta",
         ),
         ({"weights_1": np.zeros((11, 9), np.float32)}, "layer 1: weights are of type float32; expected float64"),
         ({"weights_2": np.zeros((64, 11))}, "layer 2: weights are of type float64; expected float32"),
         ({"biases_1": np.full(11, np.nan)}, "layer 1: biases hold nan"),
         ({"biases_4": np.zeros((1, 1), np.float32)}, r"layer 4: biases have shape \(1, 1\); expected 1 dimension"),
-        ({"weights_gates": np.zeros((11, 8))}, r"gates: weights have shape .* expected those of layer 1"),
-        ({"biases_gates": np.full(11, np.inf)}, "gates: biases hold inf"),
+        ({"biases_1": np.full(11, np.inf)}, "layer 1: biases hold inf"),
         ({"weights_9": np.zeros((1, 1), np.float32)}, r"policy\.npz holds \['biases_1', .*expected weights_1"),
     ],
 )
@@ -143,7 +119,7 @@ def test_arrays_that_do_not_fit_are_named(own, changes, message):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"format": 1}, r"policy\.json has format 1; this version reads format 3"),
+        ({"format": 1}, r"policy\.json has format 1; this version reads format 4"),
         ({"colour": "red"}, r"policy\.json has the keys .*'colour'.*; expected"),
         ({"activation": "elu"}, "activation is 'elu'; choose from relu, tanh"),
         ({"output": "none"}, "output is 'none'; choose from clip, tanh"),
@@ -155,27 +131,6 @@ def test_arrays_that_do_not_fit_are_named(own, changes, message):
         ({"deadline": -1.0}, "deadline is '-1.0'; expected a positive number"),
         ({"mean_limit": -1.0}, "mean_limit is -1.0; give a positive"),
         ({"mean_limit": "two"}, "mean_limit is 'two'; expected a number or null"),
-        (
-            {"residual": {"law": "servo"}},
-            r"residual has the keys \['law'\]; expected law, parameters, tuning_episodes and",
-        ),
-        ({"residual": {**RESIDUAL, "law": "serve"}}, "residual law is 'serve'; available: brake"),
-        (
-            {"residual": RESIDUAL},
-            r"the keys are \[\]; expected \['cruise_rate'",
-        ),
-        (
-            {"residual": {**RESIDUAL, "law": "brake", "parameters": {"torque": 0.1, "onset": 0.0}, "scale": 2}},
-            "residual = 2; give a share",
-        ),
-        ({"residual": {**RESIDUAL, "parameters": 5}}, "the parameters are 5; expected a mapping of"),
-        ({"residual": {**RESIDUAL, "scale": "y"}}, "residual = 'y'; give a share"),
-        ({"residual": {**RESIDUAL, "law": ["servo"]}}, "residual law is .*; available: brake"),
-        (
-            {"residual": {**RESIDUAL, "tuning_episodes": "x"}},
-            "residual tuning_episodes is 'x'; expected a whole number",
-        ),
-        ({"residual": {}}, r"residual has the keys \[\]; expected law"),
         ({"observation_names": ["time", "x */ int evil; /*"]}, "observation_names is .*letters, digits"),
     ],
 )
@@ -188,7 +143,7 @@ def test_descriptions_that_do_not_fit_are_named(own, changes, message):
 def test_an_unknown_policy_is_answered_with_those_that_there_are(finished, monkeypatch):
     monkeypatch.setattr(shipped, "SHIPPED", finished["ppo"][1].parent)
     with pytest.raises(
-        FileNotFoundError, match=r"no shipped policy 'nobody'.*available: cma-es, ppo, residual, sac, td3"
+        FileNotFoundError, match=r"no shipped policy 'nobody'.*available: cma-es, linear, ppo, sac, td3"
     ):
         load_shipped("nobody")
     assert load_shipped("td3").description.algorithm == "td3"
@@ -210,7 +165,6 @@ def test_observations_and_environments_of_another_kind_are_refused(finished):
 
 FEATURES = Layer(np.zeros((3, 2)), np.zeros(3))
 OUTPUT = Layer(np.zeros((1, 3), np.float32), np.zeros(1, np.float32))
-GATES = Layer(np.zeros((3, 2)), np.ones(3))
 EMPTY = Layer(np.zeros((0, 2)), np.zeros(0))
 
 
@@ -224,13 +178,13 @@ EMPTY = Layer(np.zeros((0, 2)), np.zeros(0))
 )
 def test_empty_networks_are_refused(layers, message):
     with pytest.raises(ValueError, match=message):
-        PolicyNetwork(layers, GATES, 2.0, "relu", "tanh")
+        PolicyNetwork(layers, 2.0, "relu", "tanh")
 
 
 @pytest.mark.parametrize("limit", [0.0, -2.0, np.inf, np.nan])
 def test_features_need_a_positive_finite_limit(limit):
     with pytest.raises(ValueError, match=f"feature_limit is {limit}; give a positive finite number"):
-        PolicyNetwork((FEATURES, OUTPUT), GATES, limit, "relu", "tanh")
+        PolicyNetwork((FEATURES, OUTPUT), limit, "relu", "tanh")
 
 
 @pytest.mark.parametrize("name", TRAINED)

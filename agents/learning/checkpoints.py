@@ -66,10 +66,14 @@ class Checkpoint:
         """Make the model with its environments; `venv` is a fresh one of the same configuration, without normalisation.
 
         What is drawn at the beginning of a rollout must be restored then, by `restore_random`.
+
+        Raises:
+            DamagedFileError: These versions cannot load the model.
         """
         normalized = VecNormalize(venv, norm_obs=False)
-        cls = runs.algorithm(config.algo)
-        model = cls.load(io.BytesIO(self.model), env=normalized, device=device, force_reset=False)
+        model: Any = runs.loaded_model(
+            config.algo, io.BytesIO(self.model), "the checkpoint", env=normalized, device=device, force_reset=False
+        )
         # Only now: to load a model seeds its environment.
         for layer, values in zip(_layers(normalized), self.lanes, strict=True):
             vars(layer).update(values)

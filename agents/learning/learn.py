@@ -92,10 +92,14 @@ def train(training: Training) -> None:
         left = 0
     monitor = f"{done}.monitor.csv" if restored else "monitor.csv"
     venv = make_training_env(config, folder / monitor, threads)
-    if restored:
-        model = restored.restore(config, venv, training.device)
-    else:
-        model = make_model(config, venv, training.device)
+    try:
+        model = (
+            restored.restore(config, venv, training.device) if restored else make_model(config, venv, training.device)
+        )
+    except BaseException:
+        venv.close()
+        (folder / monitor).unlink()
+        raise
     record = {**asdict(config), "resumed_from": str(source) if restored else None, "timesteps_before": before}
     record |= {"command": training.command, "versions": versions(*runs.LIBRARIES)}
     runs.write_config(folder, record)

@@ -3,6 +3,7 @@
 import io
 import json
 import re
+import warnings
 from collections.abc import Mapping
 from contextlib import suppress
 from datetime import datetime
@@ -106,7 +107,7 @@ def read_config(folder: str | Path) -> dict[str, Any]:
     check_record(record, path)
     if record.get("residual"):
         raise DamagedFileError(
-            f"{path} is of an agent that adds to a law, which there are none of any more; train anew"
+            f"{path} is of an agent that adds to a law, as none does any more; train anew"
         )
     return {name: value for name, value in record.items() if name != SEAL}
 
@@ -200,7 +201,7 @@ def load_policy(folder: str | Path, env: gymnasium.Env) -> BaseAlgorithm:
 
     Raises:
         FileNotFoundError: There is no run, or it was interrupted before its first validation.
-        DamagedFileError: The policy's file is not whole.
+        DamagedFileError: The policy's file is not whole, or other versions wrote it.
         UntrustedFileError: The run was not made on this account, see `trust_run`.
         ValueError: Observations or actions of `env` have another meaning than in training.
     """
@@ -208,7 +209,24 @@ def load_policy(folder: str | Path, env: gymnasium.Env) -> BaseAlgorithm:
     policy = io.BytesIO(unsealed(path))
     with make_env(config["env_id"], config["env_kwargs"]) as trained:
         Signals.of(trained).check(env, f"{config['env_id']} with {config['env_kwargs']}")
-    return algorithm(config["algo"]).load(policy, device="cpu")
+    return loaded_model(config["algo"], policy, path, device="cpu")
+
+
+def loaded_model(algo: str, file: io.BytesIO, source: str | Path, **keywords: Any) -> BaseAlgorithm:
+    """Load what Stable-Baselines3 saved of a model; keywords are those of its `load`, `source` is told in errors.
+
+    Raises:
+        DamagedFileError: These versions cannot load it.
+    """
+    try:
+        with warnings.catch_warnings():
+            warnings.filterwarnings("error", "Could not deserialize")
+            return algorithm(algo).load(file, **keywords)
+    except Exception as error:  # of what other versions saved, unpickling may raise anything
+        reason = " ".join(str(error).split())[:200]
+        raise DamagedFileError(
+            f"{source} cannot be loaded by these versions ({reason}); train anew, or install those in its {CONFIG}"
+        ) from error
 
 
 def linear_weights(folder: str | Path, env: gymnasium.Env) -> list[float]:

@@ -2,6 +2,7 @@
 
 import csv
 import json
+from collections import namedtuple
 from dataclasses import replace
 
 import numpy as np
@@ -11,8 +12,8 @@ from training import SMALL, last_model, run
 
 from agents.comparison.evaluation import common_env_kwargs, evaluate
 from agents.environments import DEFAULT_ENV_ID, INTERFACE, make_env
-from agents.learning import checkpoints, configurations, learn, runs, trust
-from agents.learning.trust import UntrustedFileError
+from agents.learning import checkpoints, configurations, features, learn, runs, trust
+from agents.learning.trust import DamagedFileError, UntrustedFileError
 from solar_env.array import MODELS
 from solar_env.support.campaigns import Workers
 
@@ -219,6 +220,25 @@ def test_a_run_that_says_too_little_is_refused(tmp_path, ppo_run):
     runs.write_config(tmp_path, stored)
     with pytest.raises(ValueError, match="says nothing of n_envs: an older version trained it; train it anew"):
         configurations.stored_configuration(tmp_path)
+
+
+def test_an_agent_of_older_versions_that_adds_to_a_law_is_refused(tmp_path, ppo_run):
+    stored = runs.read_config(ppo_run)
+    runs.write_config(tmp_path, {**stored, "residual": {"law": "servo", "scale": 0.05}})
+    with pytest.raises(DamagedFileError, match="is of an agent that adds to a law, as none does any more; train anew"):
+        runs.read_config(tmp_path)
+
+
+def test_what_other_versions_saved_and_these_cannot_load_is_told_in_one_sentence(tmp_path, ppo_run, monkeypatch):
+    for name in (runs.CONFIG, runs.POLICY, runs.TIMING, *runs.CHECKPOINTS):
+        if (ppo_run / name).is_file():
+            (tmp_path / name).write_bytes((ppo_run / name).read_bytes())
+    monkeypatch.setattr(features, "Features", namedtuple("Features", "matrix"))  # as if another version had saved it
+    env = make_env(DEFAULT_ENV_ID, runs.read_config(tmp_path)["env_kwargs"])
+    with pytest.raises(DamagedFileError, match=r"policy\.zip cannot be loaded by these versions .*; train anew"):
+        runs.load_policy(tmp_path, env)
+    with pytest.raises(DamagedFileError, match="the checkpoint cannot be loaded by these versions"):
+        run("--resume", tmp_path, "--timesteps", 600, "--out", tmp_path / "resumed")
 
 
 def test_a_folder_with_a_run_is_not_overwritten(ppo_run):

@@ -20,6 +20,19 @@ from pathlib import Path
 import numpy as np
 
 FOLDER = Path(tempfile.mkdtemp(prefix="fuzzing-"))
+# Modules whose branches guide a search: all that read, and none with kernels, which cannot be instrumented.
+READERS = [
+    "agents.learning.configurations",
+    "agents.learning.runs",
+    "agents.learning.trust",
+    "agents.policies",
+    "solar_env.array.ladder",
+    "solar_env.array.parameters",
+    "solar_env.commands.arguments",
+    "solar_env.mechanics.running.trajectory",
+    "solar_env.studies.common.tables",
+    "solar_env.support",
+]
 
 
 @dataclass(frozen=True)
@@ -75,16 +88,35 @@ def policies() -> list[bytes]:
 
 
 def run_folder(content: bytes) -> None:
-    from agents.learning import runs
+    """A stranger's configuration, which is refused, and then that of somebody who is trusted."""
+    from agents.learning import configurations, runs
+    from agents.learning.trust import UntrustedFileError
 
-    written(runs.CONFIG, content)
-    runs.read_config(FOLDER)
+    path = written(runs.CONFIG, content)
+    with contextlib.suppress(UntrustedFileError):
+        runs.read_config(FOLDER)
+        raise AssertionError(f"{path} is a stranger's, and is read")
+    runs.trust_run(FOLDER)
+    configurations.resumed_configuration(FOLDER)
+    runs.steps_taken(FOLDER)
+
+
+def a_run() -> list[bytes]:
+    record = {"algo": "ppo", "env_id": "solar_env/Deploy-v1", "env_kwargs": {}, "seed": 0, "n_envs": 1}
+    record |= {"timesteps": 9, "hyperparameters": {}, "timesteps_before": 0, "resumed_from": None, "versions": {}}
+    return [json.dumps(record).encode()]
 
 
 def sealed_file(content: bytes) -> None:
     from agents.learning.trust import unsealed
 
     unsealed(written("checkpoint.pkl", content))
+
+
+def a_sealed_file() -> list[bytes]:
+    from agents.learning.trust import sealed
+
+    return [sealed(b"content"), sealed(b"")]
 
 
 def table(content: bytes) -> None:
@@ -135,12 +167,8 @@ def nothing_else() -> list[bytes]:
 TARGETS = {
     "trajectory": Target(trajectory, (ValueError,), a_trajectory),
     "policy": Target(policy, (ValueError, FileNotFoundError), policies),
-    "run-folder": Target(
-        run_folder,
-        (ValueError,),
-        lambda: [b'{"env_id": "solar_env/Deploy-v1", "env_kwargs": {}, "algo": "ppo", "seal": "0"}'],
-    ),
-    "sealed-file": Target(sealed_file, (ValueError,), lambda: [b"content\nsolar_env " + b"0" * 64 + b" " + b"0" * 64]),
+    "run-folder": Target(run_folder, (ValueError,), a_run),
+    "sealed-file": Target(sealed_file, (ValueError,), a_sealed_file),
     "table": Target(table, (ValueError,), lambda: [b"# command: x\nmethod,error,wall_s\nours,0.1,2\nother,1e-3,5\n"]),
     "ladder": Target(ladder, (ValueError,), lambda: [_packaged_ladder().read_bytes()]),
     "results": Target(results, (ValueError,), lambda: [b'{"code": "0"}\n{"cell": {"a": 1}, "result": 2}\n']),
@@ -190,20 +218,11 @@ def main() -> None:
 
     target, corpus = TARGETS[args.target], args.corpus / args.target
     corpus.mkdir(parents=True, exist_ok=True)
-    for number, content in enumerate(target.beginnings()):
-        (corpus / f"beginning-{number}").write_bytes(content)
-        # What it imports is counted only if it is instrumented, and kernels must not be.
-        try_input(target, content)
-    readers = [
-        "solar_env.support",
-        "solar_env.mechanics.running.trajectory",
-        "agents.policies",
-        "agents.policies.shipped",
-    ]
-    for name in [name for name in sys.modules if any(name.startswith(reader) for reader in readers)]:
-        del sys.modules[name]
-    with atheris.instrument_imports(include=readers):
-        try_input(target, target.beginnings()[0])
+    # Nothing of ours is imported yet: what a search is to be guided by must be instrumented as it is.
+    with atheris.instrument_imports(include=READERS):
+        for number, content in enumerate(target.beginnings()):
+            (corpus / f"beginning-{number}").write_bytes(content)
+            try_input(target, content)
     options = [f"-max_total_time={args.seconds}", f"-artifact_prefix={corpus}/failed-", "-print_final_stats=1"]
     atheris.Setup([sys.argv[0], *options, str(corpus)], lambda content: (try_input(target, content), None)[1])
     atheris.Fuzz()

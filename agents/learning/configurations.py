@@ -134,10 +134,7 @@ def stored_configuration(folder: str | Path) -> Configuration:
         ValueError: The run is of an older version that recorded less.
     """
     stored = runs.read_config(folder)
-    names = [field.name for field in fields(Configuration)]
-    if missing := [name for name in names if name not in stored]:
-        raise ValueError(f"{folder} says nothing of {', '.join(missing)}: an older version trained it; train it anew")
-    return Configuration(**{name: stored[name] for name in names})
+    return Configuration(**{field.name: stored[field.name] for field in fields(Configuration)})
 
 
 def resumed_configuration(folder: str | Path, timesteps: int | None = None) -> Configuration:

@@ -4,7 +4,7 @@ import io
 import json
 import re
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from datetime import datetime
 from pathlib import Path
@@ -41,6 +41,17 @@ ALGORITHMS: dict[str, type[BaseAlgorithm]] = {
     "td3": TD3,
     "ars": WeightSearch,
     "cma-es": CMAES,
+}
+
+# Values of a configuration file -> what holds of them, and how to say it.
+_KINDS: dict[str, tuple[Callable[[Any], bool], str]] = {
+    **dict.fromkeys(("algo", "env_id", "command"), (lambda value: isinstance(value, str), "a text")),
+    **dict.fromkeys(
+        ("env_kwargs", "hyperparameters", "versions"), (lambda value: isinstance(value, dict), "a mapping")
+    ),
+    **dict.fromkeys(("n_envs", "timesteps"), (lambda value: is_whole_number(value, 1), "a positive whole number")),
+    **dict.fromkeys(("seed", "timesteps_before"), (lambda value: is_whole_number(value, 0), "a whole number")),
+    "resumed_from": (lambda value: value is None or isinstance(value, str), "a folder or null"),
 }
 
 CONFIG = "config.json"
@@ -87,12 +98,23 @@ def write_config(folder: Path, record: Mapping[str, Any]) -> None:
     write_json(folder / CONFIG, sealed_record(record))
 
 
-def read_config(folder: str | Path) -> dict[str, Any]:
+class Record(dict[str, Any]):
+    """What the configuration file of a run holds: a DamagedFileError tells what is asked for and not there."""
+
+    def __init__(self, values: Mapping[str, Any], path: Path) -> None:
+        super().__init__(values)
+        self._path = path
+
+    def __missing__(self, name: str) -> Any:
+        raise DamagedFileError(f"{self._path} says nothing of {name}: an older version trained it; train it anew")
+
+
+def read_config(folder: str | Path) -> Record:
     """Read the configuration of the run in `folder`.
 
     Raises:
         FileNotFoundError: `folder` is not a run folder.
-        DamagedFileError: The file is not whole, or describes no run.
+        DamagedFileError: The file is not whole, describes no run, or has a value of another kind.
         UntrustedFileError: The run was not made on this account, and not taken over by `trust_run`.
     """
     path = Path(folder) / CONFIG
@@ -106,10 +128,11 @@ def read_config(folder: str | Path) -> dict[str, Any]:
         raise DamagedFileError(f"{path} describes no training run; name a folder that train.py has written")
     check_record(record, path)
     if record.get("residual"):
-        raise DamagedFileError(
-            f"{path} is of an agent that adds to a law, as none does any more; train anew"
-        )
-    return {name: value for name, value in record.items() if name != SEAL}
+        raise DamagedFileError(f"{path} is of an agent that adds to a law, as none does any more; train anew")
+    for name, (holds, kind) in _KINDS.items():
+        if name in record and not holds(record[name]):
+            raise DamagedFileError(f"{path}: {name} is {str(record[name])[:100]!r}, not {kind}; train the run anew")
+    return Record({name: value for name, value in record.items() if name != SEAL}, path)
 
 
 def trust_run(folder: str | Path) -> None:
@@ -139,7 +162,7 @@ def steps_taken(folder: str | Path) -> int:
         DamagedFileError: Its files do not tell them.
     """
     config, timing = read_config(folder), Path(folder) / TIMING
-    asked = int(config["timesteps_before"] + config["timesteps"])
+    asked: int = config["timesteps_before"] + config["timesteps"]
     if not timing.is_file():
         return asked
     record = read_json(timing)

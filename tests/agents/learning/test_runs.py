@@ -222,6 +222,23 @@ def test_a_run_that_says_too_little_is_refused(tmp_path, ppo_run):
         configurations.stored_configuration(tmp_path)
 
 
+@pytest.mark.parametrize(
+    ("name", "value", "told"),
+    [
+        ("timesteps", "many", "timesteps is 'many', not a positive whole number"),
+        ("n_envs", 0, "n_envs is '0', not a positive whole number"),
+        ("seed", -1, "seed is '-1', not a whole number"),
+        ("hyperparameters", [], r"hyperparameters is '\[\]', not a mapping"),
+        ("algo", 3, "algo is '3', not a text"),
+        ("resumed_from", 3, "resumed_from is '3', not a folder or null"),
+    ],
+)
+def test_a_value_of_another_kind_in_a_configuration_is_told(tmp_path, ppo_run, name, value, told):
+    runs.write_config(tmp_path, {**runs.read_config(ppo_run), name: value})
+    with pytest.raises(DamagedFileError, match=rf"config\.json: {told}; train the run anew"):
+        runs.read_config(tmp_path)
+
+
 def test_an_agent_of_older_versions_that_adds_to_a_law_is_refused(tmp_path, ppo_run):
     stored = runs.read_config(ppo_run)
     runs.write_config(tmp_path, {**stored, "residual": {"law": "servo", "scale": 0.05}})

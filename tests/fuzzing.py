@@ -13,14 +13,15 @@ import json
 import sys
 import tempfile
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import FunctionType
 
 import numpy as np
 
 FOLDER = Path(tempfile.mkdtemp(prefix="fuzzing-"))
-# Modules whose branches guide a search: all that read, and none with kernels, which cannot be instrumented.
+# Packages whose branches guide a search: all that read, and none with kernels, which must not be instrumented.
 READERS = [
     "agents.learning.configurations",
     "agents.learning.runs",
@@ -203,6 +204,17 @@ def try_input(target: Target, content: bytes) -> bool:
     return False
 
 
+def functions_of(packages: Sequence[str]) -> Iterator[FunctionType]:
+    """All functions of the modules in packages that have been imported, with those of their classes."""
+    for name, module in list(sys.modules.items()):
+        if any(f"{name}.".startswith(f"{package}.") for package in packages):
+            spaces = [vars(module), *(vars(kind) for kind in vars(module).values() if isinstance(kind, type))]
+            for value in (value for space in spaces for value in list(space.values())):
+                function = getattr(value, "fget", None) or getattr(value, "__func__", value)  # of what decorates it
+                if isinstance(function, FunctionType) and function.__module__ == name:
+                    yield function
+
+
 def main() -> None:
     """Search; see the top of the file."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -218,11 +230,11 @@ def main() -> None:
 
     target, corpus = TARGETS[args.target], args.corpus / args.target
     corpus.mkdir(parents=True, exist_ok=True)
-    # Nothing of ours is imported yet: what a search is to be guided by must be instrumented as it is.
-    with atheris.instrument_imports(include=READERS):
-        for number, content in enumerate(target.beginnings()):
-            (corpus / f"beginning-{number}").write_bytes(content)
-            try_input(target, content)
+    for number, content in enumerate(target.beginnings()):
+        (corpus / f"beginning-{number}").write_bytes(content)
+        try_input(target, content)
+    for function in functions_of(READERS):
+        atheris.instrument_func(function)
     options = [f"-max_total_time={args.seconds}", f"-artifact_prefix={corpus}/failed-", "-print_final_stats=1"]
     atheris.Setup([sys.argv[0], *options, str(corpus)], lambda content: (try_input(target, content), None)[1])
     atheris.Fuzz()

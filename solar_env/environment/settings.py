@@ -49,7 +49,8 @@ class EnvironmentSettings:
         torque_limit, control_period, deadline, postlock_window, driven_joint: see `task.task.Task`.
         action: "torque" or "rate", see `task.task.Task`.
         observation: "drive", "history", "landing" or "privileged", or names of observables, such as
-            `["theta", "rate", "rate_1_ago", "time_to_deadline"]`; "rate_1_ago" is the rate of one period ago.
+            `["theta", "rate", "rate_1_ago", "time_to_deadline"]`; "rate_1_ago" is the rate of one period ago, and one
+            of the four in a list stands for all that it has.
         prices: version of the reward's prices, "v1" or "v0"; the next keyword changes them.
         reward: mapping of terms to their weights, or to mappings of "scale", "weight" and "bound".
         starts: mapping of changes to a `starts.Starts`: episodes begin where approaches at a constant rate have come,

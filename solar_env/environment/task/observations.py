@@ -1,5 +1,6 @@
 """The table of what can be observed, with the reading of each quantity and the sensor effects on it."""
 
+import itertools
 import math
 import re
 from collections.abc import Sequence
@@ -131,8 +132,9 @@ def observation_entries(joints: int, observation: str | Names) -> tuple[Entry, .
 
     Args:
         joints: number of joints.
-        observation: one of `OBSERVATIONS`, or names of `OBSERVABLES` and `FEATURES`; "theta_2_ago" is the theta of two
-            control periods ago, and the names in a tuple take turns joint by joint.
+        observation: one of `OBSERVATIONS`, or a list of names: of `OBSERVABLES`, of `FEATURES`, and of `OBSERVATIONS`
+            for all that these list; "theta_2_ago" is the theta of two control periods ago, and the names in a tuple
+            take turns joint by joint.
 
     Raises:
         ValueError: for an unknown name, one that is listed twice, or none at all.
@@ -140,9 +142,10 @@ def observation_entries(joints: int, observation: str | Names) -> tuple[Entry, .
     if isinstance(observation, str):
         if observation not in OBSERVATIONS:
             raise ValueError(unknown_name("observation", observation, OBSERVATIONS) + ", or list names of observables")
-        observation = OBSERVATIONS[observation]
+        observation = (observation,)
     entries: list[Entry] = []
-    for names in observation:
+    listed = [OBSERVATIONS.get(name, (name,)) if isinstance(name, str) else (name,) for name in observation]
+    for names in itertools.chain(*listed):
         rows = [_observable(name) for name in (names if isinstance(names, (tuple, list)) else (names,))]
         for joint in range(joints):
             entries += [Entry(row, joint, age) for row, age in rows if row.by_joint or joint == 0]

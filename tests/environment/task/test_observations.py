@@ -177,10 +177,18 @@ def test_the_peak_force_is_the_greatest_of_the_last_period_alone():
     assert np.all(quiet < pushed)
 
 
+def test_an_observation_in_a_list_stands_for_all_that_it_has():
+    with solar_env.SolarArrayEnv(model="rigid-ideal", observation=["start", "landing", "main_body_spin"]) as more:
+        names = more.observation_names
+    with solar_env.SolarArrayEnv(model="rigid-ideal", observation="landing") as env:
+        assert names == ("start", *env.observation_names, "main_body_spin")
+
+
 @pytest.mark.parametrize(
     ("observation", "words"),
     [
         ("drives", ["drives", "drive"]),
+        (["landing", "far"], ["landing", "only once"]),
         (["theta", "rates"], ["rates", "rate"]),
         (["theta", "theta"], ["theta", "only once"]),
         (["theta", "theta_0_ago"], ["theta_0_ago"]),

@@ -27,7 +27,7 @@ NOT_HYPERPARAMETERS = {"policy", "env", "seed", "device", "verbose", "tensorboar
 NOT_HYPERPARAMETERS |= {"optimize_memory_usage"} | {
     f"{kind}_buffer_{part}" for kind in ("replay", "rollout") for part in ("class", "kwargs")
 }
-COUNTS = {"batch_size", "buffer_size", "n_epochs", "n_steps", "noise_periods", "policy_delay", "train_freq"}
+COUNTS = {"batch_size", "buffer_size", "n_epochs", "n_steps", "policy_delay", "train_freq"}
 COUNTS |= {"n_delta", "n_top", "generations_between", "finalists", "episodes"}
 COUNTS |= {"target_update_interval", "stats_window_size"}
 # Whole numbers of which -1 says "as many as".
@@ -52,10 +52,9 @@ class Configuration:
         timesteps: Environment steps to train for; those of a run that goes on with a complete one come on top of its.
         hyperparameters: Keywords of the Stable-Baselines3 class, and for SAC and TD3 `actor_learning_rate`, in place
             of the `learning_rate` that is then the critics' alone, `exploration_noise`, the standard deviation of an
-            action noise, and `noise_periods`, how many it takes to forget (1: white noise), and for all algorithms
-            `first_weights`, see `agents.learning.models.make_model`. Learning rates are those
-            of the first update and fall linearly to zero; a resumed run takes them up at the share of all steps,
-            earlier ones included, that is left.
+            action noise, and for all algorithms `first_weights`, see `agents.learning.models.make_model`. Learning
+            rates are those of the first update and fall linearly to zero; a resumed run takes them up at the share of
+            all steps, earlier ones included, that is left.
     """
 
     algo: str
@@ -175,7 +174,7 @@ def _check_hyperparameters(algo: str, values: Mapping[str, Any]) -> None:
     """Refuse names that the algorithm does not have, and values that would fail in the middle of a training."""
     accepted = set(inspect.signature(runs.algorithm(algo)).parameters) - NOT_HYPERPARAMETERS | {"first_weights"}
     if "action_noise" in accepted:
-        accepted = accepted - {"action_noise"} | {"exploration_noise", "noise_periods", "actor_learning_rate"}
+        accepted = accepted - {"action_noise"} | {"exploration_noise", "actor_learning_rate"}
     for name, value in values.items():
         if name not in accepted:
             raise ValueError(f"{algo} has no hyperparameter {name!r}; it has {', '.join(sorted(accepted))}")

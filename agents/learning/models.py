@@ -8,7 +8,7 @@ import numpy as np
 import torch
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.buffers import NStepReplayBuffer
-from stable_baselines3.common.noise import OrnsteinUhlenbeckActionNoise
+from stable_baselines3.common.noise import NormalActionNoise
 from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
 from stable_baselines3.common.policies import ActorCriticPolicy
 from stable_baselines3.common.utils import LinearSchedule
@@ -71,14 +71,10 @@ def make_model(config: Configuration, venv: VecEnv, device: str = "cpu") -> Base
     if actor_rate is not None:
         hyperparameters["policy_kwargs"]["optimizer_class"] = SlowedAdam
     first_weights = hyperparameters.pop("first_weights", None)
-    noise, noise_periods = hyperparameters.pop("exploration_noise", None), hyperparameters.pop("noise_periods", 1)
+    noise = hyperparameters.pop("exploration_noise", None)
     if noise is not None:
-        n_actions = venv.action_space.shape[0]  # type: ignore[index]
-        # Where actions are torques, white noise would shake the latched array rather than explore: it can be as slow
-        # as gSDE's.
-        forgetting = 1.0 / noise_periods
-        spread = np.full(n_actions, noise * math.sqrt(forgetting * (2.0 - forgetting)))
-        hyperparameters["action_noise"] = OrnsteinUhlenbeckActionNoise(np.zeros(n_actions), spread, forgetting, dt=1.0)
+        nothing = np.zeros(venv.action_space.shape or ())
+        hyperparameters["action_noise"] = NormalActionNoise(nothing, nothing + noise)
     gamma = hyperparameters.get("gamma", 0.99)
     normalized = VecNormalize(venv, norm_obs=False, gamma=gamma)
     # Returns scatter so much that steps of constant size would end in a random walk. The rate given is that of the

@@ -99,16 +99,14 @@ def test_noise_on_the_weights_stays_as_many_periods_as_it_is_told(algo):
     assert changes == [100, 200]
 
 
-@pytest.mark.parametrize("periods", [1, 4, 100])
-def test_td3_explores_with_the_noise_it_is_told_which_forgets_in_the_periods_it_is_told(periods):
-    quick = {"exploration_noise": 0.4, "noise_periods": periods, "buffer_size": 100}
+def test_td3_explores_with_the_white_noise_it_is_told():
+    quick = {"exploration_noise": 0.4, "buffer_size": 100}
     config = configurations.complete("td3", "solar_env/Deploy-v1", {}, 0, 1, None, quick)
     model = learn.make_model(config, learn.make_training_env(config, threads=1))
     np.random.seed(0)  # noqa: NPY002 (what Stable-Baselines3 draws from)
-    noise = np.array([model.action_noise()[0] for _ in range(200_000)])
-    assert noise.std() == pytest.approx(0.4, rel=0.1)
-    remembered = np.corrcoef(noise[:-periods], noise[periods:])[0, 1]
-    assert remembered == pytest.approx((1.0 - 1.0 / periods) ** periods, abs=0.1)
+    noise = np.array([model.action_noise()[0] for _ in range(20_000)])
+    assert noise.std() == pytest.approx(0.4, rel=0.02)
+    assert np.corrcoef(noise[:-1], noise[1:])[0, 1] == pytest.approx(0.0, abs=0.03)
 
 
 def test_one_rollout_trains_too(ppo_run):

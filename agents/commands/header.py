@@ -16,10 +16,7 @@ from solar_env.support.files import check_target, write_text
 
 @dataclass
 class Args:
-    """Write a shipped policy as one C header with arrays and a function, for the computer of a drive.
-
-    Of a policy that adds to a law the header holds what is added, in units of its share of the torque limit.
-    """
+    """Write a shipped policy as one C header with arrays and a function, for the computer of a drive."""
 
     policy: Annotated[str, tyro.conf.Positional] = "cma-es-nominal"
     """name of a policy of the package, or a folder that solar-env export wrote"""

@@ -98,9 +98,8 @@ class ReverseCurriculum(BaseCallback):
 class Validation(EvalCallback):
     """Stable-Baselines3's `EvalCallback` that begins with the untrained policy, or where an earlier run ended.
 
-    It ends with the policy of the last step.
-
-    The policy kept of an agent that adds to a law is thereby never worse, in validation, than the law.
+    It ends with the policy of the last step. The policy kept is never worse, in validation, than what training began
+    with.
 
     Args:
         env: As for `EvalCallback`.

@@ -99,7 +99,7 @@ def write_config(folder: Path, record: Mapping[str, Any]) -> None:
 
 
 class Record(dict[str, Any]):
-    """What the configuration file of a run holds: a DamagedFileError tells what is asked for and not there."""
+    """Content of a run's configuration file: a DamagedFileError tells what is asked for and not there."""
 
     def __init__(self, values: Mapping[str, Any], path: Path) -> None:
         super().__init__(values)

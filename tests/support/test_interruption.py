@@ -166,7 +166,7 @@ def has_begun(path):
 
 
 SMALL_TRAINING = [
-    "-m", "solar_env", "train", "--residual", "0", "--model", "rigid-ideal", "--timesteps", "100000", "--n-envs", "2",
+    "-m", "solar_env", "train", "--algo", "ppo", "--model", "rigid-ideal", "--timesteps", "100000", "--n-envs", "2",
     "--hyperparams", "n_steps=20", "batch_size=20", "--checkpoint-interval", "40", "--quiet",
 ]  # fmt: skip
 

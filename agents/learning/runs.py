@@ -241,10 +241,11 @@ def loaded_model(algo: str, file: io.BytesIO, source: str | Path, **keywords: An
     Raises:
         DamagedFileError: These versions cannot load it.
     """
+    kind = algorithm(algo)
     try:
         with warnings.catch_warnings():
             warnings.filterwarnings("error", "Could not deserialize")
-            return algorithm(algo).load(file, **keywords)
+            return kind.load(file, **keywords)
     except Exception as error:  # of what other versions saved, unpickling may raise anything
         reason = " ".join(str(error).split())[:200]
         raise DamagedFileError(

@@ -57,3 +57,13 @@ def test_docstrings_have_no_sphinx_roles():
     role = re.compile(r":(?:func|class|mod|meth|attr):`")
     files = [path for room in MARKDOWN for path in (ROOT / "solar_env" / room).rglob("*.py")]
     assert [str(path.relative_to(ROOT)) for path in files if role.search(path.read_text(encoding="utf-8"))] == []
+
+
+def test_the_tests_that_run_without_the_compiler_and_those_that_mutation_runs_exist():
+    short = (ROOT / "tests" / "short.txt").read_text().splitlines()
+    rows = re.findall(r'"(tests/\S+?\.py)"', (ROOT / "tests" / "mutation.py").read_text())
+    named = [line.removeprefix("--deselect=").partition("::") for line in short if line]
+    files = {path: (ROOT / path) for path, *_ in named} | {path: ROOT / path for path in rows}
+    assert [path for path, found in files.items() if not found.exists()] == []
+    functions = [(path, test.partition("[")[0]) for path, _, test in named if test]
+    assert [each for each in functions if f"def {each[1]}(" not in files[each[0]].read_text()] == []

@@ -2,14 +2,12 @@
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar, Generic, Protocol, Self, TypeVar
 
 import gymnasium
 import numpy as np
-
-from solar_env.environment.task.task import Task
 
 Entries = Mapping[str, np.ndarray]
 """Observed values (n,) by the name of the entry."""
@@ -55,12 +53,7 @@ class Signals:
     def of(cls, env: gymnasium.Env) -> Self:
         """Return the signals of an environment of this project."""
         unwrapped: Any = env.unwrapped
-        return cls.seen(unwrapped.observation_names, unwrapped.task)
-
-    @classmethod
-    def seen(cls, names: Sequence[str], task: Task) -> Self:
-        """Return the signals of a task whose observations have entries of these names."""
-        return cls(tuple(names), **vars(task))
+        return cls(tuple(unwrapped.observation_names), **vars(unwrapped.task))
 
     def check(self, env: gymnasium.Env, learned_on: str) -> None:
         """Refuse an environment whose observations or actions have another meaning than these, of `learned_on`.

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from agents.commands.arguments import ModelOptions, TrainingOptions
 from agents.comparison.figures import Curve, learning_curves_figure
-from agents.comparison.suites import SUITES
+from agents.comparison.suites import RIGID, SUITES
 from agents.environments import check_distinct_seeds, environment_settings
 from agents.learning import configurations, learn, runs
 from solar_env.environment.registration import ENVIRONMENTS
@@ -39,15 +39,14 @@ class Args(ModelOptions, TrainingOptions):
 def wanted_runs(args: Args) -> dict[tuple[str, str], dict[Path, configurations.Configuration]]:
     """Plan the runs: (panel, algorithm) -> run folder -> its configuration, one for each seed."""
     wanted: dict[tuple[str, str], dict[Path, configurations.Configuration]] = {}
-    numbers = None, args.timesteps, args.hyperparams
     for suite in args.suites:
         env_id = SUITES[suite]
-        keywords = args.keywords(env_id, {"model": "rigid-clearance"})
+        keywords = args.keywords(env_id, RIGID)
         panel = f"{ENVIRONMENTS[env_id][0]}, {keywords['model']}"
         for algo in args.algos:
             wanted[panel, algo] = {
                 Path(args.out) / f"{suite}-{algo}-{seed}": configurations.complete(
-                    algo, env_id, keywords, seed, *numbers
+                    algo, env_id, keywords, seed, None, args.timesteps, args.hyperparams
                 )
                 for seed in args.seeds
             }

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from agents.commands.arguments import CommandRecord, ModelOptions, WorkerOptions
+from agents.comparison.suites import RIGID
 from agents.environments import DEFAULT_ENV_ID
 from agents.laws.baselines import CONFIGS
 from agents.learning import configurations, learn, runs
@@ -146,7 +147,7 @@ def run_command(args: Args) -> int:
     """Run the command; see `Args`. A ValueError says that there is nothing to search, or the budget is too small."""
     if args.algo not in SPACES:
         raise ValueError(f"nothing to search for {args.algo!r}; choose from {', '.join(SPACES)}")
-    env_kwargs = args.keywords(args.env_id, {"model": "rigid-clearance"})
+    env_kwargs = args.keywords(args.env_id, RIGID)
     values = start(args.algo, args.env_id, args.repeat)
     make_folder(args.out)
     check_target(CONFIGS / f"{args.algo}.json")

@@ -17,7 +17,7 @@ from agents.commands.arguments import ModelOptions, TrainingOptions, TrustOption
 from agents.comparison.evaluation import efforts, evaluate
 from agents.comparison.figures import run_figure
 from agents.comparison.report import Summary, Tables, write_comparison
-from agents.comparison.suites import MODEL
+from agents.comparison.suites import MODEL, RIGID
 from agents.environments import (
     DEFAULT_ENV_ID,
     INTERFACE,
@@ -124,7 +124,7 @@ def configuration(args: Args, seed: int) -> configurations.Configuration:
     env_id = args.env_id or DEFAULT_ENV_ID
     algo = args.algo or "ars"
     searches = configurations.searches_weights(algo)
-    keywords = args.keywords(env_id, MODEL if searches else {"model": "rigid-clearance"})
+    keywords = args.keywords(env_id, MODEL if searches else RIGID)
     config = configurations.complete(algo, env_id, keywords, seed, args.n_envs, args.timesteps, args.hyperparams)
     if args.start:
         begun = Path(args.start) / seed_folder(seed) if args.seeds else Path(args.start)

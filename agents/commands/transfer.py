@@ -57,12 +57,11 @@ def train_all(args: Args) -> dict[str, list[Path]]:
     Raises:
         ValueError: A complete run there has another configuration.
     """
-    numbers = None, args.timesteps, args.hyperparams
     wanted: dict[str, dict[Path, configurations.Configuration]] = {}
     for level, keywords in LEVELS.items():
         wanted[level] = {
             Path(args.out) / f"{level.replace(' ', '-')}-{seed}": configurations.complete(
-                args.algo, args.env_id, on_level(args, keywords), seed, *numbers
+                args.algo, args.env_id, on_level(args, keywords), seed, None, args.timesteps, args.hyperparams
             )
             for seed in args.seeds
         }

@@ -63,7 +63,6 @@ def test_the_tests_that_run_without_the_compiler_and_those_that_mutation_runs_ex
     short = (ROOT / "tests" / "short.txt").read_text().splitlines()
     rows = re.findall(r'"(tests/\S+?\.py)"', (ROOT / "tests" / "mutation.py").read_text())
     named = [line.removeprefix("--deselect=").partition("::") for line in short if line]
-    files = {path: (ROOT / path) for path, *_ in named} | {path: ROOT / path for path in rows}
-    assert [path for path, found in files.items() if not found.exists()] == []
+    assert [path for path in {*(path for path, *_ in named), *rows} if not (ROOT / path).exists()] == []
     functions = [(path, test.partition("[")[0]) for path, _, test in named if test]
-    assert [each for each in functions if f"def {each[1]}(" not in files[each[0]].read_text()] == []
+    assert [each for each in functions if f"def {each[1]}(" not in (ROOT / each[0]).read_text()] == []

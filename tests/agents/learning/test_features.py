@@ -96,7 +96,7 @@ def test_features_are_clipped_and_never_beyond_the_limit(observation):
     values = features_of(features, space, drawn)
     expected = np.clip(drawn @ features.matrix.T + features.offset, -LIMIT, LIMIT)
     assert values.shape == (len(drawn), len(features.offset))
-    assert np.max(np.abs(values)) <= LIMIT
+    assert np.max(np.abs(values)) == LIMIT
     np.testing.assert_allclose(values, expected, rtol=0.0, atol=2e-3)
 
 

@@ -13,13 +13,14 @@ pytestmark = pytest.mark.usefixtures("few_validation_episodes")
 
 
 @pytest.mark.parametrize("algo", ["ppo", "sac", "td3"])
-def test_agents_without_a_law_begin_with_a_constant_rate_that_arrives_and_act_at_their_own_period(algo):
+def test_agents_begin_with_a_constant_rate_that_arrives_and_act_at_their_own_period(algo):
     config = configurations.complete(algo, "solar_env/Deploy-v1", {"model": "rigid-clearance"}, seed=0)
     venv = learn.make_training_env(config, threads=1)
     model = learn.make_model(config, venv)
     observed = dict(zip(venv.get_attr("observation_names", 0)[0], np.eye(16, dtype=np.float32), strict=True))
+    expected = 0.85 if algo == "ppo" else np.tanh(1.25)  # the weight; the others squash it
     for approaching in ("far", "near"):
-        assert model.predict(observed[approaching], deterministic=True)[0] == pytest.approx(0.85, abs=0.003)
+        assert model.predict(observed[approaching], deterministic=True)[0] == pytest.approx(expected)
     assert model.predict(observed["settling_rate_1"], deterministic=True)[0] == 0.0
     assert venv.get_attr("task", 0)[0].control_period == 0.5
 
@@ -60,7 +61,6 @@ def test_agents_with_a_replay_buffer_learn_from_returns_over_many_periods_and_ev
     assert [resumed.lr_schedule(left) for left in (1.0, 0.5, 0.0)] == pytest.approx([1e-3, 0.5e-3, 0.0])
 
 
-@pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")
 @pytest.mark.parametrize("algo", ["sac", "td3"])
 def test_the_actor_learns_at_a_rate_of_its_own_in_a_resumed_run_too(algo, tmp_path):
     small = {"batch_size": 32, "buffer_size": 2000, "learning_starts": 0, "learning_rate": 1e-2}
@@ -85,10 +85,10 @@ def test_the_actor_learns_at_a_rate_of_its_own_in_a_resumed_run_too(algo, tmp_pa
 
 @pytest.mark.parametrize("algo", ["ppo", "sac"])
 def test_noise_on_the_weights_stays_as_many_periods_as_it_is_told(algo):
-    """Stable-Baselines3 draws it anew at the beginning of every rollout too, which for SAC can be every step."""
+    """Stable-Baselines3 draws it anew at the beginning of every rollout too: there is one here."""
     quick = {"use_sde": True, "sde_sample_freq": 100}
     quick |= {"batch_size": 300, "n_steps": 300} if algo == "ppo" else {"batch_size": 32, "gradient_steps": 1}
-    quick |= {} if algo == "ppo" else {"train_freq": 100}
+    quick |= {} if algo == "ppo" else {"train_freq": 300}
     config = configurations.complete(algo, "solar_env/Deploy-v1", {}, 0, n_envs=1, hyperparameters=quick)
     model = learn.make_model(config, learn.make_training_env(config, threads=1))
     actor = model.policy if algo == "ppo" else model.actor

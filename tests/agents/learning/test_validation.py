@@ -1,7 +1,6 @@
 """Validation: on episodes of its own, and what is kept is never worse there than what training began with."""
 
 import numpy as np
-import pytest
 
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env
 from agents.learning import configurations, learn, runs
@@ -13,7 +12,6 @@ def configuration():
     return configurations.complete("ppo", DEFAULT_ENV_ID, {"model": "rigid-ideal"}, 0, 1, 100, spoiling)
 
 
-@pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")
 def test_every_validation_has_the_validation_episodes_of_the_runs_seed():
     config = configuration()
     venv = learn.make_validation_env(config, threads=1)
@@ -28,7 +26,6 @@ def test_every_validation_has_the_validation_episodes_of_the_runs_seed():
         venv.step(np.zeros((len(designs), 1), np.float32))
 
 
-@pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")
 def test_a_training_that_spoils_the_agent_keeps_it_as_it_was_and_so_does_one_that_goes_on(tmp_path, monkeypatch):
     monkeypatch.setattr(learn, "VALIDATION_EPISODES", 2)
     first, second = tmp_path / "first", tmp_path / "second"
@@ -44,7 +41,6 @@ def test_a_training_that_spoils_the_agent_keeps_it_as_it_was_and_so_does_one_tha
     assert (second / runs.POLICY).read_bytes() == (first / runs.POLICY).read_bytes()
 
 
-@pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")
 def test_a_training_ends_with_a_validation_wherever_the_one_before_was(tmp_path, monkeypatch):
     monkeypatch.setattr(learn, "VALIDATION_EPISODES", 1)
     monkeypatch.setattr(learn, "SHORTEST_VALIDATION_INTERVAL", 70)

@@ -14,15 +14,17 @@ COMMAND = "python train.py --seed 7"
 QUICK = {"model": "rigid-ideal", "control_period": 0.5, "postlock_window": 2.0}
 QUICK |= {"observation": "drive", "action": "torque"}
 ON_POLICY = {"n_steps": 50, "batch_size": 50}
-DEEP = {"first_weights": None, "policy_kwargs": {"net_arch": [64, 64]}}
-OFF_POLICY = {"learning_starts": 60, "buffer_size": 500, "batch_size": 16, **DEEP}
+OFF_POLICY = {"learning_starts": 60, "buffer_size": 500, "batch_size": 16}
+DEEP = {"policy_kwargs": {"net_arch": [64, 64]}}
 # Name -> algorithm, hyperparameters.
 TRAINED = {
     "ppo": ("ppo", {**ON_POLICY, **DEEP}),
-    "sac": ("sac", OFF_POLICY),
-    "td3": ("td3", OFF_POLICY),
+    "sac": ("sac", {**OFF_POLICY, **DEEP}),
+    "td3": ("td3", {**OFF_POLICY, **DEEP}),
     "cma-es": ("cma-es", {"population": 4}),
     "linear": ("ppo", ON_POLICY),
+    "linear-sac": ("sac", OFF_POLICY),
+    "linear-td3": ("td3", OFF_POLICY),
 }
 
 

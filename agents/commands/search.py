@@ -47,13 +47,13 @@ class Range:
         return min(max(unit, 0.0), 1.0)
 
 
-_LOG_STD = Range(-4.0, 0.0)
+_LOG_STD = Range(-4.0, -1.0)  # of the noise on actions, or on weights; the funnel is a hundredth of the range wide
 _CRITIC_RATE = Range(1e-4, 1e-2, logarithmic=True)
 _ACTOR_RATE = Range(1e-5, 1e-3, logarithmic=True)
 # What is inside "policy_kwargs" is searched beside the keywords of the Stable-Baselines3 classes.
 SPACES: dict[str, dict[str, Range]] = {
     "ppo": {
-        "learning_rate": Range(5e-5, 5e-3, logarithmic=True),
+        "learning_rate": Range(4e-4, 4e-2, logarithmic=True),
         "log_std_init": _LOG_STD,
         "gae_lambda": Range(0.9, 1.0),
     },
@@ -65,7 +65,7 @@ SPACES: dict[str, dict[str, Range]] = {
     "td3": {
         "learning_rate": _CRITIC_RATE,
         "actor_learning_rate": _ACTOR_RATE,
-        "exploration_noise": Range(0.02, 2.0, logarithmic=True),
+        "exploration_noise": Range(0.02, 0.5, logarithmic=True),
     },
 }
 

@@ -13,7 +13,7 @@ import pickle
 import random
 import warnings
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -62,17 +62,35 @@ class Checkpoint:
     terms: list[Any]
     record: dict[str, Any] | None = None
 
-    def restore(self, config: Configuration, venv: VecEnv, device: str = "cpu") -> BaseAlgorithm:
+    def check(self, config: Configuration, folder: str | Path) -> None:
+        """Refuse a configuration that is not the checkpoint's, but for the steps that are asked for.
+
+        Raises:
+            DamagedFileError: They contradict each other.
+        """
+        recorded = runs.jsonable(self.record or {})
+        for name, value in runs.jsonable(asdict(config)).items():
+            if name != "timesteps" and recorded.get(name, value) != value:
+                raise DamagedFileError(
+                    f"{Path(folder) / runs.CONFIG} contradicts the checkpoint beside it: {name} is {value!r:.100}, "
+                    f"and was {recorded[name]!r:.100}; remove the file, which is then written anew"
+                )
+
+    def restore(
+        self, config: Configuration, venv: VecEnv, device: str = "cpu", folder: str | Path | None = None
+    ) -> BaseAlgorithm:
         """Make the model with its environments; `venv` is a fresh one of the same configuration, without normalisation.
 
-        What is drawn at the beginning of a rollout must be restored then, by `restore_random`.
+        What is drawn at the beginning of a rollout must be restored then, by `restore_random`. The run's `folder` is
+        told in errors.
 
         Raises:
             DamagedFileError: These versions cannot load the model.
         """
         normalized = VecNormalize(venv, norm_obs=False)
+        source = f"the checkpoint of {folder}" if folder else "the checkpoint"
         model: Any = runs.loaded_model(
-            config.algo, io.BytesIO(self.model), "the checkpoint", env=normalized, device=device, force_reset=False
+            config.algo, io.BytesIO(self.model), source, env=normalized, device=device, force_reset=False
         )
         # Only now: to load a model seeds its environment.
         for layer, values in zip(_layers(normalized), self.lanes, strict=True):

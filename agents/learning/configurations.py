@@ -14,12 +14,13 @@ import numpy as np
 import torch
 from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
 
-from agents.environments import INTERFACE, check_episode_seeds, with_sampling
+from agents.environments import INTERFACE, check_episode_seeds, environment_settings, with_sampling
 from agents.laws.baselines import CONFIGS
 from agents.learning import runs
 from agents.learning.weight_search import WeightSearch
-from solar_env.support.numbers import is_number
+from solar_env.support.numbers import is_number, is_whole_number
 from solar_env.support.plain_arrays import read_json
+from solar_env.support.rules import Rule, check_values
 
 # Arguments of the Stable-Baselines3 classes that are no hyperparameters.
 NOT_HYPERPARAMETERS = {"policy", "env", "seed", "device", "verbose", "tensorboard_log", "_init_setup_model"}
@@ -27,16 +28,10 @@ NOT_HYPERPARAMETERS = {"policy", "env", "seed", "device", "verbose", "tensorboar
 NOT_HYPERPARAMETERS |= {"optimize_memory_usage"} | {
     f"{kind}_buffer_{part}" for kind in ("replay", "rollout") for part in ("class", "kwargs")
 }
-COUNTS = {"batch_size", "buffer_size", "n_epochs", "n_steps", "policy_delay", "train_freq"}
-COUNTS |= {"n_delta", "n_top", "generations_between", "finalists", "episodes"}
-COUNTS |= {"target_update_interval", "stats_window_size"}
-# Whole numbers of which -1 says "as many as".
-COUNTS_OR_ALL = {"gradient_steps", "sde_sample_freq"}
-SHARES = {"gamma", "tau"}
-POSITIVE = {"actor_learning_rate", "clip_range", "delta_std", "deviation", "max_grad_norm"}
-NOT_NEGATIVE = {"learning_rate", "exploration_noise", "vf_coef", "target_policy_noise", "target_noise_clip"}
+# What is no hyperparameter of Stable-Baselines3: of all algorithms, and of those that have an action noise.
+FIRST_WEIGHTS = "first_weights"
+OF_ACTION_NOISE = {"exploration_noise", "actor_learning_rate"}
 _GREATEST_COUNT = 10**9
-SWITCHES = {"use_sde", "use_sde_at_warmup", "normalize_advantage"}
 
 
 @dataclass(frozen=True)
@@ -52,7 +47,8 @@ class Configuration:
         timesteps: Environment steps to train for; those of a run that goes on with a complete one come on top of its.
         hyperparameters: Keywords of the Stable-Baselines3 class, and for SAC and TD3 `actor_learning_rate`, in place
             of the `learning_rate` that is then the critics' alone, `exploration_noise`, the standard deviation of an
-            action noise, and for all algorithms `first_weights`, see `agents.learning.models.make_model`. Learning
+            action noise, and for all algorithms `first_weights`, see `agents.learning.models.make_model`; those of
+            agents/configs are left out where observation or action are others or the policy is not linear. Learning
             rates are those of the first update and fall linearly to zero; a resumed run takes them up at the share of
             all steps, earlier ones included, that is left.
     """
@@ -112,6 +108,14 @@ def complete(
     if "policy_kwargs" in found["hyperparameters"]:
         chosen["policy_kwargs"] = {**found["hyperparameters"]["policy_kwargs"], **chosen["policy_kwargs"]}
     _check_networks(algo, chosen)
+    asked_weights = (hyperparameters or {}).get(FIRST_WEIGHTS)
+    if asked_weights is not None and not _is_linear(algo, chosen):
+        raise ValueError(
+            f"hyperparameter {FIRST_WEIGHTS} is {asked_weights!r}, of a linear policy, and this one has hidden layers; "
+            "leave it out, or let policy_kwargs have net_arch without any for the policy"
+        )
+    if asked_weights is None and not _begins_as_usual(algo, env_id, chosen, keywords, interface):
+        chosen.pop(FIRST_WEIGHTS, None)
     _check_batches(algo, chosen, counts["n_envs"])
     return Configuration(algo, env_id, runs.jsonable(keywords), seed, hyperparameters=chosen, **counts)
 
@@ -156,9 +160,12 @@ def _check_positive(name: str, number: int) -> None:
         raise ValueError(f"{name} is {number}; give a positive number")
 
 
-def _finite(values: Any) -> bool:
-    """Whether `values` are a list of finite numbers."""
-    return isinstance(values, list) and all(is_number(value) and abs(value) < math.inf for value in values)
+def _is_finite(value: Any) -> bool:
+    return is_number(value) and abs(value) < math.inf
+
+
+def _is_positive(value: Any) -> bool:
+    return _is_finite(value) and value > 0
 
 
 def _is_automatic(value: Any) -> bool:
@@ -170,40 +177,70 @@ def _is_automatic(value: Any) -> bool:
         return False
 
 
+# That an entropy coefficient may be automatic is a matter of the algorithm, see `_check_hyperparameters`.
+_RULES = (
+    Rule(
+        ("learning_rate", "exploration_noise", "vf_coef", "target_policy_noise", "target_noise_clip"),
+        lambda value: _is_finite(value) and value >= 0,
+        "a positive number, or 0 for none",
+    ),
+    Rule(
+        ("actor_learning_rate", "clip_range", "delta_std", "deviation", "max_grad_norm"),
+        _is_positive,
+        "a positive number",
+    ),
+    Rule(
+        (
+            *("batch_size", "buffer_size", "n_epochs", "n_steps", "policy_delay", "train_freq"),
+            *("n_delta", "n_top", "generations_between", "finalists"),
+            *("target_update_interval", "stats_window_size"),
+        ),
+        lambda value: is_whole_number(value, 1) and value <= _GREATEST_COUNT,
+        f"a positive whole number, at most {_GREATEST_COUNT:,}",
+    ),
+    Rule(
+        ("gradient_steps", "sde_sample_freq"),  # -1 says "as many as"
+        lambda value: is_whole_number(value, -1) and value != 0,
+        "a positive whole number, or -1",
+    ),
+    Rule(("population",), lambda value: is_whole_number(value, 2), "a whole number, at least 2"),
+    Rule(("learning_starts",), lambda value: is_whole_number(value, 0), "a whole number, not negative"),
+    Rule(("gamma", "tau"), lambda value: _is_positive(value) and value <= 1, "a number above 0, at most 1"),
+    Rule(("gae_lambda",), lambda value: _is_finite(value) and 0 <= value <= 1, "a number from 0 to 1"),
+    Rule(
+        ("clip_range_vf", "target_kl"),
+        lambda value: value is None or _is_positive(value),
+        "a positive number, or None",
+    ),
+    Rule(("target_entropy",), lambda value: _is_finite(value) or value == "auto", "a number, or auto"),
+    Rule(
+        ("use_sde", "use_sde_at_warmup", "normalize_advantage"), lambda value: isinstance(value, bool), "true or false"
+    ),
+    Rule(("policy_kwargs",), lambda value: isinstance(value, Mapping), "a dictionary"),
+    Rule(
+        (FIRST_WEIGHTS,),
+        lambda value: value is None or all(map(_is_finite, value if isinstance(value, list) else [value])),
+        "a number, or one for each of the first entries observed",
+    ),
+)
+
+
 def _check_hyperparameters(algo: str, values: Mapping[str, Any]) -> None:
     """Refuse names that the algorithm does not have, and values that would fail in the middle of a training."""
-    accepted = set(inspect.signature(runs.algorithm(algo)).parameters) - NOT_HYPERPARAMETERS | {"first_weights"}
+    kind = runs.algorithm(algo)
+    accepted = set(inspect.signature(kind).parameters) - NOT_HYPERPARAMETERS | {FIRST_WEIGHTS}
     if "action_noise" in accepted:
-        accepted = accepted - {"action_noise"} | {"exploration_noise", "actor_learning_rate"}
-    for name, value in values.items():
+        accepted = accepted - {"action_noise"} | OF_ACTION_NOISE
+    for name in values:
         if name not in accepted:
             raise ValueError(f"{algo} has no hyperparameter {name!r}; it has {', '.join(sorted(accepted))}")
-        number = is_number(value) and abs(value) < math.inf
-        whole = number and isinstance(value, int)
-        on_policy = issubclass(runs.algorithm(algo), OnPolicyAlgorithm)
-        rules = (
-            (NOT_NEGATIVE, number and value >= 0, "a positive number, or 0 for none"),
-            (POSITIVE, number and value > 0, "a positive number"),
-            (COUNTS, whole and 1 <= value <= _GREATEST_COUNT, f"a positive whole number, at most {_GREATEST_COUNT:,}"),
-            (COUNTS_OR_ALL, whole and (value >= 1 or value == -1), "a positive whole number, or -1"),
-            ({"population"}, whole and value >= 2, "a whole number, at least 2"),
-            ({"learning_starts"}, whole and value >= 0, "a whole number, not negative"),
-            (SHARES, number and 0 < value <= 1, "a number above 0, at most 1"),
-            ({"gae_lambda"}, number and 0 <= value <= 1, "a number from 0 to 1"),
-            ({"clip_range_vf", "target_kl"}, value is None or (number and value > 0), "a positive number, or None"),
-            ({"ent_coef"}, number or (not on_policy and _is_automatic(value)), "a number, or auto for sac"),
-            ({"target_entropy"}, number or value == "auto", "a number, or auto"),
-            (SWITCHES, isinstance(value, bool), "true or false"),
-            ({"policy_kwargs"}, isinstance(value, Mapping), "a dictionary"),
-            (
-                {"first_weights"},
-                value is None or number or _finite(value),
-                "a number, or one for each of the first entries observed",
-            ),
-        )
-        for names, holds, required in rules:
-            if name in names and not holds:
-                raise ValueError(f"hyperparameter {name} is {value!r}; give {required}")
+    automatic = not issubclass(kind, OnPolicyAlgorithm)
+    entropy = Rule(
+        ("ent_coef",),
+        lambda value: _is_finite(value) or (automatic and _is_automatic(value)),
+        "a number, or auto for sac",
+    )
+    check_values(values, (*_RULES, entropy), "hyperparameter")
 
 
 def _check_networks(algo: str, chosen: Mapping[str, Any]) -> None:
@@ -227,6 +264,26 @@ def _check_networks(algo: str, chosen: Mapping[str, Any]) -> None:
             f"hyperparameter policy_kwargs is {keywords!r}, of which no networks can be made ({reason}); give keywords "
             f"of Stable-Baselines3's {policy.__name__}"
         ) from error
+
+
+def _is_linear(algo: str, chosen: Mapping[str, Any]) -> bool:
+    """Whether hyperparameters are of a policy without hidden layers."""
+    if searches_weights(algo):
+        return True
+    layers = chosen.get("policy_kwargs", {}).get("net_arch", {"pi": [64]})  # as Stable-Baselines3's own ones are hidden
+    return not (layers.get("pi") if isinstance(layers, Mapping) else layers)
+
+
+def _begins_as_usual(
+    algo: str, env_id: str, chosen: Mapping[str, Any], keywords: Mapping[str, Any], usual: Mapping[str, Any]
+) -> bool:
+    """Whether the first weights of agents/configs, of the `usual` interface, are of these entries and this action."""
+    weights = chosen.get(FIRST_WEIGHTS)
+    if weights is None or not _is_linear(algo, chosen):
+        return False
+    count = len(weights) if isinstance(weights, list) else 1
+    here, there = (environment_settings(env_id, asked) for asked in (keywords, usual))
+    return here.action == there.action and here.observation_names[:count] == there.observation_names[:count]
 
 
 def _check_batches(algo: str, chosen: Mapping[str, Any], n_envs: int) -> None:

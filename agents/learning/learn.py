@@ -80,6 +80,8 @@ def train(training: Training) -> None:
     start = time.perf_counter()
     source = _source(training.resume) if training.resume else None
     restored = checkpoints.read(source) if source else None
+    if source and restored:
+        restored.check(config, source)
     done = restored.timesteps if restored else 0
     before = _steps_before(source, done)
     left = before + config.timesteps - done
@@ -93,9 +95,10 @@ def train(training: Training) -> None:
     monitor = f"{done}.monitor.csv" if restored else "monitor.csv"
     venv = make_training_env(config, folder / monitor, threads)
     try:
-        model = (
-            restored.restore(config, venv, training.device) if restored else make_model(config, venv, training.device)
-        )
+        if restored:
+            model = restored.restore(config, venv, training.device, source)
+        else:
+            model = make_model(config, venv, training.device)
     except BaseException:
         venv.close()
         (folder / monitor).unlink()

@@ -4,7 +4,7 @@ import io
 import json
 import re
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from datetime import datetime
 from pathlib import Path
@@ -33,6 +33,7 @@ from solar_env.support.files import check_name, make_folder, write_bytes, write_
 from solar_env.support.interruption import deaf
 from solar_env.support.numbers import is_whole_number
 from solar_env.support.plain_arrays import read_arrays, read_json
+from solar_env.support.rules import Rule, check_values
 
 LIBRARIES = ("gymnasium", "stable-baselines3", "torch")  # whose versions policies depend on, beside those of all
 ALGORITHMS: dict[str, type[BaseAlgorithm]] = {
@@ -43,16 +44,14 @@ ALGORITHMS: dict[str, type[BaseAlgorithm]] = {
     "cma-es": CMAES,
 }
 
-# Values of a configuration file -> what holds of them, and how to say it.
-_KINDS: dict[str, tuple[Callable[[Any], bool], str]] = {
-    **dict.fromkeys(("algo", "env_id", "command"), (lambda value: isinstance(value, str), "a text")),
-    **dict.fromkeys(
-        ("env_kwargs", "hyperparameters", "versions"), (lambda value: isinstance(value, dict), "a mapping")
-    ),
-    **dict.fromkeys(("n_envs", "timesteps"), (lambda value: is_whole_number(value, 1), "a positive whole number")),
-    **dict.fromkeys(("seed", "timesteps_before"), (lambda value: is_whole_number(value, 0), "a whole number")),
-    "resumed_from": (lambda value: value is None or isinstance(value, str), "a folder or null"),
-}
+_RULES = (
+    Rule(("algo",), lambda value: value in [*ALGORITHMS], f"one of {', '.join(ALGORITHMS)}"),
+    Rule(("env_id", "command"), lambda value: isinstance(value, str), "a text"),
+    Rule(("env_kwargs", "hyperparameters", "versions"), lambda value: isinstance(value, dict), "a mapping"),
+    Rule(("n_envs", "timesteps"), lambda value: is_whole_number(value, 1), "a positive whole number"),
+    Rule(("seed", "timesteps_before"), lambda value: is_whole_number(value, 0), "a whole number, not negative"),
+    Rule(("resumed_from",), lambda value: value is None or isinstance(value, str), "a folder or null"),
+)
 
 CONFIG = "config.json"
 POLICY = "policy.zip"
@@ -129,9 +128,10 @@ def read_config(folder: str | Path) -> Record:
     check_record(record, path)
     if record.get("residual"):
         raise DamagedFileError(f"{path} is of an agent that adds to a law, as none does any more; train anew")
-    for name, (holds, kind) in _KINDS.items():
-        if name in record and not holds(record[name]):
-            raise DamagedFileError(f"{path}: {name} is {str(record[name])[:100]!r}, not {kind}; train the run anew")
+    try:
+        check_values(record, _RULES)
+    except ValueError as error:
+        raise DamagedFileError(f"{path}: {error}, or train the run anew") from error
     return Record({name: value for name, value in record.items() if name != SEAL}, path)
 
 
@@ -191,7 +191,12 @@ def check_policy(folder: str | Path) -> None:
     Raises:
         FileNotFoundError, DamagedFileError, UntrustedFileError: As `load_policy`.
     """
-    unsealed(policy_path(folder))
+    _saved_policy(folder)
+
+
+def _saved_policy(folder: str | Path) -> BaseAlgorithm:
+    path = policy_path(folder)
+    return loaded_model(read_config(folder)["algo"], io.BytesIO(unsealed(path)), path, device="cpu")
 
 
 def read_evaluations(folder: Path) -> dict[str, np.ndarray]:
@@ -228,18 +233,17 @@ def load_policy(folder: str | Path, env: gymnasium.Env) -> BaseAlgorithm:
         UntrustedFileError: The run was not made on this account, see `trust_run`.
         ValueError: Observations or actions of `env` have another meaning than in training.
     """
-    path, config = policy_path(folder), read_config(folder)
-    policy = io.BytesIO(unsealed(path))
+    policy, config = _saved_policy(folder), read_config(folder)
     with make_env(config["env_id"], config["env_kwargs"]) as trained:
         Signals.of(trained).check(env, f"{config['env_id']} with {config['env_kwargs']}")
-    return loaded_model(config["algo"], policy, path, device="cpu")
+    return policy
 
 
 def loaded_model(algo: str, file: io.BytesIO, source: str | Path, **keywords: Any) -> BaseAlgorithm:
     """Load what Stable-Baselines3 saved of a model; keywords are those of its `load`, `source` is told in errors.
 
     Raises:
-        DamagedFileError: These versions cannot load it.
+        DamagedFileError: It is damaged, of another algorithm, or these versions cannot load it.
     """
     kind = algorithm(algo)
     try:
@@ -249,7 +253,8 @@ def loaded_model(algo: str, file: io.BytesIO, source: str | Path, **keywords: An
     except Exception as error:  # of what other versions saved, unpickling may raise anything
         reason = " ".join(str(error).split())[:200]
         raise DamagedFileError(
-            f"{source} cannot be loaded by these versions ({reason}); train anew, or install those in its {CONFIG}"
+            f"{source} holds no model of {algo} that these versions can load ({reason}); train anew, or install the "
+            f"versions that its {CONFIG} names"
         ) from error
 
 

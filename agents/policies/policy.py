@@ -1,6 +1,5 @@
 """A trained policy with the description of its training, as a controller."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,27 +9,31 @@ import numpy as np
 from agents.policies.network import PolicyNetwork
 from agents.torque_laws import DeterministicController, Signals
 from solar_env.support.numbers import is_number, is_whole_number
+from solar_env.support.rules import Rule, check_values
 
 
 def _is_finite(value: Any) -> bool:
     return is_number(value) and abs(value) < 1e300
 
 
-# Names, what holds of their values, and how to say it.
-_RULES: tuple[tuple[tuple[str, ...], Callable[[Any], bool], str], ...] = (
-    (("algorithm", "activation", "output"), lambda value: isinstance(value, str), "a name"),
+_RULES = (
+    Rule(("algorithm", "activation", "output"), lambda value: isinstance(value, str), "a name"),
     # Gymnasium imports what stands before a colon.
-    (("env_id",), lambda value: isinstance(value, str) and ":" not in value, "an environment id that names no module"),
-    (("feature_limit",), _is_finite, "a number"),
-    (
+    Rule(
+        ("env_id",),
+        lambda value: isinstance(value, str) and ":" not in value,
+        "an environment id that names no module",
+    ),
+    Rule(("feature_limit",), _is_finite, "a number"),
+    Rule(
         ("torque_limit", "deadline", "control_period", "postlock_window"),
         lambda value: _is_finite(value) and value > 0.0,
         "a positive number",
     ),
-    (("mean_limit",), lambda value: value is None or _is_finite(value), "a number or null"),
-    (("training_steps",), lambda value: is_whole_number(value, 0), "a whole number"),
-    (("env_kwargs",), lambda value: isinstance(value, dict), "a mapping"),
-    (
+    Rule(("mean_limit",), lambda value: value is None or _is_finite(value), "a number or null"),
+    Rule(("training_steps",), lambda value: is_whole_number(value, 0), "a whole number, not negative"),
+    Rule(("env_kwargs",), lambda value: isinstance(value, dict), "a mapping"),
+    Rule(
         ("observation_names",),
         # They stand in the comment of a C header.
         lambda value: isinstance(value, tuple) and all(isinstance(name, str) and name.isidentifier() for name in value),
@@ -68,11 +71,7 @@ class Description:
     postlock_window: float
 
     def __post_init__(self) -> None:
-        for names, holds, wanted in _RULES:
-            for name in names:
-                value = getattr(self, name)
-                if not holds(value):
-                    raise ValueError(f"{name} is {str(value)[:100]!r}; expected {wanted}")
+        check_values(vars(self), _RULES)
 
     @property
     def signals(self) -> Signals:

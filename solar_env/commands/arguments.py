@@ -38,8 +38,8 @@ class CommandRecord:
 def parse_assignments(pairs: Sequence[str]) -> dict[str, Any]:
     """Turn `key=value` or `key:value` strings into a dictionary.
 
-    Values are Python literals (`ast.literal_eval`), or true and false as in a file of parameters; another bare word
-    such as `rigid-ideal` is a string.
+    Values are Python literals (`ast.literal_eval`), or true, false and null as in files; another bare word such as
+    `rigid-ideal` is a string.
 
     Raises:
         ValueError: A pair has no key or no value, repeats a key, or has a value that is neither.
@@ -60,7 +60,7 @@ def parse_assignments(pairs: Sequence[str]) -> dict[str, Any]:
                     f"the value of {key!r}, {text!r}, is neither a Python literal nor a plain word; "
                     "quote the pair for the shell, for example \"randomize={'clearance': (1e-4, 2e-4)}\""
                 ) from None
-            result[key] = {"true": True, "false": False}.get(text, text)
+            result[key] = {"true": True, "false": False, "null": None}.get(text, text)
     return result
 
 

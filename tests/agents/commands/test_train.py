@@ -133,6 +133,10 @@ def test_what_hyperparameters_may_be_is_not_refused(algo, values):
             "first_weights is 'much'; give a number, or one for",
         ),
         (
+            ["--hyperparams", "first_weights=0.5", "policy_kwargs={'net_arch':[8]}"],
+            "first_weights is 0.5, of a linear policy, and this one has hidden layers; leave it out",
+        ),
+        (
             ["--algo", "cma-es", "--start", "one", "--hyperparams", "first_weights=1"],
             "--start says what training begins",
         ),

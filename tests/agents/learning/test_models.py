@@ -25,6 +25,38 @@ def test_agents_begin_with_a_constant_rate_that_arrives_and_act_at_their_own_per
     assert venv.get_attr("task", 0)[0].control_period == 0.5
 
 
+@pytest.mark.parametrize(
+    ("algo", "keywords", "hyperparameters", "fit"),
+    [
+        ("ppo", {}, {}, True),
+        ("ppo", {"observation": "landing", "control_period": 0.1}, {}, True),
+        ("cma-es", {"observation": ["landing", "start"]}, {"population": 8}, True),
+        ("sac", {"observation": "drive"}, {}, False),
+        ("ars", {"observation": ["near", "far"]}, {}, False),
+        ("ars", {"action": "torque"}, {}, False),
+        ("td3", {}, {"policy_kwargs": {"net_arch": [8]}}, False),
+        ("sac", {}, {"policy_kwargs": {"net_arch": {"pi": [8], "qf": [8]}}}, False),
+        ("cma-es", {}, {"first_weights": None}, False),
+    ],
+)
+def test_the_first_weights_are_of_the_same_entries_of_a_linear_policy_or_of_none(algo, keywords, hyperparameters, fit):
+    keywords = {"model": "rigid-clearance", **keywords}
+    config = configurations.complete(algo, "solar_env/Deploy-v1", keywords, 0, 8, hyperparameters=hyperparameters)
+    assert ("first_weights" in config.hyperparameters) == fit
+    venv = learn.make_training_env(config, threads=1)
+    actions = learn.make_model(config, venv).predict(venv.reset(), deterministic=True)[0]
+    if fit:
+        assert actions == pytest.approx(0.84, abs=0.02), "the rate that arrives"
+    elif configurations.searches_weights(algo):
+        assert not actions.any()
+
+
+def test_first_weights_that_are_asked_for_are_those_of_any_linear_policy():
+    asked = {"first_weights": [0.5]}
+    config = configurations.complete("ars", "solar_env/Deploy-v1", {"observation": "drive"}, 0, 1, None, asked)
+    assert config.hyperparameters["first_weights"] == [0.5]
+
+
 def test_the_learning_rate_of_ppo_falls_from_update_to_update_and_none_is_without_effect():
     rollouts = {"n_steps": 50, "batch_size": 50, "learning_rate": 1e-3}
     quick = {"model": "rigid-ideal"}

@@ -10,10 +10,11 @@ import pytest
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 from training import SMALL, last_model, run
 
+from agents.comparison.controllers import parse_controllers
 from agents.comparison.evaluation import common_env_kwargs, evaluate
 from agents.environments import DEFAULT_ENV_ID, INTERFACE, make_env
 from agents.learning import checkpoints, configurations, features, learn, runs, trust
-from agents.learning.trust import DamagedFileError, UntrustedFileError
+from agents.learning.trust import DamagedFileError, UntrustedFileError, sealed, unsealed
 from solar_env.array import MODELS
 from solar_env.support.campaigns import Workers
 
@@ -225,17 +226,18 @@ def test_a_run_that_says_too_little_is_refused(tmp_path, ppo_run):
 @pytest.mark.parametrize(
     ("name", "value", "told"),
     [
-        ("timesteps", "many", "timesteps is 'many', not a positive whole number"),
-        ("n_envs", 0, "n_envs is '0', not a positive whole number"),
-        ("seed", -1, "seed is '-1', not a whole number"),
-        ("hyperparameters", [], r"hyperparameters is '\[\]', not a mapping"),
-        ("algo", 3, "algo is '3', not a text"),
-        ("resumed_from", 3, "resumed_from is '3', not a folder or null"),
+        ("timesteps", "many", "timesteps is 'many'; give a positive whole number"),
+        ("n_envs", 0, "n_envs is 0; give a positive whole number"),
+        ("seed", -1, "seed is -1; give a whole number, not negative"),
+        ("hyperparameters", [], r"hyperparameters is \[\]; give a mapping"),
+        ("algo", 3, "algo is 3; give one of ppo, sac"),
+        ("algo", "a2c", "algo is 'a2c'; give one of ppo, sac"),
+        ("resumed_from", 3, "resumed_from is 3; give a folder or null"),
     ],
 )
 def test_a_value_of_another_kind_in_a_configuration_is_told(tmp_path, ppo_run, name, value, told):
     runs.write_config(tmp_path, {**runs.read_config(ppo_run), name: value})
-    with pytest.raises(DamagedFileError, match=rf"config\.json: {told}; train the run anew"):
+    with pytest.raises(DamagedFileError, match=rf"config\.json: {told}.*, or train the run anew"):
         runs.read_config(tmp_path)
 
 
@@ -247,15 +249,43 @@ def test_an_agent_of_older_versions_that_adds_to_a_law_is_refused(tmp_path, ppo_
 
 
 def test_what_other_versions_saved_and_these_cannot_load_is_told_in_one_sentence(tmp_path, ppo_run, monkeypatch):
-    for name in (runs.CONFIG, runs.POLICY, runs.TIMING, *runs.CHECKPOINTS):
-        if (ppo_run / name).is_file():
-            (tmp_path / name).write_bytes((ppo_run / name).read_bytes())
+    copied(ppo_run, tmp_path)
     monkeypatch.setattr(features, "Features", namedtuple("Features", "matrix"))  # as if another version had saved it
     env = make_env(DEFAULT_ENV_ID, runs.read_config(tmp_path)["env_kwargs"])
-    with pytest.raises(DamagedFileError, match=r"policy\.zip cannot be loaded by these versions .*; train anew"):
+    with pytest.raises(
+        DamagedFileError, match=r"policy\.zip holds no model of ppo that these versions can load .*; train"
+    ):
         runs.load_policy(tmp_path, env)
-    with pytest.raises(DamagedFileError, match="the checkpoint cannot be loaded by these versions"):
+    with pytest.raises(DamagedFileError, match=f"the checkpoint of {tmp_path} holds no model of ppo that these"):
         run("--resume", tmp_path, "--timesteps", 600, "--out", tmp_path / "resumed")
+
+
+def copied(run_folder, folder):
+    """A copy of a run's files, in a folder of its own."""
+    for name in (runs.CONFIG, runs.POLICY, runs.TIMING, *runs.CHECKPOINTS):
+        if (run_folder / name).is_file():
+            (folder / name).write_bytes((run_folder / name).read_bytes())
+    return folder
+
+
+def test_a_trusted_policy_that_is_cut_off_is_refused_before_anything_is_evaluated(tmp_path, ppo_run):
+    policy = copied(ppo_run, tmp_path) / runs.POLICY
+    content = unsealed(policy)
+    policy.write_bytes(sealed(content[: len(content) // 2]))
+    runs.trust_run(tmp_path)
+    with pytest.raises(DamagedFileError, match=r"policy\.zip holds no model of ppo that these versions can load"):
+        parse_controllers([str(tmp_path)])[0].check()
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("algo", "sac"), ("seed", 5), ("hyperparameters", {}), ("env_kwargs", {"model": "rigid-ideal"})]
+)
+def test_a_configuration_that_contradicts_the_checkpoint_is_not_gone_on_with(tmp_path, ppo_run, name, value):
+    copied(ppo_run, tmp_path)
+    runs.write_config(tmp_path, {**runs.read_config(tmp_path), name: value})
+    with pytest.raises(DamagedFileError, match=rf"contradicts the checkpoint beside it: {name} is .*; remove the file"):
+        run("--resume", tmp_path, "--timesteps", 600, "--out", tmp_path / "resumed")
+    assert not (tmp_path / "resumed").exists()
 
 
 def test_a_folder_with_a_run_is_not_overwritten(ppo_run):

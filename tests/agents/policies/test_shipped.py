@@ -124,13 +124,13 @@ def test_arrays_that_do_not_fit_are_named(own, changes, message):
         ({"activation": "elu"}, "activation is 'elu'; choose from relu, tanh"),
         ({"output": "none"}, "output is 'none'; choose from clip, tanh"),
         ({"feature_limit": 0.0}, "feature_limit is 0.0; give a positive finite number"),
-        ({"feature_limit": "two"}, "feature_limit is 'two'; expected a number"),
-        ({"env_id": "stranger.module:Env-v0"}, "env_id is 'stranger.module:Env-v0'; expected .* that names no module"),
-        ({"observation_names": 3}, "observation_names is '3'; expected a list of names"),
-        ({"env_kwargs": []}, r"env_kwargs is '\[\]'; expected a mapping"),
-        ({"deadline": -1.0}, "deadline is '-1.0'; expected a positive number"),
+        ({"feature_limit": "two"}, "feature_limit is 'two'; give a number"),
+        ({"env_id": "stranger.module:Env-v0"}, "env_id is 'stranger.module:Env-v0'; give .* that names no module"),
+        ({"observation_names": 3}, "observation_names is 3; give a list of names"),
+        ({"env_kwargs": []}, r"env_kwargs is \[\]; give a mapping"),
+        ({"deadline": -1.0}, "deadline is -1.0; give a positive number"),
         ({"mean_limit": -1.0}, "mean_limit is -1.0; give a positive"),
-        ({"mean_limit": "two"}, "mean_limit is 'two'; expected a number or null"),
+        ({"mean_limit": "two"}, "mean_limit is 'two'; give a number or null"),
         ({"observation_names": ["time", "x */ int evil; /*"]}, "observation_names is .*letters, digits"),
     ],
 )
@@ -143,7 +143,8 @@ def test_descriptions_that_do_not_fit_are_named(own, changes, message):
 def test_an_unknown_policy_is_answered_with_those_that_there_are(finished, monkeypatch):
     monkeypatch.setattr(shipped, "SHIPPED", finished["ppo"][1].parent)
     with pytest.raises(
-        FileNotFoundError, match=r"no shipped policy 'nobody'.*available: cma-es, linear, ppo, sac, td3"
+        FileNotFoundError,
+        match=r"no shipped policy 'nobody'.*available: cma-es, linear, linear-sac, linear-td3, ppo, sac, td3",
     ):
         load_shipped("nobody")
     assert load_shipped("td3").description.algorithm == "td3"

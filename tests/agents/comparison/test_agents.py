@@ -200,11 +200,14 @@ def test_missing_figures_are_left_out_of_the_estimate():
 @pytest.mark.parametrize("separator", ["=", ":"])
 def test_pairs_are_parsed_as_literals_and_bare_words(separator):
     pairs = ["torque_limit{}0.3", "model{}rigid-ideal", "randomize{}{{'clearance': (1e-4, 2e-4)}}", "wear{}true"]
+    pairs += ["start{}null", "end{}None"]
     assert parse_assignments([pair.format(separator) for pair in pairs]) == {
         "torque_limit": 0.3,
         "model": "rigid-ideal",
         "randomize": {"clearance": (1e-4, 2e-4)},
         "wear": True,
+        "start": None,
+        "end": None,
     }
 
 

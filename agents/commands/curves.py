@@ -33,7 +33,7 @@ class Args(ModelOptions, TrainingOptions):
     out: str = "curves"
     """folder of runs, table and figure; runs that are complete there are not trained again"""
     readme: bool = False
-    """put figure and table beside the page, agents/README.md"""
+    """put figure and table into agents/figures, for the page agents/learning/README.md"""
 
 
 def wanted_runs(args: Args) -> dict[tuple[str, str], dict[Path, configurations.Configuration]]:

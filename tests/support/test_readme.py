@@ -46,7 +46,8 @@ def test_the_programs_of_a_page_run_one_after_the_other(page):
 @pytest.mark.slow
 def test_the_lines_with_which_ppo_learns_from_nothing_land_more_softly_than_the_tuned_damper():
     namespace = {}
-    exec(next(program for program in fenced(TEXTS["agents/README.md"], "python") if "PPO(" in program), namespace)
+    [program] = fenced(TEXTS["agents/learning/README.md"], "python")
+    exec(program, namespace)
 
     def returns(keywords, controller):
         env = make_env(DEFAULT_ENV_ID, keywords)
@@ -57,7 +58,8 @@ def test_the_lines_with_which_ppo_learns_from_nothing_land_more_softly_than_the_
 
 
 def test_the_pages_that_show_programs_are_those_of_users():
-    assert set(WITH_PROGRAMS) >= {"README.md", "agents/README.md", "solar_env/environment/README.md"}
+    pages = {"README.md", "agents/README.md", "agents/learning/README.md", "solar_env/environment/README.md"}
+    assert set(WITH_PROGRAMS) >= pages
 
 
 def commands():

@@ -5,8 +5,12 @@ import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from agents.commands.arguments import ModelOptions, TrainingOptions
+from agents.comparison.evaluation import evaluate
 from agents.comparison.figures import Curve, learning_curves_figure
 from agents.comparison.suites import RIGID, SUITES
 from agents.environments import check_distinct_seeds, environment_settings
@@ -14,12 +18,13 @@ from agents.learning import configurations, learn, runs
 from solar_env.environment.registration import ENVIRONMENTS
 from solar_env.support.files import copy_file, make_folder, write_text
 
+DRAWN = ("damper", "servo")  # the simplest tuned law and the best one
 FIGURE, TABLE = "learning_curves.png", "learning_curves.csv"
 
 
 @dataclass
 class Args(ModelOptions, TrainingOptions):
-    """Train agents on both scenarios with several seeds and draw how their validation returns develop.
+    """Train agents on both scenarios with several seeds and draw how their validation returns develop, beside laws.
 
     The model is rigid-clearance unless another is named.
     """
@@ -36,13 +41,20 @@ class Args(ModelOptions, TrainingOptions):
     """put figure and table into agents/figures, for the page agents/learning/README.md"""
 
 
-def wanted_runs(args: Args) -> dict[tuple[str, str], dict[Path, configurations.Configuration]]:
-    """Plan the runs: (panel, algorithm) -> run folder -> its configuration, one for each seed."""
-    wanted: dict[tuple[str, str], dict[Path, configurations.Configuration]] = {}
+def tasks(args: Args) -> list[tuple[str, str, dict[str, Any]]]:
+    """Name panel, environment id and keywords of every scenario that is asked for."""
+    found = []
     for suite in args.suites:
         env_id = SUITES[suite]
         keywords = args.keywords(env_id, RIGID)
-        panel = f"{ENVIRONMENTS[env_id][0]}, {keywords['model']}"
+        found.append((f"{ENVIRONMENTS[env_id][0]}, {keywords['model']}", env_id, keywords))
+    return found
+
+
+def wanted_runs(args: Args) -> dict[tuple[str, str], dict[Path, configurations.Configuration]]:
+    """Plan the runs: (panel, algorithm) -> run folder -> its configuration, one for each seed."""
+    wanted: dict[tuple[str, str], dict[Path, configurations.Configuration]] = {}
+    for suite, (panel, env_id, keywords) in zip(args.suites, tasks(args), strict=True):
         for algo in args.algos:
             wanted[panel, algo] = {
                 Path(args.out) / f"{suite}-{algo}-{seed}": configurations.complete(
@@ -60,14 +72,33 @@ def curve(folder: Path, config: configurations.Configuration) -> Curve:
     return period * history["timesteps"], history["results"].mean(axis=1)
 
 
-def write_table(curves: Mapping[tuple[str, str], Sequence[Curve]], seeds: Sequence[int], path: Path) -> None:
-    """Write a CSV file with a row for each validation of each run; the runs of an agent are those of the seeds."""
+def law_returns(args: Args) -> dict[tuple[str, str], float]:
+    """Judge the laws that are drawn: (panel, law) -> mean return of as many held-out episodes as a validation has."""
+    found = {}
+    for panel, env_id, keywords in tasks(args):
+        rows = evaluate(DRAWN, learn.VALIDATION_EPISODES, 0, env_id, keywords, not args.quiet, args.workers)
+        for law in DRAWN:
+            found[panel, law] = float(np.mean([row["return"] for row in rows if row["controller"] == law]))
+    return found
+
+
+def write_table(
+    curves: Mapping[tuple[str, str], Sequence[Curve]],
+    laws: Mapping[tuple[str, str], float],
+    seeds: Sequence[int],
+    path: Path,
+) -> None:
+    """Write a CSV file with a row for each validation of each run, and one for each law.
+
+    The runs of an agent are those of the seeds; a law has none, and no time.
+    """
     text = io.StringIO(newline="")
     writer = csv.writer(text)
-    writer.writerow(["task", "algorithm", "seed", "simulated time [s]", "validation return"])
+    writer.writerow(["task", "controller", "seed", "simulated time [s]", "validation return"])
     for (panel, algo), of_agent in curves.items():
         for seed, (times, returns) in zip(seeds, of_agent, strict=True):
             writer.writerows([panel, algo, seed, round(t, 3), float(r)] for t, r in zip(times, returns, strict=True))
+    writer.writerows([panel, law, "", "", mean] for (panel, law), mean in laws.items())
     write_text(path, text.getvalue())
 
 
@@ -82,8 +113,9 @@ def run_command(args: Args) -> int:
     everything = {folder: config for of_agent in wanted.values() for folder, config in of_agent.items()}
     learn.train_missing(everything, args.command, "cpu", args.workers, not args.quiet)
     curves = {key: [curve(*run) for run in of_agent.items()] for key, of_agent in wanted.items()}
-    write_table(curves, args.seeds, out / TABLE)
-    learning_curves_figure(curves, out / FIGURE)
+    laws = law_returns(args)
+    write_table(curves, laws, args.seeds, out / TABLE)
+    learning_curves_figure(curves, laws, out / FIGURE)
     if args.readme:
         for name in (FIGURE, TABLE):
             copy_file(out / name, Path(__file__).parents[1] / "figures" / name)

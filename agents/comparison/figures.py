@@ -165,10 +165,13 @@ def transfer_figure(returns: Mapping[str, Mapping[str, float]], path: Path) -> N
 
 
 @rc_context(STYLE)
-def learning_curves_figure(curves: Mapping[tuple[str, str], Sequence[Curve]], path: Path) -> None:
+def learning_curves_figure(
+    curves: Mapping[tuple[str, str], Sequence[Curve]], laws: Mapping[tuple[str, str], float], path: Path
+) -> None:
     """Draw validation returns over simulated time, panel by panel: medians over training seeds, and their range.
 
-    `curves` maps (panel, algorithm) to the curves of the seeds, which are drawn as far as all of them go.
+    `curves` maps (panel, algorithm) to the curves of the seeds, which are drawn as far as all of them go; `laws` maps
+    (panel, law) to the return of a law, which is a level.
     """
     panels = list(dict.fromkeys(panel for panel, _ in curves))
     common = {key: _over_common_times(of_agent) for key, of_agent in curves.items()}
@@ -181,6 +184,8 @@ def learning_curves_figure(curves: Mapping[tuple[str, str], Sequence[Curve]], pa
             color, hours = look_of(algo, CONTROLLER_LOOKS)["color"], times / 3600.0
             axes.plot(hours, -np.median(returns, axis=0), color=color, label=f"{algo}, {len(returns)} seeds")
             axes.fill_between(hours, -returns.max(axis=0), -returns.min(axis=0), color=color, alpha=0.15, lw=0)
+        for name, mean in ((name, mean) for (title, name), mean in laws.items() if title == panel):
+            axes.axhline(-mean, color=look_of(name, CONTROLLER_LOOKS)["color"], linestyle=":", label=f"{name}, tuned")
         axes.set(yscale="log", xlabel="simulated time [h]", ylabel="minus the validation return", title=panel)
         axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 1.5, 2.0, 3.0, 5.0, 7.0)))  # some in less than a decade
         axes.yaxis.set_major_formatter("{x:g}")

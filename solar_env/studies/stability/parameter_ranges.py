@@ -22,28 +22,32 @@ MODELS = ("rigid-clearance", "flexible-clearance")
 DURATION = 15.0  # s; the default array latches after 12.3 s
 MAX_STEPS = 500_000
 LONGEST = 140  # characters of a message on the page; the table has all of it
-# What these are measured from is zero or an angle, so that they have no decades.
-WITHOUT_DECADES = ("hinge_y", "initial_spin", "initial_rate", "spring_preload_angle")
-NAMES = tuple(name for name in vars(ArrayParameters()) if name in ArrayParameters.CONTINUOUS - {*WITHOUT_DECADES})
+# What the decades are counted from where the default is zero [m, rad/s], or follows from others, as the torque ratio
+# of the cable from its wheels.
+COUNTED_FROM = {"hinge_y": 0.5, "initial_spin": 0.01, "initial_rate": 0.01, "cable_torque_ratio": 1.0}
+NAMES = tuple(name for name in vars(ArrayParameters()) if name in ArrayParameters.CONTINUOUS)
 # Counts, names and switches.
 NO_QUANTITIES = tuple(name for name in vars(ArrayParameters()) if name not in ArrayParameters.CONTINUOUS)
 FINE, WARNED, STOPPED, REFUSED, SILENT = "fine", "warned", "stopped", "refused", "silent failure"
 
 
-def default_of(name: str) -> float:
-    """The value that the decades of a parameter are counted from: its default, or what stands for it."""
-    array = ArrayParameters()
-    value: Any = getattr(array, name)
-    if value is None:  # the cable's torque ratio follows from its wheels
-        value = 1.0
-    return float(value[0] if isinstance(value, tuple) else value)
+def scaled(name: str, factor: float) -> float | tuple[float, ...]:
+    """The value of a parameter, for every joint where it has one, at a factor of what its decades are counted from."""
+    value: Any = COUNTED_FROM.get(name, getattr(ArrayParameters(), name))
+    return tuple(factor * entry for entry in value) if isinstance(value, tuple) else factor * float(value)
+
+
+def first(name: str, factor: float = 1.0) -> float:
+    """The same of the first joint."""
+    value = scaled(name, factor)
+    return value[0] if isinstance(value, tuple) else value
 
 
 def trial(name: str, factor: float, model: str, duration: float = DURATION) -> Row:
     """Deploy the array with one parameter changed; says how that ended, and what the library said."""
-    value = default_of(name) * factor
-    change: dict[str, Any] = {name: value}
-    row: Row = {"parameter": name, "model": model, "factor": factor, "value": value, "class": FINE, "message": ""}
+    change: dict[str, Any] = {name: scaled(name, factor)}
+    row: Row = {"parameter": name, "model": model, "factor": factor, "value": first(name, factor)}
+    row |= {"class": FINE, "message": ""}
 
     def deployed() -> Simulation:
         # That a value is far from what is usual is what this study wants.
@@ -88,12 +92,13 @@ def page(table: Table) -> str:
         f"{DURATION:g} s of {' and '.join(f'`{model}`' for model in MODELS)}. Fine: the run ends, and its energy book",
         f"closes within {LARGEST_ENERGY_SHARE:.0%} of the energy turned over. All else the library says, as quoted:",
         f"{len(table.rows)} runs, {silent} failures without a word. Written by",
-        "`solar-env stability --parameters --out solar_env/studies/stability`. Not tried are those whose default is",
-        f"zero or an angle ({_words(WITHOUT_DECADES)}) and those that are no quantities ({_words(NO_QUANTITIES)});",
-        "`solar-env parameters` says what these may be.",
+        "`solar-env stability --parameters --out solar_env/studies/stability`. Where the default is zero, or follows",
+        f"from others, another value is in its place ({_words(COUNTED_FROM)}); values by joint are",
+        "changed together, and those of the first are told. Not tried are those that are no quantities",
+        f"({_words(NO_QUANTITIES)}); `solar-env parameters` says what these may be.",
         "",
         markdown_table(
-            ["parameter", "default", *(f"fine, {model}" for model in MODELS), "elsewhere, at times the default"],
+            ["parameter", "counted from", *(f"fine, {model}" for model in MODELS), "elsewhere, at times that"],
             [_line(table.where(parameter=name)) for name in table.values("parameter")],
         ),
         "",
@@ -112,23 +117,21 @@ def _line(table: Table) -> list[str]:
     fine = []
     for model in MODELS:
         factors = table.where(model=model, **{"class": FINE}).column("factor")
-        fine.append(
-            f"{factors.min() * default_of(name):.3g} to {factors.max() * default_of(name):.3g}" if len(factors) else "-"
-        )
+        fine.append(f"{first(name, factors.min()):.3g} to {first(name, factors.max()):.3g}" if len(factors) else "-")
     messages: dict[str, list[str]] = {}
     for row in table.rows:
         if row["class"] != FINE:
             what = f"{row['class']}: {shorten(str(row['message']), LONGEST, placeholder=' ...')}".replace("|", "/")
             messages.setdefault(what, []).append(f"{row['factor']:g}")
     said = [f"{', '.join(dict.fromkeys(factors))}: {what}" for what, factors in _merged(messages).items()]
-    return [f"`{name}`", f"{default_of(name):g}", *fine, "; ".join(said) or "-"]
+    return [f"`{name}`", f"{first(name):g}", *fine, "; ".join(said) or "-"]
 
 
 def _merged(messages: dict[str, list[str]]) -> dict[str, list[str]]:
     """Messages that differ in their numbers alone, as the first of them."""
     merged: dict[str, list[str]] = {}
-    first: dict[str, str] = {}
+    earliest: dict[str, str] = {}
     for what, factors in messages.items():
         words = " ".join(word for word in what.split() if not any(digit in word for digit in "0123456789"))
-        merged.setdefault(first.setdefault(words, what), []).extend(factors)
+        merged.setdefault(earliest.setdefault(words, what), []).extend(factors)
     return merged

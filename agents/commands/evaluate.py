@@ -71,11 +71,12 @@ def run_command(args: Args) -> int:
     out = Path(args.out or (Path("evaluation") / (args.suite or "")))
     make_folder(out)
     env_kwargs = with_sampling(given, env_id)
+    spent = efforts(controllers, env_id, env_kwargs)
     rows = evaluate(
         controllers, args.episodes, args.seed, env_id, env_kwargs, not args.quiet, args.workers, out / STORE
     )
     settings = {**asdict(args), "env_id": env_id, "env_kwargs": env_kwargs}
-    summary, tables = write_comparison(out, rows, settings, efforts(controllers, env_id, env_kwargs))
+    summary, tables = write_comparison(out, rows, settings, spent)
     comparison_figure(summary, out / FIGURE)
     if args.readme:
         copy_file(out / FIGURE, COMPARISON / "figures" / f"suite-{args.suite}.png")

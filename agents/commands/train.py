@@ -34,6 +34,7 @@ from solar_env.support.interruption import keeping
 from solar_env.support.terminal import print_markdown
 
 BASELINES = ("passive", "servo-untuned", "servo")
+SQUASHING = ("sac", "td3")  # whose actions are no linear function of what a linear policy observes
 SHORT_TIMESTEPS = 130_000  # of a search on flexible panels, with its comparison within ten minutes on two cores
 
 
@@ -59,8 +60,8 @@ class Args(ModelOptions, TrainingOptions, TrustOption):
     n_envs: int | None = None
     """environments stepped together; by default the number in agents/configs"""
     start: str | None = None
-    """run of cma-es or ars, on whatever model, whose policy training begins with; with --seeds a folder of such runs,
-    each of which is gone on with by its own seed"""
+    """run of cma-es or ars, on whatever model, whose policy a linear one of cma-es, ars or ppo begins with; with
+    --seeds a folder of such runs, each of which is gone on with by its own seed"""
     resume: str | None = None
     """run folder to go on from, with its algorithm, environment, seed and hyperparameters: to its end if it was
     interrupted, even before its first checkpoint, by as many steps again, or --timesteps, if it is complete"""
@@ -130,9 +131,12 @@ def configuration(args: Args, seed: int) -> configurations.Configuration:
         begun = Path(args.start) / seed_folder(seed) if args.seeds else Path(args.start)
         if args.trust:
             runs.trust_run(begun)
+        if algo in SQUASHING:
+            raise ValueError(f"--start: {algo} acts with the hyperbolic tangent of its output; begin another so")
         with make_env(env_id, config.env_kwargs) as env:
             weights = runs.linear_weights(begun, env)
-        config = replace(config, hyperparameters={**config.hyperparameters, "first_weights": weights})
+        asked = {**args.hyperparams, configurations.FIRST_WEIGHTS: weights}
+        config = configurations.complete(algo, env_id, keywords, seed, args.n_envs, args.timesteps, asked)
     if not searches or args.timesteps is not None or args.model or args.env_kwargs.get("model"):
         return config
     return replace(config, timesteps=min(config.timesteps, SHORT_TIMESTEPS))

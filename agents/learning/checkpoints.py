@@ -13,7 +13,7 @@ import pickle
 import random
 import warnings
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -62,18 +62,20 @@ class Checkpoint:
     terms: list[Any]
     record: dict[str, Any] | None = None
 
-    def check(self, config: Configuration, folder: str | Path) -> None:
-        """Refuse a configuration that is not the checkpoint's, but for the steps that are asked for.
+    def check(self, folder: str | Path) -> None:
+        """Refuse the checkpoint of a run whose configuration file is of another one.
 
         Raises:
             DamagedFileError: They contradict each other.
         """
-        recorded = runs.jsonable(self.record or {})
-        for name, value in runs.jsonable(asdict(config)).items():
-            if name != "timesteps" and recorded.get(name, value) != value:
+        stored, recorded = runs.read_config(folder), runs.jsonable(self.record or {})
+        # Fewer or more steps may have been asked for since.
+        for name in ("timesteps_before", *(field.name for field in fields(Configuration) if field.name != "timesteps")):
+            if name in recorded and stored[name] != recorded[name]:
+                here, there = (repr(values[name])[:100] for values in (stored, recorded))
                 raise DamagedFileError(
-                    f"{Path(folder) / runs.CONFIG} contradicts the checkpoint beside it: {name} is {value!r:.100}, "
-                    f"and was {recorded[name]!r:.100}; remove the file, which is then written anew"
+                    f"{Path(folder) / runs.CONFIG} contradicts the checkpoint beside it: {name} is {here}, and was "
+                    f"{there}; remove the file, which is then written anew"
                 )
 
     def restore(

@@ -17,7 +17,8 @@ from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
 from agents.environments import INTERFACE, check_episode_seeds, environment_settings, with_sampling
 from agents.laws.baselines import CONFIGS
 from agents.learning import runs
-from agents.learning.weight_search import WeightSearch
+from agents.learning.features import observation_features
+from agents.learning.weight_search import WeightSearch, all_weights
 from solar_env.support.numbers import is_number, is_whole_number
 from solar_env.support.plain_arrays import read_json
 from solar_env.support.rules import Rule, check_values
@@ -109,12 +110,9 @@ def complete(
         chosen["policy_kwargs"] = {**found["hyperparameters"]["policy_kwargs"], **chosen["policy_kwargs"]}
     _check_networks(algo, chosen)
     asked_weights = (hyperparameters or {}).get(FIRST_WEIGHTS)
-    if asked_weights is not None and not _is_linear(algo, chosen):
-        raise ValueError(
-            f"hyperparameter {FIRST_WEIGHTS} is {asked_weights!r}, of a linear policy, and this one has hidden layers; "
-            "leave it out, or let policy_kwargs have net_arch without any for the policy"
-        )
-    if asked_weights is None and not _begins_as_usual(algo, env_id, chosen, keywords, interface):
+    if asked_weights is not None:
+        _check_first_weights(algo, env_id, chosen, keywords)
+    elif not _begins_as_usual(algo, env_id, chosen, keywords, interface):
         chosen.pop(FIRST_WEIGHTS, None)
     _check_batches(algo, chosen, counts["n_envs"])
     return Configuration(algo, env_id, runs.jsonable(keywords), seed, hyperparameters=chosen, **counts)
@@ -254,10 +252,12 @@ def _check_networks(algo: str, chosen: Mapping[str, Any]) -> None:
         return
     policy: Any = runs.algorithm(algo).policy_aliases["MlpPolicy"]
     box = gymnasium.spaces.Box(-1.0, 1.0, (4,), np.float32)
+    # What the algorithm gives its policy beside the keywords.
+    given = {"use_sde": chosen.get("use_sde", False)} if "use_sde" in inspect.signature(policy).parameters else {}
     try:
         with torch.random.fork_rng(devices=[]), warnings.catch_warnings():
             warnings.simplefilter("error", UserWarning)
-            policy(box, gymnasium.spaces.Box(-1.0, 1.0, (1,), np.float32), lambda _: 1e-3, **keywords)
+            policy(box, gymnasium.spaces.Box(-1.0, 1.0, (1,), np.float32), lambda _: 1e-3, **given, **keywords)
     except Exception as error:  # whatever PyTorch makes of what nobody has thought of
         reason = " ".join(str(error).split())[:200]
         raise ValueError(
@@ -270,8 +270,32 @@ def _is_linear(algo: str, chosen: Mapping[str, Any]) -> bool:
     """Whether hyperparameters are of a policy without hidden layers."""
     if searches_weights(algo):
         return True
-    layers = chosen.get("policy_kwargs", {}).get("net_arch", {"pi": [64]})  # as Stable-Baselines3's own ones are hidden
+    layers = chosen.get("policy_kwargs", {}).get("net_arch")
+    if layers is None:  # Stable-Baselines3 has hidden ones of its own
+        return False
     return not (layers.get("pi") if isinstance(layers, Mapping) else layers)
+
+
+def _check_first_weights(algo: str, env_id: str, chosen: Mapping[str, Any], keywords: Mapping[str, Any]) -> None:
+    """Refuse first weights that are not those of entries in a linear policy.
+
+    Raises:
+        ValueError: The policy has hidden layers, there are more weights than entries, or a network sees one magnified.
+    """
+    weights = chosen[FIRST_WEIGHTS]
+    if not _is_linear(algo, chosen):
+        raise ValueError(
+            f"hyperparameter {FIRST_WEIGHTS} is {weights!r}, of a linear policy, and this one has hidden layers; "
+            "leave it out, or let policy_kwargs have net_arch without any for the policy"
+        )
+    names = environment_settings(env_id, keywords).observation_names
+    count = all_weights(weights, len(names)).nonzero()[0].max(initial=-1) + 1
+    matrix = observation_features(names[:count]).matrix if count else np.eye(0)
+    if not searches_weights(algo) and not np.array_equal(matrix, np.eye(count)):
+        raise ValueError(
+            f"hyperparameter {FIRST_WEIGHTS} is {weights!r}, and the networks of {algo} see {', '.join(names[:count])} "
+            "magnified; leave it out, or observe landing first"
+        )
 
 
 def _begins_as_usual(

@@ -81,7 +81,7 @@ def train(training: Training) -> None:
     source = _source(training.resume) if training.resume else None
     restored = checkpoints.read(source) if source else None
     if source and restored:
-        restored.check(config, source)
+        restored.check(source)
     done = restored.timesteps if restored else 0
     before = _steps_before(source, done)
     left = before + config.timesteps - done
@@ -184,6 +184,7 @@ def train_missing(
     for folder in wanted:
         if runs.is_complete(folder):
             runs.check_policy(folder)
+            runs.read_evaluations(folder)
     # One thread each and no bar of their own: they run side by side.
     missing = [
         Training(

@@ -16,7 +16,7 @@ import torch
 from stable_baselines3 import PPO, SAC, TD3
 from stable_baselines3.common.base_class import BaseAlgorithm
 
-from agents.environments import make_env
+from agents.environments import environment_settings, make_env
 from agents.learning.trust import (
     SEAL,
     DamagedFileError,
@@ -44,9 +44,16 @@ ALGORITHMS: dict[str, type[BaseAlgorithm]] = {
     "cma-es": CMAES,
 }
 
+NAMESPACE = "solar_env/"
+
 _RULES = (
     Rule(("algo",), lambda value: value in [*ALGORITHMS], f"one of {', '.join(ALGORITHMS)}"),
-    Rule(("env_id", "command"), lambda value: isinstance(value, str), "a text"),
+    Rule(
+        ("env_id",),
+        lambda value: isinstance(value, str) and value.startswith(NAMESPACE),
+        "an environment of solar_env",
+    ),
+    Rule(("command",), lambda value: isinstance(value, str), "a text"),
     Rule(("env_kwargs", "hyperparameters", "versions"), lambda value: isinstance(value, dict), "a mapping"),
     Rule(("n_envs", "timesteps"), lambda value: is_whole_number(value, 1), "a positive whole number"),
     Rule(("seed", "timesteps_before"), lambda value: is_whole_number(value, 0), "a whole number, not negative"),
@@ -195,8 +202,15 @@ def check_policy(folder: str | Path) -> None:
 
 
 def _saved_policy(folder: str | Path) -> BaseAlgorithm:
-    path = policy_path(folder)
-    return loaded_model(read_config(folder)["algo"], io.BytesIO(unsealed(path)), path, device="cpu")
+    path, config = policy_path(folder), read_config(folder)
+    model = loaded_model(config["algo"], io.BytesIO(unsealed(path)), path, device="cpu")
+    observed = environment_settings(config["env_id"], config["env_kwargs"]).observation_space()
+    if model.observation_space != observed:
+        entries, others = (space.shape for space in (model.observation_space, observed))
+        raise DamagedFileError(
+            f"{path} observes {entries} values that are not the {others} of the {CONFIG} beside it; train anew"
+        )
+    return model
 
 
 def read_evaluations(folder: Path) -> dict[str, np.ndarray]:
@@ -251,7 +265,7 @@ def loaded_model(algo: str, file: io.BytesIO, source: str | Path, **keywords: An
             warnings.filterwarnings("error", "Could not deserialize")
             return kind.load(file, **keywords)
     except Exception as error:  # of what other versions saved, unpickling may raise anything
-        reason = " ".join(str(error).split())[:200]
+        reason = " ".join(str(error).replace(f"the file {file!r}", "it").split())[:200]
         raise DamagedFileError(
             f"{source} holds no model of {algo} that these versions can load ({reason}); train anew, or install the "
             f"versions that its {CONFIG} names"

@@ -64,6 +64,8 @@ def test_the_discount_reaches_over_a_whole_episode(algo, env_id):
         ("sac", ["ent_coef=auto_1e-2", "learning_starts=0", "target_update_interval=3"]),
         ("td3", ["target_policy_noise=0", "target_noise_clip=0.1", "policy_delay=3"]),
         ("cma-es", ["population=2", "deviation=0.5"]),
+        ("ppo", ["first_weights=[0.5,0.5,0.1]"]),
+        ("sac", ["use_sde=true"]),
     ],
 )
 def test_what_hyperparameters_may_be_is_not_refused(algo, values):
@@ -135,6 +137,22 @@ def test_what_hyperparameters_may_be_is_not_refused(algo, values):
         (
             ["--hyperparams", "first_weights=0.5", "policy_kwargs={'net_arch':[8]}"],
             "first_weights is 0.5, of a linear policy, and this one has hidden layers; leave it out",
+        ),
+        (
+            ["--hyperparams", "first_weights=0.5", "policy_kwargs={'net_arch':None}"],
+            "first_weights is 0.5, of a linear policy, and this one has hidden layers; leave it out",
+        ),
+        (
+            ["--hyperparams", "first_weights=[0,0.5]", "--env-kwargs", "observation=drive"],
+            "networks of ppo see theta_1, theta_2 magnified; leave it out, or observe landing first",
+        ),
+        (
+            ["--hyperparams", "first_weights=" + str([0.5] * 17)],
+            "first_weights has 17 numbers, but a policy here has 16",
+        ),
+        (
+            ["--hyperparams", "policy_kwargs={'use_sde': True}"],
+            "policy_kwargs is .*'use_sde': True.* no networks can be made .*multiple values",
         ),
         (
             ["--algo", "cma-es", "--start", "one", "--hyperparams", "first_weights=1"],

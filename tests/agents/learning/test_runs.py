@@ -232,6 +232,7 @@ def test_a_run_that_says_too_little_is_refused(tmp_path, ppo_run):
         ("hyperparameters", [], r"hyperparameters is \[\]; give a mapping"),
         ("algo", 3, "algo is 3; give one of ppo, sac"),
         ("algo", "a2c", "algo is 'a2c'; give one of ppo, sac"),
+        ("env_id", "CartPole-v1", "env_id is 'CartPole-v1'; give an environment of solar_env"),
         ("resumed_from", 3, "resumed_from is 3; give a folder or null"),
     ],
 )
@@ -277,8 +278,23 @@ def test_a_trusted_policy_that_is_cut_off_is_refused_before_anything_is_evaluate
         parse_controllers([str(tmp_path)])[0].check()
 
 
+def test_a_policy_that_observes_something_else_than_its_configuration_is_refused(tmp_path, ppo_run):
+    copied(ppo_run, tmp_path)
+    stored = runs.read_config(tmp_path)
+    runs.write_config(tmp_path, {**stored, "env_kwargs": {**stored["env_kwargs"], "observation": "history"}})
+    with pytest.raises(DamagedFileError, match=r"policy\.zip observes \(16,\) values that are not the \(24,\) of the"):
+        parse_controllers([str(tmp_path)])[0].check()
+
+
 @pytest.mark.parametrize(
-    ("name", "value"), [("algo", "sac"), ("seed", 5), ("hyperparameters", {}), ("env_kwargs", {"model": "rigid-ideal"})]
+    ("name", "value"),
+    [
+        ("algo", "sac"),
+        ("seed", 5),
+        ("hyperparameters", {}),
+        ("env_kwargs", {"model": "rigid-ideal"}),
+        ("timesteps_before", 10**6),
+    ],
 )
 def test_a_configuration_that_contradicts_the_checkpoint_is_not_gone_on_with(tmp_path, ppo_run, name, value):
     copied(ppo_run, tmp_path)

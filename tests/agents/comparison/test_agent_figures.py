@@ -100,13 +100,15 @@ def test_a_learning_curve_is_the_median_of_the_seeds_and_their_range_on_the_pane
         ("nominal", "sac"): [(times, -np.array([3.0, 4.0]))],
         ("randomised", "ppo"): [(times, -np.array([5.0, 4.0]))],
     }
-    learning_curves_figure(curves, tmp_path / "figure.png")
+    learning_curves_figure(curves, {("randomised", "servo"): -0.1}, tmp_path / "figure.png")
     nominal, randomised = saved_figures[0].axes
     assert (nominal.get_title(), randomised.get_title()) == ("nominal", "randomised")
     assert saved_figures[0].get_suptitle() == "Best at the end: ppo in 2 of 2 tasks"
     assert drawn(nominal, "ppo, 3 seeds") == ([0.0, 10.0], [2.0, 0.5])
     assert drawn(nominal, "sac, 1 seeds") == ([0.0, 10.0], [3.0, 4.0])
     assert drawn(randomised, "ppo, 1 seeds") == ([0.0, 10.0], [5.0, 4.0])
+    assert drawn(randomised, "servo, tuned")[1] == [0.1, 0.1]
+    assert "servo, tuned" not in [line.get_label() for line in nominal.get_lines()]
     band = nominal.collections[0].get_paths()[0].vertices
     assert (band[band[:, 0] == 0.0, 1].min(), band[band[:, 0] == 0.0, 1].max()) == (1.0, 6.0)
 
@@ -116,7 +118,7 @@ def test_learning_curves_whose_validations_fall_apart_are_drawn_as_far_as_all_ru
         (3600.0 * np.array([0.0, 10.0]), -np.array([4.0, 2.0])),
         (3600.0 * np.array([0.0, 5.0, 12.0]), -np.array([4.0, 1.0, 0.1])),
     ]
-    learning_curves_figure({("nominal", "cma-es"): runs}, tmp_path / "figure.png")
+    learning_curves_figure({("nominal", "cma-es"): runs}, {}, tmp_path / "figure.png")
     (axes,) = saved_figures[0].axes
     second = 1.0 - 0.9 * 5.0 / 7.0
     assert saved_figures[0].get_suptitle() == "Best at the end: cma-es"

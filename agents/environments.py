@@ -12,6 +12,7 @@ from solar_env.array.parameters.ranges import RELEASE_RATE
 from solar_env.environment.settings import EnvironmentSettings
 from solar_env.support.numbers import plain
 
+NAMESPACE = "solar_env/"  # of the environment ids
 DEFAULT_ENV_ID = "solar_env/Deploy-v1"
 
 # The nominal scenario is deterministic, and impacts are chaotic: the figures of a single deployment would be arbitrary.
@@ -162,7 +163,7 @@ def _made(make: Callable[..., Any], env_id: str, env_kwargs: Mapping[str, Any] |
 
 
 def _registered() -> list[str]:
-    return sorted(name for name in gymnasium.registry if name.startswith("solar_env/"))
+    return sorted(name for name in gymnasium.registry if name.startswith(NAMESPACE))
 
 
 def check_episode_seeds(seed: int, count: int) -> None:

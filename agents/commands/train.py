@@ -86,6 +86,11 @@ def run(args: Args) -> Path:
     """Train, compare, and return the run folder."""
     if args.start and (args.resume or "first_weights" in args.hyperparams):
         raise ValueError("--start says what training begins with; it goes with neither --resume nor first_weights")
+    if args.start and args.algo in SQUASHING:
+        raise ValueError(
+            f"--start begins with the weights of a linear policy, and {args.algo} acts with the hyperbolic tangent of "
+            "what it computes; choose cma-es, ars or ppo"
+        )
     if args.seeds:
         return train_seeds(args)
     if args.resume:
@@ -131,8 +136,6 @@ def configuration(args: Args, seed: int) -> configurations.Configuration:
         begun = Path(args.start) / seed_folder(seed) if args.seeds else Path(args.start)
         if args.trust:
             runs.trust_run(begun)
-        if algo in SQUASHING:
-            raise ValueError(f"--start: {algo} acts with the hyperbolic tangent of its output; begin another so")
         with make_env(env_id, config.env_kwargs) as env:
             weights = runs.linear_weights(begun, env)
         asked = {**args.hyperparams, configurations.FIRST_WEIGHTS: weights}

@@ -16,7 +16,7 @@ import torch
 from stable_baselines3 import PPO, SAC, TD3
 from stable_baselines3.common.base_class import BaseAlgorithm
 
-from agents.environments import environment_settings, make_env
+from agents.environments import NAMESPACE, environment_settings, make_env
 from agents.learning.trust import (
     SEAL,
     DamagedFileError,
@@ -43,8 +43,6 @@ ALGORITHMS: dict[str, type[BaseAlgorithm]] = {
     "ars": WeightSearch,
     "cma-es": CMAES,
 }
-
-NAMESPACE = "solar_env/"
 
 _RULES = (
     Rule(("algo",), lambda value: value in [*ALGORITHMS], f"one of {', '.join(ALGORITHMS)}"),

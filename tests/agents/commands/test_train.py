@@ -159,6 +159,11 @@ def test_what_hyperparameters_may_be_is_not_refused(algo, values):
             "--start says what training begins",
         ),
         (["--start", "one", "--resume", "other"], "--start says what training begins with"),
+        (
+            ["--algo", "sac", "--start", "one"],
+            "--start .* and sac acts with the hyperbolic tangent .*; choose cma-es, ars",
+        ),
+        (["--algo", "td3", "--start", "one", "--trust"], "--start .* and td3 acts with the hyperbolic tangent"),
         (["--elements", "4"], "--elements 4: panels of rigid-clearance have none"),
         (["--env-kwargs", "scenario=randomised"], "leave the keyword out and choose --env-id"),
         (["--env-kwargs", "max_episode_steps=20"], "max_episode_steps cuts off have no landing to judge"),

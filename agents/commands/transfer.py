@@ -35,7 +35,7 @@ EVALUATION_SEED = 1  # not that of the suites: these episodes choose a model to 
 class Args(TrainingOptions):
     """Train an agent on every level of the model and judge each on all of them."""
 
-    algo: str = "cma-es"
+    algo: str = "ars"
     """algorithm: ars, cma-es, ppo, sac or td3"""
     seeds: list[int] = field(default_factory=lambda: [0])
     """training seeds; those of a level are pooled"""

@@ -103,6 +103,7 @@ STEPS = (
 )
 METHODS = "solar_env/mechanics/integrators/methods/"
 ALPHA_CONTROL = (INTEGRATORS + "test_alpha_control.py",)
+FIXED_STEPS = INTEGRATORS + "test_generalized_alpha.py::test_fixed_steps_divide_a_call_evenly_and_end_on_its_end"
 # Those that end soon without the compiler, and do not ask for an error that only it raises; of radii one.
 ALPHA = (
     *ALPHA_CONTROL,
@@ -222,7 +223,22 @@ ROWS = (
             "array[s, i] = -1.0": "any number that is finite has the weight zero",
         },
     ),
-    Row(METHODS + "alpha_control.py", ALPHA_CONTROL),
+    Row(
+        METHODS + "alpha_control.py",
+        (*ALPHA_CONTROL, FIXED_STEPS),
+        {
+            "clock = state.clock[-1]": ONE,
+            "convergence < 1.0": BOUND,
+            "convergence <= 2.0": "Newton's corrections fall by orders of magnitude: none is between one and two",
+            "error < 1.0": BOUND,
+            "2.0 * wanted >= remaining": BOUND,
+            "grow >= 1.5": BOUND,
+            "worst = -1.0": "errors are not negative",
+            "growth(_CONTROL, error, 2.0)": "the controller has no integral part",
+            "growth(_CONTROL, error, 0.0)": "the controller has no integral part",
+            "return -1.0": "whatever is not positive accepts",
+        },
+    ),
     Row(METHODS + "alpha_step.py", ALPHA),
     Row(METHODS + "generalized_alpha.py", ALPHA),
     Row(METHODS + "stiff_forces.py", STIFF),

@@ -10,7 +10,7 @@ import pytest
 from helpers import attempt, single_steps
 from mechanisms import block, pendulum
 
-from solar_env.mechanics.integrators.settings import GeneralizedAlpha, RungeKutta
+from solar_env.mechanics.integrators.settings import GeneralizedAlpha, RungeKutta, alpha_coefficients
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.joints.joint import penetration
 from solar_env.mechanics.mechanism.description import GROUND, Bearing, Body, Joint, Mechanism
@@ -63,10 +63,10 @@ def in_contact() -> Simulation:
     return simulation
 
 
-def first_step(rtol: float) -> Simulation:
+def first_step(rtol: float, rho: float = 1.0) -> Simulation:
     """The block after its next accepted step, in a simulation whose time began with 0."""
     linear = Bearing(CLEARANCE, 0.01, PowerLaw(STIFFNESS, 1.0))
-    simulation = alpha(block((SPEED, 0.0), bearing=linear), step=STEP, rtol=rtol, rho_inf=1.0, velocity_scale=0.5)
+    simulation = alpha(block((SPEED, 0.0), bearing=linear), step=STEP, rtol=rtol, rho_inf=rho, velocity_scale=0.5)
     simulation.restore(in_contact().snapshot())
     clock = simulation.state.clock
     simulation.state.joints["contact_start"] -= clock["time"]
@@ -77,10 +77,10 @@ def first_step(rtol: float) -> Simulation:
 
 
 @cache
-def passing_tolerance() -> float:
+def passing_tolerance(rho: float = 1.0) -> float:
     """Tolerance that the error of the step just meets, from the growth of 0.9 over the root of the error."""
     rtol = 0.1
-    while not 1.5 * STEP < (grown := first_step(rtol).state.clock["step_size"][0]) < 1.99 * STEP:
+    while not 1.5 * STEP < (grown := first_step(rtol, rho).state.clock["step_size"][0]) < 1.99 * STEP:
         rtol /= 1.5
     return float(rtol * (0.9 * STEP / grown) ** 2)
 
@@ -91,6 +91,12 @@ def test_the_error_of_a_step_is_that_of_its_coordinates_per_unit_of_time() -> No
     speed = SPEED * math.cos(math.sqrt(STIFFNESS) * 5e-4)
     expected = STEP**2 / 12.0 * STIFFNESS * speed / (0.5 + speed)
     assert passing_tolerance() == pytest.approx(expected, rel=0.05)
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.3, 0.8])
+def test_the_error_goes_with_how_far_beta_is_from_a_sixth(rho: float) -> None:
+    beta = alpha_coefficients(rho)[2]
+    assert passing_tolerance(rho) == pytest.approx(12.0 * (beta - 1.0 / 6.0) * passing_tolerance(), rel=0.05)
 
 
 def test_a_step_that_is_refused_passes_the_second_time_with_what_is_left_for_safety() -> None:
@@ -133,16 +139,20 @@ def bearing(clearance: float) -> Bearing:
 
 
 def towards_walls(*clearances: float) -> Mechanism:
-    """A block that flies, at 0.3 m/s, in as many bearings at once."""
+    """A block that flies, at 0.3 m/s, in as many bearings at once; 0 stands for a wheel on a pin without clearance."""
+    ends = (0.0, 0.0), (0.0, 0.0)
     body = Body("block", 1.0, 0.1, 1.0, (0.0, 0.0), velocity=(SPEED, 0.0))
+    wheel = Body("wheel", 1.0, 2.0, 1.0, (0.0, 0.0))
     pins = (
-        Joint(f"{k}", GROUND, "block", (0.0, 0.0), (0.0, 0.0), bearing=bearing(clearance))
+        Joint(f"{k}", GROUND, "block", *ends, bearing=bearing(clearance))
+        if clearance
+        else Joint(f"{k}", GROUND, "wheel", *ends)
         for k, clearance in enumerate(clearances)
     )
-    return Mechanism((body,), tuple(pins))
+    return Mechanism((body, wheel) if 0.0 in clearances else (body,), tuple(pins))
 
 
-@pytest.mark.parametrize("clearances", [(CLEARANCE,), (1.0, CLEARANCE), (CLEARANCE, 1.0)])
+@pytest.mark.parametrize("clearances", [(CLEARANCE,), (1.0, CLEARANCE), (CLEARANCE, 1.0), (0.0, CLEARANCE)])
 def test_a_step_that_would_pass_the_wall_ends_on_it_and_the_next_ones_resolve_the_impact(
     clearances: tuple[float, ...],
 ) -> None:

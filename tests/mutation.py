@@ -106,6 +106,7 @@ ALPHA_CONTROL = (INTEGRATORS + "test_alpha_control.py",)
 FIXED_STEPS = INTEGRATORS + "test_generalized_alpha.py::test_fixed_steps_divide_a_call_evenly_and_end_on_its_end"
 # Those that end soon without the compiler, and do not ask for an error that only it raises; of radii one.
 ALPHA = (
+    INTEGRATORS + "test_alpha_step.py",
     *ALPHA_CONTROL,
     INTEGRATORS + "test_generalized_alpha.py",
     "-k",
@@ -239,7 +240,26 @@ ROWS = (
             "return -1.0": "whatever is not positive accepts",
         },
     ),
-    Row(METHODS + "alpha_step.py", ALPHA),
+    Row(
+        METHODS + "alpha_step.py",
+        ALPHA,
+        {
+            "state.clock[-1]": ONE,
+            "_PATIENCE = 1": "a choice",
+            "correction < tolerance": BOUND,
+            "rhs[n + m + b] = -1.0": "the multiplier of a body without constraints acts on nothing",
+            "rhs[n + m + b] = 1.0": "the multiplier of a body without constraints acts on nothing",
+            "rhs[n - m + b] = 0.0": "an entry of the ground, which nothing moves",
+            "rhs[n + m - b] = 0.0": "rows of joints are linear in natural coordinates: every prediction meets them",
+            "correction < (1.0 - 0.5 * relaxation)": BOUND,
+            "correction = -1.0": "magnitudes are not negative",
+            "abs(rhs[i]) < correction": "of two that are equal either is the greatest",
+            "2.0 / relaxation": MORE_TURNS,
+            "correction, 1, min": MORE_TURNS,
+            "0.5 * relaxation, 1": "halved a turn sooner",
+            "0.5 * relaxation, -1": "halved a turn later",
+        },
+    ),
     Row(METHODS + "generalized_alpha.py", ALPHA),
     Row(METHODS + "stiff_forces.py", STIFF),
     _law("brake", "brake"),

@@ -274,6 +274,8 @@ ROWS = (
             "recorder.times.size >= 0": "no sample is due where there is none",
             "recorder.times.size > 0 or sample_due": "no sample is due where there is none",
             "not convergence < 1.0": BOUND,
+            "it.depth[j] <= 0.0 else 0.0": BOUND,
+            "last = wanted": "start + (end - start) rounds to the end all the same",
             "retry = 2.0": "any positive number begins",
         },
     ),

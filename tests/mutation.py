@@ -114,7 +114,12 @@ ALPHA = (
     "not agree and not tighter and not as_the_explicit and not infinite_force and not same_bits and not without_sense"
     " and not analytic_tangents and not (order_two and (0.5 or 1.0)) and not (second_order and 1.0)",
 )
-STIFF = (INTEGRATORS + "test_stiff_forces.py", "-k", "coefficients or linear_equations or without_pivoting or booked")
+STIFF = (
+    INTEGRATORS + "test_stiff_steps.py",
+    INTEGRATORS + "test_stiff_forces.py",
+    "-k",
+    "stiff_steps or coefficients or linear_equations or without_pivoting",
+)
 LAWS = ("tests/agents/laws/test_baselines.py", "-k", "(batched or refused or shares or entries) and not follows")
 # Untuned parameters, and how far tuning searches.
 CHOSEN = {"= bounded(": "a choice: tests ask that it lies in its range, which is not negative where it is no torque"}

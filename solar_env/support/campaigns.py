@@ -5,6 +5,7 @@
 
 import hashlib
 import json
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -87,7 +88,11 @@ def each_done(
     if workers.cluster is None:
         with starting_workers():
             results = Parallel(n_jobs=workers.jobs or -1, return_as="generator_unordered")(calls)
-        yield from results
+        with warnings.catch_warnings():
+            # Joblib replaces a worker whose memory has grown, as loading kernels makes it, and warns of it in a thread
+            # of its own. Made an error, by a filter, the warning would end this thread, and results would never come.
+            warnings.filterwarnings("ignore", "A worker stopped while some jobs were given", UserWarning)
+            yield from results
         return
     # Joblib's way to Ray hands results over only when all are there: hence some at a time.
     processors = _join_ray()

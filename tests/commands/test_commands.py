@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import re
 import subprocess
 import sys
+import warnings
 
 import numpy as np
 import pytest
@@ -130,14 +130,15 @@ def test_every_model_runs_with_the_other_integrators_too(model, integrator, caps
     elements = 1 if model.startswith("flexible") else None
     arguments = ["--model", model, "--duration", "0.4", "--integrator", integrator]
     arguments += ["--elements", str(elements)] if elements else []
-    # The step does not resolve impacts; the paper's scheme lets the constraint forces alternate.
-    warns = model.endswith("clearance") or integrator == "paper"
-    with pytest.warns(SimulationWarning) if warns else contextlib.nullcontext():
+    clearance = model.endswith("clearance")
+    # The step does not resolve impacts. How soon the paper's scheme lets constraint forces alternate hangs on rounding.
+    quiet = warnings.catch_warnings(action="ignore", category=SimulationWarning)
+    with pytest.warns(SimulationWarning) if clearance else quiet:
         assert main(["simulate", *arguments, "--json", "-"]) == 0
     summary = json.loads(capsys.readouterr().out)
     expected = simulate(model=model, elements=elements, duration=0.4).angles[-1]
     # The fixed step of 0.1 ms is coarse for the first impacts of the journals.
-    assert summary["theta_end_rad"] == pytest.approx(expected, rel=0.3 if model.endswith("clearance") else 1e-2)
+    assert summary["theta_end_rad"] == pytest.approx(expected, rel=1e-2, abs=5e-4 if clearance else 0.0)
     assert summary["energy_residual_J"] < 1e-4
 
 

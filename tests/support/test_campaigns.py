@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import shutil
+import time
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from solar_env.mechanics.running.errors import SimulationError
@@ -15,6 +17,7 @@ from solar_env.support.campaigns import Campaign, Workers, each_done
 
 CELLS = [{"x": x} for x in range(4)]
 CALLS: list[int] = []
+HELD: list[np.ndarray] = []
 
 
 def square(cell: Any) -> dict[str, int]:
@@ -47,6 +50,19 @@ def test_the_error_of_a_run_crosses_processes_whole(jobs: int) -> None:
     with pytest.raises(SimulationError, match="at t = 1 s the step shrank") as caught:
         list(each_done(fail, [1, 2], Workers(jobs)))
     assert (caught.value.time, caught.value.reason) == (1.0, "step_size")
+
+
+def grow(task: int) -> int:
+    """Take 400 MB for good, so that joblib replaces the worker."""
+    time.sleep(0.4)
+    HELD.append(np.ones(50_000_000 if task >= 2 else 1))
+    return task
+
+
+@pytest.mark.filterwarnings("error")
+def test_results_come_though_a_worker_is_replaced_and_warnings_are_errors() -> None:
+    results = each_done(grow, range(8), Workers(jobs=2))
+    assert sorted(result for _, result in results) == list(range(8))
 
 
 def test_no_process_is_refused() -> None:

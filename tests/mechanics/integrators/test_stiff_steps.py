@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from helpers import attempt, single_steps
-from mechanisms import Vector
+from mechanisms import Vector, turned
 
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.methods.runge_kutta import _COUPLING
 from solar_env.mechanics.integrators.methods.stiff_forces import COUPLING, DIAGONAL
 from solar_env.mechanics.integrators.settings import RungeKutta
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
-from solar_env.mechanics.mechanism.description import GROUND, Bearing, Body, Joint, Load, Mechanism
+from solar_env.mechanics.mechanism.description import GROUND, Bearing, Body, Joint, Load, Mechanism, Point
 from solar_env.mechanics.running.simulation import Simulation
 
 EXPLICIT = np.array(_COUPLING)  # (5, 4): the last row is the end of the step
@@ -95,25 +98,32 @@ def test_a_step_is_the_methods_own_and_its_impulse_that_of_the_momentum(step: fl
         assert 0.0 < work < FRICTION * impulse * RADIUS * SPIN
 
 
+@pytest.mark.parametrize("direction", [0.0, 0.6])
 @pytest.mark.parametrize("step", [3e-3, 5e-3])
-def test_a_step_over_a_contact_between_two_moving_bodies_keeps_their_momenta(step: float) -> None:
+def test_a_step_over_a_contact_between_two_moving_bodies_keeps_their_momenta(step: float, direction: float) -> None:
     mass, carrier_mass, carrier_inertia = 1.0, 3.0, 1e6
+
+    def along(length: float) -> Point:
+        return length * math.cos(direction), length * math.sin(direction)
+
     carrier = Body("carrier", carrier_mass, carrier_inertia, 1.0, (0.0, 0.0))
-    inner = block("journal", mass, CLEARANCE + REST * 1.01)
+    inner = replace(block("journal", mass, 0.0), position=along(CLEARANCE + REST * 1.01), velocity=along(DRIFT))
     joint = Joint("pin", "carrier", "journal", (0.0, 0.0), (0.0, 0.0), bearing=LINEAR)
-    loads = (Load("journal", (0.0, 0.0), (LOAD, 0.0)), Load("carrier", (0.0, 0.0), (-LOAD, 0.0)))
+    loads = (Load("journal", (0.0, 0.0), along(LOAD)), Load("carrier", (0.0, 0.0), along(-LOAD)))
     simulation = stepped(Mechanism((carrier, inner), (joint,), loads=loads), step)
     (q, q1), (v, v1) = (array[:8].reshape(2, 4) for array in (simulation.state.q, simulation.state.v))
-    found = np.array([q[0], q[1], q1[0] - CLEARANCE, q1[1], v[0], v[1], v1[0], v1[1]])
+    places, velocities = (np.concatenate([turned(of[:2], -direction) for of in pair]) for pair in ((q, q1), (v, v1)))
+    places[2] -= CLEARANCE
     gradient = np.array([-1.0, 0.0, 1.0, 0.0])
     response = np.array([-1.0, -FRICTION, 1.0, FRICTION]) / np.repeat([carrier_mass, mass], 2)
     start = np.array([0.0, 0.0, 1.01 * REST, 0.0, 0.0, 0.0, DRIFT, 0.0])
     pull = np.array([-LOAD / carrier_mass, 0.0, LOAD / mass, 0.0])
-    assert found == pytest.approx(densely(start, pull, gradient, response, step), rel=1e-3, abs=1e-11)
+    expected = densely(start, pull, gradient, response, step)
+    assert np.concatenate([places, velocities]) == pytest.approx(expected, rel=1e-3, abs=1e-11)
     impulse = m.joint_integrals(simulation.state.integrals)[0, m.IMPULSE]
     # Friction acts on the carrier at the wall.
-    turned = FRICTION * impulse * (CLEARANCE + RADIUS) / carrier_inertia
-    assert v[3] - v[1] == pytest.approx(turned, rel=1e-3)
+    turning = FRICTION * impulse * (CLEARANCE + RADIUS) / carrier_inertia
+    assert v[3] - v[1] == pytest.approx(turning, rel=1e-3)
 
 
 def test_a_step_that_the_explicit_method_takes_safely_is_left_to_it() -> None:

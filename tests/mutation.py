@@ -271,10 +271,6 @@ ROWS = (
         ALPHA,
         {
             "state.clock[-1]": ONE,
-            "recorder.filled[-1]": "a slot that counts contacts, as many as samples there",
-            "fail(state, m.STEP_TOO_SMALL": CODE,
-            "fail(state, m.NEWTON_FAILED": CODE,
-            "fail(state, m.SINGULAR_CONSTRAINTS": CODE,
             "stop_engaged = 2": "engaged is whatever is not zero",
             "recorder.times.size >= 0": "no sample is due where there is none",
             "recorder.times.size > 0 or sample_due": "no sample is due where there is none",

@@ -37,14 +37,14 @@ def stepped(mechanism: Mechanism, step: float) -> Simulation:
     return simulation
 
 
-def block(name: str, mass: float, place: float) -> Body:
+def spinning_block(name: str, mass: float, place: float) -> Body:
     """A spinning block on its way into a wall."""
     return Body(name, mass, INERTIA, 1.0, (0.0, 0.0), position=(place, 0.0), velocity=(DRIFT, 0.0), spin=SPIN)
 
 
 def pressed(*masses: float) -> Mechanism:
     """Spinning blocks, each pressed to its bearing's wall by 10 N for each kilogram, a little off their equilibrium."""
-    bodies = tuple(block(f"{k}", mass, CLEARANCE + mass * REST * 1.01) for k, mass in enumerate(masses))
+    bodies = tuple(spinning_block(f"{k}", mass, CLEARANCE + mass * REST * 1.01) for k, mass in enumerate(masses))
     joints = (Joint(body.name, GROUND, body.name, (0.0, 0.0), (0.0, 0.0), bearing=LINEAR) for body in bodies)
     return Mechanism(bodies, tuple(joints), gravity=(LOAD, 0.0))
 
@@ -107,7 +107,9 @@ def test_a_step_over_a_contact_between_two_moving_bodies_keeps_their_momenta(ste
         return length * math.cos(direction), length * math.sin(direction)
 
     carrier = Body("carrier", carrier_mass, carrier_inertia, 1.0, (0.0, 0.0))
-    inner = replace(block("journal", mass, 0.0), position=along(CLEARANCE + REST * 1.01), velocity=along(DRIFT))
+    inner = replace(
+        spinning_block("journal", mass, 0.0), position=along(CLEARANCE + REST * 1.01), velocity=along(DRIFT)
+    )
     joint = Joint("pin", "carrier", "journal", (0.0, 0.0), (0.0, 0.0), bearing=LINEAR)
     loads = (Load("journal", (0.0, 0.0), along(LOAD)), Load("carrier", (0.0, 0.0), along(-LOAD)))
     simulation = stepped(Mechanism((carrier, inner), (joint,), loads=loads), step)

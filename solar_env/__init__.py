@@ -5,7 +5,7 @@ one deployment; `gymnasium.make("solar_env/Deploy-v1")` makes an environment, `g
 
 Names at the top level: `ArrayParameters` (`solar_env.array.parameters`) describes an array, `read_parameters` reads
 one from a file, `build` makes its mechanism, `MODELS` are the models' names. `simulate` gives a `Trajectory`;
-`Simulation` advances step by step, by the integrators `RungeKutta`, `Rosenbrock`, `DormandPrince`, `ModalRadau` or
+`Simulation` advances step by step, by the integrators `RungeKutta`, `Rosenbrock`, `ModalRadau` or
 `GeneralizedAlpha`. `SolarArrayEnv` and `SolarArrayVectorEnv` are the environments, `Hardware` is their drive. Runs that
 cannot go on raise `SimulationError`, doubtful ones warn of `SimulationWarning`.
 
@@ -23,7 +23,6 @@ from solar_env.array import build as build
 from solar_env.array import read_parameters as read_parameters
 from solar_env.environment.hardware import Hardware as Hardware
 from solar_env.environment.registration import register_environments
-from solar_env.mechanics.integrators.settings import DormandPrince as DormandPrince
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha as GeneralizedAlpha
 from solar_env.mechanics.integrators.settings import ModalRadau as ModalRadau
 from solar_env.mechanics.integrators.settings import Rosenbrock as Rosenbrock
@@ -41,7 +40,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _PUBLIC = (
-    *("ArrayParameters", "DormandPrince", "GeneralizedAlpha", "Hardware", "MODELS", "ModalRadau", "Rosenbrock"),
+    *("ArrayParameters", "GeneralizedAlpha", "Hardware", "MODELS", "ModalRadau", "Rosenbrock"),
     *("RungeKutta", "SimulationWarning", "build", "read_parameters"),
 )
 # Public names whose modules need the compiler: imported on first use.

@@ -36,9 +36,9 @@ def mark_compiled(integrator: str) -> None:
 
 
 def _mark(integrator: str) -> Path:
-    """File beside the kernels of the driver."""
-    from solar_env.mechanics.integrators import driver
+    """File beside the kernels of the run."""
+    from solar_env.mechanics.integrators import run
     from solar_env.mechanics.numerics.jit import cache_folder
 
     method = make_integrator(integrator, MODELS[0]).name
-    return Path(cache_folder(Path(driver.__file__).resolve())) / f"{method}.compiled"
+    return Path(cache_folder(Path(run.__file__).resolve())) / f"{method}.compiled"

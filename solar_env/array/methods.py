@@ -91,7 +91,7 @@ def make_integrator(name: str, model: str, step: float | None = None, rtol: floa
     """An integrator by name, as the command line takes it.
 
     Args:
-        name: of a method ("runge-kutta", "rosenbrock", "dop853" and "modal-radau" adapt their steps, which `step`
+        name: of a method ("runge-kutta", "rosenbrock" and "modal-radau" adapt their steps, which `step`
             bounds; "generalized-alpha", rho_inf = 0.8, takes a fixed `step` or adapts to `rtol`) or "paper"
             (generalized-alpha with beta = 1/4, gamma = 1/2 and a fixed step, 1e-4 s by default).
         model: one of `array.MODELS`.

@@ -48,7 +48,6 @@ METHOD_LOOKS: Mapping[str, Look] = {
     "runge-kutta": _look(BLUE, "o"),
     "rosenbrock": _look(VERMILLION, "s"),
     "modal-radau": _look(CRIMSON, "d"),
-    "dop853": _look(VIOLET, "p"),
     "generalized-alpha": _look(GREEN, "D"),
     "generalized-alpha, adaptive": _look(SKY, "^"),
     "paper's scheme": _look(PURPLE, "v"),

@@ -23,7 +23,7 @@ from solar_env.array.deployment import panel_deflections, simulate
 from solar_env.array.methods import INTEGRATOR_NAMES, default_integrator, landing_integrator, make_integrator
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.bodies.markers import velocity as marker_velocity
-from solar_env.mechanics.integrators.settings import DormandPrince, GeneralizedAlpha, ModalRadau, Rosenbrock, RungeKutta
+from solar_env.mechanics.integrators.settings import GeneralizedAlpha, ModalRadau, Rosenbrock, RungeKutta
 from solar_env.mechanics.joints.joint import RATE
 from solar_env.mechanics.running.simulation import Simulation
 from solar_env.mechanics.running.trajectory import Trajectory
@@ -65,7 +65,6 @@ def test_integrators_by_name(name: str, model: str) -> None:
     expected, stepped = {
         "runge-kutta": (explicit, replace(explicit, max_step=1e-3)),
         "rosenbrock": (implicit, replace(implicit, max_step=1e-3)),
-        "dop853": (DormandPrince(), DormandPrince(max_step=1e-3)),
         "modal-radau": (modal, replace(modal, max_step=1e-3)),
         "generalized-alpha": (GeneralizedAlpha(), GeneralizedAlpha(step=1e-3)),
         "paper": (GeneralizedAlpha(rho_inf=1.0, step=1e-4), GeneralizedAlpha(rho_inf=1.0, step=1e-3)),

@@ -53,12 +53,11 @@ import solar_env
 from solar_env.array.methods import make_integrator
 from solar_env.mechanics.mechanism.textbook import pendulum
 heun = make_integrator("heun", "rigid-ideal", rtol=1e-6)
-fine = solar_env.Simulation(pendulum(), solar_env.DormandPrince(rtol=1e-10))
+fine = solar_env.Simulation(pendulum(), solar_env.RungeKutta(rtol=1e-10))
 simulation = solar_env.Simulation(pendulum(), heun)
 for each in (fine, simulation):
     each.advance(0.1)
 assert 1e-12 < abs(simulation.state.q - fine.state.q).max() < 1e-5
-assert simulation.state.clock["steps"][0] > fine.state.clock["steps"][0]
 """,
     "Body kind": """
 from solar_env.mechanics.bodies.description import LeverBody, ReferencePointBody

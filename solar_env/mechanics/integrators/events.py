@@ -1,45 +1,38 @@
-"""Events inside a step of an adaptive method: contact starts, latchings and stop engagements.
-
-Each is a root of the step's interpolant, found without further evaluations of the equations of motion.
-"""
+"""Events inside a step: contact starts, latchings and stop engagements, on the motion that a method offers there."""
 
 import numpy as np
 
-from solar_env.mechanics.arrays.model import CLEARANCE
-from solar_env.mechanics.integrators.methods.table import depth_of, interpolate_of
-from solar_env.mechanics.joints.joint import (
-    ANGLE,
-    ECCENTRICITY_X,
-    ECCENTRICITY_Y,
-    joint_motion,
-    penetration,
-    relative,
-    stop_depth,
-)
+from solar_env.mechanics.arrays.model import CLEARANCE, IMPULSE, INTEGRALS_PER_JOINT, SLIDING_WORK
+from solar_env.mechanics.integrators.methods.table import angle_of, cut_of, depth_of, open_contact_of
+from solar_env.mechanics.joints.contact.normal_force import impact_scales
+from solar_env.mechanics.joints.joint import stop_depth
 from solar_env.mechanics.numerics.jit import kernel
-from solar_env.mechanics.records.history import latch, start_contact
+from solar_env.mechanics.records.history import latch
 
-# Kinds of event inside a step.
 # Typed: Numba would compile the functions that take a literal for each one anew.
 NO_EVENT, CONTACT_START, LATCHING, STOP_ENGAGEMENT = (np.int64(kind) for kind in range(4))
+# A curved path can graze a wall inside the step: it is looked at between the ends, too.
+_LOOKS = 4
+SMALLEST_PART = 1e-13  # s, of a step before an event; in less time nothing moves
+# Of clearances, and angles [rad], by which the end of a step that was cut may miss its event.
+_TOLERANCE = 1e-6
+_MOST_CUTS = 20
 
 
 @kernel(inner=True)
-def event_function(model, state, settings, stages, j, kind, h, share):
+def event_function(model, state, settings, arrays, j, kind, h, share):
     """Depth [m], or angle past the lock or into the stop [rad], that rises through zero at an event of joint `j`."""
-    joint, markers = model.joints[j], model.markers
-    if kind != CONTACT_START:
-        interpolate_of(settings)(state, stages, h, share)
-        angle, _, _, _ = joint_motion(joint, markers, stages.scratch_q, stages.scratch_v)
-        if kind == LATCHING:
-            return angle - joint.lock_angle
-        depth, _ = stop_depth(joint, state.joints[j].latched, angle)
-        return depth
-    return depth_of(settings)(joint, markers, state, stages, h, share)
+    if kind == CONTACT_START:
+        return depth_of(settings)(model, state, arrays, j, h, share)
+    angle = angle_of(settings)(model, state, arrays, j, h, share)
+    if kind == LATCHING:
+        return angle - model.joints[j].lock_angle
+    depth, _ = stop_depth(model.joints[j], state.joints[j].latched, angle)
+    return depth
 
 
 @kernel(inner=True)
-def locate(model, state, settings, stages, j, kind, h, low, f_low, high, f_high):
+def locate(model, state, settings, arrays, j, kind, h, low, f_low, high, f_high):
     """Share of the step at which the event function rises through zero: Illinois iteration, ending on its far side."""
     for _ in range(60):
         if high - low < 1e-12 or f_high == 0.0:
@@ -47,7 +40,7 @@ def locate(model, state, settings, stages, j, kind, h, low, f_low, high, f_high)
         middle = high - f_high * (high - low) / (f_high - f_low)
         if not low < middle < high:
             middle = 0.5 * (low + high)
-        f = event_function(model, state, settings, stages, j, kind, h, middle)
+        f = event_function(model, state, settings, arrays, j, kind, h, middle)
         if f >= 0.0:
             # The end that stays put has its value halved, which keeps the iteration superlinear.
             high, f_high = middle, f
@@ -56,81 +49,109 @@ def locate(model, state, settings, stages, j, kind, h, low, f_low, high, f_high)
             low, f_low = middle, f
             f_high *= 0.5
         if abs(f) < 1e-18:
-            high = middle
-            break
+            return middle
     return high
 
 
 @kernel(inner=True)
-def locate_at_end(model, state, settings, stages, j, kind, h, f_high):
-    """Share of the step at which an event function that is positive at its end has risen through zero."""
-    f_low = event_function(model, state, settings, stages, j, kind, h, 0.0)
-    if f_low >= 0.0:
-        return 0.0
-    return locate(model, state, settings, stages, j, kind, h, 0.0, f_low, 1.0, f_high)
-
-
-@kernel(inner=True)
-def first_touch(model, state, settings, stages, j, h, depth):
-    """Share of the step at which the free journal of joint `j` meets its bearing; 2 if it does not.
-
-    A curved path can graze the wall inside the step: the interpolant is looked at between the ends too.
-    """
-    low, f_low = 0.0, depth
-    for k in range(1, 5):
-        high = 0.25 * k
-        f_high = event_function(model, state, settings, stages, j, CONTACT_START, h, high)
-        if f_high > 0.0:
+def first_rise(model, state, settings, arrays, j, kind, h):
+    """Share of the step at which the event function first rises through zero; 2 if it does not."""
+    low, f_low = 0.0, event_function(model, state, settings, arrays, j, kind, h, 0.0)
+    for k in range(1, _LOOKS + 1):
+        high = k / _LOOKS
+        f_high = event_function(model, state, settings, arrays, j, kind, h, high)
+        if f_high > 0.0 or (f_high == 0.0 and kind == LATCHING):
             if f_low >= 0.0:
                 return low
-            return locate(model, state, settings, stages, j, CONTACT_START, h, low, f_low, high, f_high)
+            return locate(model, state, settings, arrays, j, kind, h, low, f_low, high, f_high)
         low, f_low = high, f_high
     return 2.0
 
 
-@kernel(single_caller=True)
-def first_event(model, state, settings, stages, work, h):
-    """Earliest contact start, latching or stop engagement inside the step: (share, joint, kind)."""
-    joints, joint_states, loads, depths = model.joints, state.joints, work.loads, stages.depth
+@kernel(inner=True)
+def first_event(model, state, settings, arrays, h):
+    """Earliest contact start, latching or stop engagement inside the step `h` [s]: (share, joint, kind)."""
     share, which, what = 1.0, np.int64(-1), NO_EVENT
-    for j in range(joints.size):
-        joint, own, number = joints[j], joint_states[j], np.int64(j)
-        root, kind = 2.0, NO_EVENT
-        if joint.kind == CLEARANCE and not own.in_contact:
-            root, kind = first_touch(model, state, settings, stages, j, h, depths[j]), CONTACT_START
-            if root < share or (root == share and what == NO_EVENT):
-                share, which, what = root, number, kind
-        angle = loads[j, ANGLE]
-        if joint.has_latch and not own.latched and angle >= joint.lock_angle:
-            root, kind = (
-                locate_at_end(model, state, settings, stages, j, LATCHING, h, angle - joint.lock_angle),
-                LATCHING,
-            )
-            if root < share or what == NO_EVENT:
-                share, which, what = root, number, kind
-        if not own.stop_engaged:
-            depth, _ = stop_depth(joint, own.latched, angle)
-            if depth > 0.0:
-                root, kind = (
-                    locate_at_end(model, state, settings, stages, j, STOP_ENGAGEMENT, h, depth),
-                    STOP_ENGAGEMENT,
-                )
-                if root < share or what == NO_EVENT:
+    for j in range(model.joints.size):
+        joint, joint_state, number = model.joints[j], state.joints[j], np.int64(j)
+        angle = angle_of(settings)(model, state, arrays, j, h, 1.0)
+        stop, _ = stop_depth(joint, joint_state.latched, angle)
+        for kind in (CONTACT_START, LATCHING, STOP_ENGAGEMENT):
+            if kind == CONTACT_START:
+                possible = joint.kind == CLEARANCE and not joint_state.in_contact
+            elif kind == LATCHING:
+                possible = joint.has_latch and not joint_state.latched and angle >= joint.lock_angle
+            else:
+                possible = not joint_state.stop_engaged and stop > 0.0
+            if possible:
+                root = first_rise(model, state, settings, arrays, j, kind, h)
+                if root < share or (root == share and what == NO_EVENT):
                     share, which, what = root, number, kind
     return share, which, what
 
 
 @kernel(inner=True)
-def begin_event(model, state, j, kind, scratch):
-    """Latch joint `j`, engage its stop, or start its contact, at the accepted state."""
-    time = state.clock[0].time
+def is_passed(model, state, settings, arrays, j, kind, h, sign):
+    """Whether the end of the step `h` [s] lies beyond an event by more than the tolerance, or before it (sign -1)."""
+    tolerance = _TOLERANCE * (model.joints[j].clearance if kind == CONTACT_START else 1.0)
+    return sign * event_function(model, state, settings, arrays, j, kind, h, 1.0) > tolerance
+
+
+@kernel(inner=True)
+def land(model, state, settings, arrays, h, share, joint, kind):
+    """Solve a step of size `h` [s] again up to an event at a share of it: size, joint and kind of event at its end.
+
+    The solution of the shorter step moves a little, and vibrations within a long one pass by its interpolant: all
+    joints are looked at again after every cut. The size is negative if the equations of the step cannot be solved, and
+    zero if the event is one of its start; the kind is NO_EVENT if none is reached.
+    """
+    for _ in range(_MOST_CUTS):
+        h *= share
+        if not cut_of(settings)(model, state, settings, arrays, h):
+            return -h, joint, kind
+        missed = is_passed(model, state, settings, arrays, joint, kind, h, -1.0)
+        beyond = is_passed(model, state, settings, arrays, joint, kind, h, 1.0)
+        share, other, found = first_event(model, state, settings, arrays, h)
+        if found == NO_EVENT:
+            return h, joint, NO_EVENT if missed else kind
+        if not is_passed(model, state, settings, arrays, other, found, h, 1.0):
+            return (h, other, found) if missed or beyond else (h, joint, kind)
+        joint, kind = other, found
+        if share * h <= SMALLEST_PART:
+            return 0.0, joint, kind
+    return h, joint, kind
+
+
+@kernel(inner=True)
+def begin_event(model, state, settings, arrays, j, kind, time, speed):
+    """Latch joint `j`, engage its stop, or start its contact, at a `time` [s] and an approach `speed` [m/s]."""
+    joint, joint_state = model.joints[j], state.joints[j]
     if kind == LATCHING:
         latch(state, j, time)
-        return
-    if kind == STOP_ENGAGEMENT:
-        state.joints[j].stop_engaged = 1
-        return
-    joint = model.joints[j]
-    _, rate = penetration(joint, model.markers, state.q, state.v)
-    scratch.loads[j, ECCENTRICITY_X], scratch.loads[j, ECCENTRICITY_Y] = relative(joint, model.markers, state.q)
-    start_contact(model, state, j, state.q, state.v, time, rate, scratch)
+    elif kind == STOP_ENGAGEMENT:
+        joint_state.stop_engaged = 1
+    else:
+        joint_state.in_contact = 1
+        joint_state.impact_speed = max(speed, joint.minimum_impact_speed)
+        joint_state.contact_start = time
+        joint_state.contact_peak = 0.0
+        joint_state.contact_impulse = state.integrals[INTEGRALS_PER_JOINT * j + IMPULSE]
+        joint_state.contact_sliding_work = state.integrals[INTEGRALS_PER_JOINT * j + SLIDING_WORK]
+        joint_state.contact_starts += 1
+        inverse_mass = open_contact_of(settings)(model, state, arrays, j)
+        _, joint_state.contact_duration = impact_scales(joint, inverse_mass, joint_state.impact_speed)
+
+
+@kernel(single_caller=True)
+def begin_passed_events(model, state, settings, arrays, start, h):
+    """Begin the events that an accepted step has passed, at times between its ends, where steps do not end on them."""
+    for j in range(model.joints.size):
+        joint, motion = model.joints[j], arrays.motion[j]
+        if joint.kind == CLEARANCE and not state.joints[j].in_contact and motion.depth > 0.0:
+            before = motion.start_depth
+            share = before / (before - motion.depth) if before < 0.0 else 0.0
+            begin_event(model, state, settings, arrays, j, CONTACT_START, start + share * h, motion.start_depth_rate)
+        if joint.has_latch and not state.joints[j].latched and motion.angle >= joint.lock_angle:
+            rise = motion.angle - motion.start_angle
+            share = (joint.lock_angle - motion.start_angle) / rise if rise > 0.0 else 1.0
+            begin_event(model, state, settings, arrays, j, LATCHING, start + share * h, 0.0)

@@ -17,7 +17,7 @@ _HERTZ_PHASE = math.sqrt(15.0 / 8.0) * 2.0 * math.sqrt(math.pi) * math.gamma(1.4
 
 @dataclass(frozen=True)
 class RungeKutta:
-    """Adaptive explicit Runge-Kutta (`adaptive.py`).
+    """Adaptive explicit Runge-Kutta (`methods/runge_kutta.py`).
 
     Attributes:
         rtol: local error of a step, of velocities relative to velocity_scale + |velocity|, of positions to the
@@ -72,18 +72,6 @@ class Rosenbrock(RungeKutta):
 
     name = "rosenbrock"
     takes_drives = False
-
-
-@dataclass(frozen=True)
-class DormandPrince(RungeKutta):
-    """Explicit Runge-Kutta of order eight (`methods/dormand_prince.py`), for many digits of a motion without clearance.
-
-    In lasting contact, and with flexible bodies, stability bounds its steps: the other methods are then faster.
-    """
-
-    rtol: float = 1e-8
-
-    name = "dop853"
 
 
 @dataclass(frozen=True)
@@ -163,7 +151,7 @@ class GeneralizedAlpha:
 Integrator = RungeKutta | GeneralizedAlpha
 # Settings of every method by its name; their kernels are in `methods/table.py`.
 INTEGRATORS: dict[str, type[Integrator]] = {
-    kind.name: kind for kind in (RungeKutta, Rosenbrock, DormandPrince, ModalRadau, GeneralizedAlpha)
+    kind.name: kind for kind in (RungeKutta, Rosenbrock, ModalRadau, GeneralizedAlpha)
 }
 
 

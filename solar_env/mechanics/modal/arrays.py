@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays.model import ENERGIES, record
+from solar_env.mechanics.arrays.trial import make_joint_motions, make_trial
 from solar_env.mechanics.joints.joint import LOAD_COLUMNS
 from solar_env.mechanics.modal.panel.oscillators import COEFFICIENTS
 from solar_env.mechanics.modal.panel.tables import Panels, Tables, make_tables, panel_scratch
@@ -131,8 +132,6 @@ joint_scratch = record(
         ("angle_by_torque", np.float64),  # greatest change over a step [rad/(N m)]
         ("torque_unknown", np.int64),  # number of the unknown, or -1
         ("torque_tolerance", np.float64),
-        ("depth", np.float64),  # at the start of the step
-        ("sliding_work", np.float64),  # of the step
         ("tried", np.float64, (2, 2)),  # latest sliding speeds in the iteration, by stage: negative, positive
     ]
 )
@@ -166,9 +165,9 @@ unknown_scratch = record(
 # Motion that an unknown works on by a unit of another: [4 load stage + 2 stage + (value or rate)].
 mobility_type = record([("response", np.float64, 8)])
 
-# Counts of a workspace: iterations, events that have followed each other without time between them, unknowns, and the
-# joint whose load was furthest off when Newton's iteration failed, or -1.
-ITERATIONS, EVENTS, UNKNOWNS, STUCK = range(4)
+# Counts of a workspace: iterations, unknowns, and the joint whose load was furthest off when Newton's iteration failed,
+# or -1.
+ITERATIONS, UNKNOWNS, STUCK = range(3)
 
 
 class Workspace(NamedTuple):
@@ -177,6 +176,8 @@ class Workspace(NamedTuple):
     Rows of records have the same layout for every mechanism, which spares the kernels the shapes of a dozen arrays.
     """
 
+    trial: NDArray[np.void]  # (1,) and (joints,): see `arrays.trial`
+    motion: NDArray[np.void]
     bodies: NDArray[np.void]
     attachments: NDArray[np.void]
     joints: NDArray[np.void]
@@ -187,12 +188,12 @@ class Workspace(NamedTuple):
     mobility: NDArray[np.void]  # (R, R) rows of `mobility_type`
     matrix: Array  # (2 R, 2 R)
     correction: Array  # (2 R,)
-    counts: NDArray[np.int64]  # (4,)
+    counts: NDArray[np.int64]  # (3,)
     velocity_tolerance: Array  # (1,) of the step [m/s]
     # Of an off-table step size.
     tables: Tables
     coefficients: Array  # (COEFFICIENTS,)
-    # At the start of a step.
+    # At the end of a step.
     q: Array
     v: Array
     integrals: Array
@@ -207,6 +208,8 @@ def make_workspace(model: ModalModel, state: ModalState) -> Workspace:
     joints, cables, zeros = model.joints.size, model.cables.size, np.zeros
     unknowns = 3 * joints + cables
     return Workspace(
+        trial=make_trial(),
+        motion=make_joint_motions(joints),
         bodies=zeros(model.bodies.size, body_scratch),
         attachments=zeros(model.attachments.size, attachment_scratch),
         joints=zeros(joints, joint_scratch),
@@ -217,7 +220,7 @@ def make_workspace(model: ModalModel, state: ModalState) -> Workspace:
         mobility=zeros((unknowns, unknowns), mobility_type),
         matrix=zeros((2 * unknowns, 2 * unknowns)),
         correction=zeros(2 * unknowns),
-        counts=zeros(4, np.int64),
+        counts=zeros(3, np.int64),
         velocity_tolerance=zeros(1),
         tables=make_tables(model.panels, 1),
         coefficients=zeros(COEFFICIENTS),

@@ -8,7 +8,7 @@ from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.modal.arrays import OTHER, ModalModel, ModalState, Workspace, make_workspace
 from solar_env.mechanics.modal.build import compile_modal
 from solar_env.mechanics.modal.run.books import stored_energies
-from solar_env.mechanics.modal.run.driver import start_loads
+from solar_env.mechanics.modal.run.method import start_loads
 from solar_env.mechanics.modal.run.sampling import fill_load_table
 from solar_env.mechanics.modal.step.motion import look_at
 from solar_env.mechanics.modal.views import modal_centreline, view_joint

@@ -24,6 +24,8 @@ class StepController(NamedTuple):
         least_error: smaller ones count as this.
         least_share: of a refused step, with which it is tried again.
         most_growth: from one step to the next.
+        least_growth: below which a step is kept as it is, where a change costs much.
+        memory: share of the error of the step before that counts at least, for errors that may pass through zero.
     """
 
     order: float
@@ -32,6 +34,8 @@ class StepController(NamedTuple):
     least_error: float = 1e-6
     least_share: float = 0.1
     most_growth: float = 10.0
+    least_growth: float = 0.0
+    memory: float = 0.0
 
 
 @kernel(inlined=True)
@@ -45,5 +49,6 @@ def shortened(control, h, error):
 @kernel(inlined=True)
 def growth(control, error, last_error):
     """Size of the next step in units of the present one, from the errors of that and of the one before it."""
-    own = _SAFETY * max(error, control.least_error) ** (-control.proportional / control.order)
-    return min(own * last_error ** (control.integral / control.order), control.most_growth)
+    wanted = _SAFETY * max(error, control.least_error) ** (-control.proportional / control.order)
+    wanted = min(wanted * last_error ** (control.integral / control.order), control.most_growth)
+    return 1.0 if wanted < control.least_growth else wanted

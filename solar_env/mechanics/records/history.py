@@ -3,40 +3,13 @@
 import math
 
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.bodies.markers import vector_angle
-from solar_env.mechanics.equations.system import normal_inverse_mass
-from solar_env.mechanics.joints.contact.normal_force import impact_scales
-from solar_env.mechanics.joints.joint import (
-    ANGLE,
-    ECCENTRICITY_X,
-    ECCENTRICITY_Y,
-    NORMAL,
-    RATE,
-    penetration,
-    stop_depth,
-)
+from solar_env.mechanics.joints.joint import stop_depth
 from solar_env.mechanics.joints.wear import add_wear, pressed_half_angle
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.records.recording import record_contact
 
 # A contact counts as an impact, to be resolved by steps of its own, for this many predicted durations.
 IMPACT_DURATIONS = 2.0
-
-
-@kernel(inner=True)
-def start_contact(model, state, j, q, v, time, approach_speed, work):
-    """Open a contact of joint `j` with its approach speed [m/s], bounded below."""
-    joint = model.joints[j]
-    own = state.joints[j]
-    own.in_contact = 1
-    own.impact_speed = max(approach_speed, joint.minimum_impact_speed)
-    own.contact_start = time
-    own.contact_peak = 0.0
-    own.contact_impulse = state.integrals[m.INTEGRALS_PER_JOINT * j + m.IMPULSE]
-    own.contact_sliding_work = state.integrals[m.INTEGRALS_PER_JOINT * j + m.SLIDING_WORK]
-    own.contact_starts += 1
-    inverse_mass = normal_inverse_mass(model, q, v, j, work)
-    _, own.contact_duration = impact_scales(joint, inverse_mass, own.impact_speed)
 
 
 @kernel(inner=True)
@@ -114,39 +87,6 @@ def parting_time(start, end, start_depth, depth):
 
 
 @kernel(inner=True)
-def settle_joints(model, state, loads, sliding_work, start_time, start_depth, recorder):
-    """Book an accepted step: wear, force maxima, and the ends of contacts and stops that have opened.
-
-    Args:
-        model, state: of the mechanism, the state at the end of the step.
-        loads: of the accepted state.
-        sliding_work: (joints,) of the step [J].
-        start_time: of the step [s].
-        start_depth: (joints,) penetration at its start [m].
-        recorder: takes the contacts that have ended.
-    """
-    joints, markers, joint_states, q, v = model.joints, model.markers, state.joints, state.q, state.v
-    postlock = state.clock[0].latched_joints > 0
-    for j in range(joints.size):
-        joint, own = joints[j], joint_states[j]
-        if own.stop_engaged:
-            release_stop(joint, own, loads[j, ANGLE], loads[j, RATE])
-        if joint.kind != m.CLEARANCE:
-            note_force(own, loads[j, NORMAL], postlock)
-        elif own.in_contact:
-            note_force(own, loads[j, NORMAL], postlock)
-            depth, rate = penetration(joint, markers, q, v)
-            if joint.wear_coefficient > 0.0 and sliding_work[j] > 0.0:
-                ex, ey = loads[j, ECCENTRICITY_X], loads[j, ECCENTRICITY_Y]
-                journal_angle = vector_angle(markers[joint.outboard], q, ex, ey)
-                bearing_angle = vector_angle(markers[joint.inboard], q, ex, ey)
-                wear_contact(joint, state, j, journal_angle, bearing_angle, depth, sliding_work[j])
-            time = state.clock[0].time
-            if has_parted(own, time, depth, rate):
-                end_contact(state, j, parting_time(start_time, time, start_depth[j], depth), recorder)
-
-
-@kernel(inner=True)
 def impact_step_limit(state, time, resolution):
     """Greatest step [s] that resolves the impacts under way with `resolution` steps each."""
     joint_states = state.joints
@@ -174,18 +114,4 @@ def check_joint(joint, state, j, depth, angle):
     if joint.angle_limited and abs(angle - joint.middle) > 0.95 * math.pi:
         # The angle nears the branch cut of its measurement.
         return fail(state, m.JOINT_ANGLE_RANGE, j, angle)
-    return m.DONE
-
-
-@kernel(single_caller=True)
-def check_state(model, state, loads):
-    """Status of an accepted state: contact depths and joint angles within what the model describes."""
-    joints, markers = model.joints, model.markers
-    for j in range(joints.size):
-        depth = 0.0
-        if joints[j].kind == m.CLEARANCE and state.joints[j].in_contact:
-            depth, _ = penetration(joints[j], markers, state.q, state.v)
-        status = check_joint(joints[j], state, j, depth, loads[j, ANGLE])
-        if status != m.DONE:
-            return status
     return m.DONE

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.lanes import allocate_lanes, check_structure, copied, fill_lane, lane_view
-from solar_env.mechanics.integrators.driver import advance_lanes
 from solar_env.mechanics.integrators.methods.table import method_of
+from solar_env.mechanics.integrators.run import advance_lanes
 from solar_env.mechanics.records.recording import Recorder, make_recorder
 from solar_env.mechanics.running.accuracy import STEPS_BETWEEN_LOOKS
 from solar_env.mechanics.running.errors import SimulationError

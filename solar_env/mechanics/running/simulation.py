@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.lanes import copied, with_lane_axis
 from solar_env.mechanics.equations.formulation import Formulation
-from solar_env.mechanics.integrators.driver import advance_lanes
 from solar_env.mechanics.integrators.formulations import FORMULATIONS
 from solar_env.mechanics.integrators.methods.table import method_of
+from solar_env.mechanics.integrators.run import advance_lanes
 from solar_env.mechanics.integrators.settings import Integrator, RungeKutta
 from solar_env.mechanics.joints import joint as columns
 from solar_env.mechanics.mechanism.description import Mechanism

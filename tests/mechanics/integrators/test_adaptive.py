@@ -13,8 +13,8 @@ from mechanisms import Vector, block, floating_pair, pendulum, rotor
 
 from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.integrators.methods.runge_kutta import make_runge_kutta_arrays, take_stages
+from solar_env.mechanics.integrators.methods.stages import cubic_weights, quintic_weights, refresh
 from solar_env.mechanics.integrators.settings import RungeKutta
-from solar_env.mechanics.integrators.step import cubic_weights, quintic_weights, refresh
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.joints.joint import ANGLE
 from solar_env.mechanics.mechanism.description import Bearing, Mechanism
@@ -137,11 +137,12 @@ def test_a_step_depends_on_nothing_but_the_accepted_state_and_its_size() -> None
     h = 1e-5
 
     def step(*rejected: float) -> tuple[bytes, ...]:
-        work, _, stages, own = make_runge_kutta_arrays(model, state)
-        assert refresh(model, state, stages, work)
+        arrays = make_runge_kutta_arrays(model, state)
+        stages = arrays.stages
+        assert refresh(model, state, stages, arrays.work)
         stages.velocity[0] = state.v
         for tried in (*rejected, h):
-            assert take_stages(model, state, stages, own.stiff, work, tried)
+            assert take_stages(model, state, arrays, tried)
         return tuple(array.tobytes() for array in (stages.q, stages.v, stages.gain, stages.acceleration, stages.power))
 
     alone = step()

@@ -11,15 +11,15 @@ from helpers import attempt, fingerprint, orders
 from mechanisms import Vector, floating_pair, pendulum, rotor
 
 from solar_env.array import ArrayParameters, build
-from solar_env.mechanics.integrators.driver import advance_lanes
 from solar_env.mechanics.integrators.methods.table import METHODS, method_of
-from solar_env.mechanics.integrators.settings import INTEGRATORS, DormandPrince, Integrator
+from solar_env.mechanics.integrators.run import advance_lanes
+from solar_env.mechanics.integrators.settings import INTEGRATORS, Integrator, RungeKutta
 from solar_env.mechanics.joints.joint import ANGLE, RATE
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.modal.panel.tables import GREATEST_STEP
 from solar_env.mechanics.records.recording import make_recorder
 from solar_env.mechanics.running.batch import Batch
-from solar_env.mechanics.running.simulation import Simulation, simulate
+from solar_env.mechanics.running.simulation import Simulation
 
 every_method = pytest.mark.parametrize("name", METHODS)
 # A moment of the array in which its joints strike their bearings often.
@@ -65,12 +65,11 @@ def test_the_table_has_a_row_for_every_choice_of_settings() -> None:
 @every_method
 def test_a_method_converges_with_the_order_that_its_row_declares(name: str) -> None:
     order = METHODS[name].order
-    coarsest = {2: 100, 3: 64, 4: 40, 5: 25, 6: 16, 8: 8}[order]
-    exact = Simulation(pendulum(), DormandPrince(rtol=1e-13))
+    coarsest = {2: 100, 3: 64, 4: 40}[order]
+    exact = Simulation(pendulum(), RungeKutta(rtol=1e-13))
     exact.advance(END)
     errors = [float(np.abs(end_of(name, coarsest * k) - swing(exact)).max()) for k in (1, 2, 4)]
     assert errors[-1] > 1e-13, "lost in rounding"
-    # Over both halvings: at order eight terms of a higher order still show in each.
     assert orders(errors).mean() == pytest.approx(order, abs=0.4)
 
 
@@ -155,32 +154,6 @@ def test_a_latching_is_found_inside_a_step(name: str) -> None:
     simulation.advance(3.0)
     tolerance = 1e-4 if METHODS[name].order == 2 else 1e-9
     assert simulation.state.joints["latch_time"][0] == pytest.approx(math.sqrt(8.0), rel=tolerance)
-
-
-@pytest.mark.parametrize("share", [0.2, 0.5, 0.9])
-def test_the_interpolant_of_order_seven_converges_between_the_ends_of_a_step(share: float) -> None:
-    errors = []
-    for step in (0.4, 0.2, 0.1):
-        simulation = at_fixed_step("dop853", pendulum(), step)
-        recorder = make_recorder(simulation.model, simulation.state, np.array([share * step]), 0)
-        simulation.advance(step, recorder)
-        assert simulation.state.clock["steps"][0] == 1
-        exact = Simulation(pendulum(), DormandPrince(rtol=1e-13))
-        exact.advance(share * step)
-        n = exact.state.q.size
-        errors.append(float(np.abs(recorder.samples[0, : 2 * n] - np.append(exact.state.q, exact.state.v)).max()))
-    # The error of one step is of an order more.
-    assert orders(errors)[0] > 7.3
-    assert orders(errors)[1] > 7.3 or errors[2] < 1e-13
-
-
-def test_an_impact_starts_at_the_wall_whatever_the_interpolant() -> None:
-    starts = [
-        simulate(build(ARRAY), 0.02, integrator=INTEGRATORS[n](rtol=1e-9)).contacts for n in ("runge-kutta", "dop853")
-    ]
-    assert len(starts[0]) > 0
-    assert starts[1]["start_s"][0] == pytest.approx(starts[0]["start_s"][0], rel=1e-8)
-    assert starts[1]["impact_speed"][0] == pytest.approx(starts[0]["impact_speed"][0], rel=1e-7)
 
 
 def test_each_method_has_compiled_kernels_of_its_own() -> None:

@@ -10,7 +10,6 @@ from numba.core.dispatcher import Dispatcher
 from solar_env.array import ArrayParameters, build
 from solar_env.array.methods import make_integrator
 from solar_env.commands.warmup import PARTS, compile_part
-from solar_env.mechanics.integrators.events import begin_event
 from solar_env.mechanics.integrators.methods.rosenbrock_step import attempt_implicit
 from solar_env.mechanics.integrators.methods.stiff_forces import begin_step
 from solar_env.mechanics.modal.step.solve import solve_step
@@ -18,7 +17,7 @@ from solar_env.mechanics.records.recording import record_sample
 from solar_env.mechanics.running.simulation import Simulation
 
 
-@pytest.mark.parametrize("kernel", [attempt_implicit, begin_step, begin_event, record_sample, solve_step])
+@pytest.mark.parametrize("kernel", [attempt_implicit, begin_step, record_sample, solve_step])
 def test_compiling_ahead_and_running_share_one_version_of_a_kernel(kernel: Dispatcher) -> None:
     for part in PARTS:
         compile_part(part)

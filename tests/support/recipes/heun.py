@@ -2,7 +2,7 @@
 
 from solar_env.mechanics.arrays.model import EXACT, Model, State
 from solar_env.mechanics.equations.system import accelerations, make_workspace
-from solar_env.mechanics.integrators.step import AdaptiveArrays, AdaptiveSettings, make_adaptive_arrays, refresh
+from solar_env.mechanics.integrators.methods.stages import StageArrays, StageSettings, make_stage_arrays, refresh
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into, greater
 
@@ -10,13 +10,19 @@ from solar_env.mechanics.numerics.linear import copy_into, greater
 _COUPLING = ((0.0, 0.0), (1.0, 0.0), (0.5, 0.5))
 
 
-class HeunSettings(AdaptiveSettings):
+class HeunSettings(StageSettings):
     """Settings of this method."""
 
 
-def make_heun_arrays(model: Model, state: State) -> AdaptiveArrays:
+def make_heun_arrays(model: Model, state: State) -> StageArrays:
     """Allocate the arrays for a mechanism."""
-    return make_adaptive_arrays(model, state, len(_COUPLING), make_workspace(model, state), ())
+    return make_stage_arrays(model, state, len(_COUPLING), make_workspace(model, state), ())
+
+
+@kernel(inner=True)
+def choose_heun(model, state, settings, arrays, wanted, remaining):
+    """Step to try [s]: the one ``wanted``, for the error estimate alone bounds it."""
+    return wanted
 
 
 @kernel(inner=True)

@@ -57,10 +57,6 @@ class Iteration(NamedTuple):
     rhs: NDArray[np.float64]  # (n + m + bodies,)
     solution: NDArray[np.float64]  # (blocks, BLOCK) the same in the order of elimination
     power: NDArray[np.float64]  # at the step's start
-    depth: NDArray[np.float64]  # (joints,) at the step's start
-    depth_rate: NDArray[np.float64]
-    angle: NDArray[np.float64]  # (joints,) at the step's start
-    sliding_work: NDArray[np.float64]  # (joints,) of the step
     scratch_q: NDArray[np.float64]
     scratch_v: NDArray[np.float64]
     scratch_a: NDArray[np.float64]
@@ -71,7 +67,7 @@ class Iteration(NamedTuple):
 
 def make_iteration(model: Model, state: State, work: Workspace) -> Iteration:
     """Allocate the arrays of a step."""
-    n, joints = state.q.size, state.joints.size
+    n = state.q.size
     size = n + state.multipliers.size
     return Iteration(
         q=np.zeros(n),
@@ -83,10 +79,6 @@ def make_iteration(model: Model, state: State, work: Workspace) -> Iteration:
         rhs=np.zeros(size),
         solution=np.zeros((model.elimination.first.size, BLOCK)),
         power=np.zeros(state.power.size),
-        depth=np.zeros(joints),
-        depth_rate=np.zeros(joints),
-        angle=np.zeros(joints),
-        sliding_work=np.zeros(joints),
         scratch_q=np.zeros(n),
         scratch_v=np.zeros(n),
         scratch_a=np.zeros(n),

@@ -20,7 +20,8 @@ from solar_env.mechanics.integrators.methods.runge_kutta import (
     make_stiff_forces,
     stable_step,
 )
-from solar_env.mechanics.integrators.step import AdaptiveArrays, AdaptiveSettings, make_adaptive_arrays
+from solar_env.mechanics.integrators.methods.stage_steps import begin_stages
+from solar_env.mechanics.integrators.methods.stages import StageArrays, StageSettings, make_stage_arrays
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 from solar_env.mechanics.numerics.profile import clear
@@ -43,7 +44,7 @@ _SLOW = 0.5
 _LEAST_SCALE = 1e-3
 
 
-class RosenbrockSettings(AdaptiveSettings):
+class RosenbrockSettings(StageSettings):
     """Settings of this method."""
 
 
@@ -54,11 +55,11 @@ class RosenbrockArrays(NamedTuple):
     step: LinearStep
 
 
-def make_rosenbrock_arrays(model: Model, state: State) -> AdaptiveArrays:
+def make_rosenbrock_arrays(model: Model, state: State) -> StageArrays:
     """Allocate the arrays for a mechanism."""
     work = make_workspace(model, state)
     own = RosenbrockArrays(make_stiff_forces(state), make_linear_step(model, state, work))
-    return make_adaptive_arrays(model, state, STAGES, work, own)
+    return make_stage_arrays(model, state, STAGES, work, own)
 
 
 @kernel(single_caller=True)
@@ -71,28 +72,30 @@ def present_velocity_scale(velocity_scale, weights, v0, v):
 
 
 @kernel(inner=True)
-def begin_rosenbrock(model, own):
-    """Forget what other lanes and calls have left, and fill what the arrays hold of a model."""
+def begin_rosenbrock(model, state, settings, arrays):
+    """Prepare a call, without what other lanes and calls have left; False if constraints are singular."""
+    own = arrays.own
     own.stiff.active[0] = 0
     own.step.linearized[0] = NEVER
     clear(model.elimination, own.step.newton.mass)
     fill_mass(model, own.step.newton.mass)
+    return begin_stages(model, state, settings, arrays)
 
 
 @kernel(inner=True)
-def choose_rosenbrock(model, state, stages, wanted):
+def choose_rosenbrock(model, state, settings, arrays, wanted, remaining):
     """Step to try [s] if `wanted` is what accuracy, impacts and the settings allow, and whether linearly implicit."""
-    trial = stages.trial[0]
+    trial = arrays.trial[0]
     implicit = state.clock[0].explicit_wait <= 0 and wanted > _WORTH * (STABILITY_MARGIN * model.stable_step)
     trial.implicit = implicit
-    return wanted if implicit else stable_step(model, stages, wanted)
+    return wanted if implicit else stable_step(model, trial, wanted)
 
 
 @kernel(inner=True)
 def attempt_rosenbrock(model, state, settings, arrays, h):
     """Fill a step `h`, its end going to `stages`; its error in units of the tolerance, negative if singular."""
     work, stages, own = arrays.work, arrays.stages, arrays.own
-    if stages.trial[0].implicit:
+    if arrays.trial[0].implicit:
         error = _STRICTER * attempt_implicit(model, state, stages, own.step, work, settings, h)
         if 0.0 <= error <= 1.0:
             copy_into(state.multipliers, stages.multipliers)
@@ -102,13 +105,13 @@ def attempt_rosenbrock(model, state, settings, arrays, h):
     velocity_scale = settings.velocity_scale
     if model.flexible:
         velocity_scale = present_velocity_scale(velocity_scale, model.error_weight, state.v, stages.v)
-    return error_norm(model, state, stages, own.stiff, settings.rtol, velocity_scale, h)
+    return error_norm(model, state, arrays, settings.rtol, velocity_scale, h)
 
 
 @kernel(inner=True)
-def adapt_rosenbrock(model, state, stages, accepted):
+def adapt_rosenbrock(model, state, arrays, accepted):
     """Choose when a linearly implicit step is tried next, once the next step's size is set."""
-    clock, trial = state.clock[0], stages.trial[0]
+    clock, trial = state.clock[0], arrays.trial[0]
     if accepted:
         clock.explicit_wait -= not trial.implicit
         if trial.implicit:

@@ -32,7 +32,7 @@ from solar_env.mechanics.integrators.methods.rosenbrock_stages import (
     set_stage,
     solve_stage,
 )
-from solar_env.mechanics.integrators.step import hermite_state
+from solar_env.mechanics.integrators.methods.stages import hermite_state
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into, greatest
 from solar_env.mechanics.numerics.profile import profile_factor

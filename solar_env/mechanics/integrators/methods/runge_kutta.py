@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.model import Model, State
 from solar_env.mechanics.equations.system import inlined_accelerations, make_workspace
+from solar_env.mechanics.integrators.methods.stage_steps import begin_stages
+from solar_env.mechanics.integrators.methods.stages import StageArrays, StageSettings, make_stage_arrays, refresh
 from solar_env.mechanics.integrators.methods.stiff_forces import begin_step, correct_stage, may_be_stiff, product
-from solar_env.mechanics.integrators.step import AdaptiveArrays, AdaptiveSettings, make_adaptive_arrays, refresh
 from solar_env.mechanics.joints.joint import penetration
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into, greater
@@ -47,7 +48,7 @@ _DEPTH_ERROR = 0.01
 BOOKED_ENERGIES = (m.NORMAL_DISSIPATION, m.FRICTION_DISSIPATION, m.MOTOR_WORK, m.STOP_DISSIPATION, m.CABLE_WORK)
 
 
-class RungeKuttaSettings(AdaptiveSettings):
+class RungeKuttaSettings(StageSettings):
     """Settings of this method."""
 
 
@@ -109,30 +110,31 @@ class RungeKuttaArrays(NamedTuple):
     stiff: StiffForces
 
 
-def make_runge_kutta_arrays(model: Model, state: State) -> AdaptiveArrays:
+def make_runge_kutta_arrays(model: Model, state: State) -> StageArrays:
     """Allocate the arrays for a mechanism."""
     work = make_workspace(model, state)
-    return make_adaptive_arrays(model, state, STAGES, work, RungeKuttaArrays(make_stiff_forces(state)))
+    return make_stage_arrays(model, state, STAGES, work, RungeKuttaArrays(make_stiff_forces(state)))
 
 
 @kernel(inner=True)
-def begin_runge_kutta(model, own):
-    """Forget the stiff forces of other lanes and calls."""
-    own.stiff.active[0] = 0
+def begin_runge_kutta(model, state, settings, arrays):
+    """Prepare a call, without the stiff forces of other lanes and calls; False if constraints are singular."""
+    arrays.own.stiff.active[0] = 0
+    return begin_stages(model, state, settings, arrays)
 
 
 @kernel(inlined=True)
-def stable_step(model, stages, wanted):
+def stable_step(model, trial, wanted):
     """Bound the step `wanted` [s] by the method's stability on the flexible bodies, and note whether that did."""
     stable = STABILITY_MARGIN * model.stable_step
-    stages.trial[0].bound = stable < wanted
+    trial.bound = stable < wanted
     return min(stable, wanted)
 
 
 @kernel(inner=True)
-def choose_runge_kutta(model, state, stages, wanted):
+def choose_runge_kutta(model, state, settings, arrays, wanted, remaining):
     """Step to try [s] if `wanted` is what accuracy, impacts and the settings allow."""
-    return stable_step(model, stages, wanted)
+    return stable_step(model, arrays.trial[0], wanted)
 
 
 @kernel(inlined=True)
@@ -148,8 +150,9 @@ def restore_ends(v0, stages, stiff):
 
 
 @kernel(single_caller=True)
-def take_stages(model, state, stages, stiff, work, h):
+def take_stages(model, state, arrays, h):
     """Fill the stages of a step `h`, its end going to `stages.q`, `.v` and `.gain`. False if singular."""
+    work, stages, stiff = arrays.work, arrays.stages, arrays.own.stiff
     q0, v0, joint_states, multipliers = state.q, state.v, state.joints, state.multipliers
     q, v, velocity, acceleration = stages.q, stages.v, stages.velocity, stages.acceleration
     power, stage_power, gain = work.power, stages.power, stages.gain
@@ -162,7 +165,7 @@ def take_stages(model, state, stages, stiff, work, h):
     if stiff.active[0] > 0:
         copy_into(stiff.start, acceleration[0])
         copy_into(stiff.start_power, stage_power[0])
-    stages.trial[0].stiff_contacts = 0 if model.flexible else stiff.active[0]
+    arrays.trial[0].stiff_contacts = 0 if model.flexible else stiff.active[0]
     for s in range(STAGES):
         c0, c1, c2, c3 = _COUPLING[s]
         if s > 0:
@@ -193,22 +196,23 @@ def take_stages(model, state, stages, stiff, work, h):
 
 
 @kernel(inner=True)
-def contact_error(model, stages, stiff, h):
+def contact_error(model, arrays, stiff, h):
     """Greatest error estimate of a lasting contact's depth, in units of its tolerance, a share of the depth itself."""
-    worst = 0.0
+    worst, stages = 0.0, arrays.stages
     for c in range(stiff.active[0]):
         if stiff.stiffness[c] > 0.0:
             j, rate = stiff.joint[c], 0.0
             for s in range(STAGES):
                 rate += _ERROR[s] * product(stiff.gradient[c], stages.velocity[s])
             depth, _ = penetration(model.joints[j], model.markers, stages.q, stages.v)
-            worst = greater(worst, h * abs(rate) / (_DEPTH_ERROR * max(depth, stages.depth[j])))
+            worst = greater(worst, h * abs(rate) / (_DEPTH_ERROR * max(depth, arrays.motion[j].depth)))
     return worst
 
 
 @kernel(single_caller=True)
-def error_norm(model, state, stages, stiff, rtol, velocity_scale, h):
+def error_norm(model, state, arrays, rtol, velocity_scale, h):
     """Greatest component of the error estimate in units of the tolerance."""
+    stages, stiff = arrays.stages, arrays.own.stiff
     v0, v, velocity, acceleration, power = state.v, stages.v, stages.velocity, stages.acceleration, stages.power
     e0, e1, e2, e3, e4 = _ERROR
     if stiff.active[0] > 0:
@@ -244,7 +248,7 @@ def error_norm(model, state, stages, stiff, rtol, velocity_scale, h):
         de = e0 * power[0, i] + e1 * power[1, i] + e2 * power[2, i] + e3 * power[3, i] + e4 * power[4, i]
         worst = greater(worst, abs(h * de) / energy_tolerance)
     if stiff.active[0] > 0:
-        worst = greater(worst, contact_error(model, stages, stiff, h))
+        worst = greater(worst, contact_error(model, arrays, stiff, h))
         restore_ends(v0, stages, stiff)
     return worst
 
@@ -252,10 +256,9 @@ def error_norm(model, state, stages, stiff, rtol, velocity_scale, h):
 @kernel(single_caller=True)
 def attempt_explicit(model, state, arrays, h):
     """Fill a step `h` from accelerations that solve the equations of motion. False if constraints are singular."""
-    work, stages = arrays.work, arrays.stages
-    if state.clock[0].acceleration_current != m.EXACT and not refresh(model, state, stages, work):
+    if state.clock[0].acceleration_current != m.EXACT and not refresh(model, state, arrays.stages, arrays.work):
         return False
-    return take_stages(model, state, stages, arrays.own.stiff, work, h)
+    return take_stages(model, state, arrays, h)
 
 
 @kernel(inner=True)
@@ -263,5 +266,4 @@ def attempt_runge_kutta(model, state, settings, arrays, h):
     """Fill a step `h`, its end going to `stages`; its error in units of the tolerance, negative if singular."""
     if not attempt_explicit(model, state, arrays, h):
         return -1.0
-    stages, stiff = arrays.stages, arrays.own.stiff
-    return error_norm(model, state, stages, stiff, settings.rtol, settings.velocity_scale, h)
+    return error_norm(model, state, arrays, settings.rtol, settings.velocity_scale, h)

@@ -11,47 +11,99 @@ from typing import Any
 from solar_env.mechanics.equations.formulation import Formulation
 from solar_env.mechanics.integrators import settings
 from solar_env.mechanics.integrators.formulations import ABSOLUTE, FLOATING
-from solar_env.mechanics.integrators.methods import dormand_prince, generalized_alpha, rosenbrock, runge_kutta
-from solar_env.mechanics.integrators.step import HERMITE, AdaptiveSettings, Interpolant, adapt_nothing
+from solar_env.mechanics.integrators.methods import generalized_alpha, rosenbrock, runge_kutta, stage_steps
+from solar_env.mechanics.integrators.methods.alpha_step import AlphaSettings
 from solar_env.mechanics.modal.arrays import make_workspace
-from solar_env.mechanics.modal.run.driver import begin_modal, convert_settings, take_modal_step
+from solar_env.mechanics.modal.run import method as modal
 from solar_env.mechanics.modal.step.solve import ModalSettings
 from solar_env.mechanics.numerics.by_type import chosen_by_type
+from solar_env.mechanics.numerics.jit import kernel
+from solar_env.mechanics.numerics.step_size import StepController
 
 Chosen = Any  # one of the settings' classes of `settings.py`
+# How steps land on events: not at all, at a share of the step that is interpolated, or by solving a shorter step.
+NOT_AT_ALL, AT_SHARE, BY_SOLVING_AGAIN = range(3)
+
+
+@kernel(inner=True)
+def control_stages(settings):
+    """The controller of methods in stages, by proportional and integral control of the error."""
+    return StepController(settings.order, 0.72, 0.4, 1e-10, 0.1, 10.0, 0.0, 0.0)
+
+
+@kernel(inner=True)
+def control_modal(settings):
+    """The controller of modal panels."""
+    return modal.CONTROL
+
+
+@kernel(inner=True)
+def control_alpha(settings):
+    """The controller of generalized-alpha."""
+    return generalized_alpha.CONTROL
+
+
+@kernel(inner=True)
+def note_no_peaks(model, state, arrays, h, share):
+    """Do nothing: force maxima are those at the ends of steps."""
+
+
+@kernel(inner=True)
+def resume_nothing(model, state, arrays):
+    """Do nothing: the next step starts from the state alone."""
+
+
+@kernel(inner=True)
+def cut_nothing(model, state, settings, arrays, h):
+    """Do nothing: steps are not solved again."""
+    return True
 
 
 @dataclass(frozen=True)
-class AdaptiveKernels:
-    """Kernels of a method that the driver of adaptive steps (`adaptive.py`) calls.
+class Kernels:
+    """What a method offers to the run loop (`run.py`): kernels, whose arguments are those of that loop.
+
+    `arrays` are the method's, with `trial` and `motion` (`arrays/trial.py`) among them; `h` is the size of the step in
+    hand [s], `share` a place in it from 0 to 1.
 
     Attributes:
-        begin: (model, own arrays): prepares the method's own arrays for a call.
-        choose: (model, state, stages, wanted): step to try [s] if `wanted` is what accuracy and impacts allow.
-        attempt: (model, state, settings, arrays, h): fills a step; its error in units of the tolerance, negative if
+        begin: prepares the arrays for a call, fills `motion` and a first step size; False if constraints are singular.
+        choose: step to try [s] of the one `wanted` by accuracy and impacts, with `remaining` time in the call [s].
+        attempt: tries a step from the accepted state, which it leaves; its error in units of the tolerance, negative if
+            constraints are singular. In `trial`, it may name a step to try after a refused one.
+        complete: fills what samples and the acceptance need beyond what the attempt left.
+        sample: stores a row of the record.
+        commit: moves the state to a share of the step and fills depths and their rates in `motion`; False if
             constraints are singular.
-        interpolant: looks between the ends of the step.
-        adapt: (model, state, stages, accepted): what the method itself changes once the next step's size is set.
+        evaluate: fills the rest of `motion` at the accepted state, whose forces an event may have `changed`.
+        open_contact: inverse mass [1/kg] that a joint feels as its contact begins.
+        contact_angles: angles of the line of centres in the frames of journal and bearing [rad].
+        depth, angle: penetration [m] and angle [rad] of a joint at a share of the step.
+        landing: how steps land on events.
+        control: the controller of the step size.
+        note_peaks: raises the force maxima to those inside the step.
+        resume: prepares the next step, after the ends of contacts.
+        adapt: what the method itself changes once the next step's size is set.
+        cut: solves a step anew that is shorter; False if it cannot be solved.
     """
 
     begin: Any
     choose: Any
     attempt: Any
-    interpolant: Interpolant = HERMITE
-    adapt: Any = adapt_nothing
-
-
-@dataclass(frozen=True)
-class SteppingKernels:
-    """A method with a control of its steps of its own.
-
-    Attributes:
-        begin_call: (model, state, settings, recorder, arrays): prepares a call and records its start; a status code.
-        take_step: (model, state, settings, recorder, end_time, arrays): takes a step and books it; a status code.
-    """
-
-    begin_call: Any
-    take_step: Any
+    complete: Any
+    sample: Any
+    commit: Any
+    evaluate: Any
+    open_contact: Any
+    contact_angles: Any
+    depth: Any
+    angle: Any
+    landing: int
+    control: Any
+    note_peaks: Any = note_no_peaks
+    resume: Any = resume_nothing
+    adapt: Any = stage_steps.adapt_nothing
+    cut: Any = cut_nothing
 
 
 @dataclass(frozen=True)
@@ -71,62 +123,99 @@ class Method:
     kernel_settings: type
     convert: Callable[[Any], Any]
     arrays: Callable[[Any, Any], Any]
-    kernels: AdaptiveKernels | SteppingKernels
+    kernels: Kernels
     formulation: Formulation = ABSOLUTE
 
 
-def _adaptive(order: int, kernel_settings: type, arrays: Callable[[Any, Any], Any], *kernels: Any) -> Method:
-    def convert(chosen: settings.RungeKutta) -> AdaptiveSettings:
+def in_stages(order: int, kernel_settings: type, arrays: Callable[[Any, Any], Any], **kernels: Any) -> Method:
+    """Row of a method in stages; of its kernels those that are not `stage_steps`' are named."""
+
+    def convert(chosen: settings.RungeKutta) -> Any:
         values = (chosen.rtol, chosen.velocity_scale, chosen.max_step, chosen.impact_resolution)
         # Of other types they would be compiled anew.
-        converted: AdaptiveSettings = kernel_settings(*map(float, values), int(chosen.max_steps), float(order))
-        return converted
+        return kernel_settings(*map(float, values), int(chosen.max_steps), float(order))
 
-    return Method(order, kernel_settings, convert, arrays, AdaptiveKernels(*kernels))
+    shared = Kernels(
+        **kernels,
+        complete=stage_steps.complete_nothing,
+        sample=stage_steps.sample_stages,
+        commit=stage_steps.commit_stages,
+        evaluate=stage_steps.evaluate_stages,
+        open_contact=stage_steps.open_contact,
+        contact_angles=stage_steps.contact_angles,
+        depth=stage_steps.depth_in_stages,
+        angle=stage_steps.angle_in_stages,
+        landing=AT_SHARE,
+        control=control_stages,
+        note_peaks=stage_steps.refine_peaks,
+        resume=stage_steps.resume_stages,
+    )
+    return Method(order, kernel_settings, convert, arrays, shared)
 
 
 METHODS: dict[str, Method] = {
-    settings.RungeKutta.name: _adaptive(
+    settings.RungeKutta.name: in_stages(
         4,
         runge_kutta.RungeKuttaSettings,
         runge_kutta.make_runge_kutta_arrays,
-        runge_kutta.begin_runge_kutta,
-        runge_kutta.choose_runge_kutta,
-        runge_kutta.attempt_runge_kutta,
+        begin=runge_kutta.begin_runge_kutta,
+        choose=runge_kutta.choose_runge_kutta,
+        attempt=runge_kutta.attempt_runge_kutta,
     ),
-    settings.Rosenbrock.name: _adaptive(
+    settings.Rosenbrock.name: in_stages(
         4,
         rosenbrock.RosenbrockSettings,
         rosenbrock.make_rosenbrock_arrays,
-        rosenbrock.begin_rosenbrock,
-        rosenbrock.choose_rosenbrock,
-        rosenbrock.attempt_rosenbrock,
-        HERMITE,
-        rosenbrock.adapt_rosenbrock,
-    ),
-    settings.DormandPrince.name: _adaptive(
-        8,
-        dormand_prince.DormandPrinceSettings,
-        dormand_prince.make_dormand_prince_arrays,
-        dormand_prince.begin_dormand_prince,
-        dormand_prince.choose_dormand_prince,
-        dormand_prince.attempt_dormand_prince,
-        dormand_prince.INTERPOLANT,
+        begin=rosenbrock.begin_rosenbrock,
+        choose=rosenbrock.choose_rosenbrock,
+        attempt=rosenbrock.attempt_rosenbrock,
+        adapt=rosenbrock.adapt_rosenbrock,
     ),
     settings.ModalRadau.name: Method(
         3,
         ModalSettings,
-        convert_settings,
+        modal.convert_settings,
         make_workspace,
-        SteppingKernels(begin_modal, take_modal_step),
+        Kernels(
+            begin=modal.begin_modal,
+            choose=modal.choose_modal,
+            attempt=modal.attempt_modal,
+            complete=modal.complete_modal,
+            sample=modal.sample_modal,
+            commit=modal.commit_modal,
+            evaluate=modal.evaluate_modal,
+            open_contact=modal.open_contact,
+            contact_angles=modal.contact_angles,
+            depth=modal.depth_of_modal,
+            angle=modal.angle_of_modal,
+            landing=BY_SOLVING_AGAIN,
+            control=control_modal,
+            note_peaks=modal.note_peaks,
+            resume=modal.resume_modal,
+            cut=modal.cut_modal,
+        ),
         FLOATING,
     ),
     settings.GeneralizedAlpha.name: Method(
         2,
-        generalized_alpha.AlphaSettings,
+        AlphaSettings,
         generalized_alpha.convert_settings,
         generalized_alpha.make_alpha_arrays,
-        SteppingKernels(generalized_alpha.begin_alpha, generalized_alpha.take_alpha_step),
+        Kernels(
+            begin=generalized_alpha.begin_alpha,
+            choose=generalized_alpha.choose_alpha,
+            attempt=generalized_alpha.attempt_alpha,
+            complete=generalized_alpha.complete_alpha,
+            sample=generalized_alpha.sample_alpha,
+            commit=generalized_alpha.commit_alpha,
+            evaluate=generalized_alpha.evaluate_alpha,
+            open_contact=stage_steps.open_contact,
+            contact_angles=stage_steps.contact_angles,
+            depth=generalized_alpha.depth_at_start,
+            angle=generalized_alpha.angle_at_start,
+            landing=NOT_AT_ALL,
+            control=control_alpha,
+        ),
     ),
 }
 _BY_TYPE = {method.kernel_settings: method for method in METHODS.values()}
@@ -145,15 +234,24 @@ def method_of(chosen: Chosen) -> Method:
 
 
 def kernel_of(pick: Callable[[Any], Any]) -> Callable[[Any], Any]:
-    """A function of kernel settings that gives the kernel `pick` takes from their method's; resolved in compiling."""
+    """A function of kernel settings that gives what `pick` takes from their method's kernels; resolved in compiling."""
     return chosen_by_type(_BY_TYPE, lambda method: pick(method.kernels))
 
 
 begin_of = kernel_of(lambda kernels: kernels.begin)
 choose_of = kernel_of(lambda kernels: kernels.choose)
 attempt_of = kernel_of(lambda kernels: kernels.attempt)
+complete_of = kernel_of(lambda kernels: kernels.complete)
+sample_of = kernel_of(lambda kernels: kernels.sample)
+commit_of = kernel_of(lambda kernels: kernels.commit)
+evaluate_of = kernel_of(lambda kernels: kernels.evaluate)
+open_contact_of = kernel_of(lambda kernels: kernels.open_contact)
+contact_angles_of = kernel_of(lambda kernels: kernels.contact_angles)
+depth_of = kernel_of(lambda kernels: kernels.depth)
+angle_of = kernel_of(lambda kernels: kernels.angle)
+landing_of = kernel_of(lambda kernels: kernels.landing)
+controller_of = kernel_of(lambda kernels: kernels.control)
+note_peaks_of = kernel_of(lambda kernels: kernels.note_peaks)
+resume_of = kernel_of(lambda kernels: kernels.resume)
 adapt_of = kernel_of(lambda kernels: kernels.adapt)
-complete_of = kernel_of(lambda kernels: kernels.interpolant.complete)
-interpolate_of = kernel_of(lambda kernels: kernels.interpolant.state)
-integrals_of = kernel_of(lambda kernels: kernels.interpolant.integrals)
-depth_of = kernel_of(lambda kernels: kernels.interpolant.depth)
+cut_of = kernel_of(lambda kernels: kernels.cut)

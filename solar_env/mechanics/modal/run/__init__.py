@@ -1,4 +1,4 @@
-"""Control of the steps of a run of modal panels: their size, events, books and samples.
+"""Modal panels as the run loop meets them: `method` has the kernels of `ModalRadau`, with books and samples.
 
-Imports `step` and `records`. `driver` has the kernels of the method `ModalRadau`.
+Imports `step` and `records`.
 """

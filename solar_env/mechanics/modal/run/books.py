@@ -44,11 +44,10 @@ from solar_env.mechanics.records.history import note_force
 
 @kernel(inlined=True)
 def add_integrals(model, state, work, h):
-    """Add a step's part of the joints' integrals, from loads and motion at its stages."""
-    integrals = state.integrals
+    """Add a step's part of the joints' integrals in the workspace, from loads and motion at its stages."""
+    integrals = work.integrals
     for j in range(model.joints.size):
         joint, own, first = model.joints[j], state.joints[j], INTEGRALS_PER_JOINT * j
-        work.joints[j].sliding_work = 0.0
         for s in range(2):
             weight = h * (WEIGHT_A if s == 0 else WEIGHT_B)
             motion, load = work.joints[j].motion[s], work.joints[j].load[s]
@@ -63,8 +62,7 @@ def add_integrals(model, state, work, h):
                 integrals[first + NORMAL_DISSIPATION] += weight * (normal - elastic) * motion[DEPTH_RATE]
                 integrals[first + FRICTION_DISSIPATION] -= weight * load[1] * motion[SLIP]
                 integrals[first + IMPULSE] += weight * normal
-                work.joints[j].sliding_work += weight * normal * abs(motion[SLIDING_SPEED])
-        integrals[first + SLIDING_WORK] += work.joints[j].sliding_work
+                integrals[first + SLIDING_WORK] += weight * normal * abs(motion[SLIDING_SPEED])
     for c in range(model.cables.size):
         cable = model.cables[c]
         a = cable.joint_a
@@ -77,14 +75,12 @@ def add_integrals(model, state, work, h):
 
 
 @kernel(inlined=True)
-def note_peaks(model, state, work):
+def note_peaks(model, state, work, h, share):
     """Raise the force maxima to those of the step: of its stages, and of the parabola through them and its start."""
     postlock = state.clock[0].latched_joints > 0
     for j in range(model.joints.size):
         own, load = state.joints[j], work.joints[j].load
-        if model.joints[j].kind == IDEAL:
-            note_force(own, math.sqrt(load[1, 0] ** 2 + load[1, 1] ** 2), postlock)
-        elif own.in_contact:
+        if own.in_contact:
             start, first, second = state.loads[j, 0], load[0, 0], load[1, 0]
             peak = max(first, second)
             if first > start and first > second:

@@ -20,7 +20,6 @@ from solar_env.mechanics.modal.arrays import (
     STRETCH,
 )
 from solar_env.mechanics.modal.run.books import stored_energies
-from solar_env.mechanics.modal.run.events import cubic
 from solar_env.mechanics.modal.step.bodies import outboard_load
 from solar_env.mechanics.modal.step.motion import look_at
 from solar_env.mechanics.numerics.jit import kernel
@@ -28,6 +27,15 @@ from solar_env.mechanics.records.recording import RECORDED_LOADS
 
 # Step [s] in which velocities hardly change, while rounding shows in quotients of differences.
 _SHORT = 1e-6
+
+
+@kernel(inlined=True)
+def cubic(share, x0, r0, x1, r1):
+    """Value at a share of the step of the cubic through values and rates (times the step) at both ends."""
+    rest = 1.0 - share
+    return rest * rest * ((1.0 + 2.0 * share) * x0 + share * r0) + share * share * (
+        (3.0 - 2.0 * share) * x1 - rest * r1
+    )
 
 
 @kernel
@@ -57,7 +65,7 @@ def fill_load_table(model, state, work, slot, loads, table):
 
 @kernel(inner=True)
 def record_modal_sample(model, state, work, recorder, h, share):
-    """Store one row at a share of the step from `work.q` to the present state.
+    """Store one row at a share of the step from the present state to `work.q`.
 
     Velocities of frames are the rates of their cubics. Those of modes, which the step may not resolve, and integrals go
     along a line.
@@ -65,13 +73,13 @@ def record_modal_sample(model, state, work, recorder, h, share):
     n, rest = state.q.size, 1.0 - share
     row = recorder.samples[recorder.filled[0]]
     for i in range(n):
-        x0, v0, x1, v1 = work.q[i], work.v[i], state.q[i], state.v[i]
+        x0, v0, x1, v1 = state.q[i], state.v[i], work.q[i], work.v[i]
         row[i] = cubic(share, x0, h * v0, x1, h * v1)
         row[n + i] = v0 + share * (v1 - v0)
     if h > _SHORT:
         for b in range(model.bodies.size):
             for i in range(model.bodies[b].offset, model.bodies[b].offset + 3):
-                rise, v0, v1 = (state.q[i] - work.q[i]) / h, work.v[i], state.v[i]
+                rise, v0, v1 = (work.q[i] - state.q[i]) / h, state.v[i], work.v[i]
                 row[n + i] = rest * (6.0 * share * rise + (1.0 - 3.0 * share) * v0) + share * (3.0 * share - 2.0) * v1
     look_at(model, row[:n], row[n : 2 * n], work, OTHER)
     for j in range(model.joints.size):
@@ -95,6 +103,6 @@ def record_modal_sample(model, state, work, recorder, h, share):
         row[k] = work.energies[e]
         k += 1
     for i in range(state.integrals.size):
-        row[k] = work.integrals[i] + share * (state.integrals[i] - work.integrals[i])
+        row[k] = state.integrals[i] + share * (work.integrals[i] - state.integrals[i])
         k += 1
     recorder.filled[0] += 1

@@ -151,7 +151,7 @@ def note_extremes(panels, own, d, spin, extremes):
 
 @kernel
 def commit_step(model, state, work, tables, level, h):
-    """Move the state to the end of the step that has been solved, and fill the motion there."""
+    """Move the workspace's coordinates from the start to the end of the solved step, and fill the motion there."""
     distribute_loads(model, state, work)
     distribute_cables(model, work)
     stage_frames(model, state, work, h)
@@ -159,15 +159,15 @@ def commit_step(model, state, work, tables, level, h):
     for b in range(model.bodies.size):
         body, own, first = model.bodies[b], work.bodies[b], model.bodies[b].offset
         for i in range(3):
-            state.q[first + i], state.v[first + i] = own.place[SECOND, i], own.speed[SECOND, i]
+            work.q[first + i], work.v[first + i] = own.place[SECOND, i], own.speed[SECOND, i]
         if body.panel != RIGID_BODY:
             answers, panel, begin = tables.answers[body.design, level], work.panels[body.panel], first + 3
             end = begin + answers.size
-            q, v = state.q[begin:end], state.v[begin:end]
+            q, v = work.q[begin:end], work.v[begin:end]
             power += move_panel(model.panels, panel, answers, body.design, q, v)
             note_extremes(model.panels, panel, body.design, own.speed[SECOND, 2], state.extremes)
-    state.integrals[state.integrals.size + MATERIAL_DISSIPATION] += h * power
-    place_bodies(model, state.q, state.v, work, START)
+    work.integrals[work.integrals.size + MATERIAL_DISSIPATION] += h * power
+    place_bodies(model, work.q, work.v, work, START)
 
 
 @kernel(inlined=True)

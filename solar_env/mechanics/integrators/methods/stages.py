@@ -1,4 +1,4 @@
-"""The step in hand of an adaptive method: its stages, its end, and Hermite's interpolant between start and end.
+"""The step in hand of a method in stages: derivatives, end, and Hermite's interpolant between start and end.
 
 Row 0 of the stage arrays holds the derivatives at the step's start, the last row those at its end, whatever the method.
 Between the ends positions follow the quintic and velocities the cubic Hermite polynomial through what is known there
@@ -13,37 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays.model import ENERGIES, EXACT, Model, State
+from solar_env.mechanics.arrays.trial import make_joint_motions, make_trial
 from solar_env.mechanics.equations.system import Workspace, accelerations, make_workspace
 from solar_env.mechanics.joints.joint import penetration, relative, relative_velocity
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 
-# Facts of the step in hand; attributes outside compiled code, so that the kernels run uncompiled too.
-_trial_type = np.dtype(
-    (
-        np.record,
-        np.dtype(
-            [
-                ("wanted", np.float64),  # step [s] that the controller asked for
-                ("step", np.float64),  # step [s] that is tried: at most up to the end of the call
-                ("error", np.float64),  # estimate in units of the tolerance
-                ("last", np.int64),  # whether it ends the call
-                ("bound", np.int64),  # whether the method's stability on the flexible bodies bounds it
-                # Whether it is linearly implicit: the accelerations at its end solve the equations of motion only to
-                # its tolerance, and the workspace is not that of an evaluation there.
-                ("implicit", np.int64),
-                # Whether it corrects for stiff contacts: the accelerations at its ends are not those in between.
-                ("stiff_contacts", np.int64),
-                ("at_once", np.int64),  # events that have followed each other without time between them
-            ],
-            align=True,
-        ),
-    )
-)
 
-
-class AdaptiveSettings(NamedTuple):
-    """Settings of an adaptive method as the kernels take them; a subclass a method tells the compiler which it is."""
+class StageSettings(NamedTuple):
+    """Settings of a method in stages as the kernels take them; a subclass a method tells the compiler which it is."""
 
     rtol: float  # local error of velocities relative to (velocity_scale + |velocity|), of positions to the length scale
     velocity_scale: float  # [m/s]
@@ -67,18 +45,15 @@ class Stages(NamedTuple):
     scratch_a: NDArray[np.float64]  # (n,)
     integrals: NDArray[np.float64]  # interpolated integrals
     energies: NDArray[np.float64]  # (ENERGIES,)
-    depth: NDArray[np.float64]  # (joints,) penetration at the step's start
-    depth_rate: NDArray[np.float64]  # (joints,)
-    sliding_work: NDArray[np.float64]  # (joints,) of the step
     ratios: NDArray[np.float64]  # (n,) error by tolerance
     multipliers: NDArray[np.float64]  # (m + bodies,) scratch; at the end of a linearly implicit step
-    weights: NDArray[np.float64]  # (stages,) of an interpolant
-    trial: NDArray[np.void]  # (1,)
 
 
-class AdaptiveArrays(NamedTuple):
-    """Scratch arrays of an adaptive method, of one thread; nothing in them outlives a lane's turn."""
+class StageArrays(NamedTuple):
+    """Scratch arrays of a method in stages, of one thread; nothing in them outlives a lane's turn."""
 
+    trial: NDArray[np.void]  # (1,) rows of `trial.trial_type`
+    motion: NDArray[np.void]  # (joints,) rows of `trial.joint_motion_type`
     work: Workspace
     scratch: Workspace  # for evaluations that leave the other as it is
     stages: Stages
@@ -87,7 +62,7 @@ class AdaptiveArrays(NamedTuple):
 
 def make_stages(state: State, rows: int) -> Stages:
     """Allocate the arrays of a step of `rows` stages, the derivatives at its end included."""
-    n, k, joints = state.q.size, state.integrals.size, state.joints.size
+    n, k = state.q.size, state.integrals.size
     return Stages(
         velocity=np.zeros((rows, n)),
         acceleration=np.zeros((rows, n)),
@@ -100,19 +75,15 @@ def make_stages(state: State, rows: int) -> Stages:
         scratch_a=np.zeros(n),
         integrals=np.zeros(k),
         energies=np.zeros(ENERGIES),
-        depth=np.zeros(joints),
-        depth_rate=np.zeros(joints),
-        sliding_work=np.zeros(joints),
         ratios=np.zeros(n),
         multipliers=np.zeros(state.multipliers.size),
-        weights=np.zeros(rows),
-        trial=np.zeros(1, dtype=_trial_type),
     )
 
 
-def make_adaptive_arrays(model: Model, state: State, rows: int, work: Workspace, own: Any) -> AdaptiveArrays:
+def make_stage_arrays(model: Model, state: State, rows: int, work: Workspace, own: Any) -> StageArrays:
     """Allocate the arrays of a method of `rows` stages that works in `work` and has arrays of its `own`."""
-    return AdaptiveArrays(work, make_workspace(model, state), make_stages(state, rows), own)
+    scratch, motion = make_workspace(model, state), make_joint_motions(state.joints.size)
+    return StageArrays(make_trial(), motion, work, scratch, make_stages(state, rows), own)
 
 
 @kernel(inner=True)
@@ -220,34 +191,3 @@ def hermite_integrals(state, stages, h, share):
     _, start, whole, end = cubic_weights(share)
     for k in range(integrals.size):
         integrals[k] = base[k] + whole * gain[k] + h * (start * power[0, k] + end * power[-1, k])
-
-
-@kernel(inner=True)
-def hermite_is_complete(model, state, arrays, recorder, h):
-    """Hermite's interpolant needs nothing beyond what every step leaves at its ends."""
-    return True
-
-
-@kernel(inner=True)
-def adapt_nothing(model, state, stages, accepted):
-    """The method has no choice of its own between steps."""
-
-
-class Interpolant(NamedTuple):
-    """Kernels that look between the ends of a step `h`, at a `share` of it from 0 to 1.
-
-    Attributes:
-        complete: (model, state, arrays, recorder, h): evaluates what the others need beyond what the step left, if
-            anything will be looked at; False if constraints are singular.
-        state: (state, stages, h, share): coordinates and velocities to `stages.scratch_q` and `.scratch_v`.
-        integrals: (state, stages, h, share): time integrals to `stages.integrals`.
-        depth: (joint, markers, state, stages, h, share): penetration of a joint with clearance [m].
-    """
-
-    complete: Any
-    state: Any
-    integrals: Any
-    depth: Any
-
-
-HERMITE = Interpolant(hermite_is_complete, hermite_state, hermite_integrals, hermite_depth)

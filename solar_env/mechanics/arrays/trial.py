@@ -1,0 +1,52 @@
+"""The step in hand, as the run loop and all methods see it: its trial, and the motion of the joints at its ends."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solar_env.mechanics.arrays.model import record
+
+trial_type = record(
+    [
+        ("wanted", np.float64),  # step [s] that the method would take if the call did not end
+        ("step", np.float64),  # step [s] that is tried: at most up to the end of the call
+        ("error", np.float64),  # in units of the tolerance
+        ("retry", np.float64),  # step [s] to try after a refused one if the error does not tell; negative: none
+        ("reason", np.int64),  # status code of a method that has no step left to try; 0 leaves it to the run loop
+        ("joint", np.int64),  # that has kept the method from solving its equations, or -1
+        ("last", np.int64),  # whether the step ends the call
+        ("at_once", np.int64),  # events that have followed each other without time between them
+        # Of methods in stages: whether the stability of the flexible bodies bounds the step.
+        ("bound", np.int64),
+        # Whether it is linearly implicit: the accelerations at its end solve the equations of motion only to its
+        # tolerance, and the workspace is not that of an evaluation there.
+        ("implicit", np.int64),
+        # Whether it corrects for stiff contacts: the accelerations at its ends are not those in between.
+        ("stiff_contacts", np.int64),
+        ("level", np.int64),  # of modal panels' tables
+    ]
+)
+
+joint_motion_type = record(
+    [
+        ("start_depth", np.float64),  # penetration at the start of the step [m]
+        ("start_depth_rate", np.float64),  # [m/s]
+        ("start_angle", np.float64),  # [rad]
+        # At the accepted state.
+        ("depth", np.float64),
+        ("depth_rate", np.float64),
+        ("angle", np.float64),
+        ("rate", np.float64),  # [rad/s]
+        ("force", np.float64),  # normal force of a contact, or magnitude of an ideal joint's reaction [N]
+        ("sliding_work", np.float64),  # of the step up to there [J]
+    ]
+)
+
+
+def make_trial() -> NDArray[np.void]:
+    """Allocate the (1,) record of the step in hand."""
+    return np.zeros(1, trial_type)
+
+
+def make_joint_motions(joints: int) -> NDArray[np.void]:
+    """Allocate the (joints,) records of the joints' motion."""
+    return np.zeros(joints, joint_motion_type)

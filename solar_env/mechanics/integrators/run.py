@@ -1,0 +1,275 @@
+"""The run: one loop for all methods, which lands on events, books what happens and controls the size of the steps.
+
+During a step the contact mode of each joint is frozen, so that a step that runs into a bearing wall sees a smooth
+vector field. The wall is then found on the motion inside the step (`events.py`), the step is cut there, and the contact
+starts with its exact approach speed. Latchings and stops are met in the same way. The steps of an impact are bounded by
+a share of its duration, which impact speed and stiffness give beforehand. What a method offers is in
+`methods/table.py`.
+"""
+
+import math
+
+import numpy as np
+
+from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.arrays.lanes import lane_view, take_ticket
+from solar_env.mechanics.integrators.events import (
+    NO_EVENT,
+    SMALLEST_PART,
+    begin_event,
+    begin_passed_events,
+    first_event,
+    land,
+)
+from solar_env.mechanics.integrators.methods.table import (
+    BY_SOLVING_AGAIN,
+    NOT_AT_ALL,
+    adapt_of,
+    attempt_of,
+    begin_of,
+    choose_of,
+    commit_of,
+    complete_of,
+    contact_angles_of,
+    controller_of,
+    evaluate_of,
+    landing_of,
+    note_peaks_of,
+    resume_of,
+    sample_of,
+)
+from solar_env.mechanics.numerics.jit import kernel
+from solar_env.mechanics.numerics.step_size import growth, shortened
+from solar_env.mechanics.records.history import (
+    check_joint,
+    end_contact,
+    fail,
+    has_parted,
+    impact_step_limit,
+    note_force,
+    parting_time,
+    release_stop,
+    wear_contact,
+)
+from solar_env.mechanics.records.recording import pause_due, sample_due
+
+_SMALLEST_STEP = 1e-13  # s, relative to max(time, 1 s)
+# Events may follow each other without time between them, but not for ever.
+_MOST_EVENTS_AT_ONCE = 1000
+
+
+@kernel(inner=True)
+def record_until(model, state, settings, arrays, recorder, h, end):
+    """Take the samples that fall inside the part up to `end` [s] of a step of size `h` [s]."""
+    start = state.clock[0].time
+    while sample_due(recorder, end):
+        share = min(max((recorder.times[recorder.filled[0]] - start) / h, 0.0), 1.0) if h > 0.0 else 0.0
+        sample_of(settings)(model, state, settings, arrays, recorder, h, share)
+
+
+@kernel(single_caller=True)
+def begin_call(model, state, settings, recorder, arrays):
+    """Prepare the arrays of a call and record its start; a status code."""
+    arrays.trial[0].at_once = 0
+    if not begin_of(settings)(model, state, settings, arrays):
+        return fail(state, m.SINGULAR_CONSTRAINTS, -1, 0.0)
+    if recorder.times.size > 0:
+        record_until(model, state, settings, arrays, recorder, 0.0, state.clock[0].time)
+    return m.DONE
+
+
+@kernel(single_caller=True)
+def choose_step(model, state, settings, arrays, end_time):
+    """Fill the trial with the step to take: what accuracy, impacts, the method and the end of the call allow."""
+    clock, trial = state.clock[0], arrays.trial[0]
+    limit = min(settings.max_step, impact_step_limit(state, clock.time, settings.impact_resolution))
+    remaining = end_time - clock.time
+    trial.retry, trial.reason, trial.joint = 0.0, m.DONE, -1
+    trial.bound = trial.implicit = trial.stiff_contacts = 0
+    trial.wanted = choose_of(settings)(model, state, settings, arrays, min(clock.step_size, limit), remaining)
+    trial.last = trial.wanted >= remaining
+    trial.step = remaining if trial.last else trial.wanted
+
+
+@kernel(single_caller=True)
+def reject(model, state, settings, arrays, h, error):
+    """Shorten the next step after one of size `h` [s] that is refused; a status code."""
+    clock, trial, control = state.clock[0], arrays.trial[0], controller_of(settings)(settings)
+    clock.rejected_steps += 1
+    if trial.retry == 0.0:
+        clock.step_size = shortened(control, h, error)
+    elif trial.retry > 0.0:
+        clock.step_size = trial.retry
+    if control.memory > 0.0:
+        # The step that is taken then does not grow at once.
+        clock.last_error = 1.0
+    adapt_of(settings)(model, state, arrays, False)
+    if trial.retry < 0.0 or not clock.step_size > _SMALLEST_STEP * max(1.0, abs(clock.time)):
+        reason = m.STEP_TOO_SMALL if math.isfinite(error) else m.NOT_FINITE
+        return fail(state, reason if trial.reason == m.DONE else trial.reason, trial.joint, error)
+    return m.DONE
+
+
+@kernel(single_caller=True)
+def choose_next(model, state, settings, arrays):
+    """Set the next step's size after an accepted one."""
+    clock, trial, control = state.clock[0], arrays.trial[0], controller_of(settings)(settings)
+    error = max(trial.error, control.memory * clock.last_error)
+    grow = growth(control, error, clock.last_error)
+    clock.last_error = max(error, 1e-4)
+    # A step that was cut short by the end of the call says little about the next one.
+    clock.step_size = max(trial.wanted, trial.step * grow) if trial.last else trial.step * grow
+    clock.stability_bound_steps += trial.bound
+    adapt_of(settings)(model, state, arrays, True)
+
+
+@kernel(single_caller=True)
+def settle_joints(model, state, settings, arrays, recorder, start, event_joint):
+    """Book an accepted step that began at `start` [s]: wear, force maxima, and contacts and stops that have opened.
+
+    What has begun at its end, at `event_joint`, does not end there.
+    """
+    time, latched = state.clock[0].time, state.clock[0].latched_joints > 0
+    for j in range(model.joints.size):
+        joint, joint_state, motion = model.joints[j], state.joints[j], arrays.motion[j]
+        if joint_state.stop_engaged and j != event_joint:
+            release_stop(joint, joint_state, motion.angle, motion.rate)
+        if joint.kind != m.CLEARANCE:
+            note_force(joint_state, motion.force, latched)
+        elif joint_state.in_contact:
+            note_force(joint_state, motion.force, latched)
+            if joint.wear_coefficient > 0.0 and motion.sliding_work > 0.0:
+                journal, bearing = contact_angles_of(settings)(model, state, arrays, j)
+                wear_contact(joint, state, j, journal, bearing, motion.depth, motion.sliding_work)
+            if has_parted(joint_state, time, motion.depth, motion.depth_rate):
+                end_contact(state, j, parting_time(start, time, motion.start_depth, motion.depth), recorder)
+
+
+@kernel(single_caller=True)
+def accept(model, state, settings, arrays, recorder, h, share, joint, kind):
+    """Move to a share of the step `h` [s] in hand, where an event may begin; False if the constraints are singular."""
+    clock, start = state.clock[0], state.clock[0].time
+    end = start + share * h
+    complete_of(settings)(model, state, settings, arrays, h)
+    if recorder.times.size > 0:
+        record_until(model, state, settings, arrays, recorder, h, end)
+    note_peaks_of(settings)(model, state, arrays, h, share)
+    for j in range(model.joints.size):
+        motion, first = arrays.motion[j], m.INTEGRALS_PER_JOINT * j
+        motion.start_depth, motion.start_depth_rate = motion.depth, motion.depth_rate
+        motion.start_angle = motion.angle
+        motion.sliding_work = -state.integrals[first + m.SLIDING_WORK]
+    if not commit_of(settings)(model, state, settings, arrays, h, share):
+        return False
+    clock.time = end
+    clock.steps += 1
+    for j in range(model.joints.size):
+        arrays.motion[j].sliding_work += state.integrals[m.INTEGRALS_PER_JOINT * j + m.SLIDING_WORK]
+    if kind != NO_EVENT:
+        begin_event(model, state, settings, arrays, joint, kind, end, arrays.motion[joint].depth_rate)
+    if not evaluate_of(settings)(model, state, arrays, kind != NO_EVENT):
+        return False
+    if landing_of(settings) == NOT_AT_ALL:
+        begin_passed_events(model, state, settings, arrays, start, h)
+    settle_joints(model, state, settings, arrays, recorder, start, joint)
+    resume_of(settings)(model, state, arrays)
+    return True
+
+
+@kernel(single_caller=True)
+def begin_at_once(model, state, settings, arrays, joint, kind):
+    """Begin an event of the accepted state, without a step; a status code."""
+    trial = arrays.trial[0]
+    trial.at_once += 1
+    if trial.at_once > _MOST_EVENTS_AT_ONCE:
+        return fail(state, m.EVENTS_PILE_UP, joint, float(trial.at_once))
+    time, speed = state.clock[0].time, arrays.motion[joint].depth_rate
+    begin_event(model, state, settings, arrays, joint, kind, time, speed)
+    if not evaluate_of(settings)(model, state, arrays, True):
+        return fail(state, m.SINGULAR_CONSTRAINTS, -1, 0.0)
+    resume_of(settings)(model, state, arrays)
+    return m.DONE
+
+
+@kernel(single_caller=True)
+def check_state(model, state, arrays):
+    """Status of an accepted state: finite, contact depths and joint angles within what the model describes."""
+    for i in range(state.q.size):
+        if not math.isfinite(state.q[i] + state.v[i]):
+            return fail(state, m.NOT_FINITE, -1, state.q[i])
+    for j in range(model.joints.size):
+        motion = arrays.motion[j]
+        status = check_joint(model.joints[j], state, j, motion.depth, motion.angle)
+        if status != m.DONE:
+            return status
+    return m.DONE
+
+
+@kernel(single_caller=True)
+def take_step(model, state, settings, recorder, end_time, arrays):
+    """Try a step towards `end_time` [s], and take it if its error allows, up to its first event; a status code."""
+    trial = arrays.trial[0]
+    choose_step(model, state, settings, arrays, end_time)
+    h, share, joint, kind = trial.step, 1.0, np.int64(-1), NO_EVENT
+    trial.error = attempt_of(settings)(model, state, settings, arrays, h)
+    if trial.error < 0.0:
+        return fail(state, m.SINGULAR_CONSTRAINTS, -1, 0.0)
+    if not trial.error <= 1.0:
+        return reject(model, state, settings, arrays, h, trial.error)
+    if landing_of(settings) != NOT_AT_ALL:
+        share, joint, kind = first_event(model, state, settings, arrays, h)
+    if landing_of(settings) == BY_SOLVING_AGAIN and kind != NO_EVENT and SMALLEST_PART / h < share < 1.0:
+        h, joint, kind = land(model, state, settings, arrays, h, share, joint, kind)
+        if h < 0.0:
+            return reject(model, state, settings, arrays, -h, math.inf)
+        share = 1.0
+    if kind != NO_EVENT and share * h <= SMALLEST_PART:
+        return begin_at_once(model, state, settings, arrays, joint, kind)
+    trial.at_once = 0
+    if not accept(model, state, settings, arrays, recorder, h, share, joint, kind):
+        return fail(state, m.SINGULAR_CONSTRAINTS, -1, 0.0)
+    if trial.last and share * h == trial.step:
+        state.clock[0].time = end_time
+    choose_next(model, state, settings, arrays)
+    return check_state(model, state, arrays)
+
+
+@kernel(single_caller=True)
+def advance(model, state, settings, recorder, end_time, arrays):
+    """Advance `state` in place to `end_time` [s], by at most `settings.max_steps` steps; returns a status code.
+
+    A call that stops for the number of its steps lands on nothing: the next one goes on to the same bits.
+    """
+    clock, taken = state.clock[0], 0
+    status = begin_call(model, state, settings, recorder, arrays)
+    while status == m.DONE and clock.time < end_time:
+        if pause_due(recorder, clock.time, model.joints.size):
+            return m.PAUSED
+        if taken >= settings.max_steps:
+            return m.TOO_MANY_STEPS
+        taken += 1
+        status = take_step(model, state, settings, recorder, end_time, arrays)
+    return status
+
+
+@kernel
+def advance_lanes(models, states, settings, recorder, queue, counter, end_times, statuses, arrays):
+    """Advance lanes one after the other, next to other threads that do the same.
+
+    Args:
+        models, states: of all lanes (`lanes.py`).
+        settings: of the method as the kernels take them; their type chooses the method.
+        recorder: takes samples and contacts of every lane.
+        queue: (k,) indices of the lanes to advance, in this order.
+        counter: (1,) number of lanes in the queue that some thread has begun with.
+        end_times: (lanes,) [s].
+        statuses: (lanes,) status codes; written.
+        arrays: the thread's scratch arrays.
+    """
+    while True:
+        ticket = take_ticket(counter)
+        if ticket >= queue.size:
+            break
+        lane = queue[ticket]
+        model, state = lane_view(models, lane), lane_view(states, lane)
+        statuses[lane] = advance(model, state, settings, recorder, end_times[lane], arrays)

@@ -1,0 +1,264 @@
+"""The method `ModalRadau` as the run loop meets it: the motion inside a step, its acceptance, samples and force peaks.
+
+A step is a pure function of the accepted state and its size. Where an event lies inside a step, it is solved again, cut
+there.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from solar_env.mechanics.arrays.model import CLEARANCE, EXACT, IDEAL, NEWTON_STALLED, SINGULAR_CONSTRAINTS
+from solar_env.mechanics.joints.contact.normal_force import normal_force
+from solar_env.mechanics.joints.friction.friction_share import friction_share
+from solar_env.mechanics.modal import arrays as columns
+from solar_env.mechanics.modal.arrays import ITERATIONS, RIGID_BODY, SECOND, START, STUCK
+from solar_env.mechanics.modal.panel.tables import (
+    AXIAL_EVEN,
+    GROUPS,
+    LEVELS,
+    fill_level,
+    level_below,
+    level_size,
+)
+from solar_env.mechanics.modal.run.books import add_integrals
+from solar_env.mechanics.modal.run.books import note_peaks as note_peaks
+from solar_env.mechanics.modal.run.sampling import cubic, record_modal_sample
+from solar_env.mechanics.modal.step.acceptance import commit_step, keep_loads, step_error
+from solar_env.mechanics.modal.step.equations import fill_torques
+from solar_env.mechanics.modal.step.motion import look_at
+from solar_env.mechanics.modal.step.solve import ModalSettings, solve_step
+from solar_env.mechanics.numerics.jit import kernel
+from solar_env.mechanics.numerics.linear import copy_into
+from solar_env.mechanics.numerics.step_size import UNSOLVED, StepController
+
+CONTROL = StepController(4.0, most_growth=4.0, memory=0.25)
+_FIRST_STEP = 1e-4  # s
+# Level of tables for one step size, of the type of other levels: of another one kernels would be compiled anew.
+_CUT = np.int64(0)
+_OFF_TABLE = np.int64(-1)  # in `trial.level`
+# Depth errors of a step over rtol, relative to the depth.
+_DEPTH_TOLERANCE = 0.1
+
+
+def convert_settings(chosen: Any) -> ModalSettings:
+    """The settings `ModalRadau` as the kernels take them."""
+    return ModalSettings(
+        float(chosen.rtol),
+        float(chosen.velocity_scale),
+        float(chosen.rtol * _DEPTH_TOLERANCE),
+        float(chosen.max_step),
+        float(chosen.impact_resolution),
+        int(chosen.max_steps),
+    )
+
+
+@kernel
+def start_loads(model, state, work):
+    """Torques of the laws at the start of a run."""
+    look_at(model, state.q, state.v, work, START)
+    fill_torques(model, state, work, START)
+    for j in range(model.joints.size):
+        state.loads[j, 2] = work.joints[j].torque
+    for c in range(model.cables.size):
+        state.cable_loads[c, 0] = work.cables[c].torque
+
+
+@kernel(inner=True)
+def take_motion(model, state, work):
+    """Fill the motion of the joints at the accepted state, of which the workspace has been filled."""
+    for j in range(model.joints.size):
+        motion, place = work.motion[j], work.joints[j].motion[START]
+        motion.depth, motion.depth_rate = place[columns.DEPTH], place[columns.DEPTH_RATE]
+        motion.angle, motion.rate = place[columns.ANGLE], place[columns.RATE]
+
+
+@kernel(inner=True)
+def begin_modal(model, state, settings, work):
+    """Look at the present state."""
+    clock = state.clock[0]
+    copy_into(work.q, state.q)
+    copy_into(work.v, state.v)
+    copy_into(work.integrals, state.integrals)
+    for j in range(model.joints.size):
+        for c in range(3):
+            work.joints[j].load[0, c] = work.joints[j].load[1, c] = state.loads[j, c]
+    look_at(model, state.q, state.v, work, START)
+    take_motion(model, state, work)
+    if clock.step_size <= 0.0:
+        clock.step_size = _FIRST_STEP
+        clock.last_error = 1.0
+    work.counts[:] = 0
+    return True
+
+
+@kernel(inner=True)
+def choose_modal(model, state, settings, work, wanted, remaining):
+    """Step to try [s]: of the tabled sizes the greatest that does not exceed the one `wanted`, or what remains."""
+    level = level_below(wanted)
+    h = level_size(level) if level < LEVELS else wanted
+    # No sliver of a step is left before the end.
+    last = remaining <= max(wanted, 1.05 * h)
+    work.trial[0].level = _OFF_TABLE if last or level == LEVELS else level
+    return max(wanted, remaining) if last else h
+
+
+@kernel(inner=True)
+def solve_size(model, state, settings, work, h):
+    """Solve a step of the size `h` [s] of the trial's level of tables; False if that cannot be done."""
+    if work.trial[0].level == _OFF_TABLE:
+        fill_level(model.panels, work.tables, _CUT, h, work.coefficients)
+        solved = solve_step(model, state, work, settings, work.tables, _CUT, h)
+    else:
+        solved = solve_step(model, state, work, settings, model.tables, work.trial[0].level, h)
+    state.clock[0].evaluations += work.counts[ITERATIONS]
+    work.counts[ITERATIONS] = 0
+    return solved
+
+
+@kernel(inner=True)
+def attempt_modal(model, state, settings, work, h):
+    """Solve a step `h` [s]; its error in units of the tolerance."""
+    trial = work.trial[0]
+    if not solve_size(model, state, settings, work, h):
+        refuse(work, h)
+        return math.inf
+    if trial.level == _OFF_TABLE:
+        return step_error(model, state, work, settings, work.tables, _CUT, h)
+    return step_error(model, state, work, settings, model.tables, trial.level, h)
+
+
+@kernel(inner=True)
+def refuse(work, h):
+    """Say how to go on after a step `h` [s] that could not be solved."""
+    trial = work.trial[0]
+    trial.joint, trial.retry = work.counts[STUCK], UNSOLVED * h
+    trial.reason = NEWTON_STALLED if trial.joint >= 0 else SINGULAR_CONSTRAINTS
+
+
+@kernel(inner=True)
+def cut_modal(model, state, settings, work, h):
+    """Solve a shorter step `h` [s] in place of the one tried; False if that cannot be done."""
+    work.trial[0].level = _OFF_TABLE
+    solved = solve_size(model, state, settings, work, h)
+    if not solved:
+        refuse(work, h)
+    return solved
+
+
+@kernel(inner=True)
+def depth_of_modal(model, state, work, j, h, share):
+    """Penetration [m] of joint `j` at a share of the step, on the cubic through its motion at both ends."""
+    ex = along(work, j, columns.ECCENTRICITY_X, columns.VELOCITY_X, h, share)
+    ey = along(work, j, columns.ECCENTRICITY_Y, columns.VELOCITY_Y, h, share)
+    return math.sqrt(ex * ex + ey * ey) - model.joints[j].clearance
+
+
+@kernel(inner=True)
+def angle_of_modal(model, state, work, j, h, share):
+    """Angle [rad] of joint `j`, likewise."""
+    return along(work, j, columns.ANGLE, columns.RATE, h, share)
+
+
+@kernel(inlined=True)
+def along(work, j, value, rate, h, share):
+    """Value at a share of the step of the cubic through two columns of a joint's motion, a value and its rate."""
+    start, end = work.joints[j].motion[START], work.joints[j].motion[SECOND]
+    return cubic(share, start[value], h * start[rate], end[value], h * end[rate])
+
+
+@kernel(inner=True)
+def complete_modal(model, state, settings, work, h):
+    """Move to the end of the solved step in the workspace: coordinates, velocities, integrals."""
+    copy_into(work.q, state.q)
+    copy_into(work.v, state.v)
+    copy_into(work.integrals, state.integrals)
+    if work.trial[0].level == _OFF_TABLE:
+        commit_step(model, state, work, work.tables, _CUT, h)
+    else:
+        commit_step(model, state, work, model.tables, work.trial[0].level, h)
+    add_integrals(model, state, work, h)
+
+
+@kernel(inner=True)
+def sample_modal(model, state, settings, work, recorder, h, share):
+    """Store one row at a share of the step."""
+    record_modal_sample(model, state, work, recorder, h, share)
+
+
+@kernel(inner=True)
+def commit_modal(model, state, settings, work, h, share):
+    """Take over the end of the step."""
+    copy_into(state.q, work.q)
+    copy_into(state.v, work.v)
+    copy_into(state.integrals, work.integrals)
+    keep_loads(state, work, h)
+    state.clock[0].last_step = h
+    state.clock[0].acceleration_current = EXACT
+    take_motion(model, state, work)
+    return True
+
+
+@kernel(inner=True)
+def evaluate_modal(model, state, work, changed):
+    """Fill the forces of the joints at the accepted state."""
+    for j in range(model.joints.size):
+        load = state.loads[j]
+        ideal = model.joints[j].kind == IDEAL
+        work.motion[j].force = math.sqrt(load[0] * load[0] + load[1] * load[1]) if ideal else load[0]
+    return True
+
+
+@kernel(inner=True)
+def contact_angles(model, state, work, j):
+    """Angles [rad] of the line of centres of joint `j` in the frames of the journal's and of the bearing's body."""
+    joint, motion = model.joints[j], work.joints[j].motion[START]
+    angle = math.atan2(motion[columns.ECCENTRICITY_Y], motion[columns.ECCENTRICITY_X])
+    journal = angle - work.attachments[joint.outboard].direction[START, 0]
+    return journal, angle - work.attachments[joint.inboard].direction[START, 0]
+
+
+@kernel(inlined=True)
+def instantaneous_inverse_mass(model, work, j):
+    """Inverse mass [1/kg] that joint `j` feels along its line of centres before the bodies deform."""
+    motion, joint = work.joints[j].motion[START], model.joints[j]
+    nx, ny, total = motion[columns.NORMAL_X], motion[columns.NORMAL_Y], 0.0
+    for side in range(2):
+        number = joint.outboard if side == 0 else joint.inboard
+        attachment = model.attachments[number]
+        b = attachment.body
+        body = model.bodies[b]
+        lever = work.attachments[number].arm[START, 0] * ny - work.attachments[number].arm[START, 1] * nx
+        total += body.inverse_mass + lever * lever * body.inverse_inertia
+        if body.panel != RIGID_BODY:
+            c, s = work.bodies[b].turn[START, 0], work.bodies[b].turn[START, 1]
+            along, across = c * nx + s * ny, c * ny - s * nx
+            for group in range(GROUPS):
+                share = across if group < AXIAL_EVEN else along
+                for k in range(model.panels.first[group], model.panels.first[group + 1]):
+                    total += (model.panels.modes[body.design, k].row[0] * share) ** 2
+    return total
+
+
+@kernel(inner=True)
+def open_contact(model, state, work, j):
+    """Inverse mass [1/kg] that joint `j` feels along its line of centres; its loads begin with those of the laws."""
+    joint, motion = model.joints[j], work.joints[j].motion[START]
+    # Of note where a run starts with a journal that is pressed into its bearing.
+    normal, _, _, _ = normal_force(
+        joint, motion[columns.DEPTH], motion[columns.DEPTH_RATE], state.joints[j].impact_speed
+    )
+    share, _ = friction_share(joint, motion[columns.SLIDING_SPEED])
+    state.loads[j, 0], state.loads[j, 1] = normal, -joint.friction_coefficient * share * normal
+    state.load_rates[j, 0] = state.load_rates[j, 1] = 0.0
+    return instantaneous_inverse_mass(model, work, j)
+
+
+@kernel(inner=True)
+def resume_modal(model, state, work):
+    """Forget the loads of contacts that have ended."""
+    for j in range(model.joints.size):
+        if model.joints[j].kind == CLEARANCE and not state.joints[j].in_contact:
+            for c in range(2):
+                state.loads[j, c] = state.load_rates[j, c] = 0.0

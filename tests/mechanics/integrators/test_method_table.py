@@ -75,27 +75,18 @@ def test_a_method_converges_with_the_order_that_its_row_declares(name: str) -> N
 
 @every_method
 def test_a_rejected_step_leaves_no_trace_in_the_motion_or_its_history(name: str) -> None:
-    tried, spared = (Simulation(build(ARRAY), controlled(name)) for _ in range(2))
-    for simulation in (tried, spared):
-        simulation.advance(IMPACTS)
-        # Contacts that began long ago do not bound the step.
-        simulation.state.joints["contact_start"] = -1.0
+    tried = Simulation(build(ARRAY), controlled(name))
+    tried.advance(IMPACTS)
+    # Contacts that began long ago do not bound the step.
+    tried.state.joints["contact_start"] = -1.0
     before = fingerprint(tried.state, skip=("clock", "multipliers", "a", "algorithmic_a", "power"))
     tried.integrator = replace(tried.integrator, max_steps=1)
     tried.state.clock["step_size"] = 0.5
-    rejected, steps, time = tried.state.clock["rejected_steps"][0], tried.state.clock["steps"][0], tried.time
+    rejected, time = tried.state.clock["rejected_steps"][0], tried.time
     attempt(tried, 1.0)
-    assert tried.state.clock["rejected_steps"][0] > rejected
-    if tried.state.clock["steps"][0] == steps:
-        assert tried.time == time
-        assert fingerprint(tried.state, skip=("clock", "multipliers", "a", "algorithmic_a", "power")) == before
-    else:
-        # The call went on with shorter steps until one was accepted, the one that would have been taken at once.
-        spared.integrator = replace(spared.integrator, max_steps=1)
-        spared.state.clock["step_size"] = tried.state.clock["last_step"]
-        attempt(spared, 1.0)
-        assert spared.time == tried.time
-        np.testing.assert_allclose(spared.state.q, tried.state.q, rtol=0.0, atol=1e-9)
+    assert tried.state.clock["rejected_steps"][0] == rejected + 1
+    assert tried.time == time
+    assert fingerprint(tried.state, skip=("clock", "multipliers", "a", "algorithmic_a", "power")) == before
 
 
 @every_method

@@ -48,6 +48,8 @@ class AlphaSettings(NamedTuple):
 class Iteration(NamedTuple):
     """Arrays of the step in hand."""
 
+    start_q: NDArray[np.float64]  # where it begins: the accepted state, returned to the constraints after a restart
+    start_v: NDArray[np.float64]
     q: NDArray[np.float64]
     v: NDArray[np.float64]
     a: NDArray[np.float64]  # accelerations q''
@@ -70,6 +72,8 @@ def make_iteration(model: Model, state: State, work: Workspace) -> Iteration:
     n = state.q.size
     size = n + state.multipliers.size
     return Iteration(
+        start_q=np.zeros(n),
+        start_v=np.zeros(n),
         q=np.zeros(n),
         v=np.zeros(n),
         a=np.zeros(n),
@@ -133,7 +137,7 @@ def solve_step(model, state, it, work, settings, h):
     """Solve one step into `it`; returns the last correction in units of the tolerance (at most 1 if it converged)."""
     n = state.q.size
     alpha_m, alpha_f, beta, gamma = settings.alpha_m, settings.alpha_f, settings.beta, settings.gamma
-    q0, v0, a0, x0 = state.q, state.v, state.a, state.algorithmic_a
+    q0, v0, a0, x0 = it.start_q, it.start_v, state.a, state.algorithmic_a
     q, v, a, x = it.q, it.v, it.a, it.auxiliary
     rhs, multipliers = it.rhs, it.multipliers
     for i in range(n):
@@ -188,23 +192,23 @@ def solve_step(model, state, it, work, settings, h):
 @kernel(inner=True)
 def restart(model, state, it, work, settings, h):
     """Solve accelerations and multipliers afresh at the accepted state, for steps of size `h`. False if singular."""
-    n = state.q.size
+    q0, v0, time = it.start_q, it.start_v, state.clock[0].time
     # Velocities are O(h^2) off the constraints, which a shorter step would answer with forces of O(h^2 / new step).
-    if not prepare_response(model, state.q, state.clock[0].time, work):
+    if not prepare_response(model, q0, time, work):
         return False
-    project(model, state.q, state.v, state.clock[0].time, work)
-    if not accelerations(model, state.joints, state.q, state.v, state.clock[0].time, work, state.a, state.multipliers):
+    project(model, q0, v0, time, work)
+    if not accelerations(model, state.joints, q0, v0, time, work, state.a, state.multipliers):
         return False
     shift = (settings.alpha_m - settings.alpha_f) * h
-    for i in range(n):
-        it.scratch_q[i] = state.q[i] + shift * state.v[i] + 0.5 * shift * shift * state.a[i]
-        it.scratch_v[i] = state.v[i] + shift * state.a[i]
+    for i in range(q0.size):
+        it.scratch_q[i] = q0[i] + shift * v0[i] + 0.5 * shift * shift * state.a[i]
+        it.scratch_v[i] = v0[i] + shift * state.a[i]
     regular = accelerations(
         model,
         state.joints,
         it.scratch_q,
         it.scratch_v,
-        state.clock[0].time + shift,
+        time + shift,
         work,
         state.algorithmic_a,
         it.scratch_multipliers,

@@ -83,8 +83,6 @@ def prepare(model, state, arrays):
     for j in range(model.joints.size):
         joint = model.joints[j]
         work.impact_speeds[j] = 0.0
-        # Newton's iteration meets stops wherever they are; nothing is frozen as in the explicit method.
-        joint_states[j].stop_engaged = 1
         if joint.kind == m.CLEARANCE:
             if joint_states[j].in_contact:
                 work.impact_speeds[j] = joint_states[j].impact_speed
@@ -96,9 +94,17 @@ def prepare(model, state, arrays):
 
 
 @kernel(inner=True)
+def engage_stops(model, state, arrays):
+    """Engage all stops: Newton's iteration meets them wherever they are, and nothing is frozen in a step."""
+    for j in range(model.joints.size):
+        state.joints[j].stop_engaged = 1
+
+
+@kernel(inner=True)
 def begin_alpha(model, state, settings, arrays):
     """Fill what the arrays hold of a model and its present state."""
     it = arrays.iteration
+    engage_stops(model, state, arrays)
     fill_rows(model, arrays.work)
     fill_rows(model, arrays.scratch)
     clear(model.elimination, it.newton.mass)
@@ -106,8 +112,9 @@ def begin_alpha(model, state, settings, arrays):
     measure_depths(model, state, arrays.motion)
     prepare(model, state, arrays)
     take_loads(arrays.work.loads, arrays.motion)
-    copy_into(it.q, state.q)
-    copy_into(it.v, state.v)
+    for q, v in ((it.start_q, it.start_v), (it.q, it.v)):
+        copy_into(q, state.q)
+        copy_into(v, state.v)
     if state.clock[0].step_size <= 0.0:
         state.clock[0].step_size = settings.step
         state.clock[0].last_error = 1.0
@@ -163,6 +170,8 @@ def attempt_alpha(model, state, settings, arrays, h):
     """Fill a step `h` [s]; its error in units of the tolerance, negative if constraints are singular."""
     clock, trial, it, work = state.clock[0], arrays.trial[0], arrays.iteration, arrays.work
     prepare(model, state, arrays)
+    copy_into(it.start_q, state.q)
+    copy_into(it.start_v, state.v)
     if clock.acceleration_current != m.ALGORITHMIC or abs(h - clock.last_step) > 1e-9 * h:
         if not restart(model, state, it, work, settings, h):
             return -1.0
@@ -196,12 +205,12 @@ def sample_alpha(model, state, settings, arrays, recorder, h, share):
     """Store one row inside the solved step: cubic Hermite for positions, its derivative for velocities."""
     it, work, scratch = arrays.iteration, arrays.work, arrays.scratch
     for i in range(state.q.size):
-        rise = it.q[i] - state.q[i]
-        slope0, slope1 = h * state.v[i], h * it.v[i]
+        rise = it.q[i] - it.start_q[i]
+        slope0, slope1 = h * it.start_v[i], h * it.v[i]
         c2 = 3.0 * rise - 2.0 * slope0 - slope1
         c3 = slope0 + slope1 - 2.0 * rise
-        it.scratch_q[i] = state.q[i] + share * (slope0 + share * (c2 + share * c3))
-        it.scratch_v[i] = (slope0 + share * (2.0 * c2 + 3.0 * share * c3)) / h if h > 0.0 else state.v[i]
+        it.scratch_q[i] = it.start_q[i] + share * (slope0 + share * (c2 + share * c3))
+        it.scratch_v[i] = (slope0 + share * (2.0 * c2 + 3.0 * share * c3)) / h if h > 0.0 else it.start_v[i]
     for k in range(state.integrals.size):
         # Trapezoid over the share: the power is taken as linear in the step.
         mean = it.power[k] + 0.5 * share * (work.power[k] - it.power[k])

@@ -215,6 +215,7 @@ METHODS: dict[str, Method] = {
             angle=generalized_alpha.angle_at_start,
             landing=NOT_AT_ALL,
             control=control_alpha,
+            resume=generalized_alpha.engage_stops,
         ),
     ),
 }

@@ -74,16 +74,16 @@ def first_event(model, state, settings, arrays, h):
     share, which, what = 1.0, np.int64(-1), NO_EVENT
     for j in range(model.joints.size):
         joint, joint_state, number = model.joints[j], state.joints[j], np.int64(j)
+        if joint.kind == CLEARANCE and not joint_state.in_contact:
+            # Apart from the angles below, whose interpolation would keep the compiler from looking at depths alone.
+            root = first_rise(model, state, settings, arrays, j, CONTACT_START, h)
+            if root < share or (root == share and what == NO_EVENT):
+                share, which, what = root, number, CONTACT_START
         angle = angle_of(settings)(model, state, arrays, j, h, 1.0)
-        stop, _ = stop_depth(joint, joint_state.latched, angle)
-        for kind in (CONTACT_START, LATCHING, STOP_ENGAGEMENT):
-            if kind == CONTACT_START:
-                possible = joint.kind == CLEARANCE and not joint_state.in_contact
-            elif kind == LATCHING:
-                possible = joint.has_latch and not joint_state.latched and angle >= joint.lock_angle
-            else:
-                possible = not joint_state.stop_engaged and stop > 0.0
-            if possible:
+        depth, _ = stop_depth(joint, joint_state.latched, angle)
+        latches = joint.has_latch and not joint_state.latched and angle >= joint.lock_angle
+        for kind in (LATCHING, STOP_ENGAGEMENT):
+            if latches if kind == LATCHING else depth > 0.0 and not joint_state.stop_engaged:
                 root = first_rise(model, state, settings, arrays, j, kind, h)
                 if root < share or (root == share and what == NO_EVENT):
                     share, which, what = root, number, kind

@@ -79,8 +79,6 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     Folded, at rest unless the parameters say otherwise, journals centred. Parameters are drawn anew from `randomize` at
     every reset: springs, clearances and initial rates of every joint by themselves, other quantities by joint where
     their bounds are given by joint.
-    With `starts={"opening": (0.8, 0.98)}` four of five episodes begin where one of 96 approaches at a constant rate has
-    come, with its clock, its parameters and its contacts; see `solar_env.environment.starts`.
 
     ## Scenarios
 
@@ -112,7 +110,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     `solar_env.environment.settings.EnvironmentSettings` describes the keywords: `model`, `parameters`, `panels`,
     `elements`, `modes`, `question`, `tolerance`, `torque_limit`, `control_period`, `deadline`, `postlock_window`,
-    `driven_joint`, `action`, `observation`, `prices`, `reward`, `starts`, `scenario`, `randomize`, `hardware`,
+    `driven_joint`, `action`, `observation`, `prices`, `reward`, `scenario`, `randomize`, `hardware`,
     `render_mode` and `max_steps`.
 
     `reset(options={"parameters": {...}})` changes parameters for one episode, after `randomize`, but for `panel_count`,

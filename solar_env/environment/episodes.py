@@ -13,7 +13,6 @@ from solar_env.array.compilation import announce_compilation, mark_compiled
 from solar_env.environment.figures import episode_figures
 from solar_env.environment.settings import Changes, EnvironmentSettings
 from solar_env.environment.showing.film import Film
-from solar_env.environment.starts import Starts, run_approaches
 from solar_env.environment.task.periods import begin_periods, begin_samples, end_periods, observe_lanes
 from solar_env.environment.task.sensors import Memory
 from solar_env.mechanics.running.batch import Batch
@@ -53,8 +52,6 @@ class Episodes:
         terms: (lanes, terms) of the latest reward, in the order of `settings.terms.names`.
         rewards: (lanes,) their sums.
         terminated: (lanes,) whether the present episode has ended.
-        starts_from: least opening of the starts that the next episodes begin at; a curriculum lowers it.
-        starts_folded: share of the next episodes that begin folded.
     """
 
     def __init__(
@@ -76,8 +73,6 @@ class Episodes:
         self.terminated, self._loop_torques = np.zeros(lanes, dtype=np.bool_), np.zeros(lanes)
         self._numbers, self._samples = settings.task.numbers(settings.drive), settings.task.samples(settings.drive)
         self._threads = threads
-        self._approaches: list[tuple[float, SavedEpisode]] | None = None
-        self.starts_from, self.starts_folded = 0.0, settings.beginnings.folded if settings.beginnings else 1.0
         self._batch: Batch | None = None
         self._films: list[Film] | None = [Film(settings) for _ in range(lanes)] if settings.render_mode else None
 
@@ -109,12 +104,12 @@ class Episodes:
     def reset(
         self, lanes: NDArray[np.int64], generators: Sequence[np.random.Generator], changes: Sequence[Changes]
     ) -> None:
-        """Begin episodes: folded, with parameters that are drawn, or at one of the settings' starts.
+        """Begin episodes: folded, with parameters that are drawn.
 
         Args:
             lanes: (k,) which; the first time all, in order.
             generators: (k,) of random numbers.
-            changes: (k,) of parameters, after the draw; an episode with changes begins folded.
+            changes: (k,) of parameters, after the draw.
 
         Raises:
             gymnasium.error.ResetNeeded: if not all lanes have begun an episode yet.
@@ -124,15 +119,11 @@ class Episodes:
         if self._batch is None and lanes.size < len(self.parameters):
             raise gymnasium.error.ResetNeeded("the first reset must be one of all lanes")
         announce_compilation(self.settings.integrator.name)
-        begun = [self._start(generator, change) for generator, change in zip(generators, changes, strict=True)]
         drawn = [
-            start.parameters if start else self.settings.draw(self.designs[lane], generator, change)
-            for start, lane, generator, change in zip(begun, lanes, generators, changes, strict=True)
+            self.settings.draw(self.designs[lane], generator, change)
+            for lane, generator, change in zip(lanes, generators, changes, strict=True)
         ]
         simulations = [self.settings.simulation(parameters) for parameters in drawn]
-        for start, simulation in zip(begun, simulations, strict=True):
-            if start:
-                simulation.restore(start.state)
         if self._batch is None:
             self._batch = Batch(simulations, self._threads)
         else:
@@ -144,30 +135,9 @@ class Episodes:
                 self._films[lane] = Film(self.settings)
         self.terminated[lanes] = False
         self.terms[lanes], self.rewards[lanes] = 0.0, 0.0
-        for lane, start in zip(lanes, begun, strict=True):
-            self._charged[lane] = start.charged if start else 0.0
-            self._loop_torques[lane] = start.loop_torque if start else 0.0
+        self._charged[lanes], self._loop_torques[lanes] = 0.0, 0.0
         self._observe(lanes)
         self._sensors.begin(lanes, generators)
-
-    def _start(self, generator: np.random.Generator, changes: Changes) -> SavedEpisode | None:
-        """Where an episode begins; None: folded."""
-        if self.settings.beginnings is None or changes:
-            return None
-        if self._approaches is None:
-            self._approaches = self._run_approaches(self.settings.beginnings)
-        if generator.random() < self.starts_folded:
-            return None
-        late = [start for opening, start in self._approaches if opening >= self.starts_from]
-        return late[generator.integers(len(late))] if late else self._approaches[-1][1]
-
-    def _run_approaches(self, starts: Starts) -> list[tuple[float, SavedEpisode]]:
-        exact = self.settings.drive.with_ideal_sensors()
-        settings = replace(
-            self.settings, hardware=exact, observation="drive", action="rate", starts=None, render_mode=None
-        )
-        designs = (self.designs * starts.count)[: starts.count]
-        return run_approaches(type(self)(settings, designs, self._threads), starts)
 
     def _observe(self, lanes: NDArray[np.int64]) -> None:
         """Observe the present states with ideal sensors."""

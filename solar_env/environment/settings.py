@@ -15,7 +15,6 @@ from solar_env.array.names import unknown_name
 from solar_env.array.parameters.ranges import Ranges, checked_ranges, drawn
 from solar_env.environment.hardware import Hardware
 from solar_env.environment.scenarios import scenario_named
-from solar_env.environment.starts import Starts
 from solar_env.environment.task.observations import Entry, Names, observation_entries
 from solar_env.environment.task.reward import Reward
 from solar_env.environment.task.sensors import Sensors
@@ -53,9 +52,6 @@ class EnvironmentSettings:
             of the four in a list stands for all that it has.
         prices: version of the reward's prices, "v1" or "v0"; the next keyword changes them.
         reward: mapping of terms to their weights, or to mappings of "scale", "weight" and "bound".
-        starts: mapping of changes to a `starts.Starts`: episodes begin where approaches at a constant rate have come,
-            so that an agent sees landings from the first one on; None: folded. `reset(options={"parameters": ...})`
-            always begins folded.
         scenario: "nominal" or "randomised"; the two keywords that follow change it.
         randomize: mapping of parameter names to (low, high), in place of the scenario's; each reset draws uniformly, by
             joint where the parameter is by joint, and there each bound may be one by joint.
@@ -83,7 +79,6 @@ class EnvironmentSettings:
     observation: str | Names = "drive"
     prices: str = "v1"
     reward: Changes | None = None
-    starts: Changes | None = None
     scenario: str = "nominal"
     randomize: Ranges | None = None
     hardware: Hardware | Changes | None = None
@@ -94,7 +89,7 @@ class EnvironmentSettings:
         if self.render_mode not in (None, *RENDER_MODES):
             raise ValueError(f"render_mode {self.render_mode!r} is unknown; choose {', '.join(RENDER_MODES)} or None")
         # Whatever follows from the keywords refuses values that it cannot follow from.
-        for name in ("level", "integrator", "array", "ranges", "drive", "task", "entries", "terms", "beginnings"):
+        for name in ("level", "integrator", "array", "ranges", "drive", "task", "entries", "terms"):
             getattr(self, name)
         self._mechanism(self.array)  # refuses parameters that do not go with the panels
 
@@ -188,11 +183,6 @@ class EnvironmentSettings:
     def terms(self) -> Reward:
         """The terms of the reward with their prices."""
         return Reward(self.reward, self.prices)
-
-    @cached_property
-    def beginnings(self) -> Starts | None:
-        """States that episodes begin in, or None where all begin folded."""
-        return None if self.starts is None else Starts.of(self.starts)
 
     def sensors(self, lanes: int) -> Sensors:
         """The sensors of several arrays."""

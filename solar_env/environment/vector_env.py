@@ -254,10 +254,6 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         self._ended[lane] = False
         self._elapsed[lane] = round(self.episodes.times[lane] / self.task.control_period)
 
-    def narrow_starts(self, opening: float, folded: float) -> None:
-        """Let the next episodes begin at starts of at least an opening, and a share of them folded: for curricula."""
-        self.episodes.starts_from, self.episodes.starts_folded = opening, folded
-
     def lane(self, lane: int) -> Lane:
         """One lane as a single environment."""
         return Lane(self, range(self.num_envs)[lane])

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from solar_env.array.names import unknown_name
-from solar_env.environment.hardware.imperfections import Hardware, response
+from solar_env.environment.hardware import Hardware, response
 from solar_env.mechanics.integrators.formulations import view_joint_of
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.support.numbers import is_number, is_whole_number

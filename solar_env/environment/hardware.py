@@ -1,4 +1,7 @@
-"""Sensors and motor of the hinge drives, between the array and its controller."""
+"""Sensors and motor of the hinge drives, between the array and its controller.
+
+To add an imperfection: a field of `Hardware`, and its use in `environment.task.sensors` or `environment.task.task`.
+"""
 
 import math
 from collections.abc import Mapping

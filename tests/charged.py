@@ -16,13 +16,13 @@ from agents.laws.damper import DamperParameters, ViscousDamper
 from agents.torque_laws import Signals
 from solar_env.array.methods import default_integrator
 from solar_env.environment.task.reward import Reward
-from solar_env.environment.task.task import Task
+from solar_env.environment.task.versions import PRESENT
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.joints.joint import ANGLE
 
 ID = "solar_env/Deploy-v1"
 SAMPLING = with_sampling({}, ID)["randomize"]
-TASK = Task()
+TASK = PRESENT.task
 # What costs 1, the most that either of the two can cost, and what a missed deadline costs.
 FORCE_SCALE, WORK_SCALE, LARGEST, MISSED = 500.0, 0.1, 12.0, 25.0
 WORST_DEPLOYMENT = -2.0 * LARGEST

@@ -109,8 +109,8 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     ```
 
     `solar_env.environment.settings.EnvironmentSettings` describes the keywords: `model`, `parameters`, `panels`,
-    `elements`, `modes`, `question`, `tolerance`, `torque_limit`, `control_period`, `deadline`, `postlock_window`,
-    `driven_joint`, `action`, `observation`, `prices`, `reward`, `scenario`, `randomize`, `hardware`,
+    `elements`, `modes`, `question`, `tolerance`, `version`, `torque_limit`, `control_period`, `deadline`,
+    `postlock_window`, `driven_joint`, `action`, `observation`, `reward`, `scenario`, `randomize`, `hardware`,
     `render_mode` and `max_steps`.
 
     `reset(options={"parameters": {...}})` changes parameters for one episode, after `randomize`, but for `panel_count`,
@@ -118,10 +118,9 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     ## Version History
 
-    * v1: wear is charged whenever it happens, by the sliding work of the whole episode over 0.1 J. In v0
-      (`prices="v0"`) it was that after the first latching, over 0.05 J (`postlock_wear`); nearly all of what a good
-      controller wears comes before.
-    * v0: first version.
+    * v1: wear is charged whenever it happens, by the sliding work of the whole episode over 0.1 J. In v0, which is
+      gone, it was that after the first latching, over 0.05 J (`postlock_wear`); nearly all of what a good controller
+      wears comes before.
     """
 
     metadata: dict[str, Any] = {"render_modes": list(RENDER_MODES), "render_fps": 10}  # noqa: RUF012 - as Gymnasium's
@@ -143,9 +142,9 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self.observation_space, self.action_space = settings.observation_space(), settings.action_space()
         self._episodes = Episodes(settings, [self.parameters])
         self._lane = np.zeros(1, dtype=np.int64)
-        self._action = np.zeros(1)
+        self._actions = np.zeros((1, len(self.task.driven_joints)))
         self._exclusive = Exclusive()
-        self._window = Window(1.0 / settings.control_period) if self.render_mode == "human" else None
+        self._window = Window(1.0 / self.task.control_period) if self.render_mode == "human" else None
 
     @property
     def simulation(self) -> Simulation:
@@ -210,13 +209,13 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         values = as_floats(action)
         if values.shape != self.action_space.shape:
             raise ValueError(f"action has shape {values.shape}, expected {self.action_space.shape}")
-        if not np.isfinite(values[0]):
+        if not np.isfinite(values).all():
             raise ValueError(f"action = {values!r} is not finite")
         with self._exclusive:
             if episodes.terminated[0]:
                 raise gymnasium.error.ResetNeeded(f"the episode ended at {self.simulation.time:g} s: call reset()")
-            self._action[0] = values[0]
-            episodes.step(self._lane, self._action)
+            self._actions[0] = values
+            episodes.step(self._lane, self._actions)
             terminated, info = bool(episodes.terminated[0]), episodes.info(0)
             if terminated:
                 info["deployment"] = episodes.figures(0)

@@ -1,6 +1,6 @@
 """Episodes of the control task, lane by lane, of a single environment and of a vector of them."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple, Self
 
@@ -25,20 +25,20 @@ class SavedEpisode(NamedTuple):
     Attributes:
         parameters: of the episode.
         state: of the simulation, mid-contact included.
-        charged: (terms, 2) figures charged so far, and their latest readings.
+        account: (terms, 2) figures charged so far, and their latest readings.
         terms: (terms,) of the latest reward.
         names: of the terms.
         sensors: their memory, the state of their noise included.
-        loop_torque: that the drive's rate loop asks of the motor [N m].
+        loop_torques: (motors,) that the drives' rate loops ask of the motors [N m].
     """
 
     parameters: ArrayParameters
     state: Any
-    charged: NDArray[np.float64]
+    account: NDArray[np.float64]
     terms: NDArray[np.float64]
     names: tuple[str, ...]
     sensors: Memory
-    loop_torque: float
+    loop_torques: NDArray[np.float64]
 
 
 class Episodes:
@@ -65,12 +65,13 @@ class Episodes:
             threads: see `Batch`.
         """
         self.settings, self.designs, self.parameters = settings, tuple(designs), list(designs)
-        lanes, terms = len(designs), len(settings.terms.names)
+        lanes, terms, motors = len(designs), len(settings.terms.names), len(settings.task.driven_joints)
         self._sensors = settings.sensors(lanes)
         self.observations = self._sensors.observed
-        self.terms, self._charged = np.zeros((lanes, terms)), np.zeros((lanes, terms, 2))
+        self.terms, self._accounts = np.zeros((lanes, terms)), np.zeros((lanes, terms, 2))
         self.rewards, self._end_times, self._sample_ends = np.zeros(lanes), np.zeros(lanes), np.zeros(lanes)
-        self.terminated, self._loop_torques = np.zeros(lanes, dtype=np.bool_), np.zeros(lanes)
+        self._loop_torques, self._rate_errors = np.zeros((lanes, motors)), np.zeros((lanes, motors))
+        self.terminated = np.zeros(lanes, dtype=np.bool_)
         self._numbers, self._samples = settings.task.numbers(settings.drive), settings.task.samples(settings.drive)
         self._threads = threads
         self._batch: Batch | None = None
@@ -126,50 +127,45 @@ class Episodes:
         simulations = [self.settings.simulation(parameters) for parameters in drawn]
         if self._batch is None:
             self._batch = Batch(simulations, self._threads)
-        else:
-            for lane, simulation in zip(lanes, simulations, strict=True):
-                self._batch.replace(int(lane), simulation)
-        for lane, parameters in zip(lanes, drawn, strict=True):
+        for lane, simulation, parameters in zip(lanes.tolist(), simulations, drawn, strict=True):
+            if self._batch.simulations[lane] is not simulation:
+                self._batch.replace(lane, simulation)
             self.parameters[lane] = parameters
-            if self._films is not None:
-                self._films[lane] = Film(self.settings)
+            self._begin_film(lane)
         self.terminated[lanes] = False
-        self.terms[lanes], self.rewards[lanes] = 0.0, 0.0
-        self._charged[lanes], self._loop_torques[lanes] = 0.0, 0.0
-        self._observe(lanes)
+        for values in (self.terms, self.rewards, self._accounts, self._loop_torques):
+            values[lanes] = 0.0
+        observe_lanes(
+            self._batch.models, self._batch.states, self._numbers, self._sensors.channels, lanes, self._sensors.exact
+        )
         self._sensors.begin(lanes, generators)
 
-    def _observe(self, lanes: NDArray[np.int64]) -> None:
-        """Observe the present states with ideal sensors."""
-        states, sensors = self.batch.states, self._sensors
-        observe_lanes(self.batch.models, states, self._numbers, sensors.channels, lanes, sensors.exact)
-
     def step(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> None:
+        """Hold actions for one control period; `attempt` that raises the first failure.
+
+        Raises:
+            SimulationError: if a simulation cannot go on; a note names the lane, and the others have advanced.
+        """
+        raise_first(self.attempt(lanes, actions))
+
+    def attempt(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> dict[int, SimulationError]:
         """Hold actions for one control period.
 
         Args:
             lanes: (k,) which.
-            actions: (lanes,) see `Task.action`; clipped to [-1, 1].
+            actions: (lanes, motors) see `Task.action`; clipped to [-1, 1].
 
-        Raises, Warns: as `Batch.advance`.
+        Returns:
+            Lane -> why its simulation cannot go on; mostly there are none. A lane that fails keeps what it observed
+            last, and earns nothing.
+
+        Raises, Warns: as `Batch.attempt`.
         """
-        begin_periods(self.batch.states, self._numbers, lanes, self._end_times)
+        batch, failures = self.batch, dict[int, SimulationError]()
+        begin_periods(batch.states, self._numbers, lanes, self._end_times)
         for _ in range(self._samples):
             self.hold(lanes, actions)
-            self.batch.advance(lanes, self._sample_ends)
-        self.end(lanes)
-        mark_compiled(self.settings.integrator.name)
-
-    def attempt(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> dict[int, SimulationError]:
-        """`step` that hands back failures, lane -> why its simulation cannot go on; mostly there are none.
-
-        A lane that fails keeps what it observed last, and earns nothing.
-        """
-        begin_periods(self.batch.states, self._numbers, lanes, self._end_times)
-        failures: dict[int, SimulationError] = {}
-        for _ in range(self._samples):
-            self.hold(lanes, actions)
-            failures |= self.batch.attempt(lanes, self._sample_ends)
+            failures |= batch.attempt(lanes, self._sample_ends)
             lanes = np.setdiff1d(lanes, list(failures)) if failures else lanes
         failed = list(failures)
         self.terms[failed], self.rewards[failed] = 0.0, 0.0
@@ -178,16 +174,19 @@ class Episodes:
         return failures
 
     def hold(self, lanes: NDArray[np.int64], actions: NDArray[np.float64]) -> None:
-        """Set the motor torques until the drive's next sample."""
-        batch, errors, ends = self.batch, self._sensors.rate_errors(lanes), (self._end_times, self._sample_ends)
-        begin_samples(batch.models, batch.states, self._numbers, lanes, actions, errors, self._loop_torques, *ends)
+        """Set the motor torques until the drives' next sample."""
+        self._sensors.draw_rate_errors(lanes, self._rate_errors)
+        begin_samples(
+            self.batch.models, self.batch.states, self._numbers, lanes, actions, self._rate_errors, self._loop_torques,
+            self._end_times, self._sample_ends,
+        )  # fmt: skip
 
     def end(self, lanes: NDArray[np.int64]) -> None:
         """Charge and observe a control period."""
         batch, sensors = self.batch, self._sensors
         end_periods(
-            batch.models, batch.states, self._numbers, sensors.channels, self.settings.terms.charges, lanes,
-            self._charged, self.terms, self.rewards, sensors.exact, self.terminated,
+            batch.models, batch.states, self._numbers, sensors.channels, self.settings.terms.rows, lanes,
+            self._accounts, self.terms, self.rewards, sensors.exact, self.terminated,
         )  # fmt: skip
         sensors.measure(lanes)
         if self._films is not None:
@@ -200,11 +199,15 @@ class Episodes:
         Raises:
             gymnasium.error.ResetNeeded: before the first reset.
         """
-        state = self.batch.simulations[lane].snapshot()
-        charged, terms = self._charged[lane].copy(), self.terms[lane].copy()
-        names, sensors = self.settings.terms.names, self._sensors.memory(lane)
-        loop_torque = float(self._loop_torques[lane])
-        return SavedEpisode(self.parameters[lane], state, charged, terms, names, sensors, loop_torque)
+        return SavedEpisode(
+            self.parameters[lane],
+            self.batch.simulations[lane].snapshot(),
+            self._accounts[lane].copy(),
+            self.terms[lane].copy(),
+            self.settings.terms.names,
+            self._sensors.memory(lane),
+            self._loop_torques[lane].copy(),
+        )
 
     def restore(self, lane: int, saved: SavedEpisode) -> None:
         """Go on with a saved episode: the same actions lead to the same bits. Frames begin their force history anew.
@@ -220,24 +223,30 @@ class Episodes:
                 f"{', '.join(self.settings.terms.names)}: go on with it where the same terms are charged"
             )
         self._sensors.check(saved.sensors)
+        self.batch.replace(lane, self._simulation(saved))
+        self._recall(lane, saved)
+        self._begin_film(lane)
+
+    def _simulation(self, saved: SavedEpisode) -> Any:
         simulation = self.settings.simulation(saved.parameters)
         simulation.restore(saved.state)
-        self.batch.replace(lane, simulation)
-        self._recall(lane, saved)
-        if self._films is not None:
-            self._films[lane] = Film(self.settings)
+        return simulation
 
     def _recall(self, lane: int, saved: SavedEpisode) -> None:
         """Take over what a saved episode has beside the state of its simulation."""
-        self.parameters[lane] = saved.parameters
-        self._charged[lane], self.terms[lane], self.terminated[lane] = saved.charged, saved.terms, False
-        self.rewards[lane], self._loop_torques[lane] = saved.terms.sum(), saved.loop_torque
+        self.parameters[lane], self.terminated[lane] = saved.parameters, False
+        self._accounts[lane], self._loop_torques[lane] = saved.account, saved.loop_torques
+        self.terms[lane], self.rewards[lane] = saved.terms, saved.terms.sum()
         self._sensors.recall(lane, saved.sensors)
+
+    def _begin_film(self, lane: int) -> None:
+        if self._films is not None:
+            self._films[lane] = Film(self.settings)
 
     def futures(self, lane: int, count: int, threads: int | None = None) -> Self:
         """Copies of the present episode of a lane, which go on without touching it.
 
-        Each has the original's whole state, mid-contact included, its parameters, its charges so far, its motor and its
+        Each has the original's whole state, mid-contact included, its parameters, its account, its motors and its
         sensors with the noise that is to come, and goes on to the same bits under the same actions.
 
         Args:
@@ -250,12 +259,10 @@ class Episodes:
             ValueError: if `count` or `threads` is not positive.
         """
         saved = self.save(lane)
-        simulations = [self.settings.simulation(saved.parameters) for _ in range(count)]
         copies = type(self)(replace(self.settings, render_mode=None), [saved.parameters] * count, threads)
-        for k, simulation in enumerate(simulations):
-            simulation.restore(saved.state)
+        copies._batch = Batch([self._simulation(saved) for _ in range(count)], threads)
+        for k in range(count):
             copies._recall(k, saved)
-        copies._batch = Batch(simulations, threads)
         copies.rewards[:], copies.terminated[:] = self.rewards[lane], self.terminated[lane]
         return copies
 
@@ -266,7 +273,7 @@ class Episodes:
 
     def figures(self, lane: int) -> dict[str, Any]:
         """The physical figures of an episode; see `figures.episode_figures`."""
-        return episode_figures(self.batch.simulations[lane], self.settings.task.driven_joint)
+        return episode_figures(self.batch.simulations[lane], self.settings.task.driven_joints)
 
     def close(self) -> None:
         """End the threads."""
@@ -281,3 +288,15 @@ class Episodes:
             )
             return None
         return self._films[lane].draw(self.batch.simulations[lane], self.parameters[lane])
+
+
+def raise_first(failures: Mapping[int, SimulationError]) -> None:
+    """Raise the first of the failures by lane, with a note that names its lane and the others.
+
+    Raises:
+        SimulationError: unless there are none.
+    """
+    if failures:
+        lane, *others = failures
+        failures[lane].add_note(f"in lane {lane} of the batch{f', and others in {others}' if others else ''}")
+        raise failures[lane]

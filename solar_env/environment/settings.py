@@ -19,6 +19,7 @@ from solar_env.environment.task.observations import Entry, Names, observation_en
 from solar_env.environment.task.reward import Reward
 from solar_env.environment.task.sensors import Sensors
 from solar_env.environment.task.task import Task
+from solar_env.environment.task.versions import CURRENT_VERSION, VERSIONS, Version
 from solar_env.mechanics.integrators.settings import Integrator
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.running.simulation import Simulation
@@ -45,13 +46,14 @@ class EnvironmentSettings:
         modes: number of bending modes of each modal panel, up to 200; by default 32.
         question, tolerance: of `model="auto"`: one of `solar_env.array.ladder.QUESTIONS` and the error allowed. By
             default at most a fifth of the pairs of controllers may be ranked wrongly ("controller-ranking", 0.2).
-        torque_limit, control_period, deadline, postlock_window, driven_joint: see `task.task.Task`.
-        action: "torque" or "rate", see `task.task.Task`.
+        version: of the task, with the values of the next four keywords and the prices of the reward.
+        torque_limit, control_period, deadline, postlock_window: see `task.task.Task`; by default the version's.
+        driven_joint, action: see `task.task.Task`.
         observation: "drive", "history", "landing" or "privileged", or names of observables, such as
             `["theta", "rate", "rate_1_ago", "time_to_deadline"]`; "rate_1_ago" is the rate of one period ago, and one
             of the four in a list stands for all that it has.
-        prices: version of the reward's prices, "v1" or "v0"; the next keyword changes them.
-        reward: mapping of terms to their weights, or to mappings of "scale", "weight" and "bound".
+        reward: mapping of terms to their weights, or to mappings of "scale", "weight" and "bound", which changes the
+            version's prices.
         scenario: "nominal" or "randomised"; the two keywords that follow change it.
         randomize: mapping of parameter names to (low, high), in place of the scenario's; each reset draws uniformly, by
             joint where the parameter is by joint, and there each bound may be one by joint.
@@ -70,14 +72,14 @@ class EnvironmentSettings:
     modes: int | None = None
     question: str | None = None
     tolerance: float | None = None
-    torque_limit: float = Task.torque_limit
-    control_period: float = Task.control_period
-    deadline: float = Task.deadline
-    postlock_window: float = Task.postlock_window
+    version: str = CURRENT_VERSION
+    torque_limit: float | None = None
+    control_period: float | None = None
+    deadline: float | None = None
+    postlock_window: float | None = None
     driven_joint: int = Task.driven_joint
     action: str = Task.action
     observation: str | Names = "drive"
-    prices: str = "v1"
     reward: Changes | None = None
     scenario: str = "nominal"
     randomize: Ranges | None = None
@@ -136,7 +138,7 @@ class EnvironmentSettings:
     @property
     def frames_per_second(self) -> int:
         """Control periods in a second [1/s], the nearest whole number, which Gymnasium's `play` asks for."""
-        return max(round(1.0 / self.control_period), 1)
+        return max(round(1.0 / self.task.control_period), 1)
 
     @cached_property
     def array(self) -> ArrayParameters:
@@ -156,11 +158,17 @@ class EnvironmentSettings:
             return self.hardware
         return scenario_named(self.scenario).hardware.with_changes(self.hardware or {})
 
+    @property
+    def _version(self) -> Version:
+        if self.version not in VERSIONS:
+            raise ValueError(unknown_name("the version of the task", self.version, VERSIONS))
+        return VERSIONS[self.version]
+
     @cached_property
     def task(self) -> Task:
         """Limits, durations and the driven joint."""
-        durations = self.control_period, self.deadline, self.postlock_window
-        task = Task(self.torque_limit, *durations, self.driven_joint, self.action)
+        given = {item.name: getattr(self, item.name) for item in fields(Task)}
+        task = replace(self._version.task, **{name: value for name, value in given.items() if value is not None})
         if task.driven_joint >= self.array.panel_count:
             raise ValueError(
                 f"driven_joint = {task.driven_joint!r} must be below panel_count = {self.array.panel_count}, the "
@@ -182,12 +190,12 @@ class EnvironmentSettings:
     @cached_property
     def terms(self) -> Reward:
         """The terms of the reward with their prices."""
-        return Reward(self.reward, self.prices)
+        return Reward(self.reward, self._version)
 
     def sensors(self, lanes: int) -> Sensors:
         """The sensors of several arrays."""
         lock_angles = [self.array.lock_angle(j) for j in range(self.array.panel_count)]
-        return Sensors(lanes, lock_angles, self.entries, self.drive, self.deadline)
+        return Sensors(lanes, lock_angles, self.entries, self.drive, self.task.deadline)
 
     def observation_space(self) -> gymnasium.Space[Any]:
         """Space of one observation."""
@@ -196,7 +204,7 @@ class EnvironmentSettings:
 
     def action_space(self) -> gymnasium.Space[Any]:
         """Space of one action."""
-        return gymnasium.spaces.Box(-1.0, 1.0, (1,), dtype=np.float32)
+        return gymnasium.spaces.Box(-1.0, 1.0, (len(self.task.driven_joints),), dtype=np.float32)
 
     def check_changes(self, design: ArrayParameters, changes: Changes) -> None:
         """Check changes of the parameters of one episode, before anything is drawn.

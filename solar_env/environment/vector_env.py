@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from solar_env.environment.actions import as_floats
 from solar_env.environment.env import RESET_OPTIONS, Observation
-from solar_env.environment.episodes import Episodes, SavedEpisode
+from solar_env.environment.episodes import Episodes, SavedEpisode, raise_first
 from solar_env.environment.exclusive import Exclusive
 from solar_env.environment.lane import Lane
 from solar_env.environment.scenarios import scenario_named
@@ -96,7 +96,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         self._all_lanes = np.arange(num_envs)
         self._elapsed = np.zeros(num_envs, dtype=np.int64)
         self._ended = np.zeros(num_envs, dtype=np.bool_)
-        self._actions = np.zeros((num_envs, 1))
+        self._actions = np.zeros((num_envs, len(self.task.driven_joints)))
         self._exclusive = Exclusive()
         self.closed = False
 
@@ -188,7 +188,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
             raise ValueError(f"actions have shape {np.shape(actions)}, expected {self._actions.shape}")
         given = as_floats(actions)
         if not np.isfinite(given).all():
-            lane = int(np.argmin(np.isfinite(given[:, 0])))
+            lane = int(np.argmin(np.isfinite(given).all(axis=1)))
             raise ValueError(f"action = {given[lane]!r} of lane {lane} is not finite")
         with self._exclusive:
             self._actions[...] = given
@@ -205,11 +205,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
                 )
             lanes = np.flatnonzero(~self._ended)
             self._fold(folded, [{}] * folded.size)
-        if self._on_failure == "raise":
-            episodes.step(lanes, self._actions[:, 0])
-            failures = {}
-        else:
-            failures = episodes.attempt(lanes, self._actions[:, 0])
+        failures = episodes.attempt(lanes, self._actions)
         self._elapsed[lanes] += 1
         terminations = episodes.terminated.copy()
         truncations = np.zeros(self.num_envs, dtype=np.bool_)
@@ -217,6 +213,8 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
             np.greater_equal(self._elapsed, self._longest, out=truncations)
         truncations[list(failures)] = True
         np.logical_or(terminations, truncations, out=self._ended)
+        if self._on_failure == "raise":
+            raise_first(failures)
         rewards, infos = episodes.rewards.copy(), self._infos()
         if self._ended.any():
             figures = {int(lane): {"deployment": episodes.figures(int(lane))} for lane in np.flatnonzero(terminations)}

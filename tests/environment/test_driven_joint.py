@@ -78,7 +78,7 @@ def test_futures_drive_the_same_joint_and_a_search_keeps_its_promise(joint):
     env = make(joint, deadline=0.004)
     env.reset(seed=0)
     futures = env.futures(2)
-    futures.step(np.arange(2), np.array([0.5, -0.5]))
+    futures.step(np.arange(2), np.array([[0.5], [-0.5]]))
     assert futures.batch.states.joints["motor_torque"][:, joint].tolist() == [0.25, -0.25]
     search = RecedingHorizon(env, ViscousDamper(Signals.of(env)), SearchSettings(2, 3, 2, 1, 2))
     observation, _ = env.reset(seed=0)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 
 import gymnasium
 import numpy as np
@@ -13,7 +12,7 @@ from episodes import LEVELS, STRONG, watch
 from solar_env import ArrayParameters, Hardware
 from solar_env.environment.registration import CURRENT, ENVIRONMENTS
 from solar_env.environment.scenarios import SCENARIOS
-from solar_env.environment.task.reward import PRICES
+from solar_env.environment.task.versions import VERSIONS
 
 NOMINAL, RANDOMISED = "solar_env/Deploy-v1", "solar_env/DeployRandomised-v1"
 JOINTS = 2
@@ -26,17 +25,17 @@ def make(name=NOMINAL, **keywords):
 
 def test_every_scenario_is_made_by_its_id_or_by_the_keyword():
     assert {scenario for scenario, _ in ENVIRONMENTS.values()} == set(SCENARIOS)
-    assert {prices for _, prices in ENVIRONMENTS.values()} == set(PRICES)
-    for name, (scenario, prices) in ENVIRONMENTS.items():
-        with warnings.catch_warnings():
-            warnings.filterwarnings("ignore", ".*is out of date", DeprecationWarning)
-            by_id = make(name)
-        by_keyword = make(scenario=scenario, prices=prices)
+    assert {version for _, version in ENVIRONMENTS.values()} == set(VERSIONS)
+    for name, (scenario, version) in ENVIRONMENTS.items():
+        by_id, by_keyword = make(name), make(scenario=scenario, version=version)
         assert by_id.reward.prices == by_keyword.reward.prices
+        assert by_id.task == by_keyword.task == VERSIONS[version].task
         assert by_id.scenario == scenario
         assert np.array_equal(watch(by_id, [0.1, -0.2, 0.3]), watch(by_keyword, [0.1, -0.2, 0.3]))
     with pytest.raises(ValueError, match=r"calm.*nominal, randomised"):
         make(scenario="calm")
+    with pytest.raises(ValueError, match=r"version of the task 'v9' is unknown.*v1"):
+        make(version="v9")
 
 
 def test_the_nominal_scenario_is_perfect_and_always_the_same():

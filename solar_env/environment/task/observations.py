@@ -19,7 +19,7 @@ from solar_env.support.markdown import markdown_table
 
 # Codes of `reading`.
 THETA, RATE, LATCHED, MOTOR_TORQUE, TIME_TO_DEADLINE, TIME_SINCE_LATCH, ECCENTRICITY_X, ECCENTRICITY_Y = range(8)
-IN_CONTACT, MAIN_BODY_SPIN, MAIN_BODY_ANGLE, PEAK_FORCE = range(8, 12)
+IN_CONTACT, MAIN_BODY_SPIN, MAIN_BODY_ANGLE, RECENT_PEAK_FORCE = range(8, 12)
 
 LOCK_ANGLE = "lock angle"
 GREATEST_AGE = 100
@@ -75,7 +75,7 @@ OBSERVABLES = (
         noise="attitude_noise",
         delayed=True,
     ),
-    Observable("peak_force", "greatest joint force in the last period", "kN", 0.0, 10.0, PEAK_FORCE, True),
+    Observable("recent_peak_force", "greatest force in the last period", "kN", 0.0, 10.0, RECENT_PEAK_FORCE, True),
 )
 
 _ROWS: tuple[Observable | Feature, ...] = (*OBSERVABLES, *FEATURES)
@@ -190,8 +190,8 @@ def channels(measured: Sequence[tuple[Observable, int]]) -> NDArray[np.void]:
 
 @kernel(inner=True)
 def reading(code, j, model, state, task):
-    """The exact value of a quantity, in its unit, at joint `j`."""
-    joint, own, view = model.joints[j], state.joints[j], view_joint_of(model)(model, state, j)
+    """The exact value of a quantity, in its unit, at joint `j`; of motors, at motor `j`."""
+    joint, joint_state, view = model.joints[j], state.joints[j], view_joint_of(model)(model, state, j)
     if code == THETA:
         return view.angle / joint.lock_angle
     if code == RATE:
@@ -204,18 +204,19 @@ def reading(code, j, model, state, task):
         scale = 1.0 / joint.clearance if joint.kind == m.CLEARANCE else 0.0
         return scale * (view.eccentricity_x if code == ECCENTRICITY_X else view.eccentricity_y)
     if code == LATCHED:
-        return float(own.latched)
+        return float(joint_state.latched)
     if code == IN_CONTACT:
-        return float(own.in_contact)
+        return float(joint_state.in_contact)
     if code == MOTOR_TORQUE:
-        return state.joints[task.driven_joint].motor_torque / task.torque_limit
+        motor = task.motors[j]
+        return state.joints[motor.joint].motor_torque / motor.torque_limit
     if code == TIME_TO_DEADLINE:
         return (task.deadline - state.clock[0].time) / task.deadline
     if code == TIME_SINCE_LATCH:
         latched_at = last_latch(state.joints)
         return (state.clock[0].time - latched_at) / task.postlock_window if latched_at == latched_at else 0.0
-    if code == PEAK_FORCE:
-        return 1e-3 * own.recent_peak_force
+    if code == RECENT_PEAK_FORCE:
+        return 1e-3 * joint_state.recent_peak_force
     return math.nan
 
 

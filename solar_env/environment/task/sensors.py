@@ -68,16 +68,13 @@ class Sensors:
         self._past = np.zeros((lanes, self._age.max() + 1, len(measured)), dtype=np.float32)
         self._arrays = (self.exact, self.observed, self._pipeline, self._past)
         self._generators: list[np.random.Generator | None] = [None] * lanes
-        self._rate_noise, self._rate_errors = hardware.rate_noise, np.zeros(lanes)
+        self._rate_noise = hardware.rate_noise
 
-    def rate_errors(self, lanes: NDArray[np.int64]) -> NDArray[np.float64]:
-        """(all lanes,) errors of a rate that the loops of the drives in some lanes (k,) measure now [rad/s]."""
+    def draw_rate_errors(self, lanes: NDArray[np.int64], errors: NDArray[np.float64]) -> None:
+        """Draw the errors (all lanes, motors) with which the drives' loops in some lanes (k,) measure rates [rad/s]."""
         if self._rate_noise > 0.0:
             for lane in lanes:
-                generator = self._generators[lane]
-                assert generator is not None
-                self._rate_errors[lane] = self._rate_noise * generator.standard_normal()
-        return self._rate_errors
+                errors[lane] = self._rate_noise * self._generator(lane).standard_normal(errors.shape[1])
 
     def begin(self, lanes: NDArray[np.int64], generators: Sequence[np.random.Generator]) -> None:
         """Observe the first state of new episodes in some lanes (k,), as if it had lasted.
@@ -143,13 +140,16 @@ class Sensors:
             mine[lane] = theirs
         self._generators[lane] = deepcopy(memory.generator)
 
+    def _generator(self, lane: int) -> np.random.Generator:
+        generator = self._generators[lane]
+        assert generator is not None
+        return generator
+
     def _measured(self, lanes: NDArray[np.int64]) -> NDArray[np.float32]:
         """(k, measured) exact values with noise and in steps of the encoder."""
         measured = self.exact[lanes]
         if self._noise.any():
             for row, lane in enumerate(lanes):
-                generator = self._generators[lane]
-                assert generator is not None
-                measured[row, self._noisy] += self._noise * generator.standard_normal(self._noisy.size)
+                measured[row, self._noisy] += self._noise * self._generator(lane).standard_normal(self._noisy.size)
         measured[:, self._in_steps] = np.rint(measured[:, self._in_steps] / self._step) * self._step
         return np.clip(measured, self._low, self._high)

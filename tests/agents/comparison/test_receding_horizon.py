@@ -75,7 +75,7 @@ def everything(env):
         episodes.observations,
         episodes.terms,
         episodes.terminated,
-        episodes._charged,
+        episodes._accounts,
         vars(episodes._sensors),
         unwrapped.np_random.bit_generator.state,
     ]
@@ -93,7 +93,7 @@ def test_futures_go_on_to_the_bits_of_the_environment_from_the_middle_of_a_conta
     assert futures.settings.observation_names == env.unwrapped.observation_names
     np.testing.assert_array_equal(futures.observations, [observed] * 3)
     for held in (0.3, -0.8, 0.1, 0.0):
-        futures.step(np.arange(3), np.array([held, -1.0, held]))
+        futures.step(np.arange(3), np.array([[held], [-1.0], [held]]))
         observed, *_, info = env.step([held])
         for lane in (0, 2):
             for mine, theirs in zip(futures.batch.simulations[lane].state, env.unwrapped.simulation.state, strict=True):

@@ -169,7 +169,7 @@ def test_the_angle_of_the_main_body_is_the_integral_of_its_spin():
 
 
 def test_the_peak_force_is_the_greatest_of_the_last_period_alone():
-    env = gymnasium.make(ID, model="rigid-ideal", control_period=1e-3, observation=["peak_force"]).unwrapped
+    env = gymnasium.make(ID, model="rigid-ideal", control_period=1e-3, observation=["recent_peak_force"]).unwrapped
     first, _ = env.reset(seed=0)
     pushed, quiet = (env.step([action])[0] for action in (1.0, 0.0))
     assert np.all(first == 0.0)

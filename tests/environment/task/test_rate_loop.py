@@ -68,7 +68,7 @@ def test_the_filter_goes_with_an_episode_that_is_saved():
     envs.unwrapped.lane(1).restore_episode(envs.unwrapped.lane(0).save_episode())
     copies = envs.unwrapped.episodes.futures(0, 1)
     observed = envs.step(np.full((2, 1), 0.4, np.float32))[0]
-    copies.step(np.zeros(1, dtype=np.int64), np.array([0.4], np.float32).astype(float))
+    copies.step(np.zeros(1, dtype=np.int64), np.array([[0.4]], np.float32).astype(float))
     torques = [batch.states.joints["motor_torque"][:, 0] for batch in (envs.unwrapped.episodes.batch, copies.batch)]
     assert observed[0].tobytes() == observed[1].tobytes()
     assert torques[0][0] == torques[0][1] == torques[1][0] != 0.0

@@ -39,6 +39,7 @@ from agents.laws.table import TUNABLE
 from agents.torque_laws import Signals
 from solar_env.environment.task.reward import Price
 from solar_env.environment.task.task import Task
+from solar_env.environment.task.versions import VERSIONS
 
 
 @pytest.fixture(scope="module")
@@ -77,7 +78,7 @@ def rank_correlation(one, other):
 
 
 def test_limits_durations_and_prices_are_the_documented_ones():
-    assert Task(0.5, 0.1, 20, 10, driven_joint=0) == TASK
+    assert Task(0.5, 0.1, 20, 10, driven_joint=0) == TASK == VERSIONS["v1"].task
     env = gymnasium.make(ID).unwrapped
     assert env.task == TASK
     assert env.reward.names == ("peak_impact", "wear", "missed_deadline")

@@ -127,7 +127,7 @@ def test_the_documentation_lists_the_term_with_its_price(term):
     (line,) = [
         line for line in solar_env.SolarArrayEnv.__doc__.splitlines() if line.strip().startswith(f"| `{term.name}` |")
     ]
-    price = term.price
+    price = Reward().prices[term.name]
     assert f"| {price.scale:g} {term.unit} | {price.weight:g} | {price.bound:g} |" in line
 
 

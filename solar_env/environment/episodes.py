@@ -17,6 +17,7 @@ from solar_env.environment.task.periods import begin_periods, begin_samples, end
 from solar_env.environment.task.sensors import Memory
 from solar_env.mechanics.running.batch import Batch
 from solar_env.mechanics.running.errors import SimulationError
+from solar_env.mechanics.running.simulation import Simulation
 
 
 class SavedEpisode(NamedTuple):
@@ -25,20 +26,20 @@ class SavedEpisode(NamedTuple):
     Attributes:
         parameters: of the episode.
         state: of the simulation, mid-contact included.
-        account: (terms, 2) figures charged so far, and their latest readings.
+        names: of the terms of the reward.
         terms: (terms,) of the latest reward.
-        names: of the terms.
-        sensors: their memory, the state of their noise included.
+        account: (terms, 2) figures charged so far, and their latest readings.
         loop_torques: (motors,) that the drives' rate loops ask of the motors [N m].
+        sensors: their memory, the state of their noise included.
     """
 
     parameters: ArrayParameters
     state: Any
-    account: NDArray[np.float64]
-    terms: NDArray[np.float64]
     names: tuple[str, ...]
-    sensors: Memory
+    terms: NDArray[np.float64]
+    account: NDArray[np.float64]
     loop_torques: NDArray[np.float64]
+    sensors: Memory
 
 
 class Episodes:
@@ -110,12 +111,11 @@ class Episodes:
         Args:
             lanes: (k,) which; the first time all, in order.
             generators: (k,) of random numbers.
-            changes: (k,) of parameters, after the draw.
+            changes: (k,) of parameters, after the draw; see `check_changes`.
 
         Raises:
             gymnasium.error.ResetNeeded: if not all lanes have begun an episode yet.
-            ValueError: for unknown parameters or refused values, see `check_changes`; or if the lanes' designs
-                differ in structure.
+            ValueError: if the lanes' designs differ in structure.
         """
         if self._batch is None and lanes.size < len(self.parameters):
             raise gymnasium.error.ResetNeeded("the first reset must be one of all lanes")
@@ -199,23 +199,16 @@ class Episodes:
         Raises:
             gymnasium.error.ResetNeeded: before the first reset.
         """
-        return SavedEpisode(
-            self.parameters[lane],
-            self.batch.simulations[lane].snapshot(),
-            self._accounts[lane].copy(),
-            self.terms[lane].copy(),
-            self.settings.terms.names,
-            self._sensors.memory(lane),
-            self._loop_torques[lane].copy(),
-        )
+        state, sensors = self.batch.simulations[lane].snapshot(), self._sensors.memory(lane)
+        terms, account, torques = (values[lane].copy() for values in (self.terms, self._accounts, self._loop_torques))
+        return SavedEpisode(self.parameters[lane], state, self.settings.terms.names, terms, account, torques, sensors)
 
     def restore(self, lane: int, saved: SavedEpisode) -> None:
         """Go on with a saved episode: the same actions lead to the same bits. Frames begin their force history anew.
 
         Raises:
             gymnasium.error.ResetNeeded: before the first reset.
-            ValueError: if the episode's structure is not that of these settings, or other entries were observed or
-                other terms charged; the present episode goes on then.
+            ValueError: if structure, entries observed or terms charged differ; the present episode goes on then.
         """
         if saved.names != self.settings.terms.names:
             raise ValueError(
@@ -227,7 +220,7 @@ class Episodes:
         self._recall(lane, saved)
         self._begin_film(lane)
 
-    def _simulation(self, saved: SavedEpisode) -> Any:
+    def _simulation(self, saved: SavedEpisode) -> Simulation:
         simulation = self.settings.simulation(saved.parameters)
         simulation.restore(saved.state)
         return simulation

@@ -19,7 +19,7 @@ from solar_env.environment.task.observations import Entry, Names, observation_en
 from solar_env.environment.task.reward import Reward
 from solar_env.environment.task.sensors import Sensors
 from solar_env.environment.task.task import Task
-from solar_env.environment.task.versions import CURRENT_VERSION, VERSIONS, Version
+from solar_env.environment.task.versions import CURRENT_VERSION, version_named
 from solar_env.mechanics.integrators.settings import Integrator
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.running.simulation import Simulation
@@ -108,9 +108,9 @@ class EnvironmentSettings:
             if name not in known:
                 raise TypeError(unknown_name("the environment's keyword", name, known))
         given = cls(**keywords)
-        (model, panels), hardware = given.level, given.drive
-        chosen = replace(given, model=model, **panels.keywords_of(model), question=None, tolerance=None)
-        return replace(chosen, parameters=given.array, randomize=given.ranges, hardware=hardware)
+        model, panels = given.level
+        level = {"model": model, **panels.keywords_of(model), "question": None, "tolerance": None}
+        return replace(given, **level, parameters=given.array, randomize=given.ranges, hardware=given.drive)
 
     @cached_property
     def level(self) -> tuple[str, PanelModel]:
@@ -158,17 +158,12 @@ class EnvironmentSettings:
             return self.hardware
         return scenario_named(self.scenario).hardware.with_changes(self.hardware or {})
 
-    @property
-    def _version(self) -> Version:
-        if self.version not in VERSIONS:
-            raise ValueError(unknown_name("the version of the task", self.version, VERSIONS))
-        return VERSIONS[self.version]
-
     @cached_property
     def task(self) -> Task:
         """Limits, durations and the driven joint."""
         given = {item.name: getattr(self, item.name) for item in fields(Task)}
-        task = replace(self._version.task, **{name: value for name, value in given.items() if value is not None})
+        usual = version_named(self.version).task
+        task = replace(usual, **{name: value for name, value in given.items() if value is not None})
         if task.driven_joint >= self.array.panel_count:
             raise ValueError(
                 f"driven_joint = {task.driven_joint!r} must be below panel_count = {self.array.panel_count}, the "
@@ -190,7 +185,7 @@ class EnvironmentSettings:
     @cached_property
     def terms(self) -> Reward:
         """The terms of the reward with their prices."""
-        return Reward(self.reward, self._version)
+        return Reward(self.reward, version_named(self.version))
 
     def sensors(self, lanes: int) -> Sensors:
         """The sensors of several arrays."""
@@ -214,14 +209,13 @@ class EnvironmentSettings:
         """
         if not isinstance(changes, Mapping):
             raise ValueError(f"options['parameters'] = {changes!r} must be a mapping of names to values")
-        if not changes:
-            return
-        changed = design.with_changes(changes)
+        after = design.with_changes(changes)
         for name in ArrayParameters.STRUCTURAL:
-            if getattr(changed, name) != getattr(design, name):
+            old, new = getattr(design, name), getattr(after, name)
+            if new != old:
                 raise ValueError(
-                    f"{name} = {getattr(changed, name)!r} changes the mechanism's structure, here with {name} = "
-                    f"{getattr(design, name)!r}; set it when the environment is made"
+                    f"{name} = {new!r} changes the mechanism's structure, here with {name} = {old!r}; set it when the "
+                    "environment is made"
                 )
 
     def draw(self, design: ArrayParameters, generator: np.random.Generator, changes: Changes) -> ArrayParameters:

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
-import gc
-import platform
 from functools import partial
 
 import gymnasium
@@ -13,7 +10,6 @@ import pytest
 from episodes import ID, LANES, LEVELS, RANGES, STRONG, assert_same, make_vector, random_actions
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
-import solar_env
 from solar_env.environment.task.observations import OBSERVABLES
 from solar_env.environment.task.reward import REWARD_TERMS
 
@@ -164,7 +160,11 @@ def test_seeds_are_by_lane_and_none_goes_on():
         (lambda env: env.step(np.zeros((3, 1))), ValueError, r"shape \(3, 1\), expected \(2, 1\)"),
         (lambda env: env.step(np.array([[0.0], [np.nan]])), ValueError, "of lane 1 is not finite"),
         (lambda env: env.step([[0.0], [10**400]]), ValueError, "action is not finite in floating point"),
-        (lambda env: env.reset(options={"mask": 1}), ValueError, r"options \['mask'\] are unknown"),
+        (
+            lambda env: env.reset(options={"mask": 1}),
+            ValueError,
+            "the reset option 'mask' is unknown; did you mean 'reset_mask'",
+        ),
         (lambda env: env.reset(options={"reset_mask": [True, False]}), TypeError, "array of bool"),
         (lambda env: env.reset(options={"reset_mask": np.zeros(2, bool)}), ValueError, "at least one lane"),
         (lambda env: env.reset(options={"parameters": {"clearance": -1.0}}), ValueError, "clearance"),
@@ -219,44 +219,3 @@ def test_frames_are_those_of_single_environments():
     assert np.array_equal(frames[1], single.render())
     with pytest.warns(UserWarning, match="does nothing without a render mode"):
         assert make_vector(2).render() == (None, None)
-
-
-def test_closing_twice_is_fine():
-    env = make_vector(2, num_threads=2)
-    env.reset(seed=0)
-    env.step(np.zeros((2, 1)))
-    env.close()
-    env.close()
-    assert solar_env.__name__ == "solar_env"
-
-
-def used_memory():
-    """Pages in memory without those that the allocator keeps for later."""
-    gc.collect()
-    ctypes.CDLL("libc.so.6").malloc_trim(0)
-    with open("/proc/self/statm") as file:
-        return int(file.read().split()[1])
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="another allocator")
-@pytest.mark.parametrize(("model", "steps"), [("rigid-ideal", 1_000_000), ("rigid-clearance", 200_000)])
-def test_very_many_random_steps_stay_finite_keep_their_energy_book_and_leak_nothing(model, steps):
-    lanes = 128
-    ranges = {**RANGES, "cable_stiffness": (18.0, 22.0), "latch_damping": (5.0, 20.0), "panel_density": (180.0, 220.0)}
-    env = make_vector(lanes, model=model, randomize=ranges, autoreset_mode=AutoresetMode.SAME_STEP)
-    env.reset(seed=0)
-    random = np.random.default_rng(0)
-    memory, worst, ended = [], 0.0, 0
-    for step in range(steps // lanes):
-        observations, rewards, terminations, _, infos = env.step(random.uniform(-1.0, 1.0, (lanes, 1)))
-        assert np.isfinite(observations).all()
-        assert np.isfinite(rewards).all()
-        if step % (steps // lanes // 8) == 0:
-            memory.append(used_memory())
-        if terminations.any():
-            ended += terminations.sum()
-            worst = max(worst, np.abs(infos["final_info"]["deployment"]["energy_residual_J"][terminations]).max())
-    assert ended > steps / 300
-    assert worst < 1e-4
-    assert max(memory[2:]) < 1.01 * max(memory[:2])

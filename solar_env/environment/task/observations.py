@@ -66,14 +66,8 @@ OBSERVABLES = (
     Observable("in_contact", "journal and bearing touch", "0 or 1", 0.0, 1.0, IN_CONTACT, True),
     Observable("main_body_spin", "exact spin of the main body", "rad/s", -1.0, 1.0, MAIN_BODY_SPIN),
     Observable(
-        "main_body_angle",
-        "main body's direction from that at release, of a star tracker",
-        "rad",
-        -math.pi,
-        math.pi,
-        MAIN_BODY_ANGLE,
-        noise="attitude_noise",
-        delayed=True,
+        *("main_body_angle", "main body's direction from that at release, of a star tracker", "rad", -math.pi, math.pi),
+        *(MAIN_BODY_ANGLE, False, "attitude_noise", False, True),
     ),
     Observable("recent_peak_force", "greatest force in the last period", "kN", 0.0, 10.0, RECENT_PEAK_FORCE, True),
 )
@@ -89,19 +83,10 @@ OBSERVATIONS: dict[str, Names] = {
     "drive": _DRIVE,
     "history": (*_DRIVE, *_PAST),
     "landing": (
-        "far",
-        "near",
-        "far_opening",
-        "far_time_needed",
-        "far_rate",
-        "near_distance",
-        "near_rate",
-        "near_deceleration",
-        "near_lead",
-        "near_lead_rate",
-        "near_time_needed",
-        "settling_rate",
-        "settling_distance",
+        *("far", "near"),
+        *(f"far_{quantity}" for quantity in ("opening", "time_needed", "rate")),
+        *(f"near_{quantity}" for quantity in ("distance", "rate", "deceleration", "lead", "lead_rate", "time_needed")),
+        *("settling_rate", "settling_distance"),
     ),
     "privileged": (*_DRIVE, ("eccentricity_x", "eccentricity_y", "in_contact"), "main_body_spin"),
 }
@@ -165,17 +150,13 @@ def _observable(name: str) -> tuple[Observable | Feature, int]:
     return _BY_NAME[stem], age
 
 
-channel_type = np.dtype(
-    (np.record, np.dtype([("code", "i8"), ("joint", "i8"), ("low", "f4"), ("high", "f4")], align=True))
-)
+_CHANNEL = [("code", "i8"), ("joint", "i8"), ("low", "f4"), ("high", "f4")]
+channel_type = np.dtype((np.record, np.dtype(_CHANNEL, align=True)))
 
 
 def measured_for(entries: Sequence[Entry], joints: int) -> list[tuple[Observable, int]]:
-    """Channels, and their joints, that are measured for entries of an observation to be shown."""
-    wanted: list[tuple[Observable, int]] = []
-    for entry in entries:
-        if isinstance(entry.observable, Observable):
-            wanted.append((entry.observable, entry.joint))
+    """Quantities, and their joints, that are measured for entries of an observation to be shown."""
+    wanted = [(entry.observable, entry.joint) for entry in entries if isinstance(entry.observable, Observable)]
     if len(wanted) < len(entries):
         rows = [row for row in OBSERVABLES if row.name in MEASURED]
         wanted += [(row, joint) for row in rows for joint in range(joints if row.by_joint else 1)]
@@ -184,8 +165,7 @@ def measured_for(entries: Sequence[Entry], joints: int) -> list[tuple[Observable
 
 def channels(measured: Sequence[tuple[Observable, int]]) -> NDArray[np.void]:
     """(measured,) code, joint and bounds of quantities of joints, as the kernels take them."""
-    rows = [(row.code, joint, row.low, row.high) for row, joint in measured]
-    return np.array(rows, dtype=channel_type)
+    return np.array([(row.code, joint, row.low, row.high) for row, joint in measured], dtype=channel_type)
 
 
 @kernel(inner=True)
@@ -231,15 +211,12 @@ def observe(model, state, task, channels, out):
 
 def observation_table() -> str:
     """The table of observables, in Markdown."""
-    rows: list[tuple[Observable | Feature, str]] = []
-    for row in OBSERVABLES:
-        sensed = [row.noise, "encoder_resolution" if row.encoder else None, "sensor_delay" if row.delayed else None]
-        sensors = ", ".join(f"`{name}`" for name in sensed if name) or "exact"
-        rows.append((row, sensors))
-    rows += [(feature, "as what it is made of") for feature in FEATURES]
-    cells = [
-        (f"`{one.name}_i`" if one.by_joint else f"`{one.name}`", one.meaning, f"{one.low:.4g}", f"{one.high:.4g}",
-         one.unit, sensors)
-        for one, sensors in rows
-    ]  # fmt: skip
+    cells = []
+    for row in _ROWS:
+        sensors = "as what it is made of"
+        if isinstance(row, Observable):
+            effects = row.noise, "encoder_resolution" if row.encoder else None, "sensor_delay" if row.delayed else None
+            sensors = ", ".join(f"`{name}`" for name in effects if name) or "exact"
+        name = f"`{row.name}_i`" if row.by_joint else f"`{row.name}`"
+        cells.append((name, row.meaning, f"{row.low:.4g}", f"{row.high:.4g}", row.unit, sensors))
     return markdown_table(("Name", "Observation", "Min", "Max", "Unit", "Sensors"), cells)

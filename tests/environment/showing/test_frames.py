@@ -81,14 +81,6 @@ def test_a_frame_is_drawn_from_the_state_the_loads_and_the_recorded_peaks(monkey
     assert np.max(peaks) > 10.0
 
 
-def test_without_a_render_mode_there_is_no_frame_but_a_hint():
-    env = make("rigid-clearance")
-    env.reset(seed=0)
-    with pytest.warns(UserWarning, match='render_mode="rgb_array"'):
-        frame = env.render()
-    assert frame is None
-
-
 @pytest.mark.parametrize("model", LEVELS)
 def test_a_frame_shows_the_present_state(model):
     env = make(model, render_mode="rgb_array")

@@ -13,6 +13,7 @@ from stable_baselines3.common.env_checker import check_env as check_by_stable_ba
 import solar_env
 from solar_env import Hardware
 from solar_env.environment.registration import CURRENT
+from solar_env.environment.task.features import FEATURES
 from solar_env.environment.task.observations import LOCK_ANGLE, OBSERVABLES, OBSERVATIONS, observation_entries
 from solar_env.environment.task.sensors import Sensors
 
@@ -27,6 +28,7 @@ WILD = {
 }
 
 each = pytest.mark.parametrize("row", OBSERVABLES, ids=EVERYTHING)
+feature_too = pytest.mark.parametrize("row", [*OBSERVABLES, *FEATURES], ids=lambda row: row.name)
 
 
 def names(joints, observation):
@@ -46,19 +48,30 @@ def unit(row):
     return np.array(LOCK_ANGLES if row.unit == LOCK_ANGLE else [1.0] * (2 if row.by_joint else 1))
 
 
-@each
-def test_an_observable_stays_in_its_bounds_and_is_the_same_in_a_vector_bit_for_bit(row):
-    keywords = {**WILD, "observation": [row.name]}
+@feature_too
+def test_a_row_stays_in_its_bounds_and_is_the_same_in_a_vector_bit_for_bit(row):
+    keywords = {**WILD, "observation": [row.name, f"{row.name}_2_ago"]}
     single, vector = gymnasium.make(ID, **keywords).unwrapped, gymnasium.make_vec(ID, 2, **keywords)
-    assert single.observation_names == tuple(names(2, [row.name]))
-    assert single.observation_space.low.tolist() == [np.float32(row.low)] * len(single.observation_names)
-    assert single.observation_space.high.tolist() == [np.float32(row.high)] * len(single.observation_names)
-    seen, together = single.reset(seed=0)[0], vector.reset(seed=0)[0]
+    entries = len(names(2, [row.name]))
+    assert single.observation_names == tuple(names(2, keywords["observation"]))
+    assert single.observation_space.low.tolist() == [np.float32(row.low)] * 2 * entries
+    assert single.observation_space.high.tolist() == [np.float32(row.high)] * 2 * entries
+    seen, together = [single.reset(seed=0)[0]], vector.reset(seed=0)[0]
     for action in (0.5, -2.0, 0.1):
-        assert single.observation_space.contains(seen)
-        assert seen.tobytes() == together[0].tobytes() == together[1].tobytes()
-        seen, together = single.step([action])[0], vector.step(np.full((2, 1), action, np.float32))[0]
-    assert seen.tobytes() == together[0].tobytes()
+        assert single.observation_space.contains(seen[-1])
+        assert seen[-1].tobytes() == together[0].tobytes() == together[1].tobytes()
+        seen.append(single.step([action])[0])
+        together = vector.step(np.full((2, 1), action, np.float32))[0]
+    assert np.array_equal(seen[3][entries:], seen[1][:entries])
+
+
+@feature_too
+def test_the_documentation_lists_the_row_with_its_bounds_and_unit(row):
+    starts = f"| `{row.name}` |", f"| `{row.name}_i` |"
+    (line,) = [line for line in solar_env.SolarArrayEnv.__doc__.splitlines() if line.strip().startswith(starts)]
+    assert f"| {row.low:.4g} | {row.high:.4g} | {row.unit} |" in line
+    noise = getattr(row, "noise", None)
+    assert noise is None or f"`{noise}`" in line
 
 
 @each
@@ -94,17 +107,6 @@ def test_a_measurement_is_shown_late_where_the_row_says_so(row):
     assert shown == ([first, first, later] if row.delayed else [later] * 3)
 
 
-@each
-def test_the_documentation_lists_the_observable_with_its_bounds_and_unit(row):
-    (line,) = [
-        line
-        for line in solar_env.SolarArrayEnv.__doc__.splitlines()
-        if line.strip().startswith((f"| `{row.name}` |", f"| `{row.name}_i` |"))
-    ]
-    assert f"| {row.low:.4g} | {row.high:.4g} | {row.unit} |" in line
-    assert row.noise is None or f"`{row.noise}`" in line
-
-
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("name", CURRENT)
 def test_both_checkers_accept_every_observable_alone_and_all_together(name):
@@ -126,13 +128,6 @@ def test_the_observations_list_what_is_documented_in_that_order():
     assert names(3, "drive") == drive
     assert names(3, "history") == drive + [f"{name}_{back}_ago" for back in (1, 2, 3) for name in remembered]
     assert names(3, "privileged") == [*drive, *journals, "main_body_spin"]
-
-
-@pytest.mark.parametrize("name", OBSERVATIONS)
-def test_an_observation_with_a_name_is_made_of_rows_of_the_table_each_once(name):
-    shown = names(2, name)
-    assert len(shown) == len(set(shown))
-    assert gymnasium.make(ID, observation=name).unwrapped.observation_names == tuple(shown)
 
 
 def test_a_list_of_ones_own_shows_the_past_without_the_present_and_in_the_order_asked_for():

@@ -14,7 +14,6 @@ from solar_env.mechanics.arrays import model as m
 
 ID = "solar_env/Deploy-v1"
 PERIODS, LATCHING = 12, 5
-DEFAULT = ("peak_impact", "wear", "missed_deadline")
 # What a missed deadline must cost for every other term to be charged at the same time.
 DEAR = {"missed_deadline": 1e6}
 ALL = {term.name: 1.0 for term in REWARD_TERMS} | DEAR
@@ -142,29 +141,6 @@ def test_what_a_missed_deadline_costs_must_exceed_what_all_else_can_together(ter
     with pytest.raises(ValueError, match=r"missed_deadline costs 14\.0, which must exceed the 14\.0 .*not deploying"):
         Reward({**edge, "missed_deadline": 14.0})
     assert Reward({**edge, "missed_deadline": 14.1}).names.count(term.name) == 1
-
-
-def test_by_default_three_terms_are_charged_and_told_single_and_in_a_vector():
-    single, vector = gymnasium.make(ID, model="rigid-ideal"), gymnasium.make_vec(ID, 2, model="rigid-ideal")
-    for env in (single, vector):
-        assert env.unwrapped.reward.names == DEFAULT
-        assert tuple(name for name in env.reset(seed=0)[1]["reward_terms"] if name[0] != "_") == DEFAULT
-
-
-def test_what_is_charged_is_told_and_adds_up_to_the_reward_single_and_in_a_vector():
-    keywords = {"model": "rigid-ideal", "control_period": 1e-3, "reward": ALL, "parameters": {"initial_spin": 0.1}}
-    single, vector = gymnasium.make(ID, **keywords), gymnasium.make_vec(ID, 2, **keywords)
-    single.reset(seed=0)
-    vector.reset(seed=0)
-    for _ in range(3):
-        _, reward, _, _, info = single.step([0.7])
-        _, rewards, _, _, infos = vector.step(np.full((2, 1), 0.7))
-        assert list(info["reward_terms"]) == list(ALL)
-        assert reward == sum(info["reward_terms"].values()) == rewards[0] == rewards[1]
-        for name, value in info["reward_terms"].items():
-            assert infos["reward_terms"][name].tolist() == [value, value]
-            assert infos["reward_terms"][f"_{name}"].all()
-    assert reward < 0.0
 
 
 def test_motor_work_is_torque_times_angle_whether_it_drives_or_brakes():

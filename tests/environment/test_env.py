@@ -10,12 +10,12 @@ import warnings
 import gymnasium
 import numpy as np
 import pytest
-from episodes import ID, LEVELS, RANGES, STRONG, main_body_spin, make
+from episodes import LEVELS, RANGES, STRONG, main_body_spin, make
 from gymnasium.utils.env_checker import check_env as check_by_gymnasium
 from stable_baselines3.common.env_checker import check_env as check_by_stable_baselines3
 
 import solar_env
-from solar_env.environment.registration import CURRENT
+from solar_env.environment.registration import CURRENT, DEPLOY, DEPLOY_RANDOMISED
 from solar_env.environment.task.observations import OBSERVABLES
 from solar_env.environment.task.reward import REWARD_TERMS
 
@@ -110,7 +110,7 @@ def test_the_same_seed_gives_the_same_bits_in_two_processes(model):
     keywords = {**LEVELS[model], "parameters": STRONG, "randomize": RANGES}
     program = (
         "import gymnasium, solar_env, hashlib\n"
-        f"env = gymnasium.make({ID!r}, **{keywords!r}).unwrapped\n"
+        f"env = gymnasium.make({DEPLOY!r}, **{keywords!r}).unwrapped\n"
         "observation, _ = env.reset(seed=7)\n"
         "digest = hashlib.sha256(observation.tobytes())\n"
         "env.action_space.seed(3)\n"
@@ -139,7 +139,7 @@ def test_observations_and_rewards_are_the_same_uncompiled(run_python):
     }
     program = (
         "import gymnasium, solar_env\n"
-        f"env = gymnasium.make('solar_env/DeployRandomised-v1', **{keywords!r})\n"
+        f"env = gymnasium.make({DEPLOY_RANDOMISED!r}, **{keywords!r})\n"
         "print(*env.reset(seed=7)[0])\n"
         "for action in (0.5, -0.3, 0.1):\n"
         "    observation, reward, _, _, info = env.step([action])\n"
@@ -153,7 +153,7 @@ def test_observations_and_rewards_are_the_same_uncompiled(run_python):
 
 
 def test_seeds_fix_the_draws_and_successive_resets_draw_anew():
-    env = gymnasium.make(ID, randomize=RANGES).unwrapped
+    env = gymnasium.make(DEPLOY, randomize=RANGES).unwrapped
     draws = []
     for seed in (1, None, 1):
         env.reset(seed=seed)
@@ -165,7 +165,7 @@ def test_seeds_fix_the_draws_and_successive_resets_draw_anew():
 
 
 def test_reset_options_change_one_episode_only():
-    env = gymnasium.make(ID).unwrapped
+    env = gymnasium.make(DEPLOY).unwrapped
     env.reset(options={"parameters": {"clearance": 1e-4}})
     assert env.episode_parameters.clearance == 1e-4
     env.reset()
@@ -216,7 +216,7 @@ def test_wrong_keywords_are_refused_by_name(keywords, words):
 
 @pytest.mark.parametrize("action", [[0.0, 0.0], 0.0, [[0.0]], []])
 def test_an_action_of_the_wrong_shape_is_refused(action):
-    env = gymnasium.make(ID).unwrapped
+    env = gymnasium.make(DEPLOY).unwrapped
     env.reset(seed=0)
     with pytest.raises(ValueError, match="shape"):
         env.step(action)
@@ -224,7 +224,7 @@ def test_an_action_of_the_wrong_shape_is_refused(action):
 
 @pytest.mark.parametrize("action", [[math.nan], [-math.inf], 10**400, [10**400]])
 def test_an_action_that_is_not_finite_is_refused_and_leaves_the_episode_running(action):
-    env = gymnasium.make(ID).unwrapped
+    env = gymnasium.make(DEPLOY).unwrapped
     env.reset(seed=0)
     with pytest.raises(ValueError, match="finite"):
         env.step(action)
@@ -233,14 +233,14 @@ def test_an_action_that_is_not_finite_is_refused_and_leaves_the_episode_running(
 
 
 def test_actions_outside_the_box_are_clipped():
-    env = gymnasium.make(ID).unwrapped
+    env = gymnasium.make(DEPLOY).unwrapped
     env.reset(seed=0)
     env.step([40.0])
     assert env.simulation.state.joints["motor_torque"][0] == env.task.torque_limit
 
 
 def test_stepping_before_reset_or_after_the_end_asks_for_a_reset():
-    env = gymnasium.make(ID, deadline=0.2).unwrapped
+    env = gymnasium.make(DEPLOY, deadline=0.2).unwrapped
     with pytest.raises(gymnasium.error.ResetNeeded):
         env.step([0.0])
     env.reset(seed=0)
@@ -252,7 +252,7 @@ def test_stepping_before_reset_or_after_the_end_asks_for_a_reset():
 
 
 def test_unknown_reset_options_and_another_panel_count_are_refused():
-    env = gymnasium.make(ID).unwrapped
+    env = gymnasium.make(DEPLOY).unwrapped
     with pytest.raises(ValueError, match="wind"):
         env.reset(options={"wind": 3.0})
     with pytest.raises(ValueError, match="panel_count"):

@@ -10,16 +10,15 @@ import pytest
 from episodes import LEVELS, STRONG, watch
 
 from solar_env import ArrayParameters, Hardware
-from solar_env.environment.registration import CURRENT, ENVIRONMENTS
+from solar_env.environment.registration import CURRENT, DEPLOY, DEPLOY_RANDOMISED, ENVIRONMENTS
 from solar_env.environment.scenarios import SCENARIOS
 from solar_env.environment.task.versions import VERSIONS
 
-NOMINAL, RANDOMISED = "solar_env/Deploy-v1", "solar_env/DeployRandomised-v1"
 JOINTS = 2
 RATES, SINCE_LATCH = range(JOINTS, 2 * JOINTS), 3 * JOINTS + 2
 
 
-def make(name=NOMINAL, **keywords):
+def make(name=DEPLOY, **keywords):
     return gymnasium.make(name, model="rigid-ideal", **keywords).unwrapped
 
 
@@ -47,7 +46,7 @@ def test_the_nominal_scenario_is_perfect_and_always_the_same():
 
 
 def test_the_randomised_scenario_draws_everything_within_its_ranges():
-    env = make(RANDOMISED)
+    env = make(DEPLOY_RANDOMISED)
     drawn = {name: [] for name in env.randomize}
     for seed in range(200):
         env.reset(seed=seed)
@@ -63,7 +62,7 @@ def test_the_randomised_scenario_draws_everything_within_its_ranges():
 
 
 def test_the_randomised_scenario_is_the_documented_one():
-    env = make(RANDOMISED)
+    env = make(DEPLOY_RANDOMISED)
     documented = {
         "clearance": (0.05e-3, 0.5e-3),
         "friction_coefficient": (0.05, 0.3),
@@ -84,11 +83,11 @@ def test_the_randomised_scenario_is_the_documented_one():
 
 
 def test_keywords_change_a_scenario_or_take_the_place_of_its_parts():
-    env = make(RANDOMISED, randomize={"clearance": (1e-4, (2e-4, 3e-4))}, hardware={"sensor_delay": 0})
+    env = make(DEPLOY_RANDOMISED, randomize={"clearance": (1e-4, (2e-4, 3e-4))}, hardware={"sensor_delay": 0})
     assert env.randomize == {"clearance": ((1e-4, 1e-4), (2e-4, 3e-4))}
     assert env.hardware == SCENARIOS["randomised"].hardware.with_changes({"sensor_delay": 0})
-    assert make(RANDOMISED, hardware=Hardware()).hardware == Hardware()
-    assert make(RANDOMISED, parameters={"body_mass": 900.0}).parameters == ArrayParameters(
+    assert make(DEPLOY_RANDOMISED, hardware=Hardware()).hardware == Hardware()
+    assert make(DEPLOY_RANDOMISED, parameters={"body_mass": 900.0}).parameters == ArrayParameters(
         contact_law="flores", body_mass=900.0
     )
 
@@ -106,11 +105,11 @@ def test_hinges_differ_where_their_range_does_and_else_in_what_varies_from_hinge
 @pytest.mark.parametrize("model", ["rigid-clearance", "flexible-clearance"])
 def test_a_vector_of_randomised_arrays_equals_single_ones_to_the_last_bit(model):
     keywords = {**LEVELS[model], "observation": "history", "parameters": STRONG, "postlock_window": 1.0}
-    vector = gymnasium.make_vec(RANDOMISED, num_envs=3, autoreset_mode="NextStep", **keywords)
+    vector = gymnasium.make_vec(DEPLOY_RANDOMISED, num_envs=3, autoreset_mode="NextStep", **keywords)
     actions = np.random.default_rng(0).uniform(-1, 1, (50, 3, 1)).astype(np.float32)
     seen = [vector.reset(seed=7)[0], *(vector.step(action)[0] for action in actions)]
     for lane in range(3):
-        env = gymnasium.make(RANDOMISED, **keywords).unwrapped
+        env = gymnasium.make(DEPLOY_RANDOMISED, **keywords).unwrapped
         alone, over = [env.reset(seed=7 + lane)[0]], False
         for action in actions[:, lane]:
             if over:
@@ -153,7 +152,7 @@ def test_ranges_that_make_no_sense_are_refused_by_name(ranges, words):
 def test_the_privileged_observation_shows_what_is_behind_the_sensors():
     perfect = {"angle_noise": 0.0, "rate_noise": 0.0, "encoder_resolution": 0.0, "sensor_delay": 0}
     behind = [
-        watch(make(RANDOMISED, observation="privileged", hardware=hardware), [0.5, -0.5, 0.2], seed=5)
+        watch(make(DEPLOY_RANDOMISED, observation="privileged", hardware=hardware), [0.5, -0.5, 0.2], seed=5)
         for hardware in ({}, perfect)
     ]
     beyond = SINCE_LATCH + 1

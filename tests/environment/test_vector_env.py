@@ -7,22 +7,23 @@ from functools import partial
 import gymnasium
 import numpy as np
 import pytest
-from episodes import ID, LANES, LEVELS, RANGES, STRONG, assert_same, make_vector, random_actions
+from episodes import LANES, LEVELS, RANGES, STRONG, assert_same, make_vector, random_actions
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
+from solar_env.environment.registration import DEPLOY
 from solar_env.environment.task.observations import OBSERVABLES
 from solar_env.environment.task.reward import REWARD_TERMS
 
 
 def make_sync(mode=AutoresetMode.NEXT_STEP, lanes=LANES, **keywords):
-    return SyncVectorEnv([partial(gymnasium.make, ID, **keywords)] * lanes, autoreset_mode=mode)
+    return SyncVectorEnv([partial(gymnasium.make, DEPLOY, **keywords)] * lanes, autoreset_mode=mode)
 
 
 def test_make_vec_takes_it_without_being_told():
     env = make_vector(3)
     assert type(env.unwrapped).__name__ == "SolarArrayVectorEnv"
     assert env.num_envs == 3
-    assert env.spec.id == ID
+    assert env.spec.id == DEPLOY
     assert env.metadata["autoreset_mode"] is AutoresetMode.NEXT_STEP
 
 
@@ -55,7 +56,7 @@ def test_a_lane_equals_the_single_environment_with_its_seed(level):
     first, _ = native.reset(seed=11)
     steps = [native.step(actions) for actions in random_actions(12)]
     for lane in range(LANES):
-        single = gymnasium.make(ID, **keywords)
+        single = gymnasium.make(DEPLOY, **keywords)
         assert_same(single.reset(seed=11 + lane)[0], first[lane])
         for actions, (observations, rewards, *_) in zip(random_actions(12), steps, strict=True):
             observation, reward, *_ = single.step(actions[lane])
@@ -83,7 +84,7 @@ def test_lanes_may_have_parameters_of_their_own():
     env = make_vector(2, parameters=designs)
     env.reset(seed=0)
     for lane, design in enumerate(designs):
-        single = gymnasium.make(ID, parameters=design)
+        single = gymnasium.make(DEPLOY, parameters=design)
         single.reset(seed=0)
         for actions in random_actions(5, 2):
             single.step(actions[lane])
@@ -213,7 +214,7 @@ def test_frames_are_those_of_single_environments():
     env.reset(seed=0)
     env.step(np.ones((2, 1)))
     frames = env.render()
-    single = gymnasium.make(ID, render_mode="rgb_array", randomize=RANGES)
+    single = gymnasium.make(DEPLOY, render_mode="rgb_array", randomize=RANGES)
     single.reset(seed=1)
     single.step(np.ones(1))
     assert np.array_equal(frames[1], single.render())

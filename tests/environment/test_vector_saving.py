@@ -9,7 +9,9 @@ import pickle
 import gymnasium
 import numpy as np
 import pytest
-from episodes import ID, LANES, RANGES, STRONG, assert_same, make_vector, random_actions
+from episodes import LANES, RANGES, STRONG, assert_same, make_vector, random_actions
+
+from solar_env.environment.registration import DEPLOY
 
 
 @pytest.mark.parametrize("copied", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])
@@ -43,7 +45,7 @@ def test_a_copy_goes_on_as_the_original_and_tells_the_same(level, copied):
 
 
 def test_a_single_environment_that_was_copied_tells_the_same():
-    env = gymnasium.make(ID, parameters=STRONG, postlock_window=0.5)
+    env = gymnasium.make(DEPLOY, parameters=STRONG, postlock_window=0.5)
     env.reset(seed=1)
     for _ in range(5):
         env.step([0.1])
@@ -120,7 +122,8 @@ def test_it_goes_on_in_a_forked_process(run_python):
     program = """
 import os
 import gymnasium, numpy as np, solar_env
-env = gymnasium.make_vec("solar_env/Deploy-v1", num_envs=4, num_threads=2)
+import sys
+env = gymnasium.make_vec(sys.argv[1], num_envs=4, num_threads=2)
 env.reset(seed=0)
 first = env.step(np.zeros((4, 1)))[0]
 reader, writer = os.pipe()
@@ -131,4 +134,4 @@ os.wait()
 there = np.frombuffer(os.read(reader, 4096), np.float32).reshape(4, -1)
 print(np.array_equal(there, env.step(np.zeros((4, 1)))[0]))
 """
-    assert run_python(program).split() == ["True"]
+    assert run_python(program, DEPLOY).split() == ["True"]

@@ -7,15 +7,16 @@ import math
 import gymnasium
 import numpy as np
 import pytest
-from episodes import ID, LATE_ROOT, LEVELS, make
+from episodes import LATE_ROOT, LEVELS, make
 
 import solar_env
+from solar_env.environment.registration import DEPLOY
 from solar_env.mechanics.joints.joint import MOTOR_TORQUE, NORMAL
 
 
 def test_frames_are_played_at_the_pace_of_the_control_periods():
     assert solar_env.SolarArrayEnv(control_period=0.02).metadata["render_fps"] == 50
-    assert gymnasium.make_vec(ID, num_envs=1, control_period=0.02).metadata["render_fps"] == 50
+    assert gymnasium.make_vec(DEPLOY, num_envs=1, control_period=0.02).metadata["render_fps"] == 50
     assert solar_env.SolarArrayEnv.metadata["render_fps"] == 10
     # Gymnasium's `play` takes whole numbers alone.
     rates = [solar_env.SolarArrayEnv(control_period=period).metadata["render_fps"] for period in (0.1, 0.3, 2.0)]

@@ -12,12 +12,11 @@ from stable_baselines3.common.env_checker import check_env as check_by_stable_ba
 
 import solar_env
 from solar_env import Hardware
-from solar_env.environment.registration import CURRENT
+from solar_env.environment.registration import CURRENT, DEPLOY
 from solar_env.environment.task.features import FEATURES
 from solar_env.environment.task.observations import LOCK_ANGLE, OBSERVABLES, OBSERVATIONS, observation_entries
 from solar_env.environment.task.sensors import Sensors
 
-ID = "solar_env/Deploy-v1"
 LOCK_ANGLES = (math.pi / 2, math.pi)
 EVERYTHING = [row.name for row in OBSERVABLES]
 # Beyond the bounds of most observables, after a step that is short uncompiled, too.
@@ -51,7 +50,7 @@ def unit(row):
 @feature_too
 def test_a_row_stays_in_its_bounds_and_is_the_same_in_a_vector_bit_for_bit(row):
     keywords = {**WILD, "observation": [row.name, f"{row.name}_2_ago"]}
-    single, vector = gymnasium.make(ID, **keywords).unwrapped, gymnasium.make_vec(ID, 2, **keywords)
+    single, vector = gymnasium.make(DEPLOY, **keywords).unwrapped, gymnasium.make_vec(DEPLOY, 2, **keywords)
     entries = len(names(2, [row.name]))
     assert single.observation_names == tuple(names(2, keywords["observation"]))
     assert single.observation_space.low.tolist() == [np.float32(row.low)] * 2 * entries
@@ -132,8 +131,8 @@ def test_the_observations_list_what_is_documented_in_that_order():
 
 def test_a_list_of_ones_own_shows_the_past_without_the_present_and_in_the_order_asked_for():
     keywords = {**WILD, "scenario": "randomised", "hardware": {"sensor_delay": 1}}
-    own = gymnasium.make(ID, observation=["time_to_deadline", "motor_torque_2_ago", "theta"], **keywords).unwrapped
-    drive = gymnasium.make(ID, **keywords).unwrapped
+    own = gymnasium.make(DEPLOY, observation=["time_to_deadline", "motor_torque_2_ago", "theta"], **keywords).unwrapped
+    drive = gymnasium.make(DEPLOY, **keywords).unwrapped
     assert own.observation_names == ("time_to_deadline", "motor_torque_2_ago", "theta_1", "theta_2")
     mine, theirs = [own.reset(seed=3)[0]], [drive.reset(seed=3)[0]]
     for action in (0.3, -0.7, 0.2, 0.9, -0.1):
@@ -150,7 +149,7 @@ def test_a_list_of_ones_own_shows_the_past_without_the_present_and_in_the_order_
 
 def test_the_angle_of_the_main_body_is_the_integral_of_its_spin():
     env = gymnasium.make(
-        ID,
+        DEPLOY,
         model="rigid-ideal",
         control_period=1e-3,
         parameters={"initial_spin": 0.5},
@@ -164,7 +163,7 @@ def test_the_angle_of_the_main_body_is_the_integral_of_its_spin():
 
 
 def test_the_peak_force_is_the_greatest_of_the_last_period_alone():
-    env = gymnasium.make(ID, model="rigid-ideal", control_period=1e-3, observation=["recent_peak_force"]).unwrapped
+    env = gymnasium.make(DEPLOY, model="rigid-ideal", control_period=1e-3, observation=["recent_peak_force"]).unwrapped
     first, _ = env.reset(seed=0)
     pushed, quiet = (env.step([action])[0] for action in (1.0, 0.0))
     assert np.all(first == 0.0)

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from charged import (
     FORCE_SCALE,
-    ID,
     LARGEST,
     MISSED,
     SAMPLING,
@@ -37,6 +36,7 @@ from scipy.stats import spearmanr
 
 from agents.laws.table import TUNABLE
 from agents.torque_laws import Signals
+from solar_env.environment.registration import DEPLOY
 from solar_env.environment.task.reward import Price
 from solar_env.environment.task.task import Task
 from solar_env.environment.task.versions import VERSIONS
@@ -45,7 +45,7 @@ from solar_env.environment.task.versions import VERSIONS
 @pytest.fixture(scope="module")
 def wide_set():
     """Controllers from all over: every torque law with parameters anywhere in their ranges, and torques of no law."""
-    signals = Signals.of(gymnasium.make(ID))
+    signals = Signals.of(gymnasium.make(DEPLOY))
     generator = np.random.default_rng(0)
     laws = [constant(action) for action in (-1.0, -0.5, -0.25, 0.0, 0.25, 0.5, 1.0)]
     laws += [erratic(seed) for seed in range(3)]
@@ -79,7 +79,7 @@ def rank_correlation(one, other):
 
 def test_limits_durations_and_prices_are_the_documented_ones():
     assert Task(0.5, 0.1, 20, 10, driven_joint=0) == TASK == VERSIONS["v1"].task
-    env = gymnasium.make(ID).unwrapped
+    env = gymnasium.make(DEPLOY).unwrapped
     assert env.task == TASK
     assert env.reward.names == ("peak_impact", "wear", "missed_deadline")
     assert env.reward.prices["peak_impact"] == Price(FORCE_SCALE, 1.0, LARGEST)

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import solar_env
+from solar_env.environment.registration import DEPLOY
 from solar_env.environment.task.reward import REWARD_TERMS, Price, Reward
 from solar_env.mechanics.arrays import model as m
 
-ID = "solar_env/Deploy-v1"
 PERIODS, LATCHING = 12, 5
 # What a missed deadline must cost for every other term to be charged at the same time.
 DEAR = {"missed_deadline": 1e6}
@@ -69,7 +69,7 @@ def figures(lane):
 
 def charged(reward, lanes=1, **keywords):
     """Infos and rewards of the imagined deployments in some lanes: (lanes, PERIODS) by term, and (lanes, PERIODS)."""
-    env = gymnasium.make_vec(ID, lanes, model="rigid-ideal", reward=reward, **keywords).unwrapped
+    env = gymnasium.make_vec(DEPLOY, lanes, model="rigid-ideal", reward=reward, **keywords).unwrapped
     env.reset(seed=0)
     episodes, terms, rewards = env.episodes, [], []
     for period in range(PERIODS):
@@ -145,7 +145,7 @@ def test_what_a_missed_deadline_costs_must_exceed_what_all_else_can_together(ter
 
 def test_motor_work_is_torque_times_angle_whether_it_drives_or_brakes():
     env = gymnasium.make(
-        ID,
+        DEPLOY,
         model="rigid-ideal",
         control_period=1e-3,
         parameters={"initial_rate": 0.5},
@@ -163,7 +163,7 @@ def test_motor_work_is_torque_times_angle_whether_it_drives_or_brakes():
 
 def test_a_saved_episode_goes_on_where_the_same_terms_are_charged_and_nowhere_else():
     keywords = {"model": "rigid-ideal", "control_period": 1e-3}
-    one, other = (gymnasium.make_vec(ID, 1, reward=reward, **keywords).unwrapped for reward in (ALL, None))
+    one, other = (gymnasium.make_vec(DEPLOY, 1, reward=reward, **keywords).unwrapped for reward in (ALL, None))
     for env in (one, other):
         env.reset(seed=0)
         env.step(np.ones((1, 1)))

@@ -69,8 +69,8 @@ def deploy(laws, **keywords):
     while not all(run.figures for run in runs):
         # Lanes whose episode has ended are kept folded, which costs next to nothing.
         actions = [
-            -1.0 if run.figures else float(np.clip(law(own, step), -1.0, 1.0))
-            for run, law, own in zip(runs, laws, observations, strict=True)
+            -1.0 if run.figures else float(np.clip(law(observed, step), -1.0, 1.0))
+            for run, law, observed in zip(runs, laws, observations, strict=True)
         ]
         observations, _, terminations, truncations, info = env.step(np.array(actions)[:, None])
         assert not truncations.any()

@@ -131,12 +131,13 @@ def test_the_observations_list_what_is_documented_in_that_order():
 
 def test_a_list_of_ones_own_shows_the_past_without_the_present_and_in_the_order_asked_for():
     keywords = {**WILD, "scenario": "randomised", "hardware": {"sensor_delay": 1}}
-    own = gymnasium.make(DEPLOY, observation=["time_to_deadline", "motor_torque_2_ago", "theta"], **keywords).unwrapped
+    observation = ["time_to_deadline", "motor_torque_2_ago", "theta"]
+    listed = gymnasium.make(DEPLOY, observation=observation, **keywords).unwrapped
     drive = gymnasium.make(DEPLOY, **keywords).unwrapped
-    assert own.observation_names == ("time_to_deadline", "motor_torque_2_ago", "theta_1", "theta_2")
-    mine, theirs = [own.reset(seed=3)[0]], [drive.reset(seed=3)[0]]
+    assert listed.observation_names == ("time_to_deadline", "motor_torque_2_ago", "theta_1", "theta_2")
+    mine, theirs = [listed.reset(seed=3)[0]], [drive.reset(seed=3)[0]]
     for action in (0.3, -0.7, 0.2, 0.9, -0.1):
-        mine.append(own.step([action])[0])
+        mine.append(listed.step([action])[0])
         theirs.append(drive.step([action])[0])
     mine, theirs = np.array(mine), np.array(theirs)
     torque, time = (drive.observation_names.index(name) for name in ("motor_torque", "time_to_deadline"))

@@ -55,7 +55,7 @@ def wide_set():
         parameters = type(law.defaults)
         for _ in range(8):
             controller = law(signals, parameters.from_unit(generator.random(len(parameters.bounds()))))
-            laws.append(lambda observation, step, own=controller: own.predict(observation)[0][0])
+            laws.append(lambda observation, step, controller=controller: controller.predict(observation)[0][0])
     return deploy(laws)
 
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from solar_env.array import ArrayParameters
-from solar_env.array.names import unknown_name
 from solar_env.array.parameters.ranges import Bound, Ranges
 from solar_env.environment.hardware import Hardware
 
@@ -82,14 +81,3 @@ SCENARIOS: dict[str, Scenario] = {
         ),
     ),
 }
-
-
-def scenario_named(name: str) -> Scenario:
-    """The scenario of a name.
-
-    Raises:
-        ValueError: if there is none.
-    """
-    if name not in SCENARIOS:
-        raise ValueError(unknown_name("scenario", name, SCENARIOS))
-    return SCENARIOS[name]

@@ -14,12 +14,12 @@ from solar_env.array.methods import landing_integrator
 from solar_env.array.names import unknown_name
 from solar_env.array.parameters.ranges import Ranges, checked_ranges, drawn
 from solar_env.environment.hardware import Hardware
-from solar_env.environment.scenarios import scenario_named
+from solar_env.environment.scenarios import SCENARIOS
 from solar_env.environment.task.observations import Entry, Names, observation_entries
 from solar_env.environment.task.reward import Reward
 from solar_env.environment.task.sensors import Sensors
 from solar_env.environment.task.task import Task
-from solar_env.environment.task.versions import CURRENT_VERSION, version_named
+from solar_env.environment.task.versions import CURRENT_VERSION, VERSIONS
 from solar_env.mechanics.integrators.settings import Integrator
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.running.simulation import Simulation
@@ -91,6 +91,9 @@ class EnvironmentSettings:
         if self.render_mode not in (None, *RENDER_MODES):
             raise ValueError(f"render_mode {self.render_mode!r} is unknown; choose {', '.join(RENDER_MODES)} or None")
         # Whatever follows from the keywords refuses values that it cannot follow from.
+        for name, table in (("scenario", SCENARIOS), ("version", VERSIONS)):
+            if getattr(self, name) not in table:
+                raise ValueError(unknown_name(f"the {name}", getattr(self, name), table))
         for name in ("level", "integrator", "array", "ranges", "drive", "task", "entries", "terms"):
             getattr(self, name)
         self._mechanism(self.array)  # refuses parameters that do not go with the panels
@@ -143,12 +146,12 @@ class EnvironmentSettings:
     @cached_property
     def array(self) -> ArrayParameters:
         """Parameters of the array, before anything is drawn."""
-        return scenario_named(self.scenario).design(self.parameters)
+        return SCENARIOS[self.scenario].design(self.parameters)
 
     @cached_property
     def ranges(self) -> Ranges:
         """Parameter -> (low, high), by joint where the parameter is."""
-        usual = scenario_named(self.scenario).ranges(self.array.panel_count)
+        usual = SCENARIOS[self.scenario].ranges(self.array.panel_count)
         return checked_ranges(self.array, usual if self.randomize is None else self.randomize)
 
     @cached_property
@@ -156,13 +159,13 @@ class EnvironmentSettings:
         """Sensors and motor."""
         if isinstance(self.hardware, Hardware):
             return self.hardware
-        return scenario_named(self.scenario).hardware.with_changes(self.hardware or {})
+        return SCENARIOS[self.scenario].hardware.with_changes(self.hardware or {})
 
     @cached_property
     def task(self) -> Task:
         """Limits, durations and the driven joint."""
         given = {item.name: getattr(self, item.name) for item in fields(Task)}
-        usual = version_named(self.version).task
+        usual = VERSIONS[self.version].task
         task = replace(usual, **{name: value for name, value in given.items() if value is not None})
         if task.driven_joint >= self.array.panel_count:
             raise ValueError(
@@ -185,7 +188,7 @@ class EnvironmentSettings:
     @cached_property
     def terms(self) -> Reward:
         """The terms of the reward with their prices."""
-        return Reward(self.reward, version_named(self.version))
+        return Reward(self.reward, VERSIONS[self.version])
 
     def sensors(self, lanes: int) -> Sensors:
         """The sensors of several arrays."""

@@ -15,7 +15,7 @@ from solar_env.environment.calls import Exclusive, checked_actions, checked_opti
 from solar_env.environment.env import Observation
 from solar_env.environment.episodes import Episodes, SavedEpisode, raise_first
 from solar_env.environment.lane import Lane
-from solar_env.environment.scenarios import scenario_named
+from solar_env.environment.scenarios import SCENARIOS
 from solar_env.environment.settings import EnvironmentSettings
 from solar_env.support.numbers import is_whole_number, plain
 
@@ -79,7 +79,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         self.render_mode, self.scenario = settings.render_mode, settings.scenario
         if self.render_mode == "human":
             raise ValueError("render_mode 'human' has one window for one array; a vector draws with 'rgb_array' or not")
-        self.parameters = [scenario_named(self.scenario).design(entry) for entry in by_lane]
+        self.parameters = [SCENARIOS[self.scenario].design(entry) for entry in by_lane]
         self.model, self.panels = settings.level
         self.randomize, self.hardware = settings.ranges, settings.drive
         self.task, self.reward, self.observation_names = settings.task, settings.terms, settings.observation_names

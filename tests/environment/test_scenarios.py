@@ -33,7 +33,7 @@ def test_every_scenario_is_made_by_its_id_or_by_the_keyword():
         assert np.array_equal(watch(by_id, [0.1, -0.2, 0.3]), watch(by_keyword, [0.1, -0.2, 0.3]))
     with pytest.raises(ValueError, match=r"calm.*nominal, randomised"):
         make(scenario="calm")
-    with pytest.raises(ValueError, match=r"version of the task 'v9' is unknown.*v1"):
+    with pytest.raises(ValueError, match=r"version 'v9' is unknown.*v1"):
         make(version="v9")
 
 

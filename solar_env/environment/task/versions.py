@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from solar_env.array.names import unknown_name
 from solar_env.environment.task.task import Task
 
 # Forms of a price, the codes of `reward.cost`: a figure costs `weight * min(figure / scale, bound)`.
@@ -33,14 +32,3 @@ VERSIONS = {
 }
 CURRENT_VERSION = "v1"
 PRESENT = VERSIONS[CURRENT_VERSION]
-
-
-def version_named(name: str) -> Version:
-    """The version of a name.
-
-    Raises:
-        ValueError: if there is none.
-    """
-    if name not in VERSIONS:
-        raise ValueError(unknown_name("the version of the task", name, VERSIONS))
-    return VERSIONS[name]

@@ -9,11 +9,12 @@ import gymnasium
 import solar_env  # noqa: F401  (registers the environment ids)
 from solar_env.array import MODELS, has_flexible_panels
 from solar_env.array.parameters.ranges import RELEASE_RATE
+from solar_env.environment.registration import DEPLOY
 from solar_env.environment.settings import EnvironmentSettings
 from solar_env.support.numbers import plain
 
 NAMESPACE = "solar_env/"  # of the environment ids
-DEFAULT_ENV_ID = "solar_env/Deploy-v1"
+DEFAULT_ENV_ID = DEPLOY
 
 # The nominal scenario is deterministic, and impacts are chaotic: the figures of a single deployment would be arbitrary.
 # Episodes therefore differ in the rates at which the joints are released, as the members of all ensembles here. In the

@@ -15,14 +15,14 @@ from agents.environments import with_sampling
 from agents.laws.damper import DamperParameters, ViscousDamper
 from agents.torque_laws import Signals
 from solar_env.array.methods import default_integrator
+from solar_env.environment.registration import DEPLOY
 from solar_env.environment.task.reward import Reward
-from solar_env.environment.task.task import Task
+from solar_env.environment.task.versions import PRESENT
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.joints.joint import ANGLE
 
-ID = "solar_env/Deploy-v1"
-SAMPLING = with_sampling({}, ID)["randomize"]
-TASK = Task()
+SAMPLING = with_sampling({}, DEPLOY)["randomize"]
+TASK = PRESENT.task
 # What costs 1, the most that either of the two can cost, and what a missed deadline costs.
 FORCE_SCALE, WORK_SCALE, LARGEST, MISSED = 500.0, 0.1, 12.0, 25.0
 WORST_DEPLOYMENT = -2.0 * LARGEST
@@ -62,15 +62,15 @@ class ChargedEpisode:
 
 def deploy(laws, **keywords):
     """An episode of every law, side by side; a law makes an action of an observation and the number of the step."""
-    env = gymnasium.make_vec(ID, num_envs=len(laws), **keywords)
+    env = gymnasium.make_vec(DEPLOY, num_envs=len(laws), **keywords)
     observations, _ = env.reset(seed=0)
     runs = [ChargedEpisode() for _ in laws]
     step = 0
     while not all(run.figures for run in runs):
         # Lanes whose episode has ended are kept folded, which costs next to nothing.
         actions = [
-            -1.0 if run.figures else float(np.clip(law(own, step), -1.0, 1.0))
-            for run, law, own in zip(runs, laws, observations, strict=True)
+            -1.0 if run.figures else float(np.clip(law(observed, step), -1.0, 1.0))
+            for run, law, observed in zip(runs, laws, observations, strict=True)
         ]
         observations, _, terminations, truncations, info = env.step(np.array(actions)[:, None])
         assert not truncations.any()
@@ -138,7 +138,7 @@ def erratic(seed):
 
 
 def viscous(damping, postlock_damping):
-    law = ViscousDamper(Signals.of(gymnasium.make(ID)), DamperParameters(damping, postlock_damping))
+    law = ViscousDamper(Signals.of(gymnasium.make(DEPLOY)), DamperParameters(damping, postlock_damping))
     return lambda observation, step: law.predict(observation)[0][0]
 
 

@@ -6,8 +6,8 @@ import gymnasium
 import numpy as np
 
 from solar_env.array import MODELS
+from solar_env.environment.registration import DEPLOY
 
-ID = "solar_env/Deploy-v1"
 RANGES = {"clearance": (1e-4, 3e-4), "friction_coefficient": (0.05, 0.3)}
 # Few elements and modes, which is quick.
 LEVELS = {model: {"model": model} | ({"elements": 2} if model.startswith("flexible") else {}) for model in MODELS}
@@ -20,7 +20,7 @@ LATE_ROOT = {"cable_stiffness": 0.02}
 
 
 def make(model="rigid-clearance", **keywords):
-    return gymnasium.make(ID, **LEVELS[model], **keywords).unwrapped
+    return gymnasium.make(DEPLOY, **LEVELS[model], **keywords).unwrapped
 
 
 def watch(env, actions, seed=0):
@@ -49,7 +49,7 @@ def main_body_spin(state):
 
 
 def make_vector(lanes=LANES, **keywords):
-    return gymnasium.make_vec(ID, num_envs=lanes, **keywords)
+    return gymnasium.make_vec(DEPLOY, num_envs=lanes, **keywords)
 
 
 def random_actions(steps, lanes=LANES, seed=0):

@@ -20,6 +20,8 @@ from types import FunctionType
 
 import numpy as np
 
+from solar_env.environment.registration import DEPLOY
+
 FOLDER = Path(tempfile.mkdtemp(prefix="fuzzing-"))
 # Packages whose branches guide a search: all that read, and none with kernels, which must not be instrumented.
 READERS = [
@@ -103,7 +105,7 @@ def run_folder(content: bytes) -> None:
 
 
 def a_run() -> list[bytes]:
-    record = {"algo": "ppo", "env_id": "solar_env/Deploy-v1", "env_kwargs": {}, "seed": 0, "n_envs": 1}
+    record = {"algo": "ppo", "env_id": DEPLOY, "env_kwargs": {}, "seed": 0, "n_envs": 1}
     record |= {"timesteps": 9, "hyperparameters": {}, "timesteps_before": 0, "resumed_from": None, "versions": {}}
     return [json.dumps(record).encode()]
 

@@ -86,7 +86,7 @@ class Deployments:
         results: list[dict[str, Any]] = [{} for _ in profiles]
         while going.size:
             latched = episodes.batch.states.clock["latched_joints"][:, 0] > 0
-            episodes.step(going, actions(given, episodes.times, latched, env.task))
+            episodes.step(going, actions(given, episodes.times, latched, env.task)[:, None])
             totals[going] += episodes.rewards[going]
             for lane in going[episodes.terminated[going]]:
                 results[lane] = {"return": float(totals[lane]), **episodes.figures(int(lane))}

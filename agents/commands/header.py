@@ -10,7 +10,7 @@ from agents.environments import environment_settings
 from agents.policies.c_form import c_header, interface_comment
 from agents.policies.policy import ShippedPolicy
 from agents.policies.shipped import load_shipped
-from solar_env.environment.hardware.imperfections import Hardware
+from solar_env.environment.hardware import Hardware
 from solar_env.support.files import check_target, write_text
 
 

@@ -162,7 +162,7 @@ class RecedingHorizon(DeterministicController):
                 base, _ = self._base.predict(futures.observations)
                 actions[lanes, k] = np.clip(base[lanes, 0] + offsets[lanes, k], -1.0, 1.0)
                 # Rounded to float32, as the environment will get them.
-                futures.step(lanes, actions[:, k].astype(np.float64))
+                futures.step(lanes, actions[:, [k]].astype(np.float64))
                 rewards[lanes, k] = futures.rewards[lanes]
                 lanes = lanes[~futures.terminated[lanes]]
                 k += 1

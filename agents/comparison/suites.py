@@ -7,6 +7,7 @@ from agents.laws.table import TUNABLE
 from agents.policies import shipped
 from agents.policies.policy import Description
 from solar_env.array import DEFAULT_MODES
+from solar_env.environment.registration import DEPLOY, DEPLOY_RANDOMISED
 
 # Both suites are judged on this model, whose peak forces have converged, and searches train on it. It is also the
 # cheapest with flexible panels: under the servo 579 environment steps a second of a core with 24 modes, 453 with 8, and
@@ -15,7 +16,7 @@ MODEL: dict[str, Any] = {"model": "flexible-clearance", "modes": DEFAULT_MODES}
 # What learns from single steps needs more episodes than there is time for with flexible panels.
 RIGID: dict[str, Any] = {"model": "rigid-clearance"}
 # Name -> environment id of the scenario.
-SUITES = {"paper": "solar_env/Deploy-v1", "robust": "solar_env/DeployRandomised-v1"}
+SUITES = {"paper": DEPLOY, "robust": DEPLOY_RANDOMISED}
 
 
 def suite_controllers(env_id: str) -> list[str]:

@@ -7,7 +7,7 @@ import numpy as np
 
 from agents.policies.network import Layer, PolicyNetwork
 from agents.policies.policy import Description
-from solar_env.environment.hardware.imperfections import Hardware
+from solar_env.environment.hardware import Hardware
 from solar_env.environment.task.features import FEATURES, FORMULA_WORDS, Feature
 from solar_env.environment.task.observations import LOCK_ANGLE, OBSERVABLES, Observable
 from solar_env.environment.task.task import SLOWEST, STEEPNESS

@@ -8,6 +8,7 @@ import numpy as np
 from rich.console import Console
 
 from solar_env.commands.arguments import QuietOption
+from solar_env.environment.registration import DEPLOY
 from solar_env.support.files import make_folder, writing
 from solar_env.support.progress import counting_bar
 from solar_env.support.readme import PACKAGE, STUDIES
@@ -31,7 +32,7 @@ def draw_frame(path: Path) -> None:
     import gymnasium
     from PIL import Image
 
-    env = gymnasium.make("solar_env/Deploy-v1", render_mode="rgb_array")
+    env = gymnasium.make(DEPLOY, render_mode="rgb_array")
     env.reset(seed=0)
     for _ in range(round(FRAME_TIME / 0.1)):
         env.step(np.zeros(1, dtype=np.float32))

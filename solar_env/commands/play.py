@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from solar_env.commands.arguments import Assignments
+from solar_env.environment.registration import DEPLOY
 from solar_env.environment.showing.window import open_display
 from solar_env.pictures.raster import CARD, INK
 from solar_env.pictures.style import BLUE, FAINT
@@ -23,7 +24,7 @@ class Args:
     pauses, n goes on by a single step, r begins anew, q ends.
     """
 
-    env_id: str = "solar_env/Deploy-v1"
+    env_id: str = DEPLOY
     """environment id"""
     model: str = "flexible-clearance"
     """rigid-ideal, rigid-clearance, flexible-ideal or flexible-clearance"""
@@ -147,7 +148,7 @@ def run_command(args: Args) -> int:
     import solar_env  # noqa: F401 (registers the environments)
 
     if args.env_id not in gymnasium.registry:
-        raise ValueError(f"environment {args.env_id!r} is not registered; take solar_env/Deploy-v1")
+        raise ValueError(f"environment {args.env_id!r} is not registered; take {DEPLOY}")
     keywords: dict[str, Any] = {"model": args.model, **args.env_kwargs}
     try:
         env = gymnasium.make(args.env_id, render_mode="rgb_array", **keywords)

@@ -6,6 +6,6 @@ take from them; `showing` has what is seen of an episode; `episodes` runs them l
 the environments of Gymnasium. The room may import `solar_env.array`, `solar_env.pictures` and `solar_env.mechanics`,
 and nothing of learning.
 
-To add a keyword: a field of `settings.EnvironmentSettings`; a scenario: a row of `scenarios.SCENARIOS`, and its id in
-`registration.ENVIRONMENTS`.
+To add a keyword: a field of `settings.EnvironmentSettings`; a scenario: a row of `scenarios.SCENARIOS`; a version of
+the task: a row of `task.versions.VERSIONS`. Ids follow from both tables.
 """

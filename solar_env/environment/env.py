@@ -7,9 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters
-from solar_env.environment.actions import as_floats
+from solar_env.environment.calls import Exclusive, checked_actions, checked_options
 from solar_env.environment.episodes import Episodes
-from solar_env.environment.exclusive import Exclusive
 from solar_env.environment.settings import RENDER_MODES, EnvironmentSettings
 from solar_env.environment.showing.window import Window
 from solar_env.environment.task.observations import observation_table
@@ -17,7 +16,6 @@ from solar_env.environment.task.reward import reward_table
 from solar_env.mechanics.running.simulation import Simulation
 
 Observation = NDArray[np.float32]
-RESET_OPTIONS = frozenset({"parameters"})
 
 
 class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
@@ -79,17 +77,13 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     Folded, at rest unless the parameters say otherwise, journals centred. Parameters are drawn anew from `randomize` at
     every reset: springs, clearances and initial rates of every joint by themselves, other quantities by joint where
     their bounds are given by joint.
-    With `starts={"opening": (0.8, 0.98)}` four of five episodes begin where one of 96 approaches at a constant rate has
-    come, with its clock, its parameters and its contacts; see `solar_env.environment.starts`.
 
     ## Scenarios
 
     * "nominal" (`solar_env/Deploy-v1`): nothing is drawn, sensors and motor are perfect.
-    * "randomised" (`solar_env/DeployRandomised-v1`): clearances of 0.05 to 0.5 mm each, friction of 0.05 to 0.3,
-      restitution of 0.7 to 0.95 (law of Flores et al.), springs, cable and panels 10 % softer or stiffer, joints that
-      open by up to 0.01 rad/s and a main body that turns by up to 0.005 rad/s at release; noise of 5e-4 rad and
-      1e-3 rad/s, an encoder of 13 bits, observations of angles, rates and latches a control period late; a motor that
-      lags by 0.1 s and changes its torque by 1 N m/s at most. `solar_env.environment.scenarios` has the numbers.
+    * "randomised" (`solar_env/DeployRandomised-v1`): clearances, friction, restitution, stiffnesses, initial rates and
+      spin are drawn; sensors are noisy, coarse and late, the motor lags. `solar_env.environment.scenarios` has the
+      numbers.
 
     ## Episode End
 
@@ -111,19 +105,12 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     ```
 
     `solar_env.environment.settings.EnvironmentSettings` describes the keywords: `model`, `parameters`, `panels`,
-    `elements`, `modes`, `question`, `tolerance`, `torque_limit`, `control_period`, `deadline`, `postlock_window`,
-    `driven_joint`, `action`, `observation`, `prices`, `reward`, `starts`, `scenario`, `randomize`, `hardware`,
+    `elements`, `modes`, `question`, `tolerance`, `version`, `torque_limit`, `control_period`, `deadline`,
+    `postlock_window`, `driven_joint`, `action`, `observation`, `reward`, `scenario`, `randomize`, `hardware`,
     `render_mode` and `max_steps`.
 
     `reset(options={"parameters": {...}})` changes parameters for one episode, after `randomize`, but for `panel_count`,
     `body_fixed` and `wear_bins`, on which the mechanism's structure depends.
-
-    ## Version History
-
-    * v1: wear is charged whenever it happens, by the sliding work of the whole episode over 0.1 J. In v0
-      (`prices="v0"`) it was that after the first latching, over 0.05 J (`postlock_wear`); nearly all of what a good
-      controller wears comes before.
-    * v0: first version.
     """
 
     metadata: dict[str, Any] = {"render_modes": list(RENDER_MODES), "render_fps": 10}  # noqa: RUF012 - as Gymnasium's
@@ -145,9 +132,8 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self.observation_space, self.action_space = settings.observation_space(), settings.action_space()
         self._episodes = Episodes(settings, [self.parameters])
         self._lane = np.zeros(1, dtype=np.int64)
-        self._action = np.zeros(1)
         self._exclusive = Exclusive()
-        self._window = Window(1.0 / settings.control_period) if self.render_mode == "human" else None
+        self._window = Window(1.0 / self.task.control_period) if self.render_mode == "human" else None
 
     @property
     def simulation(self) -> Simulation:
@@ -180,10 +166,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             ValueError: for unknown options, parameters or refused values; the present episode goes on then.
             RuntimeError: if another thread is in a call of this environment.
         """
-        unknown = set(options or {}) - RESET_OPTIONS
-        if unknown:
-            raise ValueError(f"reset options {sorted(unknown)} are unknown; the one option is 'parameters'")
-        changes = [(options or {}).get("parameters") or {}]
+        changes = [checked_options(options, "parameters").get("parameters") or {}]
         with self._exclusive:
             self._episodes.check_changes(self._lane, changes)
             super().reset(seed=seed)
@@ -208,17 +191,11 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         Warns:
             SimulationWarning: if the episode was less accurate than it looks, see `Simulation.check`.
         """
-        episodes = self._episodes
-        values = as_floats(action)
-        if values.shape != self.action_space.shape:
-            raise ValueError(f"action has shape {values.shape}, expected {self.action_space.shape}")
-        if not np.isfinite(values[0]):
-            raise ValueError(f"action = {values!r} is not finite")
+        episodes, actions = self._episodes, checked_actions(action, (len(self.task.driven_joints),))
         with self._exclusive:
             if episodes.terminated[0]:
                 raise gymnasium.error.ResetNeeded(f"the episode ended at {self.simulation.time:g} s: call reset()")
-            self._action[0] = values[0]
-            episodes.step(self._lane, self._action)
+            episodes.step(self._lane, actions[np.newaxis])
             terminated, info = bool(episodes.terminated[0]), episodes.info(0)
             if terminated:
                 info["deployment"] = episodes.figures(0)

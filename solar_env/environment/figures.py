@@ -1,5 +1,6 @@
 """The physical figures of an episode, for `info["deployment"]`."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -8,12 +9,12 @@ from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.running.simulation import Simulation
 
 
-def episode_figures(simulation: Simulation, driven_joint: int) -> dict[str, Any]:
+def episode_figures(simulation: Simulation, driven_joints: Sequence[int]) -> dict[str, Any]:
     """The physical figures of an episode so far, after a look at its accuracy.
 
     Args:
         simulation: of the episode.
-        driven_joint: index of the joint that the motor works on.
+        driven_joints: indices of the joints that motors work on.
 
     Warns:
         SimulationWarning: if it was less accurate than it looks, see `Simulation.check`.
@@ -33,7 +34,7 @@ def episode_figures(simulation: Simulation, driven_joint: int) -> dict[str, Any]
         "postlock_sliding_work_J": ((by_joint[:, m.SLIDING_WORK] - joints["lock_sliding_work"]) * locked).tolist(),
         "wear_depth_max_m": np.maximum(state.wear_journal.max(axis=1), state.wear_bearing.max(axis=1)).tolist(),
         "contact_starts": joints["contact_starts"].tolist(),
-        "motor_work_J": float(by_joint[driven_joint, m.MOTOR_WORK]),
+        "motor_work_J": float(by_joint[list(driven_joints), m.MOTOR_WORK].sum()),
         "energy_residual_J": simulation.energy_residual(),
         "duration_s": simulation.time,
     }

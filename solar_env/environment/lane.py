@@ -33,11 +33,7 @@ class Lane:
 
     @property
     def simulation(self) -> Simulation:
-        """The running simulation; its state can be saved and restored between steps.
-
-        Raises:
-            gymnasium.error.ResetNeeded: before the first reset.
-        """
+        """As that of a single environment."""
         return self._env.episodes.batch.simulations[self._index]
 
     @property
@@ -56,15 +52,7 @@ class Lane:
         return self._env.episodes.save(self._index)
 
     def restore_episode(self, saved: SavedEpisode) -> NDArray[np.float32]:
-        """Go on with a saved episode: the same actions lead to the same bits.
-
-        Returns:
-            (entries,) what was observed last.
-
-        Raises:
-            gymnasium.error.ResetNeeded: before the first reset.
-            ValueError: if the saved array has another structure.
-        """
+        """Go on with a saved episode, see `Episodes.restore`; returns what was observed last (entries,)."""
         self._env.restore(self._index, saved)
         return self._env.episodes.observations[self._index].copy()
 

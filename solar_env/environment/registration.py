@@ -1,26 +1,34 @@
-"""Gymnasium ids of the environments, with string entry points so that registering imports nothing."""
+"""Gymnasium ids of the environments, with string entry points so that registering needs no compiler."""
+
+import itertools
 
 import gymnasium
 
-# Id -> scenario, and version of the reward's prices.
-ENVIRONMENTS = {
-    "solar_env/Deploy-v1": ("nominal", "v1"),
-    "solar_env/DeployRandomised-v1": ("randomised", "v1"),
-    "solar_env/Deploy-v0": ("nominal", "v0"),
-    "solar_env/DeployRandomised-v0": ("randomised", "v0"),
-}
+from solar_env.environment.scenarios import SCENARIOS
+from solar_env.environment.task.versions import CURRENT_VERSION, VERSIONS
+
+
+def environment_id(scenario: str, version: str = CURRENT_VERSION) -> str:
+    """The id of a scenario in a version of the task."""
+    return f"solar_env/{SCENARIOS[scenario].title}-{version}"
+
+
+# Id -> scenario and version of the task.
+ENVIRONMENTS = {environment_id(*pair): pair for pair in itertools.product(SCENARIOS, VERSIONS)}
 
 # Ids of the present version; Gymnasium warns whoever makes one of the others.
-CURRENT = tuple(name for name in ENVIRONMENTS if name.endswith("-v1"))
+CURRENT = tuple(environment_id(scenario) for scenario in SCENARIOS)
+
+DEPLOY, DEPLOY_RANDOMISED = environment_id("nominal"), environment_id("randomised")
 
 
 def register_environments() -> None:
     """Register every id once."""
-    for name, (scenario, prices) in ENVIRONMENTS.items():
+    for name, (scenario, version) in ENVIRONMENTS.items():
         if name not in gymnasium.registry:
             gymnasium.register(
                 id=name,
                 entry_point="solar_env.environment.env:SolarArrayEnv",
                 vector_entry_point="solar_env.environment.vector_env:SolarArrayVectorEnv",
-                kwargs={"scenario": scenario, "prices": prices},
+                kwargs={"scenario": scenario, "version": version},
             )

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from solar_env.array import ArrayParameters
-from solar_env.array.names import unknown_name
 from solar_env.array.parameters.ranges import Bound, Ranges
 from solar_env.environment.hardware import Hardware
 
@@ -16,11 +15,13 @@ class Scenario:
     """Values that the keywords of an environment change.
 
     Attributes:
+        title: in the ids of its environments, followed by the version of the task.
         parameters: of the array, before anything is drawn.
         randomize: parameter -> (low, high), drawn anew for every episode.
         hardware: sensors and motor.
     """
 
+    title: str
     parameters: ArrayParameters
     randomize: Ranges
     hardware: Hardware
@@ -53,11 +54,12 @@ def _around(value: float | tuple[float, ...], share: float) -> tuple[Bound, Boun
 _NOMINAL = ArrayParameters()
 
 SCENARIOS: dict[str, Scenario] = {
-    "nominal": Scenario(ArrayParameters(), {}, Hardware()),
+    "nominal": Scenario("Deploy", ArrayParameters(), {}, Hardware()),
     # Widths are chosen: hinges within their tolerances and from dry to worn, springs and panels as they come, a
     # spacecraft that turns by less than 0.3 degrees a second, an encoder of 13 bits. The law of Flores et al. gives the
     # restitution that it is asked for, which Lankarani and Nikravesh's does not below 0.9.
     "randomised": Scenario(
+        title="DeployRandomised",
         parameters=ArrayParameters(contact_law="flores"),
         randomize={
             "clearance": (0.05e-3, 0.5e-3),
@@ -79,14 +81,3 @@ SCENARIOS: dict[str, Scenario] = {
         ),
     ),
 }
-
-
-def scenario_named(name: str) -> Scenario:
-    """The scenario of a name.
-
-    Raises:
-        ValueError: if there is none.
-    """
-    if name not in SCENARIOS:
-        raise ValueError(unknown_name("scenario", name, SCENARIOS))
-    return SCENARIOS[name]

@@ -14,12 +14,12 @@ from solar_env.array.methods import landing_integrator
 from solar_env.array.names import unknown_name
 from solar_env.array.parameters.ranges import Ranges, checked_ranges, drawn
 from solar_env.environment.hardware import Hardware
-from solar_env.environment.scenarios import scenario_named
-from solar_env.environment.starts import Starts
+from solar_env.environment.scenarios import SCENARIOS
 from solar_env.environment.task.observations import Entry, Names, observation_entries
 from solar_env.environment.task.reward import Reward
 from solar_env.environment.task.sensors import Sensors
 from solar_env.environment.task.task import Task
+from solar_env.environment.task.versions import CURRENT_VERSION, VERSIONS
 from solar_env.mechanics.integrators.settings import Integrator
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.running.simulation import Simulation
@@ -46,16 +46,14 @@ class EnvironmentSettings:
         modes: number of bending modes of each modal panel, up to 200; by default 32.
         question, tolerance: of `model="auto"`: one of `solar_env.array.ladder.QUESTIONS` and the error allowed. By
             default at most a fifth of the pairs of controllers may be ranked wrongly ("controller-ranking", 0.2).
-        torque_limit, control_period, deadline, postlock_window, driven_joint: see `task.task.Task`.
-        action: "torque" or "rate", see `task.task.Task`.
+        version: of the task, with the values of the next four keywords and the prices of the reward.
+        torque_limit, control_period, deadline, postlock_window: see `task.task.Task`; by default the version's.
+        driven_joint, action: see `task.task.Task`.
         observation: "drive", "history", "landing" or "privileged", or names of observables, such as
             `["theta", "rate", "rate_1_ago", "time_to_deadline"]`; "rate_1_ago" is the rate of one period ago, and one
             of the four in a list stands for all that it has.
-        prices: version of the reward's prices, "v1" or "v0"; the next keyword changes them.
-        reward: mapping of terms to their weights, or to mappings of "scale", "weight" and "bound".
-        starts: mapping of changes to a `starts.Starts`: episodes begin where approaches at a constant rate have come,
-            so that an agent sees landings from the first one on; None: folded. `reset(options={"parameters": ...})`
-            always begins folded.
+        reward: mapping of terms to their weights, or to mappings of "scale", "weight" and "bound", which changes the
+            version's prices.
         scenario: "nominal" or "randomised"; the two keywords that follow change it.
         randomize: mapping of parameter names to (low, high), in place of the scenario's; each reset draws uniformly, by
             joint where the parameter is by joint, and there each bound may be one by joint.
@@ -74,16 +72,15 @@ class EnvironmentSettings:
     modes: int | None = None
     question: str | None = None
     tolerance: float | None = None
-    torque_limit: float = Task.torque_limit
-    control_period: float = Task.control_period
-    deadline: float = Task.deadline
-    postlock_window: float = Task.postlock_window
+    version: str = CURRENT_VERSION
+    torque_limit: float | None = None
+    control_period: float | None = None
+    deadline: float | None = None
+    postlock_window: float | None = None
     driven_joint: int = Task.driven_joint
     action: str = Task.action
     observation: str | Names = "drive"
-    prices: str = "v1"
     reward: Changes | None = None
-    starts: Changes | None = None
     scenario: str = "nominal"
     randomize: Ranges | None = None
     hardware: Hardware | Changes | None = None
@@ -94,7 +91,10 @@ class EnvironmentSettings:
         if self.render_mode not in (None, *RENDER_MODES):
             raise ValueError(f"render_mode {self.render_mode!r} is unknown; choose {', '.join(RENDER_MODES)} or None")
         # Whatever follows from the keywords refuses values that it cannot follow from.
-        for name in ("level", "integrator", "array", "ranges", "drive", "task", "entries", "terms", "beginnings"):
+        for name, table in (("scenario", SCENARIOS), ("version", VERSIONS)):
+            if getattr(self, name) not in table:
+                raise ValueError(unknown_name(f"the {name}", getattr(self, name), table))
+        for name in ("level", "integrator", "array", "ranges", "drive", "task", "entries", "terms"):
             getattr(self, name)
         self._mechanism(self.array)  # refuses parameters that do not go with the panels
 
@@ -111,9 +111,9 @@ class EnvironmentSettings:
             if name not in known:
                 raise TypeError(unknown_name("the environment's keyword", name, known))
         given = cls(**keywords)
-        (model, panels), hardware = given.level, given.drive
-        chosen = replace(given, model=model, **panels.keywords_of(model), question=None, tolerance=None)
-        return replace(chosen, parameters=given.array, randomize=given.ranges, hardware=hardware)
+        model, panels = given.level
+        level = {"model": model, **panels.keywords_of(model), "question": None, "tolerance": None}
+        return replace(given, **level, parameters=given.array, randomize=given.ranges, hardware=given.drive)
 
     @cached_property
     def level(self) -> tuple[str, PanelModel]:
@@ -141,17 +141,17 @@ class EnvironmentSettings:
     @property
     def frames_per_second(self) -> int:
         """Control periods in a second [1/s], the nearest whole number, which Gymnasium's `play` asks for."""
-        return max(round(1.0 / self.control_period), 1)
+        return max(round(1.0 / self.task.control_period), 1)
 
     @cached_property
     def array(self) -> ArrayParameters:
         """Parameters of the array, before anything is drawn."""
-        return scenario_named(self.scenario).design(self.parameters)
+        return SCENARIOS[self.scenario].design(self.parameters)
 
     @cached_property
     def ranges(self) -> Ranges:
         """Parameter -> (low, high), by joint where the parameter is."""
-        usual = scenario_named(self.scenario).ranges(self.array.panel_count)
+        usual = SCENARIOS[self.scenario].ranges(self.array.panel_count)
         return checked_ranges(self.array, usual if self.randomize is None else self.randomize)
 
     @cached_property
@@ -159,13 +159,14 @@ class EnvironmentSettings:
         """Sensors and motor."""
         if isinstance(self.hardware, Hardware):
             return self.hardware
-        return scenario_named(self.scenario).hardware.with_changes(self.hardware or {})
+        return SCENARIOS[self.scenario].hardware.with_changes(self.hardware or {})
 
     @cached_property
     def task(self) -> Task:
         """Limits, durations and the driven joint."""
-        durations = self.control_period, self.deadline, self.postlock_window
-        task = Task(self.torque_limit, *durations, self.driven_joint, self.action)
+        given = {item.name: getattr(self, item.name) for item in fields(Task)}
+        usual = VERSIONS[self.version].task
+        task = replace(usual, **{name: value for name, value in given.items() if value is not None})
         if task.driven_joint >= self.array.panel_count:
             raise ValueError(
                 f"driven_joint = {task.driven_joint!r} must be below panel_count = {self.array.panel_count}, the "
@@ -187,17 +188,12 @@ class EnvironmentSettings:
     @cached_property
     def terms(self) -> Reward:
         """The terms of the reward with their prices."""
-        return Reward(self.reward, self.prices)
-
-    @cached_property
-    def beginnings(self) -> Starts | None:
-        """States that episodes begin in, or None where all begin folded."""
-        return None if self.starts is None else Starts.of(self.starts)
+        return Reward(self.reward, VERSIONS[self.version])
 
     def sensors(self, lanes: int) -> Sensors:
         """The sensors of several arrays."""
         lock_angles = [self.array.lock_angle(j) for j in range(self.array.panel_count)]
-        return Sensors(lanes, lock_angles, self.entries, self.drive, self.deadline)
+        return Sensors(lanes, lock_angles, self.entries, self.drive, self.task.deadline)
 
     def observation_space(self) -> gymnasium.Space[Any]:
         """Space of one observation."""
@@ -206,7 +202,7 @@ class EnvironmentSettings:
 
     def action_space(self) -> gymnasium.Space[Any]:
         """Space of one action."""
-        return gymnasium.spaces.Box(-1.0, 1.0, (1,), dtype=np.float32)
+        return gymnasium.spaces.Box(-1.0, 1.0, (len(self.task.driven_joints),), dtype=np.float32)
 
     def check_changes(self, design: ArrayParameters, changes: Changes) -> None:
         """Check changes of the parameters of one episode, before anything is drawn.
@@ -216,14 +212,13 @@ class EnvironmentSettings:
         """
         if not isinstance(changes, Mapping):
             raise ValueError(f"options['parameters'] = {changes!r} must be a mapping of names to values")
-        if not changes:
-            return
-        changed = design.with_changes(changes)
+        after = design.with_changes(changes)
         for name in ArrayParameters.STRUCTURAL:
-            if getattr(changed, name) != getattr(design, name):
+            old, new = getattr(design, name), getattr(after, name)
+            if new != old:
                 raise ValueError(
-                    f"{name} = {getattr(changed, name)!r} changes the mechanism's structure, here with {name} = "
-                    f"{getattr(design, name)!r}; set it when the environment is made"
+                    f"{name} = {new!r} changes the mechanism's structure, here with {name} = {old!r}; set it when the "
+                    "environment is made"
                 )
 
     def draw(self, design: ArrayParameters, generator: np.random.Generator, changes: Changes) -> ArrayParameters:

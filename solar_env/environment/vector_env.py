@@ -11,12 +11,11 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from solar_env.environment.actions import as_floats
-from solar_env.environment.env import RESET_OPTIONS, Observation
-from solar_env.environment.episodes import Episodes, SavedEpisode
-from solar_env.environment.exclusive import Exclusive
+from solar_env.environment.calls import Exclusive, checked_actions, checked_options
+from solar_env.environment.env import Observation
+from solar_env.environment.episodes import Episodes, SavedEpisode, raise_first
 from solar_env.environment.lane import Lane
-from solar_env.environment.scenarios import scenario_named
+from solar_env.environment.scenarios import SCENARIOS
 from solar_env.environment.settings import EnvironmentSettings
 from solar_env.support.numbers import is_whole_number, plain
 
@@ -68,8 +67,8 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
             TypeError: for an unknown keyword.
             ValueError: for an unknown name or a refused value; the message says which.
         """
-        counts: dict[str, Any] = {"num_envs": num_envs, "max_episode_steps": max_episode_steps}
-        for name, number in {**counts, "num_threads": num_threads}.items():
+        counts = {"num_envs": num_envs, "max_episode_steps": max_episode_steps, "num_threads": num_threads}
+        for name, number in counts.items():
             if number is not None and not is_whole_number(plain(number), 1):
                 raise ValueError(f"{name} = {number!r} must be a whole number, at least 1")
         if on_failure not in ON_FAILURE:
@@ -80,7 +79,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         self.render_mode, self.scenario = settings.render_mode, settings.scenario
         if self.render_mode == "human":
             raise ValueError("render_mode 'human' has one window for one array; a vector draws with 'rgb_array' or not")
-        self.parameters = [scenario_named(self.scenario).design(entry) for entry in by_lane]
+        self.parameters = [SCENARIOS[self.scenario].design(entry) for entry in by_lane]
         self.model, self.panels = settings.level
         self.randomize, self.hardware = settings.ranges, settings.drive
         self.task, self.reward, self.observation_names = settings.task, settings.terms, settings.observation_names
@@ -96,7 +95,6 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         self._all_lanes = np.arange(num_envs)
         self._elapsed = np.zeros(num_envs, dtype=np.int64)
         self._ended = np.zeros(num_envs, dtype=np.bool_)
-        self._actions = np.zeros((num_envs, 1))
         self._exclusive = Exclusive()
         self.closed = False
 
@@ -129,38 +127,31 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
                 sequence of such mappings, by lane; {"reset_mask": (num_envs,) bool} resets some lanes only.
 
         Raises:
-            ValueError: for unknown options, parameters or refused values, or a wrong number of seeds; the present
-                episodes go on then.
-            TypeError: if the mask is no array of bool.
+            ValueError, TypeError: as `SolarArrayEnv.reset`, or for a wrong mask or number of seeds.
             gymnasium.error.ResetNeeded: if a mask leaves out lanes that have never been reset.
-            RuntimeError: if another thread is in a call of this environment.
         """
-        given = dict(options or {})
-        mask = given.pop("reset_mask", None)
-        unknown = set(given) - RESET_OPTIONS
-        if unknown:
-            raise ValueError(
-                f"reset options {sorted(unknown)} are unknown; there are 'parameters' and, of a vector, 'reset_mask'"
-            )
+        given = checked_options(options, "parameters", "reset_mask")
+        mask = given.get("reset_mask")
         if mask is not None and (not isinstance(mask, np.ndarray) or mask.dtype != np.bool_):
             raise TypeError(f"reset_mask = {mask!r} must be an array of bool")
         if mask is not None and (mask.shape != (self.num_envs,) or not mask.any()):
             raise ValueError(f"reset_mask = {mask!r} must have shape ({self.num_envs},) and name at least one lane")
+        lanes = self._all_lanes if mask is None else np.flatnonzero(mask)
         if isinstance(seed, (int, np.integer)):
             seed = range(int(seed), int(seed) + self.num_envs)
         seeds = _by_lane("seed", seed, self.num_envs)
-        lanes = self._all_lanes if mask is None else np.flatnonzero(mask)
         by_lane = _by_lane("options['parameters']", given.get("parameters") or {}, self.num_envs)
-        chosen = [by_lane[lane] for lane in lanes]
+        begun = lanes.tolist()
+        chosen = [by_lane[lane] for lane in begun]
         with self._exclusive:
             self.episodes.check_changes(lanes, chosen)
-            for lane in lanes:
-                if seeds[lane] is not None:
-                    self._generators[lane], self._seeds[lane] = seeding.np_random(index(seeds[lane]))
+            seeded = {lane: seeding.np_random(index(seeds[lane])) for lane in begun if seeds[lane] is not None}
+            for lane, (generator, used) in seeded.items():
+                self._generators[lane], self._seeds[lane] = generator, used
             self._fold(lanes, chosen)
             infos: dict[str, Any] = {}
-            for begun in lanes.tolist():
-                self._add_info(infos, self.episodes.info(begun), begun)
+            for lane in begun:
+                self._add_info(infos, self.episodes.info(lane), lane)
             return self.episodes.observations.copy(), infos
 
     def _fold(self, lanes: NDArray[np.int64], changes: Sequence[Mapping[str, Any]]) -> None:
@@ -174,63 +165,46 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         Args:
             actions: (num_envs, 1) motor torques in units of the torque limit; clipped to [-1, 1].
 
-        Raises:
-            gymnasium.error.ResetNeeded: before the first reset, and where an episode has ended with autoreset disabled.
-            ValueError, TypeError: if the actions have the wrong shape, are not finite, or are no numbers.
-            SimulationError: with `on_failure="raise"`, if a simulation cannot go on, or needs more than `max_steps`.
-            RuntimeError: if another thread is in a call of this environment.
-            KeyboardInterrupt: within a second of Ctrl-C; the simulations stay at accepted steps.
-
-        Warns:
-            SimulationWarning: if an episode was less accurate than it looks, see `Simulation.check`.
+        Raises, Warns: as `SolarArrayEnv.step`; ResetNeeded where an episode has ended with autoreset disabled alone,
+            SimulationError with `on_failure="raise"` alone, when the other lanes have advanced.
         """
-        if np.shape(actions) != self._actions.shape:
-            raise ValueError(f"actions have shape {np.shape(actions)}, expected {self._actions.shape}")
-        given = as_floats(actions)
-        if not np.isfinite(given).all():
-            lane = int(np.argmin(np.isfinite(given[:, 0])))
-            raise ValueError(f"action = {given[lane]!r} of lane {lane} is not finite")
+        given = checked_actions(actions, (self.num_envs, len(self.task.driven_joints)))
         with self._exclusive:
-            self._actions[...] = given
-            return self._step()
-
-    def _step(self) -> Results:
-        """Hold the torques of `_actions` for one control period."""
-        episodes, lanes = self.episodes, self._all_lanes
-        if self._ended.any():
-            folded = np.flatnonzero(self._ended)
-            if self.autoreset_mode is AutoresetMode.DISABLED:
-                raise gymnasium.error.ResetNeeded(
-                    f"the episodes of lanes {folded.tolist()} have ended: call reset(options={{'reset_mask': ...}})"
-                )
-            lanes = np.flatnonzero(~self._ended)
-            self._fold(folded, [{}] * folded.size)
-        if self._on_failure == "raise":
-            episodes.step(lanes, self._actions[:, 0])
-            failures = {}
-        else:
-            failures = episodes.attempt(lanes, self._actions[:, 0])
-        self._elapsed[lanes] += 1
-        terminations = episodes.terminated.copy()
-        truncations = np.zeros(self.num_envs, dtype=np.bool_)
-        if self._longest is not None:
-            np.greater_equal(self._elapsed, self._longest, out=truncations)
-        truncations[list(failures)] = True
-        np.logical_or(terminations, truncations, out=self._ended)
-        rewards, infos = episodes.rewards.copy(), self._infos()
-        if self._ended.any():
-            figures = {int(lane): {"deployment": episodes.figures(int(lane))} for lane in np.flatnonzero(terminations)}
-            last = figures | {lane: {"failure": str(error)} for lane, error in failures.items()}
-            self._end_episodes(np.flatnonzero(self._ended), last, infos)
-        return episodes.observations.copy(), rewards, terminations, truncations, infos
+            episodes, lanes = self.episodes, self._all_lanes
+            if self._ended.any():
+                folded = np.flatnonzero(self._ended)
+                if self.autoreset_mode is AutoresetMode.DISABLED:
+                    raise gymnasium.error.ResetNeeded(
+                        f"the episodes of lanes {folded.tolist()} have ended: call reset(options={{'reset_mask': ...}})"
+                    )
+                lanes = np.flatnonzero(~self._ended)
+                self._fold(folded, [{}] * folded.size)
+            failures = episodes.attempt(lanes, given)
+            self._elapsed[lanes] += 1
+            terminations = episodes.terminated.copy()
+            truncations = np.zeros(self.num_envs, dtype=np.bool_)
+            if self._longest is not None:
+                np.greater_equal(self._elapsed, self._longest, out=truncations)
+            truncations[list(failures)] = True
+            np.logical_or(terminations, truncations, out=self._ended)
+            if self._on_failure == "raise":
+                raise_first(failures)
+            rewards, infos = episodes.rewards.copy(), self._infos()
+            if self._ended.any():
+                last: dict[int, dict[str, Any]]
+                last = {lane: {"deployment": episodes.figures(lane)} for lane in np.flatnonzero(terminations).tolist()}
+                last |= {lane: {"failure": str(error)} for lane, error in failures.items()}
+                self._end_episodes(np.flatnonzero(self._ended), last, infos)
+            return episodes.observations.copy(), rewards, terminations, truncations, infos
 
     def _infos(self) -> dict[str, Any]:
-        everywhere = {f"_{name}": np.ones(self.num_envs, dtype=np.bool_) for name in ("time_s", "reward_terms")}
-        terms: dict[str, Any] = {}
+        """Information of all lanes, with the masks of `gymnasium.vector`."""
+        told: dict[str, Any] = {"time_s": self.episodes.times, "reward_terms": {}}
         for k, name in enumerate(self.reward.names):
-            terms[name] = self.episodes.terms[:, k].copy()
-            terms[f"_{name}"] = np.ones(self.num_envs, dtype=np.bool_)
-        return {"time_s": self.episodes.times, "reward_terms": terms, **everywhere}
+            told["reward_terms"][name] = self.episodes.terms[:, k].copy()
+        for values in (told["reward_terms"], told):
+            values.update({f"_{name}": np.ones(self.num_envs, dtype=np.bool_) for name in tuple(values)})
+        return told
 
     def _end_episodes(
         self, lanes: NDArray[np.int64], last: Mapping[int, dict[str, Any]], infos: dict[str, Any]
@@ -253,10 +227,6 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         self.episodes.restore(lane, saved)
         self._ended[lane] = False
         self._elapsed[lane] = round(self.episodes.times[lane] / self.task.control_period)
-
-    def narrow_starts(self, opening: float, folded: float) -> None:
-        """Let the next episodes begin at starts of at least an opening, and a share of them folded: for curricula."""
-        self.episodes.starts_from, self.episodes.starts_folded = opening, folded
 
     def lane(self, lane: int) -> Lane:
         """One lane as a single environment."""

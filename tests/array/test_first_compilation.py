@@ -8,6 +8,7 @@ import solar_env  # noqa: F401 (registers the environments)
 from solar_env.__main__ import main
 from solar_env.array import compilation
 from solar_env.array.deployment import simulate
+from solar_env.environment.registration import DEPLOY
 
 FUNCTIONS = (compilation.announce_compilation, compilation.mark_compiled)
 
@@ -37,7 +38,7 @@ def test_the_first_episode_says_that_it_compiles_and_remembers_it(lanes, nothing
     said = []
     for _ in range(2):
         make = gymnasium.make_vec if lanes else gymnasium.make
-        env = make("solar_env/Deploy-v1", model="rigid-ideal", **({"num_envs": lanes} if lanes else {}))
+        env = make(DEPLOY, model="rigid-ideal", **({"num_envs": lanes} if lanes else {}))
         assert capsys.readouterr().err == "", "what is not simulated is not compiled"
         env.reset(seed=0)
         env.reset(seed=0)

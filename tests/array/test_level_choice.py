@@ -23,6 +23,7 @@ from solar_env.array.ladder import (
     steps,
 )
 from solar_env.commands.studies.ladder import SECTION, choices
+from solar_env.environment.registration import DEPLOY
 from solar_env.studies.common.tables import read_table
 from solar_env.studies.ladder import campaign
 
@@ -177,7 +178,7 @@ def test_simulate_refuses_options_that_contradict_each_other(arguments, words, c
 
 
 def test_the_environment_takes_the_level_of_the_default_question():
-    env = gymnasium.make("solar_env/Deploy-v1", model="auto").unwrapped
+    env = gymnasium.make(DEPLOY, model="auto").unwrapped
     chosen = cheapest(read_answers(), DEFAULT_QUESTION, DEFAULT_TOLERANCE)
     assert (env.model, env.panels) == (chosen.model, chosen.panel_model)
 
@@ -187,7 +188,7 @@ def test_a_level_of_either_kind_of_panels_is_simulated_and_trained_on(kind, monk
     table = (answer("flexible-ideal", panels=(kind, 3)),)
     monkeypatch.setattr("solar_env.environment.settings.read_answers", lambda: table)
     monkeypatch.setattr("solar_env.commands.simulate.read_answers", lambda: table)
-    env = gymnasium.make("solar_env/Deploy-v1", model="auto", question="wear").unwrapped
+    env = gymnasium.make(DEPLOY, model="auto", question="wear").unwrapped
     assert (env.model, env.panels) == ("flexible-ideal", PanelModel(kind, 3))
     assert main(["simulate", "--question", "wear", "--duration", "0.01", "--json", "-"]) == 0
     assert PanelModel(kind, 3).size in capsys.readouterr().err
@@ -195,10 +196,10 @@ def test_a_level_of_either_kind_of_panels_is_simulated_and_trained_on(kind, monk
 
 @pytest.mark.parametrize(("question", "tolerance"), [("latch-time", 0.05), ("tip-motion", 0.02)])
 def test_an_environment_that_chose_is_the_one_that_is_named(question, tolerance):
-    env = gymnasium.make("solar_env/Deploy-v1", model="auto", question=question, tolerance=tolerance).unwrapped
+    env = gymnasium.make(DEPLOY, model="auto", question=question, tolerance=tolerance).unwrapped
     check_env(env, skip_render_check=True)
     assert env.model in MODELS
-    named = gymnasium.make("solar_env/Deploy-v1", model=env.model, panels=env.panels).unwrapped
+    named = gymnasium.make(DEPLOY, model=env.model, panels=env.panels).unwrapped
     first, second = env.reset(seed=1)[0], named.reset(seed=1)[0]
     for _ in range(5):
         assert np.array_equal(first, second)

@@ -17,6 +17,7 @@ from solar_env.array.deployment import simulate
 from solar_env.commands import figures
 from solar_env.commands.arguments import parse_assignments
 from solar_env.commands.simulate import printed
+from solar_env.environment.registration import DEPLOY
 from solar_env.mechanics.integrators.settings import RungeKutta
 from solar_env.mechanics.running.diagnosis import SimulationWarning
 
@@ -194,7 +195,7 @@ def test_without_flexible_panels_or_explicit_steps_simulate_says_nothing_of_stab
 def test_warmup_names_every_model_and_environment(capsys):
     assert main(["warmup"]) == 0
     printed = capsys.readouterr().out
-    for name in (*MODELS, "solar_env/Deploy-v1"):
+    for name in (*MODELS, DEPLOY):
         assert name in printed
 
 

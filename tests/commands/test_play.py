@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from solar_env.__main__ import main
+from solar_env.environment.registration import DEPLOY
 
 pygame = pytest.importorskip("pygame")
 
@@ -15,7 +16,7 @@ pygame = pytest.importorskip("pygame")
 def player():
     from solar_env.commands.play import Player
 
-    env = gymnasium.make("solar_env/Deploy-v1", render_mode="rgb_array", model="rigid-ideal")
+    env = gymnasium.make(DEPLOY, render_mode="rgb_array", model="rigid-ideal")
     player = Player(env, seed=0)
     yield player
     player.close()
@@ -78,7 +79,7 @@ def test_an_episode_is_paused_stepped_played_and_begun_anew(player):
 
 def test_an_episode_that_has_ended_stays_and_its_score_is_the_return(player):
     press(player, pygame.K_SPACE)
-    env = gymnasium.make("solar_env/Deploy-v1", model="rigid-ideal")
+    env = gymnasium.make(DEPLOY, model="rigid-ideal")
     env.reset(seed=0)
     expected, ended = 0.0, False
     while not ended:

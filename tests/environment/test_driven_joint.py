@@ -14,15 +14,15 @@ from agents.laws.damper import DamperParameters, ViscousDamper
 from agents.laws.servo import ServoParameters, VelocityProfileServo
 from agents.laws.shaped import InputShapedProfile
 from agents.torque_laws import Signals
+from solar_env.environment.registration import DEPLOY
 from solar_env.environment.task.observations import observation_entries
 
-ID = "solar_env/Deploy-v1"
 SHORT = {"model": "rigid-ideal", "control_period": 1e-3}
 joints = pytest.mark.parametrize("joint", [0, 1])
 
 
 def make(joint, **keywords):
-    return gymnasium.make(ID, driven_joint=joint, **{**SHORT, **keywords}).unwrapped
+    return gymnasium.make(DEPLOY, driven_joint=joint, **{**SHORT, **keywords}).unwrapped
 
 
 @joints
@@ -55,7 +55,7 @@ def test_a_positive_torque_opens_the_driven_joint_faster_than_a_negative_one(joi
 
 @joints
 def test_a_lane_of_a_vector_equals_the_single_environment_bit_for_bit(joint):
-    single, vector = make(joint), gymnasium.make_vec(ID, 2, driven_joint=joint, **SHORT)
+    single, vector = make(joint), gymnasium.make_vec(DEPLOY, 2, driven_joint=joint, **SHORT)
     single.reset(seed=4)
     vector.reset(seed=4)
     for action in np.float32([0.6, -0.2]):
@@ -78,7 +78,7 @@ def test_futures_drive_the_same_joint_and_a_search_keeps_its_promise(joint):
     env = make(joint, deadline=0.004)
     env.reset(seed=0)
     futures = env.futures(2)
-    futures.step(np.arange(2), np.array([0.5, -0.5]))
+    futures.step(np.arange(2), np.array([[0.5], [-0.5]]))
     assert futures.batch.states.joints["motor_torque"][:, joint].tolist() == [0.25, -0.25]
     search = RecedingHorizon(env, ViscousDamper(Signals.of(env)), SearchSettings(2, 3, 2, 1, 2))
     observation, _ = env.reset(seed=0)

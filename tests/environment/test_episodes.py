@@ -7,8 +7,9 @@ import math
 import gymnasium
 import numpy as np
 import pytest
-from episodes import ID, LATE_ROOT, LEVELS, STRONG, deploy, main_body_spin, make
+from episodes import LATE_ROOT, LEVELS, STRONG, deploy, main_body_spin, make
 
+from solar_env.environment.registration import DEPLOY
 from solar_env.mechanics.arrays.model import SLIDING_WORK, joint_integrals
 
 
@@ -72,7 +73,7 @@ def test_nothing_counts_as_after_the_latching_where_none_has_latched():
 
 
 def test_a_missed_deadline_terminates_and_costs_more_than_the_worst_deployment():
-    env = gymnasium.make(ID).unwrapped
+    env = gymnasium.make(DEPLOY).unwrapped
     total, steps, info = deploy(env, lambda observation: [-1.0])
     assert not info["deployment"]["latched"]
     assert steps == 200
@@ -93,7 +94,7 @@ def test_a_deadline_ends_the_episode_of_every_model(model):
 
 
 def test_the_charges_are_bounded_whatever_the_forces():
-    env = gymnasium.make(ID).unwrapped
+    env = gymnasium.make(DEPLOY).unwrapped
     env.reset(seed=0)
     env.simulation.state.clock["latched_joints"] = 1
     env.simulation.state.joints["postlock_peak_force"] = 1e9

@@ -8,9 +8,9 @@ import gymnasium
 import pytest
 
 import solar_env
+from solar_env.environment.registration import DEPLOY
 from solar_env.environment.settings import EnvironmentSettings
 
-ID = "solar_env/Deploy-v1"
 KEYWORDS = [item.name for item in fields(EnvironmentSettings)]
 
 
@@ -19,8 +19,8 @@ def makers():
     return {
         "single": solar_env.SolarArrayEnv,
         "vector": lambda **keywords: solar_env.SolarArrayVectorEnv(2, **keywords),
-        "make": lambda **keywords: gymnasium.make(ID, **keywords),
-        "make_vec": lambda **keywords: gymnasium.make_vec(ID, 2, **keywords),
+        "make": lambda **keywords: gymnasium.make(DEPLOY, **keywords),
+        "make_vec": lambda **keywords: gymnasium.make_vec(DEPLOY, 2, **keywords),
     }
 
 

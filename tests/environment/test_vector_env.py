@@ -2,31 +2,28 @@
 
 from __future__ import annotations
 
-import ctypes
-import gc
-import platform
 from functools import partial
 
 import gymnasium
 import numpy as np
 import pytest
-from episodes import ID, LANES, LEVELS, RANGES, STRONG, assert_same, make_vector, random_actions
+from episodes import LANES, LEVELS, RANGES, STRONG, assert_same, make_vector, random_actions
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
-import solar_env
+from solar_env.environment.registration import DEPLOY
 from solar_env.environment.task.observations import OBSERVABLES
 from solar_env.environment.task.reward import REWARD_TERMS
 
 
 def make_sync(mode=AutoresetMode.NEXT_STEP, lanes=LANES, **keywords):
-    return SyncVectorEnv([partial(gymnasium.make, ID, **keywords)] * lanes, autoreset_mode=mode)
+    return SyncVectorEnv([partial(gymnasium.make, DEPLOY, **keywords)] * lanes, autoreset_mode=mode)
 
 
 def test_make_vec_takes_it_without_being_told():
     env = make_vector(3)
     assert type(env.unwrapped).__name__ == "SolarArrayVectorEnv"
     assert env.num_envs == 3
-    assert env.spec.id == ID
+    assert env.spec.id == DEPLOY
     assert env.metadata["autoreset_mode"] is AutoresetMode.NEXT_STEP
 
 
@@ -59,7 +56,7 @@ def test_a_lane_equals_the_single_environment_with_its_seed(level):
     first, _ = native.reset(seed=11)
     steps = [native.step(actions) for actions in random_actions(12)]
     for lane in range(LANES):
-        single = gymnasium.make(ID, **keywords)
+        single = gymnasium.make(DEPLOY, **keywords)
         assert_same(single.reset(seed=11 + lane)[0], first[lane])
         for actions, (observations, rewards, *_) in zip(random_actions(12), steps, strict=True):
             observation, reward, *_ = single.step(actions[lane])
@@ -87,7 +84,7 @@ def test_lanes_may_have_parameters_of_their_own():
     env = make_vector(2, parameters=designs)
     env.reset(seed=0)
     for lane, design in enumerate(designs):
-        single = gymnasium.make(ID, parameters=design)
+        single = gymnasium.make(DEPLOY, parameters=design)
         single.reset(seed=0)
         for actions in random_actions(5, 2):
             single.step(actions[lane])
@@ -164,7 +161,7 @@ def test_seeds_are_by_lane_and_none_goes_on():
         (lambda env: env.step(np.zeros((3, 1))), ValueError, r"shape \(3, 1\), expected \(2, 1\)"),
         (lambda env: env.step(np.array([[0.0], [np.nan]])), ValueError, "of lane 1 is not finite"),
         (lambda env: env.step([[0.0], [10**400]]), ValueError, "action is not finite in floating point"),
-        (lambda env: env.reset(options={"mask": 1}), ValueError, r"options \['mask'\] are unknown"),
+        (lambda env: env.reset(options={"mask": 1}), ValueError, "'mask' is unknown; choose from"),
         (lambda env: env.reset(options={"reset_mask": [True, False]}), TypeError, "array of bool"),
         (lambda env: env.reset(options={"reset_mask": np.zeros(2, bool)}), ValueError, "at least one lane"),
         (lambda env: env.reset(options={"parameters": {"clearance": -1.0}}), ValueError, "clearance"),
@@ -213,50 +210,9 @@ def test_frames_are_those_of_single_environments():
     env.reset(seed=0)
     env.step(np.ones((2, 1)))
     frames = env.render()
-    single = gymnasium.make(ID, render_mode="rgb_array", randomize=RANGES)
+    single = gymnasium.make(DEPLOY, render_mode="rgb_array", randomize=RANGES)
     single.reset(seed=1)
     single.step(np.ones(1))
     assert np.array_equal(frames[1], single.render())
     with pytest.warns(UserWarning, match="does nothing without a render mode"):
         assert make_vector(2).render() == (None, None)
-
-
-def test_closing_twice_is_fine():
-    env = make_vector(2, num_threads=2)
-    env.reset(seed=0)
-    env.step(np.zeros((2, 1)))
-    env.close()
-    env.close()
-    assert solar_env.__name__ == "solar_env"
-
-
-def used_memory():
-    """Pages in memory without those that the allocator keeps for later."""
-    gc.collect()
-    ctypes.CDLL("libc.so.6").malloc_trim(0)
-    with open("/proc/self/statm") as file:
-        return int(file.read().split()[1])
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="another allocator")
-@pytest.mark.parametrize(("model", "steps"), [("rigid-ideal", 1_000_000), ("rigid-clearance", 200_000)])
-def test_very_many_random_steps_stay_finite_keep_their_energy_book_and_leak_nothing(model, steps):
-    lanes = 128
-    ranges = {**RANGES, "cable_stiffness": (18.0, 22.0), "latch_damping": (5.0, 20.0), "panel_density": (180.0, 220.0)}
-    env = make_vector(lanes, model=model, randomize=ranges, autoreset_mode=AutoresetMode.SAME_STEP)
-    env.reset(seed=0)
-    random = np.random.default_rng(0)
-    memory, worst, ended = [], 0.0, 0
-    for step in range(steps // lanes):
-        observations, rewards, terminations, _, infos = env.step(random.uniform(-1.0, 1.0, (lanes, 1)))
-        assert np.isfinite(observations).all()
-        assert np.isfinite(rewards).all()
-        if step % (steps // lanes // 8) == 0:
-            memory.append(used_memory())
-        if terminations.any():
-            ended += terminations.sum()
-            worst = max(worst, np.abs(infos["final_info"]["deployment"]["energy_residual_J"][terminations]).max())
-    assert ended > steps / 300
-    assert worst < 1e-4
-    assert max(memory[2:]) < 1.01 * max(memory[:2])

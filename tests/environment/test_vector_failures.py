@@ -7,9 +7,10 @@ import pickle
 import gymnasium
 import numpy as np
 import pytest
-from episodes import ID, assert_same, make_vector
+from episodes import assert_same, make_vector
 from gymnasium.vector import AutoresetMode
 
+from solar_env.environment.registration import DEPLOY
 from solar_env.mechanics.running.errors import SimulationError
 
 
@@ -58,13 +59,13 @@ def test_a_period_that_needs_too_many_steps_ends_the_lane_and_says_so():
     *_, truncations, infos = env.step(np.zeros((2, 1)))
     assert truncations.all()
     assert "3 steps were taken in one call without reaching its end" in infos["failure"][0]
-    single = gymnasium.make(ID, max_steps=3)
+    single = gymnasium.make(DEPLOY, max_steps=3)
     single.reset(seed=0)
     with pytest.raises(SimulationError, match="raise max_steps"):
         single.step(np.zeros(1))
     for value in (0, 2.5):
         with pytest.raises(ValueError, match=r"max_steps = .* must be a whole number"):
-            gymnasium.make(ID, max_steps=value)
+            gymnasium.make(DEPLOY, max_steps=value)
 
 
 def test_what_becomes_of_a_failing_lane_has_two_names():
@@ -73,7 +74,7 @@ def test_what_becomes_of_a_failing_lane_has_two_names():
 
 
 def test_several_threads_in_one_environment_are_refused():
-    env, vector = gymnasium.make(ID), make_vector(2)
+    env, vector = gymnasium.make(DEPLOY), make_vector(2)
     for each, action in ((env, np.zeros(1)), (vector, np.zeros((2, 1)))):
         each.reset(seed=0)
         with (

@@ -8,7 +8,7 @@ import numpy as np
 
 import solar_env  # noqa: F401 (registers the environments)
 
-CANDIDATES = np.linspace(-1.0, 1.0, 17)  # torques, in units of the limit
+CANDIDATES = np.linspace(-1.0, 1.0, 17)[:, np.newaxis]  # (candidates, motors) torques, in units of the limit
 HOLD = 10  # control periods for which a torque is held, before the springs are left alone
 
 
@@ -25,7 +25,7 @@ def plan(env: gymnasium.Env) -> float:
             periods += 1
         for _ in range(HOLD):
             if not ended:
-                _, reward, ended, _, _ = env.step(CANDIDATES[[returns.argmax()]].astype(np.float32))
+                _, reward, ended, _, _ = env.step(CANDIDATES[returns.argmax()].astype(np.float32))
                 total += float(reward)
     return total
 

@@ -79,6 +79,6 @@ def test_an_unknown_public_name_is_an_attribute_error() -> None:
 def test_importing_the_package_registers_its_environments() -> None:
     import gymnasium
 
-    import solar_env  # noqa: F401
+    from solar_env.environment.registration import DEPLOY
 
-    assert gymnasium.spec("solar_env/Deploy-v1").entry_point == "solar_env.environment.env:SolarArrayEnv"
+    assert gymnasium.spec(DEPLOY).entry_point == "solar_env.environment.env:SolarArrayEnv"

@@ -56,7 +56,7 @@ class Film:
             in_contact=state.joints["in_contact"].astype(np.bool_),
             normal_force=loads[:, NORMAL].copy(),
             latched=state.joints["latched"].astype(np.bool_),
-            motor_torque=float(state.joints["motor_torque"][self._settings.task.driven_joint]),
+            motor_torque=float(state.joints["motor_torque"][self._settings.task.driven_joints[0]]),
             force_times=np.array(self._times),
             force_history=np.array(self._peaks),
         )

@@ -34,11 +34,11 @@ class RecordTrajectory(gymnasium.Wrapper):
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Begin an episode, and its record."""
         result = super().reset(seed=seed, options=options)
-        own: Any = self.unwrapped
-        longest = own.task.deadline + own.task.postlock_window + own.task.control_period
+        env: Any = self.unwrapped
+        longest = env.task.deadline + env.task.postlock_window + env.task.control_period
         times = np.arange(math.ceil(longest / self._step)) * self._step
-        self._recorder = make_recorder(own.simulation.model, own.simulation.state, times, _CONTACTS)
-        own._episodes.batch.record(self._recorder)
+        self._recorder = make_recorder(env.simulation.model, env.simulation.state, times, _CONTACTS)
+        env._episodes.batch.record(self._recorder)
         return result
 
     @property
@@ -48,16 +48,16 @@ class RecordTrajectory(gymnasium.Wrapper):
         Raises:
             gymnasium.error.ResetNeeded: before the first step.
         """
-        own: Any = self.unwrapped
+        env: Any = self.unwrapped
         if self._recorder is None or self._recorder.filled[0] == 0:
             raise gymnasium.error.ResetNeeded("there is nothing recorded yet: call reset() and step()")
-        simulation, (samples, contacts) = own.simulation, self._recorder.filled.tolist()
+        simulation, (samples, contacts) = env.simulation, self._recorder.filled.tolist()
         kept = self._recorder._replace(times=self._recorder.times[:samples], samples=self._recorder.samples[:samples])
         details = {
-            "model": own.model,
-            "parameters": own.episode_parameters.to_dict(),
+            "model": env.model,
+            "parameters": env.episode_parameters.to_dict(),
             "integrator": simulation.integrator.name,
-            **own.panels.keywords_of(own.model),
+            **env.panels.keywords_of(env.model),
         }
         table = contact_table(simulation.state, kept.contacts[:contacts])
         return assemble(simulation.model, simulation.state, kept, table, details)

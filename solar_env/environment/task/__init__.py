@@ -1,12 +1,14 @@
 """The control task: what an agent sees, what it is charged, when an episode ends.
 
-`task` has limits, durations and the motor; `observations` and `reward` are the tables of what can be observed and
-charged; `sensors` is what hardware makes of observations; `periods` begins and ends a control period.
+`task` has limits, times and motors, `versions` those of each version with its prices; `observations` and `reward` are
+the tables of what can be observed and charged; `sensors` is what hardware makes of observations; `periods` begins and
+ends a control period.
 
 To add
 
 * an observable: its code, a branch of `observations.reading` and a row of `observations.OBSERVABLES`. Tests and the
   documentation of the environment take it from there. A sensor of a new kind is a field of `hardware.Hardware`.
-* a term of the reward: its code, a branch of `reward.reading` and a row of `reward.REWARD_TERMS`, with weight 0 so that
-  returns stay comparable. `tests/environment/task/test_reward_terms.py` wants its figure of an imagined deployment.
+* a term of the reward: its code, a branch of `reward.reading` and a row of `reward.REWARD_TERMS`; a version charges it
+  with a weight in its prices. `tests/environment/task/test_reward_terms.py` wants its figure of an imagined deployment.
+* a version: a row of `versions.VERSIONS`; a price of another form also a code there and a branch of `reward.cost`.
 """

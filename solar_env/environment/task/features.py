@@ -1,7 +1,6 @@
 """The table of features: functions of what the sensors show, of order one, for agents that learn."""
 
 from collections.abc import Callable, Mapping
-from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,69 +22,61 @@ def signed_logarithm(values: Values, unit: float) -> Values:
     return np.sign(values) * np.log1p(np.abs(values) / unit)
 
 
-class Shown:
-    """Readings of the sensors of several arrays at one moment, and the opening that follows from them.
+class Shown(NamedTuple):
+    """Readings of the sensors of several arrays at one moment, and what follows from them.
+
+    Distances to the lock and rates are in units of the lock angles, (lanes, joints); all else is (lanes, 1).
+
+    Attributes:
+        distances: of the joints to their locks.
+        rates: of their opening [1/s].
+        approach: 1 until all joints have latched, then 0.
+        near: 0 up to 0.7 of the opening, from 0.9 on 1, linear between, and 0 after the last latch.
+        far: the rest of the approach.
+        start: 1 at release, linearly to 0 at the end of the start, then 0.
+        distance, rate: means over the joints.
+        deceleration: with which the opening would just stop at the lock [1/s^2]; 0 where it is closing or beyond.
+        time_needed: share of the time left that the rest of the opening takes at this rate.
+    """
+
+    distances: Values
+    rates: Values
+    approach: Values
+    near: Values
+    far: Values
+    start: Values
+    distance: Values
+    rate: Values
+    deceleration: Values
+    time_needed: Values
+
+
+def shown(measured: Mapping[str, Values], lock_angles: Values, deadline: float) -> Shown:
+    """What follows from the readings of the sensors.
 
     Args:
         measured: by the names in `MEASURED`: (lanes, joints) angles in units of the lock angles, rates [rad/s] and
             latch switches, (lanes, 1) time left in units of the deadline.
         lock_angles: (joints,) [rad].
         deadline: [s].
-
-    Attributes:
-        distances: (lanes, joints) to the lock, in units of the lock angle.
-        rates: (lanes, joints) of the opening [1/s].
-        time_to_deadline: (lanes, 1) in units of the deadline.
     """
-
-    def __init__(self, measured: Mapping[str, Values], lock_angles: Values, deadline: float) -> None:
-        self.distances, self.rates = 1.0 - measured["theta"], measured["rate"] / lock_angles
-        self._latched, self.time_to_deadline, self._deadline = (
-            measured["latched"],
-            measured["time_to_deadline"],
-            deadline,
-        )
-
-    @cached_property
-    def approach(self) -> Values:
-        """(lanes, 1) 1 until all joints have latched, then 0."""
-        return 1.0 - np.all(self._latched > 0.5, axis=1, keepdims=True)
-
-    @cached_property
-    def near(self) -> Values:
-        """(lanes, 1) 0 up to 0.7 of the opening, from 0.9 on 1, linear between, and 0 after the last latch."""
-        return self.approach * np.clip((FAR - self.distance) / (FAR - NEAR), 0.0, 1.0)
-
-    @property
-    def far(self) -> Values:
-        """(lanes, 1) the rest of the approach: 1 minus `near` until the last latch, then 0."""
-        return self.approach - self.near
-
-    @property
-    def start(self) -> Values:
-        """(lanes, 1) 1 at release, linearly to 0 at the end of the start, then 0."""
-        return np.maximum(1.0 - (1.0 - self.time_to_deadline) * self._deadline / START, 0.0)
-
-    @cached_property
-    def distance(self) -> Values:
-        """(lanes, 1) mean distance to the lock, in units of the lock angle."""
-        return self.distances.mean(axis=1, keepdims=True)
-
-    @cached_property
-    def opening_rate(self) -> Values:
-        """(lanes, 1) mean rate of the opening [1/s]."""
-        return self.rates.mean(axis=1, keepdims=True)
-
-    @property
-    def deceleration(self) -> Values:
-        """(lanes, 1) with which the opening would just stop at the lock [1/s^2]; 0 where it is closing or beyond."""
-        return np.maximum(self.opening_rate, 0.0) ** 2 / (2.0 * np.maximum(self.distance, DISTANCE))
-
-    @property
-    def time_needed(self) -> Values:
-        """(lanes, 1) share of the time left that the rest of the opening takes at this rate."""
-        left = np.maximum(self.time_to_deadline * self._deadline, 0.1)
-        return np.maximum(self.distance, 0.0) / (np.maximum(self.opening_rate, RATE) * left)
+    distances, rates, left = 1.0 - measured["theta"], measured["rate"] / lock_angles, measured["time_to_deadline"]
+    distance, rate = (values.mean(axis=1, keepdims=True) for values in (distances, rates))
+    opening_rate = np.maximum(rate, 0.0)
+    approach = 1.0 - np.all(measured["latched"] > 0.5, axis=1, keepdims=True)
+    near = approach * np.clip((FAR - distance) / (FAR - NEAR), 0.0, 1.0)
+    return Shown(
+        distances,
+        rates,
+        approach,
+        near,
+        far=approach - near,
+        start=np.maximum(1.0 - (1.0 - left) * deadline / START, 0.0),
+        distance=distance,
+        rate=rate,
+        deceleration=opening_rate**2 / (2.0 * np.maximum(distance, DISTANCE)),
+        time_needed=np.maximum(distance, 0.0) / (np.maximum(rate, RATE) * np.maximum(left * deadline, 0.1)),
+    )
 
 
 def ahead(values: Values) -> Values:
@@ -156,7 +147,7 @@ _QUANTITIES = (
     ),
     Feature(
         "rate", "mean opening rate, logarithmic", "-", -16, 8,
-        lambda s: signed_logarithm(s.opening_rate, RATE) - 5.0,
+        lambda s: signed_logarithm(s.rate, RATE) - 5.0,
         "(L(r, 3e-4) - 5)",
     ),
     Feature(
@@ -182,21 +173,20 @@ _QUANTITIES = (
 )  # fmt: skip
 
 # Shares of the time until the last latch: of the way there, and of the landing.
-_SHARES: dict[str, tuple[Callable[[Shown], Values], str]] = {
-    "far": (lambda s: s.far, "up to 0.7 of the opening, fading out to 0.9, then 0"),
-    "near": (lambda s: s.near, "from 0.9 of the opening to the last latch, fading in from 0.7, else 0"),
+_SHARES = {
+    "far": "up to 0.7 of the opening, fading out to 0.9, then 0",
+    "near": "from 0.9 of the opening to the last latch, fading in from 0.7, else 0",
 }
 _AFTER = "after the last latch, before it 0"
 
 
 def _shared(share: str, quantity: Feature) -> Feature:
     """The feature that is a share times a quantity."""
-    of_share, while_ = _SHARES[share]
     return Feature(
         f"{share}_{quantity.name}".removesuffix("_"),
-        f"{quantity.meaning} {while_}" if not quantity.name else f"{quantity.meaning}, {while_}",
+        f"{quantity.meaning}{', ' if quantity.name else ' '}{_SHARES[share]}",
         quantity.unit, quantity.low, quantity.high,
-        lambda s: of_share(s) * quantity.of(s),
+        lambda s: getattr(s, share) * quantity.of(s),
         f"{share} * {quantity.formula}" if quantity.name else share,
     )  # fmt: skip
 

@@ -19,7 +19,7 @@ from solar_env.support.markdown import markdown_table
 
 # Codes of `reading`.
 THETA, RATE, LATCHED, MOTOR_TORQUE, TIME_TO_DEADLINE, TIME_SINCE_LATCH, ECCENTRICITY_X, ECCENTRICITY_Y = range(8)
-IN_CONTACT, MAIN_BODY_SPIN, MAIN_BODY_ANGLE, PEAK_FORCE = range(8, 12)
+IN_CONTACT, MAIN_BODY_SPIN, MAIN_BODY_ANGLE, RECENT_PEAK_FORCE = range(8, 12)
 
 LOCK_ANGLE = "lock angle"
 GREATEST_AGE = 100
@@ -66,16 +66,10 @@ OBSERVABLES = (
     Observable("in_contact", "journal and bearing touch", "0 or 1", 0.0, 1.0, IN_CONTACT, True),
     Observable("main_body_spin", "exact spin of the main body", "rad/s", -1.0, 1.0, MAIN_BODY_SPIN),
     Observable(
-        "main_body_angle",
-        "main body's direction from that at release, of a star tracker",
-        "rad",
-        -math.pi,
-        math.pi,
-        MAIN_BODY_ANGLE,
-        noise="attitude_noise",
-        delayed=True,
+        *("main_body_angle", "main body's direction from that at release, of a star tracker", "rad", -math.pi, math.pi),
+        *(MAIN_BODY_ANGLE, False, "attitude_noise", False, True),
     ),
-    Observable("peak_force", "greatest joint force in the last period", "kN", 0.0, 10.0, PEAK_FORCE, True),
+    Observable("recent_peak_force", "greatest force in the last period", "kN", 0.0, 10.0, RECENT_PEAK_FORCE, True),
 )
 
 _ROWS: tuple[Observable | Feature, ...] = (*OBSERVABLES, *FEATURES)
@@ -89,19 +83,10 @@ OBSERVATIONS: dict[str, Names] = {
     "drive": _DRIVE,
     "history": (*_DRIVE, *_PAST),
     "landing": (
-        "far",
-        "near",
-        "far_opening",
-        "far_time_needed",
-        "far_rate",
-        "near_distance",
-        "near_rate",
-        "near_deceleration",
-        "near_lead",
-        "near_lead_rate",
-        "near_time_needed",
-        "settling_rate",
-        "settling_distance",
+        *("far", "near"),
+        *(f"far_{quantity}" for quantity in ("opening", "time_needed", "rate")),
+        *(f"near_{quantity}" for quantity in ("distance", "rate", "deceleration", "lead", "lead_rate", "time_needed")),
+        *("settling_rate", "settling_distance"),
     ),
     "privileged": (*_DRIVE, ("eccentricity_x", "eccentricity_y", "in_contact"), "main_body_spin"),
 }
@@ -165,17 +150,13 @@ def _observable(name: str) -> tuple[Observable | Feature, int]:
     return _BY_NAME[stem], age
 
 
-channel_type = np.dtype(
-    (np.record, np.dtype([("code", "i8"), ("joint", "i8"), ("low", "f4"), ("high", "f4")], align=True))
-)
+_CHANNEL = [("code", "i8"), ("joint", "i8"), ("low", "f4"), ("high", "f4")]
+channel_type = np.dtype((np.record, np.dtype(_CHANNEL, align=True)))
 
 
 def measured_for(entries: Sequence[Entry], joints: int) -> list[tuple[Observable, int]]:
-    """Channels, and their joints, that are measured for entries of an observation to be shown."""
-    wanted: list[tuple[Observable, int]] = []
-    for entry in entries:
-        if isinstance(entry.observable, Observable):
-            wanted.append((entry.observable, entry.joint))
+    """Quantities, and their joints, that are measured for entries of an observation to be shown."""
+    wanted = [(entry.observable, entry.joint) for entry in entries if isinstance(entry.observable, Observable)]
     if len(wanted) < len(entries):
         rows = [row for row in OBSERVABLES if row.name in MEASURED]
         wanted += [(row, joint) for row in rows for joint in range(joints if row.by_joint else 1)]
@@ -184,14 +165,13 @@ def measured_for(entries: Sequence[Entry], joints: int) -> list[tuple[Observable
 
 def channels(measured: Sequence[tuple[Observable, int]]) -> NDArray[np.void]:
     """(measured,) code, joint and bounds of quantities of joints, as the kernels take them."""
-    rows = [(row.code, joint, row.low, row.high) for row, joint in measured]
-    return np.array(rows, dtype=channel_type)
+    return np.array([(row.code, joint, row.low, row.high) for row, joint in measured], dtype=channel_type)
 
 
 @kernel(inner=True)
 def reading(code, j, model, state, task):
-    """The exact value of a quantity, in its unit, at joint `j`."""
-    joint, own, view = model.joints[j], state.joints[j], view_joint_of(model)(model, state, j)
+    """The exact value of a quantity, in its unit, at joint `j`; of motors, at motor `j`."""
+    joint, joint_state, view = model.joints[j], state.joints[j], view_joint_of(model)(model, state, j)
     if code == THETA:
         return view.angle / joint.lock_angle
     if code == RATE:
@@ -204,18 +184,19 @@ def reading(code, j, model, state, task):
         scale = 1.0 / joint.clearance if joint.kind == m.CLEARANCE else 0.0
         return scale * (view.eccentricity_x if code == ECCENTRICITY_X else view.eccentricity_y)
     if code == LATCHED:
-        return float(own.latched)
+        return float(joint_state.latched)
     if code == IN_CONTACT:
-        return float(own.in_contact)
+        return float(joint_state.in_contact)
     if code == MOTOR_TORQUE:
-        return state.joints[task.driven_joint].motor_torque / task.torque_limit
+        motor = task.motors[j]
+        return state.joints[motor.joint].motor_torque / motor.torque_limit
     if code == TIME_TO_DEADLINE:
         return (task.deadline - state.clock[0].time) / task.deadline
     if code == TIME_SINCE_LATCH:
         latched_at = last_latch(state.joints)
         return (state.clock[0].time - latched_at) / task.postlock_window if latched_at == latched_at else 0.0
-    if code == PEAK_FORCE:
-        return 1e-3 * own.recent_peak_force
+    if code == RECENT_PEAK_FORCE:
+        return 1e-3 * joint_state.recent_peak_force
     return math.nan
 
 
@@ -230,15 +211,12 @@ def observe(model, state, task, channels, out):
 
 def observation_table() -> str:
     """The table of observables, in Markdown."""
-    rows: list[tuple[Observable | Feature, str]] = []
-    for row in OBSERVABLES:
-        sensed = [row.noise, "encoder_resolution" if row.encoder else None, "sensor_delay" if row.delayed else None]
-        sensors = ", ".join(f"`{name}`" for name in sensed if name) or "exact"
-        rows.append((row, sensors))
-    rows += [(feature, "as what it is made of") for feature in FEATURES]
-    cells = [
-        (f"`{one.name}_i`" if one.by_joint else f"`{one.name}`", one.meaning, f"{one.low:.4g}", f"{one.high:.4g}",
-         one.unit, sensors)
-        for one, sensors in rows
-    ]  # fmt: skip
+    cells = []
+    for row in _ROWS:
+        sensors = "as what it is made of"
+        if isinstance(row, Observable):
+            effects = row.noise, "encoder_resolution" if row.encoder else None, "sensor_delay" if row.delayed else None
+            sensors = ", ".join(f"`{name}`" for name in effects if name) or "exact"
+        name = f"`{row.name}_i`" if row.by_joint else f"`{row.name}`"
+        cells.append((name, row.meaning, f"{row.low:.4g}", f"{row.high:.4g}", row.unit, sensors))
     return markdown_table(("Name", "Observation", "Min", "Max", "Unit", "Sensors"), cells)

@@ -2,7 +2,7 @@
 
 from solar_env.environment.task.observations import observe
 from solar_env.environment.task.reward import charge
-from solar_env.environment.task.task import begin_period, begin_sample, has_ended, loop_torque
+from solar_env.environment.task.task import begin_period, begin_sample, has_ended
 from solar_env.mechanics.arrays.lanes import lane_view
 from solar_env.mechanics.numerics.jit import kernel
 
@@ -16,39 +16,34 @@ def begin_periods(states, task, lanes, end_times):
 
 @kernel
 def begin_samples(models, states, task, lanes, actions, rate_errors, loop_torques, end_times, sample_ends):
-    """Set the motor torques of the lanes (k,) named until the drive's next sample.
+    """Set the motor torques of the lanes (k,) named until the drives' next sample.
 
     Args:
         models, states: arrays of all lanes.
         task: TaskNumbers.
         lanes: (k,) indices.
-        actions: (lanes,) torques in units of the limit, or setpoints of the rate; clipped to [-1, 1].
-        rate_errors: (lanes,) of the rates that the drives' loops measure [rad/s].
-        loop_torques: (lanes,) that the loops ask of the motors [N m]; brought up to date.
+        actions, rate_errors, loop_torques: (lanes, motors) as `task.begin_sample` has them; the last are updated.
         end_times: (lanes,) ends of the control period [s].
         sample_ends: (lanes,) times of the next samples [s]; written.
     """
     for lane in lanes:
         model, state = lane_view(models, lane), lane_view(states, lane)
-        action = min(max(actions[lane], -1.0), 1.0)
-        torque = task.torque_limit * action
-        if task.rate_gain > 0.0:
-            torque = loop_torque(model, state, task, action, rate_errors[lane], loop_torques[lane])
-            loop_torques[lane] = torque
-        sample_ends[lane] = begin_sample(state, task, torque, end_times[lane])
+        sample_ends[lane] = begin_sample(
+            model, state, task, actions[lane], rate_errors[lane], loop_torques[lane], end_times[lane]
+        )
 
 
 @kernel
-def end_periods(models, states, task, channels, charges, lanes, charged, terms, rewards, observations, terminated):
+def end_periods(models, states, task, channels, prices, lanes, accounts, terms, rewards, observations, terminated):
     """Charge and observe a period that has ended in the lanes (k,) named.
 
     Args:
         models, states: arrays of all lanes.
         task: TaskNumbers.
         channels: (measured,) of `observations.channels`.
-        charges: (terms,) of `reward.Reward`.
+        prices: (terms,) of `reward.Reward`.
         lanes: (k,) indices.
-        charged: (lanes, terms, 2) of `reward.charge`; updated.
+        accounts: (lanes, terms, 2) of `reward.charge`; updated.
         terms: (lanes, terms) of the reward; written, as is all that follows.
         rewards: (lanes,) their sums.
         observations: (lanes, measured) float32.
@@ -56,7 +51,7 @@ def end_periods(models, states, task, channels, charges, lanes, charged, terms, 
     """
     for lane in lanes:
         model, state = lane_view(models, lane), lane_view(states, lane)
-        rewards[lane] = charge(model, state, task, charges, charged[lane], terms[lane])
+        rewards[lane] = charge(model, state, task, prices, accounts[lane], terms[lane])
         observe(model, state, task, channels, observations[lane])
         terminated[lane] = has_ended(state, task)
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from solar_env.array.names import changed, unknown_name
 from solar_env.environment.task.task import missed_deadline
+from solar_env.environment.task.versions import BOUNDED, PRESENT, Version
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.formulations import view_joint_of
 from solar_env.mechanics.numerics.jit import kernel
@@ -16,7 +17,7 @@ from solar_env.support.markdown import markdown_table
 from solar_env.support.numbers import is_number
 
 # Codes of `reading`.
-PEAK_IMPACT, WEAR, MISSED_DEADLINE, ATTITUDE_DISTURBANCE, POSTLOCK_WEAR = range(5)
+PEAK_IMPACT, SLIDING_WORK, MISSED_DEADLINE, ATTITUDE_DISTURBANCE, POSTLATCH_SLIDING_WORK = range(5)
 MOTOR_WORK, PRELATCH_PEAK = range(5, 7)
 # How a figure grows with its readings at the ends of the control periods: it is the latest one (of what never falls),
 # the greatest magnitude, or the sum of the magnitudes of their changes.
@@ -60,7 +61,7 @@ class RewardTerm(NamedTuple):
         unit: of the figure.
         code: of `reading`.
         growth: LATEST, GREATEST or CHANGES.
-        price: by default.
+        scale: see `Price`; the weight is 0 where neither the version nor the keyword `reward` has one.
     """
 
     name: str
@@ -69,47 +70,27 @@ class RewardTerm(NamedTuple):
     unit: str
     code: int
     growth: int
-    price: Price
+    scale: float
 
 
-_PRELATCH, _POSTLOCK = "up to the first latching", "from the first latching"
+_PRELATCH, _POSTLATCH = "up to the first latching", "from the first latching"
 _WHOLE, _DEADLINE = "whole episode", "at the deadline"
+_MISSED = "1 and the mean distance to the lock, in lock angles, if a joint is open"
+_WORK = "sliding work, over all joints"
 REWARD_TERMS = (
-    RewardTerm("peak_impact", "peak force, over all joints", _POSTLOCK, "N", PEAK_IMPACT, LATEST, Price(500.0)),
+    RewardTerm("peak_impact", "peak force, over all joints", _POSTLATCH, "N", PEAK_IMPACT, LATEST, 500.0),
     # Wear is proportional to the integral of normal force times sliding speed (Archard, J. Appl. Phys. 24 (1953) 981).
-    RewardTerm("wear", "sliding work, over all joints", _WHOLE, "J", WEAR, LATEST, Price(0.1)),
+    RewardTerm("wear", _WORK, _WHOLE, "J", SLIDING_WORK, LATEST, 0.1),
     # Graded: where nothing latches, a search still sees which way leads to the lock.
-    RewardTerm(
-        "missed_deadline",
-        "1 and the mean distance to the lock, in lock angles, if a joint is open",
-        _DEADLINE,
-        "-",
-        MISSED_DEADLINE,
-        LATEST,
-        Price(1.0, 25.0, 2.0),
-    ),
-    RewardTerm(
-        "attitude_disturbance", "peak main body spin", _WHOLE, "rad/s", ATTITUDE_DISTURBANCE, GREATEST, Price(0.01, 0.0)
-    ),
-    RewardTerm(
-        "postlock_wear", "sliding work, over all joints", _POSTLOCK, "J", POSTLOCK_WEAR, LATEST, Price(0.05, 0.0)
-    ),
-    RewardTerm(
-        "motor_work", "magnitudes of the motor's work by period", _WHOLE, "J", MOTOR_WORK, CHANGES, Price(0.5, 0.0)
-    ),
-    RewardTerm(
-        "prelatch_peak", "peak force, over all joints", _PRELATCH, "N", PRELATCH_PEAK, LATEST, Price(500.0, 0.0)
-    ),
+    RewardTerm("missed_deadline", _MISSED, _DEADLINE, "-", MISSED_DEADLINE, LATEST, 1.0),
+    RewardTerm("attitude_disturbance", "peak main body spin", _WHOLE, "rad/s", ATTITUDE_DISTURBANCE, GREATEST, 0.01),
+    RewardTerm("postlock_wear", _WORK, _POSTLATCH, "J", POSTLATCH_SLIDING_WORK, LATEST, 0.05),
+    RewardTerm("motor_work", "magnitudes of the motor's work by period", _WHOLE, "J", MOTOR_WORK, CHANGES, 0.5),
+    RewardTerm("prelatch_peak", "peak force, over all joints", _PRELATCH, "N", PRELATCH_PEAK, LATEST, 500.0),
 )
 
-# Version of the reward -> what it changes of the prices above.
-PRICES: dict[str, dict[str, Any]] = {
-    "v1": {},
-    "v0": {"wear": 0.0, "postlock_wear": 1.0, "missed_deadline": {"bound": 1.0}},
-}
-
-_CHARGE = [("code", "i8"), ("growth", "i8"), ("scale", "f8"), ("weight", "f8"), ("bound", "f8")]
-charge_type = np.dtype((np.record, np.dtype(_CHARGE, align=True)))
+_PRICE = [("code", "i8"), ("growth", "i8"), ("form", "i8"), ("scale", "f8"), ("weight", "f8"), ("bound", "f8")]
+price_type = np.dtype((np.record, np.dtype(_PRICE, align=True)))
 
 
 class Reward:
@@ -118,33 +99,31 @@ class Reward:
     Attributes:
         prices: by name, of all terms.
         names: of the terms that are charged, whose weight is not zero, in the order of `REWARD_TERMS`.
-        charges: (names,) codes, growths and prices of these terms, for the kernels.
+        rows: (names,) codes, growths and prices of these terms, of `price_type`, for the kernels.
     """
 
-    def __init__(self, changes: Mapping[str, Any] | None = None, prices: str = "v1") -> None:
+    def __init__(self, changes: Mapping[str, Any] | None = None, version: Version = PRESENT) -> None:
         """The prices of a version with some changed.
 
         Args:
             changes: term -> its weight, a mapping of changes to "scale", "weight" and "bound", or a `Price`.
-            prices: version, one of `PRICES`.
+            version: of the task.
 
         Raises:
             ValueError: for an unknown name or a refused value, or if a missed deadline costs no more than all the other
                 terms can together.
         """
-        self.prices = {term.name: term.price for term in REWARD_TERMS}
+        self.prices = {term.name: Price(term.scale, 0.0) for term in REWARD_TERMS}
         if not isinstance(changes or {}, Mapping):
             raise ValueError(f"reward = {changes!r} must be a mapping of terms to weights or prices")
-        if prices not in PRICES:
-            raise ValueError(unknown_name("the version of the prices", prices, PRICES))
-        for name, change in (*PRICES[prices].items(), *(changes or {}).items()):
+        for name, change in (*version.prices.items(), *(changes or {}).items()):
             if name not in self.prices:
                 raise ValueError(unknown_name("the term of the reward", name, self.prices))
             self.prices[name] = _changed(name, self.prices[name], change)
         charged = [term for term in REWARD_TERMS if self.prices[term.name].weight > 0.0]
         self.names = tuple(term.name for term in charged)
-        rows = [(term.code, term.growth, *vars(self.prices[term.name]).values()) for term in charged]
-        self.charges = np.array(rows, dtype=charge_type)
+        rows = [(term.code, term.growth, version.form, *vars(self.prices[term.name]).values()) for term in charged]
+        self.rows = np.array(rows, dtype=price_type)
         missed = self.prices["missed_deadline"]
         cost = missed.weight * min(1.0 / missed.scale, missed.bound)
         others = self.largest_cost
@@ -182,65 +161,69 @@ def distance_to_lock(model, state):
 @kernel(inner=True)
 def reading(code, model, state, task):
     """The present reading of a figure, in its unit."""
-    postlock = state.clock[0].latched_joints > 0
+    latched = state.clock[0].latched_joints > 0
     if code == MISSED_DEADLINE:
         return 1.0 + distance_to_lock(model, state) if missed_deadline(state, task) else 0.0
     if code == ATTITUDE_DISTURBANCE:
         return view_joint_of(model)(model, state, 0).inboard_spin
-    if code == MOTOR_WORK:
-        return state.integrals[m.INTEGRALS_PER_JOINT * task.driven_joint + m.MOTOR_WORK]
     total = 0.0
+    if code == MOTOR_WORK:
+        for k in range(task.motors.size):
+            total += state.integrals[m.INTEGRALS_PER_JOINT * task.motors[k].joint + m.MOTOR_WORK]
+        return total
     for j in range(state.joints.size):
-        own, work = state.joints[j], state.integrals[m.INTEGRALS_PER_JOINT * j + m.SLIDING_WORK]
-        if code == PEAK_IMPACT and postlock:
-            total += own.postlock_peak_force
+        joint, work = state.joints[j], state.integrals[m.INTEGRALS_PER_JOINT * j + m.SLIDING_WORK]
+        if code == PEAK_IMPACT and latched:
+            total += joint.postlock_peak_force
         if code == PRELATCH_PEAK:
-            total += own.lock_peak_force if postlock else own.peak_force
-        if code == WEAR:
+            total += joint.lock_peak_force if latched else joint.peak_force
+        if code == SLIDING_WORK:
             total += work
-        if code == POSTLOCK_WEAR and postlock:
-            total += work - own.lock_sliding_work
+        if code == POSTLATCH_SLIDING_WORK and latched:
+            total += work - joint.lock_sliding_work
     return total
 
 
 @kernel(inlined=True)
 def cost(price, figure):
-    """The cost of a figure at a weight of 1."""
-    return min(figure / price.scale, price.bound)
+    """The cost of a figure at a weight of 1, in the price's form."""
+    if price.form == BOUNDED:
+        return min(figure / price.scale, price.bound)
+    return math.nan
 
 
 @kernel(single_caller=True)
-def charge(model, state, task, charges, charged, terms):
-    """Write to `terms` (terms,) minus what a period has cost, bring `charged` up to date, and return the sum.
+def charge(model, state, task, prices, account, terms):
+    """Write to `terms` (terms,) minus what a period has cost, bring the account up to date, and return the sum.
 
     Args:
         model, state: of the array.
         task: TaskNumbers.
-        charges: (terms,) of `Reward`.
-        charged: (terms, 2) figures charged so far, and latest readings, zero when an episode begins.
+        prices: (terms,) of `price_type`.
+        account: (terms, 2) figures charged so far, and latest readings, zero when an episode begins.
         terms: (terms,) of the reward.
     """
     total = 0.0
-    for k in range(charges.size):
-        price, before = charges[k], charged[k, FIGURE]
+    for k in range(prices.size):
+        price, before = prices[k], account[k, FIGURE]
         now = reading(price.code, model, state, task)
         figure = now
         if price.growth == GREATEST:
             figure = max(before, abs(now))
         elif price.growth == CHANGES:
-            figure = before + abs(now - charged[k, READING])
+            figure = before + abs(now - account[k, READING])
         # In this order, equal costs leave nothing however a compiler contracts products and sums.
         terms[k] = price.weight * (cost(price, before) - cost(price, figure))
         total += terms[k]
-        charged[k, FIGURE], charged[k, READING] = figure, now
+        account[k, FIGURE], account[k, READING] = figure, now
     return total
 
 
 def reward_table() -> str:
     """The table of terms, in Markdown."""
-    rows = []
+    prices, rows = Reward().prices, []
     for term in REWARD_TERMS:
-        scale, weight, bound = vars(term.price).values()
+        scale, weight, bound = vars(prices[term.name]).values()
         figures = (f"{scale:g} {term.unit}", f"{weight:g}", f"{bound:g}")
         rows.append((f"`{term.name}`", term.figure, term.phase, *figures))
     return markdown_table(("Term", "Figure", "Charged", "Scale", "Weight", "Bound"), rows)

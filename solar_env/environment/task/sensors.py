@@ -2,13 +2,13 @@
 
 from collections.abc import Sequence
 from copy import deepcopy
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.environment.hardware import Hardware
-from solar_env.environment.task.features import MEASURED, Feature, Shown
+from solar_env.environment.task.features import MEASURED, Feature, Shown, shown
 from solar_env.environment.task.observations import LOCK_ANGLE, Entry, channels, measured_for
 
 
@@ -42,42 +42,39 @@ class Sensors:
         self, lanes: int, lock_angles: Sequence[float], entries: Sequence[Entry], hardware: Hardware, deadline: float
     ) -> None:
         measured = measured_for(entries, len(lock_angles))
-        rows = [row for row, _ in measured]
+        rows, columns = [row for row, _ in measured], {pair: k for k, pair in enumerate(measured)}
         self.channels = channels(measured)
         self._low, self._high = self.channels["low"], self.channels["high"]
-        columns: dict[Any, int] = {pair: k for k, pair in enumerate(measured)}
         # Features stand in for nothing until they are computed.
-        self._shown = np.array([columns.get((entry.observable, entry.joint), 0) for entry in entries])
-        self._age = np.array([entry.age for entry in entries])
-        self._features: dict[int, list[tuple[Feature, int, int]]] = {}
+        self._shown, self._features = np.zeros(len(entries), dtype=np.int64), list[tuple[int, Entry, Feature]]()
         for k, entry in enumerate(entries):
             if isinstance(entry.observable, Feature):
-                self._features.setdefault(entry.age, []).append((entry.observable, entry.joint, k))
+                self._features.append((k, entry, entry.observable))
+            else:
+                self._shown[k] = columns[entry.observable, entry.joint]
+        self._age = np.array([entry.age for entry in entries])
         self._sources = {name: [k for k, row in enumerate(rows) if row.name == name] for name in MEASURED}
         self._lock_angles, self._deadline = np.array(lock_angles), deadline
-        self._late = np.flatnonzero([row.delayed for row in rows])
-        self.exact = np.zeros((lanes, len(measured)), dtype=np.float32)
-        self._transparent = hardware.ideal_sensors and not self._age.any() and not self._features
-        self.observed = self.exact if self._transparent else np.zeros((lanes, len(entries)), dtype=np.float32)
         per_unit = np.array([1.0 / lock_angles[j] if row.unit == LOCK_ANGLE else 1.0 for row, j in measured])
         self._noisy = np.flatnonzero([row.noise is not None for row in rows])
         self._noise = np.array([getattr(hardware, row.noise) for row in rows if row.noise]) * per_unit[self._noisy]
         self._in_steps = np.flatnonzero([row.encoder and hardware.encoder_resolution > 0.0 for row in rows])
         self._step = hardware.encoder_resolution * per_unit[self._in_steps]
+        self._late = np.flatnonzero([row.delayed for row in rows])
+        self._transparent = hardware.ideal_sensors and not self._age.any() and not self._features
+        self.exact = np.zeros((lanes, len(measured)), dtype=np.float32)
+        self.observed = self.exact if self._transparent else np.zeros((lanes, len(entries)), dtype=np.float32)
         self._pipeline = np.zeros((lanes, hardware.sensor_delay + 1, self._late.size), dtype=np.float32)
         self._past = np.zeros((lanes, self._age.max() + 1, len(measured)), dtype=np.float32)
         self._arrays = (self.exact, self.observed, self._pipeline, self._past)
         self._generators: list[np.random.Generator | None] = [None] * lanes
-        self._rate_noise, self._rate_errors = hardware.rate_noise, np.zeros(lanes)
+        self._rate_noise = hardware.rate_noise
 
-    def rate_errors(self, lanes: NDArray[np.int64]) -> NDArray[np.float64]:
-        """(all lanes,) errors of a rate that the loops of the drives in some lanes (k,) measure now [rad/s]."""
+    def draw_rate_errors(self, lanes: NDArray[np.int64], errors: NDArray[np.float64]) -> None:
+        """Draw the errors (all lanes, motors) with which the drives' loops in some lanes (k,) measure rates [rad/s]."""
         if self._rate_noise > 0.0:
             for lane in lanes:
-                generator = self._generators[lane]
-                assert generator is not None
-                self._rate_errors[lane] = self._rate_noise * generator.standard_normal()
-        return self._rate_errors
+                errors[lane] = self._rate_noise * self._generator(lane).standard_normal(errors.shape[1])
 
     def begin(self, lanes: NDArray[np.int64], generators: Sequence[np.random.Generator]) -> None:
         """Observe the first state of new episodes in some lanes (k,), as if it had lasted.
@@ -110,13 +107,17 @@ class Sensors:
         """Let the controller see what was measured, now and before."""
         past = self._past[lanes]
         observed = past[:, self._age, self._shown]
-        for age, features in self._features.items():
-            moment = past[:, age].astype(np.float64)
-            seen = {name: moment[:, columns] for name, columns in self._sources.items()}
-            shown = Shown(seen, self._lock_angles, self._deadline)
-            for feature, joint, k in features:
-                observed[:, k] = np.clip(feature.of(shown)[:, joint], feature.low, feature.high)
+        readings = {age: self._readings(past[:, age]) for age in {entry.age for _, entry, _ in self._features}}
+        for k, entry, feature in self._features:
+            values = feature.of(readings[entry.age])[:, entry.joint]
+            observed[:, k] = np.clip(values, feature.low, feature.high)
         self.observed[lanes] = observed
+
+    def _readings(self, measured: NDArray[np.float32]) -> Shown:
+        """What features are made of, of what was measured (k, measured) at one moment."""
+        moment = measured.astype(np.float64)
+        named = {name: moment[:, columns] for name, columns in self._sources.items()}
+        return shown(named, self._lock_angles, self._deadline)
 
     def memory(self, lane: int) -> Memory:
         """A copy of the memory of a lane, with the values that it shows now."""
@@ -143,13 +144,16 @@ class Sensors:
             mine[lane] = theirs
         self._generators[lane] = deepcopy(memory.generator)
 
+    def _generator(self, lane: int) -> np.random.Generator:
+        generator = self._generators[lane]
+        assert generator is not None
+        return generator
+
     def _measured(self, lanes: NDArray[np.int64]) -> NDArray[np.float32]:
         """(k, measured) exact values with noise and in steps of the encoder."""
         measured = self.exact[lanes]
         if self._noise.any():
             for row, lane in enumerate(lanes):
-                generator = self._generators[lane]
-                assert generator is not None
-                measured[row, self._noisy] += self._noise * generator.standard_normal(self._noisy.size)
+                measured[row, self._noisy] += self._noise * self._generator(lane).standard_normal(self._noisy.size)
         measured[:, self._in_steps] = np.rint(measured[:, self._in_steps] / self._step) * self._step
         return np.clip(measured, self._low, self._high)

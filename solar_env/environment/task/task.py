@@ -1,11 +1,14 @@
-"""The control task: limits and durations, the motor's torque, the drive's own rate loop, the end of an episode."""
+"""The control task: limits and times, the motors' torques, the drives' own rate loops, the end of an episode."""
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from solar_env.array.names import unknown_name
-from solar_env.environment.hardware.imperfections import Hardware, response
+from solar_env.environment.hardware import Hardware, response
 from solar_env.mechanics.integrators.formulations import view_joint_of
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.support.numbers import is_number, is_whole_number
@@ -15,29 +18,26 @@ ACTIONS = ("torque", "rate")
 # fastest, 0.27 rad/s, is twice what a deployment in time takes; rates of a soft landing are a thousandth of it.
 SLOWEST, STEEPNESS = 5e-4, 7.0  # [rad/s], -
 
+# A motor: the index of its joint, its greatest torque [N m], the share of the way to a new torque that it goes between
+# two samples and the greatest change of its torque in that time [N m]; the gain of its rate loop [N m s/rad], 0 where
+# actions are torques, and the share of the way that the loop's filter goes.
+_MOTOR = ("torque_limit", "response", "largest_change", "rate_gain", "rate_response")
+motor_type = np.dtype((np.record, np.dtype([("joint", "i8"), *((name, "f8") for name in _MOTOR)], align=True)))
+
 
 class TaskNumbers(NamedTuple):
-    """A `Task` for kernels, with the drive: what the motor can do between two of its samples, and the rate loop.
+    """A `Task` for kernels: times [s], and a row of `motor_type` for each motor."""
 
-    `motor_response` is the share of the way to a new torque, `largest_change` that of the torque [N m]; `rate_gain` is
-    that of the rate loop [N m s/rad], 0 where actions are torques, `rate_response` the share that its filter goes.
-    """
-
-    torque_limit: float
     control_period: float
     deadline: float
     postlock_window: float
-    driven_joint: int
     sample_period: float
-    motor_response: float
-    largest_change: float
-    rate_gain: float
-    rate_response: float
+    motors: NDArray[Any]
 
 
 @dataclass(frozen=True)
 class Task:
-    """Limits and durations of the task, and the hinge that the motor sits on.
+    """Limits and times of the task, and the hinge that the motor sits on.
 
     Attributes:
         torque_limit: greatest motor torque [N m].
@@ -53,10 +53,10 @@ class Task:
         ValueError: on construction, for a value out of range.
     """
 
-    torque_limit: float = 0.5
-    control_period: float = 0.1
-    deadline: float = 20.0
-    postlock_window: float = 10.0
+    torque_limit: float
+    control_period: float
+    deadline: float
+    postlock_window: float
     driven_joint: int = 0
     action: str = "torque"
 
@@ -77,6 +77,11 @@ class Task:
                 f"driven_joint = {self.driven_joint!r} must be the index of a joint, a whole number from 0"
             )
 
+    @property
+    def driven_joints(self) -> tuple[int, ...]:
+        """Joint of each motor; an action has an entry for each."""
+        return (self.driven_joint,)
+
     def samples(self, hardware: Hardware) -> int:
         """Samples of the drive in a control period: 1 where actions are torques.
 
@@ -94,19 +99,18 @@ class Task:
         return round(samples)
 
     def numbers(self, hardware: Hardware) -> TaskNumbers:
-        """The task, with the drive that it is done with, as the kernels take it."""
-        given = {name: float(getattr(self, name)) for name in ("torque_limit", "control_period", "deadline")}
+        """The task, with the drives that it is done with, as the kernels take it."""
         period = self.control_period / self.samples(hardware)
-        return TaskNumbers(
-            **given,
-            postlock_window=float(self.postlock_window),
-            driven_joint=self.driven_joint,
-            sample_period=period,
-            motor_response=response(hardware.motor_lag, period),
-            largest_change=float(hardware.torque_rate_limit * period),
-            rate_gain=float(hardware.rate_loop_gain) if self.action == "rate" else 0.0,
-            rate_response=response(hardware.rate_loop_lag, period),
+        drive = (
+            self.torque_limit,
+            response(hardware.motor_lag, period),
+            hardware.torque_rate_limit * period,
+            hardware.rate_loop_gain if self.action == "rate" else 0.0,
+            response(hardware.rate_loop_lag, period),
         )
+        motors = np.array([(joint, *drive) for joint in self.driven_joints], dtype=motor_type)
+        deadline, window = float(self.deadline), float(self.postlock_window)
+        return TaskNumbers(float(self.control_period), deadline, window, period, motors)
 
 
 @kernel(single_caller=True)
@@ -135,42 +139,60 @@ def begin_period(state, task):
 
 
 @kernel(single_caller=True)
-def loop_torque(model, state, task, action, rate_error, before):
+def loop_torque(model, state, motor, action, rate_error, before):
     """Torque that the drive's rate loop asks of the motor [N m]: within the limit, and filtered.
 
     Args:
         model, state: of the array.
-        task: TaskNumbers.
+        motor: row of `motor_type`.
         action: the rate's setpoint, in [-1, 1].
         rate_error: of the rate that the loop measures [rad/s].
         before: what the loop asked at its last sample [N m].
     """
-    rate = view_joint_of(model)(model, state, task.driven_joint).rate + rate_error
-    torque = task.rate_gain * (SLOWEST * math.sinh(STEEPNESS * action) - rate)
-    return before + task.rate_response * (min(max(torque, -task.torque_limit), task.torque_limit) - before)
+    rate = view_joint_of(model)(model, state, motor.joint).rate + rate_error
+    torque = motor.rate_gain * (SLOWEST * math.sinh(STEEPNESS * action) - rate)
+    return before + motor.rate_response * (min(max(torque, -motor.torque_limit), motor.torque_limit) - before)
 
 
 @kernel(single_caller=True)
-def begin_sample(state, task, torque, period_end):
-    """Set the motor torque, and return until when the drive holds it [s].
-
-    The torque is the one that the motor, with its lag and its rate limit, reaches in that time.
+def set_torque(state, motor, torque):
+    """Set the torque that a motor, with its lag and its rate limit, reaches of the one asked for until the next sample.
 
     Args:
         state: of the array.
-        task: TaskNumbers.
+        motor: row of `motor_type`.
         torque: that is asked of the motor [N m].
+    """
+    driven = state.joints[motor.joint]
+    if motor.response < 1.0:
+        torque = driven.motor_torque + motor.response * (torque - driven.motor_torque)
+    change = motor.largest_change
+    torque = min(max(torque, driven.motor_torque - change), driven.motor_torque + change)
+    if driven.motor_torque != torque:
+        driven.motor_torque = torque
+        state.clock[0].acceleration_current = 0
+
+
+@kernel(single_caller=True)
+def begin_sample(model, state, task, actions, rate_errors, loop_torques, period_end):
+    """Set the motors' torques, and return until when the drives hold them [s].
+
+    Args:
+        model, state: of the array.
+        task: TaskNumbers.
+        actions: (motors,) torques in units of the limit, or setpoints of the rate; clipped to [-1, 1].
+        rate_errors: (motors,) of the rates that the drives' loops measure [rad/s].
+        loop_torques: (motors,) that the loops ask of the motors [N m]; brought up to date.
         period_end: end of the control period [s].
     """
-    own, clock = state.joints[task.driven_joint], state.clock[0]
-    if task.motor_response < 1.0:
-        torque = own.motor_torque + task.motor_response * (torque - own.motor_torque)
-    change = task.largest_change
-    torque = min(max(torque, own.motor_torque - change), own.motor_torque + change)
-    if own.motor_torque != torque:
-        own.motor_torque = torque
-        clock.acceleration_current = 0
-    end = (round(clock.time / task.sample_period) + 1) * task.sample_period
+    for k in range(task.motors.size):
+        motor, action = task.motors[k], min(max(actions[k], -1.0), 1.0)
+        torque = motor.torque_limit * action
+        if motor.rate_gain > 0.0:
+            torque = loop_torque(model, state, motor, action, rate_errors[k], loop_torques[k])
+            loop_torques[k] = torque
+        set_torque(state, motor, torque)
+    end = (round(state.clock[0].time / task.sample_period) + 1) * task.sample_period
     return end if end < period_end - 1e-6 * task.sample_period else period_end
 
 

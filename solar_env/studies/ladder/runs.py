@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters, build
-from solar_env.environment.task.task import Task
+from solar_env.environment.task.versions import PRESENT
 from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.methods.table import METHODS
@@ -137,9 +137,9 @@ def _drive(simulation: Simulation, profile: Profile, window: float) -> None:
     """Simulate up to a time [s] after the last latching, or to the deadline if a joint is still open."""
     if profile.start > 0.0:
         simulation.advance(profile.start)
-    simulation.set_motor_torque(Task.driven_joint, profile.torque)
+    simulation.set_motor_torque(PRESENT.task.driven_joint, profile.torque)
     joints = simulation.state.joints
-    while not joints["latched"].all() and simulation.time < Task.deadline:
-        simulation.advance(simulation.time + Task.control_period)
+    while not joints["latched"].all() and simulation.time < PRESENT.task.deadline:
+        simulation.advance(simulation.time + PRESENT.task.control_period)
     if joints["latched"].all():
         simulation.advance(joints["latch_time"].max() + window)

@@ -18,11 +18,11 @@ from typing import Any
 import gymnasium
 import numpy as np
 
+from solar_env.environment.registration import DEPLOY
 from solar_env.environment.vector_env import SolarArrayVectorEnv
 from solar_env.mechanics.arrays.model import State
 from solar_env.mechanics.running.batch import available_processors
 
-ID = "solar_env/Deploy-v1"
 LANES = (1, 2, 16, 64, 256)
 SCALED_LANES = 64
 COMPARED_LANES = 8
@@ -62,7 +62,7 @@ class Split:
 @cache
 def moments(model: str) -> tuple[State, ...]:
     """Saved states of one passive deployment, MOMENTS of them, evenly spread over its control periods."""
-    env: Any = gymnasium.make(ID, model=model).unwrapped
+    env: Any = gymnasium.make(DEPLOY, model=model).unwrapped
     env.reset(seed=0)
     states, terminated = [env.simulation.snapshot()], False
     while not terminated:
@@ -93,12 +93,12 @@ class FromMoment(gymnasium.Wrapper):
 
 def make_from_moment(model: str, moment: State) -> gymnasium.Env:
     """A single environment that begins at a saved state."""
-    return FromMoment(gymnasium.make(ID, model=model), moment)
+    return FromMoment(gymnasium.make(DEPLOY, model=model), moment)
 
 
 def make_native(model: str, lanes: int, threads: int | None = None) -> SolarArrayVectorEnv:
     """A native vector environment that has been reset."""
-    env: Any = gymnasium.make_vec(ID, lanes, model=model, num_threads=threads).unwrapped
+    env: Any = gymnasium.make_vec(DEPLOY, lanes, model=model, num_threads=threads).unwrapped
     env.reset(seed=0)
     return env
 
@@ -220,7 +220,7 @@ def measure_startup(model: str, cold: bool) -> float:
     """Seconds from a fresh interpreter to the first step, with the kernels in the cache or, `cold`, without."""
     with tempfile.TemporaryDirectory() as folder:
         changed = {"NUMBA_CACHE_DIR": folder} if cold else {}
-        return float(_run(_STARTUP.format(id=ID, model=model), changed))
+        return float(_run(_STARTUP.format(id=DEPLOY, model=model), changed))
 
 
 _MEMORY = """
@@ -246,7 +246,7 @@ print((used() - before) / {lanes})
 
 def measure_memory(model: str, lanes: int = 1000) -> float:
     """Bytes of memory that each further lane takes."""
-    return float(_run(_MEMORY.format(id=ID, model=model, lanes=lanes), {}))
+    return float(_run(_MEMORY.format(id=DEPLOY, model=model, lanes=lanes), {}))
 
 
 def _run(program: str, changed: dict[str, str]) -> str:

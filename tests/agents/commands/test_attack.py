@@ -7,9 +7,9 @@ import pytest
 
 from agents.commands.attack import KNOTS, NUMBERS, actions, passive_profile
 from solar_env.__main__ import execute
-from solar_env.environment.task.task import Task
+from solar_env.environment.task.versions import PRESENT
 
-TASK = Task()
+TASK = PRESENT.task
 
 
 def acted(profile, times, latched=False):

@@ -16,7 +16,7 @@ from agents.policies.c_form import c_header, interface_comment
 from agents.policies.network import Layer, PolicyNetwork
 from agents.policies.shipped import available, load_shipped
 from solar_env.__main__ import main
-from solar_env.environment.hardware.imperfections import Hardware
+from solar_env.environment.hardware import Hardware
 
 
 def compiled(header, function, tmp_path):

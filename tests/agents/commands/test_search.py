@@ -110,7 +110,7 @@ def test_there_must_be_a_search_to_repeat(written):
     entries = json.loads((written / "sac.json").read_text())
     entries[DEFAULT_ENV_ID].pop("search", None)
     (written / "sac.json").write_text(json.dumps(entries))
-    with pytest.raises(ValueError, match=r"sac\.json records no such search for 'solar_env/Deploy-v1'"):
+    with pytest.raises(ValueError, match=rf"sac\.json records no such search for '{DEFAULT_ENV_ID}'"):
         execute("search", ["--algo", "sac", "--repeat", "--out", str(written / "search")])
     assert not (written / "search").exists(), "a refusal leaves no folder"
 

@@ -22,6 +22,7 @@ from agents.policies.shipped import load_shipped
 from agents.rollout import run_episode
 from solar_env.__main__ import execute, main
 from solar_env.array import MODELS
+from solar_env.environment.registration import DEPLOY_RANDOMISED
 from solar_env.support.numbers import plain
 
 # What the configuration of a run holds at least.
@@ -182,7 +183,7 @@ def test_what_was_drawn_in_training_does_not_replace_the_draws_of_another_scenar
     drawn = {"model": "rigid-ideal", "randomize": {"hinge_x": [0.499, 0.501]}}
     describe_run(tmp_path, env_kwargs=drawn)
     assert common_env_kwargs([str(tmp_path)], DEFAULT_ENV_ID) == drawn
-    assert common_env_kwargs([str(tmp_path)], "solar_env/DeployRandomised-v1") == {"model": "rigid-ideal"}
+    assert common_env_kwargs([str(tmp_path)], DEPLOY_RANDOMISED) == {"model": "rigid-ideal"}
 
 
 def test_an_option_that_contradicts_the_keywords_is_refused(tmp_path):
@@ -211,11 +212,11 @@ def test_nothing_counts_twice_and_nothing_is_taken_for_a_seed_of_a_baseline(cont
 
 
 def test_trained_controllers_are_compared_on_the_scenario_they_were_trained_on(tmp_path):
-    for name, env_id in (("a", "solar_env/DeployRandomised-v1"), ("b", DEFAULT_ENV_ID)):
+    for name, env_id in (("a", DEPLOY_RANDOMISED), ("b", DEFAULT_ENV_ID)):
         (tmp_path / name).mkdir()
         describe_run(tmp_path / name, env_id=env_id)
     first, second = str(tmp_path / "a"), str(tmp_path / "b")
-    assert common_env_id(["passive", f"agent={first}"]) == "solar_env/DeployRandomised-v1"
+    assert common_env_id(["passive", f"agent={first}"]) == DEPLOY_RANDOMISED
     assert common_env_id(["passive"]) == DEFAULT_ENV_ID
     with pytest.raises(ValueError, match=r"trained on different environments: .*; say with --env-id which"):
         common_env_id([first, second])
@@ -264,7 +265,7 @@ def test_a_run_without_policy_says_so(tmp_path):
         evaluate([str(tmp_path)], episodes=1, seed=0, progress=False)
 
 
-@pytest.mark.parametrize(("name", "env_id"), [("paper", DEFAULT_ENV_ID), ("robust", "solar_env/DeployRandomised-v1")])
+@pytest.mark.parametrize(("name", "env_id"), [("paper", DEFAULT_ENV_ID), ("robust", DEPLOY_RANDOMISED)])
 def test_a_suite_is_a_scenario_on_modal_panels_with_all_that_was_tuned_there_or_trained_for_it(name, env_id):
     found, controllers, env_kwargs = suite_named(name, None, [])
     assert found == env_id
@@ -285,8 +286,8 @@ def test_what_is_given_takes_the_place_of_a_suites_parts():
     assert suite_named("paper", None, ["servo"])[1] == ["servo"]
     with pytest.raises(ValueError, match="no suite 'fast'; available: paper, robust"):
         suite_named("fast", None, [])
-    with pytest.raises(ValueError, match="--suite paper is about solar_env/Deploy-v1"):
-        suite_named("paper", "solar_env/DeployRandomised-v1", [])
+    with pytest.raises(ValueError, match=f"--suite paper is about {DEFAULT_ENV_ID}"):
+        suite_named("paper", DEPLOY_RANDOMISED, [])
 
 
 def test_the_command_runs_a_suite_in_a_folder_of_its_own(tmp_path, monkeypatch):
@@ -295,5 +296,5 @@ def test_the_command_runs_a_suite_in_a_folder_of_its_own(tmp_path, monkeypatch):
         "evaluate", ["--suite", "robust", "--controllers", "passive", "--elements", "1", "--episodes", "1", "--quiet"]
     )
     settings = json.loads((tmp_path / "evaluation" / "robust" / "metrics.json").read_text())["settings"]
-    assert settings["env_id"] == "solar_env/DeployRandomised-v1"
+    assert settings["env_id"] == DEPLOY_RANDOMISED
     assert settings["env_kwargs"] == {"model": "flexible-clearance", "elements": 1}

@@ -14,8 +14,8 @@ from agents.laws.damper import DamperParameters, ViscousDamper
 from agents.laws.table import LAWS
 from agents.rollout import run_episode
 from agents.torque_laws import DeterministicController, Signals
+from solar_env.environment.registration import DEPLOY_RANDOMISED
 
-RANDOMISED = "solar_env/DeployRandomised-v1"
 # Strong springs deploy the array within three seconds.
 SHORT = {
     "parameters": {"spring_stiffness": 2.0},
@@ -75,7 +75,7 @@ def everything(env):
         episodes.observations,
         episodes.terms,
         episodes.terminated,
-        episodes._charged,
+        episodes._accounts,
         vars(episodes._sensors),
         unwrapped.np_random.bit_generator.state,
     ]
@@ -84,7 +84,7 @@ def everything(env):
 
 @pytest.mark.parametrize("observation", ["history", "landing", ["theta_1_ago"]])
 @pytest.mark.parametrize("action", ["torque", "rate"])
-@pytest.mark.parametrize("env_id", [DEFAULT_ENV_ID, RANDOMISED])
+@pytest.mark.parametrize("env_id", [DEFAULT_ENV_ID, DEPLOY_RANDOMISED])
 def test_futures_go_on_to_the_bits_of_the_environment_from_the_middle_of_a_contact(env_id, action, observation):
     env = make(env_id, action=action, observation=observation)
     observed = brought_into_contact(env)
@@ -93,7 +93,7 @@ def test_futures_go_on_to_the_bits_of_the_environment_from_the_middle_of_a_conta
     assert futures.settings.observation_names == env.unwrapped.observation_names
     np.testing.assert_array_equal(futures.observations, [observed] * 3)
     for held in (0.3, -0.8, 0.1, 0.0):
-        futures.step(np.arange(3), np.array([held, -1.0, held]))
+        futures.step(np.arange(3), np.array([[held], [-1.0], [held]]))
         observed, *_, info = env.step([held])
         for lane in (0, 2):
             for mine, theirs in zip(futures.batch.simulations[lane].state, env.unwrapped.simulation.state, strict=True):
@@ -108,7 +108,7 @@ def test_futures_need_an_episode():
         make().unwrapped.futures(2)
 
 
-@pytest.mark.parametrize("env_id", [DEFAULT_ENV_ID, RANDOMISED])
+@pytest.mark.parametrize("env_id", [DEFAULT_ENV_ID, DEPLOY_RANDOMISED])
 def test_planning_leaves_the_environment_as_it_was_to_the_last_bit(env_id):
     env = make(env_id)
     observation = brought_into_contact(env)
@@ -117,7 +117,7 @@ def test_planning_leaves_the_environment_as_it_was_to_the_last_bit(env_id):
     assert everything(env) == before
 
 
-@pytest.mark.parametrize("env_id", [DEFAULT_ENV_ID, RANDOMISED])
+@pytest.mark.parametrize("env_id", [DEFAULT_ENV_ID, DEPLOY_RANDOMISED])
 def test_what_was_predicted_comes_to_pass_and_predictions_only_improve(env_id):
     env = make(env_id)
     realised, actions, predicted = played(env, search(env))
@@ -128,7 +128,7 @@ def test_what_was_predicted_comes_to_pass_and_predictions_only_improve(env_id):
 
 
 def test_what_was_predicted_comes_to_pass_though_the_loop_of_the_drive_measures_rates_with_noise():
-    env = make(RANDOMISED, action="rate", deadline=8.0)
+    env = make(DEPLOY_RANDOMISED, action="rate", deadline=8.0)
     settings = SearchSettings(knots=4, candidates=3, elites=2, iterations=1, initial_deviation=0.005)
     realised, _, predicted = played(env, RecedingHorizon(env, SteadyRate(), settings))
     assert realised == pytest.approx(predicted[-1], rel=1e-12)
@@ -162,7 +162,7 @@ def test_with_residuals_too_small_to_matter_it_does_what_the_base_law_does():
 
 
 def test_it_repeats_itself_to_the_last_bit_and_depends_on_its_seed():
-    env = make(RANDOMISED, model="rigid-ideal")
+    env = make(DEPLOY_RANDOMISED, model="rigid-ideal")
     controller = search(env)
     first, again = played(env, controller), played(env, controller)
     fresh, other = played(env, search(env)), played(env, search(env, seed=1))

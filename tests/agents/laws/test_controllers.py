@@ -19,6 +19,7 @@ from agents.learning.runs import write_config
 from agents.policies import shipped
 from agents.policies.shipped import Description, Layer, PolicyNetwork, ShippedPolicy
 from agents.torque_laws import Signals
+from solar_env.environment.registration import DEPLOY
 
 
 @pytest.fixture
@@ -39,7 +40,7 @@ def policy(env, tmp_path, monkeypatch):
         output="clip",
         mean_limit=None,
         training_steps=12_000,
-        env_id="solar_env/Deploy-v1",
+        env_id=DEPLOY,
         env_kwargs={"model": "rigid-clearance", "observation": "drive"},
         observation_names=signals.names,
         torque_limit=signals.torque_limit,
@@ -82,7 +83,7 @@ def test_a_law_is_that_of_its_row_and_has_neither_files_nor_training_data(env, n
     law = controller.load(env)
     assert type(law) is LAWS[name].cls
     if name in TUNABLE:
-        assert law.parameters == load_parameters(name, "solar_env/Deploy-v1", "rigid-clearance")
+        assert law.parameters == load_parameters(name, DEPLOY, "rigid-clearance")
     elif name == "servo-untuned":
         assert law.parameters == ServoParameters()
 

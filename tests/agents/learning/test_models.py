@@ -8,13 +8,14 @@ from training import last_model
 
 from agents.comparison.suites import SUITES
 from agents.learning import checkpoints, configurations, learn, runs
+from solar_env.environment.registration import DEPLOY
 
 pytestmark = pytest.mark.usefixtures("few_validation_episodes")
 
 
 @pytest.mark.parametrize("algo", ["ppo", "sac", "td3"])
 def test_agents_begin_with_a_constant_rate_that_arrives_and_act_at_their_own_period(algo):
-    config = configurations.complete(algo, "solar_env/Deploy-v1", {"model": "rigid-clearance"}, seed=0)
+    config = configurations.complete(algo, DEPLOY, {"model": "rigid-clearance"}, seed=0)
     venv = learn.make_training_env(config, threads=1)
     model = learn.make_model(config, venv)
     observed = dict(zip(venv.get_attr("observation_names", 0)[0], np.eye(16, dtype=np.float32), strict=True))
@@ -41,7 +42,7 @@ def test_agents_begin_with_a_constant_rate_that_arrives_and_act_at_their_own_per
 )
 def test_the_first_weights_are_of_the_same_entries_of_a_linear_policy_or_of_none(algo, keywords, hyperparameters, fit):
     keywords = {"model": "rigid-clearance", **keywords}
-    config = configurations.complete(algo, "solar_env/Deploy-v1", keywords, 0, 8, hyperparameters=hyperparameters)
+    config = configurations.complete(algo, DEPLOY, keywords, 0, 8, hyperparameters=hyperparameters)
     assert ("first_weights" in config.hyperparameters) == fit
     venv = learn.make_training_env(config, threads=1)
     actions = learn.make_model(config, venv).predict(venv.reset(), deterministic=True)[0]
@@ -53,14 +54,14 @@ def test_the_first_weights_are_of_the_same_entries_of_a_linear_policy_or_of_none
 
 def test_first_weights_that_are_asked_for_are_those_of_any_linear_policy():
     asked = {"first_weights": [0.5]}
-    config = configurations.complete("ars", "solar_env/Deploy-v1", {"observation": "drive"}, 0, 1, None, asked)
+    config = configurations.complete("ars", DEPLOY, {"observation": "drive"}, 0, 1, None, asked)
     assert config.hyperparameters["first_weights"] == [0.5]
 
 
 def test_the_learning_rate_of_ppo_falls_from_update_to_update_and_none_is_without_effect():
     rollouts = {"n_steps": 50, "batch_size": 50, "learning_rate": 1e-3}
     quick = {"model": "rigid-ideal"}
-    config = configurations.complete("ppo", "solar_env/Deploy-v1", quick, 0, 2, 400, rollouts)
+    config = configurations.complete("ppo", DEPLOY, quick, 0, 2, 400, rollouts)
     model = learn.make_model(config, learn.make_training_env(config, threads=1))
     used = []
     update = model.train
@@ -70,7 +71,7 @@ def test_the_learning_rate_of_ppo_falls_from_update_to_update_and_none_is_withou
 
 
 def test_the_noise_and_the_steps_of_ars_fall_to_nothing():
-    config = configurations.complete("ars", "solar_env/Deploy-v1", {"model": "rigid-ideal"}, 0, n_envs=1)
+    config = configurations.complete("ars", DEPLOY, {"model": "rigid-ideal"}, 0, n_envs=1)
     venv = learn.make_training_env(config, threads=1)
     model = learn.make_model(config, venv)
     chosen = config.hyperparameters
@@ -86,7 +87,7 @@ def test_the_noise_and_the_steps_of_ars_fall_to_nothing():
 def test_agents_with_a_replay_buffer_learn_from_returns_over_many_periods_and_ever_more_slowly(algo, tmp_path):
     small = {"batch_size": 32, "buffer_size": 2000, "learning_rate": 1e-3, "n_steps": 7}
     small |= {"train_freq": 20, "gradient_steps": 2}
-    config = configurations.complete(algo, "solar_env/Deploy-v1", {}, 0, 1, 40, small)
+    config = configurations.complete(algo, DEPLOY, {}, 0, 1, 40, small)
     learn.train(learn.Training(config, tmp_path, progress=False))
     resumed = checkpoints.read(tmp_path).restore(config, learn.make_training_env(config, threads=1))
     assert (resumed.replay_buffer.n_steps, resumed.replay_buffer.gamma) == (7, config.hyperparameters["gamma"])
@@ -98,7 +99,7 @@ def test_the_actor_learns_at_a_rate_of_its_own_in_a_resumed_run_too(algo, tmp_pa
     small = {"batch_size": 32, "buffer_size": 2000, "learning_starts": 0, "learning_rate": 1e-2}
     small |= {"train_freq": 100, "gradient_steps": 1, "actor_learning_rate": 1e-4}
     small |= {"policy_delay": 1} if algo == "td3" else {}
-    made = "solar_env/Deploy-v1", {"model": "rigid-ideal"}, 0, 1
+    made = DEPLOY, {"model": "rigid-ideal"}, 0, 1
     config = configurations.complete(algo, *made, 200, small)
     learn.train(learn.Training(config, tmp_path, progress=False))
     resumed = checkpoints.read(tmp_path).restore(config, learn.make_training_env(config, threads=1))
@@ -121,7 +122,7 @@ def test_noise_on_the_weights_stays_as_many_periods_as_it_is_told(algo):
     quick = {"use_sde": True, "sde_sample_freq": 100}
     quick |= {"batch_size": 300, "n_steps": 300} if algo == "ppo" else {"batch_size": 32, "gradient_steps": 1}
     quick |= {} if algo == "ppo" else {"train_freq": 300}
-    config = configurations.complete(algo, "solar_env/Deploy-v1", {}, 0, n_envs=1, hyperparameters=quick)
+    config = configurations.complete(algo, DEPLOY, {}, 0, n_envs=1, hyperparameters=quick)
     model = learn.make_model(config, learn.make_training_env(config, threads=1))
     actor = model.policy if algo == "ppo" else model.actor
     drawn = []
@@ -133,7 +134,7 @@ def test_noise_on_the_weights_stays_as_many_periods_as_it_is_told(algo):
 
 def test_td3_explores_with_the_white_noise_it_is_told():
     quick = {"exploration_noise": 0.4, "buffer_size": 100}
-    config = configurations.complete("td3", "solar_env/Deploy-v1", {}, 0, 1, None, quick)
+    config = configurations.complete("td3", DEPLOY, {}, 0, 1, None, quick)
     model = learn.make_model(config, learn.make_training_env(config, threads=1))
     np.random.seed(0)  # noqa: NPY002 (what Stable-Baselines3 draws from)
     noise = np.array([model.action_noise()[0] for _ in range(20_000)])
@@ -151,7 +152,7 @@ def test_one_rollout_trains_too(ppo_run):
 
 def test_the_target_actor_of_a_fresh_td3_agent_is_its_actor():
     small = {"buffer_size": 100}
-    config = configurations.complete("td3", "solar_env/Deploy-v1", {}, 0, n_envs=1, hyperparameters=small)
+    config = configurations.complete("td3", DEPLOY, {}, 0, n_envs=1, hyperparameters=small)
     venv = learn.make_training_env(config, threads=1)
     policy = learn.make_model(config, venv).policy
     actor, target = (part.state_dict() for part in (policy.actor, policy.actor_target))

@@ -15,6 +15,7 @@ from agents.environments import make_env
 from agents.learning import checkpoints, configurations, runs, trust
 from agents.learning.trust import DamagedFileError, UntrustedFileError
 from solar_env.__main__ import execute
+from solar_env.environment.registration import DEPLOY
 
 pytestmark = pytest.mark.usefixtures("few_validation_episodes")
 
@@ -148,6 +149,6 @@ def test_json_that_is_no_configuration_is_refused(folder):
 def test_a_damaged_file_of_tuned_parameters_is_named(configs):
     from agents.laws.baselines import load_parameters
 
-    (configs / "brake.json").write_text('{"solar_env/Deploy-v1" {}')
+    (configs / "brake.json").write_text("{DEPLOY {}")
     with pytest.raises(ValueError, match=r"brake\.json is damaged: it is no JSON: Expecting.*; restore it"):
-        load_parameters("brake", "solar_env/Deploy-v1", "rigid-clearance")
+        load_parameters("brake", DEPLOY, "rigid-clearance")

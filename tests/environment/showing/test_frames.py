@@ -7,15 +7,16 @@ import math
 import gymnasium
 import numpy as np
 import pytest
-from episodes import ID, LATE_ROOT, LEVELS, make
+from episodes import LATE_ROOT, LEVELS, make
 
 import solar_env
+from solar_env.environment.registration import DEPLOY
 from solar_env.mechanics.joints.joint import MOTOR_TORQUE, NORMAL
 
 
 def test_frames_are_played_at_the_pace_of_the_control_periods():
     assert solar_env.SolarArrayEnv(control_period=0.02).metadata["render_fps"] == 50
-    assert gymnasium.make_vec(ID, num_envs=1, control_period=0.02).metadata["render_fps"] == 50
+    assert gymnasium.make_vec(DEPLOY, num_envs=1, control_period=0.02).metadata["render_fps"] == 50
     assert solar_env.SolarArrayEnv.metadata["render_fps"] == 10
     # Gymnasium's `play` takes whole numbers alone.
     rates = [solar_env.SolarArrayEnv(control_period=period).metadata["render_fps"] for period in (0.1, 0.3, 2.0)]
@@ -34,8 +35,8 @@ def test_a_frame_shows_bent_panels_as_smooth_curves(model, monkeypatch):
     scenes = []
     monkeypatch.setattr("solar_env.environment.showing.film.Renderer.draw", lambda self, scene: scenes.append(scene))
     env.render()
-    for panel, own in zip(scenes[0].panels, nodes, strict=True):
-        assert np.array_equal(panel[[0, len(panel) // 2, -1]], own[:, 0])
+    for panel, places in zip(scenes[0].panels, nodes, strict=True):
+        assert np.array_equal(panel[[0, len(panel) // 2, -1]], places[:, 0])
         # No corner turns as far as that of a polyline through the nodes alone.
         turns = np.diff(np.unwrap(np.arctan2(*np.diff(panel, axis=0).T[::-1])))
         assert np.abs(turns).max() < 0.5 * 2.0 * math.atan(0.1 / 0.75)
@@ -79,14 +80,6 @@ def test_a_frame_is_drawn_from_the_state_the_loads_and_the_recorded_peaks(monkey
     }
     assert min(scene.motor_torque for scene in scenes) < 0.0 < max(scene.motor_torque for scene in scenes)
     assert np.max(peaks) > 10.0
-
-
-def test_without_a_render_mode_there_is_no_frame_but_a_hint():
-    env = make("rigid-clearance")
-    env.reset(seed=0)
-    with pytest.warns(UserWarning, match='render_mode="rgb_array"'):
-        frame = env.render()
-    assert frame is None
 
 
 @pytest.mark.parametrize("model", LEVELS)

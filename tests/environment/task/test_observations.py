@@ -12,11 +12,11 @@ from stable_baselines3.common.env_checker import check_env as check_by_stable_ba
 
 import solar_env
 from solar_env import Hardware
-from solar_env.environment.registration import CURRENT
+from solar_env.environment.registration import CURRENT, DEPLOY
+from solar_env.environment.task.features import FEATURES
 from solar_env.environment.task.observations import LOCK_ANGLE, OBSERVABLES, OBSERVATIONS, observation_entries
 from solar_env.environment.task.sensors import Sensors
 
-ID = "solar_env/Deploy-v1"
 LOCK_ANGLES = (math.pi / 2, math.pi)
 EVERYTHING = [row.name for row in OBSERVABLES]
 # Beyond the bounds of most observables, after a step that is short uncompiled, too.
@@ -27,6 +27,7 @@ WILD = {
 }
 
 each = pytest.mark.parametrize("row", OBSERVABLES, ids=EVERYTHING)
+feature_too = pytest.mark.parametrize("row", [*OBSERVABLES, *FEATURES], ids=lambda row: row.name)
 
 
 def names(joints, observation):
@@ -46,19 +47,30 @@ def unit(row):
     return np.array(LOCK_ANGLES if row.unit == LOCK_ANGLE else [1.0] * (2 if row.by_joint else 1))
 
 
-@each
-def test_an_observable_stays_in_its_bounds_and_is_the_same_in_a_vector_bit_for_bit(row):
-    keywords = {**WILD, "observation": [row.name]}
-    single, vector = gymnasium.make(ID, **keywords).unwrapped, gymnasium.make_vec(ID, 2, **keywords)
-    assert single.observation_names == tuple(names(2, [row.name]))
-    assert single.observation_space.low.tolist() == [np.float32(row.low)] * len(single.observation_names)
-    assert single.observation_space.high.tolist() == [np.float32(row.high)] * len(single.observation_names)
-    seen, together = single.reset(seed=0)[0], vector.reset(seed=0)[0]
+@feature_too
+def test_a_row_stays_in_its_bounds_and_is_the_same_in_a_vector_bit_for_bit(row):
+    keywords = {**WILD, "observation": [row.name, f"{row.name}_2_ago"]}
+    single, vector = gymnasium.make(DEPLOY, **keywords).unwrapped, gymnasium.make_vec(DEPLOY, 2, **keywords)
+    entries = len(names(2, [row.name]))
+    assert single.observation_names == tuple(names(2, keywords["observation"]))
+    assert single.observation_space.low.tolist() == [np.float32(row.low)] * 2 * entries
+    assert single.observation_space.high.tolist() == [np.float32(row.high)] * 2 * entries
+    seen, together = [single.reset(seed=0)[0]], vector.reset(seed=0)[0]
     for action in (0.5, -2.0, 0.1):
-        assert single.observation_space.contains(seen)
-        assert seen.tobytes() == together[0].tobytes() == together[1].tobytes()
-        seen, together = single.step([action])[0], vector.step(np.full((2, 1), action, np.float32))[0]
-    assert seen.tobytes() == together[0].tobytes()
+        assert single.observation_space.contains(seen[-1])
+        assert seen[-1].tobytes() == together[0].tobytes() == together[1].tobytes()
+        seen.append(single.step([action])[0])
+        together = vector.step(np.full((2, 1), action, np.float32))[0]
+    assert np.array_equal(seen[3][entries:], seen[1][:entries])
+
+
+@feature_too
+def test_the_documentation_lists_the_row_with_its_bounds_and_unit(row):
+    starts = f"| `{row.name}` |", f"| `{row.name}_i` |"
+    (line,) = [line for line in solar_env.SolarArrayEnv.__doc__.splitlines() if line.strip().startswith(starts)]
+    assert f"| {row.low:.4g} | {row.high:.4g} | {row.unit} |" in line
+    noise = getattr(row, "noise", None)
+    assert noise is None or f"`{noise}`" in line
 
 
 @each
@@ -94,17 +106,6 @@ def test_a_measurement_is_shown_late_where_the_row_says_so(row):
     assert shown == ([first, first, later] if row.delayed else [later] * 3)
 
 
-@each
-def test_the_documentation_lists_the_observable_with_its_bounds_and_unit(row):
-    (line,) = [
-        line
-        for line in solar_env.SolarArrayEnv.__doc__.splitlines()
-        if line.strip().startswith((f"| `{row.name}` |", f"| `{row.name}_i` |"))
-    ]
-    assert f"| {row.low:.4g} | {row.high:.4g} | {row.unit} |" in line
-    assert row.noise is None or f"`{row.noise}`" in line
-
-
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("name", CURRENT)
 def test_both_checkers_accept_every_observable_alone_and_all_together(name):
@@ -128,21 +129,15 @@ def test_the_observations_list_what_is_documented_in_that_order():
     assert names(3, "privileged") == [*drive, *journals, "main_body_spin"]
 
 
-@pytest.mark.parametrize("name", OBSERVATIONS)
-def test_an_observation_with_a_name_is_made_of_rows_of_the_table_each_once(name):
-    shown = names(2, name)
-    assert len(shown) == len(set(shown))
-    assert gymnasium.make(ID, observation=name).unwrapped.observation_names == tuple(shown)
-
-
 def test_a_list_of_ones_own_shows_the_past_without_the_present_and_in_the_order_asked_for():
     keywords = {**WILD, "scenario": "randomised", "hardware": {"sensor_delay": 1}}
-    own = gymnasium.make(ID, observation=["time_to_deadline", "motor_torque_2_ago", "theta"], **keywords).unwrapped
-    drive = gymnasium.make(ID, **keywords).unwrapped
-    assert own.observation_names == ("time_to_deadline", "motor_torque_2_ago", "theta_1", "theta_2")
-    mine, theirs = [own.reset(seed=3)[0]], [drive.reset(seed=3)[0]]
+    observation = ["time_to_deadline", "motor_torque_2_ago", "theta"]
+    listed = gymnasium.make(DEPLOY, observation=observation, **keywords).unwrapped
+    drive = gymnasium.make(DEPLOY, **keywords).unwrapped
+    assert listed.observation_names == ("time_to_deadline", "motor_torque_2_ago", "theta_1", "theta_2")
+    mine, theirs = [listed.reset(seed=3)[0]], [drive.reset(seed=3)[0]]
     for action in (0.3, -0.7, 0.2, 0.9, -0.1):
-        mine.append(own.step([action])[0])
+        mine.append(listed.step([action])[0])
         theirs.append(drive.step([action])[0])
     mine, theirs = np.array(mine), np.array(theirs)
     torque, time = (drive.observation_names.index(name) for name in ("motor_torque", "time_to_deadline"))
@@ -155,7 +150,7 @@ def test_a_list_of_ones_own_shows_the_past_without_the_present_and_in_the_order_
 
 def test_the_angle_of_the_main_body_is_the_integral_of_its_spin():
     env = gymnasium.make(
-        ID,
+        DEPLOY,
         model="rigid-ideal",
         control_period=1e-3,
         parameters={"initial_spin": 0.5},
@@ -169,7 +164,7 @@ def test_the_angle_of_the_main_body_is_the_integral_of_its_spin():
 
 
 def test_the_peak_force_is_the_greatest_of_the_last_period_alone():
-    env = gymnasium.make(ID, model="rigid-ideal", control_period=1e-3, observation=["peak_force"]).unwrapped
+    env = gymnasium.make(DEPLOY, model="rigid-ideal", control_period=1e-3, observation=["recent_peak_force"]).unwrapped
     first, _ = env.reset(seed=0)
     pushed, quiet = (env.step([action])[0] for action in (1.0, 0.0))
     assert np.all(first == 0.0)

@@ -8,9 +8,9 @@ import gymnasium
 import numpy as np
 import pytest
 
+from solar_env.environment.registration import DEPLOY
 from solar_env.mechanics.joints.joint import RATE
 
-ID = "solar_env/Deploy-v1"
 RATE_LOOP = {"model": "rigid-ideal", "action": "rate"}
 GAIN = 12.0
 # A loop that is as slow as the actions, and does not filter its torque.
@@ -18,7 +18,7 @@ SLOW = {"rate_loop_frequency": 10.0, "rate_loop_lag": 0.0}
 
 
 def make(hardware=None, **keywords):
-    env = gymnasium.make(ID, hardware={**SLOW, **(hardware or {})}, **RATE_LOOP, **keywords).unwrapped
+    env = gymnasium.make(DEPLOY, hardware={**SLOW, **(hardware or {})}, **RATE_LOOP, **keywords).unwrapped
     env.reset(seed=0)
     return env
 
@@ -54,21 +54,21 @@ def test_without_the_filter_a_fast_loop_shakes_flexible_panels():
     """By what it is charged for wear in the first two seconds."""
     wear = []
     for lag in (0.0, 0.1):
-        env = gymnasium.make(ID, model="flexible-clearance", action="rate", hardware={"rate_loop_lag": lag})
+        env = gymnasium.make(DEPLOY, model="flexible-clearance", action="rate", hardware={"rate_loop_lag": lag})
         env.reset(seed=0)
         wear.append(-sum(env.step([0.8])[-1]["reward_terms"]["wear"] for _ in range(20)))
     assert wear[0] > 10.0 * wear[1]
 
 
 def test_the_filter_goes_with_an_episode_that_is_saved():
-    envs = gymnasium.make_vec(ID, 2, hardware={"rate_loop_lag": 0.4}, **RATE_LOOP)
+    envs = gymnasium.make_vec(DEPLOY, 2, hardware={"rate_loop_lag": 0.4}, **RATE_LOOP)
     envs.reset(seed=0)
     for _ in range(3):
         envs.step(np.full((2, 1), 0.6, np.float32))
     envs.unwrapped.lane(1).restore_episode(envs.unwrapped.lane(0).save_episode())
     copies = envs.unwrapped.episodes.futures(0, 1)
     observed = envs.step(np.full((2, 1), 0.4, np.float32))[0]
-    copies.step(np.zeros(1, dtype=np.int64), np.array([0.4], np.float32).astype(float))
+    copies.step(np.zeros(1, dtype=np.int64), np.array([[0.4]], np.float32).astype(float))
     torques = [batch.states.joints["motor_torque"][:, 0] for batch in (envs.unwrapped.episodes.batch, copies.batch)]
     assert observed[0].tobytes() == observed[1].tobytes()
     assert torques[0][0] == torques[0][1] == torques[1][0] != 0.0
@@ -108,7 +108,7 @@ def test_the_torque_stays_within_the_limit_and_follows_the_motors_lag_and_rate_l
 
 def test_the_loop_measures_its_rate_with_the_noise_of_the_hardware_and_the_same_in_a_vector():
     noisy = {"rate_noise": 1e-3}
-    single, vector = make(hardware=noisy), gymnasium.make_vec(ID, 2, hardware={**SLOW, **noisy}, **RATE_LOOP)
+    single, vector = make(hardware=noisy), gymnasium.make_vec(DEPLOY, 2, hardware={**SLOW, **noisy}, **RATE_LOOP)
     vector.reset(seed=0)
     errors = []
     for _ in range(50):
@@ -131,4 +131,4 @@ def test_the_loop_measures_its_rate_with_the_noise_of_the_hardware_and_the_same_
 )
 def test_a_loop_that_cannot_be_is_refused_by_name(keywords, words):
     with pytest.raises(ValueError, match="(?s)" + ".*".join(words)):
-        gymnasium.make(ID, **keywords)
+        gymnasium.make(DEPLOY, **keywords)

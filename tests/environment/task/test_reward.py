@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from charged import (
     FORCE_SCALE,
-    ID,
     LARGEST,
     MISSED,
     SAMPLING,
@@ -37,14 +36,16 @@ from scipy.stats import spearmanr
 
 from agents.laws.table import TUNABLE
 from agents.torque_laws import Signals
+from solar_env.environment.registration import DEPLOY
 from solar_env.environment.task.reward import Price
 from solar_env.environment.task.task import Task
+from solar_env.environment.task.versions import VERSIONS
 
 
 @pytest.fixture(scope="module")
 def wide_set():
     """Controllers from all over: every torque law with parameters anywhere in their ranges, and torques of no law."""
-    signals = Signals.of(gymnasium.make(ID))
+    signals = Signals.of(gymnasium.make(DEPLOY))
     generator = np.random.default_rng(0)
     laws = [constant(action) for action in (-1.0, -0.5, -0.25, 0.0, 0.25, 0.5, 1.0)]
     laws += [erratic(seed) for seed in range(3)]
@@ -54,7 +55,7 @@ def wide_set():
         parameters = type(law.defaults)
         for _ in range(8):
             controller = law(signals, parameters.from_unit(generator.random(len(parameters.bounds()))))
-            laws.append(lambda observation, step, own=controller: own.predict(observation)[0][0])
+            laws.append(lambda observation, step, controller=controller: controller.predict(observation)[0][0])
     return deploy(laws)
 
 
@@ -77,8 +78,8 @@ def rank_correlation(one, other):
 
 
 def test_limits_durations_and_prices_are_the_documented_ones():
-    assert Task(0.5, 0.1, 20, 10, driven_joint=0) == TASK
-    env = gymnasium.make(ID).unwrapped
+    assert Task(0.5, 0.1, 20, 10, driven_joint=0) == TASK == VERSIONS["v1"].task
+    env = gymnasium.make(DEPLOY).unwrapped
     assert env.task == TASK
     assert env.reward.names == ("peak_impact", "wear", "missed_deadline")
     assert env.reward.prices["peak_impact"] == Price(FORCE_SCALE, 1.0, LARGEST)

@@ -1,8 +1,11 @@
-"""Sensors and motor of the hinge drives, between the array and its controller."""
+"""Sensors and motor of the hinge drives, between the array and its controller.
+
+To add an imperfection: a field of `Hardware`, and its use in `environment.task.sensors` or `environment.task.task`.
+"""
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Self
 
 from solar_env.array.names import changed
@@ -60,12 +63,8 @@ class Hardware:
     @property
     def ideal_sensors(self) -> bool:
         """Whether observations are exact and shown at once."""
-        return self == self.with_ideal_sensors()
-
-    def with_ideal_sensors(self) -> Self:
-        """A copy whose sensors are perfect; the motor and its loop stay as they are."""
-        perfect = {"angle_noise": 0.0, "rate_noise": 0.0, "encoder_resolution": 0.0, "attitude_noise": 0.0}
-        return replace(self, sensor_delay=0, **perfect)
+        noise = self.angle_noise, self.rate_noise, self.attitude_noise
+        return not any((*noise, self.encoder_resolution, self.sensor_delay))
 
     def with_changes(self, changes: Mapping[str, Any]) -> Self:
         """A copy with some values changed.

@@ -8,7 +8,7 @@ from solar_env.array import MODELS
 from solar_env.studies.common.tables import Table
 from solar_env.studies.paper.cases import EQ_40, FOUR_BAR_TURNS
 
-JOINTS = (1, 2)
+JOINTS = (1, 2)  # as the columns of the tables count them
 
 
 def _greatest(name: str, unit: str) -> Callable[[Table], str]:

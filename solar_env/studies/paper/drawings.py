@@ -15,10 +15,9 @@ from solar_env.array import MODELS
 from solar_env.pictures.style import COLOURS, FAINT, STEEL, STYLE
 from solar_env.studies.common.tables import Table
 from solar_env.studies.paper.cases import EQ_40
-from solar_env.studies.paper.conclusions import CONCLUSIONS
+from solar_env.studies.paper.conclusions import CONCLUSIONS, JOINTS
 from solar_env.support.files import save_figure
 
-JOINTS = (1, 2)  # as the columns of the tables count them
 PHASES = ("initial", "deployment", "after latching")
 # Where the paper's axes end: Figs 20 and 21 [N], 22 and 23 [m], and 5 [s].
 PAPER_FORCE, PAPER_WEAR, PAPER_TURN = 300.0, 7e-14, (2.00, 2.08)

@@ -20,6 +20,7 @@ from solar_env.studies.paper.cases import (
     EQ_40_CASE,
     FOUR_BAR_RATE,
     FOUR_BAR_TURNS,
+    JOINTS,
     MEMBERS,
     SAMPLES_PER_TURN,
     Member,
@@ -31,7 +32,6 @@ Array = NDArray[np.float64]
 
 # s; forces are the greatest of windows of this length, for samples would miss impacts.
 FORCE_WINDOW = 0.01
-JOINTS = (0, 1)
 _TURN = 2.0 * math.pi / FOUR_BAR_RATE  # s
 
 

@@ -106,7 +106,7 @@ CONTROLLER_LOOKS: Mapping[str, Look] = {
 # (muted): told apart by colour-blind readers.
 OUTCOME_COLOURS: Mapping[str, str] = {
     "fine": "#f2f4f6",
-    "stiff": SAND,
+    "stiff": "#88ccee",
     "creeps": SAND,
     "over-damped": "#6699cc",
     "wrong value": "#44aa99",

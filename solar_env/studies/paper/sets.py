@@ -36,10 +36,13 @@ def found_set(name: str) -> Changes:
 def changes_of(row: Mapping[str, Cell]) -> Changes:
     """Parameters of a row of the tables that differ from the `paper` preset."""
     values = {name: number(row, name) for name in _COLUMNS}
+    stiffness = number(row, "latch_torque") / LATCH_DEPTH ** values["latch_exponent"]
+    full = values["friction_speed_zero"] * number(row, "friction_speed_ratio")
     changes: dict[str, Value] = {
         **values,
-        "latch_stiffness": number(row, "latch_torque") / LATCH_DEPTH ** values["latch_exponent"],
-        "friction_speed_full": values["friction_speed_zero"] * number(row, "friction_speed_ratio"),
+        # The tables have four digits, which give back the round values that named sets were searched with.
+        "latch_stiffness": float(f"{stiffness:.4g}"),
+        "friction_speed_full": float(f"{full:.4g}"),
         "friction_sliding": str(row["sliding"]),
     }
     if row["stiffness"] == "eq 40":

@@ -24,8 +24,7 @@ def test_the_preset_is_a_set_and_other_sets_are_what_their_tables_say():
     assert preset.with_changes(dict(sets.found_set("preset"))) == preset
     loop = preset.with_changes(dict(sets.found_set("stiff loop")))
     assert (loop.hinge_y, loop.cable_torque_ratio, loop.friction_sliding) == (0.5, 1.28, "material")
-    assert loop.stop(0).stiffness == pytest.approx(1.6e4, rel=1e-3)
-    assert loop.by_joint("friction_speed_full", 0) == pytest.approx(0.013, rel=1e-3)
+    assert (loop.stop(0).stiffness, loop.by_joint("friction_speed_full", 0)) == (1.6e4, 0.013)
     readings = {preset.with_changes(dict(sets.found_set(f"front {k}"))).contact_stiffness for k in range(1, 155)}
     assert readings == {None, preset.contact_stiffness}
     with pytest.raises(ValueError, match=r"set 'front 155' is unknown; choose from found 1, .* front 1 to front 154"):

@@ -105,10 +105,8 @@ CONTROLLER_LOOKS: Mapping[str, Look] = {
 # (muted): told apart by colour-blind readers.
 OUTCOME_COLOURS: Mapping[str, str] = {
     "fine": "#f2f4f6",
-    "held back": "#a6dcef",
-    "stiff": SAND,
+    "stiff": "#88ccee",
     "creeps": SAND,
-    "cut off": "#88ccee",
     "over-damped": "#6699cc",
     "wrong value": "#44aa99",
     "spikes": "#e0a0b4",

@@ -301,24 +301,24 @@ def test_simulate_reads_a_file_of_parameters_and_writes_a_table(tmp_path, capsys
 
 
 def test_stability_measures_a_map_draws_it_and_says_what_to_do(tmp_path, capsys):
-    arguments = ["stability", "--only", "pull-off", "--out", str(tmp_path / "new")]
+    arguments = ["stability", "--only", "restitution", "--out", str(tmp_path / "new")]
     assert main([*arguments, "--quick"]) == 0
-    assert {path.name for path in (tmp_path / "new").iterdir()} == {"pull-off.csv", "pull-off.png"}
+    assert {path.name for path in (tmp_path / "new").iterdir()} == {"restitution.csv", "restitution.png"}
     printed = capsys.readouterr().out
-    assert "forces are cut off at zero" in printed
-    assert "cut off" in printed
+    assert "take contact_law = 'restitution'" in printed
+    assert "wrong value" in printed
     # Drawn again, from the table alone.
-    (tmp_path / "new" / "pull-off.png").unlink()
-    before = (tmp_path / "new" / "pull-off.csv").read_bytes()
+    (tmp_path / "new" / "restitution.png").unlink()
+    before = (tmp_path / "new" / "restitution.csv").read_bytes()
     assert main([*arguments, "--draw"]) == 0
-    assert (tmp_path / "new" / "pull-off.png").stat().st_size > 10_000
-    assert (tmp_path / "new" / "pull-off.csv").read_bytes() == before
+    assert (tmp_path / "new" / "restitution.png").stat().st_size > 10_000
+    assert (tmp_path / "new" / "restitution.csv").read_bytes() == before
 
 
 def test_stability_exits_with_1_if_a_failure_passed_in_silence(tmp_path, capsys):
-    arguments = ["stability", "--only", "friction-step", "--out", str(tmp_path)]
+    arguments = ["stability", "--only", "friction", "--out", str(tmp_path)]
     assert main([*arguments, "--quick"]) == 0
-    table = tmp_path / "friction-step.csv"
+    table = tmp_path / "friction.csv"
     table.write_text(table.read_text().replace(",error,", ",,"))
     assert main([*arguments, "--draw"]) == 1
     assert "passed without a word" in capsys.readouterr().out

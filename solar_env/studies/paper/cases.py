@@ -16,6 +16,7 @@ from solar_env.studies.common.levels import Level
 DURATION = 30.0  # s, of the deployments
 OUTPUT_STEP = 5e-3  # s
 MEMBERS = 6  # of an ensemble
+JOINTS = (0, 1)
 PANELS = PanelModel(ANCF, 6)  # absolute nodal coordinates, as the paper's
 # Of cases whose contact stiffness follows from Eq 40: the end of their names, and the beginning of their columns.
 EQ_40_CASE, EQ_40 = "-eq-40", "eq_40_"
@@ -47,21 +48,18 @@ def is_flexible(case: str) -> bool:
 
 # One member of an ensemble: all deployments by name.
 Member = Mapping[str, Trajectory]
+Value = float | str | None
+# Parameters with other values than those of the `paper` preset.
+Changes = tuple[tuple[str, Value], ...]
 
 
 @dataclass(frozen=True)
 class CaseRun:
-    """A deployment to simulate: a case, the member of an ensemble, and at most one parameter with another value."""
+    """A deployment to simulate: a case, the member of an ensemble, and the parameters that differ from the preset."""
 
     case: str
     member: int = 0
-    parameter: str = ""
-    value: float | str | None = 0.0
-
-    @property
-    def changes(self) -> dict[str, float | str | None]:
-        """Parameters that differ from those of the case."""
-        return {self.parameter: self.value} if self.parameter else {}
+    changes: Changes = ()
 
 
 def simulate_run(run: CaseRun) -> Trajectory:
@@ -69,10 +67,10 @@ def simulate_run(run: CaseRun) -> Trajectory:
 
     Raises:
         KeyError: if there is no such case.
-        ValueError: if the parameter is refused.
+        ValueError: if a parameter is refused.
         SimulationError: if the run cannot go on.
     """
-    return simulate_case(run.case, ArrayParameters.preset("paper").with_changes(run.changes), run.member)
+    return simulate_case(run.case, ArrayParameters.preset("paper").with_changes(dict(run.changes)), run.member)
 
 
 def simulate_case(case: str, parameters: ArrayParameters, member: int, panels: PanelModel = PANELS) -> Trajectory:

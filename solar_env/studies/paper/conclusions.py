@@ -8,12 +8,17 @@ from solar_env.array import MODELS
 from solar_env.studies.common.tables import Table
 from solar_env.studies.paper.cases import EQ_40, FOUR_BAR_TURNS
 
-JOINTS = (1, 2)
+JOINT_NUMBERS = (1, 2)  # as the columns of the tables count them
+
+
+def shown_of_models(table: Table) -> tuple[str, str]:
+    """Quantity and unit in the columns of a table of the four models."""
+    return ("angles", "rad") if f"{MODELS[0]}_angles_1_rad" in table.rows[0] else ("rates", "rad_s")
 
 
 def _greatest(name: str, unit: str) -> Callable[[Table], str]:
     def words(table: Table) -> str:
-        first, second = (np.abs(table.column(name.format(joint))).max() for joint in JOINTS)
+        first, second = (np.abs(table.column(name.format(joint))).max() for joint in JOINT_NUMBERS)
         return f"at most {first:.3g} {unit} at joint 1, {second:.3g} {unit} at joint 2"
 
     return words
@@ -25,7 +30,7 @@ def _small_forces(table: Table) -> str:
 
 def _angles(table: Table) -> str:
     late = table.column("time_s") > table.column("time_s")[-1] - 10.0
-    swings = [np.ptp(table.column(f"angle_{joint}_rad")[late]) for joint in JOINTS]
+    swings = [np.ptp(table.column(f"angle_{joint}_rad")[late]) for joint in JOINT_NUMBERS]
     return f"in the last 10 s they still swing over {swings[0]:.2g} and {swings[1]:.2g} rad"
 
 
@@ -35,11 +40,11 @@ def _path(table: Table) -> str:
 
 
 def _models(table: Table) -> str:
-    quantity, unit = ("angles", "rad") if f"{MODELS[0]}_angles_1_rad" in table.rows[0] else ("rates", "rad_s")
+    quantity, unit = shown_of_models(table)
     late = table.column("phase") == 3
 
     def values(model: str) -> np.ndarray:
-        return np.stack([table.column(f"{model}_{quantity}_{joint}_{unit}")[late] for joint in JOINTS])
+        return np.stack([table.column(f"{model}_{quantity}_{joint}_{unit}")[late] for joint in JOINT_NUMBERS])
 
     apart = {model: np.abs(values(model) - values(MODELS[0])).max() for model in MODELS[1:]}
     furthest = max(apart, key=lambda model: apart[model])
@@ -54,7 +59,7 @@ def _deepest(prefix: str, table: Table) -> str:
     depths = {
         f"{surface} of joint {joint}": table.column(f"{prefix}{surface}_{joint}_m").max()
         for surface in ("bearing", "journal")
-        for joint in JOINTS
+        for joint in JOINT_NUMBERS
     }
     deepest = max(depths, key=lambda place: depths[place])
     return f"{deepest}, {depths[deepest]:.1e} m"

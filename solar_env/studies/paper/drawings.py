@@ -15,10 +15,9 @@ from solar_env.array import MODELS
 from solar_env.pictures.style import COLOURS, FAINT, STEEL, STYLE
 from solar_env.studies.common.tables import Table
 from solar_env.studies.paper.cases import EQ_40
-from solar_env.studies.paper.conclusions import CONCLUSIONS
+from solar_env.studies.paper.conclusions import CONCLUSIONS, JOINT_NUMBERS, shown_of_models
 from solar_env.support.files import save_figure
 
-JOINTS = (1, 2)  # as the columns of the tables count them
 PHASES = ("initial", "deployment", "after latching")
 # Where the paper's axes end: Figs 20 and 21 [N], 22 and 23 [m], and 5 [s].
 PAPER_FORCE, PAPER_WEAR, PAPER_TURN = 300.0, 7e-14, (2.00, 2.08)
@@ -40,7 +39,7 @@ def draw_figure(table: Table, kind: str, title: str, path: Path) -> None:
 def _draw_angles(figure: Figure, table: Table) -> None:
     figure.set_size_inches(5.0, 3.0)
     axis = figure.subplots()
-    for joint in JOINTS:
+    for joint in JOINT_NUMBERS:
         _draw_median(axis, table, "time_s", f"angle_{joint}_rad", COLOURS[joint - 1], label=f"joint {joint}")
     _finish_time(axis, table, "joint angle [rad]")
     axis.legend()
@@ -81,7 +80,7 @@ def _draw_by_joint(column: str, label: str, figure: Figure, table: Table) -> Non
 
 def _draw_joints(axes: Iterable[Axes], column: str, label: str, table: Table) -> None:
     """A column of each joint against time, each on its own axis."""
-    for joint, axis in zip(JOINTS, axes, strict=True):
+    for joint, axis in zip(JOINT_NUMBERS, axes, strict=True):
         axis.plot(table.column("time_s"), table.column(column.format(joint)), color=COLOURS[joint - 1], linewidth=0.6)
         _finish_time(axis, table, f"joint {joint}\n{label}")
 
@@ -90,8 +89,8 @@ def _draw_models(figure: Figure, table: Table) -> None:
     """Angles or rates of the models, and their differences from the first model's in each of the three phases."""
     figure.set_size_inches(13.0, 5.0)
     time, phase = table.column("time_s"), table.column("phase")
-    quantity, unit = ("angles", "rad") if f"{MODELS[0]}_angles_1_rad" in table.rows[0] else ("rates", "rad_s")
-    for joint, row in zip(JOINTS, figure.subplots(2, 4, sharex="col"), strict=True):
+    quantity, unit = shown_of_models(table)
+    for joint, row in zip(JOINT_NUMBERS, figure.subplots(2, 4, sharex="col"), strict=True):
         reference = table.column(f"{MODELS[0]}_{quantity}_{joint}_{unit}")
         for colour, model in zip(COLOURS, MODELS, strict=False):
             values = table.column(f"{model}_{quantity}_{joint}_{unit}")
@@ -112,7 +111,7 @@ def _draw_wear(figure: Figure, table: Table) -> None:
     figure.set_size_inches(9.0, 3.6)
     axes = figure.subplots(1, 2, sharey=True)
     for axis, (prefix, stiffness) in zip(axes, STIFFNESSES, strict=True):
-        for joint in JOINTS:
+        for joint in JOINT_NUMBERS:
             for surface, line in (("bearing", "-"), ("journal", ":")):
                 name, label = f"{prefix}{surface}_{joint}_m", f"joint {joint}, {surface}"
                 look = {"label": label, "linestyle": line, "linewidth": 0.8}

@@ -20,6 +20,7 @@ from solar_env.studies.paper.cases import (
     EQ_40_CASE,
     FOUR_BAR_RATE,
     FOUR_BAR_TURNS,
+    JOINTS,
     MEMBERS,
     SAMPLES_PER_TURN,
     Member,
@@ -31,7 +32,6 @@ Array = NDArray[np.float64]
 
 # s; forces are the greatest of windows of this length, for samples would miss impacts.
 FORCE_WINDOW = 0.01
-JOINTS = (0, 1)
 _TURN = 2.0 * math.pi / FOUR_BAR_RATE  # s
 
 
@@ -197,20 +197,9 @@ def _all() -> Iterator[PaperFigure]:
         yield PaperFigure(number, f"joint angles, {case}", "angles", (case,), partial(_angles, case), True)
     yield from _of_model(8, "rigid-clearance")
     yield from _of_model(13, "flexible-clearance")
-    yield PaperFigure(
-        18,
-        "joint angles of the four models and their differences",
-        "models",
-        MODELS,
-        partial(_four_models, "angles", "rad"),
-    )
-    yield PaperFigure(
-        19,
-        "joint rates of the four models and their differences",
-        "models",
-        MODELS,
-        partial(_four_models, "rates", "rad_s"),
-    )
+    for number, quantity, unit in ((18, "angles", "rad"), (19, "rates", "rad_s")):
+        title = f"joint {quantity} of the four models and their differences"
+        yield PaperFigure(number, title, "models", MODELS, partial(_four_models, quantity, unit))
     for model in (1, 2):
         pair = (f"distribution-{model}", f"distribution-{model}{EQ_40_CASE}")
         sizes = "0.1 and 0.2 mm" if model == 1 else "0.2 and 0.1 mm"

@@ -69,7 +69,7 @@ def measure(cell: Mapping[str, Any]) -> dict[str, float]:
     parameters = ArrayParameters.preset("paper").with_changes({"panel_damping": level.damping})
     needed = dict.fromkeys(case for claim in FLEXIBLE_CLAIMS for case in claim.cases)
     member = {case: simulate_case(case, parameters, cell["member"], level.panels) for case in needed}
-    return {claim.key: claim.measure(member) for claim in FLEXIBLE_CLAIMS}
+    return {claim.key: claim.value(member) for claim in FLEXIBLE_CLAIMS}
 
 
 def verdict(holds: Mapping[PanelLevel, bool]) -> str:

@@ -1,51 +1,78 @@
-"""Figures that are taken for the paper's statements, each of one member of an ensemble or of one deployment."""
+"""Figures that are taken for the paper's statements, each of the deployments that a claim names, in their order.
+
+`of_joint`, `ratio`, `joint_2_over_1`, `over_joints` and `large_over_small` turn figures of any motion into such ones.
+"""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.studies.paper import phases
-from solar_env.studies.paper.cases import Member
-from solar_env.studies.paper.figures import JOINTS
+from solar_env.studies.paper.cases import JOINTS
 
-RIGID, FLEXIBLE = "rigid-clearance", "flexible-clearance"
+Figure = Callable[[Trajectory], float]
+FigureOfJoint = Callable[[Trajectory, int], float]
+Comparison = Callable[[Trajectory, Trajectory], float]
+
 TOUCH_TOLERANCE = 1e-6  # m; a journal that comes so near the wall touches it
-# s; the first peak of a latch torque comes within this time of the latching.
-FIRST_PEAK = 0.4
+FIRST_PEAK = 0.4  # s; the first peak of a latch torque comes within this time of the latching
 LATE = 20.0  # s
-# s; of the deployment in which vibrations are compared, clear of the start and of the latching.
-QUIET = (2.0, 12.5)
-# A lock torque has settled when it stays below this share of its greatest.
-SETTLED = 0.25
-# s; when the paper's Fig 10 shows bursts of impacts.
-BURSTS = (15.74, 17.63, 20.59, 28.48, 29.33)
+QUIET = (2.0, 12.5)  # s; of the deployment in which vibrations are compared, clear of the start and of the latching
+SETTLED = 0.25  # a lock torque has settled when it stays below this share of its greatest
+BURSTS = (15.74, 17.63, 20.59, 28.48, 29.33)  # s; when the paper's Fig 10 shows bursts of impacts
 LAST_BURSTS = 27.5  # s; the last two of them come after it
 
 
-def latch_time(joint: int) -> Callable[[Member], float]:
-    """When a joint latches, with rigid panels [s]."""
-    return lambda member: float(member[RIGID].latch_times[joint])
+def of_joint(figure: FigureOfJoint, joint: int) -> Figure:
+    """A figure of one joint."""
+    return lambda motion: figure(motion, joint)
 
 
-def lead(member: Member) -> float:
-    """By how much joint 1 latches before joint 2, with rigid panels [s]."""
-    return float(member[RIGID].latch_times[1] - member[RIGID].latch_times[0])
+def ratio(figure: Figure) -> Comparison:
+    """A figure of a motion over that of a second one."""
+    return lambda motion, reference: figure(motion) / figure(reference)
 
 
-def settled(case: str, joint: int) -> Callable[[Member], float]:
+def joint_2_over_1(figure: FigureOfJoint) -> Figure:
+    """A figure of joint 2 over that of joint 1."""
+    return lambda motion: figure(motion, 1) / figure(motion, 0)
+
+
+def over_joints(choose: Callable[[Iterable[float]], float], figure: FigureOfJoint) -> Comparison:
+    """A figure of a motion over that of a second one, the smaller or the greater ratio of both joints."""
+    return lambda motion, reference: choose(figure(motion, joint) / figure(reference, joint) for joint in JOINTS)
+
+
+def large_over_small(figure: FigureOfJoint, joint: int) -> Comparison:
+    """A figure of a joint with 0.2 mm over that with 0.1 mm, of the models 1 and 2 of the clearances.
+
+    Joint 1 has the larger clearance in model 2, joint 2 in model 1.
+    """
+    return lambda one, two: figure((two, one)[joint], joint) / figure((one, two)[joint], joint)
+
+
+def latch_time(motion: Trajectory, joint: int) -> float:
+    """When a joint latches [s]."""
+    return float(motion.latch_times[joint])
+
+
+def lead(motion: Trajectory) -> float:
+    """By how much joint 1 latches before joint 2 [s]."""
+    return latch_time(motion, 1) - latch_time(motion, 0)
+
+
+def settled(motion: Trajectory, joint: int) -> float:
     """When the initial impacts of a joint end [s]."""
-    return lambda member: phases.find_phases(member[case], joint).settled
+    return phases.find_phases(motion, joint).settled
 
 
-def decay(member: Member) -> float:
+def decay(motion: Trajectory) -> float:
     """Rank correlation of the initial impacts' speeds with time, the greater one of both joints."""
-    ranks = []
-    for joint in JOINTS:
-        impacts = phases.contacts_in(member[RIGID], joint, 1)
-        ranks.append(phases.rank_correlation(impacts["start_s"], impacts["impact_speed"]))
-    return max(ranks)
+    initial = [phases.contacts_in(motion, joint, 1) for joint in JOINTS]
+    return max(phases.rank_correlation(impacts["start_s"], impacts["impact_speed"]) for impacts in initial)
 
 
 def one_sidedness(motion: Trajectory, joint: int, phase: int) -> float:
@@ -54,45 +81,35 @@ def one_sidedness(motion: Trajectory, joint: int, phase: int) -> float:
     return float(np.abs(np.exp(1j * phases.journal_angle(motion, joint)[touching]).mean()))
 
 
-def flights(case: str) -> Callable[[Member], float]:
-    """Number of contacts that start during the deployment."""
-    return lambda member: float(sum(len(phases.contacts_in(member[case], joint, 2)) for joint in JOINTS))
+def flights(motion: Trajectory) -> float:
+    """Number of contacts that start during the deployment, of both joints."""
+    return float(sum(len(phases.contacts_in(motion, joint, 2)) for joint in JOINTS))
 
 
-def force_in_deployment(member: Member) -> float:
+def force_in_deployment(motion: Trajectory) -> float:
     """Greatest contact force of the deployment over that after latching, of both joints."""
-    motion = member[RIGID]
     quiet = [motion.normal_force[phases.phase_of(motion, joint) == 2, joint].max() for joint in JOINTS]
     return float((np.array(quiet) / motion.postlock_peak_force).max())
 
 
-def slide(joint: int) -> Callable[[Member], float]:
+def slide(motion: Trajectory, joint: int) -> float:
     """Slide at latching [deg] as the paper sees it: its panels fold to the other side, so that it is mirrored."""
-    return lambda member: -math.degrees(phases.slide_at_latching(member[RIGID], joint))
+    return -math.degrees(phases.slide_at_latching(motion, joint))
 
 
-def forces_by_window(motion: Trajectory) -> tuple[np.ndarray, np.ndarray]:
-    """(2, windows) greatest contact forces and greatest latch torques after latching."""
-    edges = phases.windows_after_latching(motion)
-    forces = np.stack([phases.greatest_force(motion, joint, edges) for joint in JOINTS])
-    return forces, np.stack([phases.greatest_torque(motion, joint, edges) for joint in JOINTS])
+def circling(motion: Trajectory) -> float:
+    """Greatest angle [deg] by which a journal goes round its bearing within 0.1 s of latching."""
+    return max(abs(slide(motion, joint)) for joint in JOINTS)
 
 
-def bursts(member: Member) -> float:
-    """Rank correlation of forces and latch torques by windows."""
-    forces, torques = forces_by_window(member[RIGID])
-    return phases.rank_correlation(forces.max(axis=0), torques.sum(axis=0))
+def impacts(motion: Trajectory, joint: int) -> float:
+    """Number of contacts that start after the latching."""
+    return float(len(phases.contacts_in(motion, joint, 3)))
 
 
-def synchrony(member: Member) -> float:
-    """Rank correlation of both joints' forces by windows."""
-    forces, _ = forces_by_window(member[RIGID])
-    return phases.rank_correlation(*forces)
-
-
-def impacts_after_latching(motion: Trajectory) -> float:
+def all_impacts(motion: Trajectory) -> float:
     """Number of contacts that start after latching, of both joints."""
-    return float(sum(len(phases.contacts_in(motion, joint, 3)) for joint in JOINTS))
+    return sum(impacts(motion, joint) for joint in JOINTS)
 
 
 def median_peak(motion: Trajectory, joint: int) -> float:
@@ -100,9 +117,45 @@ def median_peak(motion: Trajectory, joint: int) -> float:
     return float(np.median(phases.contacts_in(motion, joint, 3)["peak_force"]))
 
 
-def ratio(figure: Callable[[Trajectory], float], case: str, reference: str) -> Callable[[Member], float]:
-    """A figure of a case over that of another."""
-    return lambda member: figure(member[case]) / figure(member[reference])
+def postlock_peak(motion: Trajectory) -> float:
+    """Greatest contact force after latching [N], of both joints."""
+    return float(motion.postlock_peak_force.max())
+
+
+def window_forces(motion: Trajectory) -> NDArray[np.float64]:
+    """(2, windows) greatest contact forces after latching [N]."""
+    edges = phases.windows_after_latching(motion)
+    return np.stack([phases.greatest_force(motion, joint, edges) for joint in JOINTS])
+
+
+def window_force(motion: Trajectory, joint: int) -> float:
+    """Mean over windows of 0.25 s after latching of the greatest contact force [N]: the height that an eye takes."""
+    return float(window_forces(motion)[joint].mean())
+
+
+def bursts(motion: Trajectory) -> float:
+    """Rank correlation of forces and latch torques by windows."""
+    edges = phases.windows_after_latching(motion)
+    torques = np.sum([phases.greatest_torque(motion, joint, edges) for joint in JOINTS], axis=0)
+    return phases.rank_correlation(window_forces(motion).max(axis=0), torques)
+
+
+def synchrony(motion: Trajectory) -> float:
+    """Rank correlation of both joints' forces by windows."""
+    return phases.rank_correlation(*window_forces(motion))
+
+
+def burst_rank(motion: Trajectory) -> float:
+    """Mean rank, 0 to 1, of the greatest forces about the times of the paper's bursts among those of all windows."""
+    edges, forces = phases.windows_after_latching(motion), window_forces(motion).max(axis=0)
+    ranks = forces.argsort().argsort() / (len(forces) - 1)
+    return float(np.mean([ranks[np.clip(np.searchsorted(edges, t) - 1, 0, len(ranks) - 1)] for t in BURSTS]))
+
+
+def late_bursts(motion: Trajectory) -> float:
+    """Greatest contact force after LAST_BURSTS over the greatest after latching, of both joints."""
+    edges = np.array([LAST_BURSTS, motion.time[-1]])
+    return max(float(phases.greatest_force(motion, joint, edges)[0]) for joint in JOINTS) / postlock_peak(motion)
 
 
 def first_latch_torque(motion: Trajectory) -> float:
@@ -112,54 +165,6 @@ def first_latch_torque(motion: Trajectory) -> float:
         soon = (motion.time >= latched) & (motion.time <= latched + FIRST_PEAK)
         peaks.append(np.abs(motion.latch_torque[soon, joint]).max())
     return float(max(peaks))
-
-
-def cable_amplitude(since: float) -> Callable[[Trajectory], float]:
-    """Greatest cable torque from a time on [N m]."""
-    return lambda motion: float(np.abs(motion.cable_torque[motion.time >= since]).max())
-
-
-def lag(ideal: str, loose: str) -> Callable[[Member], float]:
-    """Time by which the oscillation with clearance lags [s], the smaller one of both joints."""
-    return lambda member: min(phases.lag(member[ideal], member[loose], joint) for joint in JOINTS)
-
-
-# The joint whose clearance is the larger one of models 1 and 2 of the distribution is joint 2 and joint 1.
-def density(member: Member) -> float:
-    """Number of impacts with 0.1 mm over that with 0.2 mm, the smaller ratio of both joints."""
-    small = [len(phases.contacts_in(member[f"distribution-{joint + 1}"], joint, 3)) for joint in JOINTS]
-    large = [len(phases.contacts_in(member[f"distribution-{2 - joint}"], joint, 3)) for joint in JOINTS]
-    return float(min(np.divide(small, large)))
-
-
-def size(joint: int) -> Callable[[Member], float]:
-    """Median peak force at a joint with 0.2 mm over that with 0.1 mm."""
-
-    def ratio(member: Member) -> float:
-        large, small = (median_peak(member[f"distribution-{number}"], joint) for number in (2 - joint, joint + 1))
-        return large / small
-
-    return ratio
-
-
-def worst_wear(motion: Trajectory) -> float:
-    """Deepest bin of all [m]."""
-    return float(motion.wear_depth.max())
-
-
-def unevenness(motion: Trajectory) -> float:
-    """Deepest bin of the joint that wears more over that of the other."""
-    return float(motion.wear_depth.max() / motion.wear_depth.min())
-
-
-def longer_settling(member: Member) -> float:
-    """Length of the initial phase with flexible over that with rigid panels, the smaller ratio of both joints."""
-    return min(settled(FLEXIBLE, joint)(member) / settled(RIGID, joint)(member) for joint in JOINTS)
-
-
-def smaller_impacts(member: Member) -> float:
-    """Median peak force with flexible over that with rigid panels, the greater ratio of both joints."""
-    return max(median_peak(member[FLEXIBLE], j) / median_peak(member[RIGID], j) for j in JOINTS)
 
 
 def lock_torque(motion: Trajectory, joint: int) -> float:
@@ -173,62 +178,42 @@ def settling_time(motion: Trajectory, joint: int) -> float:
     return float(motion.time[torque > SETTLED * torque.max()][-1] - motion.latch_times[joint])
 
 
-def swing(motion: Trajectory, joint: int) -> float:
-    """Root mean square [rad] of the joint angle about its mean after the last latching."""
-    return float(motion.angles[motion.time > np.nanmax(motion.latch_times), joint].std())
-
-
-def window_force(motion: Trajectory, joint: int) -> float:
-    """Mean over windows of 0.25 s after latching of the greatest contact force [N]: the height that an eye takes."""
-    return float(phases.greatest_force(motion, joint, phases.windows_after_latching(motion)).mean())
-
-
-def impacts(motion: Trajectory, joint: int) -> float:
-    """Number of contacts that start after the latching."""
-    return float(len(phases.contacts_in(motion, joint, 3)))
-
-
 def engagements(motion: Trajectory) -> float:
     """Number of times that the latches' torques set in, of both joints, as samples show them."""
     acting = motion.latch_torque[motion.time >= np.nanmin(motion.latch_times)] != 0.0
     return float((acting[1:] & ~acting[:-1]).sum())
 
 
-def joint_2_over_1(figure: Callable[[Trajectory, int], float], case: str = RIGID) -> Callable[[Member], float]:
-    """A figure of joint 2 over that of joint 1."""
-    return lambda member: figure(member[case], 1) / figure(member[case], 0)
+def cable_amplitude(motion: Trajectory, since: float = 0.0) -> float:
+    """Greatest cable torque from a time on [N m]."""
+    return float(np.abs(motion.cable_torque[motion.time >= since]).max())
 
 
-def circling(member: Member) -> float:
-    """Greatest angle [deg] by which a journal goes round its bearing within 0.1 s of latching, with flexible panels."""
-    return max(abs(math.degrees(phases.slide_at_latching(member[FLEXIBLE], joint))) for joint in JOINTS)
+def swing(motion: Trajectory, joint: int) -> float:
+    """Root mean square [rad] of the joint angle about its mean after the last latching."""
+    return float(motion.angles[motion.time > np.nanmax(motion.latch_times), joint].std())
 
 
-def burst_rank(member: Member) -> float:
-    """Mean rank, 0 to 1, of the greatest forces about the times of the paper's bursts among those of all windows."""
-    motion = member[RIGID]
-    edges = phases.windows_after_latching(motion)
-    forces = np.stack([phases.greatest_force(motion, joint, edges) for joint in JOINTS]).max(axis=0)
-    ranks = forces.argsort().argsort() / (len(forces) - 1)
-    return float(np.mean([ranks[np.clip(np.searchsorted(edges, t) - 1, 0, len(ranks) - 1)] for t in BURSTS]))
+def vibration(motion: Trajectory) -> float:
+    """Vibration of the joint rates in the quiet part of the deployment [rad/s]."""
+    return phases.vibration(motion, *QUIET)
 
 
-def late_bursts(member: Member) -> float:
-    """Greatest contact force after LAST_BURSTS over the greatest after latching, of both joints."""
-    motion = member[RIGID]
-    edges = np.array([LAST_BURSTS, motion.time[-1]])
-    late = max(float(phases.greatest_force(motion, joint, edges)[0]) for joint in JOINTS)
-    return late / float(motion.postlock_peak_force.max())
+def lag(ideal: Trajectory, loose: Trajectory) -> float:
+    """Time by which the oscillation with clearance lags [s], the smaller one of both joints."""
+    return min(phases.lag(ideal, loose, joint) for joint in JOINTS)
 
 
-def greatest_distributed(member: Member) -> float:
-    """Greatest contact force [N] of the two models of the distribution of clearances."""
-    return max(float(member[f"distribution-{number}"].peak_force.max()) for number in (1, 2))
+def density(one: Trajectory, two: Trajectory) -> float:
+    """Number of impacts with 0.1 mm over that with 0.2 mm, the smaller ratio of both joints."""
+    return min(large_over_small(impacts, joint)(two, one) for joint in JOINTS)
 
 
-def window_size(joint: int) -> Callable[[Member], float]:
-    """Mean of the windows' greatest forces at a joint with 0.2 mm over that with 0.1 mm."""
-    return lambda member: (
-        window_force(member[f"distribution-{2 - joint}"], joint)
-        / window_force(member[f"distribution-{joint + 1}"], joint)
-    )
+def worst_wear(motion: Trajectory) -> float:
+    """Deepest bin of all [m]."""
+    return float(motion.wear_depth.max())
+
+
+def unevenness(motion: Trajectory) -> float:
+    """Deepest bin of the joint that wears more over that of the other."""
+    return float(motion.wear_depth.max() / motion.wear_depth.min())

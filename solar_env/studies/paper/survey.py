@@ -3,18 +3,16 @@
 import json
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from solar_env.array import ArrayParameters
 from solar_env.mechanics.running.trajectory import Trajectory
-from solar_env.studies.paper.cases import MEMBERS, CaseRun, is_flexible
+from solar_env.studies.paper.cases import MEMBERS, CaseRun, Changes, Value, is_flexible
 from solar_env.studies.paper.claims import CLAIMS, Claim
 from solar_env.support.markdown import markdown_table
-
-Value = float | str | None
 
 # Of parameters that the paper leaves open, besides their defaults; and of the sliding speed, which wear hangs on.
 RANGES: Mapping[str, tuple[Value, ...]] = {
@@ -27,6 +25,7 @@ RANGES: Mapping[str, tuple[Value, ...]] = {
 }
 # Members at each value; one where flexible panels, whose runs take long, are needed.
 RANGE_MEMBERS = 3
+Motions = Mapping[CaseRun, Trajectory]
 
 
 @dataclass(frozen=True)
@@ -34,101 +33,83 @@ class Finding:
     """Verdict on a claim, with the figures it rests on.
 
     Attributes:
-        key, statement, paper, unit: of the claim.
-        low, high: where it agrees.
+        claim: what is judged.
         median, least, greatest: of the figure over the ensemble.
         agreeing: share of the members in which the claim holds.
-        agrees: whether it holds for the median.
         holds_for: by parameter that the paper leaves open, the values at which it holds; the default's included.
         fails_for: the values at which it does not.
-        why: if it differs: why.
-        by_construction: parameters that have been chosen for it; empty where none have.
     """
 
-    key: str
-    statement: str
-    paper: str
-    unit: str
-    low: float
-    high: float
+    claim: Claim
     median: float
     least: float
     greatest: float
     agreeing: float
-    agrees: bool
     holds_for: Mapping[str, tuple[Value, ...]]
     fails_for: Mapping[str, tuple[Value, ...]]
-    why: str
-    by_construction: str
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the claim holds for the median."""
+        return self.claim.holds(self.median)
 
 
 def planned_runs(claims: Sequence[Claim] = CLAIMS, members: int = MEMBERS) -> list[CaseRun]:
     """All runs that the claims need, the longest first."""
-    cases = dict.fromkeys(case for claim in claims for case in claim.cases)
-    runs = {CaseRun(case, member) for case in cases for member in range(members)}
-    runs |= {run for claim in claims for run in _range_runs(claim)}
-    order = {case: number for number, case in enumerate(cases)}
-    return sorted(runs, key=lambda run: (not is_flexible(run.case), order[run.case], _where(run)))
-
-
-def _where(run: CaseRun) -> tuple[str, str, int]:
-    return run.parameter, str(run.value), run.member
+    runs = [CaseRun(case, member) for claim in claims for case in claim.cases for member in range(members)]
+    for claim in claims:
+        for changes in _range_changes(claim):
+            runs += [CaseRun(case, member, changes) for case in claim.cases for member in _range_members(claim)]
+    return sorted(dict.fromkeys(runs), key=lambda run: not is_flexible(run.case))
 
 
 def _range_members(claim: Claim) -> range:
     return range(1 if claim.on_flexible_panels else RANGE_MEMBERS)
 
 
-def _range_runs(claim: Claim) -> Iterator[CaseRun]:
+def _range_changes(claim: Claim) -> Iterator[Changes]:
     for parameter in claim.open_parameters:
         for value in RANGES[parameter]:
-            for member in _range_members(claim):
-                for case in claim.cases:
-                    yield CaseRun(case, member, parameter, value)
+            yield ((parameter, value),)
 
 
-def judge(claim: Claim, motions: Mapping[CaseRun, Trajectory]) -> Finding:
+def judge(claim: Claim, motions: Motions) -> Finding:
     """Measure a claim on the runs that `planned_runs` lists.
 
     Raises:
         KeyError: if one of them is missing.
     """
-    members = sorted({run.member for run in motions if run.case == claim.cases[0] and not run.parameter})
-    figures = np.array([_figure(claim, motions, member) for member in members])
+    members = sorted({run.member for run in motions if run.case == claim.cases[0] and not run.changes})
+    figures = _figures(claim, motions, members)
     median = float(np.median(figures))
-    holds: dict[str, tuple[Value, ...]] = {}
-    fails: dict[str, tuple[Value, ...]] = {}
-    for parameter in claim.open_parameters:
-        figure_at: dict[Any, float] = {getattr(ArrayParameters.preset("paper"), parameter): median}
-        for value in RANGES[parameter]:
-            found = [_figure(claim, motions, member, parameter, value) for member in _range_members(claim)]
-            figure_at[value] = float(np.median(found))
-        holds[parameter] = tuple(value for value in sorted(figure_at, key=_order) if claim.holds(figure_at[value]))
-        fails[parameter] = tuple(sorted(figure_at.keys() - set(holds[parameter]), key=_order))
-    agrees = claim.holds(median)
+    preset = ArrayParameters.preset("paper")
+    at = {parameter: {getattr(preset, parameter): median} for parameter in claim.open_parameters}
+    for changes in _range_changes(claim):
+        ((parameter, value),) = changes
+        at[parameter][value] = float(np.median(_figures(claim, motions, _range_members(claim), changes)))
+
+    def values(holding: bool) -> dict[str, tuple[Value, ...]]:
+        return {
+            parameter: tuple(value for value in sorted(found, key=_order) if claim.holds(found[value]) == holding)
+            for parameter, found in at.items()
+        }
+
     return Finding(
-        key=claim.key,
-        statement=claim.statement,
-        paper=claim.paper,
-        unit=claim.unit,
-        low=claim.low,
-        high=claim.high,
+        claim=claim,
         median=median,
         least=float(figures.min()),
         greatest=float(figures.max()),
         agreeing=float(np.mean([claim.holds(figure) for figure in figures])),
-        agrees=agrees,
-        holds_for=holds,
-        fails_for=fails,
-        why="" if agrees else claim.why,
-        by_construction=claim.by_construction,
+        holds_for=values(holding=True),
+        fails_for=values(holding=False),
     )
 
 
-def _figure(
-    claim: Claim, motions: Mapping[CaseRun, Trajectory], member: int, parameter: str = "", value: Value = 0.0
-) -> float:
-    return claim.measure({case: motions[CaseRun(case, member, parameter, value)] for case in claim.cases})
+def _figures(claim: Claim, motions: Motions, members: Iterable[int], changes: Changes = ()) -> np.ndarray:
+    """The figure of every member, of the preset or with changes."""
+    return np.array(
+        [claim.value({case: motions[CaseRun(case, member, changes)] for case in claim.cases}) for member in members]
+    )
 
 
 def _order(value: Value) -> tuple[bool, float, str]:
@@ -138,16 +119,23 @@ def _order(value: Value) -> tuple[bool, float, str]:
 def as_json(findings: Iterable[Finding]) -> str:
     """The findings as JSON text; what is not finite becomes null."""
 
-    def plain(value: Any) -> Any:
-        return None if isinstance(value, float) and not math.isfinite(value) else value
+    def plain(value: float) -> float | None:
+        return value if math.isfinite(value) else None
 
-    rows = [{name: plain(value) for name, value in asdict(finding).items()} for finding in findings]
+    rows = []
+    for one in findings:
+        claim = one.claim
+        row: dict[str, Any] = {name: getattr(claim, name) for name in ("key", "statement", "paper", "unit")}
+        row |= {"low": plain(claim.low), "high": plain(claim.high)}
+        row |= {name: plain(getattr(one, name)) for name in ("median", "least", "greatest", "agreeing")}
+        row |= {"agrees": one.agrees, "holds_for": one.holds_for, "fails_for": one.fails_for}
+        rows.append({**row, "why": "" if one.agrees else claim.why, "by_construction": claim.by_construction})
     return json.dumps(rows, indent=1)
 
 
 def summary(findings: Sequence[Finding]) -> str:
     """How many claims agree, in a sentence."""
-    free = [finding for finding in findings if not finding.by_construction]
+    free = [finding for finding in findings if not finding.claim.by_construction]
     agreeing = sum(finding.agrees for finding in free)
     chosen = len(findings) - len(free)
     return (
@@ -161,23 +149,25 @@ def as_markdown(findings: Sequence[Finding]) -> str:
     columns = ("", "the paper says", "there", "here: median [least, greatest]", "agrees from, to", "")
     rows = []
     for one in findings:
-        values = f"{_number(one.median)} [{_number(one.least)}, {_number(one.greatest)}] {one.unit}".strip()
-        rows.append((f"`{one.key}`", one.statement, one.paper, values, _interval(one), _verdict(one)))
+        claim = one.claim
+        values = f"{_number(one.median)} [{_number(one.least)}, {_number(one.greatest)}] {claim.unit}".strip()
+        rows.append((f"`{claim.key}`", claim.statement, claim.paper, values, _interval(claim), _verdict(one)))
     return f"{summary(findings)}\n\n{markdown_table(columns, rows)}"
 
 
-def _interval(finding: Finding) -> str:
-    if math.isinf(finding.high):
-        return f"from {_number(finding.low)}"
-    if math.isinf(finding.low):
-        return f"to {_number(finding.high)}"
-    return f"{_number(finding.low)} to {_number(finding.high)}"
+def _interval(claim: Claim) -> str:
+    if math.isinf(claim.high):
+        return f"from {_number(claim.low)}"
+    if math.isinf(claim.low):
+        return f"to {_number(claim.high)}"
+    return f"{_number(claim.low)} to {_number(claim.high)}"
 
 
 def _verdict(finding: Finding) -> str:
-    words = "agrees" if finding.agrees else f"**differs**: {finding.why}"
-    if finding.by_construction:
-        chosen = ", ".join(f"`{name}`" for name in finding.by_construction.split(", "))
+    claim = finding.claim
+    words = "agrees" if finding.agrees else ": ".join(filter(None, ("**differs**", claim.why)))
+    if claim.by_construction:
+        chosen = ", ".join(f"`{name}`" for name in claim.by_construction.split(", "))
         words += f" by construction: {chosen} chosen for it"
     if 0.0 < finding.agreeing < 1.0:
         words += f" ({finding.agreeing:.0%} of the runs agree)"

@@ -1,8 +1,8 @@
-"""Maps of the friction law's two speeds: how fast a contact creeps that should stick, and the step that it needs.
+"""Map of the friction law's two speeds: how fast a contact creeps that should stick, and the step that it needs.
 
 A loaded journal is turned by a torque of half the friction limit (`textbook.loaded_journal`). Coulomb's friction
 would hold it; the ramp between the speeds v0 and v1 lets it creep at v0 + (v1 - v0) / 2 (Y. Li, C. Wang and W. Huang,
-Mech. Syst. Signal Process. 117 (2019) 188, Eq 42, solved for the speed).
+Mech. Syst. Signal Process. 117 (2019) 188, Eq 42, solved for the speed). Explicit steps shrink with v1 - v0.
 """
 
 import math
@@ -22,10 +22,8 @@ LOAD, RADIUS, CLEARANCE = 10.0, 0.01, 2e-4  # N, m, m
 FRICTION, SHARE, INERTIA = 0.15, 0.5, 0.01  # -, of the friction limit, kg m2
 MASS, MINIMUM_SPEED = 1.0, 1e-4  # kg, m/s
 CONTACT = PowerLaw(7.39e10, damping=lankarani_nikravesh.damping(0.5))
-# 300,000 of them make the 30 s of a deployment.
-SHORT_STEP = 1e-4  # s
-# Less than a millimetre in the 30 s of a deployment.
-SLOW_CREEP = 1e-3 / 30.0  # m/s
+SHORT_STEP = 1e-4  # s; 300,000 of them make the 30 s of a deployment
+SLOW_CREEP = 1e-3 / 30.0  # m/s; less than a millimetre in the 30 s of a deployment
 MOST_STEPS = 200_000
 DURATION = 0.02  # s
 EXPLICIT, IMPLICIT = "runge-kutta", "generalized-alpha, step 0.1 ms"
@@ -46,16 +44,10 @@ def friction_step(speed_zero: float, speed_full: float) -> float:
     return 2.785 / (slope * (1.0 / MASS + RADIUS**2 / INERTIA))
 
 
-def _creep(panel: str, speed_zero: float, speed_full: float) -> tuple[float, Trajectory]:
-    """Sliding speed at the end [m/s], and the run."""
-    bearing = Bearing(
-        CLEARANCE,
-        RADIUS,
-        CONTACT,
-        MINIMUM_SPEED,
-        friction_coefficient=FRICTION,
-        friction=RampedCoulomb(speed_zero, speed_full),
-    )
+def creep(panel: str, speed_zero: float, speed_full: float) -> Trajectory:
+    """The run of a journal under half the friction limit."""
+    friction = RampedCoulomb(speed_zero, speed_full)
+    bearing = Bearing(CLEARANCE, RADIUS, CONTACT, MINIMUM_SPEED, friction_coefficient=FRICTION, friction=friction)
     normal = LOAD / math.hypot(1.0, SHARE * FRICTION)
     torque = SHARE * FRICTION * normal * RADIUS
     journal = loaded_journal(bearing, LOAD, math.atan(SHARE * FRICTION))
@@ -65,81 +57,58 @@ def _creep(panel: str, speed_zero: float, speed_full: float) -> tuple[float, Tra
     creeping = replace(body, spin=creep_speed(speed_zero, speed_full) / RADIUS)
     settle = INERTIA * (speed_full - speed_zero) / (FRICTION * LOAD * RADIUS**2)
     duration = min(max(10.0 * settle, DURATION), 2.0)
-    run = simulate(
+    return simulate(
         replace(journal, bodies=(creeping,), loads=(Load("journal", torque=torque),)),
         duration,
         integrator=_INTEGRATORS[panel],
         output_step=duration / 50.0,
     )
-    return float(run.rates[-1, 0]) * RADIUS, run
 
 
-def measure_creep(panel: str, speed_full: float, speed_zero: float) -> Cell:
-    """Sliding speed under half the friction limit."""
+def mean_step(run: Trajectory) -> float:
+    """Mean step of a run [s]."""
+    return float(run.time[-1]) / float(run.metadata["steps"])
 
-    def judge(result: tuple[float, Trajectory]) -> Cell:
-        speed, run = result
-        if abs(speed - creep_speed(speed_zero, speed_full)) > 0.01 * creep_speed(speed_zero, speed_full):
+
+def measure_friction(panel: str, speed_full: float, speed_zero: float) -> Cell:
+    """Sliding speed under half the friction limit; stiff if it is slow and explicit steps are below SHORT_STEP."""
+
+    def judge(run: Trajectory) -> Cell:
+        speed, expected = float(run.rates[-1, 0]) * RADIUS, creep_speed(speed_zero, speed_full)
+        if abs(speed - expected) > 0.01 * expected:
             return Cell(Kind.WRONG, speed)
-        share = run.metadata["creeping_share"]
-        if speed <= SLOW_CREEP or not share > 0.0:
-            return Cell(Kind.FINE if speed <= SLOW_CREEP else Kind.CREEPS, speed)
-        return Cell(Kind.CREEPS, speed, Said.FIGURE, f"creeping_share = {share:.3g} of the samples in contact")
+        if speed > SLOW_CREEP:
+            share = run.metadata["creeping_share"]
+            told = (Said.FIGURE, f"creeping_share = {share:.3g} of the samples in contact") if share > 0.0 else ()
+            return Cell(Kind.CREEPS, speed, *told)
+        if panel == EXPLICIT and mean_step(run) < SHORT_STEP:
+            return Cell(Kind.STIFF, speed, Said.FIGURE, f"steps = {run.metadata['steps']} for {run.time[-1]:.3g} s")
+        return Cell(Kind.FINE, speed)
 
-    return listen(lambda: _creep(panel, speed_zero, speed_full)).cell(judge)
-
-
-def measure_step(panel: str, speed_full: float, speed_zero: float) -> Cell:
-    """Mean step under half the friction limit; stiff where it is shorter than SHORT_STEP."""
-
-    def judge(result: tuple[float, Trajectory]) -> Cell:
-        _, run = result
-        steps = run.metadata["steps"]
-        mean = float(run.time[-1]) / steps
-        if mean < SHORT_STEP:
-            return Cell(Kind.STIFF, mean, Said.FIGURE, f"steps = {steps} for {run.time[-1]:.3g} s")
-        return Cell(Kind.FINE, mean)
-
-    return listen(lambda: _creep(panel, speed_zero, speed_full)).cell(judge)
+    return listen(lambda: creep(panel, speed_zero, speed_full), judge)
 
 
-def step_limit(panel: str, speed_zero: float) -> float:
-    """v1 below which the ramp bounds the explicit step to SHORT_STEP [m/s]."""
-    return speed_zero + SHORT_STEP / friction_step(0.0, 1.0)
-
-
-_FULL = Axis(
-    "speed_full_m_s", "v1: sliding speed of full friction [m/s]", log_range(1e-6, 1e-2, 5), log_range(1e-7, 1e-1, 13)
-)
-_ZERO = Axis(
-    "speed_zero_m_s",
-    "v0: sliding speed at which friction sets in [m/s]",
-    (0.0, 1e-5, 1e-4),
-    (0.0, *log_range(1e-7, 1e-2, 11)),
-)
-CREEP = StabilityMap(
-    name="friction-creep",
+FRICTION_MAP = StabilityMap(
+    name="friction",
     title="Creep of a loaded contact under half the friction limit",
-    x=_FULL,
-    y=_ZERO,
+    x=Axis(
+        "speed_full_m_s",
+        "v1: sliding speed of full friction [m/s]",
+        log_range(1e-6, 1e-2, 5),
+        log_range(1e-7, 1e-1, 13),
+    ),
+    y=Axis(
+        "speed_zero_m_s",
+        "v0: sliding speed at which friction sets in [m/s]",
+        (0.0, 1e-5, 1e-4),
+        (0.0, *log_range(1e-7, 1e-2, 11)),
+    ),
     panels=(EXPLICIT, IMPLICIT),
     quantity="sliding speed [m/s]",
     advice="Where a contact must stick, take v0 = 0 and v1 so small that v1 / 2 times the duration does not matter, "
-    "0.03 mm/s for a millimetre in 30 s: this law has no stiction; creeping_share tells how much of a run crept.",
-    measure=measure_creep,
+    "0.03 mm/s for a millimetre in 30 s, but no smaller, or integrate with generalized-alpha: explicit steps shrink "
+    "with v1 - v0. This law has no stiction; creeping_share tells how much of a run crept.",
+    measure=measure_friction,
     limit=lambda panel, speed_zero: 2.0 * SLOW_CREEP - speed_zero if speed_zero < SLOW_CREEP else math.nan,
     limit_label="law in closed form: a millimetre in 30 s",
-)
-STEP = StabilityMap(
-    name="friction-step",
-    title="The explicit step that the friction ramp leaves",
-    x=_FULL,
-    y=_ZERO,
-    panels=(EXPLICIT,),
-    quantity="mean step [s]",
-    advice="Take no narrower ramp v1 - v0 than the question asks for, or integrate with generalized-alpha: where the "
-    "decay rate of sliding, friction force over mass and ramp, is high, explicit steps are short.",
-    measure=measure_step,
-    limit=step_limit,
-    limit_label="theory: to the left the ramp bounds the step to less than 0.1 ms",
 )

@@ -10,7 +10,7 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import Generic, TypeVar
+from typing import TypeVar
 
 from solar_env.mechanics.running.diagnosis import SimulationWarning
 from solar_env.mechanics.running.errors import SimulationError
@@ -25,10 +25,8 @@ class Kind(StrEnum):
     """Classes of cells, in the order of their colours in a legend."""
 
     FINE = "fine"
-    LIMITED = "held back"  # the library changed what was asked for, and says so
     STIFF = "stiff"  # is right, with steps far shorter than the motion asks for
     CREEPS = "creeps"  # as the law has it, but not as dry friction does
-    CUT_OFF = "cut off"  # the law would pull, and is cut off at zero
     OVER_DAMPED = "over-damped"  # loses what no law takes
     WRONG = "wrong value"  # finishes with another answer
     SPIKES = "spikes"  # is wrong for a while, then recovers
@@ -96,7 +94,6 @@ class StabilityMap:
         measure: panel, x and y to the cell.
         limit: panel and y to the theoretical limit on x; nan where there is none.
         limit_label: what the limit is and where it comes from; empty if there is none.
-        bare: panels that show a method without the library's care, of which no word is expected.
     """
 
     name: str
@@ -109,7 +106,6 @@ class StabilityMap:
     measure: Callable[[str, float, float], Cell]
     limit: Callable[[str, float], float] = lambda panel, y: math.nan
     limit_label: str = ""
-    bare: tuple[str, ...] = ()
 
     def cells(self, quick: bool) -> Iterator[tuple[str, Value, Value]]:
         """(panel, x, y) of every cell of a quick or full run."""
@@ -142,49 +138,25 @@ class StabilityMap:
             "y label": self.y.label,
             "value": self.quantity,
             "limit": self.limit_label,
-            "bare": "; ".join(self.bare),
             "advice": self.advice,
         }
 
 
-@dataclass(frozen=True)
-class Heard(Generic[Result]):
-    """Result of a run, with its errors and warnings.
-
-    Attributes:
-        result: what it returned; None if it raised.
-        said: ERROR, WARNING or SILENT.
-        message: of the error, or of all warnings.
-        failure: class of the error; None if there was none.
-    """
-
-    result: Result | None
-    said: Said
-    message: str
-    failure: Kind | None = None
-
-    def cell(self, judge: Callable[[Result], Cell]) -> Cell:
-        """The cell of the run: that of its error, or as judged by its result, with the warnings if it says nothing."""
-        if self.failure is not None:
-            return Cell(self.failure, math.nan, self.said, self.message)
-        assert self.result is not None
-        judged = judge(self.result)
-        return judged if judged.said else replace(judged, said=self.said, message=self.message)
-
-
-def listen(run: Callable[[], Result]) -> Heard[Result]:
-    """Run, and note errors and warnings of the library instead of passing them on."""
+def listen(run: Callable[[], Result], judge: Callable[[Result], Cell]) -> Cell:
+    """The cell of a run: that of its error, or as judged by its result; warnings of the library go into the cell."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", SimulationWarning)
         try:
             result = run()
         except SimulationError as error:
             kinds = {"newton": Kind.NO_SOLUTION, "step_size": Kind.NO_SOLUTION, "steps": Kind.NO_END}
-            return Heard(None, Said.ERROR, str(error), kinds.get(error.reason, Kind.BLOW_UP))
+            return Cell(kinds.get(error.reason, Kind.BLOW_UP), math.nan, Said.ERROR, str(error))
         except ValueError as error:
-            return Heard(None, Said.ERROR, str(error), Kind.REFUSED)
-    message = "; ".join(str(one.message) for one in caught)
-    return Heard(result, Said.WARNING if message else Said.SILENT, message)
+            return Cell(Kind.REFUSED, math.nan, Said.ERROR, str(error))
+    cell = judge(result)
+    if not caught:
+        return cell
+    return replace(cell, said=Said.WARNING, message="; ".join(str(one.message) for one in caught))
 
 
 def classify_ratios(lowest: float, highest: float, tolerance: float) -> Kind:
@@ -202,13 +174,8 @@ def classify_ratios(lowest: float, highest: float, tolerance: float) -> Kind:
 
 
 def silent_failures(table: Table) -> Table:
-    """The rows of a map that fail although the library said nothing; there should be none. Bare panels do not count."""
-    bare = table.provenance["bare"].split("; ")
-    kept = (
-        row
-        for row in table.rows
-        if row["class"] != Kind.FINE and row["said"] == Said.SILENT and row["panel"] not in bare
-    )
+    """The rows of a map that fail although the library said nothing; there should be none."""
+    kept = (row for row in table.rows if row["class"] != Kind.FINE and row["said"] == Said.SILENT)
     return Table(tuple(kept), table.provenance)
 
 

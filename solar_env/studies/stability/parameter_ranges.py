@@ -1,7 +1,7 @@
 """Ranges of the parameters: each of them over eight decades, what holds there, where it stops, with which message."""
 
 import warnings
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
 from textwrap import shorten
@@ -14,7 +14,7 @@ from solar_env.array.parameters.plausibility import UnitWarning
 from solar_env.mechanics.running.diagnosis import LARGEST_ENERGY_SHARE
 from solar_env.mechanics.running.simulation import Simulation
 from solar_env.studies.common.tables import Row, Table, provenance, write_table
-from solar_env.studies.stability.maps import Kind, listen
+from solar_env.studies.stability.maps import Cell, Kind, Said, listen
 from solar_env.support.markdown import markdown_table
 
 FACTORS = tuple(10.0**decade for decade in range(-4, 5))
@@ -46,8 +46,6 @@ def first(name: str, factor: float = 1.0) -> float:
 def trial(name: str, factor: float, model: str, duration: float = DURATION) -> Row:
     """Deploy the array with one parameter changed; says how that ended, and what the library said."""
     change: dict[str, Any] = {name: scaled(name, factor)}
-    row: Row = {"parameter": name, "model": model, "factor": factor, "value": first(name, factor)}
-    row |= {"class": FINE, "message": ""}
 
     def deployed() -> Simulation:
         # That a value is far from what is usual is what this study wants.
@@ -59,24 +57,23 @@ def trial(name: str, factor: float, model: str, duration: float = DURATION) -> R
         simulation.check()
         return simulation
 
-    heard = listen(deployed)
-    row["message"] = " ".join(heard.message.split())
-    if heard.result is None:
-        return {**row, "class": REFUSED if heard.failure is Kind.REFUSED else STOPPED}
-    if heard.message:
-        return {**row, "class": WARNED}
-    residual, turnover = heard.result.energy_book()
-    return row if abs(residual) <= LARGEST_ENERGY_SHARE * turnover else {**row, "class": SILENT}
+    def judge(simulation: Simulation) -> Cell:
+        residual, turnover = simulation.energy_book()
+        return Cell(Kind.FINE if abs(residual) <= LARGEST_ENERGY_SHARE * turnover else Kind.WRONG, residual)
+
+    cell = listen(deployed, judge)
+    ends = {Said.ERROR: STOPPED, Said.WARNING: WARNED, Said.SILENT: FINE if cell.kind == Kind.FINE else SILENT}
+    ended = REFUSED if cell.kind == Kind.REFUSED else ends[cell.said]
+    row: Row = {"parameter": name, "model": model, "factor": factor, "value": first(name, factor)}
+    return {**row, "class": ended, "message": " ".join(cell.message.split())}
 
 
-def measure(
-    path: Path, tick: Callable[[], object], names: Iterable[str] = NAMES, factors: Sequence[float] = FACTORS
-) -> None:
+def measure(path: Path, tick: Callable[[], object]) -> None:
     """Try all parameters, and write the table."""
     rows = []
-    for name in names:
+    for name in NAMES:
         for model in MODELS:
-            for factor in factors:
+            for factor in FACTORS:
                 rows.append(trial(name, factor, model))
                 tick()
     write_table(path, rows, provenance("solar-env stability --parameters", duration_s=DURATION))
@@ -85,25 +82,22 @@ def measure(
 def page(table: Table) -> str:
     """The page of the ranges, in Markdown."""
     silent = len(table.where(**{"class": SILENT}).rows)
-    lines = [
-        "# Ranges of the parameters",
-        "",
-        "Each of the parameters below from a ten thousandth to ten thousand times its default, all others as they are,",
-        f"{DURATION:g} s of {' and '.join(f'`{model}`' for model in MODELS)}. Fine: the run ends, and its energy book",
-        f"closes within {LARGEST_ENERGY_SHARE:.0%} of the energy turned over. All else the library says, as quoted:",
-        f"{len(table.rows)} runs, {silent} failures without a word. Written by",
-        "`solar-env stability --parameters --out solar_env/studies/stability`. Where the default is zero, or follows",
-        f"from others, another value is in its place ({_words(COUNTED_FROM)}); values by joint are",
-        "changed together, and those of the first are told. Not tried are those that are no quantities",
-        f"({_words(NO_QUANTITIES)}); `solar-env parameters` says what these may be.",
-        "",
-        markdown_table(
-            ["parameter", "counted from", *(f"fine, {model}" for model in MODELS), "elsewhere, at times that"],
-            [_line(table.where(parameter=name)) for name in table.values("parameter")],
-        ),
-        "",
-    ]
-    return "\n".join(lines)
+    rows = [_line(table.where(parameter=name)) for name in table.values("parameter")]
+    columns = ("parameter", "counted from", *(f"fine, {model}" for model in MODELS), "elsewhere, at times that")
+    return f"""# Ranges of the parameters
+
+{len(table.rows)} runs, {silent} failures without a word: a parameter far from its default is fine, or the library says
+what is wrong, as quoted. Fine is a run that ends with its energy book closed within {LARGEST_ENERGY_SHARE:.0%} of the
+energy turned over.
+
+Each parameter goes from a ten thousandth to ten thousand times its default, all others as they are, over
+{DURATION:g} s of {" and ".join(f"`{model}`" for model in MODELS)}. Values by joint are changed together; the table
+has those of the first. Where the default is zero, or follows from others, another value is in its place
+({_words(COUNTED_FROM)}). `solar-env parameters` tells of those that are no quantities
+({_words(NO_QUANTITIES)}). Written by `solar-env stability --parameters --out solar_env/studies/stability`.
+
+{markdown_table(columns, rows)}
+"""
 
 
 def _words(names: Iterable[str]) -> str:
@@ -118,20 +112,16 @@ def _line(table: Table) -> list[str]:
     for model in MODELS:
         factors = table.where(model=model, **{"class": FINE}).column("factor")
         fine.append(f"{first(name, factors.min()):.3g} to {first(name, factors.max()):.3g}" if len(factors) else "-")
-    messages: dict[str, list[str]] = {}
+    return [f"`{name}`", f"{first(name):g}", *fine, "; ".join(_messages(table)) or "-"]
+
+
+def _messages(table: Table) -> list[str]:
+    """What the library said with the factors it said it at; messages that differ in numbers alone once."""
+    factors: dict[str, list[str]] = {}
+    earliest: dict[str, str] = {}
     for row in table.rows:
         if row["class"] != FINE:
             what = f"{row['class']}: {shorten(str(row['message']), LONGEST, placeholder=' ...')}".replace("|", "/")
-            messages.setdefault(what, []).append(f"{row['factor']:g}")
-    said = [f"{', '.join(dict.fromkeys(factors))}: {what}" for what, factors in _merged(messages).items()]
-    return [f"`{name}`", f"{first(name):g}", *fine, "; ".join(said) or "-"]
-
-
-def _merged(messages: dict[str, list[str]]) -> dict[str, list[str]]:
-    """Messages that differ in their numbers alone, as the first of them."""
-    merged: dict[str, list[str]] = {}
-    earliest: dict[str, str] = {}
-    for what, factors in messages.items():
-        words = " ".join(word for word in what.split() if not any(digit in word for digit in "0123456789"))
-        merged.setdefault(earliest.setdefault(words, what), []).extend(factors)
-    return merged
+            words = " ".join(word for word in what.split() if not any(map(str.isdigit, word)))
+            factors.setdefault(earliest.setdefault(words, what), []).append(f"{row['factor']:g}")
+    return [f"{', '.join(dict.fromkeys(found))}: {what}" for what, found in factors.items()]

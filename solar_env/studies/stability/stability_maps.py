@@ -4,20 +4,14 @@ from collections.abc import Callable
 from pathlib import Path
 
 from solar_env.studies.common.tables import provenance, write_table
-from solar_env.studies.stability.beam_maps import BEAM_STEP
-from solar_env.studies.stability.contact_law_maps import PULL_OFF, RESTITUTION
-from solar_env.studies.stability.friction_maps import CREEP, STEP
-from solar_env.studies.stability.impact_maps import EXPLICIT, IMPLICIT
+from solar_env.studies.stability.contact_law_maps import RESTITUTION
+from solar_env.studies.stability.friction_maps import FRICTION_MAP
+from solar_env.studies.stability.impact_maps import IMPLICIT
 from solar_env.studies.stability.maps import StabilityMap
-from solar_env.studies.stability.modal_maps import DEPLOYMENT, RANGE
 from solar_env.studies.stability.multiplier_maps import STEP_CHANGE
-from solar_env.studies.stability.stop_maps import CABLE, DEPTH, LATCH
+from solar_env.studies.stability.stop_maps import LATCH
 
-COMMAND = "solar-env stability"
-ALL = (
-    IMPLICIT, EXPLICIT, STEP_CHANGE, BEAM_STEP, RESTITUTION, PULL_OFF, CREEP, STEP, CABLE, LATCH, DEPTH, RANGE,
-    DEPLOYMENT,
-)  # fmt: skip
+ALL = (IMPLICIT, STEP_CHANGE, RESTITUTION, FRICTION_MAP, LATCH)
 MAPS: dict[str, StabilityMap] = {one.name: one for one in ALL}
 
 
@@ -27,5 +21,4 @@ def measure_map(name: str, quick: bool, path: Path, progress: Callable[[], None]
     for panel, x, y in chosen.cells(quick):
         rows.append(chosen.row(panel, x, y))
         progress()
-    made_by = provenance(COMMAND, map=name, quick=quick, **chosen.description())
-    write_table(path, rows, made_by)
+    write_table(path, rows, provenance("solar-env stability", map=name, quick=quick, **chosen.description()))

@@ -2,8 +2,8 @@
 
 import math
 import textwrap
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -12,6 +12,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 from matplotlib.patheffects import withStroke
+from numpy.typing import NDArray
 
 from solar_env.pictures.style import OUTCOME_COLOURS, STEEL, STYLE
 from solar_env.studies.common.drawing import short
@@ -20,11 +21,9 @@ from solar_env.studies.stability.maps import Kind, Said
 from solar_env.support.files import save_figure
 
 _DARK = (Kind.NO_SOLUTION, Kind.BLOW_UP)
-CELL_WIDTH, CELL_HEIGHT = 0.36, 0.24  # inch
-_LEFT, _BETWEEN, _RIGHT, _TOP, _TICKS, _LINE = 0.95, 0.25, 0.15, 0.55, 0.85, 0.15  # inch
-_NARROWEST, _WIDEST = 7.4, 11.0  # inch; of wider ones the panels stand one above the other, for numbers to be read
-_LEAST_PANEL = (1.9, 1.5)  # inch
-_CHARACTERS = 17.0  # an inch of text
+CELL_WIDTH, CELL_HEIGHT = 0.4, 0.24  # inch
+_NARROWEST = 7.4  # inch
+_CHARACTERS = 15.0  # an inch of text
 _IN_A_LINE = 6  # classes of the legend
 
 
@@ -35,55 +34,44 @@ def draw_map(table_path: Path, figure_path: Path) -> None:
         ValueError: if the table is not that of a map.
     """
     table = read_table(table_path)
-    missing = {"title", "x", "y", "advice"} - table.provenance.keys()
+    about = table.provenance
+    missing = {"title", "x", "y", "advice"} - about.keys()
     if missing:
         raise ValueError(f"{table_path} is not the table of a stability map: it lacks {', '.join(sorted(missing))}")
-    about = table.provenance
     panels = table.values("panel")
     columns, rows = len(table.values(about["x"])), len(table.values(about["y"]))
-    grid = (max(columns * CELL_WIDTH, _LEAST_PANEL[0]), max(rows * CELL_HEIGHT, _LEAST_PANEL[1]))
-    across = len(panels)
-    if _LEFT + across * (grid[0] + _BETWEEN) > _WIDEST:
-        across = 1
-    down = len(panels) // across
-    wanted = _LEFT + across * grid[0] + (across - 1) * _BETWEEN + _RIGHT
-    width = max(wanted, _NARROWEST)
-    foot = _foot(table, int((width - 0.4) * _CHARACTERS))
-    bottom = _TICKS + _LINE * (len(foot) + 2 * (1 + (len(table.values("class")) - 1) // _IN_A_LINE))
-    height = _TOP + down * grid[1] + (down - 1) * (_TICKS + _BETWEEN) + bottom
+    width = max(1.0 + columns * CELL_WIDTH, _NARROWEST)
+    height = len(panels) * (max(rows * CELL_HEIGHT, 1.2) + 0.4) + 2.6
     with mpl.rc_context({**STYLE, "axes.grid": False, "axes.spines.top": True, "axes.spines.right": True}):
-        figure = Figure(figsize=(width, height))
+        figure = Figure(figsize=(width, height), layout="constrained")
         FigureCanvasAgg(figure)
-        for k, panel in enumerate(panels):
-            left = _LEFT + 0.5 * (width - wanted) + k % across * (grid[0] + _BETWEEN)
-            foot_of = bottom + (down - 1 - k // across) * (grid[1] + _TICKS + _BETWEEN)
-            axes = figure.add_axes((left / width, foot_of / height, grid[0] / width, grid[1] / height))
-            _draw_panel(axes, table.where(panel=panel), about, first=k % across == 0)
+        all_axes = figure.subplots(len(panels), sharex=True, squeeze=False)[:, 0]
+        for axes, panel in zip(all_axes, panels, strict=True):
+            _draw_panel(axes, table.where(panel=panel), about)
             axes.set_title(str(panel))
-            if k % across == 0:
-                axes.set_ylabel(textwrap.fill(about["y label"], int(grid[1] * _CHARACTERS)))
-        centre = (_LEFT - _RIGHT + width) / 2.0 / width
-        figure.text(centre, (bottom - _TICKS + 0.22) / height, about["x label"], ha="center", va="bottom")
-        figure.text(0.5, 1.0 - 0.18 / height, about["title"], ha="center", va="center", fontsize=9.5, weight="bold")
-        _draw_legend(figure, table, (0.5, (_LINE * len(foot) + 0.1) / height))
-        figure.text(0.5, 0.1 / height, "\n".join(foot), ha="center", va="bottom", linespacing=1.2)
+        all_axes[-1].set_xlabel(about["x label"])
+        figure.supylabel(about["y label"], fontsize="medium")
+        figure.suptitle(about["title"], weight="bold")
+        present = table.values("class")
+        shown = [(kind, colour) for kind, colour in OUTCOME_COLOURS.items() if kind in present]
+        handles = [Patch(facecolor=colour, edgecolor=STEEL, linewidth=0.4, label=kind) for kind, colour in shown]
+        foot = "\n".join(_foot(about, int(width * _CHARACTERS)))
+        figure.legend(handles=handles, title=foot, loc="outside lower center", ncols=_IN_A_LINE)
         save_figure(figure, figure_path, dpi=160)
 
 
-def _foot(table: Table, characters: int) -> list[str]:
-    """Lines under the legend: what numbers, lines and dots mean, and the advice."""
-    about = table.provenance
+def _foot(about: Mapping[str, str], characters: int) -> list[str]:
+    """Lines above the legend: what numbers, lines and dots mean, and the advice."""
     marks = f"Number in a cell: {about['value']}. Dot: the library says so."
     if about["limit"]:
         marks += f" Line: {about['limit']}."
     return [*textwrap.wrap(marks, characters), *textwrap.wrap(about["advice"], characters)]
 
 
-def _draw_panel(axes: Axes, table: Table, about: Any, first: bool) -> None:
-    x_values, y_values = table.column(about["x"]), table.column(about["y"])
+def _draw_panel(axes: Axes, table: Table, about: Mapping[str, str]) -> None:
     x_ticks, y_ticks = (np.array(table.values(about[axis]), dtype=float) for axis in "xy")
-    for row, x, y in zip(table.rows, x_values, y_values, strict=True):
-        i, k = int(np.flatnonzero(x_ticks == x)[0]), int(np.flatnonzero(y_ticks == y)[0])
+    for row in table.rows:
+        i, k = (int(np.flatnonzero(ticks == row[about[axis]])[0]) for axis, ticks in (("x", x_ticks), ("y", y_ticks)))
         kind = choice(row, "class", Kind)
         axes.add_patch(
             Rectangle((i - 0.5, k - 0.5), 1.0, 1.0, facecolor=OUTCOME_COLOURS[kind], edgecolor="white", linewidth=0.4)
@@ -96,27 +84,19 @@ def _draw_panel(axes: Axes, table: Table, about: Any, first: bool) -> None:
             text.set_path_effects([withStroke(linewidth=3.0, foreground=OUTCOME_COLOURS[kind])])
         if choice(row, "said", Said) != Said.SILENT:
             axes.plot(i + 0.42, k + 0.4, ".", color=ink, markersize=2.0)
-    for k, y in enumerate(table.values(about["y"])):
-        place = _place(number(table.first(**{about["y"]: y}), "limit"), x_ticks)
-        if math.isfinite(place):
+        place = _place(number(row, "limit"), x_ticks)
+        if i == 0 and math.isfinite(place):
             axes.plot([place, place], [k - 0.5, k + 0.5], color="black", linewidth=1.6, solid_capstyle="butt", zorder=2)
     axes.set_xlim(-0.5, len(x_ticks) - 0.5)
     axes.set_ylim(-0.5, len(y_ticks) - 0.5)
     axes.set_xticks(range(len(x_ticks)), [f"{x:.3g}" for x in x_ticks], rotation=90)
-    axes.set_yticks(range(len(y_ticks)), [f"{y:.3g}" for y in y_ticks] if first else [""] * len(y_ticks))
+    axes.set_yticks(range(len(y_ticks)), [f"{y:.3g}" for y in y_ticks])
     axes.tick_params(length=2.0, labelsize=8)
 
 
-def _place(limit: float, ticks: Any) -> float:
+def _place(limit: float, ticks: NDArray[np.float64]) -> float:
     """Place of a value among ticks that are drawn at equal distances, by interpolating its logarithm; nan outside."""
     if not limit > 0.0 or not (ticks > 0.0).all():
         return math.nan
     places = np.interp(math.log(limit), np.log(ticks), np.arange(len(ticks)), left=math.nan, right=math.nan)
     return float(places)
-
-
-def _draw_legend(figure: Any, table: Table, place: tuple[float, float]) -> None:
-    present = table.values("class")
-    shown = [(kind, colour) for kind, colour in OUTCOME_COLOURS.items() if kind in present]
-    handles = [Patch(facecolor=colour, edgecolor=STEEL, linewidth=0.4, label=kind) for kind, colour in shown]
-    figure.legend(handles=handles, loc="lower center", bbox_to_anchor=place, ncols=_IN_A_LINE, columnspacing=1.2)

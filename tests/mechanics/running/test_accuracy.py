@@ -15,6 +15,7 @@ from solar_env.array import ArrayParameters, build
 from solar_env.array.deployment import simulate as simulate_deployment
 from solar_env.environment.registration import DEPLOY
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, ModalRadau, RungeKutta
+from solar_env.mechanics.joints.contact.laws import contact_law
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.mechanism.description import Bearing, Stop
 from solar_env.mechanics.mechanism.textbook import bouncing_block, four_bar
@@ -160,6 +161,20 @@ def test_contacts_below_the_minimum_impact_speed_are_counted() -> None:
     assert slow.metadata["slow_contacts"] == slow.contact_starts[0] == 1
     assert fast.metadata["slow_contacts"] == 0
     assert slow.summary()["slow_contacts"] == 1
+
+
+@pytest.mark.parametrize(("restitution", "least", "most"), [(1.0, 0.0, 0.01), (0.01, 1.0, 1.0)])
+def test_a_run_tells_in_how_many_samples_the_damping_was_cut_off(restitution: float, least: float, most: float) -> None:
+    """A journal is pulled off the wall ten times as fast as the slowest impact, by ten times the elastic force."""
+    depth, slowest = 1e-6, 1e-4
+    pull = (10.0 * slowest) ** 2 / (2.0 * depth)
+    contact = contact_law("flores", ArrayParameters(contact_stiffness=None).surfaces(0), restitution)
+    _, elastic, _, _ = contact.force(contact.parameters(), depth, 0.0, slowest)
+    free = bouncing_block(Bearing(100.0 * depth, 0.01, contact, slowest), elastic / (0.1 * pull), speed=0.0)
+    pulled = replace(free, bodies=(replace(free.bodies[0], position=(101.0 * depth, 0.0)),), gravity=(-pull, 0.0))
+    duration = 1.2 * 10.0 * slowest / pull
+    run = simulate(pulled, duration, integrator=RungeKutta(rtol=1e-8), output_step=duration / 500.0)
+    assert least <= run.metadata["cut_off_share"] <= most
 
 
 def test_a_step_of_fewer_than_four_to_an_impact_is_refused() -> None:

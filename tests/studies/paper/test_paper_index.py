@@ -1,30 +1,32 @@
-"""The index of the paper's equations, figures and tables: complete, and true of the code."""
+"""The page's table of the paper's equations, figures and tables: complete, and true of the code."""
 
 import re
 from pathlib import Path
 
 import pytest
 
-from solar_env.commands.studies.paper import INDEX_SECTION
-from solar_env.studies.paper.index import INDEX, Entry, as_markdown
+from solar_env.commands.studies.paper import FOLDER
 
 ROOT = Path(__file__).parents[3]
+SECTION = (FOLDER / "README.md").read_text(encoding="utf-8").split("### Where each equation is")[1].split("\n## ")[0]
+ROWS = [line for line in SECTION.splitlines() if line.startswith("| ")]
+# Place in the paper -> file and name of its code, and of its test.
+INDEX = {
+    place: (code.strip("`"), test.strip("`"))
+    for place, _, code, test, _ in ([cell.strip() for cell in row.split("|")[1:-1]] for row in ROWS if "`" in row)
+}
 
 
-def test_every_equation_and_figure_is_listed_once() -> None:
-    for kind, all_numbers in (("Eq", range(1, 47)), ("Fig", range(1, 24))):
-        listed = [number for entry in INDEX if entry.place.startswith(kind) for number in entry.numbers]
-        assert listed == list(all_numbers)
+def test_every_equation_and_figure_is_listed_once():
+    for kind, last in (("Eq", 46), ("Fig", 23)):
+        spans = [re.findall(r"\d+", place) for place in INDEX if place.startswith(kind)]
+        assert [k for span in spans for k in range(int(span[0]), int(span[-1]) + 1)] == list(range(1, last + 1))
 
 
-@pytest.mark.parametrize("entry", INDEX, ids=lambda entry: entry.place)
-def test_what_is_listed_is_there(entry: Entry) -> None:
-    for place in (entry.code, entry.test):
-        file, name = place.split(":")
+@pytest.mark.parametrize("place", INDEX)
+def test_what_is_listed_is_there(place):
+    for listed in INDEX[place]:
+        file, name = listed.split(":")
         text = (ROOT / file).read_text(encoding="utf-8")
-        assert re.search(rf"^(def |class |){re.escape(name)}\b", text, re.MULTILINE), place
-        assert name.startswith("test_") == (place == entry.test)
-
-
-def test_the_page_holds_the_index() -> None:
-    assert INDEX_SECTION.read() == as_markdown()
+        assert re.search(rf"^(def |class |){re.escape(name)}\b", text, re.MULTILINE), listed
+        assert name.startswith("test_") == (listed == INDEX[place][1])

@@ -4,18 +4,8 @@ import pytest
 
 from solar_env.__main__ import main
 from solar_env.commands.studies.paper import LEVELS_SECTION
-from solar_env.studies.paper.levels import (
-    CONVERGED,
-    DAMPED,
-    FINER,
-    FLEXIBLE_CLAIMS,
-    LEVELS,
-    MEMBERS,
-    PAPER,
-    as_markdown,
-    cells,
-    verdict,
-)  # fmt: skip
+from solar_env.studies.paper import levels
+from solar_env.studies.paper.levels import CONVERGED, DAMPED, FINER, FLEXIBLE_CLAIMS, LEVELS, PAPER, verdict
 
 
 @pytest.mark.parametrize(
@@ -37,11 +27,11 @@ def test_a_claim_is_owed_to_what_it_needs(holding, owed):
 def test_the_table_has_medians_over_the_members_and_bold_where_claims_hold():
     claim = FLEXIBLE_CLAIMS[0]
     results = []
-    for cell in cells():
+    for cell in levels.cells():
         figure = claim.low * (1.001 if cell["level"] == PAPER.name else 0.9) + 1e-9 * cell["member"]
         results.append(dict.fromkeys((one.key for one in FLEXIBLE_CLAIMS), figure))
-    assert len(results) == MEMBERS * len(LEVELS)
-    row = as_markdown(results).splitlines()[2]
+    assert len(results) == levels.MEMBERS * len(LEVELS)
+    row = levels.as_markdown(results).splitlines()[2]
     assert row.count("**") == 2
     assert row.endswith("| the mesh's, undamped |")
 
@@ -55,9 +45,7 @@ def test_the_page_has_all_levels_and_claims_with_the_verdicts_that_its_figures_c
         assert found.strip() == verdict({level: "**" in figure for level, figure in zip(LEVELS, figures, strict=True)})
 
 
-@pytest.mark.parametrize(
-    "options", [["--levels", "--figure", "5"], ["--identify", "--json"], ["--levels", "--identify"]]
-)
+@pytest.mark.parametrize("options", [["--levels", "--figure", "5"], ["--set", "preset", "--levels"]])
 def test_what_the_command_does_one_at_a_time_excludes_the_rest(options, capsys):
     assert main(["paper", *options]) == 2
-    assert "--levels and --identify stand alone" in capsys.readouterr().err
+    assert "exclude each other" in capsys.readouterr().err

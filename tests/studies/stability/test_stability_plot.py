@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import matplotlib as mpl
 import pytest
 
 from solar_env.pictures.style import OUTCOME_COLOURS
@@ -19,7 +20,6 @@ ABOUT = {
     "y label": "rho_inf",
     "value": "gain",
     "limit": "theory",
-    "bare": "",
     "advice": "Take shorter steps.",
 }
 
@@ -37,16 +37,7 @@ def write_example(path: Path) -> None:
     write_table(path, rows, ABOUT)
 
 
-@pytest.mark.parametrize("suffix", ["png", "svg"])
-def test_a_table_is_enough_for_a_figure(tmp_path: Path, suffix: str) -> None:
-    write_example(tmp_path / "map.csv")
-    draw_map(tmp_path / "map.csv", tmp_path / f"map.{suffix}")
-    assert (tmp_path / f"map.{suffix}").stat().st_size > 5_000
-
-
-def test_a_figure_shows_title_classes_limit_and_advice(tmp_path: Path) -> None:
-    import matplotlib as mpl
-
+def test_a_table_is_enough_for_a_figure_with_title_classes_limit_and_advice(tmp_path: Path) -> None:
     write_example(tmp_path / "map.csv")
     with mpl.rc_context({"svg.fonttype": "none"}):
         draw_map(tmp_path / "map.csv", tmp_path / "map.svg")

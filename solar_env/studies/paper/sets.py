@@ -1,0 +1,50 @@
+"""Sets of what the paper leaves open, as a search found them: `identification-shortlist.csv`, `-front.csv`.
+
+The search ended with commit d3d47ea, which has its program. What it found is on the page of this study.
+"""
+
+from collections.abc import Mapping
+
+from solar_env.studies.common.tables import Cell, number, read_table
+from solar_env.studies.paper.cases import Changes, Value
+from solar_env.support.readme import STUDIES
+
+FOLDER = STUDIES / "paper"
+LATCH_DEPTH = 0.01  # rad; the tables have the latches' torque at this depth in place of their stiffness
+_COLUMNS = (
+    "hinge_y", "cable_torque_ratio", "cable_stiffness", "cable_preload_force", "latch_gap", "latch_exponent",
+    "latch_damping", "latch_ramp_depth", "friction_speed_zero",
+)  # fmt: skip
+
+
+def found_set(name: str) -> Changes:
+    """A set of the shortlist by its name, or "front 1", "front 2" and so on of those that no other betters.
+
+    Raises:
+        ValueError: if there is none of that name.
+    """
+    shortlist = read_table(FOLDER / "identification-shortlist.csv")
+    front = read_table(FOLDER / "identification-front.csv")
+    rows = {str(row["name"]): row for row in shortlist.rows}
+    names = ", ".join(rows)
+    rows |= {f"front {number}": row for number, row in enumerate(front.rows, start=1)}
+    if name not in rows:
+        raise ValueError(f"set {name!r} is unknown; choose from {names} and front 1 to front {len(front.rows)}")
+    return changes_of(rows[name])
+
+
+def changes_of(row: Mapping[str, Cell]) -> Changes:
+    """Parameters of a row of the tables that differ from the `paper` preset."""
+    values = {name: number(row, name) for name in _COLUMNS}
+    stiffness = number(row, "latch_torque") / LATCH_DEPTH ** values["latch_exponent"]
+    full = values["friction_speed_zero"] * number(row, "friction_speed_ratio")
+    changes: dict[str, Value] = {
+        **values,
+        # The tables have four digits, which give back the round values that named sets were searched with.
+        "latch_stiffness": float(f"{stiffness:.4g}"),
+        "friction_speed_full": float(f"{full:.4g}"),
+        "friction_sliding": str(row["sliding"]),
+    }
+    if row["stiffness"] == "eq 40":
+        changes["contact_stiffness"] = None
+    return tuple(changes.items())

@@ -1,8 +1,8 @@
 """The control task: what an agent sees, what it is charged, when an episode ends.
 
-`task` has limits, times and motors, `versions` those of each version with its prices; `observations` and `reward` are
-the tables of what can be observed and charged; `sensors` is what hardware makes of observations; `periods` begins and
-ends a control period.
+`task` has limits, times and motors, `versions` those of each version with its prices, `control` the motors' torques and
+the end of an episode; `observations` and `reward` are the tables of what can be observed and charged; `sensors` is what
+hardware makes of observations; `periods` begins and ends a control period.
 
 To add
 

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array.names import unknown_name
+from solar_env.environment.task.control import last_latch
 from solar_env.environment.task.features import FEATURES, MEASURED, Feature
-from solar_env.environment.task.task import last_latch
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.formulations import view_joint_of
 from solar_env.mechanics.numerics.jit import kernel

@@ -1,8 +1,8 @@
 """Beginning and end of a control period, lane by lane; a single environment is a batch of one lane."""
 
+from solar_env.environment.task.control import begin_period, begin_sample, has_ended
 from solar_env.environment.task.observations import observe
 from solar_env.environment.task.reward import charge
-from solar_env.environment.task.task import begin_period, begin_sample, has_ended
 from solar_env.mechanics.arrays.lanes import lane_view
 from solar_env.mechanics.numerics.jit import kernel
 
@@ -22,7 +22,7 @@ def begin_samples(models, states, task, lanes, actions, rate_errors, loop_torque
         models, states: arrays of all lanes.
         task: TaskNumbers.
         lanes: (k,) indices.
-        actions, rate_errors, loop_torques: (lanes, motors) as `task.begin_sample` has them; the last are updated.
+        actions, rate_errors, loop_torques: (lanes, motors) as `control.begin_sample` has them; the last are updated.
         end_times: (lanes,) ends of the control period [s].
         sample_ends: (lanes,) times of the next samples [s]; written.
     """

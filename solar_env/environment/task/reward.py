@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from solar_env.array.names import changed, unknown_name
-from solar_env.environment.task.task import missed_deadline
+from solar_env.environment.task.control import missed_deadline
 from solar_env.environment.task.versions import BOUNDED, PRESENT, Version
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.formulations import view_joint_of

@@ -1,23 +1,14 @@
 """The mechanism that array parameters describe, folded, and the outline of its main body."""
 
 import math
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.array.models import has_clearance, has_flexible_panels
-from solar_env.array.panels import MODAL, PanelModel
+from solar_env.array.level import ModelLevel
 from solar_env.array.parameters import ArrayParameters
 from solar_env.mechanics.bodies.description import Point
 from solar_env.mechanics.mechanism.description import AnyBody, Body, CableLoop, Joint, Mechanism, Spring
-
-
-def _rigid_panel(p: ArrayParameters, name: str, motion: dict[str, Any]) -> AnyBody:
-    """A panel as a rigid body with its motion at t = 0."""
-    mass = p.panel_density * p.panel_width * p.panel_thickness * p.panel_length
-    inertia = mass * (p.panel_length**2 + p.panel_thickness**2) / 12.0
-    return Body(name, mass, inertia, p.panel_length, (p.panel_length / 2, 0.0), **motion)
 
 
 def _turning(spin: float, arm: Point) -> Point:
@@ -25,32 +16,21 @@ def _turning(spin: float, arm: Point) -> Point:
     return (-spin * arm[1], spin * arm[0])
 
 
-def build(
-    parameters: ArrayParameters,
-    model: str = "rigid-clearance",
-    elements: int | None = None,
-    *,
-    panels: str | PanelModel | None = None,
-    modes: int | None = None,
-) -> Mechanism:
+def build(parameters: ArrayParameters, model: str | ModelLevel = "rigid-clearance") -> Mechanism:
     """Describe the array as a mechanism, folded, with its initial rates.
 
     Args:
         parameters: of the array.
-        model: one of MODELS.
-        elements, panels, modes: see `PanelModel.of`; rigid models do not use them.
+        model: its level, see `ModelLevel`.
 
     Raises:
-        ValueError: if a name or a number is refused, or if they contradict each other.
+        ValueError: if the level is unknown or does not go with a parameter.
     """
-    chosen = PanelModel.of(model, panels, elements, modes)
-    flexible = has_flexible_panels(model)
-    panel = chosen.body if flexible else _rigid_panel
-    p = parameters
-    if p.cable_bearing_forces and flexible and chosen.kind == MODAL:
+    level, p = ModelLevel.of(model), parameters
+    if p.cable_bearing_forces and level.modal:
         raise ValueError(
-            "cable_bearing_forces = True: cables do not pull on the bearings of modal panels; choose panels='ancf', a "
-            "model with rigid panels, or cable_bearing_forces = False"
+            f"cable_bearing_forces = True: cables do not pull on the bearings of modal panels; choose the model "
+            f"'{level.name}:6 elements', one with rigid panels, or cable_bearing_forces = False"
         )
     # Base points of the main body: below the hinge's height at the centroid, and the hinge itself.
     bodies: list[AnyBody] = [
@@ -74,7 +54,7 @@ def build(
         angle = -sign * math.pi / 2
         spin += sign * p.by_joint("initial_rate", k)
         motion = {"position": hinge, "angle": angle, "velocity": velocity, "spin": spin}
-        bodies.append(panel(p, f"panel {k + 1}", motion))
+        bodies.append(level.body(p, f"panel {k + 1}", motion))
         lock = p.lock_angle(k)
         joints.append(
             Joint(
@@ -86,7 +66,7 @@ def build(
                 sign=sign,
                 folded_angle=-sign * math.pi if k else angle,
                 middle=lock / 2,
-                bearing=p.bearing(k) if has_clearance(model) else None,
+                bearing=p.bearing(k) if level.clearance else None,
                 spring=Spring(p.by_joint("spring_stiffness", k), p.by_joint("spring_preload_angle", k)),
                 stop=p.stop(k),
                 lock_angle=lock,

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from solar_env.array.compilation import announce_compilation, mark_compiled
 from solar_env.array.construction import build
-from solar_env.array.methods import default_integrator, given_integrator
-from solar_env.array.panels import PanelModel
+from solar_env.array.level import ModelLevel
+from solar_env.array.methods import given_integrator
 from solar_env.array.parameters import ArrayParameters
 from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.integrators.methods.table import METHODS
@@ -22,10 +22,7 @@ def simulate(
     parameters: ArrayParameters | Mapping[str, Any] | None = None,
     *,
     preset: str = "default",
-    model: str = "rigid-clearance",
-    panels: str | PanelModel | None = None,
-    elements: int | None = None,
-    modes: int | None = None,
+    model: str | ModelLevel = "rigid-clearance",
     duration: float = 30.0,
     integrator: Integrator | str | None = None,
     rtol: float | None = None,
@@ -36,16 +33,13 @@ def simulate(
 
     Args:
         parameters: a parameter set, or changes by name to that of the preset.
-        preset: name of a parameter set, see `ArrayParameters.preset`; the flexible panels of "paper" are "ancf".
-        model: one of `array.MODELS`.
-        panels: model of flexible panels: "modal", their modes in a floating frame, or "ancf", beams of cable elements;
-            by default what elements, modes, integrator and preset ask for, else "modal". With rigid panels this and
-            the next two are refused.
-        modes: bending modes of each modal panel, by default 32.
-        elements: beam elements of each panel of "ancf", by default 6.
+        preset: name of a parameter set, see `ArrayParameters.preset`.
+        model: its level: one of `array.MODELS`, after which the fineness of flexible panels may stand, as in
+            "flexible-clearance:8 modes" (in a floating frame; 32 by default) or "flexible-ideal:6 elements" (beams of
+            cable elements, as the paper's).
         duration: [s].
         integrator: settings of a method, such as `RungeKutta(rtol=1e-8)`, or its name, such as "rosenbrock", see
-            `array.methods.make_integrator`; by default that of `default_integrator` of the model.
+            `array.methods.make_integrator`; by default that of `default_integrator` of the level.
         rtol: local error tolerance of the default or of a named method; settings hold their own.
         output_step: distance of the samples [s]; independent of the integration step.
         progress: called with the simulated time [s] now and then; the result does not depend on it.
@@ -65,17 +59,16 @@ def simulate(
     """
     if not isinstance(parameters, ArrayParameters):
         parameters = ArrayParameters.preset(preset).with_changes(parameters or {})
-    given = given_integrator(integrator, model, rtol)
-    chosen = PanelModel.requested(model, panels, elements, modes, given.name if given else None, preset)
-    method = given or default_integrator(model, chosen).with_options(None, rtol)
+    level = ModelLevel.of(model)
+    method = given_integrator(integrator, level, rtol)
     announce_compilation(method.name)
     trajectory = simulate_mechanism(
-        build(parameters, model, panels=chosen),
+        build(parameters, level),
         duration,
         integrator=method,
         output_step=output_step,
         progress=progress,
-        metadata={"model": model, **chosen.keywords_of(model), "parameters": parameters.to_dict()},
+        metadata={"model": str(level), "parameters": parameters.to_dict()},
     )
     mark_compiled(method.name)
     return trajectory
@@ -92,8 +85,7 @@ def panel_deflections(trajectory: Trajectory) -> NDArray[np.float64]:
     """
     details = trajectory.metadata
     parameters = ArrayParameters().with_changes(details["parameters"])
-    panels = {name: details.get(name) for name in ("panels", "elements", "modes")}
-    model, _ = METHODS[details["integrator"]].formulation.compile(build(parameters, details["model"], **panels))
+    model, _ = METHODS[details["integrator"]].formulation.compile(build(parameters, details["model"]))
     bodies = range(1, parameters.panel_count + 1)
     return np.stack([_middle_deflection(centreline(model, trajectory.coordinates, body, 2)) for body in bodies], axis=1)
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, get_type_hints
 
-from solar_env.array.panels import PanelModel
+from solar_env.array.level import ModelLevel
 
 PACKAGED_TABLE = Path(__file__).resolve().parent / "data" / "ladder.csv"
 
@@ -24,8 +24,6 @@ QUESTIONS = {
     "controller-ranking": "which of two controllers is softer by peak force and by sliding work; errors are shares of "
     "pairs in the wrong order",
 }
-DEFAULT_QUESTION = "controller-ranking"  # what a controller that learns needs to be told rightly
-DEFAULT_TOLERANCE = 0.2
 _ROUNDING = 1.0 + 1e-9  # shares of pairs are compared with tolerances that are such shares
 
 
@@ -35,9 +33,7 @@ class Answer:
 
     Attributes:
         question: one of QUESTIONS.
-        model: one of `array.MODELS`.
-        panels: kind of its flexible panels, one of `array.PANELS`; empty with rigid panels.
-        count: of elements or modes of each flexible panel; 0 with rigid panels.
+        level: of the model, a word as `ModelLevel.of` takes it.
         error: of the mean over an ensemble, relative, against a reference that is finer than all levels. Of the worst
             joint, where there are several.
         half_width: of the 95 % sampling band of that error.
@@ -47,9 +43,7 @@ class Answer:
     """
 
     question: str
-    model: str
-    panels: str
-    count: int
+    level: str
     error: float
     half_width: float
     cost_ratio: float
@@ -60,16 +54,6 @@ class Answer:
     def bound(self) -> float:
         """Error plus half-width: a level answers a question to a tolerance that is no smaller."""
         return self.error + self.half_width
-
-    @property
-    def level(self) -> str:
-        """The level in words."""
-        return f"{self.model}, {self.panel_model.size}" if self.panels else self.model
-
-    @property
-    def panel_model(self) -> PanelModel:
-        """The model of its panels; with rigid panels, which use none, the default one."""
-        return PanelModel(self.panels, self.count) if self.panels else PanelModel.of(self.model)
 
 
 def read_answers(path: Path = PACKAGED_TABLE) -> tuple[Answer, ...]:
@@ -146,7 +130,16 @@ def cheapest(answers: Iterable[Answer], question: str, tolerance: float) -> Answ
         best = min(asked, key=lambda answer: answer.bound)
         raise ValueError(
             f"no level answers {question!r} to a tolerance of {tolerance:g}: the best, {best.level}, is known to "
-            f"{best.bound:.3g} (error {best.error:.3g}, sampling {best.half_width:.3g}); allow as much, or choose "
-            "model and panels yourself and compare ensembles"
+            f"{best.bound:.3g} (error {best.error:.3g}, sampling {best.half_width:.3g}); allow as much, or name a "
+            "level yourself and compare ensembles"
         )
     return min(within, key=lambda answer: answer.cost_ratio)
+
+
+def cheapest_level(question: str, tolerance: float) -> str:
+    """The cheapest level of the model that answers a question to a relative tolerance, as `model=` takes it.
+
+    Raises:
+        ValueError: as `cheapest`.
+    """
+    return cheapest(read_answers(), question, tolerance).level

@@ -1,0 +1,109 @@
+"""The level of the model, a word: panels rigid or flexible, joints ideal or with clearance, and how fine the panels are."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Any, Self
+
+from solar_env.array.names import unknown_name
+from solar_env.array.parameters import ArrayParameters
+from solar_env.mechanics.bodies.description import AnyBody, Body, FlexibleBody, ModalPanel
+
+RIGID, FLEXIBLE, IDEAL, CLEARANCE = "rigid", "flexible", "ideal", "clearance"
+# The levels without a count: rigid panels, or flexible ones of DEFAULT_MODES modes.
+MODELS = tuple(f"{panels}-{joints}" for panels in (RIGID, FLEXIBLE) for joints in (IDEAL, CLEARANCE))
+MODES, ELEMENTS = "modes", "elements"
+DEFAULT_MODES = 32
+_WORD = re.compile(r"(?P<name>[^:]+)(: *(?P<count>\d+) (?P<unit>mode|element)s?)?")
+
+
+@dataclass(frozen=True)
+class ModelLevel:
+    """A level of the model; as a word "rigid-clearance", "flexible-ideal:6 elements" or "flexible-clearance:8 modes".
+
+    Attributes:
+        panels: "rigid" or "flexible".
+        joints: "ideal" or "clearance".
+        unit: of which flexible panels consist: "modes", bending modes in a floating frame, or "elements", cable
+            elements of the absolute nodal coordinate formulation; "" of rigid ones.
+        count: number of these in each panel; 0 of rigid ones.
+
+    Raises:
+        ValueError: on construction, if the panels refuse the count.
+    """
+
+    panels: str
+    joints: str
+    unit: str = ""
+    count: int = 0
+
+    def __post_init__(self) -> None:
+        self.body(ArrayParameters(), "panel", {})
+
+    @classmethod
+    def of(cls, word: str | Self) -> Self:
+        """The level of a word.
+
+        Raises:
+            ValueError: if it is none; the message names those that come close.
+        """
+        if isinstance(word, cls):
+            return word
+        found = _WORD.fullmatch(word) if isinstance(word, str) else None
+        name = found["name"] if found else word
+        if found is None or name not in MODELS:
+            raise ValueError(
+                f"{unknown_name('model', name, MODELS)}; flexible panels may be followed by their fineness, as in "
+                "'flexible-clearance:8 modes' or 'flexible-ideal:6 elements'"
+            )
+        panels, joints = name.split("-")
+        if panels == RIGID:
+            if found["count"] is not None:
+                raise ValueError(f"model {word!r} has rigid panels, which consist of nothing: name it {name!r}")
+            return cls(panels, joints)
+        if found["count"] is None:
+            return cls(panels, joints, MODES, DEFAULT_MODES)
+        return cls(panels, joints, f"{found['unit']}s", int(found["count"]))
+
+    @property
+    def name(self) -> str:
+        """The word without the panels' fineness, one of MODELS."""
+        return f"{self.panels}-{self.joints}"
+
+    @property
+    def flexible(self) -> bool:
+        """Whether the panels bend."""
+        return self.panels == FLEXIBLE
+
+    @property
+    def clearance(self) -> bool:
+        """Whether the joints have clearance."""
+        return self.joints == CLEARANCE
+
+    @property
+    def modal(self) -> bool:
+        """Whether the panels are described by their modes."""
+        return self.unit == MODES
+
+    @property
+    def size(self) -> str:
+        """The fineness of the panels in words: "32 modes", or "rigid"."""
+        return f"{self.count} {self.unit[:-1] if self.count == 1 else self.unit}" if self.flexible else RIGID
+
+    def __str__(self) -> str:
+        """The shortest word of the level."""
+        return self.name if self.size in (RIGID, f"{DEFAULT_MODES} {MODES}") else f"{self.name}:{self.size}"
+
+    def body(self, p: ArrayParameters, name: str, motion: dict[str, Any]) -> AnyBody:
+        """A panel with its motion at t = 0, keywords of the body's description."""
+        section, length = p.panel_width * p.panel_thickness, p.panel_length
+        axial, bending = p.panel_young * section, p.panel_young * section * p.panel_thickness**2 / 12.0
+        density = p.panel_density * section
+        mass = density * length
+        if not self.flexible:
+            inertia = mass * (length**2 + p.panel_thickness**2) / 12.0
+            return Body(name, mass, inertia, length, (length / 2, 0.0), **motion)
+        if self.modal:
+            return ModalPanel(name, length, mass, axial, bending, p.panel_damping, modes=self.count, **motion)
+        return FlexibleBody(name, length, self.count, density, axial, bending, p.panel_damping, **motion)

@@ -44,11 +44,10 @@ def _look(color: str, marker: str, linestyle: str = "-") -> Look:
 
 # Lines are solid for the methods of this project, dashed for SciPy's and dotted for Exudyn's.
 METHOD_LOOKS: Mapping[str, Look] = {
-    "default": _look("black", "h"),
+    "default settings": _look("black", "h"),
     "runge-kutta": _look(BLUE, "o"),
     "rosenbrock": _look(VERMILLION, "s"),
     "modal-radau": _look(CRIMSON, "d"),
-    "dop853": _look(VIOLET, "p"),
     "generalized-alpha": _look(GREEN, "D"),
     "generalized-alpha, adaptive": _look(SKY, "^"),
     "paper's scheme": _look(PURPLE, "v"),
@@ -73,7 +72,6 @@ LEVEL_LOOKS: Mapping[str, Look] = {
     "12 elements": _look("#1b6cae", "P"),
     "24 elements": _look("#0d4f94", "X"),
     "48 elements": _look("#08306b", "<"),
-    "24 elements, rtol / 10": _look(GREEN, ">"),
     "4 modes": _look("#fdcc8a", "h"),
     "8 modes": _look("#fca55d", "p"),
     "16 modes": _look("#f4793b", "d"),

@@ -1,4 +1,4 @@
-"""Style of all figures: the style sheet, and one fixed look for every joint, method, model, level, controller and
+"""Style of all figures: the style sheet, and one fixed look for every joint, method, level, controller and
 class of a stability map.
 
 A look is what Matplotlib's `plot` takes: colour, marker and line. Colours are those of M. Okabe and K. Ito, Color
@@ -55,12 +55,6 @@ METHOD_LOOKS: Mapping[str, Look] = {
     "SciPy Radau": _look(OLIVE, "X", "--"),
     "Exudyn generalized-alpha": _look(ORANGE, "*", ":"),
     "Exudyn explicit": _look(BROWN, "<", ":"),
-}
-MODEL_LOOKS: Mapping[str, Look] = {
-    "rigid-ideal": _look(SKY, "s"),
-    "rigid-clearance": _look(BLUE, "o"),
-    "flexible-ideal": _look(ORANGE, "D"),
-    "flexible-clearance": _look(VERMILLION, "^"),
 }
 # The finer, the darker: beams blue, modes red; at tighter tolerances green and violet; rigid panels apart.
 LEVEL_LOOKS: Mapping[str, Look] = {

@@ -27,7 +27,6 @@ FOLDER = Path(tempfile.mkdtemp(prefix="fuzzing-"))
 READERS = [
     "agents.learning.configurations",
     "agents.learning.runs",
-    "agents.learning.trust",
     "agents.policies",
     "solar_env.array.ladder",
     "solar_env.array.parameters",
@@ -91,15 +90,10 @@ def policies() -> list[bytes]:
 
 
 def run_folder(content: bytes) -> None:
-    """A stranger's configuration, which is refused, and then that of somebody who is trusted."""
     from agents.learning import configurations, runs
-    from agents.learning.trust import UntrustedFileError
 
-    path = written(runs.CONFIG, content)
-    with contextlib.suppress(UntrustedFileError):
-        runs.read_config(FOLDER)
-        raise AssertionError(f"{path} is a stranger's, and is read")
-    runs.trust_run(FOLDER)
+    written(runs.CONFIG, content)
+    runs.read_config(FOLDER)
     configurations.resumed_configuration(FOLDER)
     runs.steps_taken(FOLDER)
 
@@ -108,18 +102,6 @@ def a_run() -> list[bytes]:
     record = {"algo": "ppo", "env_id": DEPLOY, "env_kwargs": {}, "seed": 0, "n_envs": 1}
     record |= {"timesteps": 9, "hyperparameters": {}, "timesteps_before": 0, "resumed_from": None, "versions": {}}
     return [json.dumps(record).encode()]
-
-
-def sealed_file(content: bytes) -> None:
-    from agents.learning.trust import unsealed
-
-    unsealed(written("checkpoint.pkl", content))
-
-
-def a_sealed_file() -> list[bytes]:
-    from agents.learning.trust import sealed
-
-    return [sealed(b"content"), sealed(b"")]
 
 
 def table(content: bytes) -> None:
@@ -133,6 +115,12 @@ def ladder(content: bytes) -> None:
     from solar_env.array.ladder import QUESTIONS, cheapest, read_answers
 
     cheapest(read_answers(written("ladder.csv", content)), next(iter(QUESTIONS)), 0.5)
+
+
+def a_ladder() -> list[bytes]:
+    from solar_env.array.ladder import PACKAGED_TABLE
+
+    return [PACKAGED_TABLE.read_bytes()]
 
 
 def results(content: bytes) -> None:
@@ -163,17 +151,12 @@ def array_file(content: bytes) -> None:
     read_parameters(written("array.toml", content))
 
 
-def nothing_else() -> list[bytes]:
-    return [b""]
-
-
 TARGETS = {
     "trajectory": Target(trajectory, (ValueError,), a_trajectory),
     "policy": Target(policy, (ValueError, FileNotFoundError), policies),
     "run-folder": Target(run_folder, (ValueError,), a_run),
-    "sealed-file": Target(sealed_file, (ValueError,), a_sealed_file),
     "table": Target(table, (ValueError,), lambda: [b"# command: x\nmethod,error,wall_s\nours,0.1,2\nother,1e-3,5\n"]),
-    "ladder": Target(ladder, (ValueError,), lambda: [_packaged_ladder().read_bytes()]),
+    "ladder": Target(ladder, (ValueError,), a_ladder),
     "results": Target(results, (ValueError,), lambda: [b'{"code": "0"}\n{"cell": {"a": 1}, "result": 2}\n']),
     "parameters": Target(
         parameters, (ValueError,), lambda: [b'{"clearance": [1e-4, 2e-4], "contact_law": "flores"}', b"1e-4"]
@@ -187,12 +170,6 @@ TARGETS = {
         lambda: [b"--set\nclearance=1e-4,2e-4\n--duration\n3\n--json\n-", b"--model\nrigid-ideal\nrandomize={'a': 1}"],
     ),
 }
-
-
-def _packaged_ladder() -> Path:
-    from solar_env.array.ladder import PACKAGED_TABLE
-
-    return PACKAGED_TABLE
 
 
 def try_input(target: Target, content: bytes) -> bool:

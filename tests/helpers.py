@@ -9,7 +9,7 @@ import json
 import math
 import re
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -27,7 +27,6 @@ from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.records.recording import make_recorder
 from solar_env.mechanics.running.diagnosis import SimulationWarning
 from solar_env.mechanics.running.simulation import Simulation
-from solar_env.mechanics.running.trajectory import contact_record
 from solar_env.studies.common.motion import Motion
 
 
@@ -176,16 +175,13 @@ MOTION_TIMES = np.linspace(0.0, 1.0, 11)
 def make_motion(
     angle: float = 0.0,
     latch: tuple[float, float] = (0.5, math.nan),
-    impacts: Sequence[tuple[int, float, float]] = (),
     time: Vector = MOTION_TIMES,
 ) -> Motion:
-    """Record of a study of a run of two joints that turn evenly; impacts are (joint, start, peak force)."""
-    rows = [(joint, start, math.nan, 0.0, peak, 0.0, 0.0) for joint, start, peak in impacts]
+    """Record of a study of a run of two joints that turn evenly."""
     return Motion(
         time=time,
         angles=np.outer(time, [1.0, 2.0]) + angle,
         latch_times=np.array(latch),
-        contacts=np.array(rows, dtype=contact_record),
         wall_time=1.0,
     )
 

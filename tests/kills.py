@@ -29,7 +29,6 @@ from PIL import Image
 from agents.commands import evaluate, train, tune  # noqa: F401  (loaded before processes are forked)
 from agents.laws import baselines
 from agents.learning import checkpoints, learn, runs
-from agents.learning.trust import unsealed
 from solar_env.__main__ import main as solar_env
 from solar_env.studies.common.tables import read_table
 from solar_env.support.files import PART
@@ -67,7 +66,7 @@ COMMANDS: dict[str, Callable[[Path], object]] = {
     "evaluate": _evaluate,
     "tune": _tune,
     "design": _command("design", "--members", "1", "--jobs", "1"),
-    "chart": _command("chart", "--quick", "--only", "growth"),
+    "chart": _command("chart", "--quick", "--only", "convergence"),
 }
 
 
@@ -120,9 +119,7 @@ def damaged(folder: Path) -> list[str]:
 
 
 def _read(path: Path) -> None:
-    if path.name in (*runs.CHECKPOINTS, runs.POLICY):
-        unsealed(path)
-    elif path.suffix == ".json":
+    if path.suffix == ".json":
         json.loads(path.read_text())
     elif path.suffix == ".jsonl":
         # The last line may be cut: its cell is done again.

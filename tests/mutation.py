@@ -1,14 +1,10 @@
-"""Mutation testing of contact, friction, wear, joints, step control and torque laws: would a test notice an error?
+"""Mutation testing: would a test notice an error in a module?
 
-`python tests/mutation.py` changes every module of the table in one place after the other, with the operators of
-cosmic-ray, runs the tests of its row on each change, and prints a table and the changes that no test noticed.
-`--only wear` takes the modules with this in their names, `--most 100` no more than so many changes of a module, drawn
-by `--seed`. Kernels run as plain Python; every attempt is a process of its own, forked from one that has the libraries
-loaded, which imports the changed module from memory: no file is touched.
-
-An operator of arithmetic is replaced by its opposite, a comparison by its neighbour at the bound and by its opposite,
-a number by the ones above and below; `and` and `or` are swapped; signs, `not`, the turns of a loop and what ends it
-are taken out, conditions turned round. A change that no test can notice is explained in the row.
+`python tests/mutation.py solar_env/mechanics/joints/wear.py tests/mechanics/joints/test_wear.py` changes the module in
+one place after the other, with the operators of cosmic-ray, runs the tests on each change, and prints the changes that
+no test noticed. Words after the module go to pytest, `-k NAMES` too; `--most 100`, before it, tries so many changes at
+most, drawn by `--seed`. Kernels run as plain Python; every attempt is a process of its own, forked from one that has
+the libraries loaded, which imports the changed module from memory: no file is touched.
 """
 
 import argparse
@@ -20,8 +16,8 @@ import random
 import resource
 import signal
 import sys
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from importlib.abc import MetaPathFinder
 from importlib.machinery import ModuleSpec, SourceFileLoader
 from importlib.util import spec_from_file_location
@@ -64,263 +60,6 @@ OPERATORS = (
 LEAST_SECONDS = 20.0  # of processor time, for an attempt: its change may keep a loop from ending, which is noticed too
 # Nothing that costs time: no one reads what a failing test says.
 QUICK = ("-x", "-q", "--assert=plain", "-p", "no:cacheprovider", "-p", "no:unraisableexception")
-
-
-@dataclass(frozen=True)
-class Row:
-    """A module, the tests that are to notice its changes, and why none notices some of them.
-
-    Attributes:
-        module: path below the root.
-        tests: words for pytest.
-        explained: part of a changed line, as it is after the change -> why it makes no difference.
-    """
-
-    module: str
-    tests: tuple[str, ...]
-    explained: dict[str, str] = field(default_factory=dict)
-
-
-JOINTS = "tests/mechanics/joints/"
-# Those that simulate for long.
-LONG = ("block_leaves", "undamped_impact", "volume_worn", "turning_journal", "turning_bearing")
-SHORT = ("-k", " and ".join(f"not {part}" for part in LONG))
-CONTACT = (JOINTS + "test_contact_laws.py", *SHORT)
-FRICTION = (JOINTS + "test_friction_laws.py",)
-JOINT = (JOINTS + "test_joint.py", JOINTS + "test_cable_loop.py::test_the_forces_of_a_belt_are_the_slope_of_its_energy")
-CONTACT_LAWS, FRICTION_LAWS = "solar_env/mechanics/joints/contact/", "solar_env/mechanics/joints/friction/"
-# Reasons that recur.
-CODE = "codes are compared with each other alone"
-MORE_TURNS = "further turns come to the same root"
-ONE = "there is but one"
-BOUND = "both formulas are right at the bound between them"
-INTEGRATORS = "tests/mechanics/integrators/"
-STEPS = (
-    INTEGRATORS + "test_step_control.py",
-    INTEGRATORS + "test_impact_steps.py",
-    "-k",
-    "not peak_of_an_impact and not thousand_further",
-)
-METHODS = "solar_env/mechanics/integrators/methods/"
-ALPHA_CONTROL = (INTEGRATORS + "test_alpha_control.py",)
-FIXED_STEPS = INTEGRATORS + "test_generalized_alpha.py::test_fixed_steps_divide_a_call_evenly_and_end_on_its_end"
-# Those that end soon without the compiler, and do not ask for an error that only it raises; of radii one.
-ALPHA = (
-    INTEGRATORS + "test_alpha_step.py",
-    INTEGRATORS + "test_alpha_records.py",
-    *ALPHA_CONTROL,
-    INTEGRATORS + "test_generalized_alpha.py",
-    "-k",
-    "not agree and not tighter and not as_the_explicit and not infinite_force and not same_bits and not without_sense"
-    " and not analytic_tangents and not (order_two and (0.5 or 1.0)) and not (second_order and 1.0)",
-)
-STIFF = (
-    INTEGRATORS + "test_stiff_steps.py",
-    INTEGRATORS + "test_stiff_forces.py",
-    "-k",
-    "stiff_steps or coefficients or linear_equations or without_pivoting",
-)
-LAWS = ("tests/agents/laws/test_baselines.py", "-k", "(batched or refused or shares or entries) and not follows")
-# Untuned parameters, and how far tuning searches.
-CHOSEN = {"= bounded(": "a choice: tests ask that it lies in its range, which is not negative where it is no torque"}
-
-
-def _law(name: str, tests: str, explained: dict[str, str] | None = None) -> Row:
-    """The row of a torque law, with tests by their names."""
-    words = f"({tests}) and not the_tuned_soft_start"
-    path = "tests/agents/laws/test_baselines.py"
-    return Row(f"agents/laws/{name}.py", (path, "-k", words), {**CHOSEN, **(explained or {})})
-
-
-ROWS = (
-    Row(CONTACT_LAWS + "surfaces.py", CONTACT),
-    Row(
-        CONTACT_LAWS + "power_law.py",
-        CONTACT,
-        {
-            "code: ClassVar[int]": CODE,
-            "for _ in range(": "bisection has come to rest in the last bit before",
-            "function(middle) >= 0.0": "a root that is met is as good at either end",
-            "impact_defect(d, e), -1.0": "the root lies in the wider interval too, and no other",
-            "min(2.0, 1.0 / d)": "the root lies in the wider interval too, and no other",
-            "min(1.0, 2.0 / d)": "the defect is infinite from one over the damping on",
-            "if d <= 3e-4": BOUND,
-            "if exponent == 0.5": "a power is what the square root is, but slower",
-            "if exponent == 2.5": "a power is what the square root is, but slower",
-        },
-    ),
-    Row(CONTACT_LAWS + "hertz.py", CONTACT),
-    Row(CONTACT_LAWS + "flores.py", CONTACT),
-    Row(CONTACT_LAWS + "lankarani_nikravesh.py", CONTACT),
-    Row(CONTACT_LAWS + "pereira.py", CONTACT, {"if c <= 0.34954": BOUND}),
-    Row(
-        CONTACT_LAWS + "restitution.py",
-        CONTACT,
-        {
-            "if e >= 1.0 - 2e-4": BOUND,
-            "lankarani_nikravesh.damping(e), 2.0 / e": "the defect is infinite from one over the restitution on",
-        },
-    ),
-    Row(CONTACT_LAWS + "laws.py", CONTACT),
-    Row(CONTACT_LAWS + "normal_force.py", CONTACT, {"if depth < 0.0": "no depth stores no energy by the formula too"}),
-    Row(
-        FRICTION_LAWS + "ramp.py",
-        FRICTION,
-        {"code: ClassVar[int]": CODE, "if sliding_speed >= 0.0": "what does not slide has left before"},
-    ),
-    Row(FRICTION_LAWS + "brown_mcphee.py", FRICTION, {"code: ClassVar[int]": CODE}),
-    Row(FRICTION_LAWS + "laws.py", FRICTION),
-    Row(FRICTION_LAWS + "friction_share.py", FRICTION),
-    Row("solar_env/mechanics/joints/wear.py", (JOINTS + "test_wear.py", *SHORT)),
-    Row(
-        "solar_env/mechanics/joints/sliding.py",
-        JOINT,
-        {"radius > 0.0 else 2.0": "a line of no length is nought over whatever size"},
-    ),
-    Row(
-        "solar_env/mechanics/joints/joint.py",
-        JOINT,
-        {
-            "power[first - m.NORMAL_DISSIPATION]": "it is the first of a joint's integrals",
-            "if depth > below_stow": "of two stops that are as deep either pushes alike",
-            "if beyond >= 0.0": "in the middle of its play a latch does not push",
-            "if depth < 0.0 or not own.stop_engaged": "no depth stores no energy by the formula too",
-            "if motion.depth >= 0.0": "no depth bears nothing by the formula too",
-        },
-    ),
-    Row(
-        "solar_env/mechanics/numerics/step_size.py",
-        ("tests/mechanics/numerics/test_step_size.py",),
-        {"if not error <= math.inf": "no power of an infinite error is more than the least share"},
-    ),
-    Row(
-        "solar_env/mechanics/integrators/events.py",
-        STEPS,
-        {
-            "1.0, np.int64(- ": "without an event no joint is asked for",
-            "and f_high == 0.0": MORE_TURNS,
-            "continue": MORE_TURNS,
-            "if not low <= middle < high": MORE_TURNS,
-            "if root <= share or what == NO_EVENT": "of two events at one instant either may be the first",
-            "stop_engaged = 2": "it is asked whether this is nought",
-        },
-    ),
-    Row(
-        "solar_env/mechanics/integrators/acceptance.py",
-        STEPS,
-        {
-            "clock[-1]": ONE,
-            "trial[-1]": ONE,
-            "peak, before, here = 0.0, 0.0, ": "samples come in its place before it is asked for",
-            "copy_into(state.a, stages.acceleration[-1]": "the first and the last are the same there",
-            "(implicit or share < 2.0)": "what is prepared anew is the same at the end of a step",
-            "_PEAK_SAMPLES = 7": "any number of samples finds the same peak",
-            "_PEAK_SAMPLES + 2": "any number of samples finds the same peak",
-            "here >= after": "between two samples of one height either is the top of the same parabola",
-        },
-    ),
-    Row(
-        "solar_env/mechanics/integrators/adaptive.py",
-        STEPS,
-        {
-            "trial[-1]": ONE,
-            "acceleration_current != m.": "a method evaluates anew what does not belong to the state",
-            "recorder.times.size > -1": "where no samples are asked for none is due",
-            "recorder, 1.0, clock.time)": "nothing lies between the start and the start",
-            "array[s, i] = -1.0": "any number that is finite has the weight zero",
-        },
-    ),
-    Row(
-        METHODS + "alpha_control.py",
-        (*ALPHA_CONTROL, FIXED_STEPS),
-        {
-            "clock = state.clock[-1]": ONE,
-            "convergence < 1.0": BOUND,
-            "convergence <= 2.0": "Newton's corrections fall by orders of magnitude: none is between one and two",
-            "error < 1.0": BOUND,
-            "2.0 * wanted >= remaining": BOUND,
-            "grow >= 1.5": BOUND,
-            "worst = -1.0": "errors are not negative",
-            "growth(_CONTROL, error, 2.0)": "the controller has no integral part",
-            "growth(_CONTROL, error, 0.0)": "the controller has no integral part",
-            "return -1.0": "whatever is not positive accepts",
-        },
-    ),
-    Row(
-        METHODS + "alpha_step.py",
-        ALPHA,
-        {
-            "state.clock[-1]": ONE,
-            "_PATIENCE = 1": "a choice",
-            "correction < tolerance": BOUND,
-            "rhs[n + m + b] = -1.0": "the multiplier of a body without constraints acts on nothing",
-            "rhs[n + m + b] = 1.0": "the multiplier of a body without constraints acts on nothing",
-            "rhs[n - m + b] = 0.0": "an entry of the ground, which nothing moves",
-            "rhs[n + m - b] = 0.0": "rows of joints are linear in natural coordinates: every prediction meets them",
-            "correction < (1.0 - 0.5 * relaxation)": BOUND,
-            "correction = -1.0": "magnitudes are not negative",
-            "abs(rhs[i]) < correction": "of two that are equal either is the greatest",
-            "2.0 / relaxation": MORE_TURNS,
-            "correction, 1, min": MORE_TURNS,
-            "0.5 * relaxation, 1": "halved a turn sooner",
-            "0.5 * relaxation, -1": "halved a turn later",
-        },
-    ),
-    Row(
-        METHODS + "generalized_alpha.py",
-        ALPHA,
-        {
-            "state.clock[-1]": ONE,
-            "stop_engaged = 2": "engaged is whatever is not zero",
-            "recorder.times.size >= 0": "no sample is due where there is none",
-            "recorder.times.size > 0 or sample_due": "no sample is due where there is none",
-            "not convergence < 1.0": BOUND,
-            "it.depth[j] <= 0.0 else 0.0": BOUND,
-            "last = wanted": "start + (end - start) rounds to the end all the same",
-            "retry = 2.0": "any positive number begins",
-        },
-    ),
-    Row(
-        METHODS + "stiff_forces.py",
-        STIFF,
-        {
-            "state.clock[-1]": ONE,
-            "stiff.active[-1]": ONE,
-            "own.contact_start > IMPACT_DURATIONS": BOUND,
-            "<= _STIFF": BOUND,
-            "_STIFF_DAMPING = ": "a choice",
-            "_STIFF_CONTACT = ": "a choice",
-            "_PROBE = ": "a choice",
-            "prepared = False": "what is prepared again is the same",
-        },
-    ),
-    _law("brake", "brake"),
-    _law("damper", "damper"),
-    _law("open_loop", "open_loop or open-loop"),
-    _law("pd", "pd"),
-    _law("servo", "servo and not follows_its_profile"),
-    _law("shaped", "shaped and not at_rest"),
-    _law("soft_start", "soft"),
-    _law("table", "refused or ranges"),
-    Row(
-        "agents/comparison/receding_horizon.py",
-        ("tests/agents/comparison/test_receding_search.py",),
-        {
-            "knots: int =": "a choice",
-            "seed: int =": "a choice",
-            "nothing = np.zeros(1": "of a plan that is yet to be made no action is played",
-        },
-    ),
-    Row(
-        "agents/laws/baselines.py",
-        (
-            "tests/agents/laws/test_tuned_laws.py",
-            "-k",
-            "episodes or refused or has_the_parameters or any_number or says_so",
-        ),
-    ),
-    Row("agents/torque_laws.py", LAWS),
-)
 
 
 @dataclass(frozen=True)
@@ -387,8 +126,8 @@ def _joined(lines: list[str]) -> str:
     return " ".join(line.strip() for line in lines).replace("( ", "(").replace("[ ", "[").replace("  ", " ")
 
 
-def passes(row: Row, change: Change | None, limit: float) -> tuple[bool, float]:
-    """Whether the tests of a row pass where its module is changed, and the processor time [s] that they took.
+def passes(module: str, tests: Sequence[str], change: Change | None, limit: float) -> tuple[bool, float]:
+    """Whether the tests pass where a module is changed, and the processor time [s] that they took.
 
     They fail where they take more of it than `limit`, on a busy machine as on an idle one, or wait for ever.
     """
@@ -400,42 +139,33 @@ def passes(row: Row, change: Change | None, limit: float) -> tuple[bool, float]:
         os.dup2(nowhere, 1)
         os.dup2(nowhere, 2)
         if change is not None:
-            name = row.module.removesuffix(".py").replace("/", ".")
-            sys.meta_path.insert(0, Changed(name, ROOT / row.module, change))
-        os._exit(int(pytest.main([*QUICK, *row.tests])))
+            name = module.removesuffix(".py").replace("/", ".")
+            sys.meta_path.insert(0, Changed(name, ROOT / module, change))
+        os._exit(int(pytest.main([*QUICK, *tests])))
     _, status, used = os.wait4(process, 0)
     return os.waitstatus_to_exitcode(status) == 0, used.ru_utime + used.ru_stime
 
 
-def measure(row: Row, most: int | None, chance: random.Random) -> tuple[int, int, int, list[Change]]:
-    """Numbers of changes of a module, of those tried and of those explained, and those that nothing noticed."""
-    found = list(changes((ROOT / row.module).read_text()))
-    tried = found if most is None or most >= len(found) else chance.sample(found, most)
-    passed, taken = passes(row, None, 600.0)
-    if not passed:
-        sys.exit(f"{row.module}: its tests fail without a change")
-    limit = max(LEAST_SECONDS, 5.0 * taken)
-    survivors = [change for change in tried if passes(row, change, limit)[0]]
-    left = [change for change in survivors if not any(part in change.after for part in row.explained)]
-    return len(found), len(tried), len(survivors) - len(left), left
-
-
 def main() -> None:
-    """Print the table; see the top of the file."""
+    """Print the changes that nothing noticed; see the top of the file."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--only", default="")
     parser.add_argument("--most", type=int)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("module")
+    parser.add_argument("tests", nargs=argparse.REMAINDER)
     args = parser.parse_args()
     os.chdir(ROOT)
-    print("| module | changes | tried | noticed | explained | left |\n|---|---|---|---|---|---|", flush=True)
-    for row in ROWS:
-        if args.only in row.module:
-            number, tried, explained, left = measure(row, args.most, random.Random(args.seed))
-            noticed = tried - explained - len(left)
-            print(f"| {row.module} | {number} | {tried} | {noticed} | {explained} | {len(left)} |", flush=True)
-            for change in left:
-                print(f"{row.module}:{change.line}\n  - {change.before}\n  + {change.after}", flush=True)
+    found = list(changes((ROOT / args.module).read_text()))
+    tried = random.Random(args.seed).sample(found, min(args.most or len(found), len(found)))
+    passed, taken = passes(args.module, args.tests, None, 600.0)
+    if not passed:
+        sys.exit(f"{args.module}: its tests fail without a change")
+    left = 0
+    for change in tried:
+        if passes(args.module, args.tests, change, max(LEAST_SECONDS, 5.0 * taken))[0]:
+            left += 1
+            print(f"{args.module}:{change.line}\n  - {change.before}\n  + {change.after}", flush=True)
+    print(f"{len(found)} changes, {len(tried)} tried, {len(tried) - left} noticed, {left} left")
 
 
 if __name__ == "__main__":

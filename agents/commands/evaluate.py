@@ -93,7 +93,7 @@ def suite_section(suite: str) -> Section:
 
 def _section(args: Args) -> Section:
     """The section that the arguments are to write."""
-    kept = {name: getattr(args, name) for name in ("suite", "out", "jobs", "cluster", "quiet", "command")}
+    kept = {name: getattr(args, name) for name in ("suite", "out", "jobs", "quiet", "command")}
     whole = Args(readme=True, **kept)
     if args.suite is None or args != whole:
         raise ValueError(

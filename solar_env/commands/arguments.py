@@ -77,21 +77,19 @@ Assignments = Annotated[dict[str, Any], _PAIRS]
 
 @dataclasses.dataclass
 class WorkerOptions(QuietOption):
-    """Processes or machines that a command runs on, and its progress bars."""
+    """Processes that a command runs on, and its progress bars."""
 
     jobs: int | None = None
     """processes; by default one for each processor"""
-    cluster: str | None = None
-    """ray: run on the Ray cluster that this machine belongs to"""
 
     @property
     def workers(self) -> Workers:
-        """The processes or machines.
+        """The processes.
 
         Raises:
-            ValueError: The number of processes is not positive, or there is no such cluster.
+            ValueError: Their number is not positive.
         """
-        return Workers(self.jobs, self.cluster)
+        return Workers(self.jobs)
 
 
 def parse_arguments(cls: type[Arguments], argv: Sequence[str], prog: str | None = None) -> Arguments:

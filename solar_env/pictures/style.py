@@ -1,4 +1,4 @@
-"""Style of all figures: the style sheet, and one fixed look for every joint, method, model, level, controller and
+"""Style of all figures: the style sheet, and one fixed look for every joint, method, level, controller and
 class of a stability map.
 
 A look is what Matplotlib's `plot` takes: colour, marker and line. Colours are those of M. Okabe and K. Ito, Color
@@ -44,7 +44,7 @@ def _look(color: str, marker: str, linestyle: str = "-") -> Look:
 
 # Lines are solid for the methods of this project, dashed for SciPy's and dotted for Exudyn's.
 METHOD_LOOKS: Mapping[str, Look] = {
-    "default": _look("black", "h"),
+    "default settings": _look("black", "h"),
     "runge-kutta": _look(BLUE, "o"),
     "rosenbrock": _look(VERMILLION, "s"),
     "modal-radau": _look(CRIMSON, "d"),
@@ -56,12 +56,6 @@ METHOD_LOOKS: Mapping[str, Look] = {
     "Exudyn generalized-alpha": _look(ORANGE, "*", ":"),
     "Exudyn explicit": _look(BROWN, "<", ":"),
 }
-MODEL_LOOKS: Mapping[str, Look] = {
-    "rigid-ideal": _look(SKY, "s"),
-    "rigid-clearance": _look(BLUE, "o"),
-    "flexible-ideal": _look(ORANGE, "D"),
-    "flexible-clearance": _look(VERMILLION, "^"),
-}
 # The finer, the darker: beams blue, modes red; at tighter tolerances green and violet; rigid panels apart.
 LEVEL_LOOKS: Mapping[str, Look] = {
     "rigid": _look("black", "s"),
@@ -72,7 +66,6 @@ LEVEL_LOOKS: Mapping[str, Look] = {
     "12 elements": _look("#1b6cae", "P"),
     "24 elements": _look("#0d4f94", "X"),
     "48 elements": _look("#08306b", "<"),
-    "24 elements, rtol / 10": _look(GREEN, ">"),
     "4 modes": _look("#fdcc8a", "h"),
     "8 modes": _look("#fca55d", "p"),
     "16 modes": _look("#f4793b", "d"),

@@ -1,4 +1,4 @@
-"""Many independent simulations: on several processes or machines, and resumed where they were interrupted.
+"""Many independent simulations: on several processes, and resumed where they were interrupted.
 
 `each_done` hands simulations to joblib; a campaign is a set of them whose results a file keeps as they come.
 """
@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import version
-from itertools import islice
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -25,43 +24,19 @@ Result = TypeVar("Result")
 Cell = Mapping[str, Any]
 
 
-CLUSTERS = ("ray",)
-# Of each processor of a cluster; the last of them leave the others waiting, an interruption costs so many.
-_TASKS_AT_A_TIME = 4
-
-
 @dataclass(frozen=True)
 class Workers:
     """Where tasks run.
 
     Attributes:
-        jobs: number of processes, 1 or more; None for one a processor, of this machine or of the cluster. A cluster
-            starts no more.
-        cluster: "ray" for the Ray cluster that this machine belongs to (`ray start`), whose machines must have the
-            package installed too; None for this machine alone.
+        jobs: number of processes, 1 or more; None for one a processor.
     """
 
     jobs: int | None = 1
-    cluster: str | None = None
 
     def __post_init__(self) -> None:
         if self.jobs is not None and self.jobs < 1:
             raise ValueError(f"jobs = {self.jobs!r} must be at least 1")
-        if self.cluster not in (None, *CLUSTERS):
-            raise ValueError(f"cluster {self.cluster!r} is unknown; choose from {', '.join(CLUSTERS)}")
-
-
-def _join_ray() -> int:
-    """Connect to the cluster; returns how many processors it has."""
-    try:
-        import ray
-        from ray.util.joblib import register_ray
-    except ImportError as error:
-        raise ValueError("Ray is not installed; pip install 'solar-env[cluster]'") from error
-    if not ray.is_initialized():
-        ray.init(address="auto", log_to_driver=False)
-    register_ray()
-    return int(ray.cluster_resources()["CPU"])
 
 
 ONE = Workers()
@@ -72,7 +47,7 @@ def each_done(
 ) -> Iterator[tuple[Task, Result]]:
     """Call `function` for every task, and yield each task with its result as it is done.
 
-    With one job everything happens in this process and in order. On a cluster results come some at a time.
+    With one job everything happens in this process and in order.
 
     Args:
         function: at the top of a module, like its results something that can be pickled.
@@ -80,28 +55,16 @@ def each_done(
         workers: where.
 
     Raises:
-        ValueError: if Ray is asked for and not installed.
-        ConnectionError: if there is no cluster.
         Exception: whatever `function` raises.
     """
     calls = (delayed(_with_task)(function, task) for task in tasks)
-    if workers.cluster is None:
-        with starting_workers():
-            results = Parallel(n_jobs=workers.jobs or -1, return_as="generator_unordered")(calls)
-        with warnings.catch_warnings():
-            # Joblib replaces a worker whose memory has grown, as loading kernels makes it, and warns of it in a thread
-            # of its own. Made an error, by a filter, the warning would end this thread, and results would never come.
-            warnings.filterwarnings("ignore", "A worker stopped while some jobs were given", UserWarning)
-            yield from results
-        return
-    # Joblib's way to Ray hands results over only when all are there: hence some at a time.
-    processors = _join_ray()
-    jobs = min(workers.jobs or processors, processors)
-    # A processor for every process: else Ray may put them all on one machine.
-    placed = {"ray_remote_args": {"num_cpus": 1}}
-    with Parallel(n_jobs=jobs, backend=workers.cluster, batch_size=1, **placed) as parallel:
-        while some := list(islice(calls, _TASKS_AT_A_TIME * jobs)):
-            yield from parallel(some)
+    with starting_workers():
+        results = Parallel(n_jobs=workers.jobs or -1, return_as="generator_unordered")(calls)
+    with warnings.catch_warnings():
+        # Joblib replaces a worker whose memory has grown, as loading kernels makes it, and warns of it in a thread of
+        # its own. Made an error, by a filter, the warning would end this thread, and results would never come.
+        warnings.filterwarnings("ignore", "A worker stopped while some jobs were given", UserWarning)
+        yield from results
 
 
 def _with_task(function: Callable[[Task], Result], task: Task) -> tuple[Task, Result]:

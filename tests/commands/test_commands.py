@@ -237,7 +237,7 @@ def test_help_of_every_command_needs_no_compiler():
 
 # What `pip install solar-env` does not bring along, by the names that are imported.
 OPTIONAL = (
-    *("onnx", "onnxruntime", "pygame", "imageio_ffmpeg", "moviepy", "ray", "Basilisk", "exudyn", "atheris", "pdoc"),
+    *("onnx", "onnxruntime", "pygame", "imageio_ffmpeg", "moviepy", "Basilisk", "exudyn", "atheris", "pdoc"),
     *("hypothesis", "importlinter", "mypy", "pytest", "cosmic_ray"),
 )
 

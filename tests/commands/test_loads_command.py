@@ -82,7 +82,6 @@ def test_it_answers_and_writes_page_data_and_loads_on_the_hub(array, tmp_path, c
         (["--window", "-1"], ["window", "-1"]),
         (["--window", "nan"], ["window", "nan"]),
         (["--jobs", "0"], ["jobs", "0"]),
-        (["--cluster", "slurm"], ["cluster", "slurm", "ray"]),
     ],
 )
 def test_wrong_input_is_refused_before_anything_is_compiled(options, words, array, capsys, monkeypatch):

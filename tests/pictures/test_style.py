@@ -1,17 +1,16 @@
-"""Claims about the style of the figures: every method, model and controller looks the same in all of them."""
+"""Claims about the style of the figures: every method, level and controller looks the same in all of them."""
 
 from pathlib import Path
 
 import pytest
 
 import agents
-from solar_env.array import MODELS
 from solar_env.pictures import style
 from solar_env.studies.common.levels import Level
 from solar_env.studies.common.plans import FULL, QUICK
 from solar_env.studies.precision.methods import METHODS
 
-TABLES = (style.METHOD_LOOKS, style.MODEL_LOOKS, style.LEVEL_LOOKS, style.CONTROLLER_LOOKS)
+TABLES = (style.METHOD_LOOKS, style.LEVEL_LOOKS, style.CONTROLLER_LOOKS)
 
 
 @pytest.mark.parametrize("looks", TABLES)
@@ -24,8 +23,7 @@ def test_every_method_that_is_charted_has_its_look():
     assert {method.name for method in METHODS} <= set(style.METHOD_LOOKS)
 
 
-def test_every_model_and_every_level_that_is_measured_has_its_look():
-    assert set(style.MODEL_LOOKS) == set(MODELS)
+def test_every_level_that_is_measured_has_its_look():
     levels = (*FULL.levels, *QUICK.levels)
     assert {Level("", level.panels, level.tighter).size for level in levels} == set(style.LEVEL_LOOKS)
 

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from rich.console import Console
 
 from solar_env.commands.arguments import FolderOptions, QuietOption, check_choice, check_measured
-from solar_env.support.campaigns import Workers
 from solar_env.support.files import make_folder
 from solar_env.support.readme import STUDIES as STUDY_FOLDER
 from solar_env.support.readme import Section
@@ -14,9 +13,9 @@ FOLDER = STUDY_FOLDER / "precision"
 # File that a study writes -> the section of the page that it goes into.
 SECTIONS = {
     f"{name.replace(' ', '_')}.md": Section(FOLDER / "README.md", name, "solar-env chart --readme")
-    for name in ("side by side", "levels", "residual blocks")
+    for name in ("work precision", "convergence", "side by side")
 }
-STUDIES = ("work-precision", "ensembles", "levels", "growth", "side-by-side")
+STUDIES = ("work-precision", "convergence", "side-by-side")
 
 
 @dataclass
@@ -26,11 +25,9 @@ class Args(FolderOptions, QuietOption):
     quick: bool = False
     """fewer and shorter runs: under two minutes"""
     only: str | None = None
-    """one study instead of all: work-precision, ensembles, levels, growth or side-by-side"""
+    """one study instead of all: work-precision, convergence or side-by-side"""
     draw: bool = False
     """measure nothing, draw the figures from the tables again"""
-    jobs: int = 1
-    """processes for the ensembles; everything else is timed, run by run"""
 
 
 def run_command(args: Args) -> int:
@@ -48,7 +45,7 @@ def run_command(args: Args) -> int:
     for folder in (tables, figures):
         make_folder(folder)
     if not args.draw:
-        measure_charts(names, args.quick, tables, Console(stderr=True, quiet=args.quiet), Workers(args.jobs))
+        measure_charts(names, args.quick, tables, Console(stderr=True, quiet=args.quiet))
     for path in draw(names, tables, figures):
         print(path)
         if args.readme and path.suffix == ".md":

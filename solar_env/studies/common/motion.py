@@ -14,7 +14,7 @@ from solar_env.mechanics.integrators.settings import Integrator
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.running.diagnosis import SimulationWarning
 from solar_env.mechanics.running.simulation import simulate
-from solar_env.mechanics.running.trajectory import Trajectory, contact_record
+from solar_env.mechanics.running.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 
@@ -33,7 +33,7 @@ class Scene:
         duration: [s].
         sample_step: distance of the sampled angles [s].
         panels: model of the panels; rigid ones do not use it.
-        every_contact: whether all contacts are asked for; programs that can only sample must then do so every step.
+        forces_kept: whether peak contact forces are asked for, for which programs that sample must do so every step.
     """
 
     model: str
@@ -41,7 +41,7 @@ class Scene:
     duration: float
     sample_step: float
     panels: PanelModel = BEAMS
-    every_contact: bool = False
+    forces_kept: bool = False
 
     def mechanism(self) -> Mechanism:
         """The array as the project's own simulator takes it."""
@@ -62,24 +62,22 @@ class Motion:
         time: (nt,) [s].
         angles: (nt, nj) [rad].
         latch_times: (nj,) [s], nan if not latched.
-        contacts: of type `contact_record`, in the order of their starts.
         wall_time: of the integration alone, without compiling or assembling [s].
         steps, evaluations, factorizations: counts; evaluations of the right-hand side or residual.
         energy_residual: energy that the books do not account for, over the energy put in.
-        constraint_drift: greatest violation of a constraint at the end [m], for methods that do not project.
-        totals: name -> (nj,) what the run sums up after the first latching, see `statistics`.
+        totals: name -> (nj,) what a run comes to after its first latching: "peak_force_N", the greatest contact force
+            or, with ideal joints, reaction; "sliding_work_J"; "impacts", their number; and "wear_depth_m", the
+            greatest of the whole run.
     """
 
     time: Array
     angles: Array
     latch_times: Array
-    contacts: NDArray[np.void]
     wall_time: float
     steps: float = math.nan
     evaluations: float = math.nan
     factorizations: float = math.nan
     energy_residual: float = math.nan
-    constraint_drift: float = math.nan
     totals: dict[str, Array] = field(default_factory=dict)
 
 
@@ -104,11 +102,6 @@ def _deviations(member: int, count: int, stream: int = 0) -> Array:
     return np.random.default_rng([member, stream]).uniform(-1.0, 1.0, count) * (member > 0)
 
 
-def no_contacts() -> NDArray[np.void]:
-    """An empty table of contacts."""
-    return np.zeros(0, dtype=contact_record)
-
-
 def run_own(scene: Scene, integrator: Integrator) -> Motion:
     """A scene with one of the project's own integrators.
 
@@ -124,27 +117,21 @@ def run_own(scene: Scene, integrator: Integrator) -> Motion:
 
 def from_trajectory(trajectory: Trajectory) -> Motion:
     """Motion of a run of the project's own simulator."""
-    energies = trajectory.energies
-    lost = sum(
-        float(energies[name][-1])
-        for name in ("contact_dissipation", "friction_dissipation", "latch_dissipation", "material_dissipation")
-    )
-    put_in = trajectory.energy_put_in
+    latched = np.nanmin([*trajectory.latch_times, math.inf])
+    late = trajectory.contacts[trajectory.contacts["start_s"] > latched]
     return Motion(
         time=trajectory.time,
         angles=trajectory.angles,
         latch_times=trajectory.latch_times,
-        contacts=np.sort(trajectory.contacts, order="start_s"),
         wall_time=float(trajectory.metadata["wall_time_s"]),
         steps=float(trajectory.metadata["steps"]),
         evaluations=float(trajectory.metadata["evaluations"]),
         factorizations=float(trajectory.metadata["factorizations"]),
-        energy_residual=trajectory.energy_residual / put_in,
+        energy_residual=trajectory.energy_residual / trajectory.energy_put_in,
         totals={
-            "impulse": trajectory.postlock_impulse,
-            "sliding_work": trajectory.postlock_sliding_work,
-            "wear_depth": trajectory.wear_depth,
-            "peak_force": trajectory.postlock_peak_force,
-            "energy_lost": np.full(len(trajectory.wear_depth), lost / put_in),
+            "peak_force_N": trajectory.postlock_peak_force,
+            "sliding_work_J": trajectory.postlock_sliding_work,
+            "impacts": np.bincount(late["joint"], minlength=len(trajectory.latch_times)).astype(float),
+            "wear_depth_m": trajectory.wear_depth,
         },
     )

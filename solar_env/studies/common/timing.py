@@ -1,15 +1,16 @@
 """The runs of a study: all once, then all again, so that disturbances of the machine meet all alike."""
 
+import math
 import statistics
 from collections.abc import Callable, Hashable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 from threadpoolctl import threadpool_limits
 
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.studies.common.motion import Motion
-from solar_env.support.campaigns import ONE, Workers, each_done
+from solar_env.studies.common.tables import Row
 
 Key = TypeVar("Key", bound=Hashable)
 
@@ -47,40 +48,36 @@ class Measured:
 
     @property
     def wall(self) -> float:
-        """Median of the repeats [s]."""
-        return statistics.median(self.walls)
+        """Median of the repeats [s]; nan if the run could not go on."""
+        return statistics.median(self.walls) if self.walls else math.nan
+
+    def times(self) -> Row:
+        """Number of the repeats, median, least and greatest time, as cells of a table."""
+        least, greatest = min(self.walls, default=math.nan), max(self.walls, default=math.nan)
+        return {"repeats": len(self.walls), "wall_s": self.wall, "wall_min_s": least, "wall_max_s": greatest}
 
 
-def measure(
-    jobs: Mapping[Key, Job], announce: Callable[[str], None] = lambda name: None, workers: Workers = ONE
-) -> dict[Key, Measured]:
+def measure(jobs: Mapping[Key, Job], announce: Callable[[str], None] = lambda name: None) -> dict[Key, Measured]:
     """Run every job once, announced by its name, then those to be repeated again, up to the number of repeats.
 
     Linear algebra gets one thread: for matrices this small a second one gains nothing, and waits for a busy processor.
-    With several workers nothing is repeated, jobs are announced as they are done, and wall times mean little.
     """
-    if workers != ONE:
-        done: dict[Key, Measured] = {}
-        for (key, job), result in each_done(_first_run, jobs.items(), workers):
-            announce(job.name)
-            done[key] = result
-        return {key: done[key] for key in jobs}
     first: dict[Key, Measured] = {}
     with threadpool_limits(1):
         for key, job in jobs.items():
             announce(job.name)
-            first[key] = _first_run((key, job))
+            first[key] = _first_run(job)
         walls = {key: list(result.walls) for key, result in first.items()}
         for round_ in range(1, max((job.repeats for job in jobs.values()), default=1)):
             for key, job in jobs.items():
                 if round_ < job.repeats and walls[key] and walls[key][0] <= job.long_run:
                     walls[key].append(job.solve().wall_time)
-    return {key: Measured(result.motion, tuple(walls[key]), result.failure) for key, result in first.items()}
+    return {key: replace(result, walls=tuple(walls[key])) for key, result in first.items()}
 
 
-def _first_run(item: tuple[Hashable, Job]) -> Measured:
+def _first_run(job: Job) -> Measured:
     try:
-        motion = item[1].solve()
+        motion = job.solve()
     except SimulationError as error:
         return Measured(None, failure=str(error))
     return Measured(motion, (motion.wall_time,))

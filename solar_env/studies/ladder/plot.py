@@ -8,22 +8,22 @@ from matplotlib.axes import Axes
 
 from solar_env.array import has_clearance
 from solar_env.array.ladder import QUESTIONS, Answer, steps
-from solar_env.pictures.style import MODEL_LOOKS, STEEL, STYLE, look_of
-from solar_env.studies.common.drawing import Box, Label, make_figure, place_labels, save, use_decades
+from solar_env.pictures.style import LEVEL_LOOKS, STEEL, STYLE, Look, look_of
+from solar_env.studies.common.drawing import make_figure, save, use_decades
 
 _COLUMNS = 2
 _TOLERANCE = 0.1  # of the title
 _SMALLEST = 1e-6  # errors below are drawn here
 _NOTE = (
     "mark: error and 95 % sampling half-width (line), the tolerance from which a level answers; "
-    "e: elements, m: modes; grey: the level chosen"
+    "open: ideal joints; grey: the level chosen"
 )
 
 
 def draw_ladder(answers: Sequence[Answer], folder: Path) -> Path:
     """Draw wall time over the reference's against error for every question measured; returns the file."""
     asked = [question for question in QUESTIONS if any(answer.question == question for answer in answers)]
-    looks = {answer.model: look_of(answer.model, MODEL_LOOKS) for answer in answers}
+    looks = {_size(answer): look_of(_size(answer), LEVEL_LOOKS) for answer in answers}
     rows = -(-len(asked) // _COLUMNS)
     figure, axes = make_figure(rows, _COLUMNS, (4.1, 2.4), len(looks), gap=0.7)
     with mpl.rc_context(STYLE):
@@ -52,39 +52,33 @@ def conclusion(answers: Sequence[Answer], asked: Sequence[str]) -> str:
     return f"Cheapest within {_TOLERANCE:.0%}: {', '.join([*clauses, rest])}"
 
 
+def _size(answer: Answer) -> str:
+    return answer.panel_model.size if answer.panels else "rigid"
+
+
+def _look(answer: Answer) -> Look:
+    """The look of a level, open with ideal joints."""
+    filled = {} if has_clearance(answer.model) else {"markerfacecolor": "white"}
+    return {**look_of(_size(answer), LEVEL_LOOKS), "linestyle": "none", **filled}
+
+
 def _draw_panel(axis: Axes, answers: Sequence[Answer]) -> None:
     axis.set_xscale("log")
     axis.set_yscale("log")
-    chosen = steps(answers, answers[0].question)
-    labels: list[Label] = []
-    marks: list[tuple[float, float]] = []
-    lines: list[Box] = []
     for answer in answers:
-        bound = max(answer.bound, _SMALLEST)
-        style = {**look_of(answer.model, MODEL_LOOKS), "linestyle": "none"}
+        bound, look = max(answer.bound, _SMALLEST), _look(answer)
         if answer.error > 0.0:
-            axis.plot([answer.error, bound], [answer.cost_ratio] * 2, linewidth=0.8, color=style["color"])
-        axis.plot([bound], [answer.cost_ratio], markersize=4, **style)
-        marks.append((bound, answer.cost_ratio))
-        lines.append((min(max(answer.error, _SMALLEST), bound), answer.cost_ratio, bound, answer.cost_ratio))
-        # With ideal joints all panels answer alike, and their numbers would hide each other.
-        if answer.panels and (has_clearance(answer.model) or answer in chosen):
-            text = f"{answer.count}{answer.panel_model.option[0]}"
-            labels.append(Label(text, bound, answer.cost_ratio, str(style["color"])))
-    lines += _draw_steps(axis, chosen)
+            axis.plot([answer.error, bound], [answer.cost_ratio] * 2, linewidth=0.8, color=look["color"])
+        axis.plot([bound], [answer.cost_ratio], markersize=4, **look)
+    _draw_steps(axis, steps(answers, answers[0].question))
     use_decades(axis, "x")
     use_decades(axis, "y")
-    place_labels(axis, labels, marks, lines)
 
 
-def _draw_steps(axis: Axes, chosen: Sequence[Answer]) -> list[Box]:
-    """The cost of the cheapest level against the tolerance; none to the left of the finest. Returns its lines."""
+def _draw_steps(axis: Axes, chosen: Sequence[Answer]) -> None:
+    """The cost of the cheapest level against the tolerance; none to the left of the finest."""
     bounds = [max(answer.bound, _SMALLEST) for answer in chosen]
     costs = [answer.cost_ratio for answer in chosen]
     start, end = 0.3 * bounds[0], 2.0 * axis.get_xlim()[1]
     axis.step([*bounds, end], [*costs, costs[-1]], where="post", color=STEEL, linewidth=2.5, alpha=0.5, zorder=1)
     axis.set_xlim(start, end)
-    ends = [*bounds[1:], end]
-    levels = [(x0, y, x1, y) for x0, x1, y in zip(bounds, ends, costs, strict=True)]
-    drops = [(x, y1, x, y0) for x, y0, y1 in zip(bounds[1:], costs, costs[1:], strict=False)]
-    return levels + drops

@@ -28,7 +28,7 @@ class PeerArray:
         container: owner of the system, which must outlive it.
         system: to be solved.
         rotations: (coordinates, velocities) sensors of the nodes that the joint angles follow from.
-        contacts: (displacement, force) sensors of the joints, empty without clearance or if not asked for.
+        contacts: sensors of the joints' contact forces, empty without clearance or if not asked for.
         latch_times: of the joints [s], nan while open; filled while the system is solved.
         kept_alive: Python functions that the library calls.
     """
@@ -37,7 +37,7 @@ class PeerArray:
     container: Any
     system: Any
     rotations: list[tuple[Any, Any]] = field(default_factory=list)
-    contacts: list[tuple[Any, Any]] = field(default_factory=list)
+    contacts: list[Any] = field(default_factory=list)
     latch_times: list[float] = field(default_factory=lambda: [math.nan, math.nan])
     kept_alive: list[Any] = field(default_factory=list)
 
@@ -115,9 +115,9 @@ class Builder(ABC):
                     minimumImpactVelocity=p.by_joint("minimum_impact_speed", j),
                 )
             )
-            if self.array.scene.every_contact:
-                kinds = exudyn.OutputVariableType.Displacement, exudyn.OutputVariableType.Force
-                self.array.contacts.append(tuple(self.sensor(items.SensorObject, contact, kind) for kind in kinds))
+            if self.array.scene.forces_kept:
+                sensor = self.sensor(items.SensorObject, contact, exudyn.OutputVariableType.Force)
+                self.array.contacts.append(sensor)
 
     def sensor(self, kind: Any, number: int, what: Any) -> Any:
         """A sensor of a node or an object that keeps its data in memory."""

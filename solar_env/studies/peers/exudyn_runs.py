@@ -11,8 +11,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from solar_env.array import has_clearance, has_flexible_panels
 from solar_env.mechanics.running.errors import SimulationError
-from solar_env.mechanics.running.trajectory import contact_record
-from solar_env.studies.common.motion import Motion, Scene, no_contacts
+from solar_env.studies.common.motion import Motion, Scene
 from solar_env.studies.peers.exudyn_beams import joint_angles
 from solar_env.studies.peers.exudyn_model import build_peer
 from solar_env.studies.peers.exudyn_parts import PeerArray
@@ -52,17 +51,15 @@ def run_exudyn(scene: Scene, solver: str, step: float) -> Motion:
     counts = array.system.sys["dynamicSolver"].it
     steps = float(counts.currentStepIndex)
     evaluations = steps * _STAGES[name] if explicit else float(counts.newtonStepsCount) + steps
-    contacts, totals = _contacts(array)
     return Motion(
         time=scene.sample_times,
         angles=_angles(array),
         latch_times=np.array(array.latch_times),
-        contacts=contacts,
         wall_time=wall_time,
         steps=steps,
         evaluations=evaluations,
         factorizations=0.0 if explicit else float(counts.newtonJacobiCount),
-        totals=totals,
+        totals=_peak_forces(array),
     )
 
 
@@ -70,7 +67,7 @@ def _settings(scene: Scene, step: float) -> Any:
     flexible, clearance = has_flexible_panels(scene.model), has_clearance(scene.model)
     settings = exudyn.SimulationSettings()
     settings.solution.file.write = False
-    settings.solution.sensors.writePeriod = step if scene.every_contact else scene.sample_step
+    settings.solution.sensors.writePeriod = step if scene.forces_kept else scene.sample_step
     settings.parallel.numberOfThreads = 1
     integration = settings.timeIntegration
     integration.verboseMode = 0
@@ -107,44 +104,11 @@ def _angles(array: PeerArray) -> Array:
     return np.unwrap(np.stack([first, second], axis=1), axis=0)
 
 
-def _contacts(array: PeerArray) -> tuple[NDArray[np.void], dict[str, Array]]:
-    """All contacts, and impulse and peak force after the first latching, from samples at every step."""
+def _peak_forces(array: PeerArray) -> dict[str, Array]:
+    """Peak contact forces after the first latching, from samples at every step; empty if they were not asked for."""
     if not array.contacts:
-        return no_contacts(), {}
+        return {}
     latched = np.nanmin([*array.latch_times, math.inf])
-    records: list[tuple[float, ...]] = []
-    impulses, peaks = [], []
-    for joint, (place, load) in enumerate(array.contacts):
-        samples = array.system.GetSensorStoredData(place)
-        time, gaps = samples[:, 0], np.hypot(samples[:, 1], samples[:, 2])
-        force = np.linalg.norm(array.system.GetSensorStoredData(load)[:, 1:], axis=1)
-        records += _contacts_of(joint, time, gaps - array.scene.parameters.by_joint("clearance", joint), force)
-        after = time >= latched
-        impulses.append(float(np.trapezoid(force[after], time[after])) if after.any() else 0.0)
-        peaks.append(float(force[after].max(initial=0.0)))
-    table = np.sort(np.array(records, dtype=contact_record), order="start_s")
-    return table, {"impulse": np.array(impulses), "peak_force": np.array(peaks)}
-
-
-def _contacts_of(joint: int, time: Array, depth: Array, force: Array) -> list[tuple[float, ...]]:
-    """Records of one joint's contacts: starts by linear interpolation, peaks by a parabola through three samples."""
-    inside = depth > 0.0
-    starts = np.flatnonzero(~inside[:-1] & inside[1:]) + 1
-    records: list[tuple[float, ...]] = []
-    for start in starts:
-        parted = np.flatnonzero(~inside[start:])
-        end = start + int(parted[0]) if len(parted) else len(time) - 1
-        share = depth[start - 1] / (depth[start - 1] - depth[start])
-        began = time[start - 1] + share * (time[start] - time[start - 1])
-        ended = float(time[end]) if len(parted) else math.nan
-        records.append((joint, began, ended, math.nan, _peak(force[start - 1 : end + 1]), math.nan, math.nan))
-    return records
-
-
-def _peak(force: Array) -> float:
-    top = int(np.argmax(force))
-    if not 0 < top < len(force) - 1:
-        return float(force[top])
-    before, at, after = force[top - 1 : top + 2]
-    curvature = before - 2.0 * at + after
-    return float(at - 0.125 * (after - before) ** 2 / curvature) if curvature < 0.0 else float(at)
+    samples = [array.system.GetSensorStoredData(sensor) for sensor in array.contacts]
+    forces = [np.linalg.norm(rows[rows[:, 0] >= latched, 1:], axis=1).max(initial=0.0) for rows in samples]
+    return {"peak_force_N": np.array(forces)}

@@ -1,7 +1,7 @@
 """SciPy's integrators on the project's own equations of motion, as a first-order system in coordinates and velocities.
 
 The equations are those with the constraints differentiated twice (index 1). Nothing returns the solution to the
-constraints: they drift, and the drift is reported. The right-hand side switches at latchings and, with clearance, where
+constraints, from which it drifts. The right-hand side switches at latchings and, with clearance, where
 a contact starts or ends; there the integration stops at the event and starts anew.
 """
 
@@ -13,15 +13,12 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
-from scipy.optimize import minimize_scalar
 
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.equations.constraints import constraint_drift
 from solar_env.mechanics.equations.system import accelerations, make_workspace
-from solar_env.mechanics.joints.joint import ANGLE, NORMAL, joint_motion, penetration
+from solar_env.mechanics.joints.joint import ANGLE, joint_motion, penetration
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.mechanics.running.simulation import Simulation
-from solar_env.mechanics.running.trajectory import contact_record
 from solar_env.studies.common.motion import Motion, Scene
 
 Array = NDArray[np.float64]
@@ -55,7 +52,6 @@ def run_scipy(scene: Scene, name: str, rtol: float) -> Motion:
             method=name,
             t_eval=samples[samples >= time],
             events=system.events(),
-            dense_output=scene.every_contact,
             rtol=rtol,
             atol=rtol * system.scales,
             first_step=first_step,
@@ -65,8 +61,6 @@ def run_scipy(scene: Scene, name: str, rtol: float) -> Motion:
         factorizations += leg.nlu
         for index, column in zip(np.searchsorted(samples, leg.t), np.transpose(leg.y), strict=True):
             angles[index] = system.joint_angles(samples[index], column)
-        if scene.every_contact:
-            system.note_peaks(leg.sol)
         if leg.status == 0:
             time, state = scene.duration, leg.y[:, -1]
         else:
@@ -79,11 +73,9 @@ def run_scipy(scene: Scene, name: str, rtol: float) -> Motion:
         time=samples,
         angles=np.unwrap(angles, axis=0),
         latch_times=system.own.joints["latch_time"].copy(),
-        contacts=system.contacts(),
         wall_time=wall_time,
         evaluations=float(system.evaluations),
         factorizations=float(factorizations),
-        constraint_drift=system.drift(time, state),
     )
 
 
@@ -102,7 +94,6 @@ class _SwitchedSystem:
         self._acceleration = np.zeros(self.n)
         self._multipliers = np.zeros_like(self.own.multipliers)
         self._watched: list[tuple[int, int]] = []  # joint and kind of every event
-        self._closed: list[tuple[float, ...]] = []
 
     def start(self) -> Array:
         """(2 n,) coordinates and velocities at t = 0."""
@@ -158,47 +149,10 @@ class _SwitchedSystem:
         elif kind == _TOUCH:
             joint = self.model.joints[j]
             _, rate = penetration(joint, self.model.markers, state[: self.n], state[self.n :])
-            own["in_contact"], own["contact_start"], own["contact_peak"] = 1, time, 0.0
+            own["in_contact"] = 1
             own["impact_speed"] = max(rate, joint["minimum_impact_speed"])
             self.work.impact_speeds[j] = own["impact_speed"]
         else:
-            self._closed.append(self._contact(j, time))
             own["in_contact"] = 0
             self.work.impact_speeds[j] = 0.0
         return kind == _TOUCH
-
-    def _contact(self, j: int, end: float) -> tuple[float, ...]:
-        own = self.own.joints[j]
-        return (j, own["contact_start"], end, own["impact_speed"], own["contact_peak"], math.nan, math.nan)
-
-    def note_peaks(self, leg: Any) -> None:
-        """Raise the peak forces of the present contacts to the greatest forces along a leg's interpolant."""
-        for j in np.flatnonzero(self.own.joints["in_contact"]).tolist():
-            forces = [self._force(j, time, leg) for time in leg.ts]
-            top = int(np.argmax(forces))
-            ends = leg.ts[max(top - 1, 0)], leg.ts[min(top + 1, len(forces) - 1)]
-            narrow = {"xatol": 1e-4 * (ends[1] - ends[0])}
-            best = minimize_scalar(
-                lambda t, j=j: -self._force(j, t, leg), bounds=ends, method="bounded", options=narrow
-            )
-            own = self.own.joints[j]
-            own["contact_peak"] = max(own["contact_peak"], forces[top], -best.fun)
-
-    def _force(self, j: int, time: float, leg: Any) -> float:
-        self._evaluate(time, leg(time))
-        return float(self.work.loads[j, NORMAL])
-
-    def contacts(self) -> NDArray[np.void]:
-        """All contacts, of type `contact_record`, in the order of their starts."""
-        still_open = [self._contact(j, math.nan) for j in np.flatnonzero(self.own.joints["in_contact"]).tolist()]
-        return np.sort(np.array([*self._closed, *still_open], dtype=contact_record), order="start_s")
-
-    def drift(self, time: float, state: Array) -> float:
-        """Greatest violation of a joint's or a rigid body's constraint [m]."""
-        q = np.ascontiguousarray(state[: self.n])
-        lengths = [
-            abs(math.hypot(*(q[b["offset"] + 2 : b["offset"] + 4] - q[b["offset"] : b["offset"] + 2])) - b["length"])
-            for b in self.model.bodies
-            if b["constraints"]
-        ]
-        return max(float(constraint_drift(self.model, q, time, self.work)), *lengths)

@@ -1,4 +1,4 @@
-"""Table of the charts of speed against accuracy; measuring them into tables, drawing from tables."""
+"""Table of the studies of speed against accuracy; measuring them into tables, drawing from tables."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -12,73 +12,45 @@ from solar_env.mechanics.integrators.settings import INTEGRATORS
 from solar_env.studies.common.plans import FULL, QUICK, ChartPlan
 from solar_env.studies.common.tables import Row, Table, provenance, read_table, write_table
 from solar_env.studies.common.timing import Job, Measured, measure
-from solar_env.studies.precision.ensembles import draw_ensembles, ensemble_jobs, ensemble_rows
-from solar_env.studies.precision.growth import draw_growth, growth_jobs, growth_rows
-from solar_env.studies.precision.levels import level_jobs, level_rows
-from solar_env.studies.precision.levels_plot import draw_levels
+from solar_env.studies.precision.convergence import convergence_jobs, convergence_rows
+from solar_env.studies.precision.convergence_plot import draw_convergence
 from solar_env.studies.precision.methods import METHODS, MISSING_PEER, peer_is_missing
-from solar_env.studies.precision.residual_blocks import BlockLevel, block_jobs, block_rows, write_blocks
-from solar_env.studies.precision.side_by_side import side_by_side_jobs, side_by_side_rows, write_side_by_side
+from solar_env.studies.precision.side_by_side import side_by_side_jobs, side_by_side_rows
+from solar_env.studies.precision.side_by_side_page import write_side_by_side
 from solar_env.studies.precision.work_precision import work_precision_jobs, work_precision_rows
 from solar_env.studies.precision.work_precision_plot import draw_work_precision
-from solar_env.support.campaigns import ONE, Workers
 from solar_env.support.progress import counting_bar
 
 
 @dataclass(frozen=True)
 class Study:
-    """One part of the charts.
+    """One study: its table has its name.
 
     Attributes:
         jobs: plan to the runs by key.
-        rows: plan and what came of each run, by key, to rows by table.
-        tables: names of the tables.
-        draw: tables, as many as they are, and folder to the files drawn.
-        timed: whether wall times matter, so that runs follow each other in this process.
+        rows: plan and what came of each run, by key, to the rows of the table.
+        draw: table and folder to the files drawn.
     """
 
     jobs: Callable[[ChartPlan], dict[Any, Job]]
-    rows: Callable[[ChartPlan, dict[Any, Measured]], dict[str, list[Row]]]
-    tables: tuple[str, ...]
-    draw: Callable[..., list[Path]]
-    timed: bool = True
-
-
-def _panel_jobs(plan: ChartPlan) -> dict[Any, Job]:
-    return {**level_jobs(plan), **block_jobs(plan)}
-
-
-def _panel_rows(plan: ChartPlan, results: dict[Any, Measured]) -> dict[str, list[Row]]:
-    blocks = {key: result for key, result in results.items() if isinstance(key[0], BlockLevel)}
-    levels = {key: result for key, result in results.items() if key not in blocks}
-    return level_rows(plan, levels) | block_rows(plan, blocks, levels)
-
-
-def _draw_panels(levels: Table, members: Table, blocks: Table, block_members: Table, folder: Path) -> list[Path]:
-    return draw_levels(levels, members, folder) + write_blocks(blocks, block_members, folder)
+    rows: Callable[[ChartPlan, dict[Any, Measured]], list[Row]]
+    draw: Callable[[Table, Path], list[Path]]
 
 
 STUDIES = {
-    "work-precision": Study(
-        work_precision_jobs, work_precision_rows, ("work_precision", "work_precision_floors"), draw_work_precision
-    ),
-    "ensembles": Study(ensemble_jobs, ensemble_rows, ("ensembles",), draw_ensembles, timed=False),
-    "levels": Study(
-        _panel_jobs,
-        _panel_rows,
-        ("levels", "levels_clearance", "residual_blocks", "residual_blocks_clearance"),
-        _draw_panels,
-    ),
-    "growth": Study(growth_jobs, growth_rows, ("growth",), draw_growth),
-    "side-by-side": Study(side_by_side_jobs, side_by_side_rows, ("side_by_side",), write_side_by_side),
+    "work-precision": Study(work_precision_jobs, work_precision_rows, draw_work_precision),
+    "convergence": Study(convergence_jobs, convergence_rows, draw_convergence),
+    "side-by-side": Study(side_by_side_jobs, side_by_side_rows, write_side_by_side),
 }
 
 
-def measure_charts(names: Sequence[str], quick: bool, folder: Path, console: Console, workers: Workers = ONE) -> None:
-    """Measure studies, in about an hour or `quick` in two minutes, and write their tables.
+def table_file(study: str) -> str:
+    """Name of the file that holds the table of a study."""
+    return f"{study.replace('-', '_')}.csv"
 
-    Ensembles run where the workers are; everything else is timed and runs here, one after the other.
-    """
+
+def measure_charts(names: Sequence[str], quick: bool, folder: Path, console: Console) -> None:
+    """Measure studies, in about an hour or `quick` in two minutes, and write their tables; runs follow each other."""
     plan = QUICK if quick else FULL
     if peer_is_missing():
         console.print(MISSING_PEER, highlight=False, markup=False, soft_wrap=True)
@@ -88,23 +60,16 @@ def measure_charts(names: Sequence[str], quick: bool, folder: Path, console: Con
         task = progress.add_task(f"loading kernels{compilation_note(INTEGRATORS)}", total=total)
         warm_up(plan)
         for name in names:
-            study = STUDIES[name]
-            results = measure(
-                jobs[name],
-                lambda run: progress.update(task, advance=1, description=run),
-                ONE if study.timed else workers,
-            )
-            rows = study.rows(plan, results)
-            for table, measured in rows.items():
-                made_by = provenance(f"solar-env chart --only {name}{' --quick' if quick else ''}")
-                write_table(folder / f"{table}.csv", measured, made_by)
+            results = measure(jobs[name], lambda run: progress.update(task, advance=1, description=run))
+            made_by = provenance(f"solar-env chart --only {name}{' --quick' if quick else ''}")
+            write_table(folder / table_file(name), STUDIES[name].rows(plan, results), made_by)
 
 
 def warm_up(plan: ChartPlan) -> None:
     """Run a moment of every method and model, so that compiling and loading are not measured."""
     for model in plan.models:
         for method in METHODS:
-            settings = method.deployments.get(model, ()) or method.impacts.get(model, ())
+            settings = method.settings.get(model, ())
             if method.available and settings:
                 method.solve(replace(plan.deployment(model), duration=1e-3, sample_step=1e-3), settings[-1])
 
@@ -117,10 +82,8 @@ def draw(names: Sequence[str], tables: Path, figures: Path) -> list[Path]:
     """
     drawn: list[Path] = []
     for name in names:
-        study = STUDIES[name]
-        paths = [tables / f"{table}.csv" for table in study.tables]
-        for path in paths:
-            if not path.is_file():
-                raise ValueError(f"{path} does not exist: measure first, without --draw")
-        drawn += study.draw(*map(read_table, paths), figures)
+        path = tables / table_file(name)
+        if not path.is_file():
+            raise ValueError(f"{path} does not exist: measure first, without --draw")
+        drawn += STUDIES[name].draw(read_table(path), figures)
     return drawn

@@ -10,7 +10,6 @@ from dataclasses import dataclass, field, replace
 from solar_env.array import DEFAULT_MODES, MODELS, PanelModel, has_flexible_panels
 from solar_env.array.panels import MODAL
 from solar_env.mechanics.integrators.settings import (
-    DormandPrince,
     GeneralizedAlpha,
     Integrator,
     ModalRadau,
@@ -36,9 +35,8 @@ class Method:
         name: in tables and legends.
         setting: what is varied: "rtol" or "step" [s].
         program: scene and setting to motion; raises SimulationError if the run cannot go on.
-        deployments: model -> settings for whole deployments; a model that is not there is left out.
-        impacts: model -> settings for the impacts of the initial phase.
-        dear: model -> further settings for whole deployments, long runs that only the full chart makes.
+        settings: model -> values of the setting; a model that is not there is left out.
+        dear: model -> further values, long runs that only the full chart makes.
         needs: distribution that must be installed besides the project.
         panels: the only flexible panels that it takes; None for those of the scene.
     """
@@ -46,8 +44,7 @@ class Method:
     name: str
     setting: str
     program: Program
-    deployments: Mapping[str, Settings]
-    impacts: Mapping[str, Settings]
+    settings: Mapping[str, Settings]
     dear: Mapping[str, Settings] = field(default_factory=dict)
     needs: str | None = None
     panels: PanelModel | None = None
@@ -101,82 +98,62 @@ def _by_model(
     return {model: settings for model, settings in named if settings}
 
 
-def _impacts(rigid: Settings, flexible: Settings = ()) -> dict[str, Settings]:
-    return _by_model(rigid_clearance=rigid, flexible_clearance=flexible)
-
-
 # fmt: off
 METHODS: tuple[Method, ...] = (
     Method(
         "runge-kutta", "rtol", own(lambda rtol: RungeKutta(rtol=rtol)),
         _by_model((1e-4, 1e-6, 1e-8, 1e-10, 1e-11, 1e-12), (1e-4, 1e-5, 5e-7, 1e-8, 1e-10, 1e-11, 1e-12),
                   (1e-3, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9), (1e-3, 1e-5, 1e-6, 1e-8, 1e-9)),
-        _impacts((1e-4, 1e-5, 5e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12), (1e-3, 1e-5, 1e-6, 1e-8, 1e-10, 1e-11, 1e-12)),
     ),
     Method(
         "rosenbrock", "rtol", own(lambda rtol: Rosenbrock(rtol=rtol)),
         _by_model((), (), (1e-2, 1e-3, 1e-4, 1e-5, 1e-6), (1e-2, 1e-3, 1e-4, 1e-5)),
-        _impacts((), (1e-3, 1e-4, 1e-5, 1e-6)),
     ),
     Method(
         "modal-radau", "rtol", own(lambda rtol: ModalRadau(rtol=rtol)),
         _by_model((), (3e-2, 1e-2, 1e-3, 1e-4), (1e-3, 3e-4, 1e-4, 1e-5, 1e-6), (3e-2, 1e-2, 1e-3, 1e-4, 1e-5)),
-        _impacts((1e-2, 1e-3, 1e-4, 1e-5, 1e-6), (1e-2, 1e-3, 1e-4, 1e-5)), panels=MODES,
-    ),
-    Method(
-        "dop853", "rtol", own(lambda rtol: DormandPrince(rtol=rtol)),
-        _by_model((1e-4, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12)), _impacts((1e-4, 1e-6, 1e-8, 1e-10, 1e-12)),
+        panels=MODES,
     ),
     Method(
         "generalized-alpha", "step", own(lambda step: GeneralizedAlpha(step=step)),
         _by_model((1e-2, 1e-3, 1e-4), (1e-4, 5e-5, 2e-5, 1e-5), (1e-2, 5e-3, 2e-3, 1e-3, 1e-4), (1e-4, 5e-5, 2e-5)),
-        _impacts((1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 2e-6), (1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 2e-6)),
     ),
     Method(
         "generalized-alpha, adaptive", "rtol", own(lambda rtol: GeneralizedAlpha(rtol=rtol)),
         _by_model((1e-3, 1e-5, 1e-7), (1e-4, 1e-5, 1e-6, 1e-7), (1e-3, 1e-4, 1e-5), (1e-3, 1e-4)),
-        _impacts((1e-4, 1e-5, 1e-6, 1e-7, 1e-8), (1e-3, 1e-4, 1e-5, 1e-6)),
     ),
     Method(
         "paper's scheme", "step", own(lambda step: GeneralizedAlpha(step=step, rho_inf=1.0)),
         _by_model((1e-2, 1e-3, 1e-4), (1e-4, 5e-5, 2e-5), (1e-2, 1e-3, 1e-4), (1e-4, 5e-5)),
-        _impacts((1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 2e-6), (1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 2e-6)),
     ),
     Method(
         "SciPy DOP853", "rtol", scipy("DOP853"),
         _by_model((1e-4, 1e-6, 1e-8, 1e-11, 1e-12)),
-        _impacts((1e-6, 1e-8, 1e-10, 1e-12, 1e-13), (1e-4, 1e-6, 1e-8, 1e-10, 1e-11)),
         dear=_by_model((), (1e-6, 1e-9, 1e-11, 1e-12), (1e-8,), (1e-8,)),
     ),
     Method(
         "SciPy Radau", "rtol", scipy("Radau"),
-        _by_model((1e-3, 1e-5, 1e-7, 1e-9), (), (1e-2, 1e-3, 1e-4, 1e-5)),
-        _impacts((1e-4, 1e-6, 1e-8), (1e-3, 1e-4, 1e-6)), dear=_by_model((), (1e-4, 1e-6)),
+        _by_model((1e-3, 1e-5, 1e-7, 1e-9), (), (1e-2, 1e-3, 1e-4, 1e-5)), dear=_by_model((), (1e-4, 1e-6)),
     ),
     Method(
         "Exudyn generalized-alpha", "step", exudyn("generalized-alpha"),
         _by_model((1e-2, 1e-3, 1e-4), (1e-4, 5e-5, 2e-5), (5e-3, 1e-3)),
-        _impacts((1e-4, 5e-5, 2e-5, 1e-5), (1e-4, 5e-5, 2e-5, 1e-5)),
         dear=_by_model(flexible_ideal=(1e-4,), flexible_clearance=(5e-4, 1e-4)), needs="exudyn",
     ),
     Method(
         "Exudyn explicit", "step", exudyn("explicit"),
-        _by_model((5e-2, 1e-2, 1e-3), (5e-5, 2e-5, 1e-5)), _impacts((5e-5, 2e-5, 1e-5, 5e-6)), needs="exudyn",
+        _by_model((5e-2, 1e-2, 1e-3), (5e-5, 2e-5, 1e-5)), needs="exudyn",
     ),
 )
 # fmt: on
 
 # Two methods that have no code in common but the forces, each at its two smallest tolerances where that takes no hours.
 Pairs = tuple[tuple[str, Settings], ...]
-DEPLOYMENT_REFERENCES: dict[str, Pairs] = {
+REFERENCES: dict[str, Pairs] = {
     "rigid-ideal": (("runge-kutta", (1e-12, 1e-11)), ("SciPy DOP853", (1e-12, 1e-11))),
     "rigid-clearance": (("runge-kutta", (1e-12, 1e-11)), ("SciPy DOP853", (1e-12, 1e-11))),
     "flexible-ideal": (("runge-kutta", (1e-9, 1e-8)), ("SciPy DOP853", (1e-8,))),
     "flexible-clearance": (("runge-kutta", (1e-9, 1e-8)), ("SciPy DOP853", (1e-8,))),
-}
-IMPACT_REFERENCES: dict[str, Pairs] = {
-    "rigid-clearance": (("runge-kutta", (1e-12, 1e-11)), ("SciPy DOP853", (1e-13, 1e-12))),
-    "flexible-clearance": (("runge-kutta", (1e-12, 1e-11)), ("SciPy DOP853", (1e-11, 1e-10))),
 }
 # Modal panels are another model, with one method: its finest run stands for it.
 MODAL_REFERENCES: dict[str, Pairs] = {
@@ -201,7 +178,7 @@ def find_method(name: str) -> Method:
     for method in METHODS:
         if method.name == name:
             return method
-    raise ValueError(f"method {name!r} is unknown; choose from {', '.join(dict.fromkeys(m.name for m in METHODS))}")
+    raise ValueError(f"method {name!r} is unknown; choose from {', '.join(m.name for m in METHODS)}")
 
 
 def peer_is_missing() -> bool:

@@ -2,14 +2,13 @@
 
 Errors are those of what the user gets, panels included. With flexible panels they are taken against beams of 24
 elements, the peer's own kind of panels four times as fine as its, and against the peak forces of an ensemble of modal
-panels that neither modes nor tolerance change any more (`levels`).
+panels that neither modes nor tolerance change any more (`convergence`).
 """
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,14 +16,13 @@ from numpy.typing import NDArray
 from solar_env.array import PanelModel, has_flexible_panels
 from solar_env.array.panels import ANCF
 from solar_env.studies.common.levels import FINEST, Level
-from solar_env.studies.common.measures import angle_error, latch_error
-from solar_env.studies.common.motion import Motion, Scene, perturbed, perturbed_setting, run_own
+from solar_env.studies.common.motion import perturbed, perturbed_setting
 from solar_env.studies.common.plans import ChartPlan
-from solar_env.studies.common.tables import Cell, Row, Table, number
+from solar_env.studies.common.tables import Row
 from solar_env.studies.common.timing import Job, Measured
+from solar_env.studies.precision.convergence import run_level
 from solar_env.studies.precision.methods import find_method
-from solar_env.support.files import write_text
-from solar_env.support.markdown import markdown_table
+from solar_env.studies.precision.work_precision import errors_of
 
 Array = NDArray[np.float64]
 
@@ -34,7 +32,7 @@ Entry = tuple[str, float]
 
 # Method and setting: own looser and tighter tolerances; the peer at its leanest, the first of which short plans take.
 OWN: dict[str, tuple[Entry, ...]] = {
-    "rigid-ideal": (("runge-kutta", 1e-6), ("dop853", 1e-8)),
+    "rigid-ideal": (("runge-kutta", 1e-6), ("runge-kutta", 5e-10)),
     "rigid-clearance": (("runge-kutta", 1e-5), ("runge-kutta", 1e-7)),
     "flexible-ideal": (("modal-radau", 1e-3), ("modal-radau", 3e-4), ("rosenbrock", 1e-3), ("rosenbrock", 1e-4)),
     "flexible-clearance": (
@@ -84,19 +82,14 @@ def _default_level(model: str) -> Level:
     return Level(model, PanelModel.of(model) if has_flexible_panels(model) else None)
 
 
-def _run_level(level: Level, scene: Scene, member: int) -> Motion:
-    own = replace(scene, parameters=perturbed(scene.parameters, member), panels=level.panels or scene.panels)
-    return run_own(own, level.integrator(member))
-
-
 def _job(plan: ChartPlan, case: Case) -> Job:
-    scene = replace(plan.deployment(case.model), duration=plan.side_duration, every_contact=case.watched)
+    scene = replace(plan.deployment(case.model), duration=plan.side_duration, forces_kept=case.watched)
     title = f"side by side, {case.model}: {case.method}, {case.value:g}, run {case.member + 1}"
     title += ", forces kept" * case.watched
     repeats = 1 if case.member or case.watched or case.method in (_REFERENCE, _ENSEMBLE) else plan.repeats
     if case.method in (DEFAULT, _ENSEMBLE):
         level = _default_level(case.model) if case.method == DEFAULT else CONVERGED[case.model]
-        return Job(title, partial(_run_level, level, scene, case.member), repeats)
+        return Job(title, partial(run_level, level, scene, case.member), repeats)
     name, value = REFERENCES[case.model] if case.method == _REFERENCE else (case.method, case.value)
     if case.method == _REFERENCE and has_flexible_panels(case.model):
         scene = replace(scene, panels=PanelModel(ANCF, 4 * plan.panels.count))
@@ -121,8 +114,8 @@ def side_by_side_jobs(plan: ChartPlan) -> dict[Case, Job]:
     return {case: _job(plan, case) for case in cases}
 
 
-def side_by_side_rows(plan: ChartPlan, results: Mapping[Case, Measured]) -> dict[str, list[Row]]:
-    """Rows by table: "side_by_side" gets cost and errors of every method and setting."""
+def side_by_side_rows(plan: ChartPlan, results: Mapping[Case, Measured]) -> list[Row]:
+    """Cost and errors of every method and setting."""
     rows: list[Row] = []
     for case, result in results.items():
         if case.member or case.watched or case.method in (_REFERENCE, _ENSEMBLE):
@@ -139,8 +132,8 @@ def side_by_side_rows(plan: ChartPlan, results: Mapping[Case, Measured]) -> dict
             "peer": int(case.method.startswith("Exudyn")),
             "failure": result.failure,
         }
-        rows.append(labels | _figures(result, reference, plan) | _force_ratios(case, results))
-    return {"side_by_side": rows}
+        rows.append(labels | result.times() | errors_of(result.motion, reference, plan) | _force_ratios(case, results))
+    return rows
 
 
 def _panels(plan: ChartPlan, case: Case) -> str:
@@ -149,31 +142,13 @@ def _panels(plan: ChartPlan, case: Case) -> str:
     return find_method(case.method).size(plan.deployment(case.model))
 
 
-def _figures(result: Measured, reference: Motion, plan: ChartPlan) -> Row:
-    """Times and errors of a run; nan if it did not reach its end."""
-    names = ("repeats", "wall_s", "wall_min_s", "wall_max_s", "angle_error_rad", "latch_error_s", "energy_residual")
-    motion = result.motion
-    if motion is None:
-        return dict.fromkeys(names, math.nan)
-    values = (
-        len(result.walls),
-        result.wall,
-        min(result.walls),
-        max(result.walls),
-        angle_error(motion, reference, plan.before_latch),
-        latch_error(motion, reference),
-        motion.energy_residual,
-    )
-    return dict(zip(names, values, strict=True))
-
-
 def _peak_forces(case: Case, results: Mapping[Case, Measured]) -> Array:
     """(members, joints) peak forces after the latching [N] of the runs of a method at a setting that tell them."""
     peaks = [
-        result.motion.totals["peak_force"]
+        result.motion.totals["peak_force_N"]
         for of, result in results.items()
         if replace(of, member=0, watched=False) == case and result.motion is not None
-        and "peak_force" in result.motion.totals
+        and "peak_force_N" in result.motion.totals
     ]  # fmt: skip
     return np.array(peaks).reshape(-1, 2)
 
@@ -192,46 +167,3 @@ def _force_ratios(case: Case, results: Mapping[Case, Measured]) -> Row:
         errors = np.hypot(shares[0], shares[1] * means)
     names = [f"force_ratio_{joint}{suffix}" for suffix in ("", "_error") for joint in (1, 2)]
     return dict(zip(names, [*means.tolist(), *errors.tolist()], strict=True))
-
-
-def ratio_at_equal_error(rows: Table, peer: Mapping[str, Cell]) -> float:
-    """The peer's wall time over that of the cheapest own run whose errors are no larger; nan if there is none."""
-    walls = [
-        number(row, "wall_s")
-        for row in rows.where(model=peer["model"], peer=0).rows
-        if all(number(row, name) <= number(peer, name) for name in ("angle_error_rad", "latch_error_s"))
-    ]
-    return number(peer, "wall_s") / min(walls, default=math.nan)
-
-
-_COLUMNS = (
-    "model", "method", "panels", "setting", "wall time [s]", "times real time",
-    "error of angles before the latch [rad]", "error of latch times [s]",
-    "peak forces over the converged ensemble's, joints 1 / 2", "peer's time over ours at no larger error",
-)  # fmt: skip
-
-
-def write_side_by_side(rows: Table, folder: Path) -> list[Path]:
-    """Write the table in Markdown, from the measured table alone; returns the file."""
-    lines = []
-    for row in rows.rows:
-        cells = [str(row[name]) for name in ("model", "method", "panels")]
-        cells.append("" if row["method"] == DEFAULT else f"{number(row, 'value'):g}")
-        if row["failure"]:
-            lines.append([*cells, "failed", *[""] * 5])
-            continue
-        ratio = ""
-        if row["peer"]:
-            own = ratio_at_equal_error(rows, row)
-            ratio = "none of ours is as accurate" if math.isnan(own) else f"{own:.3g}"
-        wall, duration = number(row, "wall_s"), number(row, "duration_s")
-        errors = [f"{number(row, name):.1e}" for name in ("angle_error_rad", "latch_error_s")]
-        lines.append([*cells, f"{wall:.3g}", f"{duration / wall:.3g}", *errors, _forces(row), ratio])
-    path = folder / "side_by_side.md"
-    write_text(path, markdown_table(_COLUMNS, lines) + "\n")
-    return [path]
-
-
-def _forces(row: Mapping[str, Cell]) -> str:
-    ratios = [(number(row, f"force_ratio_{j}"), number(row, f"force_ratio_{j}_error")) for j in (1, 2)]
-    return "" if math.isnan(ratios[0][0]) else " / ".join(f"{ratio:.2f} ± {error:.2f}" for ratio, error in ratios)

@@ -169,7 +169,6 @@ def test_what_hyperparameters_may_be_is_not_refused(algo, values):
         (["--env-kwargs", "max_episode_steps=20"], "max_episode_steps cuts off have no landing to judge"),
         (["--eval-episodes", "0"], "the number of episodes is 0; choose one from 1"),
         (["--jobs", "0"], "jobs = 0"),
-        (["--cluster", "slurm"], "cluster 'slurm' is unknown; choose from ray"),
         (["--seeds", "0", "1", "--seed", "100000"], "seed is 100000; choose one from 0 to 99999"),
         (["--seeds", "1", "1"], "seed 1 is given 2 times; give it once"),
         (["--seeds", "1", "2", "--resume", "runs/one"], "does not go with --resume"),

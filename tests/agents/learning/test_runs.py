@@ -211,7 +211,7 @@ def test_a_run_with_another_configuration_is_neither_taken_nor_removed(tmp_path,
         (folder / name).write_bytes((ppo_run / name).read_bytes())
     wanted = replace(configurations.stored_configuration(ppo_run), seed=99)
     with pytest.raises(ValueError, match="holds a run with another configuration; choose another --out"):
-        learn.train_missing({folder: wanted}, "", "cpu", Workers(1, None), progress=False)
+        learn.train_missing({folder: wanted}, "", "cpu", Workers(1), progress=False)
     assert (folder / runs.CONFIG).read_bytes() == (ppo_run / runs.CONFIG).read_bytes()
 
 

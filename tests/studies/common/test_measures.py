@@ -9,8 +9,6 @@ from solar_env.array.deployment import simulate
 from solar_env.studies.common import measures
 from solar_env.studies.common.motion import from_trajectory
 
-IMPACTS = [(0, 0.1, 10.0), (1, 0.15, 20.0), (0, 0.2, 30.0), (0, 0.3, 40.0)]
-
 
 def test_the_angle_error_is_the_greatest_difference_up_to_the_time():
     reference = make_motion()
@@ -38,68 +36,31 @@ def test_without_a_latching_there_is_no_latch_error():
     assert math.isnan(measures.latch_error(make_motion(), make_motion(latch=(math.nan, math.nan))))
 
 
-def test_the_horizon_ends_at_the_first_impact_that_two_references_tell_differently():
-    other = [*IMPACTS[:3], (0, 0.3, 41.0)]
-    assert measures.horizon(make_motion(impacts=IMPACTS), make_motion(impacts=IMPACTS)) == (3, 1)
-    assert measures.horizon(make_motion(impacts=IMPACTS), make_motion(impacts=other)) == (2, 1)
-    assert measures.horizon(make_motion(impacts=IMPACTS), make_motion()) == (0, 0)
-
-
-def test_errors_are_taken_over_a_quarter_of_the_horizon_and_few_impacts():
-    assert measures.compared_impacts((0, 1, 5, 9, 54)) == (0, 1, 2, 3, 3)
-
-
-def test_impact_errors_are_those_of_the_first_impacts_alone():
-    motion = make_motion(impacts=[(0, 0.1001, 10.1), (1, 0.15, 20.0), (0, 0.25, 60.0), (0, 0.3, 40.0)])
-    reference = make_motion(impacts=IMPACTS)
-    assert measures.impact_errors(motion, reference, (1, 1)) == pytest.approx((1e-4, 0.01))
-    assert measures.impact_errors(motion, reference, (2, 1)) == pytest.approx((0.05, 1.0))
-    assert measures.impact_errors(motion, reference, (0, 0)) == (0.0, 0.0)
-    assert measures.impact_errors(make_motion(), reference, (1, 0)) == (math.inf, math.inf)
-
-
-def test_predicted_impacts_are_counted_up_to_the_first_wrong_one_of_each_joint():
-    reference = make_motion(impacts=IMPACTS)
-    motion = make_motion(impacts=[(0, 0.1, 10.05), (1, 0.15, 20.0), (0, 0.2, 35.0), (0, 0.3, 40.0)])
-    assert measures.predicted_impacts(motion, reference, (3, 1)) == 2
-    assert measures.predicted_impacts(reference, reference, (3, 1)) == 4
-    assert measures.predicted_impacts(make_motion(), reference, (3, 1)) == 0
-
-
-def test_a_study_keeps_what_a_run_sums_up_after_the_latching_and_the_greatest_wear_and_loss():
-    """Of a run whose figures before and after the latching are told apart."""
+def test_a_study_keeps_the_motion_and_what_the_run_comes_to_after_the_latching():
     run = simulate({"spring_stiffness": 2.0}, duration=4.0)
     run = replace(run, peak_force=2.0 * run.postlock_peak_force)
-    totals = from_trajectory(run).totals
-    first = np.searchsorted(run.time, np.nanmin(run.latch_times))
-    for name, so_far in (("impulse", run.impulse), ("sliding_work", run.sliding_work)):
-        assert np.all(so_far[-1] - so_far[first] <= totals[name])
-        assert np.all(totals[name] <= so_far[-1] - so_far[first - 1])
-        assert np.all(so_far[first - 1] > 0.01 * so_far[-1])
-    assert totals["peak_force"].tolist() == run.postlock_peak_force.tolist()
-    assert totals["wear_depth"].tolist() == run.wear_depth.tolist()
-    lost = sum(run.energies[f"{what}_dissipation"][-1] for what in ("contact", "friction", "latch", "material"))
-    stored = run.energies["spring"][0] + run.energies["cable"][0]
-    assert totals["energy_lost"] == pytest.approx([lost / stored] * 2)
-    assert set(totals) == {"impulse", "sliding_work", "peak_force", "wear_depth", "energy_lost"}
-
-
-def test_a_study_keeps_motion_contacts_and_counts_as_the_run_has_them():
-    run = simulate({"spring_stiffness": 2.0}, duration=1.0)
     motion = from_trajectory(run)
     assert np.array_equal(motion.time, run.time)
     assert np.array_equal(motion.angles, run.angles)
     assert np.array_equal(motion.latch_times, run.latch_times, equal_nan=True)
-    assert np.all(np.diff(motion.contacts["start_s"]) >= 0.0)
-    assert sorted(motion.contacts["peak_force"]) == sorted(run.contacts["peak_force"])
     for name in ("steps", "evaluations", "factorizations", "wall_time"):
         assert getattr(motion, name) == run.metadata["wall_time_s" if name == "wall_time" else name], name
     assert motion.energy_residual == run.energy_residual / run.energy_put_in
+    assert set(motion.totals) == {"peak_force_N", "sliding_work_J", "impacts", "wear_depth_m"}
+    assert motion.totals["peak_force_N"].tolist() == run.postlock_peak_force.tolist()
+    assert motion.totals["wear_depth_m"].tolist() == run.wear_depth.tolist()
+    first = np.searchsorted(run.time, np.nanmin(run.latch_times))
+    work, so_far = motion.totals["sliding_work_J"], run.sliding_work
+    assert np.all(so_far[-1] - so_far[first] <= work)
+    assert np.all(work <= so_far[-1] - so_far[first - 1])
+    assert np.all(so_far[first - 1] > 0.01 * so_far[-1])
+    starts = [run.contacts["start_s"][run.contacts["joint"] == joint] for joint in (0, 1)]
+    assert motion.totals["impacts"].tolist() == [np.sum(own > np.nanmin(run.latch_times)) for own in starts]
 
 
 def test_peak_forces_are_compared_joint_by_joint_where_the_reference_has_one():
     own, right, none = (
-        replace(make_motion(), totals={"peak_force": np.array(forces)})
+        replace(make_motion(), totals={"peak_force_N": np.array(forces)})
         for forces in ((11.0, 5.0), (10.0, 0.0), (0.0, 0.0))
     )
     assert measures.force_error(own, right) == pytest.approx(0.1)

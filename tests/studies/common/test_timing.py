@@ -1,5 +1,4 @@
 from dataclasses import replace
-from functools import partial
 
 import pytest
 from helpers import make_motion
@@ -7,7 +6,6 @@ from threadpoolctl import threadpool_info
 
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.studies.common.timing import Job, measure
-from solar_env.support.campaigns import Workers
 
 
 def test_runs_are_repeated_in_turn_and_long_or_failed_ones_are_not():
@@ -34,6 +32,7 @@ def test_runs_are_repeated_in_turn_and_long_or_failed_ones_are_not():
     assert len(measured["long"].walls) == 1
     assert measured["bad"].motion is None
     assert measured["bad"].failure == "Newton"
+    assert measured["short"].times() == {"repeats": 3, "wall_s": 7.0, "wall_min_s": 2.0, "wall_max_s": 9.0}
 
 
 def test_timed_runs_leave_linear_algebra_one_thread():
@@ -46,19 +45,3 @@ def test_timed_runs_leave_linear_algebra_one_thread():
     measure({"run": Job("run", run)})
     assert threads
     assert set(threads) == {1}
-
-
-def once(name):
-    """A run that several processes can make; "bad" ones cannot go on."""
-    if name == "bad":
-        raise SimulationError("Newton", 0.1, "newton")
-    return replace(make_motion(), wall_time=float(len(name)))
-
-
-def test_several_processes_make_every_run_once_and_keep_their_order():
-    announced = []
-    jobs = {name: Job(name, partial(once, name), repeats=3) for name in ("a", "bad", "ccc")}
-    measured = measure(jobs, announced.append, Workers(2))
-    assert sorted(announced) == list(measured) == list(jobs)
-    assert [result.walls for result in measured.values()] == [(1.0,), (), (3.0,)]
-    assert measured["bad"].failure == "Newton"

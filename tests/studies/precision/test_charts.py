@@ -13,36 +13,28 @@ from rich.console import Console
 from solar_env.__main__ import main
 from solar_env.array import PanelModel
 from solar_env.commands.studies import chart
-from solar_env.studies.common.plans import FULL, QUICK, Durations, Ensemble
+from solar_env.studies.common.plans import FULL, QUICK, Ensemble
 from solar_env.studies.common.tables import Table, read_table
 from solar_env.studies.common.timing import Measured
-from solar_env.studies.precision import charts, growth, methods, side_by_side
-from solar_env.studies.precision.ensembles import CONTESTANTS, LABELS, statistics_of
-from solar_env.studies.precision.growth import with_panels
+from solar_env.studies.precision import charts, methods, side_by_side, work_precision_plot
+from solar_env.studies.precision.side_by_side_page import ratio_at_equal_error
 
 MOMENT = replace(
     QUICK,
     models=("rigid-clearance",),
     duration=0.02,
     before_latch=0.02,
-    impacts_duration=Durations(0.02, 0.002),
     settings=1,
     panels=PanelModel("ancf", 1),
     ensemble_size=2,
-    ensemble_duration=Durations(0.02, 0.002),
+    ensemble_duration=0.02,
     levels=(Ensemble(None, 1), Ensemble(PanelModel("ancf", 1), 2), Ensemble(PanelModel("modal", 8), 1, 2.0)),
-    growth_elements=(1, 2),
-    growth_modes=(8, 16),
-    growth_panels=(1, 2),
-    growth_duration=0.002,
     side_duration=0.02,
 )
 FIGURES = {
-    "work-precision": {"angles.png", "latch.png", "impacts.png", "horizon.png", "energy.png"},
-    "ensembles": {"ensembles.png"},
-    "levels": {"levels.png", "levels.md", "residual_blocks.md"},
-    "growth": {"growth.png"},
-    "side-by-side": {"side_by_side.md"},
+    "work-precision": {"angles.png", "work_precision.md"},
+    "convergence": {"convergence.png", "convergence.md"},
+    "side-by-side": {"side_by_side.png", "side_by_side.md"},
 }
 
 
@@ -61,10 +53,9 @@ def measured(tmp_path_factory):
 def test_every_study_writes_its_tables_with_their_provenance(measured):
     folder, said = measured
     assert methods.MISSING_PEER in said
-    names = {name: study for study, details in charts.STUDIES.items() for name in details.tables}
-    assert {path.stem for path in folder.iterdir()} == set(names)
-    for name, study in names.items():
-        command = read_table(folder / f"{name}.csv").provenance["command"]
+    assert {path.name for path in folder.iterdir()} == set(map(charts.table_file, charts.STUDIES))
+    for study in charts.STUDIES:
+        command = read_table(folder / charts.table_file(study)).provenance["command"]
         assert command == f"solar-env chart --only {study} --quick"
 
 
@@ -72,8 +63,7 @@ def test_every_study_writes_its_tables_with_their_provenance(measured):
 def test_figures_are_drawn_from_the_tables_alone(study, tmp_path, measured, monkeypatch):
     folder, _ = measured
     monkeypatch.setattr(charts, "measure_charts", None)
-    for name in charts.STUDIES[study].tables:
-        shutil.copy(folder / f"{name}.csv", tmp_path)
+    shutil.copy(folder / charts.table_file(study), tmp_path)
     assert main(["chart", "--draw", "--only", study, "--out", str(tmp_path)]) == 0
     drawn = {path.name for path in tmp_path.iterdir() if path.suffix != ".csv"}
     assert drawn == FIGURES[study]
@@ -82,11 +72,11 @@ def test_figures_are_drawn_from_the_tables_alone(study, tmp_path, measured, monk
 
 def test_the_command_measures_and_draws_and_the_same_table_gives_the_same_figure(tmp_path, monkeypatch):
     monkeypatch.setattr(charts, "QUICK", MOMENT)
-    arguments = ["chart", "--only", "growth", "--out", str(tmp_path)]
+    arguments = ["chart", "--only", "side-by-side", "--out", str(tmp_path)]
     assert main([*arguments, "--quick"]) == 0
-    figure = (tmp_path / "growth.png").read_bytes()
+    figure = (tmp_path / "side_by_side.png").read_bytes()
     assert main([*arguments, "--draw"]) == 0
-    assert (tmp_path / "growth.png").read_bytes() == figure
+    assert (tmp_path / "side_by_side.png").read_bytes() == figure
 
 
 def test_every_method_takes_a_moment_of_the_quick_charts_at_its_finest_setting(monkeypatch):
@@ -100,25 +90,42 @@ def test_the_command_knows_the_studies():
 
 def test_every_method_has_a_row_with_costs_errors_and_energy(measured):
     folder, _ = measured
-    table = read_table(folder / "work_precision.csv")
-    rows = table.where(scene="deployment")
+    rows = read_table(folder / "work_precision.csv")
     own = {"runge-kutta", "modal-radau", "generalized-alpha", "generalized-alpha, adaptive", "paper's scheme"}
     assert own == set(rows.values("method"))
-    assert {"SciPy DOP853", "SciPy Radau"} <= set(table.where(scene="impacts").values("method"))
     reference = rows.where(method="runge-kutta", value=1e-12)
     assert reference.column("angle_error_rad")[0] == 0.0
     for name in ("wall_s", "steps", "evaluations", "angle_error_rad", "energy_residual"):
         assert np.isfinite(rows.column(name)).all(), name
     assert np.isnan(rows.column("latch_error_s")).all(), "nothing latches in a moment"
-    floors = read_table(folder / "work_precision_floors.csv")
-    assert 0.0 < floors.where(scene="deployment").column("angle_error_rad")[0] < 1e-4
-    assert floors.where(scene="impacts").column("impacts_in_horizon")[0] >= 1
+    assert np.all((rows.column("floor_rad") > 0.0) & (rows.column("floor_rad") < 1e-4))
+
+
+def method_rows(errors, model="rigid-ideal", floor=1e-12):
+    """Rows of a method, ten times as many steps from each to the next."""
+    steps = 100.0 * 10.0 ** np.arange(len(errors))
+    rows = ({"model": model, "steps": n, "evaluations": math.nan, "angle_error_rad": e, "floor_rad": floor, "wall_s": n}
+            for n, e in zip(steps, errors, strict=True))  # fmt: skip
+    return Table(tuple(rows), {})
+
+
+def test_the_observed_order_is_that_of_the_finest_errors_above_the_floor():
+    assert work_precision_plot.order(method_rows((1.0, 1e-2, 1e-4, 1e-6))) == pytest.approx(2.0)
+    assert work_precision_plot.order(method_rows((5.0, 1e-2, 1e-4, 1e-6))) == pytest.approx(2.0)
+    assert work_precision_plot.order(method_rows((1e-3, 1e-6, 1e-9, 2e-12))) == pytest.approx(3.0)
+    assert math.isnan(work_precision_plot.order(method_rows((1e-6, 1e-9, 2e-12))))
+    assert math.isnan(work_precision_plot.order(method_rows((1.0, 1e-2, 1e-4), model="rigid-clearance")))
+
+
+def test_the_cheapest_setting_is_one_within_the_goal():
+    assert work_precision_plot.cheapest(method_rows((1e-2, 5e-5, 1e-6)))["angle_error_rad"] == 5e-5
+    assert work_precision_plot.cheapest(method_rows((1e-2, 0.0))) is None
 
 
 def test_drawing_without_tables_says_what_to_do(tmp_path, capsys):
-    assert main(["chart", "--draw", "--only", "growth", "--out", str(tmp_path)]) == 2
+    assert main(["chart", "--draw", "--only", "side-by-side", "--out", str(tmp_path)]) == 2
     message = capsys.readouterr().err
-    assert "growth.csv" in message
+    assert "side_by_side.csv" in message
     assert "measure first" in message
 
 
@@ -153,55 +160,19 @@ def test_the_runs_of_a_study_have_names_of_their_own(study):
     assert len(set(names)) == len(names)
 
 
-def test_statistics_count_what_follows_the_first_latching():
-    impacts = [(0, 0.1, 90.0), (0, 0.6, 10.0), (0, 0.7, 30.0), (1, 0.2, 5.0)]
-    first, second = statistics_of(make_motion(impacts=impacts))
-    assert (first["impacts"], first["median_force_N"]) == (2.0, 20.0)
-    assert second["impacts"] == 0.0
-    assert math.isnan(second["median_force_N"])
-    assert math.isnan(first["sliding_work_J"]), "the program does not say"
-    assert set(first) == set(LABELS)
-
-
-def test_the_fitted_exponent_is_that_of_a_power_law():
-    counts = np.array([2.0, 4.0, 8.0, 16.0])
-    assert growth.fitted_exponent(counts, 3.0 * counts**1.5) == pytest.approx(1.5)
-
-
-@pytest.mark.parametrize("count", [1, 2, 5])
-def test_further_panels_are_like_the_last(count):
-    parameters = with_panels(QUICK.parameters, count)
-    assert parameters.panel_count == count
-    assert parameters.by_joint("spring_stiffness", count - 1) == (2.5 if count == 1 else 1.875)
-
-
 def test_the_ratio_is_taken_with_the_cheapest_own_run_of_no_larger_error():
     def row(peer, wall, angle, latch):
         return {"model": "m", "peer": peer, "wall_s": wall, "angle_error_rad": angle, "latch_error_s": latch}
 
     table = Table((row(0, 0.1, 1e-2, 1e-6), row(0, 0.2, 1e-5, 1e-6), row(0, 0.5, 1e-9, 1e-9)), {})
-    assert side_by_side.ratio_at_equal_error(table, row(1, 8.0, 1e-4, 1e-5)) == pytest.approx(40.0)
-    assert side_by_side.ratio_at_equal_error(table, row(1, 8.0, 1e-7, 1e-5)) == pytest.approx(16.0)
-    assert math.isnan(side_by_side.ratio_at_equal_error(table, row(1, 8.0, 1e-12, 1e-5)))
-
-
-@pytest.mark.parametrize("model", CONTESTANTS)
-def test_no_ensemble_is_compared_with_itself_or_with_a_coarser_one(model):
-    """The first with the same panels is the reference of the others."""
-    contestants = CONTESTANTS[model]
-    assert len(set(contestants)) == len(contestants)
-    scene = FULL.deployment(model)
-    finest: dict[str, tuple[str, float]] = {}
-    for chosen in contestants:
-        method, reference = finest.setdefault(
-            methods.find_method(chosen.method).size(scene), (chosen.method, chosen.value)
-        )
-        assert method != chosen.method or reference <= chosen.value
+    assert ratio_at_equal_error(table, row(1, 8.0, 1e-4, 1e-5)) == pytest.approx(40.0)
+    assert ratio_at_equal_error(table, row(1, 8.0, 1e-7, 1e-5)) == pytest.approx(16.0)
+    assert math.isnan(ratio_at_equal_error(table, row(1, 8.0, 1e-12, 1e-5)))
 
 
 def test_forces_are_those_of_the_members_over_those_of_the_converged_ensemble():
     def run(*forces):
-        return Measured(replace(make_motion(), totals={"peak_force": np.array(forces)}), (1.0,))
+        return Measured(replace(make_motion(), totals={"peak_force_N": np.array(forces)}), (1.0,))
 
     own, peer, right = (side_by_side.Case("m", name) for name in ("runge-kutta", "Exudyn", "converged ensemble"))
     results = {

@@ -4,7 +4,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solar_env.array import MODELS, PanelModel
+from solar_env.array import MODELS, ArrayParameters, PanelModel
 from solar_env.studies.common.motion import Scene, perturbed
 from solar_env.studies.common.plans import FULL
 from solar_env.studies.precision import methods
@@ -22,31 +22,22 @@ def test_names_are_unique_and_found():
 
 def test_settings_run_from_the_coarsest_to_the_finest():
     for method in methods.METHODS:
-        for settings in (*method.deployments.values(), *method.impacts.values(), *method.dear.values()):
+        for settings in (*method.settings.values(), *method.dear.values()):
             assert list(settings) == sorted(settings, reverse=True), method.name
-        assert set(method.impacts) <= {"rigid-clearance", "flexible-clearance"}
 
 
-@pytest.mark.parametrize("pairs", [methods.DEPLOYMENT_REFERENCES, methods.SHORT_REFERENCES, methods.IMPACT_REFERENCES])
+@pytest.mark.parametrize("pairs", [methods.REFERENCES, methods.SHORT_REFERENCES])
 def test_every_reference_comes_from_two_different_methods(pairs):
     for (first, finest), (second, _) in pairs.values():
         assert methods.find_method(first) is not methods.find_method(second)
         assert list(finest) == sorted(finest), "the first is right"
-    assert set(methods.DEPLOYMENT_REFERENCES) == set(MODELS)
+    assert set(pairs) == set(MODELS)
 
 
-@pytest.mark.parametrize(
-    ("pairs", "settings"),
-    [
-        (methods.DEPLOYMENT_REFERENCES, "deployments"),
-        (methods.IMPACT_REFERENCES, "impacts"),
-        (methods.MODAL_REFERENCES, "deployments"),
-        (methods.MODAL_REFERENCES, "impacts"),
-    ],
-)
-def test_no_setting_is_finer_than_the_reference_that_it_is_compared_with(pairs, settings):
+@pytest.mark.parametrize("pairs", [methods.REFERENCES, methods.MODAL_REFERENCES])
+def test_no_setting_is_finer_than_the_reference_that_it_is_compared_with(pairs):
     for model, ((name, values), *_) in pairs.items():
-        assert min(getattr(methods.find_method(name), settings).get(model, values)) >= values[0]
+        assert min(methods.find_method(name).settings.get(model, values)) >= values[0]
 
 
 def test_a_method_with_panels_of_its_own_takes_them_whatever_the_scene_says():
@@ -62,7 +53,7 @@ def test_a_method_with_panels_of_its_own_takes_them_whatever_the_scene_says():
 @pytest.mark.parametrize("method", [m for m in methods.METHODS if m.needs is None], ids=lambda m: m.name)
 def test_every_own_and_scipy_method_moves_every_model_that_it_is_listed_for(method):
     ends = {}
-    for model in (*method.deployments, *method.dear):
+    for model in (*method.settings, *method.dear):
         scene = Scene(model, FULL.parameters, duration=2e-3, sample_step=1e-3, panels=ONE)
         motion = method.solve(scene, 1e-4)
         assert motion.time.tolist() == [0.0, 1e-3, 2e-3]
@@ -100,11 +91,9 @@ def test_the_peer_moves_as_the_projects_own_simulator_does(solver, model):
 
 @pytest.mark.skipif(methods.peer_is_missing(), reason="needs the extra 'peers'")
 def test_what_the_peer_cannot_express_is_refused():
-    from solar_env.studies.precision.growth import with_panels
-
-    scene = Scene("rigid-ideal", with_panels(FULL.parameters, 3), duration=0.1, sample_step=0.1)
+    scene = Scene("rigid-ideal", FULL.parameters, duration=0.1, sample_step=0.1)
     for changed, named in (
-        (scene, "panel_count = 3"),
+        (replace(scene, parameters=ArrayParameters(panel_count=1, friction_speed_zero=0.0)), "panel_count = 1"),
         (replace(scene, parameters=replace(FULL.parameters, initial_spin=0.1)), "initial_spin = 0.1"),
         (replace(scene, model="flexible-ideal", parameters=FULL.parameters, panels=methods.MODES), "panels = 'modal'"),
     ):

@@ -1,10 +1,11 @@
-"""Members of ensembles are apart and the same everywhere; the study of levels says whether two families meet."""
+"""Members of ensembles are apart and the same everywhere; the study of convergence says whether two families meet."""
 
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from helpers import make_motion
 
 from solar_env.array import ArrayParameters, PanelModel
 from solar_env.array.parameters.ranges import RELEASE_RATE
@@ -12,7 +13,8 @@ from solar_env.studies.common.levels import Level
 from solar_env.studies.common.motion import SETTING_SHARE, perturbed, perturbed_setting
 from solar_env.studies.common.plans import FULL, QUICK
 from solar_env.studies.common.tables import Table
-from solar_env.studies.precision import levels_plot
+from solar_env.studies.common.timing import Measured
+from solar_env.studies.precision import convergence, convergence_plot
 
 MODES = PanelModel("modal", 32)
 
@@ -59,49 +61,48 @@ def test_a_level_simulates_its_member():
 
 @pytest.mark.parametrize("plan", [FULL, QUICK])
 def test_both_families_of_panels_have_a_finest_level_with_clearance(plan):
-    for kind in (levels_plot.BEAMS, levels_plot.MODES):
-        own = [level for level in plan.levels if level.panels and level.panels.kind == kind and level.members]
+    for kind in ("ancf", "modal"):
+        own = [level for level in plan.levels if convergence.family(level) == kind]
         assert own[-1].members >= 2
         assert own[-1].panels.count == max(level.panels.count for level in own)
 
 
-def ensemble(family, level, forces):
-    other = dict.fromkeys(levels_plot.MEANS, 1.0)
-    return [
-        {"family": family, "level": level, "joint": 1, "wall_s": 1.0, **other, "peak_force_N": force}
-        for force in forces
-    ]
+def level_row(family, level, forces):
+    """A row of the table: the peak forces of joint 1 are those of an ensemble, everything else is 1 in every run."""
+    totals = dict.fromkeys(convergence.STATISTICS, np.ones(2))
+    motions = [replace(make_motion(), totals={**totals, "peak_force_N": np.array([force, 1.0])}) for force in forces]
+    ideal = {"reference": "48 modes", "wall_ideal_s": 0.5, **dict.fromkeys(convergence_plot.ERRORS, 1e-3)}
+    return {"family": family, "level": level, **ideal} | convergence._means([Measured(one, (1.0,)) for one in motions])
 
 
 def two_families(beams, modes):
-    return Table((*ensemble("ancf", "48 elements", beams), *ensemble("modal", "32 modes", modes)), {})
+    return Table((level_row("ancf", "48 elements", beams), level_row("modal", "32 modes", modes)), {})
 
 
 def test_families_meet_if_their_means_differ_by_what_sampling_explains():
     scatter = 5.0 * np.random.default_rng(0).normal(size=64)
-    apart = levels_plot.conclusion(two_families(120.0 + scatter[:3], 100.0 + scatter[3:]))
+    apart = convergence_plot.conclusion(two_families(120.0 + scatter[:3], 100.0 + scatter[3:]))
     assert "have not met: 48 elements and 32 modes differ in peak force of joint 1 by +" in apart
-    met = two_families(102.0 + scatter[:3], 100.0 + scatter[3:])
-    assert "go to one limit" in levels_plot.conclusion(met)
-    assert "(peak force, joint 1)" in levels_plot.conclusion(met)
+    met = convergence_plot.conclusion(two_families(102.0 + scatter[:3], 100.0 + scatter[3:]))
+    assert "go to one limit" in met
+    assert met.endswith("in the peak force of joint 1")
 
 
 def test_the_difference_of_means_has_the_error_of_ensembles_that_scatter_alike():
-    beams, modes = (two_families((9.0, 11.0), (4.0, 5.0, 6.0)).where(family=kind) for kind in ("ancf", "modal"))
-    change, error = levels_plot.difference(beams, modes, "peak_force_N")
+    rows = two_families((9.0, 11.0), (4.0, 5.0, 6.0)).rows
+    change, error = convergence_plot.difference(*rows, "peak_force_N_1")
     assert change == pytest.approx(1.0)
     assert error == pytest.approx(math.sqrt(4.0 / 3.0 * (1.0 / 2.0 + 1.0 / 3.0)) / 5.0)
 
 
 def test_the_page_has_means_and_their_errors():
-    rows = [
-        {"level": name, "reference": reference, "wall_s": 0.5, **dict.fromkeys(levels_plot.ERRORS, 1e-3)}
-        for name in ("48 elements", "32 modes")
-        for reference in ("48 elements", "32 modes")
-    ]
-    members = two_families((9.0, 11.0), (4.0, 5.0, 6.0))
-    page = levels_plot._page(Table(tuple(rows), {}), members)
-    assert "against 48 elements / against 32 modes" in page
-    assert "| 48 elements | 2 | 1 | 10.0 ± 1.0 | 1 |" in page
-    assert "| 32 modes | 0.5 | 1.0e-03 / 1.0e-03 |" in page
-    assert page.endswith(f"{levels_plot.conclusion(members)}.\n")
+    rows = two_families((9.0, 11.0), (4.0, 5.0, 6.0))
+    page = convergence_plot._page(rows)
+    assert "against 48 modes; with clearance" in page
+    assert "| 48 elements | 0.5 | 1.0e-03 | 1.0e-03 | 1.0e-03 | 2 | 1 | 10.0 ± 1.0 / 1 |" in page
+    assert page.endswith(f"{convergence_plot.conclusion(rows)}.\n")
+
+
+def test_runs_that_could_not_go_on_do_not_count():
+    ended = Measured(replace(make_motion(), totals=dict.fromkeys(convergence.STATISTICS, np.ones(2))), (1.0,))
+    assert convergence._means([ended, Measured(None, failure="Newton")])["runs"] == 1

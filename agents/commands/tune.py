@@ -9,21 +9,22 @@ from typing import Annotated
 import numpy as np
 import tyro
 
-from agents.commands.arguments import CommandRecord, ModelOptions, WorkerOptions
+from agents.commands.arguments import ModelOptions
 from agents.comparison.episodes import mean_returns
 from agents.environments import DEFAULT_ENV_ID, environment_settings, episode_seeds, with_sampling
 from agents.laws.baselines import CONFIGS, episodes_spent, load_parameters, store_parameters
 from agents.laws.table import TUNABLE
 from agents.learning import runs
+from solar_env.commands.arguments import CommandRecord, WorkerOptions
 from solar_env.support.files import check_target
 from solar_env.support.minimisation import minimise
 
 
 @dataclass
 class Args(ModelOptions, WorkerOptions, CommandRecord):
-    """Tune a law by CMA-ES on the mean return and write its parameters for the model to agents/configs.
+    """Tune a law by CMA-ES, and write its parameters to agents/configs.
 
-    The model is rigid-clearance unless another is named.
+    Parameters are kept by model. The model is rigid-clearance unless another is named.
     """
 
     controller: Annotated[str, tyro.conf.arg(help=f"law to tune: {', '.join(TUNABLE)}")] = "servo"

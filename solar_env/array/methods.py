@@ -24,7 +24,7 @@ def default_integrator(model: str, panels: PanelModel | None = None) -> RungeKut
 
     Linearly implicit with panels of beam elements, whose stiff vibrations would bound explicit steps; that of modal
     panels is their own. The tolerances come from measured errors: angles, latch times and statistics of impacts
-    (`solar-env chart`).
+    (`solar-env study precision`).
     """
     if has_flexible_panels(model):
         modal = PanelModel.of(model, panels).kind == MODAL

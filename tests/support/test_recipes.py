@@ -135,7 +135,7 @@ def files(lines):
     """(path, lines) of the files that a block is about."""
     found = []
     for line in lines:
-        if re.fullmatch(r"# [\w/]+\.py", line):
+        if re.fullmatch(r"# [\w/]+\.(py|toml)", line):
             found.append((line[2:], []))
         else:
             found[-1][1].append(line)

@@ -96,7 +96,7 @@ def measure_charts(names: Sequence[str], quick: bool, folder: Path, console: Con
             )
             rows = study.rows(plan, results)
             for table, measured in rows.items():
-                made_by = provenance(f"solar-env chart --only {name}{' --quick' if quick else ''}")
+                made_by = provenance(f"solar-env study precision --only {name}{' --quick' if quick else ''}")
                 write_table(folder / f"{table}.csv", measured, made_by)
 
 

@@ -79,7 +79,7 @@ def measure(
             for factor in factors:
                 rows.append(trial(name, factor, model))
                 tick()
-    write_table(path, rows, provenance("solar-env stability --parameters", duration_s=DURATION))
+    write_table(path, rows, provenance("solar-env study stability --only parameters", duration_s=DURATION))
 
 
 def page(table: Table) -> str:
@@ -92,8 +92,8 @@ def page(table: Table) -> str:
         f"{DURATION:g} s of {' and '.join(f'`{model}`' for model in MODELS)}. Fine: the run ends, and its energy book",
         f"closes within {LARGEST_ENERGY_SHARE:.0%} of the energy turned over. All else the library says, as quoted:",
         f"{len(table.rows)} runs, {silent} failures without a word. Written by",
-        "`solar-env stability --parameters --out solar_env/studies/stability`. Where the default is zero, or follows",
-        f"from others, another value is in its place ({_words(COUNTED_FROM)}); values by joint are",
+        "`solar-env study stability --only parameters --out solar_env/studies/stability`. Where the default is",
+        f"zero, or follows from others, another value is in its place ({_words(COUNTED_FROM)}); values by joint are",
         "changed together, and those of the first are told. Not tried are those that are no quantities",
         f"({_words(NO_QUANTITIES)}); `solar-env parameters` says what these may be.",
         "",

@@ -13,7 +13,7 @@ from solar_env.studies.stability.modal_maps import DEPLOYMENT, RANGE
 from solar_env.studies.stability.multiplier_maps import STEP_CHANGE
 from solar_env.studies.stability.stop_maps import CABLE, DEPTH, LATCH
 
-COMMAND = "solar-env stability"
+COMMAND = "solar-env study stability"
 ALL = (
     IMPLICIT, EXPLICIT, STEP_CHANGE, BEAM_STEP, RESTITUTION, PULL_OFF, CREEP, STEP, CABLE, LATCH, DEPTH, RANGE,
     DEPLOYMENT,

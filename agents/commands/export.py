@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import ModuleType
@@ -33,9 +33,9 @@ TOLERANCE = 1e-5  # of actions, between the network and Stable-Baselines3
 class Args:
     """Write a policy as arrays, ONNX or C, or as a folder with a card."""
 
-    policy: Annotated[str, tyro.conf.Positional] = field(kw_only=True)
+    policy: Annotated[str, tyro.conf.Positional] = "cma-es-nominal"
     """run folder, or policy of the package, or folder that this command wrote"""
-    out: Path = field(kw_only=True)
+    out: Path = Path("policy.npz")
     """plain arrays, .npz, with their description beside them, .json; .onnx; one C header, .h; without a suffix a folder
     with all but the header, and a card, which is a policy of the package in agents/policies"""
     scores: Path | None = None

@@ -21,7 +21,7 @@ _NAMES = "\n".join(f"{name}: {summary}" for name, summary in table.summaries(tab
 class Args(FolderOptions, WorkerOptions, CommandRecord):
     """Measure a study of the pages again, and draw it."""
 
-    name: Annotated[str, tyro.conf.Positional, tyro.conf.arg(help=_NAMES)] = field(kw_only=True)
+    name: Annotated[str, tyro.conf.Positional, tyro.conf.arg(help=_NAMES)] = ""
     only: list[str] = field(default_factory=list)
     """these parts of the study; a name that is none lists them"""
     quick: bool = False

@@ -62,9 +62,10 @@ def named_policy(name: str) -> ShippedPolicy:
 def write_arrays(policy: ShippedPolicy, path: Path) -> None:
     """Write arrays, and their description beside them."""
     with TemporaryDirectory() as folder:
-        shipped.save(Path(folder), policy)
-        copy_file(Path(folder) / shipped.ARRAYS, path)
-        copy_file(Path(folder) / shipped.DESCRIPTION, path.with_suffix(".json"))
+        made = Path(folder)
+        shipped.save(made, policy)
+        copy_file(made / shipped.ARRAYS, path)
+        copy_file(made / shipped.DESCRIPTION, path.with_suffix(".json"))
 
 
 def write_onnx(policy: ShippedPolicy, path: Path) -> None:

@@ -109,7 +109,7 @@ assert env.unwrapped.hardware.sensor_delay == 2
 law = make_baseline("push", env)
 assert abs(law.predict(env.reset(seed=0)[0])[0][0] - 0.1) < 1e-7
 assert [row.passed for row in run("first-fall")] == [True]
-assert main(["stability", "--only", "fall", "--quick", "--out", "maps"]) == 0
+assert main(["study", "stability", "--only", "fall", "--quick", "--out", "maps"]) == 0
 assert main(["presets"]) == 0
 """,
 }

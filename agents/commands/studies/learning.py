@@ -1,5 +1,6 @@
 """`solar-env study learning`: learning curves of every agent, over several seeds, beside laws."""
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
@@ -60,7 +61,7 @@ def _measured(args: Args, algorithms: list[str], plan: Plan, out: Path) -> Itera
     rows = evaluate(LAWS, learn.VALIDATION_EPISODES, 0, DEFAULT_ENV_ID, RIGID, not args.quiet, args.workers)
     for law in LAWS:
         mean = np.mean([row["return"] for row in rows if row["controller"] == law])
-        yield {"controller": law, "seed": "", "simulated_s": "", "return": float(mean)}
+        yield {"controller": law, "seed": math.nan, "simulated_s": math.nan, "return": float(mean)}
 
 
 def curve(folder: Path, config: configurations.Configuration) -> Curve:

@@ -1,102 +1,29 @@
 """The command line, `solar-env COMMAND`; `python -m solar_env` is the same where no script is installed.
 
-`COMMANDS` names all of them by their modules, those of `agents` too: the package itself knows nothing of `agents`.
+Commands are rows of `[project.entry-points."solar_env.commands"]` in pyproject.toml.
 """
 
 import errno
-import importlib
 import os
 import sys
 import warnings
 from collections.abc import Sequence
 from importlib.metadata import version
-from typing import Any, NamedTuple
+from pathlib import Path
 
+from solar_env.commands import table
 from solar_env.support.interruption import first_alone, report_interruption
 
 PROG = "solar-env"
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EIO)  # of output that has no name
 
 
-class Command(NamedTuple):
-    """A row of the table: a module with a dataclass `Args` and a function `run_command(args)`."""
-
-    module: str
-    summary: str
-
-    def load(self) -> Any:
-        """The module, which is loaded only where its command runs."""
-        return importlib.import_module(self.module)
-
-
-# Group -> command -> row.
-COMMANDS = {
-    "an array": {
-        "parameters": Command("solar_env.commands.parameters", "print a complete file of parameters, each explained"),
-        "simulate": Command("solar_env.commands.simulate", "simulate one deployment"),
-        "loads": Command(
-            "solar_env.commands.studies.loads", "say how hard hinges and hub are hit, and how sure that is"
-        ),
-    },
-    "controllers": {
-        "train": Command("agents.commands.train", "train an agent, and compare it with the baselines"),
-        "tune": Command("agents.commands.tune", "tune a law"),
-        "evaluate": Command("agents.commands.evaluate", "compare controllers on the same episodes"),
-        "play": Command("solar_env.commands.play", "drive the array by hand, in a window"),
-        "record": Command("agents.commands.showing.record", "film an episode of a controller"),
-        "replay": Command("agents.commands.showing.replay", "show controllers side by side, in motion, on a page"),
-        "show": Command("agents.commands.showing.show", "draw one episode of several controllers, and animate them"),
-        "search": Command("agents.commands.search", "search hyperparameters of an agent"),
-        "attack": Command("agents.commands.attack", "search torques for what the reward would pay for"),
-        "curves": Command("agents.commands.curves", "train over seeds and draw the learning curves"),
-        "transfer": Command("agents.commands.transfer", "train on every level of the model, judge on all"),
-        "export": Command("agents.commands.export", "ship a trained policy"),
-        "header": Command("agents.commands.header", "write a shipped policy as one C header"),
-    },
-    "trust": {
-        "verify": Command("solar_env.commands.verify", "run the cases with known answers"),
-        "chart": Command("solar_env.commands.studies.chart", "measure speed against accuracy and draw it"),
-        "ladder": Command(
-            "solar_env.commands.studies.ladder", "measure which level of the model answers which question"
-        ),
-        "stability": Command("solar_env.commands.studies.stability", "map where methods fail"),
-        "paper": Command("solar_env.commands.studies.paper", "draw the figures of the paper and judge what it says"),
-    },
-    "studies": {
-        "design": Command(
-            "solar_env.commands.studies.design", "map peak force and wear over clearances and stiffnesses"
-        ),
-        "ground-test": Command("solar_env.commands.studies.ground_test", "repeat deployments with the wear fed back"),
-        "bench": Command("solar_env.commands.studies.bench", "measure environment steps per second"),
-        "figures": Command("solar_env.commands.figures", "draw the pictures of the pages"),
-        "warmup": Command("solar_env.commands.warmup", "compile all kernels, which later runs load"),
-    },
-}
-
-
-def command_named(name: str) -> Command:
-    """The row of a command.
-
-    Raises:
-        ValueError: if there is none.
-    """
-    from solar_env.array.names import unknown_name
-
-    rows = {own: row for group in COMMANDS.values() for own, row in group.items()}
-    if name not in rows:
-        raise ValueError(f"{unknown_name('command', name, rows)} ({PROG} --help lists them)")
-    return rows[name]
-
-
 def overview() -> str:
-    """All commands, in groups, a line each."""
+    """All commands, a line each."""
     lines = [f"usage: {PROG} COMMAND [OPTIONS]", f"       {PROG} COMMAND --help", f"       {PROG} --version", ""]
     lines += ["Deployment of a spacecraft's solar array: simulation, loads, and controllers.", ""]
-    for title, group in COMMANDS.items():
-        lines.append(f"{title}:")
-        lines += [f"  {name:<12}{row.summary}" for name, row in group.items()]
-        lines.append("")
-    return "\n".join(lines)
+    lines += [f"  {name:<12}{summary}" for name, summary in table.summaries(table.COMMANDS, "Args").items()]
+    return "\n".join([*lines, ""])
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -167,7 +94,7 @@ def execute(name: str, words: Sequence[str]) -> int:
         SystemExit: wrong input, of which a sentence is printed, or the help was asked for.
         ValueError, OSError, SimulationError: what the command raises.
     """
-    module = command_named(name).load()
+    module = table.load(table.COMMANDS, name)
     from solar_env.commands.arguments import parse_arguments
 
     status: int = module.run_command(parse_arguments(module.Args, words, f"{PROG} {name}"))
@@ -191,4 +118,5 @@ def _run(name: str, words: Sequence[str]) -> int:
 
 
 if __name__ == "__main__":
+    sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # a folder agents/ of the user's hides ours otherwise
     sys.exit(main())

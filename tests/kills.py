@@ -66,7 +66,7 @@ COMMANDS: dict[str, Callable[[Path], object]] = {
     "evaluate": _evaluate,
     "tune": _tune,
     "design": _command("design", "--members", "1", "--jobs", "1"),
-    "chart": _command("chart", "--quick", "--only", "convergence"),
+    "precision": _command("study", "precision", "--quick", "--only", "convergence"),
 }
 
 

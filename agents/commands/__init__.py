@@ -1,7 +1,5 @@
-"""Commands on controllers, thin, one module a command: `solar-env train`, `tune`, `evaluate` and others.
+"""Commands on controllers, thin, one module a command: `solar-env train`, `tune`, `evaluate`, `replay`, `export`.
 
-Imports all other rooms; none imports this one. Those that show an episode are in `showing`. A new command is a module
-with `Args` and `run_command`, as in `solar_env/commands`, and a row of `COMMANDS` in `solar_env/__main__.py`, which
-loads it, shows its help, and turns refused input, failed runs and Ctrl-C into one sentence and an exit status.
-`arguments` has shared options.
+Imports all other rooms; none imports this one. A new command is a module with `Args` and `run_command` and a row in
+pyproject.toml, see `solar_env.commands`. Rows of `solar-env study` are in `studies`, `showing` is what `replay` makes.
 """

@@ -1,8 +1,10 @@
-"""Command that ships a trained policy as plain arrays and as ONNX, with a card: `solar-env export`."""
+"""Command that writes a policy in a form for other programs, or ships it: `solar-env export`."""
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import ModuleType
 from typing import Annotated, Any
 
@@ -10,65 +12,102 @@ import gymnasium
 import numpy as np
 import tyro
 
-from agents.commands.arguments import TrustOption
 from agents.comparison.report import read_rows, tabulate
-from agents.environments import episode_seeds, make_env
+from agents.environments import environment_settings, episode_seeds, make_env
 from agents.laws.table import LAWS
 from agents.learning import runs
 from agents.policies import shipped
+from agents.policies.c_form import c_header, interface_comment
 from agents.policies.card import card
 from agents.policies.extraction import network_of
 from agents.policies.policy import Description, ShippedPolicy
 from agents.rollout import run_episode
-from agents.torque_laws import Signals
-from solar_env.support.files import check_name, new_folder, write_bytes, write_text
+from agents.torque_laws import Controller, Signals
+from solar_env.support.files import check_name, check_target, copy_file, new_folder, write_bytes, write_text
 from solar_env.support.plain_arrays import read_json
 
 TOLERANCE = 1e-5  # of actions, between the network and Stable-Baselines3
 
 
 @dataclass
-class Args(TrustOption):
-    """Write the best policy of a run to agents/policies as arrays and as ONNX, with a card."""
+class Args:
+    """Write a policy as arrays, ONNX or C, or as a folder with a card."""
 
-    run: Annotated[str | None, tyro.conf.Positional] = None
-    """run folder"""
-    name: str | None = None
-    """name of the policy: letters, digits, dots, dashes and underscores"""
-    scores: str | None = None
-    """folder of a comparison (`solar-env evaluate`) in which the run, or the policy of this name, was measured, for the
-    card; by default the run's own, or that of all seeds it was trained with"""
-
-
-def observed(policy: ShippedPolicy, env: gymnasium.Env, seed: int) -> np.ndarray:
-    """Return what a policy observes in a deployment, and as many random observations: (2 periods, entries)."""
-    seen: list[np.ndarray] = []
-    run_episode(env, policy, seed, lambda step: seen.append(step.observation))
-    space: Any = env.observation_space
-    drawn = np.random.default_rng(0).uniform(space.low, space.high, (len(seen), *space.shape))
-    return np.concatenate([np.array(seen), drawn]).astype(np.float32)
+    policy: Annotated[str, tyro.conf.Positional] = "cma-es-nominal"
+    """run folder, or policy of the package, or folder that this command wrote"""
+    out: Path = Path("policy.npz")
+    """plain arrays, .npz, with their description beside them, .json; .onnx; one C header, .h; without a suffix a folder
+    with all but the header, and a card, which is a policy of the package in agents/policies"""
+    scores: Path | None = None
+    """for the card, folder of a comparison (solar-env evaluate) in which the run, or a policy of the folder's name, was
+    measured; by default the run's own, or that of all seeds it was trained with"""
 
 
-def export(run: str | Path, folder: Path, comparison: str | Path | None = None) -> ShippedPolicy:
-    """Write the best policy of a run, its ONNX form and its card to `folder`, whole or not at all.
+def run_command(args: Args) -> int:
+    """Run the command; see `Args`."""
+    if args.out.suffix:
+        check_target(args.out, tuple(FORMS))
+        FORMS[args.out.suffix.lower()](named_policy(args.policy), args.out)
+    else:
+        export(args.policy, args.out, args.scores)
+    print(f"written to {args.out}")
+    return 0
 
-    Export only runs you trust: it unpickles.
 
-    `comparison` is the folder of one in which the run, or a policy named as `folder` is, was measured; by default the
-    run's own, or that of all the seeds that it was trained with.
+def named_policy(name: str) -> ShippedPolicy:
+    """Read the policy of a run, or one that was shipped."""
+    return of_run(Path(name))[0] if (Path(name) / runs.CONFIG).is_file() else shipped.load_shipped(name)
+
+
+def write_arrays(policy: ShippedPolicy, path: Path) -> None:
+    """Write arrays, and their description beside them."""
+    with TemporaryDirectory() as folder:
+        made = Path(folder)
+        shipped.save(made, policy)
+        copy_file(made / shipped.ARRAYS, path)
+        copy_file(made / shipped.DESCRIPTION, path.with_suffix(".json"))
+
+
+def write_onnx(policy: ShippedPolicy, path: Path) -> None:
+    """Write the network as ONNX."""
+    write_bytes(path, onnx_form().onnx_model(policy.network).SerializeToString())
+
+
+def write_header(policy: ShippedPolicy, path: Path) -> None:
+    """Write one C header with arrays and the function NAME_action, for the computer of a drive."""
+    description = policy.description
+    drive = environment_settings(description.env_id, description.env_kwargs).drive
+    write_text(path, c_header(policy.network, f"{path.stem}_action", interface_comment(description, drive)))
+
+
+# Suffix -> what writes a policy to such a file.
+FORMS: dict[str, Callable[[ShippedPolicy, Path], None]] = {
+    ".npz": write_arrays,
+    ".onnx": write_onnx,
+    ".h": write_header,
+}
+
+
+def onnx_form() -> ModuleType:
+    """Import the module of the ONNX form.
 
     Raises:
-        FileExistsError: `folder` exists.
-        OSError: It cannot be written.
-        FileNotFoundError: There is no run, or it has no policy.
-        ValueError: ONNX is not installed, the training was interrupted, the policy has layers that cannot be exported,
-            or `comparison` has no scores of it.
+        ValueError: ONNX is not installed.
     """
-    onnx_form = _onnx_form()
-    check_name(folder)
-    if folder.exists():
-        raise FileExistsError(f"{folder} exists; choose another --name, or remove it")
-    run = Path(run)
+    try:
+        from agents.policies import onnx_form as module
+    except ImportError as error:
+        raise ValueError("exporting needs ONNX and its runtime: pip install 'solar-env[onnx]'") from error
+    return module
+
+
+def of_run(run: Path) -> tuple[ShippedPolicy, Controller, np.ndarray]:
+    """Read the best policy of a run, as it ships, as Stable-Baselines3 has it, and observations to compare them by.
+
+    Raises:
+        FileNotFoundError: There is no run, or it has no policy.
+        ValueError: The training was interrupted, or the policy has layers that cannot be exported.
+    """
     config = runs.read_config(run)
     if not runs.is_complete(run):
         raise ValueError(f"the training in {run} was interrupted; resume it, and export what comes of that")
@@ -87,11 +126,55 @@ def export(run: str | Path, folder: Path, comparison: str | Path | None = None) 
             **signals,
         )
         policy = ShippedPolicy(network, description)
-        onnx_bytes = onnx_form.onnx_model(network).SerializeToString()
-        seed = episode_seeds("validation", config["seed"], 1)[0]
-        found = onnx_form.difference(network, onnx_bytes, model, observed(policy, env, seed))
-        if not found <= TOLERANCE:
-            raise ValueError(f"the exported network differs from the run's policy by {found:.1e}; it is not written")
+        observations = observed(policy, env, episode_seeds("validation", config["seed"], 1)[0])
+    expected, _ = model.predict(observations, deterministic=True)
+    _check_parity(float(np.max(np.abs(network.act(observations) - expected))))
+    return policy, model, observations
+
+
+def observed(policy: ShippedPolicy, env: gymnasium.Env, seed: int) -> np.ndarray:
+    """Return what a policy observes in a deployment, and as many random observations: (2 periods, entries)."""
+    seen: list[np.ndarray] = []
+    run_episode(env, policy, seed, lambda step: seen.append(step.observation))
+    space: Any = env.observation_space
+    drawn = np.random.default_rng(0).uniform(space.low, space.high, (len(seen), *space.shape))
+    return np.concatenate([np.array(seen), drawn]).astype(np.float32)
+
+
+def _check_parity(found: float) -> None:
+    if not found <= TOLERANCE:
+        raise ValueError(f"the exported network differs from the run's policy by {found:.1e}; it is not written")
+
+
+def export(run: str | Path, folder: Path, comparison: str | Path | None = None) -> ShippedPolicy:
+    """Write the best policy of a run, its ONNX form and its card to `folder`, whole or not at all.
+
+    `comparison` is the folder of one in which the run, or a policy named as `folder` is, was measured; by default the
+    run's own, or that of all the seeds that it was trained with.
+
+    Raises:
+        FileExistsError: `folder` exists.
+        OSError: It cannot be written.
+        FileNotFoundError: There is no run, or it has no policy.
+        ValueError: ONNX is not installed, the name is a law's, the training was interrupted, the policy has layers that
+            cannot be exported, or `comparison` has no scores of it.
+    """
+    form = onnx_form()
+    check_name(folder)
+    if folder.name in LAWS or not re.fullmatch(r"\w[\w-]*", folder.name):
+        raise ValueError(
+            f"the folder's name is {folder.name!r}, and the policy's; choose one of letters, digits, underscores and "
+            f"hyphens that is no law's ({', '.join(LAWS)})"
+        )
+    if folder.exists():
+        raise FileExistsError(f"{folder} exists; choose another --out, or remove it")
+    run = Path(run)
+    policy, model, observations = of_run(run)
+    onnx_bytes = form.onnx_model(policy.network).SerializeToString()
+    found = form.difference(policy.network, onnx_bytes, model, observations)
+    _check_parity(found)
+    config = runs.read_config(run)
+    with make_env(config["env_id"], config["env_kwargs"]) as env:
         scores = _scores(run, folder.name, Path(comparison) if comparison else None)
         text = card(folder.name, config, policy, env.unwrapped, scores, found)
     with new_folder(folder) as made:
@@ -99,14 +182,6 @@ def export(run: str | Path, folder: Path, comparison: str | Path | None = None) 
         write_bytes(made / shipped.ONNX, onnx_bytes)
         write_text(made / shipped.CARD, text)
     return policy
-
-
-def _onnx_form() -> ModuleType:
-    try:
-        from agents.policies import onnx_form
-    except ImportError as error:
-        raise ValueError("exporting needs ONNX and its runtime: pip install 'solar-env[onnx]'") from error
-    return onnx_form
 
 
 def _scores(run: Path, name: str, comparison: Path | None) -> str:
@@ -143,20 +218,3 @@ def _command(path: Path) -> str:
             f"{path} is damaged: it does not say which command the comparison was made by; restore it, or compare anew "
             "(solar-env evaluate) and name that with --scores"
         ) from error
-
-
-def run_command(args: Args) -> int:
-    """Run the command; see `Args`."""
-    if args.run is None or not re.fullmatch(r"\w[\w.-]*", args.name or ""):
-        raise ValueError(
-            f"run is {args.run!r}, name {args.name!r}; give both, the name of letters, digits, underscores, dots and "
-            "hyphens: solar-env export runs/<run> --name NAME"
-        )
-    if args.name in LAWS:
-        raise ValueError(f"name is {args.name!r}, which is that of a controller without learning; choose another one")
-    folder = shipped.SHIPPED / str(args.name)
-    if args.trust:
-        runs.trust_run(args.run)
-    export(args.run, folder, args.scores)
-    print(f"written to {folder}")
-    return 0

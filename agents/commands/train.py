@@ -11,9 +11,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-import torch
-
-from agents.commands.arguments import ModelOptions, TrainingOptions, TrustOption
+from agents.commands.arguments import ModelOptions
 from agents.comparison.evaluation import efforts, evaluate
 from agents.comparison.figures import run_figure
 from agents.comparison.report import Summary, Tables, write_comparison
@@ -23,28 +21,29 @@ from agents.environments import (
     INTERFACE,
     check_distinct_seeds,
     check_episode_seeds,
-    environment_settings,
     episode_seeds,
     make_env,
 )
 from agents.laws.baselines import make_baseline
 from agents.learning import checkpoints, configurations, learn, runs
 from agents.rollout import Step, run_episode
+from solar_env.commands.arguments import Assignments, CommandRecord, WorkerOptions
 from solar_env.support.interruption import keeping
 from solar_env.support.terminal import print_markdown
 
 BASELINES = ("passive", "servo-untuned", "servo")
+FIXED = ("algo", "seed", "env_id", "model", "panels", "elements", "modes", "env_kwargs", "n_envs", "hyperparams")
 SQUASHING = ("sac", "td3")  # whose actions are no linear function of what a linear policy observes
 SHORT_TIMESTEPS = 130_000  # of a search on flexible panels, with its comparison within ten minutes on two cores
 
 
 @dataclass
-class Args(ModelOptions, TrainingOptions, TrustOption):
-    """Train a controller that deploys the solar array softly, and compare it with the baselines.
+class Args(ModelOptions, WorkerOptions, CommandRecord):
+    """Train a controller, and compare it with the baselines.
 
     The model is flexible-clearance, or rigid-clearance for PPO, SAC and TD3, which need more episodes, unless another
     is named. Where neither a model nor a number of steps is asked for, a search on flexible panels takes at most
-    130,000 steps. With --resume all that is not given is as in the run to resume.
+    130,000 steps. With --resume algorithm, seed, environment and hyperparameters are those of the run to resume.
     """
 
     algo: str | None = None
@@ -55,6 +54,10 @@ class Args(ModelOptions, TrainingOptions, TrustOption):
     seeds: list[int] = field(default_factory=list)
     """train a run for each of these seeds, side by side, and compare them with the baselines as one controller; runs
     that are complete are not trained again"""
+    timesteps: int | None = None
+    """environment steps of every run; by default the number in agents/configs"""
+    hyperparams: Assignments = field(default_factory=dict)
+    """hyperparameters in place of those in agents/configs, for example learning_rate=1e-3"""
     env_id: str | None = None
     """environment id; by default solar_env/Deploy-v1"""
     n_envs: int | None = None
@@ -72,8 +75,6 @@ class Args(ModelOptions, TrainingOptions, TrustOption):
     """environment steps between checkpoints, the most that is lost; they are written between rollouts"""
     eval_episodes: int = 30
     """held-out episodes of the comparison with the baselines"""
-    device: str = "cpu"
-    """torch device; for networks this small the CPU is faster"""
 
 
 def run_command(args: Args) -> int:
@@ -94,11 +95,9 @@ def run(args: Args) -> Path:
     if args.seeds:
         return train_seeds(args)
     if args.resume:
-        if args.trust:
-            runs.trust_run(args.resume)
+        refuse_fixed(args)
         checkpoints.mend_config(args.resume)
         config = configurations.resumed_configuration(args.resume, args.timesteps)
-        check_resumable(args, config)
     else:
         config = configuration(args, args.seed or 0)
     check_comparison(args, config.seed)
@@ -108,7 +107,7 @@ def run(args: Args) -> Path:
         folder = runs.new_run_folder(args.out, config.env_id, config.algo, config.seed)
     print(f"{config.algo} on {config.env_id}, {config.timesteps} steps -> {folder}")
     training = learn.Training(
-        config, folder, args.resume, args.command, args.device, not args.quiet, None, args.checkpoint_interval
+        config, folder, args.resume, args.command, progress=not args.quiet, checkpoint_interval=args.checkpoint_interval
     )
     try:
         learn.train(training)
@@ -134,8 +133,6 @@ def configuration(args: Args, seed: int) -> configurations.Configuration:
     config = configurations.complete(algo, env_id, keywords, seed, args.n_envs, args.timesteps, args.hyperparams)
     if args.start:
         begun = Path(args.start) / seed_folder(seed) if args.seeds else Path(args.start)
-        if args.trust:
-            runs.trust_run(begun)
         with make_env(env_id, config.env_kwargs) as env:
             weights = runs.linear_weights(begun, env)
         asked = {**args.hyperparams, configurations.FIRST_WEIGHTS: weights}
@@ -157,11 +154,7 @@ def train_seeds(args: Args) -> Path:
     check_comparison(args, args.seed or 0)
     out = Path(args.out)
     wanted = {out / seed_folder(seed): configuration(args, seed) for seed in args.seeds}
-    if args.trust:
-        for folder in wanted:
-            if (folder / runs.CONFIG).is_file():
-                runs.trust_run(folder)
-    learn.train_missing(wanted, args.command, args.device, args.workers, not args.quiet, args.checkpoint_interval)
+    learn.train_missing(wanted, args.command, "cpu", args.workers, not args.quiet, args.checkpoint_interval)
     with keeping(lambda: f"the trainings are complete in {out}; the same command compares them"):
         _, tables = compare(args, wanted[out / seed_folder(args.seeds[-1])], list(wanted), out)
     print_markdown(str(tables))
@@ -179,19 +172,7 @@ def check_comparison(args: Args, seed: int) -> None:
     args.workers  # noqa: B018 (checks them)
     if args.checkpoint_interval < 1:
         raise ValueError(f"--checkpoint-interval is {args.checkpoint_interval}; give a positive number of steps")
-    check_device(args.device)
     check_episode_seeds(seed, args.eval_episodes)
-
-
-def check_device(name: str) -> None:
-    """Refuse a device, by a ValueError, that PyTorch does not know or that is not there: by computing a bit on it."""
-    try:
-        torch.zeros(1, device="cpu" if name == "auto" else name).item()
-    except Exception as error:  # PyTorch has a dozen kinds, of devices whose libraries are missing too
-        reason = " ".join(str(error).split())[:200]
-        raise ValueError(
-            f"--device is {name!r}, on which PyTorch cannot compute ({reason}); give cpu or cuda"
-        ) from error
 
 
 def compare(
@@ -211,31 +192,12 @@ def _of_laws(config: configurations.Configuration) -> dict[str, Any]:
     return {name: value for name, value in config.env_kwargs.items() if name not in INTERFACE}
 
 
-def check_resumable(args: Args, config: configurations.Configuration) -> None:
-    """Refuse arguments that contradict the run to resume.
-
-    Raises:
-        ValueError: An argument was given that the resumed run has fixed.
-    """
-    model, panels = environment_settings(config.env_id, config.env_kwargs).level
-    fixed_values = {
-        **vars(config),
-        "hyperparams": config.hyperparameters,
-        "model": model,
-        **dict.fromkeys(("panels", "elements", "modes")),
-        **panels.keywords_of(model),
-    }
-    environment = ("env_id", "model", "panels", "elements", "modes", "env_kwargs")
-    for name in (*environment, "algo", "seed", "hyperparams", "n_envs"):
-        given, fixed = getattr(args, name), fixed_values[name]
-        if isinstance(given, dict):
-            agrees = all(fixed.get(key) == value for key, value in runs.jsonable(given).items())
-        else:
-            agrees = given is None or given == fixed
-        if not agrees:
-            raise ValueError(
-                f"--{name.replace('_', '-')} {given} contradicts the run to resume, which has {fixed}; leave it out"
-            )
+def refuse_fixed(args: Args) -> None:
+    """Refuse, by a ValueError, options that a run to resume has fixed."""
+    for name in FIXED:
+        given = getattr(args, name)
+        if given not in (None, {}):
+            raise ValueError(f"--{name.replace('_', '-')} {given}: --resume goes on with the run's own; leave it out")
 
 
 def draw(folder: Path, config: configurations.Configuration, returns: dict[str, float]) -> None:

@@ -1,7 +1,6 @@
 """Command that tunes a torque law by CMA-ES on the environment's return: `solar-env tune`."""
 
 import json
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Annotated
@@ -9,21 +8,22 @@ from typing import Annotated
 import numpy as np
 import tyro
 
-from agents.commands.arguments import CommandRecord, ModelOptions, WorkerOptions
+from agents.commands.arguments import ModelOptions
 from agents.comparison.episodes import mean_returns
 from agents.environments import DEFAULT_ENV_ID, environment_settings, episode_seeds, with_sampling
 from agents.laws.baselines import CONFIGS, episodes_spent, load_parameters, store_parameters
 from agents.laws.table import TUNABLE
 from agents.learning import runs
+from solar_env.commands.arguments import CommandRecord, WorkerOptions
 from solar_env.support.files import check_target
 from solar_env.support.minimisation import minimise
 
 
 @dataclass
 class Args(ModelOptions, WorkerOptions, CommandRecord):
-    """Tune a law by CMA-ES on the mean return and write its parameters for the model to agents/configs.
+    """Tune a law by CMA-ES, and write its parameters to agents/configs.
 
-    The model is rigid-clearance unless another is named.
+    Parameters are kept by model. The model is rigid-clearance unless another is named.
     """
 
     controller: Annotated[str, tyro.conf.arg(help=f"law to tune: {', '.join(TUNABLE)}")] = "servo"
@@ -33,8 +33,6 @@ class Args(ModelOptions, WorkerOptions, CommandRecord):
     """episodes a candidate is judged by, the same for all of a generation"""
     validation_episodes: int = 20
     """episodes that decide between the candidates left at the end"""
-    wear_cost: float = 0.0
-    """cost of 1e-15 m of the deepest wear beside the return, which charges for wear after latching alone"""
     refine: str | None = None
     """environment id whose tuned parameters the search starts from, and stays closer to, instead of the defaults"""
     seed: int = 0
@@ -82,15 +80,13 @@ def run_command(args: Args) -> int:
         nonlocal simulated
         simulated += len(points) * len(seeds)
         parameters = [untuned.from_unit(np.clip(point, 0.0, 1.0)) for point in points]
-        returns = mean_returns(args.controller, parameters, args.env_id, env_kwargs, seeds, workers, args.wear_cost)
+        returns = mean_returns(args.controller, parameters, args.env_id, env_kwargs, seeds, workers)
         return [-value for value in returns]
 
     model = environment_settings(args.env_id, env_kwargs).model
     validation = episode_seeds("validation", args.seed, args.validation_episodes)
     if args.episodes_per_candidate < 1:
         raise ValueError(f"--episodes-per-candidate is {args.episodes_per_candidate}; give a positive number")
-    if not 0.0 <= args.wear_cost < math.inf:
-        raise ValueError(f"--wear-cost is {args.wear_cost}; give a finite number that is not negative")
     start = load_parameters(args.controller, args.refine, model) if args.refine else untuned
     spent = episodes_spent(args.controller, args.refine, model) if args.refine else 0
     budget = args.episodes, args.episodes_per_candidate

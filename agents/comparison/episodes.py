@@ -110,14 +110,12 @@ class Trial:
     parameters: LawParameters
     candidate: int
     seed: int
-    wear_cost: float
 
 
 def trial_return(trial: Trial) -> float:
-    """Run the episode of a trial; its return, less the extra cost of the deepest wear."""
+    """Run the episode of a trial; its return."""
     env = _environment(trial.env_id, trial.keywords)
-    figures = run_episode(env, make_baseline(trial.controller, env, trial.parameters), trial.seed)
-    return float(figures["return"]) - trial.wear_cost * float(figures["wear_depth_max_m"]) / 1e-15
+    return float(run_episode(env, make_baseline(trial.controller, env, trial.parameters), trial.seed)["return"])
 
 
 @lru_cache(maxsize=1)
@@ -132,15 +130,11 @@ def mean_returns(
     env_kwargs: Mapping[str, Any],
     seeds: Sequence[int],
     workers: Workers,
-    wear_cost: float,
 ) -> list[float]:
-    """Return the mean return of each candidate for the parameters of a law, over the same episodes.
-
-    Every 1e-15 m of the deepest wear over a whole episode lowers its return by `wear_cost`.
-    """
+    """Return the mean return of each candidate for the parameters of a law, over the same episodes."""
     keywords = json.dumps(env_kwargs, sort_keys=True)
     trials = [
-        Trial(controller, env_id, keywords, parameters, k, seed, wear_cost)
+        Trial(controller, env_id, keywords, parameters, k, seed)
         for k, parameters in enumerate(candidates)
         for seed in seeds
     ]

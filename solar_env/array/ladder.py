@@ -10,8 +10,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, get_type_hints
 
-from solar_env.array.level import ModelLevel
-
 PACKAGED_TABLE = Path(__file__).resolve().parent / "data" / "ladder.csv"
 
 QUESTIONS = {

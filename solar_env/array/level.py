@@ -1,4 +1,4 @@
-"""The level of the model, a word: panels rigid or flexible, joints ideal or with clearance, and how fine the panels are."""
+"""The level of the model as a word: panels rigid or flexible, joints ideal or with clearance, fineness of the panels."""
 
 from __future__ import annotations
 

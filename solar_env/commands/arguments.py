@@ -1,21 +1,25 @@
-"""Command lines from documented dataclasses, by tyro."""
+"""Command lines from documented dataclasses, by tyro, and the options that several commands have."""
 
 import ast
 import contextlib
+import copy
 import dataclasses
 import io
 import re
 import shlex
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, TypeVar, get_origin, get_type_hints
 
 import tyro
+from rich.console import Console
 
-from solar_env.array.names import unknown_name
+from solar_env.array import ArrayParameters, read_parameters
+from solar_env.array.parameters.file import ParameterFile
 from solar_env.support.campaigns import Workers
+from solar_env.support.files import make_folder
 
 Arguments = TypeVar("Arguments")
 
@@ -27,12 +31,87 @@ class QuietOption:
     quiet: bool = False
     """no progress bars"""
 
+    @property
+    def console(self) -> Console:
+        """Where a command shows what it is at: standard error, or nowhere."""
+        return Console(stderr=True, quiet=self.quiet)
+
 
 @dataclasses.dataclass
 class CommandRecord:
     """The command as it was typed, for the record of what it writes."""
 
     command: Annotated[str, tyro.conf.Suppress] = ""
+
+
+@dataclasses.dataclass
+class WorkerOptions(QuietOption):
+    """Processes that a command runs on, and its progress bars."""
+
+    jobs: int | None = None
+    """processes; by default one for each processor"""
+
+    @property
+    def workers(self) -> Workers:
+        """The processes.
+
+        Raises:
+            ValueError: The number of processes is not positive.
+        """
+        return Workers(self.jobs)
+
+
+@dataclasses.dataclass
+class ArrayOption:
+    """The array that a command is about."""
+
+    array: Annotated[str, tyro.conf.Positional] = "default"
+    """default or paper: the array of Li, Wang and Huang (2019), with the paper's choices or ours; or a file of
+    parameters (TOML), see solar-env parameters"""
+
+    @property
+    def parameter_file(self) -> ParameterFile:
+        """Parameters and their ranges; what has no suffix is the name of a preset.
+
+        Raises:
+            ValueError, OSError: There is no such preset, or the file cannot be read, or is refused.
+        """
+        if Path(self.array).suffix:
+            return read_parameters(self.array)
+        return ParameterFile(ArrayParameters.preset(self.array), {})
+
+
+@dataclasses.dataclass
+class FolderOptions:
+    """Where a study writes its tables and figures."""
+
+    out: Path | None = None
+    """folder of all files; by default one of the study's name here"""
+    readme: bool = False
+    """write into the page of the study instead"""
+    draw: bool = False
+    """measure nothing, draw the figures from the tables again"""
+
+    def folders(self, name: str, tables: Path | None = None, figures: Path | None = None) -> tuple[Path, Path]:
+        """Return the folders of tables and of figures, which are made unless their tables are drawn from.
+
+        Args:
+            name: that of the folder if none is asked for.
+            tables, figures: those of the page, where the page has any.
+
+        Raises:
+            ValueError: if both a folder and the page are asked for.
+            FileNotFoundError: if figures are to be drawn from a folder that is not there.
+        """
+        if self.readme and self.out is not None:
+            raise ValueError("--readme writes into the page of the study: leave out --out, or --readme")
+        out = self.out or Path(name)
+        found = (tables or out, figures or out) if self.readme else (out, out)
+        if self.draw and not found[0].is_dir():
+            raise FileNotFoundError(f"there is no folder {found[0]} to draw from; measure first, without --draw")
+        for folder in found:
+            make_folder(folder)
+        return found
 
 
 def parse_assignments(pairs: Sequence[str]) -> dict[str, Any]:
@@ -75,100 +154,61 @@ Assignments = Annotated[dict[str, Any], _PAIRS]
 """Type of a field that takes `key=value` pairs, also when its option is repeated."""
 
 
-@dataclasses.dataclass
-class WorkerOptions(QuietOption):
-    """Processes that a command runs on, and its progress bars."""
-
-    jobs: int | None = None
-    """processes; by default one for each processor"""
-
-    @property
-    def workers(self) -> Workers:
-        """The processes.
-
-        Raises:
-            ValueError: Their number is not positive.
-        """
-        return Workers(self.jobs)
-
-
 def parse_arguments(cls: type[Arguments], argv: Sequence[str], prog: str | None = None) -> Arguments:
     """Fill the dataclass `cls` from `argv`, the words behind the command `prog`.
 
     Field `env_id` becomes `--env-id`, its help is the string literal below it; a bool becomes a flag, a list takes any
     number of values, `Assignments` take `key=value` pairs. Wrong input ends the process with one sentence and status 2.
     """
-    fields = dataclasses.fields(cls)  # type: ignore[arg-type]
-    repeatable = {f"--{field.name.replace('_', '-')}" for field in fields if field.type is Assignments}
-    _refuse_empty_words(argv)
-    _refuse_empty_lists(cls, argv)
-    words = _gathered(argv, repeatable)
-    report = io.StringIO()
+    report = io.StringIO(_empty_value(cls, argv))
     try:
+        if report.getvalue() and "--help" not in argv:
+            raise SystemExit(2)
         with contextlib.redirect_stderr(report):
             config = (tyro.conf.DisallowNone, tyro.conf.FlagCreatePairsOff)
-            read = tyro.cli(_with_plain_defaults(cls), args=words, prog=prog, config=config)
-        values = {field.name: getattr(read, field.name) for field in fields}
-        if issubclass(cls, CommandRecord):
-            values["command"] = shlex.join([*(prog or "").split(), *argv])
-        return cls(**values)
+            read = tyro.cli(_with_plain_defaults(cls), args=_gathered(cls, argv), prog=prog, config=config)
     except SystemExit as end:
         if end.code:
             print(f"error: {_first_sentence(report.getvalue())}; see --help", file=sys.stderr)
         raise
+    values = {field.name: getattr(read, field.name) for field in dataclasses.fields(cls)}  # type: ignore[arg-type]
+    if issubclass(cls, CommandRecord):
+        values["command"] = shlex.join([*(prog or "").split(), *argv])
+    return cls(**values)
 
 
-def _refuse_empty_words(argv: Sequence[str]) -> None:
-    """End the process where a value is empty, as of a variable of the shell that is not set."""
-    of = ""
-    for word in argv:
-        if word.startswith("--"):
-            of = f" of {word.partition('=')[0]}"
-        if not word or re.fullmatch(r"--[\w-]+=", word):
-            print(f"error: a value{of} is empty; give one, or leave it out", file=sys.stderr)
-            raise SystemExit(2)
+def _option(name: str) -> str:
+    return f"--{name.replace('_', '-')}"
 
 
-def _refuse_empty_lists(cls: type[Any], argv: Sequence[str]) -> None:
-    """End the process where the option of a list is given without a value, which would be nothing to do."""
-    lists = {f"--{name.replace('_', '-')}" for name, kind in get_type_hints(cls).items() if get_origin(kind) is list}
+def _empty_value(cls: type[Any], argv: Sequence[str]) -> str:
+    """What is said of a list without values, or an empty word, as of a variable of the shell that is not set."""
+    lists = {_option(name) for name, kind in get_type_hints(cls).items() if get_origin(kind) is list}
+    option = ""
     for word, following in pairwise([*argv, "--"]):
-        if word in lists and "--help" not in argv and following.startswith("--"):
-            print(
-                f"error: {word} is given without a value; give at least one, or leave it out; see --help",
-                file=sys.stderr,
-            )
-            raise SystemExit(2)
+        option = f" of {word.partition('=')[0]}" if word.startswith("--") else option
+        if not word or re.fullmatch(r"--[\w-]+=", word):
+            return f"\na value{option} is empty; give one, or leave it out"
+        if word in lists and following.startswith("--"):
+            return f"\n{word} is given without a value; give at least one, or leave it out"
+    return ""
 
 
 def _with_plain_defaults(cls: type[Any]) -> type[Any]:
     """A dataclass like `cls` whose help shows defaults in parentheses, and none where there is none."""
-    body: dict[str, Any] = {"__doc__": cls.__doc__, "__module__": cls.__module__, "__annotations__": {}}
+    body: dict[str, Any] = {field.name: copy.copy(field) for field in dataclasses.fields(cls)}
+    plain = tyro.conf.arg(help_behavior_hint=lambda text: "" if text in ("None", "False", "") else f"({text})")
     hints = get_type_hints(cls, include_extras=True)
-    for field in dataclasses.fields(cls):
-        kind: Any = hints[field.name]
-        marks: list[Any] = [tyro.conf.arg(help_behavior_hint=_default_in_words)]
-        for mark in getattr(kind, "__metadata__", ()):
-            if isinstance(mark, type(marks[0])):
-                marks[0] = dataclasses.replace(mark, help_behavior_hint=_default_in_words)
-            else:
-                marks.append(mark)
-        body["__annotations__"][field.name] = Annotated[
-            (kind.__origin__ if hasattr(kind, "__metadata__") else kind, *marks)
-        ]
-        if field.default is not dataclasses.MISSING:
-            body[field.name] = field.default
-        elif field.default_factory is not dataclasses.MISSING:
-            body[field.name] = dataclasses.field(default_factory=field.default_factory)
-    return dataclasses.dataclass(type(cls.__name__, (cls,), body))
+    body["__annotations__"] = {name: Annotated[hints[name], plain] for name in body}
+    return dataclasses.dataclass(
+        type(cls.__name__, (cls,), {**body, "__doc__": cls.__doc__, "__module__": cls.__module__})
+    )
 
 
-def _default_in_words(default: str) -> str:
-    return "" if default in ("None", "False", "") else f"({default})"
-
-
-def _gathered(argv: Sequence[str], repeatable: set[str]) -> list[str]:
-    """`argv` with all pairs of a `repeatable` option behind one mention of it: tyro keeps those of the last alone."""
+def _gathered(cls: type[Any], argv: Sequence[str]) -> list[str]:
+    """`argv` with all pairs of an option behind one mention of it: tyro keeps those of the last alone."""
+    hints = get_type_hints(cls, include_extras=True)
+    repeatable = {_option(name) for name, kind in hints.items() if kind == Assignments}
     others: list[str] = []
     pairs: dict[str, list[str]] = {}
     place = others
@@ -188,46 +228,3 @@ def _first_sentence(report: str) -> str:
     lines = [line.strip("│╭╮╰╯ ") for line in report.splitlines()[1:]]
     text = "\n".join("" if set(line) <= set("─-") else line for line in lines)
     return " ".join(text.strip().split("\n\n")[0].split()).rstrip(".")
-
-
-def check_choice(kind: str, name: str, known: Iterable[str]) -> str:
-    """The name, if it is known.
-
-    Raises:
-        ValueError: otherwise; the message names the closest ones.
-    """
-    names = list(known)
-    if name not in names:
-        raise ValueError(unknown_name(kind, name, names))
-    return name
-
-
-def check_measured(folder: Path) -> Path:
-    """Return a folder that figures are to be drawn from again.
-
-    Raises:
-        FileNotFoundError: It is not there.
-    """
-    if not folder.is_dir():
-        raise FileNotFoundError(f"there is no folder {folder} to draw from; measure first, without --draw")
-    return folder
-
-
-@dataclasses.dataclass
-class FolderOptions:
-    """Where a study writes its tables and figures."""
-
-    out: Path | None = None
-    """folder of all files; by default one of the command's name here"""
-    readme: bool = False
-    """write into the page of the study instead"""
-
-    def folder(self, default: str) -> Path:
-        """The folder asked for.
-
-        Raises:
-            ValueError: if both it and the page are asked for.
-        """
-        if self.readme and self.out is not None:
-            raise ValueError("--readme writes into the page of the study: leave out --out, or --readme")
-        return Path(default) if self.out is None else self.out

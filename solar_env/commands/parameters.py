@@ -1,6 +1,9 @@
 """`solar-env parameters`: a complete file of parameters, each explained."""
 
 from dataclasses import dataclass
+from typing import Annotated
+
+import tyro
 
 from solar_env.array import ArrayParameters
 from solar_env.array.parameters.file import parameter_text
@@ -10,7 +13,7 @@ from solar_env.array.parameters.file import parameter_text
 class Args:
     """Print a complete file of parameters, each explained."""
 
-    preset: str = "default"
+    preset: Annotated[str, tyro.conf.Positional] = "default"
     """parameter set: default or paper"""
 
 

@@ -2,7 +2,7 @@
 
 import json
 import sys
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -10,17 +10,11 @@ import tyro
 from rich.console import Console
 from rich.table import Table
 
-from solar_env.array import (
-    ArrayParameters,
-    PanelModel,
-    build,
-    check_model,
-    read_parameters,
-)
+from solar_env.array import ArrayParameters, PanelModel, build, check_model
 from solar_env.array.ladder import DEFAULT_TOLERANCE, QUESTIONS, Answer, cheapest, read_answers
 from solar_env.array.methods import INTEGRATOR_NAMES, default_integrator, make_integrator
 from solar_env.array.models import has_flexible_panels
-from solar_env.commands.arguments import Assignments, QuietOption
+from solar_env.commands.arguments import ArrayOption, Assignments, QuietOption
 from solar_env.mechanics.integrators.settings import Rosenbrock, RungeKutta
 from solar_env.support.files import check_target, write_text
 from solar_env.support.progress import share_bar
@@ -35,11 +29,9 @@ _NOTEWORTHY_SHARE = 0.1  # of steps at the limit of stability, above which the c
 
 
 @dataclass
-class Args(QuietOption):
-    """Simulate one deployment."""
+class Args(ArrayOption, QuietOption):
+    """Simulate one deployment, of the nominal array."""
 
-    array: Annotated[Path | None, tyro.conf.Positional] = None
-    """file of parameters (TOML), see solar-env parameters; what it gives ranges for has its nominal value"""
     model: str | None = None
     """rigid-ideal, rigid-clearance, flexible-ideal or flexible-clearance; by default rigid-clearance"""
     panels: str | None = None
@@ -53,8 +45,6 @@ class Args(QuietOption):
     """of the answer to the question, as a share; by default 0.2"""
     duration: float = 30.0
     """simulated time [s]"""
-    preset: str = "default"
-    """parameter set: default or paper"""
     set: Assignments = field(default_factory=dict)
     """change parameters, for example clearance=1e-4,2e-4"""
     integrator: Annotated[str | None, tyro.conf.arg(help=_INTEGRATOR_HELP)] = None
@@ -62,8 +52,6 @@ class Args(QuietOption):
     """fixed step, or bound on adaptive ones [s]"""
     rtol: float | None = None
     """local error tolerance"""
-    max_steps: int | None = None
-    """bound on the steps of the run; by default 20,000,000"""
     output_step: float = 0.01
     """distance of the samples [s]"""
     plot: Path | None = None
@@ -81,7 +69,7 @@ def run_command(args: Args) -> int:
 
     answer = _chosen_answer(args)
     model, panels = _level(args, answer)
-    parameters = _array(args).with_changes(args.set)
+    parameters = args.parameter_file.parameters.with_changes(args.set)
     if args.out is not None:
         check_target(args.out, data_files.SUFFIXES)
     if args.plot is not None:
@@ -92,8 +80,6 @@ def run_command(args: Args) -> int:
         check_target(args.json)
     name = args.integrator or default_integrator(model, panels).name
     integrator = make_integrator(name, model, args.step, args.rtol)
-    if args.max_steps is not None:
-        integrator = replace(integrator, max_steps=args.max_steps)
     build(parameters, model, panels=panels)
     from solar_env.mechanics.running.sampling import sample_times
 
@@ -101,11 +87,10 @@ def run_command(args: Args) -> int:
     from solar_env.array.deployment import panel_deflections, simulate
     from solar_env.commands.warmup import warm_up
 
-    console = Console(stderr=True, quiet=args.quiet)
     if answer is not None:
-        console.print(_answer_note(answer, parameters), highlight=False, soft_wrap=True)
-    warm_up(console, model, name)
-    with share_bar(console) as progress:
+        args.console.print(_answer_note(answer, parameters), highlight=False, soft_wrap=True)
+    warm_up(args.console, model, name)
+    with share_bar(args.console) as progress:
         task = progress.add_task("seconds simulated", total=args.duration)
         trajectory = simulate(
             parameters,
@@ -117,7 +102,7 @@ def run_command(args: Args) -> int:
             progress=lambda time: progress.update(task, completed=time),
         )
     if name == RungeKutta.name and trajectory.stability_bound_share > _NOTEWORTHY_SHARE:
-        console.print(_stability_note(trajectory.stability_bound_share), highlight=False, soft_wrap=True)
+        args.console.print(_stability_note(trajectory.stability_bound_share), highlight=False, soft_wrap=True)
     summary = trajectory.summary()
     if str(args.json) == "-":
         json.dump(summary, sys.stdout, indent=2)
@@ -133,15 +118,6 @@ def run_command(args: Args) -> int:
             trajectory, args.plot, panel_deflections(trajectory) if has_flexible_panels(model) else None
         )
     return 0
-
-
-def _array(args: Args) -> ArrayParameters:
-    """Parameters of the file or of the preset."""
-    if args.array is None:
-        return ArrayParameters.preset(args.preset)
-    if args.preset != Args.preset:
-        raise ValueError(f"--preset {args.preset} has the parameters that {args.array} has too; give one of them")
-    return read_parameters(args.array).parameters
 
 
 def _chosen_answer(args: Args) -> Answer | None:
@@ -165,7 +141,7 @@ def _level(args: Args, answer: Answer | None) -> tuple[str, PanelModel]:
     if answer is not None:
         return answer.model, PanelModel.of(answer.model, answer.panel_model, integrator=args.integrator)
     model = check_model(DEFAULT_MODEL if args.model is None else args.model)
-    return model, PanelModel.requested(model, args.panels, args.elements, args.modes, args.integrator, args.preset)
+    return model, PanelModel.requested(model, args.panels, args.elements, args.modes, args.integrator, args.array)
 
 
 def _answer_note(answer: Answer, parameters: ArrayParameters) -> str:

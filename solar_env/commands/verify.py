@@ -4,16 +4,13 @@ import itertools
 from dataclasses import dataclass
 from pathlib import Path
 
-from rich.console import Console
-
 from solar_env.array.compilation import compilation_note
 from solar_env.commands.arguments import QuietOption
 from solar_env.mechanics.integrators.settings import INTEGRATORS
 from solar_env.support.files import check_target, write_text
 from solar_env.support.progress import counting_bar
+from solar_env.support.terminal import wide_console
 from solar_env.verification.report import make_table, to_json
-
-_NARROWEST = 140  # columns, where the output is not a terminal
 
 
 @dataclass
@@ -35,7 +32,7 @@ def run_command(args: Args) -> int:
     if args.json and not to_standard_output:
         check_target(args.json)
     begun, compiling = itertools.count(), compilation_note(INTEGRATORS)
-    with counting_bar(Console(stderr=True, quiet=args.quiet)) as progress:
+    with counting_bar(args.console) as progress:
         task = progress.add_task("", total=len(names))
 
         def announce(name: str) -> None:
@@ -46,10 +43,7 @@ def run_command(args: Args) -> int:
     if to_standard_output:
         print(to_json(rows))
     else:
-        console = Console()
-        if not console.is_terminal:
-            console.width = max(console.width, _NARROWEST)
-        console.print(make_table(rows))
+        wide_console().print(make_table(rows))
         if args.json:
             write_text(args.json, to_json(rows) + "\n")
     return 0 if all(row.passed for row in rows) else 1

@@ -12,6 +12,7 @@ from rich.text import Text
 Cells = Sequence[Text]
 
 _GAP = 3  # characters between columns, and around them
+_NARROWEST = 140  # characters, where the output is not a terminal
 
 
 class WholeTable(TableElement):
@@ -62,3 +63,11 @@ def _table(columns: Sequence[Cells]) -> Table:
 def print_markdown(text: str) -> None:
     """Print Markdown as it reads: drawn for the width of the terminal, or of 80 characters where there is none."""
     Console().print(WholeMarkdown(text))
+
+
+def wide_console() -> Console:
+    """A console for wide tables: as wide as the terminal, or 140 characters where there is none."""
+    console = Console()
+    if not console.is_terminal:
+        console.width = max(console.width, _NARROWEST)
+    return console

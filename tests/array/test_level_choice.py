@@ -22,7 +22,7 @@ from solar_env.array.ladder import (
     read_answers,
     steps,
 )
-from solar_env.commands.studies.ladder import SECTION, choices
+from solar_env.commands.ladder import SECTION, choices
 from solar_env.environment.registration import DEPLOY
 from solar_env.studies.common.tables import read_table
 from solar_env.studies.ladder import campaign

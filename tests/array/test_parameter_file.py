@@ -30,7 +30,7 @@ def file(tmp_path):
 
 @pytest.mark.parametrize("preset", PRESETS)
 def test_the_printed_file_explains_every_parameter_and_is_read_back(preset, file, capsys):
-    assert main(["parameters", "--preset", preset]) == 0
+    assert main(["parameters", preset]) == 0
     printed = capsys.readouterr().out
     assert read_parameters(file(printed)) == (ArrayParameters.preset(preset), {})
     texts = explanations()

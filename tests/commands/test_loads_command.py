@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import csv
 import re
 
 import numpy as np
 import pytest
 from helpers import page_data
 
-from solar_env import Trajectory
 from solar_env.__main__ import main
+from solar_env.array import read_parameters
+from solar_env.studies.loads.ensemble import LoadsPlan, nominal_deployment
 
 FAST = """
 body_mass = 1200
@@ -29,10 +29,10 @@ def array(tmp_path):
 
 
 def test_it_answers_and_writes_page_data_and_loads_on_the_hub(array, tmp_path, capsys):
-    files = {name: tmp_path / name for name in ("loads.html", "motion.npz", "hub.csv", "motion.csv")}
+    files = {name: tmp_path / name for name in ("loads.html", "hub.csv")}
     options = ["--question", "wear", "--tolerance", "0.5", "--runs", "1", "--window", "0.3", "--jobs", "1"]
     usual = ["loads", str(array), *options, "--out", str(tmp_path / "runs")]
-    assert main([*usual, "--html", str(files["loads.html"]), "--data", str(files["motion.npz"])]) == 0
+    assert main([*usual, "--html", str(files["loads.html"])]) == 0
     first = capsys.readouterr().out
     assert "is hit hardest" in first
     assert "Fewer than 4 runs have no interval" in " ".join(first.split())
@@ -46,18 +46,12 @@ def test_it_answers_and_writes_page_data_and_loads_on_the_hub(array, tmp_path, c
     assert re.search(r"solar-env \d.*numba", text)
     # The runs are there: the second time only reads them.
     kept = (tmp_path / "runs" / "loads.jsonl").read_bytes()
-    assert main([*usual, "--hub", str(files["hub.csv"]), "--data", str(files["motion.csv"])]) == 0
+    assert main([*usual, "--hub", str(files["hub.csv"])]) == 0
     assert (tmp_path / "runs" / "loads.jsonl").read_bytes() == kept
     assert capsys.readouterr().out == first
 
-    trajectory = Trajectory.load(files["motion.npz"])
-    with files["motion.csv"].open() as file:
-        rows = list(csv.DictReader(file))
-    assert len(rows) == len(trajectory.time)
-    np.testing.assert_array_equal([float(row["angle_rad_2"]) for row in rows], trajectory.angles[:, 1])
-    np.testing.assert_array_equal([float(row["kinetic_J"]) for row in rows], trajectory.energies["kinetic"])
-    np.testing.assert_array_equal([float(row["gap_m_1"]) for row in rows], -trajectory.penetration[:, 0])
-
+    plan = LoadsPlan(read_parameters(array), "wear", 0.5, 1, 0.3, 60.0)
+    trajectory = nominal_deployment(plan).trajectory
     table = np.genfromtxt(files["hub.csv"], delimiter=",", names=True)
     turned = (table["torque_z_Nm"] * (table["end_s"] - table["start_s"])).cumsum() / table["hub_inertia_kgm2"]
     assert set(table["hub_mass_kg"]) == {1200.0}, "of the file's array"
@@ -72,7 +66,6 @@ def test_it_answers_and_writes_page_data_and_loads_on_the_hub(array, tmp_path, c
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (["--data", "motion.xlsx"], ["suffix", ".xlsx", ".csv, .npz"]),
         (["--hub", "hub.npz"], ["suffix", ".npz", ".csv"]),
         (["--html", "page.pdf"], ["suffix", ".pdf", ".html"]),
         (["--html", "no/such/page.html"], ["folder", "no/such/page.html"]),

@@ -9,6 +9,7 @@ import pytest
 
 from solar_env.__main__ import main
 from solar_env.array import ArrayParameters
+from solar_env.commands import design
 from solar_env.studies.common.plans import FAST_PARAMETERS
 from solar_env.studies.common.tables import read_table
 from solar_env.studies.design import design_map, ground_test
@@ -66,7 +67,7 @@ def test_the_design_command_measures_resumes_and_draws(
     refuse.__module__, refuse.__qualname__ = design_map.__name__, "measure_cell"
     monkeypatch.setattr(design_map, "measure_cell", refuse)
     assert main(command) == 0, "nothing is measured again"
-    assert main([*command, "--preset", "paper"]) == 2
+    assert main([*command, "paper"]) == 2
     assert "other settings" in capsys.readouterr().err
 
 
@@ -124,12 +125,12 @@ def test_campaigns_that_make_no_sense_are_refused(numbers: tuple[int, float, int
 
 
 @pytest.mark.usefixtures("short")
-def test_the_ground_test_command_compares_with_direct_simulation(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+def test_ground_tests_are_compared_with_direct_simulation(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    command = ["ground-test", "--deployments", "3", "--check", "2", "--members", "2", "--jobs", "1"]
-    assert main([*command, "--wear-coefficient", "1e-14", "--out", str(tmp_path)]) == 0
+    for name, value in (("WEAR_COEFFICIENT", 1e-14), ("MEMBERS", 2), ("CHECKED", 2)):
+        monkeypatch.setattr(design, name, value)
+    assert main(["design", "--ground-tests", "3", "--jobs", "1", "--out", str(tmp_path)]) == 0
     assert {path.name for path in tmp_path.iterdir()} == {"ground_test.csv", "ground_test.png"}
     assert read_table(tmp_path / "ground_test.csv").values("kind") == ("extrapolated", "direct")
     assert "clearances after 2 deployments, direct" in capsys.readouterr().out
-    assert main([*command[:3], "--check", "4", "--out", str(tmp_path)]) == 2

@@ -165,9 +165,9 @@ def test_the_command_prints_and_writes_its_tables(brief, monkeypatch, tmp_path: 
     monkeypatch.setattr(step_rates, "measure_memory", lambda model: 1000.0)
     monkeypatch.setattr(step_rates, "measure_startup", lambda model, cold: 1.0)
     monkeypatch.setattr(step_rates, "measure_peers", lambda model: {"SyncVectorEnv": 2.0, "SubprocVecEnv": 3.0})
-    assert main(["bench", "--models", MODEL, "--quick", "--out", str(tmp_path)]) == 0
+    assert main(["study", "throughput", "--only", MODEL, "--quick", "--out", str(tmp_path)]) == 0
     printed = capsys.readouterr().out
-    assert numbers((tmp_path / "bench.md").read_text()) <= numbers(printed)
+    assert numbers((tmp_path / "throughput.md").read_text()) <= numbers(printed)
     assert MODEL in printed
 
 

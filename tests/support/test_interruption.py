@@ -15,6 +15,7 @@ import pytest
 
 from agents import script
 from solar_env import __main__ as command_line
+from solar_env.commands import table
 from solar_env.support import interruption
 from solar_env.support.campaigns import Campaign
 
@@ -29,7 +30,7 @@ def interrupt(*notes):
     raise stop
 
 
-@pytest.mark.parametrize("name", [name for group in command_line.COMMANDS.values() for name in group])
+@pytest.mark.parametrize("name", table.rows(table.COMMANDS))
 def test_every_command_ends_with_130_and_one_line(name, monkeypatch, capsys):
     monkeypatch.setattr("importlib.import_module", lambda _: interrupt("kept the half of it"))
     assert command_line.main([name]) == 130

@@ -10,7 +10,8 @@ import pytest
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_sampling
 from agents.laws.baselines import make_baseline
 from agents.rollout import run_episode
-from solar_env.__main__ import command_named, main
+from solar_env.__main__ import main
+from solar_env.commands import table
 from solar_env.commands.arguments import parse_arguments
 from solar_env.support.readme import PACKAGE, Section
 from solar_env.verification.suite import select
@@ -66,7 +67,7 @@ def commands():
     """Every command line of pages, cards and configurations, as words without `python`."""
     lines = set()
     for config in CONFIGS:
-        lines |= set(re.findall(r'"command": "([^"]*)"', config.read_text(encoding="utf-8")))
+        lines |= set(re.findall(r'"command": "((?!solar-env search )[^"]*)"', config.read_text(encoding="utf-8")))
     for text in [*TEXTS.values(), *(card.read_text(encoding="utf-8") for card in CARDS)]:
         for block in fenced(text, ""):
             lines |= {line for line in block.splitlines() if re.match(r"python train\.py|solar-env ", line)}
@@ -81,7 +82,7 @@ def test_commands_have_the_options_that_the_pages_give_them(command):
     if "--help" in (name, *arguments):
         assert main([name, *arguments]) == 0
     else:
-        parse_arguments(command_named(name).load().Args, arguments)
+        parse_arguments(table.load(table.COMMANDS, name).Args, arguments)
 
 
 def test_commands_are_spelt_in_one_way():
@@ -145,7 +146,7 @@ def test_the_front_page_says_that_its_figure_is_one_episode_where_it_tells_the_m
 
 
 def test_a_section_is_read_and_replaced_and_a_page_without_it_refused(tmp_path):
-    section = Section(tmp_path / "README.md", "result", "solar-env bench --readme")
+    section = Section(tmp_path / "README.md", "result", "solar-env study throughput --readme")
     Path(section.page).write_text(f"# Title\n\n{section.begin}\n\nold\n\n{section.end}\n\nafter\n", encoding="utf-8")
     assert section.read() == "old"
     section.write("new")

@@ -108,7 +108,7 @@ assert env.unwrapped.hardware.sensor_delay == 2
 law = make_baseline("push", env)
 assert abs(law.predict(env.reset(seed=0)[0])[0][0] - 0.1) < 1e-7
 assert [row.passed for row in run("first-fall")] == [True]
-assert main(["stability", "--only", "fall", "--quick", "--out", "maps"]) == 0
+assert main(["study", "stability", "--only", "fall", "--quick", "--out", "maps"]) == 0
 assert main(["presets"]) == 0
 """,
 }
@@ -134,7 +134,7 @@ def files(lines):
     """(path, lines) of the files that a block is about."""
     found = []
     for line in lines:
-        if re.fullmatch(r"# [\w/]+\.py", line):
+        if re.fullmatch(r"# [\w/]+\.(py|toml)", line):
             found.append((line[2:], []))
         else:
             found[-1][1].append(line)

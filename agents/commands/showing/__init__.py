@@ -1,1 +1,1 @@
-"""Commands that show an episode of controllers: as a film, on a page in motion, as a figure; as those of `commands`."""
+"""What `solar-env replay` makes of an episode: a page in motion, a film."""

@@ -1,1 +1,1 @@
-"""Commands that measure a study of `solar_env.studies`, and draw it from what was measured; as those of `commands`."""
+"""Studies of the pages: rows of `solar-env study`, each a module with `OPTIONS` and `run(args)`."""

@@ -1,55 +1,35 @@
-"""`solar-env stability`: maps of where methods fail, as tables and figures."""
+"""`solar-env study stability`: maps of where methods fail, as tables and figures."""
 
 import textwrap
-from dataclasses import dataclass
 from pathlib import Path
 
-from rich.console import Console
-
 from solar_env.array.compilation import compilation_note
-from solar_env.commands.arguments import QuietOption
+from solar_env.commands.study import Args
 from solar_env.mechanics.integrators.settings import INTEGRATORS
-from solar_env.support.files import make_folder, write_text
+from solar_env.support.files import write_text
 from solar_env.support.progress import counting_bar
 
+OPTIONS = ("only", "quick", "draw", "out")
+PARAMETERS = "parameters"
 _COLUMNS = 100
 
 
-@dataclass
-class Args(QuietOption):
-    """Map where methods fail, and check that the library says so."""
-
-    quick: bool = False
-    """few cells: less than two minutes for all maps"""
-    only: str | None = None
-    """one map; a name that is none lists them"""
-    out: Path = Path("stability")
-    """folder of tables and figures"""
-    draw: bool = False
-    """draw the figures again from the tables in the folder"""
-    parameters: bool = False
-    """instead of the maps, walk every parameter over eight decades, and write a table and a page"""
-
-
-def run_command(args: Args) -> int:
-    """Measure the maps, draw them, and print what to do; 1 if the library kept silent about a failure, else 0."""
+def run(args: Args) -> int:
+    """Map where methods fail, and check that the library says so; --only parameters walks every parameter instead."""
     from solar_env.studies.stability.stability_maps import MAPS, measure_map
 
-    if args.parameters:
+    if args.only == [PARAMETERS]:
         return _walk_parameters(args)
-    if args.only is not None and args.only not in MAPS:
-        raise ValueError(f"map {args.only!r} is unknown; choose from {', '.join(MAPS)}")
-    names = list(MAPS) if args.only is None else [args.only]
-    make_folder(args.out)
-    if args.draw:
-        return max(_report(name, args.out) for name in names)
-    cells = sum(1 for name in names for _ in MAPS[name].cells(args.quick))
-    with counting_bar(Console(stderr=True, quiet=args.quiet)) as progress:
-        task = progress.add_task("", total=cells)
-        for name in names:
-            progress.update(task, description=name + compilation_note(INTEGRATORS))
-            measure_map(name, args.quick, args.out / f"{name}.csv", lambda: progress.advance(task))
-    return max(_report(name, args.out) for name in names)
+    names = args.parts(MAPS)
+    folder, _ = args.folders("stability")
+    if not args.draw:
+        cells = sum(1 for name in names for _ in MAPS[name].cells(args.quick))
+        with counting_bar(args.console) as progress:
+            task = progress.add_task("", total=cells)
+            for name in names:
+                progress.update(task, description=name + compilation_note(INTEGRATORS))
+                measure_map(name, args.quick, folder / f"{name}.csv", lambda: progress.advance(task))
+    return max(_report(name, folder) for name in names)
 
 
 def _walk_parameters(args: Args) -> int:
@@ -57,11 +37,12 @@ def _walk_parameters(args: Args) -> int:
     from solar_env.studies.common.tables import read_table
     from solar_env.studies.stability import parameter_ranges as ranges
 
-    table, page = args.out / "parameters.csv", args.out / "parameters.md"
-    make_folder(args.out)
-    with counting_bar(Console(stderr=True, quiet=args.quiet)) as progress:
-        task = progress.add_task("parameters", total=len(ranges.NAMES) * len(ranges.MODELS) * len(ranges.FACTORS))
-        ranges.measure(table, lambda: progress.advance(task))
+    folder, _ = args.folders("stability")
+    table, page = folder / "parameters.csv", folder / "parameters.md"
+    if not args.draw:
+        with counting_bar(args.console) as progress:
+            task = progress.add_task("parameters", total=len(ranges.NAMES) * len(ranges.MODELS) * len(ranges.FACTORS))
+            ranges.measure(table, lambda: progress.advance(task))
     measured = read_table(table)
     write_text(page, ranges.page(measured))
     print(f"{table}, {page}")
@@ -69,7 +50,7 @@ def _walk_parameters(args: Args) -> int:
 
 
 def _report(name: str, folder: Path) -> int:
-    """Draw a map and print its figures; 1 if a failure passed in silence."""
+    """Draw a map and print its figures and advice; 1 if a failure passed in silence."""
     from solar_env.studies.common.tables import read_table
     from solar_env.studies.stability.maps import silent_failures
     from solar_env.studies.stability.stability_plot import draw_map

@@ -18,7 +18,7 @@ def open_display() -> Any:
     """
     import pygame
 
-    advice = "run it where there is one, or film an episode (solar-env record), or show it on a page (solar-env replay)"
+    advice = "run it where there is one, or show an episode on a page or film it (solar-env replay)"
     try:
         pygame.display.init()
     except pygame.error as error:

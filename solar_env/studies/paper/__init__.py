@@ -1,4 +1,4 @@
-"""The paper, figure by figure and claim by claim: `solar-env paper`.
+"""The paper, figure by figure and claim by claim: `solar-env study paper`.
 
 Y. Li, C. Wang and W. Huang, "Dynamics analysis of planar rigid-flexible coupling deployable solar array system with
 multiple revolute clearance joints", Mech. Syst. Signal Process. 117 (2019) 188-209 (below: the paper). `cases`

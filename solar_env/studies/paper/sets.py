@@ -17,20 +17,12 @@ _COLUMNS = (
 )  # fmt: skip
 
 
-def found_set(name: str) -> Changes:
-    """A set of the shortlist by its name, or "front 1", "front 2" and so on of those that no other betters.
-
-    Raises:
-        ValueError: if there is none of that name.
-    """
-    shortlist = read_table(FOLDER / "identification-shortlist.csv")
-    front = read_table(FOLDER / "identification-front.csv")
-    rows = {str(row["name"]): row for row in shortlist.rows}
-    names = ", ".join(rows)
-    rows |= {f"front {number}": row for number, row in enumerate(front.rows, start=1)}
-    if name not in rows:
-        raise ValueError(f"set {name!r} is unknown; choose from {names} and front 1 to front {len(front.rows)}")
-    return changes_of(rows[name])
+def found_sets() -> dict[str, Changes]:
+    """The sets of the shortlist by their names, and "front 1", "front 2" and so on, which no other betters."""
+    rows = {str(row["name"]): row for row in read_table(FOLDER / "identification-shortlist.csv").rows}
+    front = read_table(FOLDER / "identification-front.csv").rows
+    rows |= {f"front {number}": row for number, row in enumerate(front, start=1)}
+    return {name: changes_of(row) for name, row in rows.items()}
 
 
 def changes_of(row: Mapping[str, Cell]) -> Changes:

@@ -61,7 +61,7 @@ def measure_charts(names: Sequence[str], quick: bool, folder: Path, console: Con
         warm_up(plan)
         for name in names:
             results = measure(jobs[name], lambda run: progress.update(task, advance=1, description=run))
-            made_by = provenance(f"solar-env chart --only {name}{' --quick' if quick else ''}")
+            made_by = provenance(f"solar-env study precision --only {name}{' --quick' if quick else ''}")
             write_table(folder / table_file(name), STUDIES[name].rows(plan, results), made_by)
 
 

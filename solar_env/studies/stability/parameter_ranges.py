@@ -76,7 +76,7 @@ def measure(path: Path, tick: Callable[[], object]) -> None:
             for factor in FACTORS:
                 rows.append(trial(name, factor, model))
                 tick()
-    write_table(path, rows, provenance("solar-env stability --parameters", duration_s=DURATION))
+    write_table(path, rows, provenance("solar-env study stability --only parameters", duration_s=DURATION))
 
 
 def page(table: Table) -> str:
@@ -94,7 +94,7 @@ Each parameter goes from a ten thousandth to ten thousand times its default, all
 {DURATION:g} s of {" and ".join(f"`{model}`" for model in MODELS)}. Values by joint are changed together; the table
 has those of the first. Where the default is zero, or follows from others, another value is in its place
 ({_words(COUNTED_FROM)}). `solar-env parameters` tells of those that are no quantities
-({_words(NO_QUANTITIES)}). Written by `solar-env stability --parameters --out solar_env/studies/stability`.
+({_words(NO_QUANTITIES)}). Written by `solar-env study stability --only parameters --out solar_env/studies/stability`.
 
 {markdown_table(columns, rows)}
 """

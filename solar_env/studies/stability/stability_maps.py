@@ -11,6 +11,7 @@ from solar_env.studies.stability.maps import StabilityMap
 from solar_env.studies.stability.multiplier_maps import STEP_CHANGE
 from solar_env.studies.stability.stop_maps import LATCH
 
+COMMAND = "solar-env study stability"
 ALL = (IMPLICIT, STEP_CHANGE, RESTITUTION, FRICTION_MAP, LATCH)
 MAPS: dict[str, StabilityMap] = {one.name: one for one in ALL}
 
@@ -21,4 +22,4 @@ def measure_map(name: str, quick: bool, path: Path, progress: Callable[[], None]
     for panel, x, y in chosen.cells(quick):
         rows.append(chosen.row(panel, x, y))
         progress()
-    write_table(path, rows, provenance("solar-env stability", map=name, quick=quick, **chosen.description()))
+    write_table(path, rows, provenance(COMMAND, map=name, quick=quick, **chosen.description()))

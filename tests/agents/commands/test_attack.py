@@ -5,7 +5,8 @@ import json
 import numpy as np
 import pytest
 
-from agents.commands.attack import KNOTS, NUMBERS, actions, passive_profile
+from agents.commands.studies import attack
+from agents.commands.studies.attack import KNOTS, NUMBERS, actions, passive_profile
 from solar_env.__main__ import execute
 from solar_env.environment.task.versions import PRESENT
 
@@ -40,11 +41,11 @@ def test_a_profile_chatters_before_or_after_the_latch_with_its_half_period_and_p
     assert acted(profile, times, latched) == [-value for value in pattern]
 
 
-def test_the_command_writes_the_best_profiles_and_their_figures(tmp_path):
-    path = tmp_path / "attack.json"
-    quick = ["--model", "rigid-ideal", "--env-kwargs", "control_period=0.5", "postlock_window=1.0"]
-    execute("attack", ["--episodes", "28", "--quiet", "--out", str(path), *quick])
-    record = json.loads(path.read_text())
+def test_the_study_writes_the_best_profiles_and_their_figures(tmp_path, monkeypatch):
+    keywords = {"model": "rigid-ideal", "control_period": 0.5, "postlock_window": 1.0}
+    monkeypatch.setattr(attack, "KEYWORDS", keywords)
+    execute("study", ["attack-on-reward", "--quick", "--quiet", "--out", str(tmp_path)])
+    record = json.loads((tmp_path / attack.FILE).read_text())
     assert record["episodes"] == 28
     assert set(record["medians"]) == {"passive", "best episode", "mean of the search"}
     assert all(len(profile) == NUMBERS for profile in record["profiles"].values())

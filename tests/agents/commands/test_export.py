@@ -167,22 +167,35 @@ def test_the_policy_of_an_interrupted_training_is_not_shipped(finished, tmp_path
         export.export(run, tmp_path / "shipped")
 
 
-def test_the_command_writes_below_the_shipped_policies_and_overwrites_nothing(finished, tmp_path, monkeypatch):
-    monkeypatch.setattr(shipped, "SHIPPED", tmp_path / "policies")
+def test_the_command_writes_a_shipped_policy_and_overwrites_nothing(finished, tmp_path, monkeypatch):
+    monkeypatch.setattr(shipped, "SHIPPED", tmp_path)
     run = str(finished["td3"][0])
-    execute("export", [run, "--name", "soft"])
-    names = {path.name for path in (tmp_path / "policies" / "soft").iterdir()}
+    execute("export", [run, "--out", str(tmp_path / "soft")])
+    names = {path.name for path in (tmp_path / "soft").iterdir()}
     assert names == {"policy.npz", "policy.json", "policy.onnx", "card.md"}
     assert shipped.available() == ["soft"]
-    with pytest.raises(FileExistsError, match="soft exists; choose another --name"):
-        execute("export", [run, "--name", "soft"])
-    with pytest.raises(ValueError, match="name is 'servo', which is that of a controller without learning"):
-        execute("export", [run, "--name", "servo"])
-    for arguments in ([run], [run, "--name", "../soft"], ["--name", "soft"]):
-        with pytest.raises(
-            ValueError, match=r"give both, the name of letters, .*: solar-env export runs/<run> --name NAME"
-        ):
-            execute("export", arguments)
+    with pytest.raises(FileExistsError, match="soft exists; choose another --out"):
+        execute("export", [run, "--out", str(tmp_path / "soft")])
+    for name in ("servo", "soft=er"):
+        with pytest.raises(ValueError, match=rf"the folder's name is '{name}', and the policy's"):
+            execute("export", [run, "--out", str(tmp_path / name)])
+
+
+def test_the_suffix_says_the_form_of_a_run_or_a_shipped_policy(finished, tmp_path):
+    run, folder = finished["ppo"]
+    for source, name in ((run, "run"), (folder, "shipped")):
+        made = tmp_path / name
+        made.mkdir()
+        for suffix in (".npz", ".onnx", ".h"):
+            execute("export", [str(source), "--out", str(made / f"policy{suffix}")])
+        assert {path.name for path in made.iterdir()} == {"policy.npz", "policy.json", "policy.onnx", "policy.h"}
+        observations = random_observations(20)
+        actions, _ = load_shipped(made).predict(observations)
+        np.testing.assert_array_equal(actions, load_shipped(folder).predict(observations)[0])
+        session = onnxruntime.InferenceSession(made / "policy.onnx")
+        np.testing.assert_allclose(session.run(None, {"observation": observations})[0], actions, rtol=0.0, atol=1e-6)
+    with pytest.raises(ValueError, match=r"the suffix '.zip' .* choose from .npz, .onnx, .h"):
+        execute("export", [str(run), "--out", str(tmp_path / "policy.zip")])
 
 
 @pytest.mark.parametrize("fault", [KeyboardInterrupt, OSError("No space left on device")])
@@ -236,7 +249,7 @@ def test_what_a_kill_has_left_unfinished_is_no_shipped_policy(finished, tmp_path
 def test_a_name_that_is_too_long_for_the_system_is_refused(finished, tmp_path, monkeypatch):
     monkeypatch.setattr(shipped, "SHIPPED", tmp_path)
     with pytest.raises(OSError, match=r"aaa \(File name too long\); choose another name"):
-        execute("export", [str(finished["ppo"][0]), "--name", "a" * 256])
+        execute("export", [str(finished["ppo"][0]), "--out", str(tmp_path / ("a" * 256))])
 
 
 @pytest.mark.parametrize("package", ["onnx", "onnxruntime"])
@@ -246,7 +259,7 @@ import contextlib, io, sys
 sys.modules["{package}"] = None
 from solar_env.__main__ import main
 with contextlib.redirect_stderr(io.StringIO()) as said:
-    print(main(["export", sys.argv[1], "--name", "policy"]))
+    print(main(["export", sys.argv[1], "--out", "policy"]))
 print(said.getvalue())
 """
     told = run_python(program, str(tmp_path / "no-run")).split("\n", 1)

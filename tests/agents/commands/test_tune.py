@@ -9,13 +9,10 @@ from stable_baselines3.common.utils import set_random_seed
 
 from agents.commands import tune as tune_module
 from agents.commands.tune import tune
-from agents.comparison.episodes import mean_returns
 from agents.environments import DEFAULT_ENV_ID, make_env, with_model
 from agents.laws.baselines import make_baseline
 from agents.laws.table import TUNABLE
-from agents.rollout import run_episode
 from solar_env.__main__ import execute
-from solar_env.support.campaigns import Workers
 from solar_env.support.minimisation import minimise
 
 
@@ -87,7 +84,6 @@ def test_the_points_of_a_search_do_not_depend_on_what_else_draws_random_numbers(
     [
         (["--validation-episodes", "0"], "the number of episodes is 0"),
         (["--episodes-per-candidate", "0"], "--episodes-per-candidate is 0; give a positive number"),
-        (["--wear-cost", "-0.1"], r"--wear-cost is -0\.1; give a finite number that is not negative"),
     ],
 )
 def test_what_would_end_a_tuning_is_refused_before_it_begins(monkeypatch, options, message):
@@ -96,23 +92,12 @@ def test_what_would_end_a_tuning_is_refused_before_it_begins(monkeypatch, option
         execute("tune", ["--controller", "brake", "--episodes", "6", "--quiet", *options])
 
 
-def test_what_wear_costs_is_the_deepest_of_the_whole_episode():
-    """Springs alone wear the bearings on the way to the latches, which costs nothing in the reward."""
-    short = {"deadline": 2.0, "postlock_window": 0.2}
-    options = ([TUNABLE["brake"].defaults], DEFAULT_ENV_ID, short, [5], Workers(1))
-    free, charged = (mean_returns("brake", *options, wear_cost)[0] for wear_cost in (0.0, 0.5))
-    with make_env(env_kwargs=short) as env:
-        depth = run_episode(env, make_baseline("brake", env, TUNABLE["brake"].defaults), 5)["wear_depth_max_m"]
-    assert depth > 1e-16
-    assert charged == pytest.approx(free - 0.5 * depth / 1e-15)
-
-
 @pytest.fixture
 def judged(monkeypatch):
     """Points that get simulated, at no cost here: a brake is the better the nearer its torque is to 0.3 N m."""
     candidates = []
 
-    def mean_returns(controller, parameters, env_id, env_kwargs, seeds, workers, wear_cost):
+    def mean_returns(controller, parameters, env_id, env_kwargs, seeds, workers):
         candidates.append(list(parameters))
         return [-((p.torque - 0.3) ** 2) for p in parameters]
 

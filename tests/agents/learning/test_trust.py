@@ -48,7 +48,7 @@ def stranger(folder, monkeypatch):
 COMMANDS = {
     "train": lambda folder, out: run("--resume", folder, "--out", out),
     "evaluate": lambda folder, out: execute("evaluate", ["--controllers", str(folder), "--out", str(out), "--quiet"]),
-    "show": lambda folder, out: execute("show", ["--controllers", str(folder), "--out", str(out), "--quiet"]),
+    "replay": lambda folder, out: execute("replay", ["--controllers", str(folder), "--out", f"{out}.html", "--quiet"]),
     "export": lambda folder, out: export.export(folder, out),
 }
 
@@ -79,16 +79,6 @@ def test_a_configuration_that_was_changed_by_hand_is_no_longer_ones_own(folder):
     (folder / runs.CONFIG).write_text(json.dumps({**record, "seal": "é"}))
     with pytest.raises(UntrustedFileError):
         runs.read_config(folder)
-
-
-def test_a_run_that_is_trusted_once_is_ones_own_from_then_on(folder, tmp_path, monkeypatch):
-    monkeypatch.setattr(trust, "key", lambda: b"of another account")
-    arguments = ["--controllers", str(folder), "--episodes", "1", "--out", str(tmp_path / "out"), "--jobs", "1"]
-    with pytest.raises(UntrustedFileError):
-        execute("evaluate", arguments)
-    execute("evaluate", [*arguments, "--trust"])
-    execute("evaluate", arguments)
-    assert checkpoints.read(folder).timesteps == 600
 
 
 def test_the_key_is_made_once_and_is_the_users_alone(tmp_path, monkeypatch):

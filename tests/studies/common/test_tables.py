@@ -12,7 +12,7 @@ ROWS = [
 
 
 def test_a_table_comes_back_as_it_was_written(tmp_path):
-    made_by = provenance("solar-env chart", quick=True)
+    made_by = provenance("solar-env study precision", quick=True)
     write_table(tmp_path / "folder" / "table.csv", ROWS, made_by)
     table = read_table(tmp_path / "folder" / "table.csv")
     assert [dict(row) for row in table.rows] == ROWS
@@ -22,8 +22,8 @@ def test_a_table_comes_back_as_it_was_written(tmp_path):
 
 
 def test_provenance_names_command_settings_and_versions():
-    made_by = provenance("solar-env chart", quick=True, seed=3)
-    assert made_by["command"] == "solar-env chart"
+    made_by = provenance("solar-env study precision", quick=True, seed=3)
+    assert made_by["command"] == "solar-env study precision"
     assert made_by["quick"] == "True"
     assert made_by["seed"] == "3"
     assert {"solar-env", "numpy", "numba", "python", "machine"} <= made_by.keys()
@@ -51,7 +51,7 @@ def test_a_bad_cell_is_told_with_its_file_line_and_column(tmp_path, old, new, to
     write_table(
         tmp_path / "table.csv",
         [{"wall_s" if k == "repeats" else k: v for k, v in row.items()} for row in ROWS],
-        {"command": "solar-env chart"},
+        {"command": "solar-env study precision"},
     )
     text = (tmp_path / "table.csv").read_text()
     assert old in text
@@ -61,7 +61,7 @@ def test_a_bad_cell_is_told_with_its_file_line_and_column(tmp_path, old, new, to
 
 
 def test_a_column_that_is_not_there_or_holds_no_numbers_is_told_with_file_and_line(tmp_path):
-    write_table(tmp_path / "table.csv", ROWS, {"command": "solar-env chart"})
+    write_table(tmp_path / "table.csv", ROWS, {"command": "solar-env study precision"})
     table = read_table(tmp_path / "table.csv")
     with pytest.raises(ValueError, match=r"table\.csv, line 3 lacks 'wall_s'; measure it anew"):
         table.column("wall_s")

@@ -139,16 +139,16 @@ def test_a_figure_of_an_ensemble_has_medians_and_their_range() -> None:
 
 
 def test_the_command_writes_table_and_picture_of_one_figure(tmp_path: Any) -> None:
-    assert main(["paper", "--figure", "6", "--jobs", "1", "--out", str(tmp_path)]) == 0
+    assert main(["study", "paper", "--only", "6", "--jobs", "1", "--out", str(tmp_path)]) == 0
     assert {path.name for path in tmp_path.iterdir()} == {"figure-06.csv", "figure-06.png"}
     table = read_table(tmp_path / "figure-06.csv")
     assert table.column("angle_2_rad")[-1] == pytest.approx(math.pi, abs=0.03)
     assert table.provenance["figure"] == "6"
 
 
-@pytest.mark.parametrize(("option", "named"), [(["--figure", "4"], "figure 4"), (["--jobs", "0"], "jobs = 0")])
+@pytest.mark.parametrize(("option", "named"), [(["--only", "4"], "paper '4'"), (["--jobs", "0"], "jobs = 0")])
 def test_wrong_input_is_refused(option: list[str], named: str, capsys: Any, tmp_path: Any) -> None:
-    assert main(["paper", *option, "--out", str(tmp_path)]) == 2
+    assert main(["study", "paper", *option, "--out", str(tmp_path)]) == 2
     assert named in capsys.readouterr().err
 
 

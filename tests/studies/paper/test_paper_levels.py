@@ -2,7 +2,6 @@
 
 import pytest
 
-from solar_env.__main__ import main
 from solar_env.commands.studies.paper import LEVELS_SECTION
 from solar_env.studies.paper import levels
 from solar_env.studies.paper.levels import CONVERGED, DAMPED, FINER, FLEXIBLE_CLAIMS, LEVELS, PAPER, verdict
@@ -43,9 +42,3 @@ def test_the_page_has_all_levels_and_claims_with_the_verdicts_that_its_figures_c
     for claim, (statement, *figures, found) in zip(FLEXIBLE_CLAIMS, rows, strict=True):
         assert statement.strip().startswith(claim.statement)
         assert found.strip() == verdict({level: "**" in figure for level, figure in zip(LEVELS, figures, strict=True)})
-
-
-@pytest.mark.parametrize("options", [["--levels", "--figure", "5"], ["--set", "preset", "--levels"]])
-def test_what_the_command_does_one_at_a_time_excludes_the_rest(options, capsys):
-    assert main(["paper", *options]) == 2
-    assert "exclude each other" in capsys.readouterr().err

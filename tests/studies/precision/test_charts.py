@@ -12,7 +12,6 @@ from rich.console import Console
 
 from solar_env.__main__ import main
 from solar_env.array import PanelModel
-from solar_env.commands.studies import chart
 from solar_env.studies.common.plans import FULL, QUICK, Ensemble
 from solar_env.studies.common.tables import Table, read_table
 from solar_env.studies.common.timing import Measured
@@ -56,15 +55,15 @@ def test_every_study_writes_its_tables_with_their_provenance(measured):
     assert {path.name for path in folder.iterdir()} == set(map(charts.table_file, charts.STUDIES))
     for study in charts.STUDIES:
         command = read_table(folder / charts.table_file(study)).provenance["command"]
-        assert command == f"solar-env chart --only {study} --quick"
+        assert command == f"solar-env study precision --only {study} --quick"
 
 
-@pytest.mark.parametrize("study", chart.STUDIES)
+@pytest.mark.parametrize("study", charts.STUDIES)
 def test_figures_are_drawn_from_the_tables_alone(study, tmp_path, measured, monkeypatch):
     folder, _ = measured
     monkeypatch.setattr(charts, "measure_charts", None)
     shutil.copy(folder / charts.table_file(study), tmp_path)
-    assert main(["chart", "--draw", "--only", study, "--out", str(tmp_path)]) == 0
+    assert main(["study", "precision", "--draw", "--only", study, "--out", str(tmp_path)]) == 0
     drawn = {path.name for path in tmp_path.iterdir() if path.suffix != ".csv"}
     assert drawn == FIGURES[study]
     assert all((tmp_path / name).stat().st_size > 100 for name in drawn)
@@ -72,7 +71,7 @@ def test_figures_are_drawn_from_the_tables_alone(study, tmp_path, measured, monk
 
 def test_the_command_measures_and_draws_and_the_same_table_gives_the_same_figure(tmp_path, monkeypatch):
     monkeypatch.setattr(charts, "QUICK", MOMENT)
-    arguments = ["chart", "--only", "side-by-side", "--out", str(tmp_path)]
+    arguments = ["study", "precision", "--only", "side-by-side", "--out", str(tmp_path)]
     assert main([*arguments, "--quick"]) == 0
     figure = (tmp_path / "side_by_side.png").read_bytes()
     assert main([*arguments, "--draw"]) == 0
@@ -82,10 +81,6 @@ def test_the_command_measures_and_draws_and_the_same_table_gives_the_same_figure
 def test_every_method_takes_a_moment_of_the_quick_charts_at_its_finest_setting(monkeypatch):
     monkeypatch.setattr(methods.importlib.util, "find_spec", lambda name: None)
     charts.warm_up(QUICK)
-
-
-def test_the_command_knows_the_studies():
-    assert tuple(charts.STUDIES) == chart.STUDIES
 
 
 def test_every_method_has_a_row_with_costs_errors_and_energy(measured):
@@ -123,7 +118,7 @@ def test_the_cheapest_setting_is_one_within_the_goal():
 
 
 def test_drawing_without_tables_says_what_to_do(tmp_path, capsys):
-    assert main(["chart", "--draw", "--only", "side-by-side", "--out", str(tmp_path)]) == 2
+    assert main(["study", "precision", "--draw", "--only", "side-by-side", "--out", str(tmp_path)]) == 2
     message = capsys.readouterr().err
     assert "side_by_side.csv" in message
     assert "measure first" in message
@@ -137,7 +132,7 @@ def test_a_wall_time_that_is_none_is_told_with_its_line(wall, tmp_path, measured
     cells = lines[head + 1].split(",")
     cells[lines[head].split(",").index("wall_s")] = wall
     (tmp_path / "side_by_side.csv").write_text("\n".join([*lines[: head + 1], ",".join(cells), *lines[head + 2 :]]))
-    assert main(["chart", "--draw", "--only", "side-by-side", "--out", str(tmp_path)]) == 2
+    assert main(["study", "precision", "--draw", "--only", "side-by-side", "--out", str(tmp_path)]) == 2
     told = capsys.readouterr().err
     assert told.count("\n") == 1
     assert f"side_by_side.csv, line {head + 2}: wall_s is " in told

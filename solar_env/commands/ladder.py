@@ -3,11 +3,8 @@
 import math
 from dataclasses import dataclass
 
-from rich.console import Console
-
 from solar_env.array.ladder import PACKAGED_TABLE, QUESTIONS, Answer, read_answers, steps
-from solar_env.commands.arguments import FolderOptions, QuietOption, check_measured
-from solar_env.support.files import make_folder
+from solar_env.commands.arguments import FolderOptions, QuietOption
 from solar_env.support.markdown import markdown_table
 from solar_env.support.readme import STUDIES, Section
 from solar_env.support.terminal import print_markdown
@@ -17,7 +14,7 @@ SECTION = Section(STUDIES / "ladder" / "README.md", "ladder", "solar-env ladder 
 
 @dataclass
 class Args(FolderOptions, QuietOption):
-    """Measure which level of the model answers which question, and at what cost.
+    """Measure which level of the model answers which question.
 
     With --readme the table goes into solar_env/array/data, where simulate --question, loads and model='auto' look it
     up, the figure and the levels chosen into the page of the study.
@@ -25,8 +22,6 @@ class Args(FolderOptions, QuietOption):
 
     quick: bool = False
     """few runs of few levels: under two minutes"""
-    draw: bool = False
-    """measure nothing, draw the figure from the table again"""
 
 
 def run_command(args: Args) -> int:
@@ -34,14 +29,9 @@ def run_command(args: Args) -> int:
     from solar_env.studies.ladder.campaign import FILE, measure_ladder
     from solar_env.studies.ladder.plot import draw_ladder
 
-    out = args.folder("ladder")
-    tables, figures = (PACKAGED_TABLE.parent, STUDIES / "ladder" / "figures") if args.readme else (out, out)
-    if args.draw:
-        check_measured(tables)
-    for folder in (tables, figures):
-        make_folder(folder)
+    tables, figures = args.folders("ladder", PACKAGED_TABLE.parent, STUDIES / "ladder" / "figures")
     if not args.draw:
-        measure_ladder(args.quick, tables, Console(stderr=True, quiet=args.quiet))
+        measure_ladder(args.quick, tables, args.console)
     answers = read_answers(tables / FILE)
     table = choices(answers)
     print_markdown(table)

@@ -1,23 +1,14 @@
-"""Command that shows one episode of several controllers, in motion, on one page: `solar-env replay`."""
+"""The page of one episode of several controllers, in motion, side by side."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
-
-from agents.commands.arguments import CommandRecord, ShowingOptions
 from agents.comparison.report import TABLE
-from agents.rollout import run_episode
 from solar_env.array import ArrayParameters
-from solar_env.environment.showing.recording import RecordTrajectory
 from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.pictures.page.content import Page, Table
-from solar_env.pictures.page.document import write_page
 from solar_env.studies.common.deployment_page import charts_of, motion_of, parameter_table
-from solar_env.support.files import check_target
-from solar_env.support.progress import counting_bar
 from solar_env.support.versions import versions
 
 TABLES = "comparison.md"  # of a run's evaluation
@@ -30,33 +21,6 @@ SHOWN = {
     "postlock_sliding_work_J": "sliding work after latching [mJ]",
     "wear_depth_max_m": "deepest wear [fm, 1e-15 m]",
 }
-
-
-@dataclass
-class Args(ShowingOptions, CommandRecord):
-    """Show one episode of several controllers, the same for all, in motion, side by side on one page.
-
-    The model is flexible-clearance unless another is named.
-    """
-
-    html: Path = Path("replay.html")
-    """the page, which needs no network"""
-
-
-def run_command(args: Args) -> int:
-    """Run the command; see `Args`."""
-    check_target(args.html, (".html",))
-    prepared = args.prepare(args.controllers)
-    episodes: dict[str, Trajectory] = {}
-    figures: dict[str, dict[str, Any]] = {}
-    with counting_bar(Console(stderr=True, quiet=args.quiet)) as bar:
-        for named, env in bar.track(prepared, description="episodes"):
-            recorded = RecordTrajectory(env)
-            figures[named.name] = run_episode(recorded, named.load(recorded), args.episode_seed)
-            episodes[named.name] = recorded.trajectory
-    write_page(replay_page(episodes, figures, args.command, evaluations(args.controllers)), args.html)
-    print(f"written to {args.html}")
-    return 0
 
 
 def evaluations(controllers: Sequence[str]) -> list[str]:

@@ -5,30 +5,24 @@ from pathlib import Path
 from typing import Annotated
 
 import tyro
-from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from solar_env.array import build, read_parameters
+from solar_env.array import build
 from solar_env.array.ladder import QUESTIONS
-from solar_env.array.parameters import ArrayParameters
-from solar_env.array.parameters.file import ParameterFile
-from solar_env.commands.arguments import CommandRecord, WorkerOptions
+from solar_env.commands.arguments import ArrayOption, CommandRecord, WorkerOptions
 from solar_env.support.files import check_target
-
-_NARROWEST = 140  # columns, where the output is not a terminal
+from solar_env.support.terminal import wide_console
 
 
 @dataclass
-class Args(WorkerOptions, CommandRecord):
-    """Say how hard hinges and hub are hit in a deployment, and how sure that is.
+class Args(ArrayOption, WorkerOptions, CommandRecord):
+    """Say how hard hinges and hub are hit, and how sure that is.
 
     An ensemble, released slightly differently and drawn from the tolerances of the file, is simulated at the cheapest
     level of the model that answers a question to a tolerance, and at the next finer one.
     """
 
-    array: Annotated[Path | None, tyro.conf.Positional] = None
-    """file of parameters (TOML), see solar-env parameters; by default the array of Li, Wang and Huang (2019)"""
     question: Annotated[str, tyro.conf.arg(help=f"what must be right: {', '.join(QUESTIONS)}")] = "peak-force"
     tolerance: float = 0.15
     """greatest error of that which the level may have, as a share"""
@@ -42,8 +36,6 @@ class Args(WorkerOptions, CommandRecord):
     """depth of wear to which deployments are counted [m]"""
     html: Path | None = None
     """write a page with everything, which needs no network"""
-    data: Path | None = None
-    """write the nominal deployment, as .csv or .npz"""
     hub: Path | None = None
     """write force and torque on the hub over time, as .csv"""
     out: Path = Path("loads")
@@ -52,7 +44,6 @@ class Args(WorkerOptions, CommandRecord):
 
 def run_command(args: Args) -> int:
     """Run the ensemble, print the answer and the tables, write what was asked for."""
-    from solar_env.array.data_files import SUFFIXES, write_data
     from solar_env.studies.loads.ensemble import LoadsPlan, measure_loads, nominal_deployment
     from solar_env.studies.loads.hub import write_hub_loads
     from solar_env.studies.loads.report import answer, tables
@@ -60,39 +51,31 @@ def run_command(args: Args) -> int:
 
     if not args.wear_limit > 0.0:
         raise ValueError(f"wear limit = {args.wear_limit!r} m must be positive")
-    array = read_parameters(args.array) if args.array else ParameterFile(ArrayParameters(), {})
+    array = args.parameter_file
     plan, workers = LoadsPlan(array, args.question, args.tolerance, args.runs, args.window, args.deadline), args.workers
     for level in plan.levels:
         build(array.parameters, level.model, panels=level.panels)  # refuses before anything is compiled
-    for path, suffixes in ((args.data, SUFFIXES), (args.html, (".html",)), (args.hub, (".csv",))):
+    for path, suffix in ((args.html, ".html"), (args.hub, ".csv")):
         if path is not None:
-            check_target(path, suffixes)
+            check_target(path, (suffix,))
     from solar_env.array.methods import default_integrator
     from solar_env.commands.warmup import warm_up
 
-    console = Console(stderr=True, quiet=args.quiet)
     kernels = [(level.model, default_integrator(level.model, level.panels).name) for level in plan.levels]
     for model, method in dict.fromkeys(kernels):
-        warm_up(console, model, method)
-    loads = measure_loads(plan, args.out, workers, console)
-    if args.html or args.data or args.hub:
+        warm_up(args.console, model, method)
+    loads = measure_loads(plan, args.out, workers, args.console)
+    if args.html or args.hub:
         nominal = nominal_deployment(plan)
     if args.html:
         from solar_env.pictures.page.document import write_page
         from solar_env.studies.loads.page import loads_page
 
-        notes = [
-            f"Made by: {args.command}",
-            ", ".join(f"{k} {v}" for k, v in versions().items()),
-        ]
+        notes = [f"Made by: {args.command}", ", ".join(f"{name} {value}" for name, value in versions().items())]
         write_page(loads_page(loads, nominal, args.wear_limit, notes), args.html)
-    if args.data:
-        write_data(nominal.trajectory, args.data)
     if args.hub:
         write_hub_loads(plan.array.parameters, nominal.trajectory.time, nominal.hub_loads, args.hub)
-    printed = Console()
-    if not printed.is_terminal:
-        printed.width = max(printed.width, _NARROWEST)
+    printed = wide_console()
     for line in answer(loads, args.wear_limit):
         printed.print(line, highlight=False)
     for table in tables(loads):

@@ -35,9 +35,9 @@ def compiled(header, function, tmp_path):
 
 @pytest.mark.parametrize("name", available())
 def test_a_shipped_policys_header_acts_as_its_network_does(name, tmp_path):
-    assert main(["header", name, "--out", str(tmp_path / "own.h")]) == 0
+    assert main(["export", name, "--out", str(tmp_path / f"{name}.h")]) == 0
     network = load_shipped(name).network
-    act = compiled((tmp_path / "own.h").read_text(), f"{name.replace('-', '_')}_action", tmp_path)
+    act = compiled((tmp_path / f"{name}.h").read_text(), f"{name.replace('-', '_')}_action", tmp_path)
     for observation in np.random.default_rng(0).uniform(-1.5, 1.5, (200, network.inputs)).astype(np.float32):
         assert act(observation) == pytest.approx(float(network.act(observation)[0]), abs=2e-6)
 
@@ -84,8 +84,8 @@ def test_what_a_policy_says_of_itself_cannot_end_the_comment(line):
 
 
 def comment_of(name, tmp_path):
-    assert main(["header", name, "--out", str(tmp_path / "own.h")]) == 0
-    text = (tmp_path / "own.h").read_text()
+    assert main(["export", name, "--out", str(tmp_path / f"{name}.h")]) == 0
+    text = (tmp_path / f"{name}.h").read_text()
     return text[: text.index("*/")]
 
 

@@ -1,30 +1,21 @@
-"""`solar-env figures`: the pictures of a deployment, and of where a fixed step fails, for the pages."""
+"""`solar-env study figures`: the pictures of a deployment, and of where a fixed step fails, for the pages."""
 
-from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
-from rich.console import Console
 
-from solar_env.commands.arguments import QuietOption
+from solar_env.commands.study import Args
 from solar_env.environment.registration import DEPLOY
-from solar_env.support.files import make_folder, writing
+from solar_env.support.files import writing
 from solar_env.support.progress import counting_bar
 from solar_env.support.readme import PACKAGE, STUDIES
 
+OPTIONS = ("out", "readme")
 # A moment after latching, with the journals in flight.
 FRAME_TIME = 13.6  # s
 # Latching and the three seconds that follow it.
 COMPARED_TIME = 16.0  # s
-
-
-@dataclass
-class Args(QuietOption):
-    """Draw the pictures of a deployment, and of where a fixed step fails, for the pages."""
-
-    out: Path | None = None
-    """folder for the pictures; by default those of the pages that show them"""
 
 
 def draw_frame(path: Path) -> None:
@@ -79,12 +70,11 @@ PICTURES = {
 }
 
 
-def run_command(args: Args) -> int:
-    """Draw every picture."""
-    paths = {place if args.out is None else args.out / place.name: draw for place, draw in PICTURES.items()}
-    for path in paths:
-        make_folder(path.parent)
-    with counting_bar(Console(stderr=True, quiet=args.quiet)) as bar:
+def run(args: Args) -> int:
+    """Draw the pictures of a deployment, and of where a fixed step fails."""
+    folder, _ = args.folders("figures")
+    paths = {place if args.readme else folder / place.name: draw for place, draw in PICTURES.items()}
+    with counting_bar(args.console) as bar:
         for path, draw in bar.track(paths.items(), description="pictures"):
             draw(path)
     print(*paths, sep="\n")

@@ -1,21 +1,18 @@
-"""Command that searches for torques that the reward pays without a soft landing: `solar-env attack`."""
+"""`solar-env study attack-on-reward`: a search for torques that the reward pays without a soft landing."""
 
 import json
 import math
 from collections.abc import Sequence
 from contextlib import closing
-from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from gymnasium.vector import AutoresetMode
 
-from agents.commands.arguments import CommandRecord, ModelOptions
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_vector_env, with_sampling
 from agents.learning import runs
+from solar_env.commands.study import Args
 from solar_env.environment.task.task import Task
-from solar_env.support.files import check_target
 from solar_env.support.minimisation import minimise
 
 # A profile has `KNOTS` torques and, for the time before and the time after the first latch each, the share of the
@@ -24,24 +21,11 @@ KNOTS = 30
 NUMBERS = KNOTS + 2 * 3
 LONGEST_HALF_PERIOD = 4  # control periods
 
-
-@dataclass
-class Args(ModelOptions, CommandRecord):
-    """Search for torque profiles with chattering that the reward pays best, by CMA-ES, from the passive deployment.
-
-    The model is rigid-clearance unless another is named.
-    """
-
-    episodes: int = 1920
-    """budget of episodes"""
-    seed: int = 0
-    """seed of the search and of its episodes"""
-    env_id: str = DEFAULT_ENV_ID
-    """environment id"""
-    out: str = "attack.json"
-    """file of the result"""
-    quiet: bool = False
-    """no progress bar"""
+OPTIONS = ("quick", "out")
+SEED = 0  # of the search and of its episodes
+EPISODES, QUICK_EPISODES = 1920, 28
+KEYWORDS: dict[str, Any] = {}  # of the environment
+FILE = "attack.json"
 
 
 def actions(profiles: np.ndarray, times: np.ndarray, latched: np.ndarray, task: Task) -> np.ndarray:
@@ -98,23 +82,22 @@ class Deployments:
         self._env.close()
 
 
-def run_command(args: Args) -> int:
-    """Run the command; see `Args`."""
-    check_target(args.out)
-    env_kwargs = args.keywords(args.env_id)
+def run(args: Args) -> int:
+    """Search torque profiles with chattering that the reward pays best, by CMA-ES, from the passive deployment."""
+    folder, _ = args.folders("attack-on-reward")
     lanes = 4 + math.floor(3 * math.log(NUMBERS))  # as many as pycma's generations have
-    with closing(Deployments(args.env_id, env_kwargs, lanes)) as deployments:
+    with closing(Deployments(DEFAULT_ENV_ID, KEYWORDS, lanes)) as deployments:
         used = 0
 
         def costs(points: Sequence[np.ndarray]) -> list[float]:
             nonlocal used
-            seeds = episode_seeds("training", args.seed, used + len(points))[-len(points) :]
+            seeds = episode_seeds("training", SEED, used + len(points))[-len(points) :]
             used += len(points)
             return [-result["return"] for result in deployments.run(points, seeds)]
 
-        start = passive_profile()
-        found = minimise(costs, start, args.episodes, args.seed, not args.quiet, spread=0.2)
-        seeds = episode_seeds("validation", args.seed, lanes)
+        budget = QUICK_EPISODES if args.quick else EPISODES
+        found = minimise(costs, passive_profile(), budget, SEED, not args.quiet, spread=0.2)
+        seeds = episode_seeds("validation", SEED, lanes)
         named = zip(("passive", "best episode", "mean of the search"), found, strict=True)
         results = {name: deployments.run([profile] * lanes, seeds) for name, profile in named}
     summary = {
@@ -129,7 +112,7 @@ def run_command(args: Args) -> int:
     }
     profiles = {name: profile.tolist() for name, profile in zip(results, found, strict=True)}
     record = {"command": args.command, "episodes": used, "medians": summary, "profiles": profiles}
-    runs.write_json(Path(args.out), record)
+    runs.write_json(folder / FILE, record)
     print(json.dumps(summary, indent=2))
-    print(f"written to {args.out}")
+    print(f"written to {folder / FILE}")
     return 0

@@ -10,7 +10,8 @@ import pytest
 from helpers import page_data
 from PIL import Image
 
-from agents.commands.showing import record
+from agents.commands import replay
+from agents.commands.showing import film
 from solar_env.__main__ import main
 from solar_env.environment.registration import DEPLOY
 from solar_env.environment.showing.recording import RecordTrajectory
@@ -51,7 +52,7 @@ def test_nothing_recorded_and_a_bad_step_are_refused():
 
 def test_replay_shows_controllers_side_by_side(tmp_path, capsys):
     path = tmp_path / "page.html"
-    assert main(["replay", "--controllers", "passive", "brake", *RIGID, "--html", str(path)]) == 0
+    assert main(["replay", "--controllers", "passive", "brake", *RIGID, "--out", str(path)]) == 0
     text = path.read_text(encoding="utf-8")
     data = page_data(text)
     assert [motion["name"] for motion in data["motions"]] == ["passive", "brake"]
@@ -76,36 +77,58 @@ def test_replay_shows_controllers_side_by_side(tmp_path, capsys):
 
 
 @pytest.mark.parametrize("suffix", [".gif", ".mp4"])
-def test_record_writes_films_of_any_controller(suffix, tmp_path, monkeypatch):
+def test_a_film_shows_all_controllers_in_their_time(suffix, tmp_path):
     if suffix == ".mp4":
         pytest.importorskip("imageio_ffmpeg")
-    path = tmp_path / f"film{suffix}"
-    kept = record.write_film
-    monkeypatch.setattr(record, "write_film", lambda frames, *rest: kept(frames[:12], *rest))
-    options = ["--model", "rigid-ideal", "--quiet", "--env-kwargs", "deadline=0.9", "postlock_window=0.1"]
-    assert main(["record", "--controller", "passive", *options, "--out", str(path)]) == 0
+    path, form = tmp_path / f"film{suffix}", film.FORMATS[suffix]
+    short = [*RIGID, "--env-kwargs", "deadline=0.9", "postlock_window=0.3", "control_period=0.3"]
+    assert main(["replay", "--controllers", "passive", "brake", *short, "--out", str(path)]) == 0
+    frames = round(0.9 / (form.speed / film.FRAMES_PER_SECOND))
     if suffix == ".gif":
-        with Image.open(path) as film:
-            assert film.n_frames == 9
-            assert film.info["duration"] == 100
+        with Image.open(path) as shown:
+            assert shown.n_frames == frames
+            assert shown.info["duration"] == 100
+            assert shown.size == (form.width, 2 * (film.CAPTION + round(form.width * 540 / 960)))
     else:
         import imageio_ffmpeg
 
         count, seconds = imageio_ffmpeg.count_frames_and_secs(str(path))
-        assert count == 9
-        assert seconds == pytest.approx(0.9, abs=0.11)
+        assert count == frames
+        assert seconds == pytest.approx(0.1 * frames, abs=0.11)
+
+
+def test_every_episode_of_a_film_stands_under_its_controllers_name(tmp_path):
+    blank = np.full((540, 960, 3), 255, np.uint8)
+    films = [[film._captioned(blank, name, 640)] * count for name, count in (("passive", 1), ("servo", 3))]
+    film.write_film(films, tmp_path / "film.gif")
+    with Image.open(tmp_path / "film.gif") as shown:
+        picture = np.asarray(shown.convert("L"), int)
+    for top, (alone, *_) in zip((0, picture.shape[0] // 2), films, strict=True):
+        own = np.asarray(alone.convert("L"), int)[: film.CAPTION]
+        assert np.abs(picture[top : top + film.CAPTION] - own).mean() < 2.0
+
+
+def test_a_figure_shows_the_same_episode_of_every_controller(tmp_path, monkeypatch):
+    drawn, draw = [], replay.deployments_figure
+    monkeypatch.setattr(replay, "deployments_figure", lambda *given: drawn.append(given[0]) or draw(*given))
+    short = ["--env-kwargs", "parameters={'spring_stiffness': 2.0}", "postlock_window=1.0"]
+    assert main(["replay", *RIGID, *short, "--out", str(tmp_path / "figure.png")]) == 0
+    with Image.open(tmp_path / "figure.png") as figure:
+        assert min(figure.size) > 500
+    (episodes,) = drawn
+    assert list(episodes) == ["passive", "servo"]
+    assert not any(step.action.any() for step in episodes["passive"])
+    assert any(step.action.any() for step in episodes["servo"])
 
 
 @pytest.mark.parametrize(
-    ("command", "word"),
+    ("options", "word"),
     [
-        (["record", "--out", "film.avi"], ".mp4, .gif"),
-        (["record", "--speed", "0"], "speed"),
-        (["record", "--controller", "nobody"], "nobody"),
-        (["replay", "--controllers", "nobody"], "nobody"),
-        (["replay", "--html", "no/such/page.html"], "no/such"),
+        (["--out", "film.avi"], ".html, .mp4, .gif, .png"),
+        (["--out", "no/such/page.html"], "no/such"),
+        (["--controllers", "nobody"], "nobody"),
     ],
 )
-def test_wrong_input_is_refused_before_an_episode(command, word, capsys):
-    assert main([*command, "--quiet"]) == 2
+def test_wrong_input_is_refused_before_an_episode(options, word, capsys):
+    assert main(["replay", *options, "--quiet"]) == 2
     assert word in capsys.readouterr().err

@@ -1,0 +1,31 @@
+"""`solar-env study precision`: speed against accuracy, measured into tables, drawn from the tables."""
+
+from solar_env.commands.study import Args
+from solar_env.support.readme import STUDIES, Section
+
+OPTIONS = ("only", "quick", "draw", "out", "readme")
+FOLDER = STUDIES / "precision"
+# File that a part writes -> the section of the page that it goes into.
+SECTIONS = {
+    f"{name.replace(' ', '_')}.md": Section(FOLDER / "README.md", name, "solar-env study precision --readme")
+    for name in ("work precision", "convergence", "side by side")
+}
+
+
+def run(args: Args) -> int:
+    """Measure speed against accuracy of all methods, of the panels, and beside the peers; runs are timed one by one."""
+    from solar_env.studies.precision import charts
+
+    names = args.parts(charts.STUDIES)
+    if args.readme:
+        for section in SECTIONS.values():
+            section.read()  # refuses a page without a place before everything is measured
+    tables, figures = args.folders("precision", FOLDER / "data", FOLDER / "figures")
+    if not args.draw:
+        charts.measure_charts(names, args.quick, tables, args.console)
+    for path in charts.draw(names, tables, figures):
+        print(path)
+        if args.readme and path.suffix == ".md":
+            SECTIONS[path.name].write(path.read_text(encoding="utf-8").strip())
+            path.unlink()
+    return 0

@@ -1,0 +1,52 @@
+"""`solar-env study`: measure a study of the pages again, and draw it from what was measured.
+
+A study is a module with a function `run(args) -> int` and `OPTIONS`, the fields of `Args` that it takes beside `name`
+and `quiet`, and a row of `[project.entry-points."solar_env.studies"]` in pyproject.toml.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Annotated
+
+import tyro
+
+from solar_env.array.names import unknown_name
+from solar_env.commands import table
+from solar_env.commands.arguments import CommandRecord, FolderOptions, WorkerOptions
+
+_NAMES = "\n".join(f"{name}: {summary}" for name, summary in table.summaries(table.STUDIES, "run").items())
+
+
+@dataclass
+class Args(FolderOptions, WorkerOptions, CommandRecord):
+    """Measure a study of the pages again, and draw it."""
+
+    name: Annotated[str, tyro.conf.Positional, tyro.conf.arg(help=_NAMES)] = ""
+    only: list[str] = field(default_factory=list)
+    """these parts of the study; a name that is none lists them"""
+    quick: bool = False
+    """fewer and shorter runs"""
+
+    def parts(self, known: Iterable[str]) -> list[str]:
+        """The parts that are asked for, or all that are known.
+
+        Raises:
+            ValueError: if one is not known; the message names the closest ones.
+        """
+        names = list(known)
+        for part in self.only:
+            if part not in names:
+                raise ValueError(unknown_name(f"part of the study {self.name}", part, names))
+        return self.only or names
+
+
+def run_command(args: Args) -> int:
+    """Run the study, which must take the options that are given."""
+    study = table.load(table.STUDIES, args.name)
+    usual = Args(name=args.name, quiet=args.quiet, command=args.command)
+    for option, value in vars(args).items():
+        if option not in study.OPTIONS and value != getattr(usual, option):
+            taken = ", ".join(f"--{name}" for name in study.OPTIONS)
+            raise ValueError(f"study {args.name} takes no --{option}; it takes {taken}")
+    status: int = study.run(args)
+    return status

@@ -1,0 +1,54 @@
+"""Tables of commands and of studies: names of modules in `[project.entry-points]`, of this package and of others."""
+
+import ast
+import importlib
+import importlib.util
+import tomllib
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Any
+
+from solar_env.array.names import unknown_name
+from solar_env.support.readme import PACKAGE
+
+COMMANDS = "solar_env.commands"
+STUDIES = "solar_env.studies"
+
+
+def rows(group: str) -> dict[str, str]:
+    """Name -> module of a group of entry points; beside the source, pyproject.toml says what it will install."""
+    found = {point.name: point.value for point in entry_points(group=group)}
+    source = PACKAGE.parent / "pyproject.toml"
+    if source.is_file():
+        found |= tomllib.loads(source.read_text(encoding="utf-8"))["project"]["entry-points"][group]
+    return dict(sorted(found.items()))
+
+
+def load(group: str, name: str) -> Any:
+    """Import the module of a row.
+
+    Raises:
+        ValueError: if there is none of this name.
+    """
+    found = rows(group)
+    if name not in found:
+        kind, listed = ("command", "solar-env") if group == COMMANDS else ("study", "solar-env study")
+        raise ValueError(f"{unknown_name(kind, name, found)} ({listed} --help lists them)")
+    return importlib.import_module(found[name])
+
+
+def summaries(group: str, what: str) -> dict[str, str]:
+    """Name -> first sentence of the docstring of `what` in its module, which is read and not imported."""
+    return {name: _summary(module, what) for name, module in rows(group).items()}
+
+
+def _summary(module: str, what: str) -> str:
+    spec = importlib.util.find_spec(module)
+    assert spec is not None
+    assert spec.origin is not None
+    (found,) = (
+        node
+        for node in ast.parse(Path(spec.origin).read_text(encoding="utf-8")).body
+        if isinstance(node, ast.ClassDef | ast.FunctionDef) and node.name == what
+    )
+    return (ast.get_docstring(found) or "").partition("\n\n")[0].replace("\n", " ").rstrip(".")

@@ -25,7 +25,7 @@ FOLDER = Path(tempfile.mkdtemp(prefix="fuzzing-"))
 READERS = [
     "agents.learning.configurations",
     "agents.learning.runs",
-    "agents.learning.trust",
+    "agents.learning.storage",
     "agents.policies",
     "solar_env.array.ladder",
     "solar_env.array.parameters",
@@ -89,35 +89,36 @@ def policies() -> list[bytes]:
 
 
 def run_folder(content: bytes) -> None:
-    """A stranger's configuration, which is refused, and then that of somebody who is trusted."""
     from agents.learning import configurations, runs
-    from agents.learning.trust import UntrustedFileError
 
-    path = written(runs.CONFIG, content)
-    with contextlib.suppress(UntrustedFileError):
-        runs.read_config(FOLDER)
-        raise AssertionError(f"{path} is a stranger's, and is read")
-    runs.trust_run(FOLDER)
+    written(runs.CONFIG, content)
     configurations.resumed_configuration(FOLDER)
     runs.steps_taken(FOLDER)
 
 
 def a_run() -> list[bytes]:
     record = {"algo": "ppo", "env_id": "solar_env/Deploy-v1", "env_kwargs": {}, "seed": 0, "n_envs": 1}
-    record |= {"timesteps": 9, "hyperparameters": {}, "timesteps_before": 0, "resumed_from": None, "versions": {}}
+    record |= {
+        "timesteps": 9,
+        "hyperparameters": {},
+        "timesteps_before": 0,
+        "resumed_from": None,
+        "versions": {},
+        "command": "",
+    }
     return [json.dumps(record).encode()]
 
 
-def sealed_file(content: bytes) -> None:
-    from agents.learning.trust import unsealed
+def checkpoint(content: bytes) -> None:
+    from agents.learning.storage import unpacked
 
-    unsealed(written("checkpoint.pkl", content))
+    unpacked(written("checkpoint.npz", content))
 
 
-def a_sealed_file() -> list[bytes]:
-    from agents.learning.trust import sealed
+def a_checkpoint() -> list[bytes]:
+    from agents.learning.storage import packed
 
-    return [sealed(b"content"), sealed(b"")]
+    return [packed({"timesteps": 1, "lanes": [np.zeros(2), (None, "text")]}), packed({})]
 
 
 def table(content: bytes) -> None:
@@ -169,7 +170,7 @@ TARGETS = {
     "trajectory": Target(trajectory, (ValueError,), a_trajectory),
     "policy": Target(policy, (ValueError, FileNotFoundError), policies),
     "run-folder": Target(run_folder, (ValueError,), a_run),
-    "sealed-file": Target(sealed_file, (ValueError,), a_sealed_file),
+    "checkpoint": Target(checkpoint, (ValueError,), a_checkpoint),
     "table": Target(table, (ValueError,), lambda: [b"# command: x\nmethod,error,wall_s\nours,0.1,2\nother,1e-3,5\n"]),
     "ladder": Target(ladder, (ValueError,), lambda: [_packaged_ladder().read_bytes()]),
     "results": Target(results, (ValueError,), lambda: [b'{"code": "0"}\n{"cell": {"a": 1}, "result": 2}\n']),

@@ -16,15 +16,6 @@ if TYPE_CHECKING:
 
 
 @dataclasses.dataclass
-class TrustOption:
-    """Whether run folders of others are loaded."""
-
-    trust: bool = False
-    """take over run folders that were made elsewhere, whose files execute code when they are loaded: they are sealed as
-    yours from now on; policies exported by solar-env export need no trust"""
-
-
-@dataclasses.dataclass
 class ModelOptions:
     """Physics of the environments of a command."""
 
@@ -47,7 +38,7 @@ class ModelOptions:
 
 
 @dataclasses.dataclass
-class EpisodeOptions(ModelOptions, TrustOption):
+class EpisodeOptions(ModelOptions):
     """The evaluation episode that controllers are shown in."""
 
     seed: int = 0
@@ -68,12 +59,10 @@ class EpisodeOptions(ModelOptions, TrustOption):
         Raises:
             ValueError, OSError: There is none of a name, or its files cannot be loaded.
         """
-        from agents.comparison.controllers import parse_controllers, trust_runs
+        from agents.comparison.controllers import parse_controllers
         from agents.comparison.suites import MODEL
 
         asked = {**self.keywords(self.env_id, MODEL), **keywords}
-        if self.trust:
-            trust_runs(controllers)
         named = parse_controllers(controllers)
         for controller in named:
             controller.check()

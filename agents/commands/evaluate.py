@@ -7,8 +7,7 @@ from typing import Annotated, Any
 
 import tyro
 
-from agents.commands.arguments import CommandRecord, ModelOptions, TrustOption, WorkerOptions
-from agents.comparison.controllers import trust_runs
+from agents.commands.arguments import CommandRecord, ModelOptions, WorkerOptions
 from agents.comparison.evaluation import STORE, common_env_id, common_env_kwargs, efforts, evaluate
 from agents.comparison.figures import comparison_figure
 from agents.comparison.report import write_comparison
@@ -30,7 +29,7 @@ CONTROLLERS = (
 
 
 @dataclass
-class Args(ModelOptions, WorkerOptions, TrustOption, CommandRecord):
+class Args(ModelOptions, WorkerOptions, CommandRecord):
     """Compare controllers on the same evaluation episodes.
 
     Environment keywords that are not given are those of the suite, else those that the trained controllers have in
@@ -58,8 +57,6 @@ def run_command(args: Args) -> int:
     """Run the command; see `Args`."""
     if args.readme:
         _section(args).read()  # refuses a page without a place before everything is evaluated
-    if args.trust:
-        trust_runs(args.controllers)
     if args.suite:
         env_id, controllers, common = suite_named(args.suite, args.env_id, args.controllers)
     else:

@@ -1,7 +1,7 @@
 """Command that ships a trained policy as plain arrays and as ONNX, with a card: `solar-env export`."""
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType
 from typing import Annotated, Any
@@ -10,25 +10,22 @@ import gymnasium
 import numpy as np
 import tyro
 
-from agents.commands.arguments import TrustOption
 from agents.comparison.report import read_rows, tabulate
 from agents.environments import episode_seeds, make_env
 from agents.laws.table import LAWS
 from agents.learning import runs
 from agents.policies import shipped
 from agents.policies.card import card
-from agents.policies.extraction import network_of
-from agents.policies.policy import Description, ShippedPolicy
+from agents.policies.policy import ShippedPolicy
 from agents.rollout import run_episode
-from agents.torque_laws import Signals
 from solar_env.support.files import check_name, new_folder, write_bytes, write_text
 from solar_env.support.plain_arrays import read_json
 
-TOLERANCE = 1e-5  # of actions, between the network and Stable-Baselines3
+TOLERANCE = 1e-5  # of actions, between the network and its ONNX form
 
 
 @dataclass
-class Args(TrustOption):
+class Args:
     """Write the best policy of a run to agents/policies as arrays and as ONNX, with a card."""
 
     run: Annotated[str | None, tyro.conf.Positional] = None
@@ -52,8 +49,6 @@ def observed(policy: ShippedPolicy, env: gymnasium.Env, seed: int) -> np.ndarray
 def export(run: str | Path, folder: Path, comparison: str | Path | None = None) -> ShippedPolicy:
     """Write the best policy of a run, its ONNX form and its card to `folder`, whole or not at all.
 
-    Export only runs you trust: it unpickles.
-
     `comparison` is the folder of one in which the run, or a policy named as `folder` is, was measured; by default the
     run's own, or that of all the seeds that it was trained with.
 
@@ -73,25 +68,13 @@ def export(run: str | Path, folder: Path, comparison: str | Path | None = None) 
     if not runs.is_complete(run):
         raise ValueError(f"the training in {run} was interrupted; resume it, and export what comes of that")
     with make_env(config["env_id"], config["env_kwargs"]) as env:
-        model = runs.load_policy(run, env)
-        network = network_of(model)
-        signals = dict(vars(Signals.of(env)))
-        del signals["driven_joint"], signals["action"]  # the keywords of the environment hold them
-        description = Description(
-            algorithm=config["algo"],
-            **{name: getattr(network, name) for name in ("feature_limit", "activation", "output", "mean_limit")},
-            training_steps=runs.steps_taken(run),
-            env_id=config["env_id"],
-            env_kwargs=config["env_kwargs"],
-            observation_names=signals.pop("names"),
-            **signals,
-        )
-        policy = ShippedPolicy(network, description)
-        onnx_bytes = onnx_form.onnx_model(network).SerializeToString()
+        best = runs.load_policy(run, env)
+        policy = ShippedPolicy(best.network, replace(best.description, training_steps=runs.steps_taken(run)))
+        onnx_bytes = onnx_form.onnx_model(policy.network).SerializeToString()
         seed = episode_seeds("validation", config["seed"], 1)[0]
-        found = onnx_form.difference(network, onnx_bytes, model, observed(policy, env, seed))
+        found = onnx_form.difference(policy.network, onnx_bytes, observed(policy, env, seed))
         if not found <= TOLERANCE:
-            raise ValueError(f"the exported network differs from the run's policy by {found:.1e}; it is not written")
+            raise ValueError(f"the ONNX form differs from the run's policy by {found:.1e}; it is not written")
         scores = _scores(run, folder.name, Path(comparison) if comparison else None)
         text = card(folder.name, config, policy, env.unwrapped, scores, found)
     with new_folder(folder) as made:
@@ -155,8 +138,6 @@ def run_command(args: Args) -> int:
     if args.name in LAWS:
         raise ValueError(f"name is {args.name!r}, which is that of a controller without learning; choose another one")
     folder = shipped.SHIPPED / str(args.name)
-    if args.trust:
-        runs.trust_run(args.run)
     export(args.run, folder, args.scores)
     print(f"written to {folder}")
     return 0

@@ -13,7 +13,7 @@ from typing import Any
 
 import torch
 
-from agents.commands.arguments import ModelOptions, TrainingOptions, TrustOption
+from agents.commands.arguments import ModelOptions, TrainingOptions
 from agents.comparison.evaluation import efforts, evaluate
 from agents.comparison.figures import run_figure
 from agents.comparison.report import Summary, Tables, write_comparison
@@ -28,7 +28,7 @@ from agents.environments import (
     make_env,
 )
 from agents.laws.baselines import make_baseline
-from agents.learning import checkpoints, configurations, learn, runs
+from agents.learning import configurations, learn, runs
 from agents.rollout import Step, run_episode
 from solar_env.support.interruption import keeping
 from solar_env.support.terminal import print_markdown
@@ -39,7 +39,7 @@ SHORT_TIMESTEPS = 130_000  # of a search on flexible panels, with its comparison
 
 
 @dataclass
-class Args(ModelOptions, TrainingOptions, TrustOption):
+class Args(ModelOptions, TrainingOptions):
     """Train a controller that deploys the solar array softly, and compare it with the baselines.
 
     The model is flexible-clearance, or rigid-clearance for PPO, SAC and TD3, which need more episodes, unless another
@@ -94,9 +94,6 @@ def run(args: Args) -> Path:
     if args.seeds:
         return train_seeds(args)
     if args.resume:
-        if args.trust:
-            runs.trust_run(args.resume)
-        checkpoints.mend_config(args.resume)
         config = configurations.resumed_configuration(args.resume, args.timesteps)
         check_resumable(args, config)
     else:
@@ -134,8 +131,6 @@ def configuration(args: Args, seed: int) -> configurations.Configuration:
     config = configurations.complete(algo, env_id, keywords, seed, args.n_envs, args.timesteps, args.hyperparams)
     if args.start:
         begun = Path(args.start) / seed_folder(seed) if args.seeds else Path(args.start)
-        if args.trust:
-            runs.trust_run(begun)
         with make_env(env_id, config.env_kwargs) as env:
             weights = runs.linear_weights(begun, env)
         asked = {**args.hyperparams, configurations.FIRST_WEIGHTS: weights}
@@ -157,10 +152,6 @@ def train_seeds(args: Args) -> Path:
     check_comparison(args, args.seed or 0)
     out = Path(args.out)
     wanted = {out / seed_folder(seed): configuration(args, seed) for seed in args.seeds}
-    if args.trust:
-        for folder in wanted:
-            if (folder / runs.CONFIG).is_file():
-                runs.trust_run(folder)
     learn.train_missing(wanted, args.command, args.device, args.workers, not args.quiet, args.checkpoint_interval)
     with keeping(lambda: f"the trainings are complete in {out}; the same command compares them"):
         _, tables = compare(args, wanted[out / seed_folder(args.seeds[-1])], list(wanted), out)

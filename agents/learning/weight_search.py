@@ -81,6 +81,15 @@ class WeightSearch(ARS):
         self.weights: Any = torch.from_numpy(vector)
         self.policy.load_from_vector(vector)
 
+    @property
+    def progress(self) -> dict[str, Any]:
+        """All that the search goes on from but the policy's weights; of ARS nothing."""
+        return {}
+
+    @progress.setter
+    def progress(self, progress: dict[str, Any]) -> None:
+        pass
+
     def set_parameters(self, *args: Any, **kwargs: Any) -> None:
         """Load parameters, see `BaseAlgorithm`; the search goes on from the policy's weights."""
         super().set_parameters(*args, **kwargs)
@@ -157,27 +166,45 @@ class CMAES(WeightSearch):
     ) -> None:
         self.population, self.deviation = population, deviation
         self.generations_between, self.finalists = generations_between, finalists
-        self.search: Any = None
-        self.rounds = 0
         super().__init__(
             policy, env, first_weights=first_weights, seed=seed, device=device, _init_setup_model=_init_setup_model
         )
 
     def _setup_model(self) -> None:
         super()._setup_model()
-        if self.search is None:  # else a saved search is being loaded
-            # Left to itself pycma draws from NumPy's global generator.
-            options: dict[str, Any] = {"popsize": self.population, "seed": np.nan, "verbose": -9}
-            options["randn"] = np.random.RandomState(self.seed).randn
-            self.search = cma.CMAEvolutionStrategy(self.weights.numpy().astype(float), self.deviation, options)
-            self.seen: list[tuple[float, np.ndarray]] = []
-            self.best_return: float = -math.inf
+        # Left to itself pycma draws from NumPy's global generator.
+        options: dict[str, Any] = {"popsize": self.population, "seed": np.nan, "verbose": -9}
+        options["randn"] = np.random.RandomState(self.seed).randn
+        self.search: Any = cma.CMAEvolutionStrategy(self.weights.numpy().astype(float), self.deviation, options)
+        self.told: list[np.ndarray] = []
+        self.seen: list[tuple[float, np.ndarray]] = []
+        self.best_return: float = -math.inf
+        self.rounds = 0
+
+    @property
+    def progress(self) -> dict[str, Any]:
+        """All that the search goes on from but the policy's weights.
+
+        A fresh search that is told the same returns once more comes to the same distribution, and so to the same bits.
+        """
+        told = np.array(self.told).reshape(-1, self.population)
+        return {"told": told, "since": len(self.seen), "best_return": self.best_return, "rounds": self.rounds}
+
+    @progress.setter
+    def progress(self, progress: dict[str, Any]) -> None:
+        for returns in progress["told"]:
+            self._tell(self.search.ask(), returns)
+        self.seen = self.seen[len(self.seen) - progress["since"] :]
+        self.best_return, self.rounds = progress["best_return"], progress["rounds"]
+
+    def _tell(self, asked: Sequence[np.ndarray], returns: np.ndarray) -> None:
+        self.search.tell(asked, (-returns).tolist())
+        self.told.append(returns)
+        self.seen += zip(returns.tolist(), asked, strict=True)
 
     def _update(self, callback: BaseCallback, async_eval: AsyncEval | None) -> None:
         asked = self.search.ask()
-        returns = self._evaluated(asked, callback)
-        self.search.tell(asked, (-returns).tolist())
-        self.seen += zip(returns.tolist(), asked, strict=True)
+        self._tell(asked, self._evaluated(asked, callback))
         self._n_updates += 1
         is_last = self.num_timesteps >= self._total_timesteps
         if self._n_updates % self.generations_between == 0 or is_last:

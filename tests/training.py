@@ -49,12 +49,14 @@ def last_model(folder):
     return checkpoints.read(folder).restore(config, learn.make_training_env(config, threads=1), folder=folder)
 
 
-def write_policy(folder, **changes):
-    """Write a policy that does nothing into a folder, with changes of its description."""
-    layers = Layer(np.eye(1), np.zeros(1)), Layer(np.zeros((1, 1), np.float32), np.zeros(1, np.float32))
-    network = PolicyNetwork(layers, feature_limit=1.0, activation="tanh", output="clip")
+def write_policy(folder, output=None, **changes):
+    """Write a policy with a layer of output, by default one that does nothing, and changes of its description."""
     described = {"algorithm": "ppo", "training_steps": 0, "env_id": DEFAULT_ENV_ID, "env_kwargs": {}}
     described |= {"feature_limit": 1.0, "activation": "tanh", "output": "clip", "mean_limit": None}
     described |= {"observation_names": ("theta_1",), **dict.fromkeys(UNITS, 1.0), **changes}
+    entries = len(described["observation_names"])
+    output = output or Layer(np.zeros((1, entries), np.float32), np.zeros(1, np.float32))
+    network = PolicyNetwork((Layer(np.eye(entries), np.zeros(entries)), output), 1.0, "tanh", "clip")
     folder.mkdir(exist_ok=True)
     shipped.save(folder, ShippedPolicy(network, Description(**described)))
+    return Description(**described)

@@ -146,24 +146,6 @@ def comparison_figure(summary: Mapping[str, Mapping[str, Any]], path: Path) -> N
     save_figure(figure, path, dpi=130)
 
 
-@rc_context({**STYLE, "axes.grid": False})
-def transfer_figure(returns: Mapping[str, Mapping[str, float]], path: Path) -> None:
-    """Draw returns (by level of evaluation, then by level of training): training downwards, evaluation across."""
-    across, down = list(returns), list(next(iter(returns.values())))
-    cost = np.array([[-returns[column][row] for column in across] for row in down])
-    figure = Figure(figsize=(1.8 + 1.2 * len(across), 1.2 + 0.5 * len(down)), layout="constrained")
-    axes = figure.subplots()
-    image = axes.imshow(np.log10(cost), aspect="auto", cmap="viridis_r")
-    for i, j in np.ndindex(*cost.shape):
-        axes.text(j, i, f"{-cost[i, j]:.3g}", ha="center", va="center", color="w", fontsize=9)
-    axes.set_xticks(range(len(across)), across)
-    axes.set_yticks(range(len(down)), down)
-    axes.set(xlabel="judged on", ylabel="trained on")
-    figure.colorbar(image, label="log10 of minus the return")
-    figure.suptitle(f"{down[np.log(cost).mean(axis=1).argmin()]} has the best returns over all levels")
-    save_figure(figure, path, dpi=130)
-
-
 @rc_context(STYLE)
 def learning_curves_figure(
     curves: Mapping[tuple[str, str], Sequence[Curve]], laws: Mapping[tuple[str, str], float], path: Path

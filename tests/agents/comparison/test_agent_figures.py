@@ -13,7 +13,6 @@ from agents.comparison.figures import (
     deployments_figure,
     learning_curves_figure,
     plot_episodes,
-    transfer_figure,
 )
 from agents.comparison.statistics import Estimate
 from agents.rollout import Step
@@ -78,19 +77,6 @@ def test_a_comparison_has_no_panel_for_what_is_zero_whoever_controls(tmp_path, s
     }
     comparison_figure({"passive": figures}, tmp_path / "figure.png")
     assert [axes.get_xlabel() for axes in saved_figures[0].axes] == ["minus return", "peak post-lock force [N]"]
-
-
-def test_the_transfer_matrix_has_its_rows_for_training_and_its_columns_for_judging(tmp_path, saved_figures):
-    returns = {"rigid": {"servo": -1.0, "2 elements": -2.0}, "6 elements": {"servo": -3.0, "2 elements": -4.0}}
-    transfer_figure(returns, tmp_path / "figure.png")
-    axes = saved_figures[0].axes[0]
-    columns, rows = ([text.get_text() for text in ticks] for ticks in (axes.get_xticklabels(), axes.get_yticklabels()))
-    shown = {
-        (columns[int(t.get_position()[0])], rows[int(t.get_position()[1])]): float(t.get_text()) for t in axes.texts
-    }
-    assert shown == {(judged, trained): value for judged, row in returns.items() for trained, value in row.items()}
-    np.testing.assert_allclose(axes.images[0].get_array(), np.log10([[1.0, 3.0], [2.0, 4.0]]))
-    assert saved_figures[0].get_suptitle() == "servo has the best returns over all levels"
 
 
 def test_a_learning_curve_is_the_median_of_the_seeds_and_their_range_on_the_panel_of_its_task(tmp_path, saved_figures):

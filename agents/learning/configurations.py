@@ -64,7 +64,8 @@ def complete(
             f"hyperparameter {FIRST_WEIGHTS} is of a linear policy, and this one has hidden layers; leave it out, or "
             "let policy_kwargs have net_arch without any for the policy"
         )
-    if FIRST_WEIGHTS not in asked and not (linear and _sees_the_same(chosen, env_id, keywords, interface)):
+    left_out = FIRST_WEIGHTS not in asked and not (linear and _sees_the_same(chosen, env_id, keywords, interface))
+    if left_out or chosen.get(FIRST_WEIGHTS) is None:
         chosen.pop(FIRST_WEIGHTS, None)
     counts = {
         "n_envs": found["n_envs"] if n_envs is None else n_envs,

@@ -38,38 +38,16 @@ class WeightSearch(ARS):
     of the observation: the first two of "landing" are the shares of the way there and of the landing.
 
     Args:
-        policy, env, n_delta, n_top, learning_rate, delta_std, seed, device: See `sb3_contrib.ARS`.
         first_weights: Weights of the first entries at the beginning, one or more, all others being zero.
+        keywords: See `sb3_contrib.ARS`.
 
     Raises:
         ValueError: on construction, if there are more weights than entries.
     """
 
-    def __init__(
-        self,
-        policy: Any,
-        env: Any,
-        n_delta: int = 8,
-        n_top: int | None = None,
-        learning_rate: Any = 0.02,
-        delta_std: Any = 0.05,
-        first_weights: float | Sequence[float] = 0.0,
-        seed: int | None = None,
-        device: str = "cpu",
-        _init_setup_model: bool = True,
-    ) -> None:
+    def __init__(self, policy: Any, env: Any, first_weights: float | Sequence[float] = 0.0, **keywords: Any) -> None:
         self.first_weights = first_weights
-        super().__init__(
-            policy,
-            env,
-            n_delta=n_delta,
-            n_top=n_top,
-            learning_rate=learning_rate,
-            delta_std=delta_std,
-            seed=seed,
-            device=device,
-            _init_setup_model=_init_setup_model,
-        )
+        super().__init__(policy, env, **keywords)
 
     def _setup_model(self) -> None:
         super()._setup_model()
@@ -144,11 +122,11 @@ class CMAES(WeightSearch):
     rounds too, which are beyond the steps asked for. As many environments as candidates waste no time.
 
     Args:
-        policy, env, first_weights, seed, device: See `WeightSearch`.
         population: Candidates of a generation.
         deviation: Standard deviation of every weight in the first generation.
         generations_between: Generations from one round to the next.
         finalists: Candidates that have a round beside the mean.
+        keywords: See `WeightSearch`.
     """
 
     def __init__(
@@ -159,16 +137,11 @@ class CMAES(WeightSearch):
         deviation: float = 0.1,
         generations_between: int = 22,
         finalists: int = 2,
-        first_weights: float | Sequence[float] = 0.0,
-        seed: int | None = None,
-        device: str = "cpu",
-        _init_setup_model: bool = True,
+        **keywords: Any,
     ) -> None:
         self.population, self.deviation = population, deviation
         self.generations_between, self.finalists = generations_between, finalists
-        super().__init__(
-            policy, env, first_weights=first_weights, seed=seed, device=device, _init_setup_model=_init_setup_model
-        )
+        super().__init__(policy, env, **keywords)
 
     def _setup_model(self) -> None:
         super()._setup_model()

@@ -7,7 +7,7 @@ from agents.commands import train
 from agents.comparison.suites import SUITES
 from agents.environments import environment_settings
 from agents.learning import configurations
-from solar_env.commands.arguments import parse_arguments, parse_assignments
+from solar_env.commands.arguments import parse_arguments
 
 pytestmark = pytest.mark.usefixtures("few_validation_episodes")
 
@@ -56,103 +56,34 @@ def test_the_discount_reaches_over_a_whole_episode(algo, env_id):
 
 
 @pytest.mark.parametrize(
-    ("algo", "values"),
-    [
-        ("ppo", ["clip_range_vf=None", "target_kl=0.1", "ent_coef=-0.1", "vf_coef=0", "normalize_advantage=false"]),
-        ("ppo", ["normalize_advantage=false", "batch_size=1", "sde_sample_freq=-1", "stats_window_size=5"]),
-        ("sac", ["ent_coef=auto_0.1", "gradient_steps=-1", "target_entropy=-2.0", "use_sde_at_warmup=true"]),
-        ("sac", ["ent_coef=auto_1e-2", "learning_starts=0", "target_update_interval=3"]),
-        ("td3", ["target_policy_noise=0", "target_noise_clip=0.1", "policy_delay=3"]),
-        ("cma-es", ["population=2", "deviation=0.5"]),
-        ("ppo", ["first_weights=[0.5,0.5,0.1]"]),
-        ("sac", ["use_sde=true"]),
-    ],
-)
-def test_what_hyperparameters_may_be_is_not_refused(algo, values):
-    words = ["--algo", algo, "--model", "rigid-clearance", "--hyperparams", *values]
-    config = train.configuration(parse_arguments(train.Args, words), seed=0)
-    for name, value in parse_assignments(values).items():
-        assert config.hyperparameters[name] == value
-
-
-@pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (["--algo", "a2c"], "no algorithm 'a2c'; available: ppo, sac, td3"),
-        (["--hyperparams", "n_step=3"], "ppo has no hyperparameter 'n_step'"),
+        (["--hyperparams", "n_step=3"], r"ppo refuses .*'n_step'\); change them by --hyperparams or in .*ppo\.json"),
         (["--timesteps", "0"], "timesteps is 0; give a positive number"),
         (["--env-id", "solar_env/Fold-v0"], "no hyperparameters for 'solar_env/Fold-v0'"),
         (["--env-kwargs", "torque_limits=0.3"], "torque_limits"),
         (["--model", "flexible"], "model 'flexible' is unknown; choose from rigid-ideal"),
         (["--model", "flexible-clearance", "--elements", "0"], "elements = 0"),
         (["--seed", "-1"], "seed is -1; choose one from 0"),
-        (["--hyperparams", "learning_rate=fast"], "hyperparameter learning_rate is 'fast'; give a positive number"),
-        (["--hyperparams", "n_steps=0"], "hyperparameter n_steps is 0; give a positive whole number"),
-        (["--hyperparams", "n_epochs=2.5"], "hyperparameter n_epochs is 2.5; give a positive whole number"),
-        (["--hyperparams", "gamma=2"], "hyperparameter gamma is 2; give a number above 0, at most 1"),
-        (["--hyperparams", "train_freq=0"], "ppo has no hyperparameter 'train_freq'"),
-        (["--algo", "sac", "--hyperparams", "train_freq=0"], "train_freq is 0; give a positive whole number"),
-        (["--algo", "td3", "--hyperparams", "exploration_noise=-0.5"], "exploration_noise is -0.5; give a positive"),
-        (["--algo", "td3", "--hyperparams", "exploration_noise=much"], "exploration_noise is 'much'; give a positive"),
-        (["--algo", "sac", "--hyperparams", "replay_buffer_kwargs={}"], "no hyperparameter 'replay_buffer_kwargs'"),
-        (["--hyperparams", "policy_kwargs=3"], "policy_kwargs is 3; give a dictionary"),
-        (["--hyperparams", "learning_rate=-1"], "learning_rate is -1; give a positive number, or 0 for none"),
-        (["--hyperparams", "gamma=" + "9" * 400], "give a number above 0, at most 1"),
-        (["--hyperparams", "n_steps=10000000000"], "n_steps is 10000000000; give a positive whole number, at most"),
-        (["--hyperparams", "n_steps=20.0"], "n_steps is 20.0; give a positive whole number"),
-        (["--hyperparams", "batch_size=1"], "batch_size is 1; give at least 2, to normalise advantages by"),
-        (["--hyperparams", "n_steps=1", "--n-envs", "1"], "n_steps is 1; give at least 2, to normalise advantages by"),
-        (["--hyperparams", "ent_coef=auto"], "ent_coef is 'auto'; give a number, or auto for sac"),
-        (["--algo", "sac", "--hyperparams", "ent_coef=auto_x"], "ent_coef is 'auto_x'; give a number, or auto for sac"),
-        (
-            ["--algo", "sac", "--hyperparams", "gradient_steps=0"],
-            "gradient_steps is 0; give a positive whole number, or",
-        ),
-        (
-            ["--algo", "sac", "--hyperparams", "learning_starts=-1"],
-            "learning_starts is -1; give a whole number, not neg",
-        ),
-        (["--algo", "sac", "--hyperparams", "target_entropy=abc"], "target_entropy is 'abc'; give a number, or auto"),
-        (["--algo", "sac", "--hyperparams", "optimize_memory_usage=true"], "no hyperparameter 'optimize_memory_usage'"),
-        (["--algo", "cma-es", "--hyperparams", "population=1"], "population is 1; give a whole number, at least 2"),
-        (["--algo", "ars", "--hyperparams", "delta_std=0"], "delta_std is 0; give a positive number"),
-        (["--hyperparams", "clip_range=-0.2"], "clip_range is -0.2; give a positive number"),
-        (["--hyperparams", "target_kl=abc"], "target_kl is 'abc'; give a positive number, or None"),
-        (["--hyperparams", "gae_lambda=2"], "gae_lambda is 2; give a number from 0 to 1"),
-        (["--hyperparams", "vf_coef=abc"], "vf_coef is 'abc'; give a positive number, or 0 for none"),
-        (["--hyperparams", "use_sde=5"], "use_sde is 5; give true or false"),
-        (
-            ["--hyperparams", "policy_kwargs={'nope':1}"],
-            "policy_kwargs is .*'nope': 1.* no networks can be made .*'nope'",
-        ),
-        (["--hyperparams", "policy_kwargs={'net_arch':'abc'}"], "'abc', .* of which no networks can be made"),
-        (["--hyperparams", "policy_kwargs={'net_arch':[0]}"], "no networks can be made .* give keywords of Stable-Bas"),
+        (["--hyperparams", "learning_rate=fast"], "ppo refuses its hyperparameters .*'fast'"),
+        (["--hyperparams", "n_steps=0"], "ppo refuses its hyperparameters .*division by zero"),
+        (["--hyperparams", "batch_size=1"], "ppo refuses its hyperparameters .*batch_size"),
+        (["--algo", "ars", "--hyperparams", "delta=0"], "ars refuses its hyperparameters .*'delta'"),
+        (["--hyperparams", "policy_kwargs=3"], "ppo refuses its hyperparameters .*'policy_kwargs': 3"),
+        (["--hyperparams", "policy_kwargs={'nope':1}"], "ppo refuses its hyperparameters .*'nope'"),
+        (["--hyperparams", "policy_kwargs={'net_arch':'abc'}"], "ppo refuses its hyperparameters .*'abc'"),
         (["--device", "nonsense"], "--device is 'nonsense', on which PyTorch cannot compute .*; give cpu or cuda"),
         (["--device", "meta"], "--device is 'meta', on which PyTorch cannot compute .*; give cpu or cuda"),
         (["--seeds", "1", "2", "--device", "nonsense"], "--device is 'nonsense', on which PyTorch cannot compute"),
-        (
-            ["--algo", "cma-es", "--hyperparams", "first_weights=much"],
-            "first_weights is 'much'; give a number, or one for",
-        ),
+        (["--algo", "cma-es", "--hyperparams", "first_weights=much"], "cma-es refuses its hyperparameters .*'much'"),
         (
             ["--hyperparams", "first_weights=0.5", "policy_kwargs={'net_arch':[8]}"],
-            "first_weights is 0.5, of a linear policy, and this one has hidden layers; leave it out",
-        ),
-        (
-            ["--hyperparams", "first_weights=0.5", "policy_kwargs={'net_arch':None}"],
-            "first_weights is 0.5, of a linear policy, and this one has hidden layers; leave it out",
-        ),
-        (
-            ["--hyperparams", "first_weights=[0,0.5]", "--env-kwargs", "observation=drive"],
-            "networks of ppo see theta_1, theta_2 magnified; leave it out, or observe landing first",
+            "first_weights is of a linear policy, and this one has hidden layers; leave it out",
         ),
         (
             ["--hyperparams", "first_weights=" + str([0.5] * 17)],
             "first_weights has 17 numbers, but a policy here has 16",
-        ),
-        (
-            ["--hyperparams", "policy_kwargs={'use_sde': True}"],
-            "policy_kwargs is .*'use_sde': True.* no networks can be made .*multiple values",
         ),
         (
             ["--algo", "cma-es", "--start", "one", "--hyperparams", "first_weights=1"],
@@ -163,7 +94,7 @@ def test_what_hyperparameters_may_be_is_not_refused(algo, values):
             ["--algo", "sac", "--start", "one"],
             "--start .* and sac acts with the hyperbolic tangent .*; choose cma-es, ars",
         ),
-        (["--algo", "td3", "--start", "one", "--trust"], "--start .* and td3 acts with the hyperbolic tangent"),
+        (["--algo", "td3", "--start", "one"], "--start .* and td3 acts with the hyperbolic tangent"),
         (["--elements", "4"], "--elements 4: panels of rigid-clearance have none"),
         (["--env-kwargs", "scenario=randomised"], "leave the keyword out and choose --env-id"),
         (["--env-kwargs", "max_episode_steps=20"], "max_episode_steps cuts off have no landing to judge"),

@@ -22,6 +22,7 @@ OFF_POLICY = {"learning_starts": 30, "buffer_size": 500, "batch_size": 16, "trai
 # Name -> algorithm, hyperparameters.
 AGENTS = {
     "ppo": ("ppo", ON_POLICY),
+    "noisy": ("ppo", ON_POLICY),  # with sensors whose noise is drawn by what draws the next episodes
     "sac": ("sac", OFF_POLICY),
     "td3": ("td3", {**OFF_POLICY, "exploration_noise": 0.2}),
     "cma-es": ("cma-es", {"population": 4, "generations_between": 2, "finalists": 1}),
@@ -35,7 +36,8 @@ SEARCHES = ("cma-es", "ars")  # whose rollouts are whole episodes of several can
 def configuration(name="ppo", timesteps=200):
     algo, hyperparameters = AGENTS[name]
     env_kwargs = {**QUICK, "observation": "landing"} if name in SEARCHES else QUICK
-    return configurations.complete(algo, DEFAULT_ENV_ID, env_kwargs, 5, 2, timesteps, hyperparameters)
+    env_id = "solar_env/DeployRandomised-v1" if name == "noisy" else DEFAULT_ENV_ID
+    return configurations.complete(algo, env_id, env_kwargs, 5, 2, timesteps, hyperparameters)
 
 
 def train(folder, config, resume=None):

@@ -107,7 +107,8 @@ class Checkpoint:
         """Set the random number generators, and the exploration noise, as they were when the checkpoint was written."""
         states = self.random
         model.action_space._np_random = states["action_space"]
-        vars(_distribution(model)).update(states["distribution"])
+        noise = {name: value.to(model.device) for name, value in states["distribution"].items()}
+        vars(_distribution(model)).update(noise)
         random.setstate(states["python"])
         np.random.set_state(states["numpy"])  # noqa: NPY002 (what Stable-Baselines3 draws from)
         torch.set_rng_state(states["torch"])

@@ -65,7 +65,7 @@ def test_the_discount_reaches_over_a_whole_episode(algo, env_id):
         (["--env-kwargs", "torque_limits=0.3"], "torque_limits"),
         (["--model", "flexible"], "model 'flexible' is unknown; choose from rigid-ideal"),
         (["--model", "flexible-clearance", "--elements", "0"], "elements = 0"),
-        (["--seed", "-1"], "seed is -1; choose one from 0"),
+        (["--seed", "-1"], "seed is -1; give a whole number, not negative"),
         (["--hyperparams", "learning_rate=fast"], "ppo refuses its hyperparameters .*'fast'"),
         (["--hyperparams", "n_steps=0"], "ppo refuses its hyperparameters .*division by zero"),
         (["--hyperparams", "batch_size=1"], "ppo refuses its hyperparameters .*batch_size"),

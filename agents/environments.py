@@ -155,11 +155,11 @@ def make_vector_env(
 
 
 def _made(make: Callable[..., Any], env_id: str, env_kwargs: Mapping[str, Any] | None) -> Any:
+    if env_id not in gymnasium.registry:  # Gymnasium itself imports the module that an id names
+        raise ValueError(f"no environment {env_id!r} is registered; available: {', '.join(_registered())}")
     try:
         return make(**dict(env_kwargs or {}))
-    except gymnasium.error.Error as error:  # of an id that is malformed it is no `UnregisteredEnv`
-        raise ValueError(f"no environment {env_id!r} is registered; available: {', '.join(_registered())}") from error
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, gymnasium.error.Error) as error:
         raise ValueError(f"environment {env_id!r} refused its keywords {dict(env_kwargs or {})}: {error}") from error
 
 

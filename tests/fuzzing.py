@@ -27,6 +27,7 @@ FOLDER = Path(tempfile.mkdtemp(prefix="fuzzing-"))
 READERS = [
     "agents.learning.configurations",
     "agents.learning.runs",
+    "agents.learning.storage",
     "agents.policies",
     "solar_env.array.ladder",
     "solar_env.array.parameters",
@@ -93,15 +94,33 @@ def run_folder(content: bytes) -> None:
     from agents.learning import configurations, runs
 
     written(runs.CONFIG, content)
-    runs.read_config(FOLDER)
     configurations.resumed_configuration(FOLDER)
     runs.steps_taken(FOLDER)
 
 
 def a_run() -> list[bytes]:
     record = {"algo": "ppo", "env_id": DEPLOY, "env_kwargs": {}, "seed": 0, "n_envs": 1}
-    record |= {"timesteps": 9, "hyperparameters": {}, "timesteps_before": 0, "resumed_from": None, "versions": {}}
+    record |= {
+        "timesteps": 9,
+        "hyperparameters": {},
+        "timesteps_before": 0,
+        "resumed_from": None,
+        "versions": {},
+        "command": "",
+    }
     return [json.dumps(record).encode()]
+
+
+def checkpoint(content: bytes) -> None:
+    from agents.learning.storage import unpacked
+
+    unpacked(written("checkpoint.npz", content))
+
+
+def a_checkpoint() -> list[bytes]:
+    from agents.learning.storage import packed
+
+    return [packed({"timesteps": 1, "lanes": [np.zeros(2), (None, "text")]}), packed({})]
 
 
 def table(content: bytes) -> None:
@@ -155,6 +174,7 @@ TARGETS = {
     "trajectory": Target(trajectory, (ValueError,), a_trajectory),
     "policy": Target(policy, (ValueError, FileNotFoundError), policies),
     "run-folder": Target(run_folder, (ValueError,), a_run),
+    "checkpoint": Target(checkpoint, (ValueError,), a_checkpoint),
     "table": Target(table, (ValueError,), lambda: [b"# command: x\nmethod,error,wall_s\nours,0.1,2\nother,1e-3,5\n"]),
     "ladder": Target(ladder, (ValueError,), a_ladder),
     "results": Target(results, (ValueError,), lambda: [b'{"code": "0"}\n{"cell": {"a": 1}, "result": 2}\n']),

@@ -9,7 +9,6 @@ nothing has interrupted.
 
 import argparse
 import contextlib
-import io
 import json
 import os
 import random
@@ -28,7 +27,8 @@ from PIL import Image
 
 from agents.commands import evaluate, train, tune  # noqa: F401  (loaded before processes are forked)
 from agents.laws import baselines
-from agents.learning import checkpoints, learn, runs
+from agents.learning import learn, runs
+from agents.learning.storage import unpacked
 from solar_env.__main__ import main as solar_env
 from solar_env.studies.common.tables import read_table
 from solar_env.support.files import PART
@@ -119,7 +119,9 @@ def damaged(folder: Path) -> list[str]:
 
 
 def _read(path: Path) -> None:
-    if path.suffix == ".json":
+    if path.name in runs.CHECKPOINTS:
+        unpacked(path)
+    elif path.suffix == ".json":
         json.loads(path.read_text())
     elif path.suffix == ".jsonl":
         # The last line may be cut: its cell is done again.
@@ -136,11 +138,7 @@ def _read(path: Path) -> None:
 
 def end_of_training(folder: Path) -> bytes:
     """State of a training, as bytes."""
-    learn.torch.set_num_threads(1)
-    found = checkpoints.read(folder)
-    model = runs.algorithm("ppo").load(io.BytesIO(found.model))
-    weights = b"".join(value.numpy().tobytes() for value in model.policy.state_dict().values())
-    return weights + found.random["torch"].numpy().tobytes() + repr(found.history).encode()
+    return (folder / runs.CHECKPOINTS[0]).read_bytes()
 
 
 def campaign(name: str, kills: int, full_disks: int, place: Path, chance: random.Random) -> str:

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import ModuleType
@@ -19,14 +19,12 @@ from agents.learning import runs
 from agents.policies import shipped
 from agents.policies.c_form import c_header, interface_comment
 from agents.policies.card import card
-from agents.policies.extraction import network_of
-from agents.policies.policy import Description, ShippedPolicy
+from agents.policies.policy import ShippedPolicy
 from agents.rollout import run_episode
-from agents.torque_laws import Controller, Signals
 from solar_env.support.files import check_name, check_target, copy_file, new_folder, write_bytes, write_text
 from solar_env.support.plain_arrays import read_json
 
-TOLERANCE = 1e-5  # of actions, between the network and Stable-Baselines3
+TOLERANCE = 1e-5  # of actions, between the network and its ONNX form
 
 
 @dataclass
@@ -56,7 +54,7 @@ def run_command(args: Args) -> int:
 
 def named_policy(name: str) -> ShippedPolicy:
     """Read the policy of a run, or one that was shipped."""
-    return of_run(Path(name))[0] if (Path(name) / runs.CONFIG).is_file() else shipped.load_shipped(name)
+    return of_run(Path(name)) if (Path(name) / runs.CONFIG).is_file() else shipped.load_shipped(name)
 
 
 def write_arrays(policy: ShippedPolicy, path: Path) -> None:
@@ -101,35 +99,19 @@ def onnx_form() -> ModuleType:
     return module
 
 
-def of_run(run: Path) -> tuple[ShippedPolicy, Controller, np.ndarray]:
-    """Read the best policy of a run, as it ships, as Stable-Baselines3 has it, and observations to compare them by.
+def of_run(run: Path) -> ShippedPolicy:
+    """Read the best policy of a run.
 
     Raises:
         FileNotFoundError: There is no run, or it has no policy.
-        ValueError: The training was interrupted, or the policy has layers that cannot be exported.
+        ValueError: The training was interrupted.
     """
     config = runs.read_config(run)
     if not runs.is_complete(run):
         raise ValueError(f"the training in {run} was interrupted; resume it, and export what comes of that")
     with make_env(config["env_id"], config["env_kwargs"]) as env:
-        model = runs.load_policy(run, env)
-        network = network_of(model)
-        signals = dict(vars(Signals.of(env)))
-        del signals["driven_joint"], signals["action"]  # the keywords of the environment hold them
-        description = Description(
-            algorithm=config["algo"],
-            **{name: getattr(network, name) for name in ("feature_limit", "activation", "output", "mean_limit")},
-            training_steps=runs.steps_taken(run),
-            env_id=config["env_id"],
-            env_kwargs=config["env_kwargs"],
-            observation_names=signals.pop("names"),
-            **signals,
-        )
-        policy = ShippedPolicy(network, description)
-        observations = observed(policy, env, episode_seeds("validation", config["seed"], 1)[0])
-    expected, _ = model.predict(observations, deterministic=True)
-    _check_parity(float(np.max(np.abs(network.act(observations) - expected))))
-    return policy, model, observations
+        best = runs.load_policy(run, env)
+    return ShippedPolicy(best.network, replace(best.description, training_steps=runs.steps_taken(run)))
 
 
 def observed(policy: ShippedPolicy, env: gymnasium.Env, seed: int) -> np.ndarray:
@@ -139,11 +121,6 @@ def observed(policy: ShippedPolicy, env: gymnasium.Env, seed: int) -> np.ndarray
     space: Any = env.observation_space
     drawn = np.random.default_rng(0).uniform(space.low, space.high, (len(seen), *space.shape))
     return np.concatenate([np.array(seen), drawn]).astype(np.float32)
-
-
-def _check_parity(found: float) -> None:
-    if not found <= TOLERANCE:
-        raise ValueError(f"the exported network differs from the run's policy by {found:.1e}; it is not written")
 
 
 def export(run: str | Path, folder: Path, comparison: str | Path | None = None) -> ShippedPolicy:
@@ -156,8 +133,8 @@ def export(run: str | Path, folder: Path, comparison: str | Path | None = None) 
         FileExistsError: `folder` exists.
         OSError: It cannot be written.
         FileNotFoundError: There is no run, or it has no policy.
-        ValueError: ONNX is not installed, the name is a law's, the training was interrupted, the policy has layers that
-            cannot be exported, or `comparison` has no scores of it.
+        ValueError: ONNX is not installed, the name is a law's, the training was interrupted, or `comparison` has no
+            scores of it.
     """
     form = onnx_form()
     check_name(folder)
@@ -169,12 +146,13 @@ def export(run: str | Path, folder: Path, comparison: str | Path | None = None) 
     if folder.exists():
         raise FileExistsError(f"{folder} exists; choose another --out, or remove it")
     run = Path(run)
-    policy, model, observations = of_run(run)
+    policy, config = of_run(run), runs.read_config(run)
     onnx_bytes = form.onnx_model(policy.network).SerializeToString()
-    found = form.difference(policy.network, onnx_bytes, model, observations)
-    _check_parity(found)
-    config = runs.read_config(run)
     with make_env(config["env_id"], config["env_kwargs"]) as env:
+        seed = episode_seeds("validation", config["seed"], 1)[0]
+        found = form.difference(policy.network, onnx_bytes, observed(policy, env, seed))
+        if not found <= TOLERANCE:
+            raise ValueError(f"the ONNX form differs from the run's policy by {found:.1e}; it is not written")
         scores = _scores(run, folder.name, Path(comparison) if comparison else None)
         text = card(folder.name, config, policy, env.unwrapped, scores, found)
     with new_folder(folder) as made:

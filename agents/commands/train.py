@@ -25,7 +25,7 @@ from agents.environments import (
     make_env,
 )
 from agents.laws.baselines import make_baseline
-from agents.learning import checkpoints, configurations, learn, runs
+from agents.learning import configurations, learn, runs
 from agents.rollout import Step, run_episode
 from solar_env.commands.arguments import Assignments, CommandRecord, WorkerOptions
 from solar_env.support.interruption import keeping
@@ -96,7 +96,6 @@ def run(args: Args) -> Path:
         return train_seeds(args)
     if args.resume:
         refuse_fixed(args)
-        checkpoints.mend_config(args.resume)
         config = configurations.resumed_configuration(args.resume, args.timesteps)
     else:
         config = configuration(args, args.seed or 0)

@@ -14,6 +14,7 @@ from agents.laws.baselines import episodes_spent, make_baseline
 from agents.laws.table import LAWS, TUNABLE
 from agents.learning import runs
 from agents.policies import shipped
+from agents.policies.policy import ShippedPolicy
 from agents.torque_laws import Controller
 
 SEARCH_AROUND = "receding-horizon:"
@@ -38,17 +39,17 @@ class NamedController(ABC):
 
     @abstractmethod
     def load(self, env: gymnasium.Env) -> Controller:
-        """Make the controller for `env`; runs that were not made on this account are refused."""
+        """Make the controller for `env`."""
 
     def files(self) -> list[Path]:
         """List the files that determine a trained controller; none for a law."""
         return []
 
     def check(self) -> None:
-        """Read these files, before any work: what is damaged, or not made on this account, is refused now.
+        """Read these files, before any work: what is damaged is refused now.
 
         Raises:
-            FileNotFoundError, ValueError: It is; the message names the file.
+            FileNotFoundError, ValueError: One is missing or damaged; the message names it.
         """
         self.training()
 
@@ -108,54 +109,40 @@ class _Search(NamedController):
         return SEARCH_AROUND + self.base.resolved
 
 
-class _ShippedPolicy(NamedController):
-    """A policy that comes with this package."""
+class _Policy(NamedController):
+    """A trained policy as arrays: one that comes with this package, the best one of a run, or an exported one."""
 
-    def load(self, env: gymnasium.Env) -> Controller:
-        policy = shipped.load_shipped(self.spec)
-        policy.check(env)
-        return policy
+    @property
+    def folder(self) -> Path:
+        return shipped.SHIPPED / self.spec if self.spec in shipped.available() else Path(self.spec)
 
-    def files(self) -> list[Path]:
-        return [shipped.SHIPPED / self.spec / name for name in (shipped.ARRAYS, shipped.DESCRIPTION)]
-
-    def training(self) -> Mapping[str, Any]:
-        return vars(shipped.load_shipped(self.spec).description)
-
-    def effort(self, env_id: str, model: str) -> str:
-        return f"{self.training()['training_steps']:,} steps"
-
-
-class _Run(NamedController):
-    """The best policy of a training run."""
-
-    def load(self, env: gymnasium.Env) -> Controller:
-        self.training()
-        return runs.load_policy(self.spec, env)
-
-    def files(self) -> list[Path]:
-        self.training()
-        return [runs.policy_path(self.spec), Path(self.spec) / runs.CONFIG]
-
-    def check(self) -> None:
-        self.training()
-        runs.check_policy(self.spec)
-
-    def training(self) -> Mapping[str, Any]:
-        if not (Path(self.spec) / runs.CONFIG).is_file():
+    def policy(self) -> ShippedPolicy:
+        if not any((self.folder / name).is_file() for name in (shipped.DESCRIPTION, runs.CONFIG)):
             known = ", ".join((*LAWS, *shipped.available()))
             raise FileNotFoundError(
                 f"no controller {self.spec!r}: it is no run folder of train.py, and none of {known}"
             )
-        return runs.read_config(self.spec)
+        return runs.best_policy(self.folder)
+
+    def load(self, env: gymnasium.Env) -> Controller:
+        policy = self.policy()
+        policy.check(env)
+        return policy
+
+    def files(self) -> list[Path]:
+        self.policy()
+        return [self.folder / name for name in runs.POLICY]
+
+    def training(self) -> Mapping[str, Any]:
+        return vars(self.policy().description)
 
     def effort(self, env_id: str, model: str) -> str:
-        self.training()
-        return f"{runs.steps_taken(self.spec):,} steps"
+        steps = self.training()["training_steps"]
+        return f"{runs.steps_taken(self.folder) if (self.folder / runs.CONFIG).is_file() else steps:,} steps"
 
     @property
     def resolved(self) -> str:
-        return str(Path(self.spec).resolve())
+        return self.spec if self.spec in shipped.available() else str(self.folder.resolve())
 
 
 def parse_controller(text: str) -> NamedController:
@@ -175,15 +162,7 @@ def parse_controller(text: str) -> NamedController:
         if isinstance(parse_controller(spec.removeprefix(SEARCH_AROUND)), _Search):
             raise ValueError(f"{spec!r} is a search around a search; name a law, a shipped policy or a run folder")
         return _Search(name if separator else text, spec)
-    kind = _Law if spec in LAWS else _ShippedPolicy if spec in shipped.available() else _Run
-    return kind(name, spec)
-
-
-def trust_runs(texts: Sequence[str]) -> None:
-    """Take over the run folders among controllers, see `agents.learning.runs.trust_run`."""
-    for controller in map(parse_controller, texts):
-        if isinstance(controller, _Run):
-            runs.trust_run(controller.spec)
+    return (_Law if spec in LAWS else _Policy)(name, spec)
 
 
 def parse_controllers(texts: Sequence[str]) -> list[NamedController]:

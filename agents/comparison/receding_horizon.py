@@ -9,7 +9,6 @@ import gymnasium
 import numpy as np
 
 from agents.torque_laws import Controller, DeterministicController
-from solar_env.support.numbers import is_whole_number
 
 
 @dataclass(frozen=True)
@@ -24,9 +23,6 @@ class SearchSettings:
         replan_every: Control periods from one replanning to the next.
         initial_deviation: Standard deviation of the knots in the first iteration, in units of the action.
         least_deviation: Bound below which it does not shrink.
-
-    Raises:
-        ValueError: On construction, for a value out of range.
     """
 
     knots: int = 8
@@ -36,19 +32,6 @@ class SearchSettings:
     replan_every: int = 40
     initial_deviation: float = 0.01
     least_deviation: float = 0.001
-
-    def __post_init__(self) -> None:
-        for name, least in (("knots", 2), ("elites", 2), ("candidates", 3), ("iterations", 1), ("replan_every", 1)):
-            value = getattr(self, name)
-            if not is_whole_number(value, least):
-                raise ValueError(f"{name} = {value!r} must be a whole number of at least {least}")
-        if self.elites >= self.candidates:
-            raise ValueError(f"elites = {self.elites!r} must be fewer than candidates = {self.candidates!r}")
-        if not 0.0 < self.least_deviation <= self.initial_deviation < math.inf:
-            raise ValueError(
-                f"least_deviation = {self.least_deviation!r} must be positive and at most initial_deviation = "
-                f"{self.initial_deviation!r}, which must be finite"
-            )
 
 
 @dataclass(frozen=True)

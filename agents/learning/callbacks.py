@@ -12,6 +12,9 @@ from stable_baselines3.common.callbacks import BaseCallback, EvalCallback
 from stable_baselines3.common.vec_env import VecEnv
 
 from agents.learning import runs
+from agents.learning.extraction import policy_of
+from agents.learning.runs import Configuration
+from agents.policies import shipped
 from agents.rollout import episode_figures
 from solar_env.support.files import write_bytes
 
@@ -71,30 +74,6 @@ class Call(BaseCallback):
         return True
 
 
-class ReverseCurriculum(BaseCallback):
-    """Lets episodes begin near the latches at first, then ever further away, and at last as the environment says.
-
-    For environments with the keyword `starts`; usable with any algorithm of Stable-Baselines3 (C. Florensa et al.,
-    Reverse Curriculum Generation for Reinforcement Learning, 2017, arXiv:1707.05300; here the distance is a schedule).
-
-    Args:
-        first: Least opening of the first episodes, in units of the lock angles.
-        folded: Share of the episodes that begin folded when the schedule has ended.
-        over: Share of the training over which the schedule goes.
-    """
-
-    def __init__(self, first: float = 0.95, folded: float = 0.2, over: float = 0.7) -> None:
-        super().__init__()
-        self._first, self._folded, self._over = first, folded, over
-
-    def _on_rollout_start(self) -> None:
-        share = min(self.num_timesteps / (self._over * self.model._total_timesteps), 1.0)
-        self.training_env.env_method("narrow_starts", (1.0 - share) * self._first, share * self._folded, indices=0)
-
-    def _on_step(self) -> bool:
-        return True
-
-
 class Validation(EvalCallback):
     """Stable-Baselines3's `EvalCallback` that begins with the untrained policy, or where an earlier run ended.
 
@@ -106,24 +85,19 @@ class Validation(EvalCallback):
         folder: Of the run, for `evaluations.npz` and the best policy.
         every: Steps of all environments together between two validations.
         episodes: Of a validation.
+        config: Of the run.
 
     Attributes:
         wall_time: Wall time of all validations so far [s].
     """
 
     wall_time = 0.0
-    _HISTORY = (
-        "n_calls",
-        "best_mean_reward",
-        "last_mean_reward",
-        "evaluations_timesteps",
-        "evaluations_results",
-        "evaluations_length",
-    )
+    _COUNTERS = ("n_calls", "best_mean_reward", "last_mean_reward")
+    _LISTS = ("evaluations_timesteps", "evaluations_results", "evaluations_length")
 
-    def __init__(self, env: VecEnv, folder: Path, every: int, episodes: int) -> None:
-        keep = Call(lambda model: runs.save_policy(folder, model))
-        super().__init__(env, keep, None, episodes, every, str(folder), verbose=0)
+    def __init__(self, env: VecEnv, folder: Path, every: int, episodes: int, config: Configuration) -> None:
+        keep = Call(lambda model: shipped.save(folder, policy_of(model, config)))
+        super().__init__(env, keep, None, episodes, every, None, verbose=0)
         self._log = folder / runs.EVALUATIONS
 
     def _on_training_start(self) -> None:
@@ -154,8 +128,10 @@ class Validation(EvalCallback):
     @property
     def history(self) -> dict[str, Any]:
         """Everything that later validations depend on; it can be set to go on from there."""
-        return {name: getattr(self, name) for name in self._HISTORY}
+        counters = {name: getattr(self, name) for name in self._COUNTERS}
+        return counters | {name: np.array(getattr(self, name)) for name in self._LISTS}
 
     @history.setter
     def history(self, history: Mapping[str, Any]) -> None:
-        vars(self).update(history)
+        vars(self).update({name: history[name] for name in self._COUNTERS})
+        vars(self).update({name: list(history[name]) for name in self._LISTS})

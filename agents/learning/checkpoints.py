@@ -1,18 +1,17 @@
 """Checkpoints: all that a training goes on from, as one file that is written whole or not at all.
 
-A checkpoint holds the model with its optimisers and counters, the environments with their episodes and reward
-normalisation, the replay buffer, the states of all random number generators, the best policy and the history of
-validations. The one before is kept too, and is taken where the newest is damaged.
+A checkpoint holds the weights, the optimisers and the counters of the model, the environments with their episodes and
+reward normalisation, the replay buffer, the states of all random number generators, the best policy and the history of
+validations: arrays and JSON, of which the model is built anew by its configuration. The one before is kept too, and is
+taken where the newest is damaged.
 
 They are written between rollouts, where Stable-Baselines3 keeps nothing that it cannot restore: the run that goes on
 repeats an uninterrupted one bit for bit, on the same versions and device.
 """
 
-import io
-import pickle
 import random
 import warnings
-from contextlib import suppress
+from collections import defaultdict
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -21,65 +20,56 @@ import numpy as np
 import torch
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.callbacks import BaseCallback
-from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper, VecNormalize
 
 from agents.learning import runs
 from agents.learning.callbacks import DeploymentLogger, Validation
 from agents.learning.configurations import Configuration
-from agents.learning.trust import DamagedFileError, UntrustedFileError, sealed, unsealed
+from agents.learning.models import make_model
+from agents.learning.runs import DamagedFileError
+from agents.learning.storage import packed, unpacked
+from agents.learning.vec_env import NativeVecEnv
+from agents.learning.weight_search import WeightSearch
 from solar_env.support.files import write_bytes
 from solar_env.support.interruption import deaf
 
-# Attributes of environments that belong to the process: files, clocks, and what is made anew.
-_OF_THE_PROCESS = {"venv", "class_attributes", "results_writer", "t_start", "stepping_time"}
+_COUNTERS = (
+    *("num_timesteps", "_episode_num", "_n_updates"),
+    *("_last_obs", "_last_original_obs", "_last_episode_starts"),
+)
+# Of the layers around the environments.
+_SUMS = ("returns", "_costs", "episode_returns", "episode_lengths", "episode_count")
 _SDE = ("exploration_mat", "exploration_matrices")
 
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """A training between two rollouts.
+    """A training between two rollouts, in values that `storage` keeps.
 
     Attributes:
         timesteps: Environment steps so far, those of runs that it goes on from included.
-        model: As Stable-Baselines3 saves it.
-        lanes: By layer of the vector environment, the outermost first: its attributes.
-        replay_buffer: None for PPO.
+        model: Counters, weights and states of the optimisers, and progress of a search.
+        layers: By layer of the vector environment, the outermost first: its sums and statistics.
+        lanes: See `NativeVecEnv.lanes`.
+        replay_buffer: Arrays and counters; empty for agents without one.
         random: States of the random number generators, and of the exploration noise.
-        policy: The file of the best policy; None before the first validation.
+        policy: Content of the files of the best policy; empty before the first validation.
         history: See `Validation.history`.
         terms: See `DeploymentLogger.terms`.
-        record: What the configuration file of the run holds; None of older versions.
     """
 
     timesteps: int
-    model: bytes
-    lanes: list[dict[str, Any]]
-    replay_buffer: Any
+    model: dict[str, Any]
+    layers: list[dict[str, Any]]
+    lanes: dict[str, Any]
+    replay_buffer: dict[str, Any]
     random: dict[str, Any]
-    policy: bytes | None
+    policy: dict[str, bytes]
     history: dict[str, Any]
-    terms: list[Any]
-    record: dict[str, Any] | None = None
-
-    def check(self, folder: str | Path) -> None:
-        """Refuse the checkpoint of a run whose configuration file is of another one.
-
-        Raises:
-            DamagedFileError: They contradict each other.
-        """
-        stored, recorded = runs.read_config(folder), runs.jsonable(self.record or {})
-        # Fewer or more steps may have been asked for since.
-        for name in ("timesteps_before", *(field.name for field in fields(Configuration) if field.name != "timesteps")):
-            if name in recorded and stored[name] != recorded[name]:
-                here, there = (repr(values[name])[:100] for values in (stored, recorded))
-                raise DamagedFileError(
-                    f"{Path(folder) / runs.CONFIG} contradicts the checkpoint beside it: {name} is {here}, and was "
-                    f"{there}; remove the file, which is then written anew"
-                )
+    terms: list[dict[str, float]]
 
     def restore(
-        self, config: Configuration, venv: VecEnv, device: str = "cpu", folder: str | Path | None = None
+        self, config: Configuration, venv: VecEnv, device: str = "cpu", folder: str | Path = ""
     ) -> BaseAlgorithm:
         """Make the model with its environments; `venv` is a fresh one of the same configuration, without normalisation.
 
@@ -87,37 +77,47 @@ class Checkpoint:
         told in errors.
 
         Raises:
-            DamagedFileError: These versions cannot load the model.
+            ValueError: The configuration is refused, see `make_model`.
+            DamagedFileError: The checkpoint is not of this configuration.
         """
-        normalized = VecNormalize(venv, norm_obs=False)
-        source = f"the checkpoint of {folder}" if folder else "the checkpoint"
-        model: Any = runs.loaded_model(
-            config.algo, io.BytesIO(self.model), source, env=normalized, device=device, force_reset=False
-        )
-        # Only now: to load a model seeds its environment.
-        for layer, values in zip(_layers(normalized), self.lanes, strict=True):
-            vars(layer).update(values)
-        if isinstance(model, OffPolicyAlgorithm):
-            model.replay_buffer = self.replay_buffer
-            model.replay_buffer.device = model.device
+        model: Any = make_model(config, venv, device)
+        model.env.reset()
+        try:
+            for layer, values in zip(_layers(model), self.layers, strict=True):
+                vars(layer).update(values["sums"])
+                if values["statistics"]:
+                    vars(layer.ret_rms).update(values["statistics"])
+            model.env.unwrapped.lanes = self.lanes
+            model.set_parameters(self.model["parameters"], device=device)
+            for name, value in self.model["variables"].items():
+                getattr(model, name).data.copy_(value)
+            vars(model).update(self.model["counters"])
+            if isinstance(model, WeightSearch):
+                model.progress = self.model["progress"]
+            if self.replay_buffer:
+                vars(model.replay_buffer).update(self.replay_buffer)
+        except Exception as error:  # whatever the libraries make of values of another model
+            reason = " ".join(str(error).split())[:200]
+            raise DamagedFileError(
+                f"the checkpoint of {folder} does not fit the {runs.CONFIG} beside it ({reason}); start a new run"
+            ) from error
         return model
 
     def restore_random(self, model: Any) -> None:
         """Set the random number generators, and the exploration noise, as they were when the checkpoint was written."""
         states = self.random
-        model.action_space = states["action_space"]
-        if states["noise"] is not None:
-            vars(model.action_noise).update(vars(states["noise"]))
-        vars(_distribution(model)).update(states["distribution"])
+        model.action_space._np_random = states["action_space"]
+        noise = {name: value.to(model.device) for name, value in states["distribution"].items()}
+        vars(_distribution(model)).update(noise)
         random.setstate(states["python"])
         np.random.set_state(states["numpy"])  # noqa: NPY002 (what Stable-Baselines3 draws from)
         torch.set_rng_state(states["torch"])
 
 
-def _layers(venv: VecEnv) -> list[VecEnv]:
-    """Return a vector environment and all that it wraps."""
-    found = [venv]
-    while isinstance(found[-1], VecEnvWrapper):
+def _layers(model: Any) -> list[VecEnvWrapper]:
+    """Return what is around the environments of a model."""
+    found = [model.get_vec_normalize_env()]
+    while isinstance(found[-1].venv, VecEnvWrapper):
         found.append(found[-1].venv)
     return found
 
@@ -128,29 +128,55 @@ def _distribution(model: Any) -> Any:
     return getattr(actor, "action_dist", actor)
 
 
-def _taken(
-    model: Any, validation: Validation, logger: DeploymentLogger, folder: Path, record: dict[str, Any]
-) -> Checkpoint:
-    file = io.BytesIO()
-    model.save(file)
-    layers = [
-        {name: value for name, value in vars(layer).items() if name not in _OF_THE_PROCESS}
-        for layer in _layers(model.get_vec_normalize_env())
-    ]
+def _of_model(model: Any) -> dict[str, Any]:
+    _, variables = model._get_torch_save_params()
+    return {
+        "counters": {name: vars(model)[name] for name in _COUNTERS if name in vars(model)},
+        "parameters": model.get_parameters(),
+        "variables": {name: getattr(model, name) for name in variables},
+        "progress": model.progress if isinstance(model, WeightSearch) else {},
+    }
+
+
+def _of_layer(layer: VecEnvWrapper) -> dict[str, Any]:
+    statistics = layer.ret_rms if isinstance(layer, VecNormalize) else None
+    return {
+        "sums": {name: vars(layer)[name] for name in _SUMS if name in vars(layer)},
+        "statistics": {name: vars(statistics)[name] for name in ("mean", "var", "count")} if statistics else {},
+    }
+
+
+def _of_buffer(buffer: Any) -> dict[str, Any]:
+    """Return the arrays of a replay buffer, and the place of the next step."""
+    kept = (np.ndarray, int)
+    return {name: value for name, value in vars(buffer).items() if isinstance(value, kept)} if buffer else {}
+
+
+def _random_states(model: Any) -> dict[str, Any]:
     distribution = vars(_distribution(model))
-    states = {
-        "action_space": model.action_space,
-        "noise": getattr(model, "action_noise", None),
-        "distribution": {name: distribution[name].detach() for name in _SDE if name in distribution},
+    return {
+        "action_space": model.action_space.np_random,
+        "distribution": {name: distribution[name] for name in _SDE if name in distribution},
         "python": random.getstate(),
         "numpy": np.random.get_state(),  # noqa: NPY002 (what Stable-Baselines3 draws from)
         "torch": torch.get_rng_state(),
     }
-    buffer = getattr(model, "replay_buffer", None)
-    best = folder / runs.POLICY
-    policy = unsealed(best) if best.is_file() else None
+
+
+def taken(model: Any, validation: Validation, logger: DeploymentLogger, folder: Path) -> Checkpoint:
+    """Take a checkpoint of a training between two rollouts."""
+    native: NativeVecEnv = model.env.unwrapped
+    best = {name: (folder / name).read_bytes() for name in runs.POLICY if (folder / name).is_file()}
     return Checkpoint(
-        model.num_timesteps, file.getvalue(), layers, buffer, states, policy, validation.history, logger.terms, record
+        timesteps=model.num_timesteps,
+        model=_of_model(model),
+        layers=[_of_layer(layer) for layer in _layers(model)],
+        lanes=native.lanes,
+        replay_buffer=_of_buffer(getattr(model, "replay_buffer", None)),
+        random=_random_states(model),
+        policy=best,
+        history=validation.history,
+        terms=[dict(terms) for terms in logger.terms],
     )
 
 
@@ -162,7 +188,7 @@ def write(folder: Path, checkpoint: Checkpoint) -> None:
     """
     newest, previous = (folder / name for name in runs.CHECKPOINTS)
     fresh = newest.with_suffix(".new")
-    write_bytes(fresh, sealed(pickle.dumps(checkpoint, protocol=pickle.HIGHEST_PROTOCOL)))
+    write_bytes(fresh, packed(checkpoint))
     if newest.is_file():
         newest.replace(previous)
     fresh.replace(newest)
@@ -174,7 +200,6 @@ def read(folder: str | Path) -> Checkpoint:
     Raises:
         FileNotFoundError: There is none.
         DamagedFileError: All are damaged, or were written by other versions.
-        UntrustedFileError: The run was not made on this account.
 
     Warns:
         UserWarning: The newest is damaged, and the one before is taken.
@@ -184,40 +209,15 @@ def read(folder: str | Path) -> Checkpoint:
         raise FileNotFoundError(f"{folder} has no checkpoint to go on from; start a new run")
     for number, path in enumerate(found, start=1):
         try:
-            checkpoint = pickle.loads(unsealed(path))
-            if not isinstance(checkpoint, Checkpoint):
-                raise DamagedFileError(f"{path} holds no checkpoint; start a new run")
-        except UntrustedFileError:
-            raise
-        except Exception as error:  # of bytes that other versions wrote, unpickling may raise anything
+            content = unpacked(path)
+            return Checkpoint(**{field.name: content[field.name] for field in fields(Checkpoint)})
+        except (ValueError, KeyError, TypeError) as error:
             if number == len(found):
                 raise DamagedFileError(
                     f"no checkpoint in {folder} can be read, by these versions ({error}); start a new run"
                 ) from error
             warnings.warn(f"{path} is damaged; the checkpoint before it is taken", stacklevel=2)
-        else:
-            return checkpoint
     raise AssertionError
-
-
-def mend_config(folder: str | Path) -> None:
-    """Write the configuration file of a run anew, from its checkpoint, where it is lost or damaged.
-
-    Where there is no checkpoint to take it from nothing is done, and reading it says what is wrong.
-
-    Warns:
-        UserWarning: It was written anew.
-    """
-    try:
-        runs.read_config(folder)
-    except UntrustedFileError:
-        return
-    except (FileNotFoundError, DamagedFileError):
-        with suppress(FileNotFoundError, DamagedFileError, UntrustedFileError):
-            record = read(folder).record
-            if record is not None:
-                runs.write_config(Path(folder), record)
-                warnings.warn(f"{Path(folder) / runs.CONFIG} is written anew, from the checkpoint", stacklevel=2)
 
 
 class Checkpoints(BaseCallback):
@@ -225,7 +225,6 @@ class Checkpoints(BaseCallback):
 
     Args:
         folder: Of the run.
-        record: What its configuration file holds.
         interval: Steps of all environments together; a rollout that is longer sets the distance.
         validation, logger: Of the run.
         restored: Checkpoint that the run goes on from.
@@ -234,7 +233,6 @@ class Checkpoints(BaseCallback):
     def __init__(
         self,
         folder: Path,
-        record: dict[str, Any],
         interval: int,
         validation: Validation,
         logger: DeploymentLogger,
@@ -242,7 +240,7 @@ class Checkpoints(BaseCallback):
     ) -> None:
         super().__init__()
         self._folder, self._interval, self._validation, self._deployments = folder, interval, validation, logger
-        self._record, self._restored = record, restored
+        self._restored = restored
         self._latest: int | None = None
 
     def kept(self) -> str:
@@ -266,10 +264,10 @@ class Checkpoints(BaseCallback):
     def _restore(self) -> None:
         if self._restored is not None:
             self._restored.restore_random(self.model)
-            self._deployments.terms = self._restored.terms
+            self._deployments.terms = [defaultdict(float, terms) for terms in self._restored.terms]
             self._restored = None
 
     def _write(self) -> None:
         with deaf():  # torch takes an interruption for a fault of its own
-            write(self._folder, _taken(self.model, self._validation, self._deployments, self._folder, self._record))
+            write(self._folder, taken(self.model, self._validation, self._deployments, self._folder))
         self._latest = self.num_timesteps

@@ -4,6 +4,7 @@ import time
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 import torch
 from rich.console import Console
@@ -16,7 +17,6 @@ from agents.learning import checkpoints, runs
 from agents.learning.callbacks import Call, DeploymentLogger, Validation
 from agents.learning.configurations import Configuration, stored_configuration
 from agents.learning.models import make_model
-from agents.learning.trust import sealed
 from agents.learning.vec_env import FixedSeeds, LogarithmicCharges, NativeVecEnv
 from agents.learning.weight_search import WeightSearch
 from solar_env.support.campaigns import Workers, each_done
@@ -62,6 +62,16 @@ class Training:
     checkpoint_interval: int = CHECKPOINT_INTERVAL  # environment steps
 
 
+@dataclass(frozen=True)
+class _Beginning:
+    """Where a training begins: the run and checkpoint that it goes on from, its steps before, and those left."""
+
+    source: str | Path | None
+    checkpoint: checkpoints.Checkpoint | None
+    before: int
+    left: int
+
+
 def train(training: Training) -> None:
     """Train and fill the run folder with policy, checkpoints, configuration and logs.
 
@@ -70,73 +80,105 @@ def train(training: Training) -> None:
     steps as the configuration says once more.
 
     Raises:
-        FileNotFoundError, DamagedFileError, UntrustedFileError: There is no checkpoint to go on from, see
-            `checkpoints.read`.
+        FileNotFoundError, DamagedFileError: There is no checkpoint to go on from, see `checkpoints.read`.
+        ValueError: The algorithm refuses its hyperparameters, or the run has trained for more steps than are asked for.
         OSError: A file cannot be written; the checkpoints before are still there.
         KeyboardInterrupt: Ctrl-C; a note says what was kept.
     """
-    config, folder, threads = training.config, training.folder, training.threads
+    config, folder = training.config, training.folder
     torch.set_num_threads(1)  # small networks: more threads only contend
     start = time.perf_counter()
+    beginning = _beginning(training)
+    model = _model(training, beginning)
+    runs.write_json(folder / runs.CONFIG, _record(training, beginning))
+    model.set_logger(configure(str(folder / "tensorboard"), ["tensorboard"]))
+    validation, logger, restored = _validation(training, model), DeploymentLogger(), beginning.checkpoint
+    saving = checkpoints.Checkpoints(folder, training.checkpoint_interval, validation, logger, restored)
+    if restored:
+        validation.history = restored.history
+        for name, content in restored.policy.items():
+            write_bytes(folder / name, content)
+    try:
+        with keeping(saving.kept), counting_bar(Console(stderr=True, quiet=not training.progress)) as bar:
+            task = bar.add_task("steps", total=config.timesteps, completed=config.timesteps - beginning.left)
+            shown = Call(lambda model: bar.advance(task, model.n_envs))
+            callbacks = CallbackList([logger, validation, shown, saving])
+            model.learn(beginning.left, callbacks, reset_num_timesteps=not restored)
+    finally:
+        model.logger.close()
+        validation.eval_env.close()
+        model.env.close()
+    runs.write_json(folder / runs.TIMING, _timing(model, validation, time.perf_counter() - start))
+
+
+def _beginning(training: Training) -> _Beginning:
+    """Find where a training begins.
+
+    Raises:
+        FileNotFoundError, DamagedFileError: As `checkpoints.read`.
+        ValueError: The run has trained for more steps than are asked for.
+    """
+    asked = training.config.timesteps
     source = _source(training.resume) if training.resume else None
-    restored = checkpoints.read(source) if source else None
-    if source and restored:
-        restored.check(source)
-    done = restored.timesteps if restored else 0
-    before = _steps_before(source, done)
-    left = before + config.timesteps - done
-    if left < 0:
-        # Rollouts are whole: a run that was interrupted as it ended may have more steps than were asked for.
-        if source is None or config.timesteps < runs.read_config(source)["timesteps"]:
-            raise ValueError(
-                f"timesteps is {config.timesteps}: {source} has trained for {done - before} steps; give more"
-            )
-        left = 0
-    monitor = f"{done}.monitor.csv" if restored else "monitor.csv"
-    venv = make_training_env(config, folder / monitor, threads)
+    if source is None:
+        return _Beginning(None, None, 0, asked)
+    restored = checkpoints.read(source)
+    stored = runs.read_config(source)
+    before = restored.timesteps if runs.is_complete(source) else int(stored["timesteps_before"])
+    left = before + asked - restored.timesteps
+    # Rollouts are whole: a run that was interrupted as it ended may have more steps than were asked for.
+    if left < 0 and asked < stored["timesteps"]:
+        raise ValueError(
+            f"timesteps is {asked}: {source} has trained for {restored.timesteps - before} steps; give more"
+        )
+    return _Beginning(source, restored, before, max(left, 0))
+
+
+def _model(training: Training, beginning: _Beginning) -> Any:
+    """Make the model with its environments, or restore it; a training that is refused leaves no log behind."""
+    restored = beginning.checkpoint
+    log = training.folder / (f"{restored.timesteps}.monitor.csv" if restored else "monitor.csv")
+    venv = make_training_env(training.config, log, training.threads)
     try:
         if restored:
-            model = restored.restore(config, venv, training.device, source)
-        else:
-            model = make_model(config, venv, training.device)
+            return restored.restore(training.config, venv, training.device, beginning.source or "")
+        return make_model(training.config, venv, training.device)
     except BaseException:
         venv.close()
-        (folder / monitor).unlink()
+        log.unlink()
         raise
-    record = {**asdict(config), "resumed_from": str(source) if restored else None, "timesteps_before": before}
-    record |= {"command": training.command, "versions": versions(*runs.LIBRARIES)}
-    runs.write_config(folder, record)
-    model.set_logger(configure(str(folder / "tensorboard"), ["tensorboard"]))
 
+
+def _record(training: Training, beginning: _Beginning) -> dict[str, Any]:
+    """Content of the configuration file."""
+    return {
+        **asdict(training.config),
+        "resumed_from": str(beginning.source) if beginning.source else None,
+        "timesteps_before": beginning.before,
+        "command": training.command,
+        "versions": versions(*runs.LIBRARIES),
+    }
+
+
+def _validation(training: Training, model: Any) -> Validation:
+    config = training.config
     # The mean of a search wanders: more of them are looked at.
     validations = VALIDATIONS_OF_WEIGHTS if isinstance(model, WeightSearch) else VALIDATIONS
     interval = max(config.timesteps // validations, min(config.timesteps, SHORTEST_VALIDATION_INTERVAL))
     every = max(interval // config.n_envs, 1)
-    validation = Validation(make_validation_env(config, threads), folder, every, VALIDATION_EPISODES)
-    logger = DeploymentLogger()
-    saving = checkpoints.Checkpoints(folder, record, training.checkpoint_interval, validation, logger, restored)
-    if restored:
-        validation.history = restored.history
-        if restored.policy is not None:
-            write_bytes(folder / runs.POLICY, sealed(restored.policy))
-    try:
-        with keeping(saving.kept), counting_bar(Console(stderr=True, quiet=not training.progress)) as bar:
-            task = bar.add_task("steps", total=config.timesteps, completed=config.timesteps - left)
-            shown = Call(lambda model: bar.advance(task, model.n_envs))
-            model.learn(left, CallbackList([logger, validation, shown, saving]), reset_num_timesteps=not restored)
-    finally:
-        model.logger.close()
-        validation.eval_env.close()
-        venv.close()
-    wall, stepping = time.perf_counter() - start, venv.unwrapped.stepping_time  # type: ignore[attr-defined]
-    timing = {
+    env = make_validation_env(config, training.threads)
+    return Validation(env, training.folder, every, VALIDATION_EPISODES, config)
+
+
+def _timing(model: Any, validation: Validation, wall: float) -> dict[str, float]:
+    stepping = model.env.unwrapped.stepping_time
+    return {
         "timesteps": model.num_timesteps,
         "wall_time_s": wall,
         "stepping_s": stepping,
         "validation_s": validation.wall_time,
         "learning_s": wall - stepping - validation.wall_time,
     }
-    runs.write_json(folder / runs.TIMING, timing)
 
 
 def has_checkpoint(folder: Path) -> bool:
@@ -155,13 +197,6 @@ def _source(resume: str | Path) -> str | Path | None:
     return begun_with
 
 
-def _steps_before(resume: str | Path | None, steps: int) -> int:
-    """Environment steps of the runs before: all of a complete one, those before its own of an interrupted one."""
-    if resume is None:
-        return 0
-    return steps if runs.is_complete(resume) else int(runs.read_config(resume)["timesteps_before"])
-
-
 def train_missing(
     wanted: Mapping[Path, Configuration],
     command: str,
@@ -178,12 +213,11 @@ def train_missing(
         ValueError: A run has another configuration.
     """
     for folder, config in wanted.items():
-        checkpoints.mend_config(folder)
         if (folder / runs.CONFIG).is_file() and asdict(stored_configuration(folder)) != runs.jsonable(asdict(config)):
             raise ValueError(f"{folder} holds a run with another configuration; choose another --out")
     for folder in wanted:
         if runs.is_complete(folder):
-            runs.check_policy(folder)
+            runs.best_policy(folder)
             runs.read_evaluations(folder)
     # One thread each and no bar of their own: they run side by side.
     missing = [

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import torch
 from stable_baselines3.common.base_class import BaseAlgorithm
-from stable_baselines3.common.buffers import NStepReplayBuffer
 from stable_baselines3.common.noise import NormalActionNoise
 from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
 from stable_baselines3.common.policies import ActorCriticPolicy
@@ -45,11 +44,27 @@ def make_model(config: Configuration, venv: VecEnv, device: str = "cpu") -> Base
     """Make a fresh model on `venv` with normalised rewards, whose networks see the observation's features.
 
     A search over weights has rewards as they are, and its policy sees the observation. The noise and the steps of ARS
-    fall linearly from those given to nothing.
+    fall linearly from those given to nothing, and so do the learning rates of the others.
 
-    With `first_weights` a linear policy begins as the searches do, see `WeightSearch`; SAC and TD3 act with the
-    hyperbolic tangent of its output.
+    The hyperparameters are keywords of the Stable-Baselines3 class and three more. With "first_weights" a linear policy
+    begins as the searches do, see `WeightSearch`; SAC and TD3 act with the hyperbolic tangent of its output.
+    "actor_learning_rate" of SAC and TD3 is in place of the "learning_rate", which is then the critics' alone, and
+    "exploration_noise" is the standard deviation of their action noise.
+
+    Raises:
+        ValueError: The algorithm refuses its hyperparameters.
     """
+    try:
+        return _made(config, venv, device)
+    except Exception as error:  # of values that nobody has thought of the libraries may raise anything
+        reason = " ".join(str(error).split())[:300] or type(error).__name__
+        raise ValueError(
+            f"{config.algo} refuses its hyperparameters {config.hyperparameters} ({reason}); change them by "
+            f"--hyperparams or in agents/configs/{config.algo}.json"
+        ) from error
+
+
+def _made(config: Configuration, venv: VecEnv, device: str) -> BaseAlgorithm:
     seed = episode_seeds("training", config.seed, 1)[0]
     cls: Any = runs.algorithm(config.algo)
     hyperparameters = dict(config.hyperparameters)
@@ -60,12 +75,11 @@ def make_model(config: Configuration, venv: VecEnv, device: str = "cpu") -> Base
             if name in hyperparameters:
                 hyperparameters[name] = LinearSchedule(hyperparameters[name], 0.0, 1.0)
         return cls("LinearPolicy", unchanged, seed=seed, device=device, **hyperparameters)
+    settings = environment_settings(config.env_id, config.env_kwargs)
     hyperparameters["policy_kwargs"] = {
         **hyperparameters.get("policy_kwargs", {}),
         "features_extractor_class": DriveFeatures,
-        "features_extractor_kwargs": {
-            "features": observation_features(environment_settings(config.env_id, config.env_kwargs).observation_names)
-        },
+        "features_extractor_kwargs": {"features": observation_features(settings.observation_names)},
     }
     actor_rate = hyperparameters.pop("actor_learning_rate", None)
     if actor_rate is not None:
@@ -75,15 +89,12 @@ def make_model(config: Configuration, venv: VecEnv, device: str = "cpu") -> Base
     if noise is not None:
         nothing = np.zeros(venv.action_space.shape or ())
         hyperparameters["action_noise"] = NormalActionNoise(nothing, nothing + noise)
-    gamma = hyperparameters.get("gamma", 0.99)
-    normalized = VecNormalize(venv, norm_obs=False, gamma=gamma)
+    normalized = VecNormalize(venv, norm_obs=False, gamma=hyperparameters.get("gamma", 0.99))
     # Returns scatter so much that steps of constant size would end in a random walk. The rate given is that of the
     # first update, which PPO makes at the end of the first rollout; after the last update it would be zero.
     rate, step = hyperparameters["learning_rate"], 0.0
     if issubclass(cls, OnPolicyAlgorithm):
         step = rate / math.ceil(config.timesteps / (config.n_envs * hyperparameters["n_steps"]))
-    else:
-        _use_n_step_returns(hyperparameters, gamma)
     hyperparameters["learning_rate"] = LinearSchedule(rate + step, step, 1.0)
     model = cls("MlpPolicy", normalized, seed=seed, device=device, **hyperparameters)
     if actor_rate is not None:
@@ -96,14 +107,6 @@ def make_model(config: Configuration, venv: VecEnv, device: str = "cpu") -> Base
             layer.weight.data = torch.as_tensor(weights, dtype=layer.weight.dtype)[None]
             torch.nn.init.zeros_(layer.bias)
     return model
-
-
-def _use_n_step_returns(hyperparameters: dict[str, Any], gamma: float) -> None:
-    """Name the replay buffer that "n_steps" asks for, without which Stable-Baselines3 warns when it loads."""
-    n_steps = hyperparameters.pop("n_steps", 1)
-    if n_steps > 1:
-        hyperparameters["replay_buffer_class"] = NStepReplayBuffer
-        hyperparameters["replay_buffer_kwargs"] = {"n_steps": n_steps, "gamma": gamma}
 
 
 def _actor_layers(model: BaseAlgorithm) -> list[torch.nn.Linear]:

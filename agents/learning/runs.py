@@ -1,39 +1,26 @@
-"""Run folders: the files that a training run leaves, and the loading of its policy."""
+"""Run folders: the files that a training run leaves, none of which executes anything when it is read."""
 
-import io
 import json
 import re
-import warnings
 from collections.abc import Mapping
-from contextlib import suppress
+from dataclasses import dataclass, fields
 from datetime import datetime
 from pathlib import Path
 from typing import Any
 
 import gymnasium
 import numpy as np
-import torch
 from stable_baselines3 import PPO, SAC, TD3
 from stable_baselines3.common.base_class import BaseAlgorithm
 
-from agents.environments import NAMESPACE, environment_settings, make_env
-from agents.learning.trust import (
-    SEAL,
-    DamagedFileError,
-    UntrustedFileError,
-    check_record,
-    sealed,
-    sealed_record,
-    trust,
-    unsealed,
-)
+from agents.environments import NAMESPACE
 from agents.learning.weight_search import CMAES, WeightSearch
-from agents.torque_laws import Signals
-from solar_env.support.files import check_name, make_folder, write_bytes, write_text
-from solar_env.support.interruption import deaf
+from agents.policies import shipped
+from agents.policies.policy import ShippedPolicy
+from solar_env.support.field_types import check_types
+from solar_env.support.files import check_name, make_folder, write_text
 from solar_env.support.numbers import is_whole_number
 from solar_env.support.plain_arrays import read_arrays, read_json
-from solar_env.support.rules import Rule, check_values
 
 LIBRARIES = ("gymnasium", "stable-baselines3", "torch")  # whose versions policies depend on, beside those of all
 ALGORITHMS: dict[str, type[BaseAlgorithm]] = {
@@ -44,26 +31,65 @@ ALGORITHMS: dict[str, type[BaseAlgorithm]] = {
     "cma-es": CMAES,
 }
 
-_RULES = (
-    Rule(("algo",), lambda value: value in [*ALGORITHMS], f"one of {', '.join(ALGORITHMS)}"),
-    Rule(
-        ("env_id",),
-        lambda value: isinstance(value, str) and value.startswith(NAMESPACE),
-        "an environment of solar_env",
-    ),
-    Rule(("command",), lambda value: isinstance(value, str), "a text"),
-    Rule(("env_kwargs", "hyperparameters", "versions"), lambda value: isinstance(value, dict), "a mapping"),
-    Rule(("n_envs", "timesteps"), lambda value: is_whole_number(value, 1), "a positive whole number"),
-    Rule(("seed", "timesteps_before"), lambda value: is_whole_number(value, 0), "a whole number, not negative"),
-    Rule(("resumed_from",), lambda value: value is None or isinstance(value, str), "a folder or null"),
-)
-
 CONFIG = "config.json"
-POLICY = "policy.zip"
-CHECKPOINTS = ("checkpoint.pkl", "checkpoint-previous.pkl")  # newest first
+POLICY = (shipped.ARRAYS, shipped.DESCRIPTION)  # of the best policy
+CHECKPOINTS = ("checkpoint.npz", "checkpoint-previous.npz")  # newest first
 EVALUATIONS = "evaluations.npz"
 HISTORY = ("timesteps", "results", "ep_lengths")  # its arrays
 TIMING = "timing.json"  # written last: the run is complete
+
+
+class DamagedFileError(ValueError):
+    """A file that is not as it was written."""
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """Complete settings of a training run: it follows from these alone.
+
+    Attributes:
+        algo: Name of the algorithm, one of `ALGORITHMS`.
+        env_id: Environment id.
+        env_kwargs: Environment keywords, with the ranges to randomise.
+        seed: Run seed; networks, exploration and episodes follow from it.
+        n_envs: Environments stepped together.
+        timesteps: Environment steps to train for; those of a run that goes on with a complete one come on top of its.
+        hyperparameters: Keywords of the Stable-Baselines3 class, and those of `agents.learning.models.make_model`.
+
+    Raises:
+        ValueError: On construction, for a value of another kind, an unknown algorithm, or no environment of this
+            project.
+    """
+
+    algo: str
+    env_id: str
+    env_kwargs: dict[str, Any]
+    seed: int
+    n_envs: int
+    timesteps: int
+    hyperparameters: dict[str, Any]
+
+    def __post_init__(self) -> None:
+        check_types(self)
+        algorithm(self.algo)
+        if not self.env_id.startswith(NAMESPACE):
+            raise ValueError(f"env_id is {self.env_id!r}; give an environment of solar_env")
+        for name in ("n_envs", "timesteps"):
+            if getattr(self, name) < 1:
+                raise ValueError(f"{name} is {getattr(self, name)}; give a positive number")
+
+
+@dataclass(frozen=True)
+class _Origin:
+    """What a configuration file says beside the configuration."""
+
+    command: str
+    versions: dict[str, Any]
+    resumed_from: str | None
+    timesteps_before: int
+
+    def __post_init__(self) -> None:
+        check_types(self)
 
 
 def algorithm(name: str) -> type[BaseAlgorithm]:
@@ -97,60 +123,42 @@ def write_json(path: Path, content: Any) -> None:
     write_text(path, json.dumps(content, indent=2, allow_nan=False) + "\n")
 
 
-def write_config(folder: Path, record: Mapping[str, Any]) -> None:
-    """Write the configuration of a run, sealed as one that was made on this account."""
-    write_json(folder / CONFIG, sealed_record(record))
-
-
-class Record(dict[str, Any]):
-    """Content of a run's configuration file: a DamagedFileError tells what is asked for and not there."""
-
-    def __init__(self, values: Mapping[str, Any], path: Path) -> None:
-        super().__init__(values)
-        self._path = path
-
-    def __missing__(self, name: str) -> Any:
-        raise DamagedFileError(f"{self._path} says nothing of {name}: an older version trained it; train it anew")
-
-
-def read_config(folder: str | Path) -> Record:
-    """Read the configuration of the run in `folder`.
+def read_config(folder: str | Path) -> dict[str, Any]:
+    """Read the configuration of the run in `folder`, with its command, versions and origin.
 
     Raises:
         FileNotFoundError: `folder` is not a run folder.
         DamagedFileError: The file is not whole, describes no run, or has a value of another kind.
-        UntrustedFileError: The run was not made on this account, and not taken over by `trust_run`.
     """
     path = Path(folder) / CONFIG
     if not path.is_file():
         raise FileNotFoundError(f"{folder} is not a run folder: it has no {CONFIG}; train.py writes such folders")
     try:
         record = read_json(path)
+        if not isinstance(record, dict):
+            raise ValueError(f"{path} describes no training run; name a folder that train.py has written")
+        for kind in (Configuration, _Origin):
+            names = [field.name for field in fields(kind)]
+            for name in names:
+                if name not in record:
+                    raise ValueError(f"{path} says nothing of {name}; train the run anew")
+            try:
+                kind(**{name: record[name] for name in names})
+            except ValueError as error:
+                raise ValueError(f"{path}: {error}, or train the run anew") from error
     except ValueError as error:
         raise DamagedFileError(str(error)) from error
-    if not isinstance(record, dict) or not {"env_id", "env_kwargs", "algo"} <= set(record):
-        raise DamagedFileError(f"{path} describes no training run; name a folder that train.py has written")
-    check_record(record, path)
-    if record.get("residual"):
-        raise DamagedFileError(f"{path} is of an agent that adds to a law, as none does any more; train anew")
-    try:
-        check_values(record, _RULES)
-    except ValueError as error:
-        raise DamagedFileError(f"{path}: {error}, or train the run anew") from error
-    return Record({name: value for name, value in record.items() if name != SEAL}, path)
+    return record
 
 
-def trust_run(folder: str | Path) -> None:
-    """Take over a run that was made elsewhere: seal its files as this user's. Only for runs whose author you trust.
+def stored_configuration(folder: str | Path) -> Configuration:
+    """Read the configuration of the run in `folder`.
 
     Raises:
-        FileNotFoundError: `folder` is not a run folder.
-        DamagedFileError: One of its files is not whole.
-        OSError: A file cannot be written.
+        FileNotFoundError, DamagedFileError: As `read_config`.
     """
-    with suppress(UntrustedFileError):
-        read_config(folder)
-    trust(Path(folder), CONFIG, (POLICY, *CHECKPOINTS))
+    stored = read_config(folder)
+    return Configuration(**{field.name: stored[field.name] for field in fields(Configuration)})
 
 
 def is_complete(folder: str | Path) -> bool:
@@ -177,40 +185,6 @@ def steps_taken(folder: str | Path) -> int:
     return int(steps)
 
 
-def policy_path(folder: str | Path) -> Path:
-    """Return the file of the best policy of the run in `folder`.
-
-    Raises:
-        FileNotFoundError: There is no run, or it was interrupted before its first validation.
-    """
-    read_config(folder)
-    path = Path(folder) / POLICY
-    if not path.is_file():
-        raise FileNotFoundError(f"{folder} has no {POLICY}; the run ended before its first validation, resume it")
-    return path
-
-
-def check_policy(folder: str | Path) -> None:
-    """Refuse a run whose policy cannot be loaded, before any work that needs it.
-
-    Raises:
-        FileNotFoundError, DamagedFileError, UntrustedFileError: As `load_policy`.
-    """
-    _saved_policy(folder)
-
-
-def _saved_policy(folder: str | Path) -> BaseAlgorithm:
-    path, config = policy_path(folder), read_config(folder)
-    model = loaded_model(config["algo"], io.BytesIO(unsealed(path)), path, device="cpu")
-    observed = environment_settings(config["env_id"], config["env_kwargs"]).observation_space()
-    if model.observation_space != observed:
-        entries, others = (space.shape for space in (model.observation_space, observed))
-        raise DamagedFileError(
-            f"{path} observes {entries} values that are not the {others} of the {CONFIG} beside it; train anew"
-        )
-    return model
-
-
 def read_evaluations(folder: Path) -> dict[str, np.ndarray]:
     """Read the history of a run's validations: steps (n,), and returns and lengths (n, episodes).
 
@@ -228,62 +202,47 @@ def read_evaluations(folder: Path) -> dict[str, np.ndarray]:
     return arrays
 
 
-def save_policy(folder: Path, model: BaseAlgorithm) -> None:
-    """Write the network as the best one of the run in `folder`."""
-    file = io.BytesIO()
-    with deaf():  # torch takes an interruption for a fault of its own
-        model.save(file)
-        write_bytes(folder / POLICY, sealed(file.getvalue()))
-
-
-def load_policy(folder: str | Path, env: gymnasium.Env) -> BaseAlgorithm:
-    """Load the best policy of the run in `folder`, for use on `env`: a pickle, of runs of this account alone.
+def best_policy(folder: str | Path) -> ShippedPolicy:
+    """Read the best policy of the run in `folder`.
 
     Raises:
         FileNotFoundError: There is no run, or it was interrupted before its first validation.
-        DamagedFileError: The policy's file is not whole, or other versions wrote it.
-        UntrustedFileError: The run was not made on this account, see `trust_run`.
-        ValueError: Observations or actions of `env` have another meaning than in training.
+        DamagedFileError: A file is not whole; the message names it.
     """
-    policy, config = _saved_policy(folder), read_config(folder)
-    with make_env(config["env_id"], config["env_kwargs"]) as trained:
-        Signals.of(trained).check(env, f"{config['env_id']} with {config['env_kwargs']}")
-    return policy
+    if not (Path(folder) / shipped.DESCRIPTION).is_file():
+        read_config(folder)
+        raise FileNotFoundError(f"{folder} has no policy; the run ended before its first validation, resume it")
+    try:
+        return shipped.load_shipped(Path(folder).resolve())
+    except ValueError as error:
+        raise DamagedFileError(f"{error}; resume the run, or train it anew") from error
 
 
-def loaded_model(algo: str, file: io.BytesIO, source: str | Path, **keywords: Any) -> BaseAlgorithm:
-    """Load what Stable-Baselines3 saved of a model; keywords are those of its `load`, `source` is told in errors.
+def load_policy(folder: str | Path, env: gymnasium.Env) -> ShippedPolicy:
+    """Load the best policy of the run in `folder`, for use on `env`.
 
     Raises:
-        DamagedFileError: It is damaged, of another algorithm, or these versions cannot load it.
+        FileNotFoundError, DamagedFileError: As `best_policy`.
+        ValueError: Observations or actions of `env` have another meaning than in training.
     """
-    kind = algorithm(algo)
-    try:
-        with warnings.catch_warnings():
-            warnings.filterwarnings("error", "Could not deserialize")
-            return kind.load(file, **keywords)
-    except Exception as error:  # of what other versions saved, unpickling may raise anything
-        reason = " ".join(str(error).replace(f"the file {file!r}", "it").split())[:200]
-        raise DamagedFileError(
-            f"{source} holds no model of {algo} that these versions can load ({reason}); train anew, or install the "
-            f"versions that its {CONFIG} names"
-        ) from error
+    policy = best_policy(folder)
+    policy.check(env)
+    return policy
 
 
 def linear_weights(folder: str | Path, env: gymnasium.Env) -> list[float]:
     """Weights of the best policy of a search over weights, to begin another training on `env` with.
 
     Raises:
-        FileNotFoundError, DamagedFileError, UntrustedFileError: As `load_policy`.
+        FileNotFoundError, DamagedFileError: As `load_policy`.
         ValueError: The run was no such search, or observations or actions of `env` have another meaning.
     """
-    model = load_policy(folder, env)
-    if not isinstance(model, WeightSearch):
+    policy = load_policy(folder, env)
+    algo = policy.description.algorithm
+    if not issubclass(algorithm(algo), WeightSearch):
         searches = ", ".join(name for name, cls in ALGORITHMS.items() if issubclass(cls, WeightSearch))
-        raise ValueError(
-            f"{folder} is a run of {read_config(folder)['algo']}; training can begin with one of {searches}"
-        )
-    return torch.nn.utils.parameters_to_vector(model.policy.parameters()).tolist()
+        raise ValueError(f"{folder} is a run of {algo}; training can begin with one of {searches}")
+    return policy.network.layers[-1].weights.ravel().tolist()
 
 
 def jsonable(mapping: Mapping[str, Any]) -> dict[str, Any]:

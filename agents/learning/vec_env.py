@@ -12,6 +12,7 @@ from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvObs, VecEnvStepReturn
 
 from agents.environments import DEFAULT_ENV_ID, make_vector_env
+from agents.learning.storage import rebuilt
 
 
 class NativeVecEnv(VecEnv):
@@ -72,6 +73,22 @@ class NativeVecEnv(VecEnv):
             info["TimeLimit.truncated"] = truncated and not terminated
         self.stepping_time += time.perf_counter() - start
         return observations, rewards.astype(np.float32), dones, told
+
+    @property
+    def lanes(self) -> dict[str, Any]:
+        """All that the episodes go on from, in values that `storage` keeps; it can be set, once they have begun."""
+        env = self.env.unwrapped
+        episodes = [env.lane(lane).save_episode() for lane in range(self.num_envs)]
+        return {"episodes": episodes, "generators": list(env.np_random), "seeds": self._seeds}
+
+    @lanes.setter
+    def lanes(self, lanes: Mapping[str, Any]) -> None:
+        env = self.env.unwrapped
+        for number, (episode, generator) in enumerate(zip(lanes["episodes"], lanes["generators"], strict=True)):
+            lane = env.lane(number)
+            lane.restore_episode(rebuilt(lane.save_episode(), episode))
+            env.draw_from(number, generator)
+        self._seeds = lanes["seeds"]
 
     def close(self) -> None:
         """Stop the threads."""

@@ -38,38 +38,16 @@ class WeightSearch(ARS):
     of the observation: the first two of "landing" are the shares of the way there and of the landing.
 
     Args:
-        policy, env, n_delta, n_top, learning_rate, delta_std, seed, device: See `sb3_contrib.ARS`.
         first_weights: Weights of the first entries at the beginning, one or more, all others being zero.
+        keywords: See `sb3_contrib.ARS`.
 
     Raises:
         ValueError: on construction, if there are more weights than entries.
     """
 
-    def __init__(
-        self,
-        policy: Any,
-        env: Any,
-        n_delta: int = 8,
-        n_top: int | None = None,
-        learning_rate: Any = 0.02,
-        delta_std: Any = 0.05,
-        first_weights: float | Sequence[float] = 0.0,
-        seed: int | None = None,
-        device: str = "cpu",
-        _init_setup_model: bool = True,
-    ) -> None:
+    def __init__(self, policy: Any, env: Any, first_weights: float | Sequence[float] = 0.0, **keywords: Any) -> None:
         self.first_weights = first_weights
-        super().__init__(
-            policy,
-            env,
-            n_delta=n_delta,
-            n_top=n_top,
-            learning_rate=learning_rate,
-            delta_std=delta_std,
-            seed=seed,
-            device=device,
-            _init_setup_model=_init_setup_model,
-        )
+        super().__init__(policy, env, **keywords)
 
     def _setup_model(self) -> None:
         super()._setup_model()
@@ -80,6 +58,15 @@ class WeightSearch(ARS):
         vector = np.asarray(weights, dtype=np.float32)
         self.weights: Any = torch.from_numpy(vector)
         self.policy.load_from_vector(vector)
+
+    @property
+    def progress(self) -> dict[str, Any]:
+        """All that the search goes on from but the policy's weights; of ARS nothing."""
+        return {}
+
+    @progress.setter
+    def progress(self, progress: dict[str, Any]) -> None:
+        pass
 
     def set_parameters(self, *args: Any, **kwargs: Any) -> None:
         """Load parameters, see `BaseAlgorithm`; the search goes on from the policy's weights."""
@@ -135,11 +122,11 @@ class CMAES(WeightSearch):
     rounds too, which are beyond the steps asked for. As many environments as candidates waste no time.
 
     Args:
-        policy, env, first_weights, seed, device: See `WeightSearch`.
         population: Candidates of a generation.
         deviation: Standard deviation of every weight in the first generation.
         generations_between: Generations from one round to the next.
         finalists: Candidates that have a round beside the mean.
+        keywords: See `WeightSearch`.
     """
 
     def __init__(
@@ -150,34 +137,47 @@ class CMAES(WeightSearch):
         deviation: float = 0.1,
         generations_between: int = 22,
         finalists: int = 2,
-        first_weights: float | Sequence[float] = 0.0,
-        seed: int | None = None,
-        device: str = "cpu",
-        _init_setup_model: bool = True,
+        **keywords: Any,
     ) -> None:
         self.population, self.deviation = population, deviation
         self.generations_between, self.finalists = generations_between, finalists
-        self.search: Any = None
-        self.rounds = 0
-        super().__init__(
-            policy, env, first_weights=first_weights, seed=seed, device=device, _init_setup_model=_init_setup_model
-        )
+        super().__init__(policy, env, **keywords)
 
     def _setup_model(self) -> None:
         super()._setup_model()
-        if self.search is None:  # else a saved search is being loaded
-            # Left to itself pycma draws from NumPy's global generator.
-            options: dict[str, Any] = {"popsize": self.population, "seed": np.nan, "verbose": -9}
-            options["randn"] = np.random.RandomState(self.seed).randn
-            self.search = cma.CMAEvolutionStrategy(self.weights.numpy().astype(float), self.deviation, options)
-            self.seen: list[tuple[float, np.ndarray]] = []
-            self.best_return: float = -math.inf
+        # Left to itself pycma draws from NumPy's global generator.
+        options: dict[str, Any] = {"popsize": self.population, "seed": np.nan, "verbose": -9}
+        options["randn"] = np.random.RandomState(self.seed).randn
+        self.search: Any = cma.CMAEvolutionStrategy(self.weights.numpy().astype(float), self.deviation, options)
+        self.told: list[np.ndarray] = []
+        self.seen: list[tuple[float, np.ndarray]] = []
+        self.best_return: float = -math.inf
+        self.rounds = 0
+
+    @property
+    def progress(self) -> dict[str, Any]:
+        """All that the search goes on from but the policy's weights.
+
+        A fresh search that is told the same returns once more comes to the same distribution, and so to the same bits.
+        """
+        told = np.array(self.told).reshape(-1, self.population)
+        return {"told": told, "since": len(self.seen), "best_return": self.best_return, "rounds": self.rounds}
+
+    @progress.setter
+    def progress(self, progress: dict[str, Any]) -> None:
+        for returns in progress["told"]:
+            self._tell(self.search.ask(), returns)
+        self.seen = self.seen[len(self.seen) - progress["since"] :]
+        self.best_return, self.rounds = progress["best_return"], progress["rounds"]
+
+    def _tell(self, asked: Sequence[np.ndarray], returns: np.ndarray) -> None:
+        self.search.tell(asked, (-returns).tolist())
+        self.told.append(returns)
+        self.seen += zip(returns.tolist(), asked, strict=True)
 
     def _update(self, callback: BaseCallback, async_eval: AsyncEval | None) -> None:
         asked = self.search.ask()
-        returns = self._evaluated(asked, callback)
-        self.search.tell(asked, (-returns).tolist())
-        self.seen += zip(returns.tolist(), asked, strict=True)
+        self._tell(asked, self._evaluated(asked, callback))
         self._n_updates += 1
         is_last = self.num_timesteps >= self._total_timesteps
         if self._n_updates % self.generations_between == 0 or is_last:

@@ -13,7 +13,7 @@ from solar_env.support.markdown import markdown_table
 def card(name: str, config: dict[str, Any], policy: ShippedPolicy, env: Any, scores: str, difference: float) -> str:
     """Write the card of the policy `name`, from the configuration of its run and the environment that it learned on.
 
-    `env` is unwrapped, `scores` are in Markdown, `difference` is the greatest of its actions from Stable-Baselines3's.
+    `env` is unwrapped, `scores` are in Markdown, `difference` is the greatest of the ONNX form's actions from its own.
     """
     parts = [
         f"# {name}\n\nA controller of the hinge motor for `{config['env_id']}`, trained by "
@@ -87,9 +87,8 @@ def _limits(policy: ShippedPolicy, env: Any) -> str:
 def _use(name: str, policy: ShippedPolicy, found: float) -> str:
     return f"""## Use
 
-In NumPy, without PyTorch; nothing is unpickled. Along a deployment and over random observations its network's actions,
-and those of the ONNX form, differ by up to {found:.1e} from Stable-Baselines3's. With clearance even that changes
-single impacts: compare means over episodes.
+In NumPy, without PyTorch; nothing is unpickled. Along a deployment and over random observations the actions of the
+ONNX form differ by up to {found:.1e}. With clearance even that changes single impacts: compare means over episodes.
 
 ```python
 from agents.environments import make_env

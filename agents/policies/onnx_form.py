@@ -1,4 +1,4 @@
-"""The network of a policy as an ONNX model, and its parity with the model that the network comes from."""
+"""The network of a policy as an ONNX model, and the parity of the two."""
 
 from typing import Any
 
@@ -7,7 +7,6 @@ import onnxruntime
 from onnx import TensorProto, checker, helper, numpy_helper
 
 from agents.policies.network import PolicyNetwork
-from agents.torque_laws import Controller
 
 OPSET = 17
 IR_VERSION = 8  # the one that came with the opset, so that runtimes as old as the opset read the file
@@ -64,15 +63,12 @@ def onnx_model(network: PolicyNetwork) -> Any:
     return model
 
 
-def difference(network: PolicyNetwork, onnx_bytes: bytes, model: Controller, observations: np.ndarray) -> float:
-    """Return the greatest difference of the actions of a network, and of its ONNX form, from those of their model.
+def difference(network: PolicyNetwork, onnx_bytes: bytes, observations: np.ndarray) -> float:
+    """Return the greatest difference of the actions of the ONNX form of a network from its own.
 
     The observations (n, entries) are tried together and one by one.
     """
     session = onnxruntime.InferenceSession(onnx_bytes)
-    found = []
-    for batch in (observations, *observations[:, None]):
-        expected, _ = model.predict(batch, deterministic=True)
-        for actions in (network.act(batch), session.run(["action"], {"observation": batch})[0]):
-            found.append(np.max(np.abs(actions - expected)))
-    return float(np.max(found))
+    batches = (observations, *observations[:, None])
+    found = [session.run(["action"], {"observation": batch})[0] - network.act(batch) for batch in batches]
+    return max(float(np.max(np.abs(each))) for each in found)

@@ -8,43 +8,12 @@ import numpy as np
 
 from agents.policies.network import PolicyNetwork
 from agents.torque_laws import DeterministicController, Signals
-from solar_env.support.numbers import is_number, is_whole_number
-from solar_env.support.rules import Rule, check_values
-
-
-def _is_finite(value: Any) -> bool:
-    return is_number(value) and abs(value) < 1e300
-
-
-_RULES = (
-    Rule(("algorithm", "activation", "output"), lambda value: isinstance(value, str), "a name"),
-    # Gymnasium imports what stands before a colon.
-    Rule(
-        ("env_id",),
-        lambda value: isinstance(value, str) and ":" not in value,
-        "an environment id that names no module",
-    ),
-    Rule(("feature_limit",), _is_finite, "a number"),
-    Rule(
-        ("torque_limit", "deadline", "control_period", "postlock_window"),
-        lambda value: _is_finite(value) and value > 0.0,
-        "a positive number",
-    ),
-    Rule(("mean_limit",), lambda value: value is None or _is_finite(value), "a number or null"),
-    Rule(("training_steps",), lambda value: is_whole_number(value, 0), "a whole number, not negative"),
-    Rule(("env_kwargs",), lambda value: isinstance(value, dict), "a mapping"),
-    Rule(
-        ("observation_names",),
-        # They stand in the comment of a C header.
-        lambda value: isinstance(value, tuple) and all(isinstance(name, str) and name.isidentifier() for name in value),
-        "a list of names of letters, digits and underscores",
-    ),
-)
+from solar_env.support.field_types import check_types
 
 
 @dataclass(frozen=True)
 class Description:
-    """Content of `policy.json`: all of a shipped policy but the network's arrays.
+    """Content of `policy.json`: all of a trained policy but the network's arrays.
 
     Attributes:
         algorithm: Name in `agents.learning.runs.ALGORITHMS`.
@@ -52,8 +21,12 @@ class Description:
         training_steps: Environment steps of its training, with those of the runs that it was resumed from.
         env_id: Environment that it was trained on.
         env_kwargs: Keywords of that environment.
-        observation_names: Name of every entry, in order.
+        observation_names: Name of every entry, in order; they stand in the comment of a C header.
         torque_limit, deadline, control_period, postlock_window: See `Signals`.
+
+    Raises:
+        ValueError: On construction, for a value of another kind, a module in the environment's id, or a unit that is
+            not positive.
     """
 
     algorithm: str
@@ -71,7 +44,12 @@ class Description:
     postlock_window: float
 
     def __post_init__(self) -> None:
-        check_values(vars(self), _RULES)
+        check_types(self)
+        if ":" in self.env_id:  # Gymnasium imports what stands before it
+            raise ValueError(f"env_id is {self.env_id!r}; give an environment id that names no module")
+        for name in ("torque_limit", "deadline", "control_period", "postlock_window"):
+            if getattr(self, name) <= 0.0:
+                raise ValueError(f"{name} is {getattr(self, name)}; give a positive number")
 
     @property
     def signals(self) -> Signals:
@@ -90,14 +68,10 @@ class ShippedPolicy(DeterministicController):
 
     def __init__(self, network: PolicyNetwork, description: Description) -> None:
         names = description.observation_names
-        if network.inputs != len(names):
+        if (network.inputs, network.outputs) != (len(names), 1):
             raise ValueError(
-                f"layer 1: weights have shape {network.layers[0].weights.shape}; expected {len(names)} inputs, one for "
-                f"each of the observation's {', '.join(names)}"
-            )
-        if network.outputs != 1:
-            raise ValueError(
-                f"layer {len(network.layers)}: there are {network.outputs} outputs; expected 1, the torque"
+                f"the layers map {network.inputs} inputs to {network.outputs} outputs; expected {len(names)} inputs, "
+                f"one for each of the observation's {', '.join(names)}, and 1 output, the action"
             )
         self.network = network
         self.description = description

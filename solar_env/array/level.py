@@ -1,4 +1,4 @@
-"""The level of the model as a word: panels rigid or flexible, joints ideal or with clearance, fineness of the panels."""
+"""The level of the model as a word: panels rigid or flexible and how fine, joints ideal or with clearance."""
 
 from __future__ import annotations
 

@@ -268,6 +268,10 @@ class Episodes:
         """The physical figures of an episode; see `figures.episode_figures`."""
         return episode_figures(self.batch.simulations[lane], self.settings.task.driven_joints)
 
+    def draw_from(self, lane: int, generator: np.random.Generator) -> None:
+        """Let a generator draw the noise of a lane's sensors from now on."""
+        self._sensors.draw_from(lane, generator)
+
     def close(self) -> None:
         """End the threads."""
         if self._batch is not None:

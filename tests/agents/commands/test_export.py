@@ -6,110 +6,28 @@ from dataclasses import replace
 import numpy as np
 import onnxruntime
 import pytest
-from stable_baselines3 import PPO, SAC, TD3
-from stable_baselines3.common.torch_layers import BaseFeaturesExtractor, FlattenExtractor
-from torch import nn
-from trained import COMMAND, QUICK, TRAINED, random_observations
+from trained import COMMAND, TRAINED, random_observations
 
 from agents.commands import export
 from agents.environments import make_env
 from agents.learning import runs
-from agents.learning.features import DriveFeatures, observation_features
 from agents.policies import onnx_form, shipped
-from agents.policies.shipped import Layer, load_shipped
+from agents.policies.shipped import load_shipped
 from solar_env.__main__ import execute
 from solar_env.support.files import new_folder
 
 
 @pytest.mark.parametrize("name", TRAINED)
-def test_a_shipped_network_acts_as_stable_baselines3_in_numpy_and_in_onnx(finished, name):
+def test_a_shipped_network_acts_as_the_runs_own_in_numpy_and_in_onnx(finished, name):
     run, folder = finished[name]
     observations = random_observations(500)
     network, env = load_shipped(folder).network, make_env(env_kwargs=runs.read_config(run)["env_kwargs"])
-    expected, _ = runs.load_policy(run, env).predict(observations, deterministic=True)
-    actions, _ = network.predict(observations)
-    assert (actions.shape, actions.dtype) == ((500, 1), np.float32)
-    np.testing.assert_allclose(actions, expected, rtol=0.0, atol=1e-6)
-    one, _ = network.predict(observations[3])
-    assert one.shape == (1,)
-    np.testing.assert_allclose(one, expected[3], rtol=0.0, atol=1e-6)
+    actions, _ = runs.load_policy(run, env).predict(observations)
+    np.testing.assert_array_equal(network.predict(observations)[0], actions)
     session = onnxruntime.InferenceSession(folder / shipped.ONNX)
     for batch in (observations, observations[:1]):
         (found,) = session.run(["action"], {"observation": batch})
         np.testing.assert_allclose(found, network.predict(batch)[0], rtol=0.0, atol=1e-6)
-
-
-def untrained(cls, **keywords):
-    env = make_env(env_kwargs={"model": "rigid-ideal", "observation": "drive"})
-    features = {
-        "features_extractor_class": DriveFeatures,
-        "features_extractor_kwargs": {"features": observation_features(env.unwrapped.observation_names)},
-    }
-    kwargs = {"net_arch": [32, 16], **features, **keywords.pop("policy_kwargs", {})}
-    return cls("MlpPolicy", env, policy_kwargs=kwargs, seed=3, device="cpu", **keywords)
-
-
-def last_linear(model):
-    policy = model.policy
-    output = policy.action_net if isinstance(model, PPO) else policy.actor.mu
-    return [module for module in output.modules() if isinstance(module, nn.Linear)][-1]
-
-
-KINDS = [
-    (PPO, {}, "tanh", "clip", None),
-    (PPO, {"use_sde": True}, "tanh", "clip", None),
-    (PPO, {"use_sde": True, "policy_kwargs": {"squash_output": True}}, "tanh", "tanh", None),
-    (PPO, {"policy_kwargs": {"activation_fn": nn.ReLU, "net_arch": []}}, "tanh", "clip", None),
-    (SAC, {}, "relu", "tanh", None),
-    (SAC, {"use_sde": True}, "relu", "tanh", 2.0),
-    (SAC, {"use_sde": True, "policy_kwargs": {"clip_mean": 1.2}}, "relu", "tanh", 1.2),
-    (TD3, {}, "relu", "tanh", None),
-    (TD3, {"policy_kwargs": {"activation_fn": nn.Tanh}}, "tanh", "tanh", None),
-]
-
-
-@pytest.mark.parametrize(("cls", "keywords", "activation", "output", "mean_limit"), KINDS)
-def test_means_beyond_the_limits_are_handled_as_the_algorithm_does(cls, keywords, activation, output, mean_limit):
-    model = untrained(cls, **keywords)
-    last = last_linear(model)
-    last.weight.data *= 2.0 / last.weight.data.norm()
-    last.bias.data += 1.2
-    network = export.network_of(model)
-    assert (network.activation, network.output) == (activation, output)
-    assert network.mean_limit == mean_limit
-    observations = random_observations(2000)
-    expected, _ = model.predict(observations, deterministic=True)
-    greatest = 1.0 if output == "clip" else np.tanh(mean_limit or 9.0)
-    assert expected.max() == pytest.approx(greatest, abs=0.05)
-    assert expected.min() < 0.9 * greatest
-    actions, _ = network.predict(observations)
-    np.testing.assert_allclose(actions, expected, rtol=0.0, atol=1e-6)
-    session = onnxruntime.InferenceSession(onnx_form.onnx_model(network).SerializeToString())
-    np.testing.assert_allclose(session.run(None, {"observation": observations})[0], actions, rtol=0.0, atol=1e-6)
-
-
-class Doubling(BaseFeaturesExtractor):
-    def __init__(self, observation_space):
-        super().__init__(observation_space, observation_space.shape[0])
-
-    def forward(self, observations):
-        return 2.0 * observations
-
-
-@pytest.mark.parametrize(
-    ("keywords", "message"),
-    [
-        ({"activation_fn": nn.ELU}, "computes DriveFeatures, Linear, ELU, Linear, ELU, Linear; exported can be"),
-        ({"features_extractor_class": Doubling, "features_extractor_kwargs": {}}, "computes Doubling, Linear"),
-        (
-            {"features_extractor_class": FlattenExtractor, "features_extractor_kwargs": {}},
-            "computes FlattenExtractor, Linear.*exported can be .* layers on the features of agents.learning.features",
-        ),
-    ],
-)
-def test_policies_of_another_kind_are_refused(keywords, message):
-    with pytest.raises(ValueError, match=message):
-        export.network_of(untrained(PPO, policy_kwargs=keywords))
 
 
 def test_the_card_tells_how_the_policy_came_about_and_its_snippets_run(finished, monkeypatch, capsys):
@@ -137,7 +55,7 @@ def test_the_card_of_one_of_several_seeds_has_its_scores_alone_and_without_any_i
     measured, folder = finished["linear"]
     run = tmp_path / "linear"
     run.mkdir()
-    for name in (runs.CONFIG, runs.POLICY, runs.TIMING):
+    for name in (runs.CONFIG, *runs.POLICY, runs.TIMING):
         (run / name).write_bytes((measured / name).read_bytes())
     (tmp_path / "metrics.json").write_bytes((measured / "metrics.json").read_bytes())
     rows = (measured / "episodes.csv").read_text()
@@ -161,7 +79,7 @@ def test_the_card_of_one_of_several_seeds_has_its_scores_alone_and_without_any_i
 def test_the_policy_of_an_interrupted_training_is_not_shipped(finished, tmp_path):
     run = tmp_path / "run"
     run.mkdir()
-    for name in (runs.CONFIG, runs.POLICY):
+    for name in (runs.CONFIG, *runs.POLICY):
         (run / name).write_bytes((finished["ppo"][0] / name).read_bytes())
     with pytest.raises(ValueError, match="was interrupted; resume it, and export what comes of that"):
         export.export(run, tmp_path / "shipped")
@@ -230,7 +148,7 @@ def test_a_policy_that_could_not_be_written_whole_does_not_take_its_name(finishe
 def test_a_damaged_file_of_the_run_is_told_by_its_name(finished, tmp_path, name, content, told):
     measured, run = finished["linear"][0], tmp_path / finished["linear"][0].name
     run.mkdir()
-    for kept in (runs.CONFIG, runs.POLICY, runs.TIMING, "episodes.csv", "metrics.json"):
+    for kept in (runs.CONFIG, *runs.POLICY, runs.TIMING, "episodes.csv", "metrics.json"):
         (run / kept).write_bytes((measured / kept).read_bytes())
     (run / name).write_text(content)
     with pytest.raises(ValueError, match=told):
@@ -267,20 +185,9 @@ print(said.getvalue())
     assert told[1].strip() == "error: exporting needs ONNX and its runtime: pip install 'solar-env[onnx]'"
 
 
-def test_the_parity_that_the_card_tells_is_that_of_the_onnx_form_too(finished):
-    run, folder = finished["ppo"]
-    policy, env = load_shipped(folder), make_env(env_kwargs=QUICK)
-    model, observations = runs.load_policy(run, env), export.observed(policy, env, seed=3)
-    written = (folder / shipped.ONNX).read_bytes()
-    assert onnx_form.difference(policy.network, written, model, observations) < export.TOLERANCE
-    scaled = Layer(1.001 * policy.network.layers[0].weights, policy.network.layers[0].biases)
-    other = onnx_form.onnx_model(replace(policy.network, layers=(scaled, *policy.network.layers[1:])))
-    assert onnx_form.difference(policy.network, other.SerializeToString(), model, observations) > export.TOLERANCE
-
-
-def test_a_network_that_acts_otherwise_than_the_run_is_not_written(finished, tmp_path, monkeypatch):
-    right = export.network_of
-    monkeypatch.setattr(export, "network_of", lambda model: replace(right(model), activation="relu"))
+def test_an_onnx_form_that_acts_otherwise_than_the_run_is_not_written(finished, tmp_path, monkeypatch):
+    right = onnx_form.onnx_model
+    monkeypatch.setattr(onnx_form, "onnx_model", lambda network: right(replace(network, activation="relu")))
     with pytest.raises(ValueError, match=r"differs from the run's policy by .*; it is not written"):
         export.export(finished["ppo"][0], tmp_path / "policy")
     assert not (tmp_path / "policy").exists()

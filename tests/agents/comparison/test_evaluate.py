@@ -2,11 +2,13 @@
 
 import csv
 import json
+from dataclasses import asdict
 
 import numpy as np
 import pytest
 from helpers import numbers
 from PIL import Image
+from training import write_policy
 
 from agents.commands.evaluate import suite_named, suite_section
 from agents.comparison.controllers import parse_controller, parse_controllers
@@ -16,7 +18,7 @@ from agents.comparison.suites import SUITES
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env, with_sampling
 from agents.laws.baselines import UntunedWarning, episodes_spent, is_tuned, make_baseline
 from agents.laws.table import TUNABLE
-from agents.learning import runs
+from agents.learning import configurations, runs
 from agents.policies import shipped
 from agents.policies.shipped import load_shipped
 from agents.rollout import run_episode
@@ -24,9 +26,6 @@ from solar_env.__main__ import execute, main
 from solar_env.array import MODELS
 from solar_env.environment.registration import DEPLOY_RANDOMISED
 from solar_env.support.numbers import plain
-
-# What the configuration of a run holds at least.
-RUN = {"env_id": DEFAULT_ENV_ID, "env_kwargs": {}, "algo": "ppo"}
 
 
 @pytest.fixture(scope="module")
@@ -154,15 +153,9 @@ def test_a_scenario_as_a_keyword_is_refused_since_nothing_is_tuned_by_it(tmp_pat
         evaluated_on(tmp_path, "--controllers", "servo", "--env-kwargs", "scenario=randomised")
 
 
-def describe_run(folder, **config):
-    """Write the configuration of a run into a folder."""
-    runs.write_config(folder, {"algo": "ppo", "env_id": DEFAULT_ENV_ID, "env_kwargs": {}, **config})
-
-
 def test_the_model_of_run_folders_holds_unless_another_is_asked_for(tmp_path):
     for name, model in (("a", "flexible-ideal"), ("b", "flexible-clearance")):
-        (tmp_path / name).mkdir()
-        describe_run(tmp_path / name, env_kwargs={"model": model, "elements": 1, "deadline": 0.5})
+        write_policy(tmp_path / name, env_kwargs={"model": model, "elements": 1, "deadline": 0.5})
     first, second = str(tmp_path / "a"), str(tmp_path / "b")
     assert common_env_kwargs([first])["model"] == "flexible-ideal"
     with pytest.raises(ValueError, match="say with --env-kwargs"):
@@ -172,7 +165,7 @@ def test_the_model_of_run_folders_holds_unless_another_is_asked_for(tmp_path):
 
 def test_an_array_is_the_one_asked_for_whatever_a_run_was_trained_on(tmp_path):
     """Draws about the usual rates of release in training become draws about the rates asked for."""
-    describe_run(tmp_path, env_kwargs=with_sampling({"model": "rigid-ideal"}))
+    write_policy(tmp_path, env_kwargs=with_sampling({"model": "rigid-ideal"}))
     kept = common_env_kwargs([str(tmp_path)])
     assert kept == {"model": "rigid-ideal"}
     low, high = with_sampling({**kept, "parameters": {"initial_rate": 0.01}})["randomize"]["initial_rate"]
@@ -181,7 +174,7 @@ def test_an_array_is_the_one_asked_for_whatever_a_run_was_trained_on(tmp_path):
 
 def test_what_was_drawn_in_training_does_not_replace_the_draws_of_another_scenario(tmp_path):
     drawn = {"model": "rigid-ideal", "randomize": {"hinge_x": [0.499, 0.501]}}
-    describe_run(tmp_path, env_kwargs=drawn)
+    write_policy(tmp_path, env_kwargs=drawn)
     assert common_env_kwargs([str(tmp_path)], DEFAULT_ENV_ID) == drawn
     assert common_env_kwargs([str(tmp_path)], DEPLOY_RANDOMISED) == {"model": "rigid-ideal"}
 
@@ -213,8 +206,7 @@ def test_nothing_counts_twice_and_nothing_is_taken_for_a_seed_of_a_baseline(cont
 
 def test_trained_controllers_are_compared_on_the_scenario_they_were_trained_on(tmp_path):
     for name, env_id in (("a", DEPLOY_RANDOMISED), ("b", DEFAULT_ENV_ID)):
-        (tmp_path / name).mkdir()
-        describe_run(tmp_path / name, env_id=env_id)
+        write_policy(tmp_path / name, env_id=env_id)
     first, second = str(tmp_path / "a"), str(tmp_path / "b")
     assert common_env_id(["passive", f"agent={first}"]) == DEPLOY_RANDOMISED
     assert common_env_id(["passive"]) == DEFAULT_ENV_ID
@@ -260,8 +252,10 @@ def test_something_that_is_neither_baseline_nor_run_is_refused(tmp_path):
 
 
 def test_a_run_without_policy_says_so(tmp_path):
-    describe_run(tmp_path)
-    with pytest.raises(FileNotFoundError, match=r"has no policy\.zip"):
+    config = configurations.complete("ppo", DEFAULT_ENV_ID, {}, 0)
+    origin = {"command": "", "versions": {}, "resumed_from": None, "timesteps_before": 0}
+    runs.write_json(tmp_path / runs.CONFIG, {**asdict(config), **origin})
+    with pytest.raises(FileNotFoundError, match="has no policy; the run ended before its first validation"):
         evaluate([str(tmp_path)], episodes=1, seed=0, progress=False)
 
 

@@ -124,7 +124,7 @@ def test_what_was_predicted_comes_to_pass_and_predictions_only_improve(env_id):
     assert realised == pytest.approx(predicted[-1], rel=1e-12)
     assert len(predicted) == -(-len(actions) // QUICK.replan_every)
     assert np.all(np.diff(predicted) >= 0.0)
-    assert predicted[-1] > predicted[0]
+    assert predicted[-1] > predicted[0] >= run_episode(env, damper(env), 0)["return"]
 
 
 def test_what_was_predicted_comes_to_pass_though_the_loop_of_the_drive_measures_rates_with_noise():
@@ -133,23 +133,6 @@ def test_what_was_predicted_comes_to_pass_though_the_loop_of_the_drive_measures_
     realised, _, predicted = played(env, RecedingHorizon(env, SteadyRate(), settings))
     assert realised == pytest.approx(predicted[-1], rel=1e-12)
     assert realised >= run_episode(env, SteadyRate(), 0)["return"] > -25.0
-
-
-def test_the_plan_is_better_than_the_base_law():
-    env = make()
-    alone = run_episode(env, damper(env), 0)["return"]
-    realised, _, predicted = played(env, search(env))
-    assert predicted[0] >= alone
-    assert realised > alone
-
-
-def test_on_the_nominal_array_it_is_no_worse_than_the_tuned_servo():
-    env = make_env()
-    servo = make_baseline("servo", env)
-    settings = SearchSettings(candidates=4, elites=2, iterations=1, replan_every=100)
-    realised, _, predicted = played(env, RecedingHorizon(env, servo, settings))
-    assert realised == pytest.approx(predicted[-1], rel=1e-12)
-    assert realised >= run_episode(env, servo, 0)["return"]
 
 
 def test_with_residuals_too_small_to_matter_it_does_what_the_base_law_does():
@@ -219,22 +202,3 @@ def test_a_search_around_nothing_or_around_a_search_is_refused():
         parse_controller("receding-horizon:receding-horizon:servo")
     runs = ("receding-horizon:runs/receding-horizon", "runs/receding-horizon")
     assert [parse_controller(run).resolved.endswith("runs/receding-horizon") for run in runs] == [True, True]
-
-
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [
-        ("knots", 1),
-        ("candidates", 24.0),
-        ("elites", 24),
-        ("iterations", 0),
-        ("replan_every", True),
-        ("initial_deviation", np.inf),
-        ("initial_deviation", np.nan),
-        ("least_deviation", 0.0),
-        ("least_deviation", 1.0),
-    ],
-)
-def test_wrong_settings_are_refused_by_name(name, value):
-    with pytest.raises(ValueError, match=f"{name} = "):
-        SearchSettings(**{name: value})

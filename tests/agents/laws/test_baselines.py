@@ -121,13 +121,8 @@ def test_a_soft_start_hands_over_to_the_servo_by_and_by():
     law, servo = SoftStartServo(SIGNALS, SOFT_START), VelocityProfileServo(SIGNALS, SERVO)
     half = 0.5 * (servo.predict(at_time(12.0, 0.5, 0.07))[0] * LIMIT - 0.2 + 0.03 * 12.0)
     assert law.predict(at_time(12.0, 0.5, 0.07))[0] * LIMIT == pytest.approx(half, abs=1e-6)
-    assert law.predict(at_time(14.0, 0.9, 0.02))[0] == servo.predict(at_time(14.0, 0.9, 0.02))[0]
-
-
-def test_the_last_latch_ends_a_soft_start():
-    law, servo = SoftStartServo(SIGNALS, SOFT_START), VelocityProfileServo(SIGNALS, SERVO)
-    latched = at_time(5.0, 1.0, 0.02, latched=1.0)
-    assert law.predict(latched)[0] == servo.predict(latched)[0]
+    for servos in (at_time(14.0, 0.9, 0.02), at_time(5.0, 1.0, 0.02, latched=1.0)):  # late, and after the last latch
+        assert law.predict(servos)[0] == servo.predict(servos)[0]
 
 
 def test_the_tuned_soft_start_wears_the_bearings_less_than_the_servo_where_panels_have_converged():
@@ -142,16 +137,11 @@ def test_the_tuned_soft_start_wears_the_bearings_less_than_the_servo_where_panel
     assert soft < 0.9 * servo
 
 
-def test_servo_opposes_joint_1_after_the_last_latch():
-    servo = VelocityProfileServo(SIGNALS, SERVO)
-    action, _ = servo.predict(observe(1.0, 0.02, latched=1.0))
-    assert action == pytest.approx(-SERVO.postlock_damping * 0.02 * np.pi / 2 / LIMIT, rel=1e-5)
-
-
-def test_servo_holds_joint_1_at_its_lock_angle_after_the_last_latch():
+def test_servo_opposes_joint_1_and_holds_it_at_its_lock_angle_after_the_last_latch():
     servo = VelocityProfileServo(SIGNALS, replace(SERVO, postlock_stiffness=4.0))
-    action, _ = servo.predict(observe(1.01, latched=1.0))
-    assert action == pytest.approx(-4.0 * 0.01 * np.pi / 2 / LIMIT, rel=1e-4)
+    turning, off_lock = (servo.predict(observe(*state, latched=1.0))[0] for state in ((1.0, 0.02), (1.01, 0.0)))
+    assert turning == pytest.approx(-SERVO.postlock_damping * 0.02 * np.pi / 2 / LIMIT, rel=1e-5)
+    assert off_lock == pytest.approx(-4.0 * 0.01 * np.pi / 2 / LIMIT, rel=1e-4)
 
 
 def test_a_filtered_servo_keeps_its_share_of_the_motor_torque_before_and_after_the_last_latch():
@@ -162,22 +152,14 @@ def test_a_filtered_servo_keeps_its_share_of_the_motor_torque_before_and_after_t
         np.testing.assert_allclose(filtered.predict(observation)[0], wanted, rtol=1e-5)
 
 
-def test_brake_acts_between_its_onset_and_the_last_latch():
+def test_brake_acts_from_its_onset_on_to_the_last_latch():
     brake = ConstantBrake(SIGNALS, BrakeParameters(torque=0.1, onset=0.5))
-    openings = np.stack([observe(0.4), observe(0.6), observe(1.0, latched=1.0)])
+    one_latched = observe(1.0)
+    one_latched[NAMES.index("latched_1")] = 1.0
+    openings = np.stack([observe(0.4), observe(0.5), observe(0.6), one_latched, observe(1.0, latched=1.0)])
     actions, _ = brake.predict(openings)
-    np.testing.assert_allclose(actions[:, 0], [0.0, -0.1 / LIMIT, 0.0], rtol=1e-6)
-
-
-def test_brake_still_acts_while_one_joint_has_yet_to_latch():
-    observation = observe(1.0)
-    observation[NAMES.index("latched_1")] = 1.0
-    assert ConstantBrake(SIGNALS).predict(observation)[0] < 0.0
-
-
-def test_brake_acts_from_its_very_onset_on():
-    brake = ConstantBrake(SIGNALS, BrakeParameters(torque=0.1, onset=0.5))
-    assert brake.predict(observe(0.5))[0] == pytest.approx(-0.1 / LIMIT, rel=1e-6)
+    braked = -0.1 / LIMIT
+    np.testing.assert_allclose(actions[:, 0], [0.0, braked, braked, braked, 0.0], rtol=1e-6)
 
 
 @pytest.mark.parametrize(("driven", "lock"), [(0, np.pi / 2), (1, np.pi)])
@@ -321,8 +303,3 @@ def test_help_texts_name_every_law(command, capsys):
         execute(command, ["--help"])
     words = set(re.findall(r"[\w-]+", capsys.readouterr().out))
     assert words >= set(TUNABLE if command == "tune" else LAWS)
-
-
-def test_servo_without_a_second_joint_is_refused_by_name():
-    with pytest.raises(ValueError, match=r"VelocityProfileServo reads theta_2, rate_2"):
-        VelocityProfileServo(Signals(("theta_1", "rate_1", "latched_1")))

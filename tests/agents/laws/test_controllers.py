@@ -1,11 +1,12 @@
 """Controllers of every kind are found by name, and a name that is none says so."""
 
 import shutil
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
 from trained import QUICK
+from training import write_policy
 
 from agents.comparison import episodes
 from agents.comparison.controllers import parse_controller
@@ -15,9 +16,10 @@ from agents.environments import DEFAULT_ENV_ID, make_env
 from agents.laws.baselines import CONFIGS, load_parameters
 from agents.laws.servo import ServoParameters
 from agents.laws.table import LAWS, TUNABLE
-from agents.learning.runs import write_config
+from agents.learning import runs
+from agents.learning.configurations import complete
 from agents.policies import shipped
-from agents.policies.shipped import Description, Layer, PolicyNetwork, ShippedPolicy
+from agents.policies.shipped import Layer, ShippedPolicy
 from agents.torque_laws import Signals
 from solar_env.environment.registration import DEPLOY
 
@@ -31,26 +33,13 @@ def env():
 def policy(env, tmp_path, monkeypatch):
     """A shipped policy that pulls with a third of the limit."""
     signals = Signals.of(env)
-    features = Layer(np.eye(len(signals.names)), np.zeros(len(signals.names)))
+    described = dict(vars(signals))
+    for name in ("names", "driven_joint", "action"):
+        del described[name]
+    keywords = {"model": "rigid-clearance", "observation": "drive"}
+    described |= {"observation_names": signals.names, "env_kwargs": keywords, "training_steps": 12_000}
     layer = Layer(np.zeros((1, len(signals.names)), np.float32), np.full(1, -1.0 / 3.0, np.float32))
-    description = Description(
-        algorithm="ppo",
-        feature_limit=1.0,
-        activation="tanh",
-        output="clip",
-        mean_limit=None,
-        training_steps=12_000,
-        env_id=DEPLOY,
-        env_kwargs={"model": "rigid-clearance", "observation": "drive"},
-        observation_names=signals.names,
-        torque_limit=signals.torque_limit,
-        deadline=signals.deadline,
-        control_period=signals.control_period,
-        postlock_window=signals.postlock_window,
-    )
-    (tmp_path / "third").mkdir()
-    network = PolicyNetwork((features, layer), 1.0, "tanh", "clip")
-    shipped.save(tmp_path / "third", ShippedPolicy(network, description))
+    description = write_policy(tmp_path / "third", layer, **described)
     monkeypatch.setattr(shipped, "SHIPPED", tmp_path)
     return description
 
@@ -95,11 +84,13 @@ def test_a_run_is_not_used_where_its_actions_mean_something_else(finished):
 
 
 def test_what_a_run_cost_are_its_steps_and_those_of_the_runs_before_it(tmp_path):
-    run = {"env_id": DEFAULT_ENV_ID, "env_kwargs": {}, "algo": "ppo", "timesteps": 300, "timesteps_before": 1_000}
-    write_config(tmp_path, run)
+    config = complete("ppo", DEFAULT_ENV_ID, {}, 0, timesteps=300)
+    origin = {"timesteps_before": 1_000, "resumed_from": "another", "command": "", "versions": {}}
+    runs.write_json(tmp_path / runs.CONFIG, {**asdict(config), **origin})
+    write_policy(tmp_path)
     assert parse_controller(str(tmp_path)).effort(DEFAULT_ENV_ID, "rigid-clearance") == "1,300 steps"
-    runs = [f"ppo={tmp_path}", f"ppo={tmp_path}/", "passive"]
-    assert efforts(runs, DEFAULT_ENV_ID, {}) == {"ppo": "2 x 1,300 steps"}
+    each = [f"ppo={tmp_path}", f"ppo={tmp_path}/", "passive"]
+    assert efforts(each, DEFAULT_ENV_ID, {}) == {"ppo": "2 x 1,300 steps"}
 
 
 def test_an_evaluation_goes_on_with_what_is_finished_but_not_with_a_policy_or_a_baseline_that_has_changed(

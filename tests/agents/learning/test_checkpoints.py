@@ -2,18 +2,17 @@
 
 import errno
 import os
-import pickle
 import re
 import signal
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 from agents.environments import DEFAULT_ENV_ID
 from agents.learning import checkpoints, configurations, learn, runs
 from agents.learning.callbacks import DeploymentLogger
-from agents.learning.trust import DamagedFileError, UntrustedFileError, sealed
+from agents.learning.runs import DamagedFileError
+from agents.learning.storage import packed
 from solar_env.support import files
 
 pytestmark = pytest.mark.usefixtures("few_validation_episodes")
@@ -23,6 +22,7 @@ OFF_POLICY = {"learning_starts": 30, "buffer_size": 500, "batch_size": 16, "trai
 # Name -> algorithm, hyperparameters.
 AGENTS = {
     "ppo": ("ppo", ON_POLICY),
+    "noisy": ("ppo", ON_POLICY),  # with sensors whose noise is drawn by what draws the next episodes
     "sac": ("sac", OFF_POLICY),
     "td3": ("td3", {**OFF_POLICY, "exploration_noise": 0.2}),
     "cma-es": ("cma-es", {"population": 4, "generations_between": 2, "finalists": 1}),
@@ -36,7 +36,8 @@ SEARCHES = ("cma-es", "ars")  # whose rollouts are whole episodes of several can
 def configuration(name="ppo", timesteps=200):
     algo, hyperparameters = AGENTS[name]
     env_kwargs = {**QUICK, "observation": "landing"} if name in SEARCHES else QUICK
-    return configurations.complete(algo, DEFAULT_ENV_ID, env_kwargs, 5, 2, timesteps, hyperparameters)
+    env_id = "solar_env/DeployRandomised-v1" if name == "noisy" else DEFAULT_ENV_ID
+    return configurations.complete(algo, env_id, env_kwargs, 5, 2, timesteps, hyperparameters)
 
 
 def train(folder, config, resume=None):
@@ -66,18 +67,8 @@ def interrupt_at(monkeypatch, step):
 
 
 def content(folder):
-    """State of a training: weights and optimiser, replay buffer, random states, validations."""
-    found = checkpoints.read(folder)
-    config = configurations.stored_configuration(folder)
-    venv = learn.make_training_env(config, threads=1)
-    model = found.restore(config, venv)
-    weights = model.policy.state_dict()
-    buffer = vars(model.replay_buffer) if hasattr(model, "replay_buffer") else {}
-    arrays = [value.numpy() for value in weights.values()]
-    arrays += [value for value in buffer.values() if isinstance(value, np.ndarray)]
-    arrays += [found.random["numpy"][1], found.random["torch"].numpy(), model._last_obs]
-    arrays += [model.get_vec_normalize_env().returns]
-    return [array.tobytes() for array in arrays], found.history, found.timesteps
+    """State of a training, to the last bit: the files of the checkpoint hold nothing of the process."""
+    return (folder / runs.CHECKPOINTS[0]).read_bytes()
 
 
 @pytest.mark.parametrize("name", AGENTS)
@@ -94,10 +85,7 @@ def test_an_interrupted_training_goes_on_bit_for_bit(name, tmp_path):
         assert content(folder) == content(whole)
         record, of_whole = runs.read_config(folder), runs.read_config(whole)
         assert {**record, "resumed_from": None} == of_whole
-        policies = [
-            runs.algorithm(config.algo).load(path / runs.POLICY).policy.state_dict() for path in (folder, whole)
-        ]
-        assert all(np.array_equal(policies[0][key], policies[1][key]) for key in policies[1])
+        assert [(folder / of).read_bytes() for of in runs.POLICY] == [(whole / of).read_bytes() for of in runs.POLICY]
 
 
 def test_a_training_that_is_complete_goes_on_for_as_many_steps_again(tmp_path):
@@ -105,7 +93,7 @@ def test_a_training_that_is_complete_goes_on_for_as_many_steps_again(tmp_path):
     second = train(tmp_path / "second", configurations.resumed_configuration(first), first)
     assert checkpoints.read(second).timesteps == 160
     assert runs.read_config(second)["timesteps_before"] == 80
-    steps = checkpoints.read(second).history["evaluations_timesteps"]
+    steps = checkpoints.read(second).history["evaluations_timesteps"].tolist()
     assert steps[0] == 0
     assert steps == sorted(set(steps))
 
@@ -163,37 +151,13 @@ def test_steps_are_told_as_they_were_taken_in_whole_rollouts(tmp_path):
     assert runs.steps_taken(folder) == 50
 
 
-@pytest.mark.parametrize("left", [None, b"", b'{"algo": "pp'])
-def test_a_configuration_that_is_lost_or_damaged_is_written_anew_from_the_checkpoint(left, tmp_path):
-    folder = train(tmp_path / "run", configuration(timesteps=40))
-    config, before = folder / runs.CONFIG, runs.read_config(folder)
-    checkpoints.mend_config(folder)
-    if left is None:
-        config.unlink()
-    else:
-        config.write_bytes(left)
-    with pytest.warns(UserWarning, match=r"config\.json is written anew, from the checkpoint"):
-        checkpoints.mend_config(folder)
-    assert runs.read_config(folder) == before
-
-
-def test_where_no_checkpoint_is_whole_a_damaged_configuration_stays_so(tmp_path):
-    folder = train(tmp_path / "run", configuration(timesteps=40))
-    for name in (runs.CONFIG, *runs.CHECKPOINTS):
-        (folder / name).write_bytes(b"")
-    with pytest.warns(UserWarning, match=r"checkpoint\.pkl is damaged"):
-        checkpoints.mend_config(folder)
-    with pytest.raises(DamagedFileError, match=r"config\.json"):
-        runs.read_config(folder)
-
-
 @pytest.mark.parametrize("damage", [b"", b"half"])
 def test_where_the_newest_checkpoint_is_damaged_the_one_before_is_taken(tmp_path, damage):
     folder = train(tmp_path / "run", configuration(timesteps=120))
     newest = folder / runs.CHECKPOINTS[0]
     whole = newest.read_bytes()
     newest.write_bytes(whole[: len(whole) // 2] if damage else b"")
-    with pytest.warns(UserWarning, match="checkpoint.pkl is damaged; the checkpoint before it is taken"):
+    with pytest.warns(UserWarning, match="checkpoint.npz is damaged; the checkpoint before it is taken"):
         assert checkpoints.read(folder).timesteps == 80
     (folder / runs.CHECKPOINTS[1]).write_bytes(damage)
     with (
@@ -215,7 +179,7 @@ def taken(tmp_path_factory):
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.999, 1.0])
 @pytest.mark.parametrize("older", [1, 2])
 def test_a_kill_while_a_checkpoint_is_written_leaves_a_whole_one(tmp_path, taken, share, older):
-    size = len(sealed(pickle.dumps(taken)))
+    size = len(packed(taken))
     for number in range(older):
         checkpoints.write(tmp_path, replace(taken, timesteps=number))
     child = os.fork()
@@ -256,7 +220,7 @@ def test_a_full_disk_ends_a_training_and_leaves_the_checkpoint_before(tmp_path, 
     def full():
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    after_bytes(monkeypatch, share * len(sealed(pickle.dumps(taken))), full)
+    after_bytes(monkeypatch, share * len(packed(taken)), full)
     with pytest.raises(OSError, match="No space left"):
         checkpoints.write(tmp_path, replace(taken, timesteps=2))
     assert checkpoints.read(tmp_path).timesteps == 1
@@ -276,15 +240,3 @@ def after_bytes(patch, count, act):
             act()
 
     patch.setattr(checkpoints, "write_bytes", write_bytes)
-
-
-def test_a_checkpoint_of_a_stranger_is_not_unpickled(tmp_path, taken, monkeypatch):
-    class Trap:
-        def __reduce__(self):
-            return pytest.fail, ("a stranger's file was executed",)
-
-    with monkeypatch.context() as patch:
-        patch.setattr("agents.learning.trust.key", lambda: b"of somebody else")
-        (tmp_path / runs.CHECKPOINTS[0]).write_bytes(sealed(pickle.dumps(Trap())))
-    with pytest.raises(UntrustedFileError, match="was not made on this account"):
-        checkpoints.read(tmp_path)

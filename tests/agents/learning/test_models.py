@@ -116,32 +116,6 @@ def test_the_actor_learns_at_a_rate_of_its_own_in_a_resumed_run_too(algo, tmp_pa
     assert 1e-3 < critic < 2e-2
 
 
-@pytest.mark.parametrize("algo", ["ppo", "sac"])
-def test_noise_on_the_weights_stays_as_many_periods_as_it_is_told(algo):
-    """Stable-Baselines3 draws it anew at the beginning of every rollout too: there is one here."""
-    quick = {"use_sde": True, "sde_sample_freq": 100}
-    quick |= {"batch_size": 300, "n_steps": 300} if algo == "ppo" else {"batch_size": 32, "gradient_steps": 1}
-    quick |= {} if algo == "ppo" else {"train_freq": 300}
-    config = configurations.complete(algo, DEPLOY, {}, 0, n_envs=1, hyperparameters=quick)
-    model = learn.make_model(config, learn.make_training_env(config, threads=1))
-    actor = model.policy if algo == "ppo" else model.actor
-    drawn = []
-    model.learn(300, callback=lambda *_: drawn.append(actor.action_dist.exploration_matrices.clone()) is None)
-    assert len(drawn) == 300
-    changes = [k for k in range(1, 300) if not torch.equal(drawn[k - 1], drawn[k])]
-    assert changes == [100, 200]
-
-
-def test_td3_explores_with_the_white_noise_it_is_told():
-    quick = {"exploration_noise": 0.4, "buffer_size": 100}
-    config = configurations.complete("td3", DEPLOY, {}, 0, 1, None, quick)
-    model = learn.make_model(config, learn.make_training_env(config, threads=1))
-    np.random.seed(0)  # noqa: NPY002 (what Stable-Baselines3 draws from)
-    noise = np.array([model.action_noise()[0] for _ in range(20_000)])
-    assert noise.std() == pytest.approx(0.4, rel=0.02)
-    assert np.corrcoef(noise[:-1], noise[1:])[0, 1] == pytest.approx(0.0, abs=0.03)
-
-
 def test_one_rollout_trains_too(ppo_run):
     config = configurations.stored_configuration(ppo_run)
     venv = learn.make_training_env(config, threads=1)

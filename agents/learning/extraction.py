@@ -1,4 +1,4 @@
-"""Extraction of a policy's network from a model of Stable-Baselines3."""
+"""Extraction of a policy as plain arrays from a model of Stable-Baselines3."""
 
 from typing import Any, cast
 
@@ -9,13 +9,37 @@ from stable_baselines3.common.policies import ActorCriticPolicy
 from stable_baselines3.sac.policies import SACPolicy
 from torch import nn
 
+from agents.environments import environment_settings
 from agents.learning.features import LIMIT, DriveFeatures
+from agents.learning.runs import Configuration
 from agents.learning.weight_search import WeightSearch
 from agents.policies.network import Layer, PolicyNetwork
+from agents.policies.policy import Description, ShippedPolicy
 
 GREATEST = 1e6  # above whatever is observed
 
 ACTIVATIONS: dict[type[nn.Module], str] = {nn.ReLU: "relu", nn.Tanh: "tanh"}
+
+
+def policy_of(model: BaseAlgorithm, config: Configuration) -> ShippedPolicy:
+    """Extract the policy of a model, with the description of its training.
+
+    Raises:
+        ValueError: As `network_of`.
+    """
+    network = network_of(model)
+    settings = environment_settings(config.env_id, config.env_kwargs)
+    units = ("torque_limit", "deadline", "control_period", "postlock_window")
+    description = Description(
+        algorithm=config.algo,
+        **{name: getattr(network, name) for name in ("feature_limit", "activation", "output", "mean_limit")},
+        training_steps=model.num_timesteps,
+        env_id=config.env_id,
+        env_kwargs=config.env_kwargs,
+        observation_names=tuple(settings.observation_names),
+        **{name: getattr(settings.task, name) for name in units},
+    )
+    return ShippedPolicy(network, description)
 
 
 def network_of(model: BaseAlgorithm) -> PolicyNetwork:

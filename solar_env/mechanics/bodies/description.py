@@ -37,45 +37,26 @@ class AnyBody:
 
 
 @dataclass(frozen=True)
-class RigidBody(AnyBody):
-    """A rigid body, whatever its coordinates.
+class Body(AnyBody):
+    """A rigid body in natural coordinates: two base points, the body frame's origin and the end of its x axis.
 
     Attributes:
         mass: [kg].
         inertia: about the centroid [kg m2].
         length: of the x axis, from the origin of the body frame to a second point [m].
         centroid: in the body frame [m].
+        fixed: whether the body is held in place.
     """
 
     mass: float
     inertia: float
     length: float
     centroid: Point
+    fixed: bool = field(default=False, kw_only=True)
 
     def __post_init__(self) -> None:
         super().__post_init__()
         require_signs(self, positive=("mass", "inertia", "length"))
-
-
-@dataclass(frozen=True)
-class Body(RigidBody):
-    """A rigid body in natural coordinates: two base points, the body frame's origin and the end of its x axis.
-
-    It suits ideal joints, whose constraints are linear in these coordinates.
-
-    Attributes:
-        fixed: whether the body is held in place.
-    """
-
-    fixed: bool = field(default=False, kw_only=True)
-
-
-@dataclass(frozen=True)
-class ReferencePointBody(RigidBody):
-    """A rigid body in reference point coordinates: place of the centroid and angle, without a constraint.
-
-    It takes joints with clearance, cables and loads. Ideal joints, guides and drives need a `Body`.
-    """
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,7 @@ from solar_env.mechanics.bodies.dispatch import (
     kinetic_energy,
     solve_body,
 )
-from solar_env.mechanics.bodies.markers import add_point_force, add_torque, direction, place, spin
+from solar_env.mechanics.bodies.markers import add_point_force, add_torque, direction, spin
 from solar_env.mechanics.equations.constraints import (
     add_columns,
     add_row,
@@ -156,7 +156,6 @@ def applied_forces(model, joint_states, q, v, work):
     external = 0.0
     for k in range(loads.size):
         marker = model.markers[loads[k].marker]
-        add_point_force(marker, q, loads[k].force_x, loads[k].force_y, force)
         add_torque(marker, q, loads[k].torque, force)
         external += loads[k].torque * spin(marker, q, v)
     power[power.size + EXTERNAL_WORK] = external
@@ -223,9 +222,6 @@ def stored_energies(model, joint_states, q, v, loads, energies):
     energies[ELASTIC] = elastic_energy(model.bodies, q)
     for i in range(q.size):
         energies[GRAVITY] -= model.constant_force[i] * q[i]
-    for load in model.loads:
-        x, y = place(model.markers[load.marker], q)
-        energies[GRAVITY] -= load.force_x * x + load.force_y * y
     for j in range(model.joints.size):
         joint = model.joints[j]
         stretch = joint.spring_preload_angle - loads[j, ANGLE]
@@ -259,7 +255,7 @@ def normal_inverse_mass(model, q, v, j, work):
             continue
         for i in range(body.offset, body.offset + body.coordinates):
             work.row_force[i] = 0.0
-        add_point_force(marker, q, nx, ny, work.row_force)
+        add_point_force(marker, nx, ny, work.row_force)
         solve_body(body, model.body_constants, q, v, work.row_force, work.solution, 0.0)
         for i in range(body.offset, body.offset + body.coordinates):
             total += work.row_force[i] * work.solution[i]

@@ -23,8 +23,6 @@ from solar_env.mechanics.joints.friction.laws import MATERIAL, PLACES
 from solar_env.mechanics.joints.joint import (
     ANGLE,
     CABLE_TORQUE,
-    FORCE_X,
-    FORCE_Y,
     INBOARD_SPIN,
     MOTOR_TORQUE,
     OUTBOARD_SPIN,
@@ -213,12 +211,11 @@ def fill_tangents(model, joint_states, q, v, tangent, by_q, by_v):
         for c in range(8):
             tangent.angle_gradient[j, c] = joint.sign * (b[2, c] - b[3, c])
         outboard, inboard = markers[joint.outboard], markers[joint.inboard]
-        fx, fy = loads[j, FORCE_X], loads[j, FORCE_Y]
-        subtract_hessian(outboard, q, fx, fy, outboard_torque, elimination, by_q)
-        subtract_hessian(inboard, q, -fx, -fy, inboard_torque, elimination, by_q)
+        subtract_hessian(outboard, q, outboard_torque, elimination, by_q)
+        subtract_hessian(inboard, q, inboard_torque, elimination, by_q)
     for k in range(cables.size):
         add_cable_slopes(model, cables[k], q, v, tangent, by_q)
     for k in range(model.loads.size):
         load = model.loads[k]
-        subtract_hessian(markers[load.marker], q, load.force_x, load.force_y, load.torque, elimination, by_q)
+        subtract_hessian(markers[load.marker], q, load.torque, elimination, by_q)
     add_internal_slopes(model, q, v, tangent.elements, by_q, by_v)

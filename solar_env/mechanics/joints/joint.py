@@ -8,14 +8,7 @@ bodies, so that linear and angular momentum are conserved exactly.
 import math
 
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.bodies.markers import (
-    add_point_force,
-    add_torque,
-    direction,
-    direction_rate,
-    place,
-    velocity,
-)
+from solar_env.mechanics.bodies.markers import add_point_force, add_torque, direction, place
 from solar_env.mechanics.joints.cable_loop import belt_loads, inner_wheel_rate, move_to_chord, wheel_motion
 from solar_env.mechanics.joints.contact.normal_force import normal_force
 from solar_env.mechanics.joints.friction.friction_share import friction_share
@@ -53,9 +46,7 @@ def relative(joint, markers, q):
 @kernel(inlined=True)
 def relative_velocity(joint, markers, q, v):
     """Velocity of the journal centre minus that of the bearing centre [m/s]."""
-    ox, oy = velocity(markers[joint.outboard], q, v)
-    ix, iy = velocity(markers[joint.inboard], q, v)
-    return ox - ix, oy - iy
+    return relative(joint, markers, v)
 
 
 @kernel(inlined=True)
@@ -75,8 +66,8 @@ def joint_motion(joint, markers, q, v):
     outboard, inboard = markers[joint.outboard], markers[joint.inboard]
     ox, oy = direction(outboard, q)
     ix, iy = direction(inboard, q)
-    px, py = direction_rate(outboard, q, v)
-    jx, jy = direction_rate(inboard, q, v)
+    px, py = direction(outboard, v)
+    jx, jy = direction(inboard, v)
     outboard_spin = (ox * py - oy * px) / (ox * ox + oy * oy)
     inboard_spin = (ix * jy - iy * jx) / (ix * ix + iy * iy)
     tx = joint.turn_cos * ix - joint.turn_sin * iy
@@ -216,8 +207,8 @@ def joint_forces(model, joint_states, impact_speeds, q, v, loads, force, power):
                     fy = -normal * motion.normal_y + tangential * motion.normal_x
                     outboard_torque += joint.journal_radius * tangential
                     inboard_torque -= motion.lever * tangential
-                    add_point_force(outboard, q, fx, fy, force)
-                    add_point_force(inboard, q, -fx, -fy, force)
+                    add_point_force(outboard, fx, fy, force)
+                    add_point_force(inboard, -fx, -fy, force)
                     power[first + m.NORMAL_DISSIPATION] = (normal - elastic) * motion.rate
                     power[first + m.FRICTION_DISSIPATION] = -tangential * motion.slip
                     power[first + m.SLIDING_WORK] = normal * abs(motion.sliding_speed)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.mechanics.bodies.beam_modes import EndModes, axial_modes, bending_modes
-from solar_env.mechanics.bodies.description import GROUND, AnyBody, Body, ModalPanel, Point, ReferencePointBody
+from solar_env.mechanics.bodies.description import GROUND, AnyBody, Body, ModalPanel, Point
 from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.equations.joint_rows import chord_sense
 from solar_env.mechanics.mechanism.description import Mechanism
@@ -127,12 +127,12 @@ def rigid_stand_in(body: AnyBody) -> Body:
     """
     if isinstance(body, Body):
         return body
-    if isinstance(body, ReferencePointBody | ModalPanel):
+    if isinstance(body, ModalPanel):
         rigid = Body(body.name, body.mass, body.inertia, body.length, body.centroid)
         return replace(rigid, position=body.position, angle=body.angle, velocity=body.velocity, spin=body.spin)
     raise ValueError(
         f"body {body.name!r} is a {type(body).__name__}, which does not go with ModalRadau; describe it as a "
-        "ModalPanel, Body or ReferencePointBody, or choose another integrator"
+        "ModalPanel or a Body, or choose another integrator"
     )
 
 

@@ -13,7 +13,8 @@ from mechanisms import ROUND_BEARING, chain, pendulum
 
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.lanes import copied
-from solar_env.mechanics.bodies.kinds import body_type, marker_type
+from solar_env.mechanics.bodies.kinds import body_type
+from solar_env.mechanics.bodies.markers import marker_type
 from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS
 from solar_env.mechanics.mechanism.description import Body, Mechanism

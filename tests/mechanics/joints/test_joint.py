@@ -12,7 +12,7 @@ from helpers import Forces, central_difference
 from mechanisms import ROUND_BEARING, ROUND_STOP, Vector, block, chain, turned
 
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.bodies.markers import place, velocity
+from solar_env.mechanics.bodies.markers import place
 from solar_env.mechanics.joints import joint as columns
 from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS
 from solar_env.mechanics.joints.joint import one_sided_stop, penetration, stop_energy, stop_torque
@@ -140,7 +140,7 @@ def test_markers_move_with_their_body() -> None:
     arm = turned(joint.outboard_point, body.angle)
     assert place(marker, forces.state.q) == pytest.approx(np.array(body.position) + arm, abs=1e-14)
     expected = np.array(body.velocity) + body.spin * np.array([-arm[1], arm[0]])
-    assert velocity(marker, forces.state.q, forces.state.v) == pytest.approx(expected, abs=1e-14)
+    assert place(marker, forces.state.v) == pytest.approx(expected, abs=1e-14)
 
 
 def test_the_spring_pulls_towards_its_preload_angle() -> None:

@@ -74,13 +74,13 @@ def contact_directions(joint, markers, q, v, gradient, force):
     ux, uy = relative_velocity(joint, markers, q, v)
     motion = contact_motion(joint, ex, ey, ux, uy, spin(outboard, q, v), spin(inboard, q, v))
     nx, ny = motion.normal_x, motion.normal_y
-    add_point_force(outboard, q, nx, ny, gradient)
-    add_point_force(inboard, q, -nx, -ny, gradient)
+    add_point_force(outboard, nx, ny, gradient)
+    add_point_force(inboard, -nx, -ny, gradient)
     share, _ = friction_share(joint, motion.sliding_speed)
     friction = joint.friction_coefficient * share
     copy_into(force, gradient)
-    add_point_force(outboard, q, -friction * ny, friction * nx, force)
-    add_point_force(inboard, q, friction * ny, -friction * nx, force)
+    add_point_force(outboard, -friction * ny, friction * nx, force)
+    add_point_force(inboard, friction * ny, -friction * nx, force)
     add_torque(outboard, q, friction * joint.journal_radius, force)
     add_torque(inboard, q, -friction * motion.lever, force)
 

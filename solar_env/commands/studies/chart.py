@@ -14,7 +14,7 @@ FOLDER = STUDY_FOLDER / "precision"
 # File that a study writes -> the section of the page that it goes into.
 SECTIONS = {
     f"{name.replace(' ', '_')}.md": Section(FOLDER / "README.md", name, "solar-env chart --readme")
-    for name in ("side by side", "levels", "residual blocks")
+    for name in ("side by side", "levels")
 }
 STUDIES = ("work-precision", "ensembles", "levels", "growth", "side-by-side")
 

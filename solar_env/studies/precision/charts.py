@@ -10,14 +10,13 @@ from rich.console import Console
 from solar_env.array.compilation import compilation_note
 from solar_env.mechanics.integrators.settings import INTEGRATORS
 from solar_env.studies.common.plans import FULL, QUICK, ChartPlan
-from solar_env.studies.common.tables import Row, Table, provenance, read_table, write_table
+from solar_env.studies.common.tables import Row, provenance, read_table, write_table
 from solar_env.studies.common.timing import Job, Measured, measure
 from solar_env.studies.precision.ensembles import draw_ensembles, ensemble_jobs, ensemble_rows
 from solar_env.studies.precision.growth import draw_growth, growth_jobs, growth_rows
 from solar_env.studies.precision.levels import level_jobs, level_rows
 from solar_env.studies.precision.levels_plot import draw_levels
 from solar_env.studies.precision.methods import METHODS, MISSING_PEER, peer_is_missing
-from solar_env.studies.precision.residual_blocks import BlockLevel, block_jobs, block_rows, write_blocks
 from solar_env.studies.precision.side_by_side import side_by_side_jobs, side_by_side_rows, write_side_by_side
 from solar_env.studies.precision.work_precision import work_precision_jobs, work_precision_rows
 from solar_env.studies.precision.work_precision_plot import draw_work_precision
@@ -44,31 +43,12 @@ class Study:
     timed: bool = True
 
 
-def _panel_jobs(plan: ChartPlan) -> dict[Any, Job]:
-    return {**level_jobs(plan), **block_jobs(plan)}
-
-
-def _panel_rows(plan: ChartPlan, results: dict[Any, Measured]) -> dict[str, list[Row]]:
-    blocks = {key: result for key, result in results.items() if isinstance(key[0], BlockLevel)}
-    levels = {key: result for key, result in results.items() if key not in blocks}
-    return level_rows(plan, levels) | block_rows(plan, blocks, levels)
-
-
-def _draw_panels(levels: Table, members: Table, blocks: Table, block_members: Table, folder: Path) -> list[Path]:
-    return draw_levels(levels, members, folder) + write_blocks(blocks, block_members, folder)
-
-
 STUDIES = {
     "work-precision": Study(
         work_precision_jobs, work_precision_rows, ("work_precision", "work_precision_floors"), draw_work_precision
     ),
     "ensembles": Study(ensemble_jobs, ensemble_rows, ("ensembles",), draw_ensembles, timed=False),
-    "levels": Study(
-        _panel_jobs,
-        _panel_rows,
-        ("levels", "levels_clearance", "residual_blocks", "residual_blocks_clearance"),
-        _draw_panels,
-    ),
+    "levels": Study(level_jobs, level_rows, ("levels", "levels_clearance"), draw_levels),
     "growth": Study(growth_jobs, growth_rows, ("growth",), draw_growth),
     "side-by-side": Study(side_by_side_jobs, side_by_side_rows, ("side_by_side",), write_side_by_side),
 }

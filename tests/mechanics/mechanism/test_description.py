@@ -148,13 +148,6 @@ def test_a_beam_has_between_one_and_a_thousand_elements(elements: int) -> None:
     assert [replace(BEAM, elements=n).elements for n in (1, 1000)] == [1, 1000]
 
 
-@pytest.mark.parametrize(("blocks", "rule"), [(3, "must lie between 0 and 2"), (1.0, "must be a whole number")])
-def test_a_modal_panel_has_up_to_two_residual_blocks(blocks: Any, rule: str) -> None:
-    refuses(PANEL, "residual_blocks", blocks, rule)
-    refuses(replace(PANEL, residual_blocks=0), "modes", 0, "must be positive without residual blocks")
-    assert replace(PANEL, modes=0).residual_blocks == 2
-
-
 def test_the_nodes_of_a_beam_are_found_by_their_points() -> None:
     assert [BEAM.node((x, 0.0)) for x in np.linspace(0.0, 1.5, 5)] == [0, 1, 2, 3, 4]
     # Rounding is forgiven.

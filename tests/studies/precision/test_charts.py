@@ -40,7 +40,7 @@ MOMENT = replace(
 FIGURES = {
     "work-precision": {"angles.png", "latch.png", "impacts.png", "horizon.png", "energy.png"},
     "ensembles": {"ensembles.png"},
-    "levels": {"levels.png", "levels.md", "residual_blocks.md"},
+    "levels": {"levels.png", "levels.md"},
     "growth": {"growth.png"},
     "side-by-side": {"side_by_side.md"},
 }

@@ -18,7 +18,7 @@ from solar_env.array.methods import default_integrator
 from solar_env.environment.task.reward import Reward
 from solar_env.environment.task.task import Task
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.joints.joint import ANGLE
+from solar_env.mechanics.arrays.columns import ANGLE
 
 ID = "solar_env/Deploy-v1"
 SAMPLING = with_sampling({}, ID)["randomize"]

@@ -87,7 +87,11 @@ LONG = ("block_leaves", "undamped_impact", "volume_worn", "turning_journal", "tu
 SHORT = ("-k", " and ".join(f"not {part}" for part in LONG))
 CONTACT = (JOINTS + "test_contact_laws.py", *SHORT)
 FRICTION = (JOINTS + "test_friction_laws.py",)
-JOINT = (JOINTS + "test_joint.py", JOINTS + "test_cable_loop.py::test_the_forces_of_a_belt_are_the_slope_of_its_energy")
+JOINT = (
+    JOINTS + "test_joint.py",
+    JOINTS + "test_torques.py",
+    JOINTS + "test_cable_loop.py::test_the_forces_of_a_belt_are_the_slope_of_its_energy",
+)
 CONTACT_LAWS, FRICTION_LAWS = "solar_env/mechanics/joints/contact/", "solar_env/mechanics/joints/friction/"
 # Reasons that recur.
 CODE = "codes are compared with each other alone"
@@ -178,13 +182,19 @@ ROWS = (
         {"radius > 0.0 else 2.0": "a line of no length is nought over whatever size"},
     ),
     Row(
+        "solar_env/mechanics/joints/torques.py",
+        JOINT,
+        {
+            "if depth > below_stow": "of two stops that are as deep either pushes alike",
+            "if beyond >= 0.0": "in the middle of its play a latch does not push",
+            "if depth < 0.0 or not own.stop_engaged": "no depth stores no energy by the formula too",
+        },
+    ),
+    Row(
         "solar_env/mechanics/joints/joint.py",
         JOINT,
         {
             "power[first - m.NORMAL_DISSIPATION]": "it is the first of a joint's integrals",
-            "if depth > below_stow": "of two stops that are as deep either pushes alike",
-            "if beyond >= 0.0": "in the middle of its play a latch does not push",
-            "if depth < 0.0 or not own.stop_engaged": "no depth stores no energy by the formula too",
             "if motion.depth >= 0.0": "no depth bears nothing by the formula too",
         },
     ),

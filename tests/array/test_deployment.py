@@ -22,9 +22,9 @@ from solar_env.array import (
 from solar_env.array.deployment import panel_deflections, simulate
 from solar_env.array.methods import INTEGRATOR_NAMES, default_integrator, landing_integrator, make_integrator
 from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.arrays.columns import RATE
 from solar_env.mechanics.bodies.markers import place
 from solar_env.mechanics.integrators.settings import DormandPrince, GeneralizedAlpha, ModalRadau, Rosenbrock, RungeKutta
-from solar_env.mechanics.joints.joint import RATE
 from solar_env.mechanics.running.simulation import Simulation
 from solar_env.mechanics.running.trajectory import Trajectory
 

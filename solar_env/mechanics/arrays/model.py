@@ -147,7 +147,7 @@ clock_type = record(
 )
 
 # Running time integrals: these of every joint, joint by joint, then those of the whole mechanism.
-NORMAL_DISSIPATION, FRICTION_DISSIPATION, SLIDING_WORK, IMPULSE, MOTOR_WORK, STOP_DISSIPATION, CABLE_WORK = range(7)
+NORMAL_DISSIPATION, FRICTION_DISSIPATION, SLIDING_WORK, IMPULSE, MOTOR_WORK, LATCH_DISSIPATION, CABLE_WORK = range(7)
 INTEGRALS_PER_JOINT = 7
 # Work of drives and load torques; energy that the material damping of flexible bodies took.
 EXTERNAL_WORK, MATERIAL_DISSIPATION = -2, -1

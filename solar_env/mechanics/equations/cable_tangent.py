@@ -10,9 +10,9 @@ directions and of the chord's angle add.
 
 import math
 
+from solar_env.mechanics.arrays.columns import ANGLE
 from solar_env.mechanics.bodies.markers import angle_hessian, fill_slopes, subtract_hessian
 from solar_env.mechanics.joints.cable_loop import belt_loads, chord, end_torques, wheel_motion
-from solar_env.mechanics.joints.joint import ANGLE
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.profile import add_entry
 

@@ -11,6 +11,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from solar_env.mechanics.arrays.columns import (
+    ANGLE,
+    ECCENTRICITY_X,
+    ECCENTRICITY_Y,
+    FORCE_X,
+    FORCE_Y,
+    LOAD_COLUMNS,
+    NORMAL,
+    TANGENTIAL,
+)
 from solar_env.mechanics.arrays.model import (
     CABLE,
     CLEARANCE,
@@ -22,9 +32,7 @@ from solar_env.mechanics.arrays.model import (
     IMPULSE,
     INTEGRALS_PER_JOINT,
     KINETIC,
-    LATCH,
     MATERIAL_DISSIPATION,
-    SPRING,
     Model,
     State,
 )
@@ -50,18 +58,8 @@ from solar_env.mechanics.equations.constraints import (
 )
 from solar_env.mechanics.joints.cable_loop import belt_loads, wheel_motion
 from solar_env.mechanics.joints.contact.normal_force import contact_energy
-from solar_env.mechanics.joints.joint import (
-    ANGLE,
-    ECCENTRICITY_X,
-    ECCENTRICITY_Y,
-    FORCE_X,
-    FORCE_Y,
-    LOAD_COLUMNS,
-    NORMAL,
-    TANGENTIAL,
-    joint_forces,
-    stop_energy,
-)
+from solar_env.mechanics.joints.joint import joint_forces
+from solar_env.mechanics.joints.torques import add_torque_energies
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import cholesky_solve, copy_into
 
@@ -224,9 +222,7 @@ def stored_energies(model, joint_states, q, v, loads, energies):
         energies[GRAVITY] -= model.constant_force[i] * q[i]
     for j in range(model.joints.size):
         joint = model.joints[j]
-        stretch = joint.spring_preload_angle - loads[j, ANGLE]
-        energies[SPRING] += 0.5 * joint.spring_stiffness * stretch * stretch
-        energies[LATCH] += stop_energy(joint, joint_states[j], loads[j, ANGLE])
+        add_torque_energies(joint, joint_states[j], loads[j, ANGLE], energies)
         if joint.kind == CLEARANCE:
             depth = math.hypot(loads[j, ECCENTRICITY_X], loads[j, ECCENTRICITY_Y]) - joint.clearance
             if depth > 0.0:

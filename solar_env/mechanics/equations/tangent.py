@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from solar_env.mechanics.arrays.columns import ANGLE, INBOARD_SPIN, OUTBOARD_SPIN, RATE
 from solar_env.mechanics.arrays.model import CLEARANCE
 from solar_env.mechanics.bodies.cable_element.tangent import ElementSlopes, make_element_slopes
 from solar_env.mechanics.bodies.dispatch import add_internal_slopes
@@ -20,20 +21,9 @@ from solar_env.mechanics.equations.system import Workspace
 from solar_env.mechanics.joints.contact.normal_force import normal_force
 from solar_env.mechanics.joints.friction.friction_share import friction_share
 from solar_env.mechanics.joints.friction.laws import MATERIAL, PLACES
-from solar_env.mechanics.joints.joint import (
-    ANGLE,
-    CABLE_TORQUE,
-    INBOARD_SPIN,
-    MOTOR_TORQUE,
-    OUTBOARD_SPIN,
-    RATE,
-    SPRING_TORQUE,
-    STOP_TORQUE,
-    relative,
-    relative_velocity,
-    stop_torque,
-)
+from solar_env.mechanics.joints.joint import relative, relative_velocity
 from solar_env.mechanics.joints.sliding import contact_motion, sliding_share
+from solar_env.mechanics.joints.torques import hinge_torques, summed_torque
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.profile import add_entry, clear
 
@@ -164,14 +154,13 @@ def fill_tangents(model, joint_states, q, v, tangent, by_q, by_v):
         local_map(joint, markers, q, v, index[j], b, rate_slope)
         stiffness[:] = 0.0
         damping[:] = 0.0
-        _, _, by_angle, by_rate = stop_torque(joint, joint_states[j], loads[j, ANGLE], loads[j, RATE])
-        by_angle -= joint.spring_stiffness
+        torques = hinge_torques(joint, joint_states[j], loads[j, ANGLE], loads[j, RATE])
         for row in range(2):
             for column in range(2):
                 sign = 1.0 if row == column else -1.0
-                stiffness[2 + row, 2 + column] += sign * by_angle
-                damping[2 + row, 2 + column] += sign * by_rate
-        torque = loads[j, SPRING_TORQUE] + loads[j, CABLE_TORQUE] + loads[j, STOP_TORQUE] + loads[j, MOTOR_TORQUE]
+                stiffness[2 + row, 2 + column] += sign * torques.by_angle
+                damping[2 + row, 2 + column] += sign * torques.by_rate
+        torque = summed_torque(loads, j)
         outboard_torque, inboard_torque = joint.sign * torque, -joint.sign * torque
         if joint.kind == CLEARANCE and tangent.impact_speeds[j] > 0.0:
             tangential, lever = contact_tangent(

@@ -5,17 +5,11 @@ Each is a root of the step's interpolant, found without further evaluations of t
 
 import numpy as np
 
+from solar_env.mechanics.arrays.columns import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y
 from solar_env.mechanics.arrays.model import CLEARANCE
 from solar_env.mechanics.integrators.methods.table import depth_of, interpolate_of
-from solar_env.mechanics.joints.joint import (
-    ANGLE,
-    ECCENTRICITY_X,
-    ECCENTRICITY_Y,
-    joint_motion,
-    penetration,
-    relative,
-    stop_depth,
-)
+from solar_env.mechanics.joints.joint import joint_motion, penetration, relative
+from solar_env.mechanics.joints.torques import stop_depth
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.records.history import latch, start_contact
 

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from solar_env.mechanics.arrays.columns import LOAD_COLUMNS
 from solar_env.mechanics.arrays.model import ENERGIES, record
-from solar_env.mechanics.joints.joint import LOAD_COLUMNS
 from solar_env.mechanics.modal.panel.oscillators import COEFFICIENTS
 from solar_env.mechanics.modal.panel.tables import Panels, Tables, make_tables, panel_scratch
 

@@ -3,18 +3,12 @@
 import math
 
 from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.arrays.columns import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, NORMAL, RATE
 from solar_env.mechanics.bodies.markers import vector_angle
 from solar_env.mechanics.equations.system import normal_inverse_mass
 from solar_env.mechanics.joints.contact.normal_force import impact_scales
-from solar_env.mechanics.joints.joint import (
-    ANGLE,
-    ECCENTRICITY_X,
-    ECCENTRICITY_Y,
-    NORMAL,
-    RATE,
-    penetration,
-    stop_depth,
-)
+from solar_env.mechanics.joints.joint import penetration
+from solar_env.mechanics.joints.torques import stop_depth
 from solar_env.mechanics.joints.wear import add_wear, pressed_half_angle
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.records.recording import record_contact

@@ -6,9 +6,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from solar_env.mechanics.arrays.columns import OUTBOARD_SPIN
 from solar_env.mechanics.arrays.model import ENERGY_NAMES, IMPULSE, INTEGRALS_PER_JOINT, SLIDING_WORK, Model, State
 from solar_env.mechanics.equations.system import accelerations, stored_energies
-from solar_env.mechanics.joints.joint import OUTBOARD_SPIN
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 

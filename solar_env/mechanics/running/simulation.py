@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.lanes import copied, with_lane_axis
 from solar_env.mechanics.equations.formulation import Formulation
@@ -17,7 +18,6 @@ from solar_env.mechanics.integrators.driver import advance_lanes
 from solar_env.mechanics.integrators.formulations import FORMULATIONS
 from solar_env.mechanics.integrators.methods.table import method_of
 from solar_env.mechanics.integrators.settings import Integrator, RungeKutta
-from solar_env.mechanics.joints import joint as columns
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.records.recording import RECORDED_LOADS, Recorder, make_recorder
 from solar_env.mechanics.running.accuracy import AccuracyWatch

@@ -63,7 +63,7 @@ INDEX: tuple[Entry, ...] = (
         "along the chord of the panel; `cable_torque_ratio` 1 is the printed couple, which destroys half the energy",
     ),
     Entry(
-        "Eqs 5-7", "latches: BISTOP with damping by STEP", f"{_MECHANICS}/joints/joint.py:one_sided_stop",
+        "Eqs 5-7", "latches: BISTOP with damping by STEP", f"{_MECHANICS}/joints/torques.py:one_sided_stop",
         f"{_TESTS}/joints/test_joint.py:test_a_latched_joint_is_held_from_both_sides_of_its_lock_angle",
         "standard BISTOP; that a joint is latched is a state and no STEP factor of its angle, which would let it go "
         "when it swings back below the lock angle",

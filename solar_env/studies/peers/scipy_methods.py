@@ -16,9 +16,10 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import minimize_scalar
 
 from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.arrays.columns import ANGLE, NORMAL
 from solar_env.mechanics.equations.constraints import constraint_drift
 from solar_env.mechanics.equations.system import accelerations, make_workspace
-from solar_env.mechanics.joints.joint import ANGLE, NORMAL, joint_motion, penetration
+from solar_env.mechanics.joints.joint import joint_motion, penetration
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.mechanics.running.simulation import Simulation
 from solar_env.mechanics.running.trajectory import contact_record

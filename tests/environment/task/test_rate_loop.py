@@ -8,7 +8,7 @@ import gymnasium
 import numpy as np
 import pytest
 
-from solar_env.mechanics.joints.joint import RATE
+from solar_env.mechanics.arrays.columns import RATE
 
 ID = "solar_env/Deploy-v1"
 RATE_LOOP = {"model": "rigid-ideal", "action": "rate"}

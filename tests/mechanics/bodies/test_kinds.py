@@ -13,6 +13,7 @@ from mechanisms import ROUND_BEARING, Vector, turned
 
 from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.arrays.columns import NORMAL
 from solar_env.mechanics.bodies.description import AnyBody, FlexibleBody
 from solar_env.mechanics.bodies.kinds import KINDS, code_of
 from solar_env.mechanics.bodies.markers import add_point_force, add_torque, direction, place
@@ -23,7 +24,6 @@ from solar_env.mechanics.equations.tangent import fill_tangents, make_tangent_sc
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, Rosenbrock, RungeKutta
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.joints.friction.ramp import RampedCoulomb
-from solar_env.mechanics.joints.joint import NORMAL
 from solar_env.mechanics.mechanism.description import GROUND, Body, Drive, Guide, Joint, Load, Mechanism, Spring
 from solar_env.mechanics.numerics.profile import dense, make_profile_matrix
 from solar_env.mechanics.running.simulation import Simulation, simulate

@@ -63,7 +63,7 @@ def test_integrals_and_energies_are_numbered_without_gaps() -> None:
         m.SLIDING_WORK,
         m.IMPULSE,
         m.MOTOR_WORK,
-        m.STOP_DISSIPATION,
+        m.LATCH_DISSIPATION,
         m.CABLE_WORK,
     ]
     assert sorted(integrals) == list(range(m.INTEGRALS_PER_JOINT))

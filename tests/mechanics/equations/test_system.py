@@ -10,6 +10,7 @@ import pytest
 from helpers import Forces, central_difference
 from mechanisms import ROUND_BEARING, Vector, block, chain, floating_pair, pendulum, turned
 
+from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.equations.constraints import (
     constraint_drift,
@@ -19,7 +20,6 @@ from solar_env.mechanics.equations.constraints import (
     velocity_drift,
 )
 from solar_env.mechanics.equations.system import accelerations, normal_inverse_mass
-from solar_env.mechanics.joints import joint as columns
 from solar_env.mechanics.mechanism.description import GROUND, Body, Drive, Guide, Joint, Mechanism
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.mechanics.running.simulation import Simulation

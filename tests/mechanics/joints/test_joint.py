@@ -11,12 +11,13 @@ import pytest
 from helpers import Forces, central_difference
 from mechanisms import ROUND_BEARING, ROUND_STOP, Vector, block, chain, turned
 
+from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.bodies.markers import place
-from solar_env.mechanics.joints import joint as columns
 from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS
-from solar_env.mechanics.joints.joint import one_sided_stop, penetration, stop_energy, stop_torque
+from solar_env.mechanics.joints.joint import penetration
 from solar_env.mechanics.joints.sliding import contact_motion
+from solar_env.mechanics.joints.torques import one_sided_stop, stop_energy, stop_torque
 from solar_env.mechanics.mechanism.description import CableLoop, Mechanism, Spring
 
 # Angle of either joint relative to the latch at 0.9 and the stow stop at 0, both with 0.05 of free play.
@@ -86,7 +87,7 @@ def test_the_power_of_the_forces_is_work_put_in_less_losses_less_growth_of_store
         force = forces.force(q, v)
         powers = forces.integral_powers().sum(axis=0)
         put_in = powers[m.MOTOR_WORK] + powers[m.CABLE_WORK]
-        lost = powers[[m.NORMAL_DISSIPATION, m.FRICTION_DISSIPATION, m.STOP_DISSIPATION]].sum()
+        lost = powers[[m.NORMAL_DISSIPATION, m.FRICTION_DISSIPATION, m.LATCH_DISSIPATION]].sum()
         scale = float(np.abs(force) @ np.abs(v))
         # A stop or a cable limit within the difference's reach would show as a kink; 1e-8 leaves none unnoticed.
         assert force @ v == pytest.approx(put_in - lost - growth, abs=1e-8 * scale)
@@ -353,7 +354,7 @@ def test_a_joint_without_a_stow_stop_folds_as_far_as_it_likes() -> None:
     assert not forces.force(forces.state.q, forces.state.v).any()
     forces.state.joints["latched"] = 1
     forces.force(forces.state.q, np.zeros_like(forces.state.v))
-    assert forces.work.loads[0, columns.STOP_TORQUE] == pytest.approx(3.0 * (1.5 - 0.05) ** 1.5, rel=1e-12)
+    assert forces.work.loads[0, columns.LATCH_TORQUE] == pytest.approx(3.0 * (1.5 - 0.05) ** 1.5, rel=1e-12)
 
 
 CONTACT_COLUMNS = [columns.NORMAL, columns.TANGENTIAL, columns.FORCE_X, columns.FORCE_Y]

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from solar_env.mechanics.arrays.columns import ANGLE
 from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
-from solar_env.mechanics.joints.joint import ANGLE
 from solar_env.mechanics.mechanism.description import (
     GROUND,
     Bearing,

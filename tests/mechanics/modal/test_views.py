@@ -7,9 +7,9 @@ import pytest
 
 from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.analysis.geometry import centreline
+from solar_env.mechanics.arrays.columns import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, RATE
 from solar_env.mechanics.bodies.beam_modes import wave_number
 from solar_env.mechanics.integrators.settings import ModalRadau
-from solar_env.mechanics.joints.joint import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, RATE
 from solar_env.mechanics.mechanism.description import Mechanism, ModalPanel
 from solar_env.mechanics.modal.panel.foreshortening import quadratic_forms
 from solar_env.mechanics.modal.views import view_joint

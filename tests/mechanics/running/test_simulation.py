@@ -16,8 +16,8 @@ from mechanisms import block, pendulum, rotor
 from solar_env.array import ArrayParameters, build
 from solar_env.array.deployment import simulate as simulate_array
 from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.arrays.columns import ANGLE, NORMAL
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, ModalRadau, Rosenbrock, RungeKutta
-from solar_env.mechanics.joints.joint import ANGLE, NORMAL
 from solar_env.mechanics.records.recording import make_recorder
 from solar_env.mechanics.running.simulation import Simulation, simulate
 from solar_env.mechanics.running.trajectory import Trajectory

@@ -6,10 +6,11 @@ bearing wall when a contact begins that they would not resolve.
 
 import math
 
+from solar_env.mechanics.arrays.columns import ECCENTRICITY_X, ECCENTRICITY_Y
 from solar_env.mechanics.arrays.model import CLEARANCE
 from solar_env.mechanics.equations.system import normal_inverse_mass
 from solar_env.mechanics.joints.contact.normal_force import impact_scales
-from solar_env.mechanics.joints.joint import ECCENTRICITY_X, ECCENTRICITY_Y, penetration, relative
+from solar_env.mechanics.joints.joint import penetration, relative
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import greater
 from solar_env.mechanics.numerics.step_size import UNSOLVED, StepController, growth, shortened

@@ -7,6 +7,7 @@ interpolant takes three more, and only where something happens or is recorded be
 
 import math
 
+from solar_env.mechanics.arrays.columns import ANGLE
 from solar_env.mechanics.arrays.model import CLEARANCE, EXACT, GLOBAL_INTEGRALS, INTEGRALS_PER_JOINT, Model, State
 from solar_env.mechanics.equations.system import accelerations, inlined_accelerations, make_workspace
 from solar_env.mechanics.integrators.methods.dop853_coefficients import COUPLING, DENSE, ERROR, NODES, ROWS, STAGES
@@ -18,7 +19,8 @@ from solar_env.mechanics.integrators.step import (
     make_adaptive_arrays,
     refresh,
 )
-from solar_env.mechanics.joints.joint import ANGLE, relative, stop_depth
+from solar_env.mechanics.joints.joint import relative
+from solar_env.mechanics.joints.torques import stop_depth
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into, greater
 from solar_env.mechanics.records.recording import sample_due

@@ -7,6 +7,7 @@ import math
 from typing import NamedTuple
 
 from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.arrays.columns import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y
 from solar_env.mechanics.arrays.model import Model, State
 from solar_env.mechanics.equations.constraints import fill_columns
 from solar_env.mechanics.equations.newton import fill_mass
@@ -25,7 +26,7 @@ from solar_env.mechanics.integrators.methods.alpha_step import (
     solve_step,
 )
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, alpha_coefficients
-from solar_env.mechanics.joints.joint import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, penetration
+from solar_env.mechanics.joints.joint import penetration
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 from solar_env.mechanics.numerics.profile import clear

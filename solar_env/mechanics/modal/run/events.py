@@ -7,7 +7,7 @@ import numpy as np
 from solar_env.mechanics.arrays.model import CLEARANCE, IMPULSE, INTEGRALS_PER_JOINT, SLIDING_WORK
 from solar_env.mechanics.joints.contact.normal_force import impact_scales, normal_force
 from solar_env.mechanics.joints.friction.friction_share import friction_share
-from solar_env.mechanics.joints.joint import stop_depth
+from solar_env.mechanics.joints.torques import stop_depth
 from solar_env.mechanics.modal.arrays import (
     ANGLE,
     DEPTH,

@@ -2,11 +2,11 @@
 
 import math
 
+from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.arrays.model import IDEAL
-from solar_env.mechanics.joints import joint as columns
 from solar_env.mechanics.joints.cable_loop import cable_torque
 from solar_env.mechanics.joints.friction.friction_share import friction_share
-from solar_env.mechanics.joints.joint import stop_torque
+from solar_env.mechanics.joints.torques import enter_cable, enter_torques, hinge_torques
 from solar_env.mechanics.modal.arrays import (
     ANGLE,
     DEPTH,
@@ -44,15 +44,11 @@ def fill_load_table(model, state, work, slot, loads, table):
         row[columns.NORMAL] = loads[j, 0] if clearance else math.sqrt(fx * fx + fy * fy)
         row[columns.TANGENTIAL] = loads[j, 1] if clearance else 0.0
         row[columns.FORCE_X], row[columns.FORCE_Y] = fx, fy
-        row[columns.SPRING_TORQUE] = joint.spring_stiffness * (joint.spring_preload_angle - motion[ANGLE])
-        row[columns.STOP_TORQUE], _, _, _ = stop_torque(joint, own, motion[ANGLE], motion[RATE])
-        row[columns.MOTOR_TORQUE] = own.motor_torque
-        row[columns.CABLE_TORQUE] = 0.0
+        enter_torques(hinge_torques(joint, own, motion[ANGLE], motion[RATE]), j, table)
     for c in range(model.cables.size):
         cable = model.cables[c]
         torque, _, _ = cable_torque(cable, work.cables[c].motion[slot, STRETCH])
-        table[cable.joint_a, columns.CABLE_TORQUE] -= cable.torque_ratio * torque
-        table[cable.joint_b, columns.CABLE_TORQUE] += torque
+        enter_cable(cable, torque, table)
 
 
 @kernel(inner=True)

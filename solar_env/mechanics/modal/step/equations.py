@@ -2,8 +2,8 @@
 
 from solar_env.mechanics.joints.contact.normal_force import normal_force
 from solar_env.mechanics.joints.friction.friction_share import friction_share
-from solar_env.mechanics.joints.joint import stop_torque
 from solar_env.mechanics.joints.sliding import sliding_share
+from solar_env.mechanics.joints.torques import hinge_torques, torque_of_motion
 from solar_env.mechanics.modal.arrays import (
     ANGLE,
     DEPTH,
@@ -31,10 +31,9 @@ def fill_torques(model, state, work, s):
     """Torques of the laws at a stage, in place of the corrections' torque rows, with their slopes."""
     for j in range(model.joints.size):
         own, joint = work.joints[j], model.joints[j]
-        angle, rate = own.motion[s, ANGLE], own.motion[s, RATE]
-        stop, _, by_angle, by_rate = stop_torque(joint, state.joints[j], angle, rate)
-        own.torque = joint.spring_stiffness * (joint.spring_preload_angle - angle) + stop
-        own.torque_by_angle, own.torque_by_rate = by_angle - joint.spring_stiffness, by_rate
+        torques = hinge_torques(joint, state.joints[j], own.motion[s, ANGLE], own.motion[s, RATE])
+        own.torque = torque_of_motion(torques)
+        own.torque_by_angle, own.torque_by_rate = torques.by_angle, torques.by_rate
     fill_cable_torques(model, work, s)
 
 

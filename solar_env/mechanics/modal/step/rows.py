@@ -7,6 +7,7 @@ the unknown works on: a joint angle, minus a depth, a sliding speed, a component
 import math
 
 from solar_env.mechanics.arrays.model import IDEAL
+from solar_env.mechanics.joints.torques import known_stiffness, may_be_stiff
 from solar_env.mechanics.modal.arrays import (
     CABLE,
     FACES,
@@ -82,7 +83,7 @@ def list_rows(model, state, work, tables, level, h):
     for j in range(model.joints.size):
         give = angle_by_torque(model, tables, level, h, j)
         work.joints[j].torque_unknown, work.joints[j].angle_by_torque = -1, give
-        if state.joints[j].stop_engaged or model.joints[j].spring_stiffness * give > _SOFT:
+        if may_be_stiff(state.joints[j]) or known_stiffness(model.joints[j]) * give > _SOFT:
             work.joints[j].torque_unknown = n
             list_unknown(model, work, n, TORQUE, j)
             n += 1

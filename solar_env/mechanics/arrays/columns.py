@@ -1,4 +1,4 @@
-"""Columns of the table of joint loads, and the laws of the torques about a hinge, a row each.
+"""Columns of the tables of joints, and the laws of the torques about a hinge, a row each.
 
 What such a torque is called, which energy it stores and which it puts in or loses stands in its row of `TORQUES`;
 integrals, energies, trajectories, files and sums of torques follow from there. The compiled laws are those of
@@ -12,23 +12,11 @@ from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays import model as m
 
-# Columns of the table of joint loads that one evaluation fills; the torques stand side by side.
-(
-    ECCENTRICITY_X,
-    ECCENTRICITY_Y,
-    ANGLE,
-    RATE,
-    NORMAL,
-    TANGENTIAL,
-    FORCE_X,
-    FORCE_Y,
-    SPRING_TORQUE,
-    CABLE_TORQUE,
-    LATCH_TORQUE,
-    MOTOR_TORQUE,
-    OUTBOARD_SPIN,
-    INBOARD_SPIN,
-) = range(14)
+# A joint's motion: the first columns of every table of joints.
+ECCENTRICITY_X, ECCENTRICITY_Y, ANGLE, RATE, OUTBOARD_SPIN, INBOARD_SPIN = range(6)
+MOTION_COLUMNS = 6
+# Behind them, in the table of joint loads that one evaluation fills; the torques stand side by side.
+NORMAL, TANGENTIAL, FORCE_X, FORCE_Y, SPRING_TORQUE, CABLE_TORQUE, LATCH_TORQUE, MOTOR_TORQUE = range(6, 14)
 LOAD_COLUMNS = 14
 
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.records.recording import RECORDED_LOADS, Recorder, sample_columns
+from solar_env.mechanics.records.recording import Recorder, sample_columns
 from solar_env.mechanics.running.accuracy import limits_of_the_laws
 from solar_env.mechanics.running.trajectory import Trajectory, contact_record
 
@@ -41,7 +41,7 @@ def assemble(
     """
     table, joints, clock = recorder.samples, model.joints.size, state.clock[0]
     slices = sample_columns(model, state)
-    loads = table[:, slices["loads"]].reshape(len(table), joints, RECORDED_LOADS)
+    loads = table[:, slices["loads"]].reshape(len(table), joints, columns.LOAD_COLUMNS)
     integrals = table[:, slices["integrals"]]
     by_joint = m.joint_integrals(integrals)
     eccentricity = loads[:, :, [columns.ECCENTRICITY_X, columns.ECCENTRICITY_Y]]

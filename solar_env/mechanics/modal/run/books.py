@@ -2,6 +2,7 @@
 
 import math
 
+from solar_env.mechanics.arrays.columns import ANGLE, RATE
 from solar_env.mechanics.arrays.model import (
     CABLE,
     CLEARANCE,
@@ -24,17 +25,7 @@ from solar_env.mechanics.joints.torques import (
     add_torque_powers,
     hinge_torques,
 )
-from solar_env.mechanics.modal.arrays import (
-    ANGLE,
-    DEPTH,
-    DEPTH_RATE,
-    RATE,
-    RIGID_BODY,
-    SLIDING_SPEED,
-    SLIP,
-    STRETCH,
-    WHEEL_RATE,
-)
+from solar_env.mechanics.modal.arrays import DEPTH, DEPTH_RATE, RIGID_BODY, SLIDING_SPEED, SLIP, STRETCH, WHEEL_RATE
 from solar_env.mechanics.modal.panel.coupling import axial_form, foreshorten_pose
 from solar_env.mechanics.modal.panel.oscillators import WEIGHT_A, WEIGHT_B
 from solar_env.mechanics.modal.panel.tables import AXIAL_EVEN, GROUPS

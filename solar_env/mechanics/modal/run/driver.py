@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from solar_env.mechanics.arrays.columns import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, RATE
 from solar_env.mechanics.arrays.model import (
     DONE,
     EVENTS_PILE_UP,
@@ -18,18 +19,7 @@ from solar_env.mechanics.arrays.model import (
     SINGULAR_CONSTRAINTS,
     STEP_TOO_SMALL,
 )
-from solar_env.mechanics.modal.arrays import (
-    ANGLE,
-    DEPTH,
-    DEPTH_RATE,
-    ECCENTRICITY_X,
-    ECCENTRICITY_Y,
-    EVENTS,
-    ITERATIONS,
-    RATE,
-    START,
-    STUCK,
-)
+from solar_env.mechanics.modal.arrays import DEPTH, DEPTH_RATE, EVENTS, ITERATIONS, START, STUCK
 from solar_env.mechanics.modal.panel.tables import LEVELS, fill_level, level_below, level_size
 from solar_env.mechanics.modal.run.books import add_integrals, note_peaks
 from solar_env.mechanics.modal.run.events import CONTACT_START, NONE, begin_event, event_function, first_event

@@ -4,19 +4,16 @@ import math
 
 import numpy as np
 
+from solar_env.mechanics.arrays.columns import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, RATE
 from solar_env.mechanics.arrays.model import CLEARANCE, IMPULSE, INTEGRALS_PER_JOINT, SLIDING_WORK
 from solar_env.mechanics.joints.contact.normal_force import impact_scales, normal_force
 from solar_env.mechanics.joints.friction.friction_share import friction_share
 from solar_env.mechanics.joints.torques import stop_depth
 from solar_env.mechanics.modal.arrays import (
-    ANGLE,
     DEPTH,
     DEPTH_RATE,
-    ECCENTRICITY_X,
-    ECCENTRICITY_Y,
     NORMAL_X,
     NORMAL_Y,
-    RATE,
     RIGID_BODY,
     SECOND,
     SLIDING_SPEED,

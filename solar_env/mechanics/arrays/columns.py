@@ -14,7 +14,7 @@ from solar_env.mechanics.arrays import model as m
 
 # A joint's motion: the first columns of every table of joints.
 ECCENTRICITY_X, ECCENTRICITY_Y, ANGLE, RATE, OUTBOARD_SPIN, INBOARD_SPIN = range(6)
-MOTION_COLUMNS = 6
+SHARED_COLUMNS = 6
 # Behind them, in the table of joint loads that one evaluation fills; the torques stand side by side.
 NORMAL, TANGENTIAL, FORCE_X, FORCE_Y, SPRING_TORQUE, CABLE_TORQUE, LATCH_TORQUE, MOTOR_TORQUE = range(6, 14)
 LOAD_COLUMNS = 14

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.mechanics.arrays.columns import LOAD_COLUMNS, MOTION_COLUMNS
+from solar_env.mechanics.arrays.columns import LOAD_COLUMNS, SHARED_COLUMNS
 from solar_env.mechanics.arrays.model import ENERGIES, record
 from solar_env.mechanics.modal.panel.oscillators import COEFFICIENTS
 from solar_env.mechanics.modal.panel.tables import Panels, Tables, make_tables, panel_scratch
@@ -40,9 +40,9 @@ attachment_type = record([("body", np.int64), ("end", np.int64), ("x", np.float6
 
 # Further columns of a joint's motion, behind those of `arrays.columns`.
 VELOCITY_X, VELOCITY_Y, LEVER, NORMAL_X, NORMAL_Y, DEPTH, DEPTH_RATE, SLIP, SLIDING_SPEED = range(
-    MOTION_COLUMNS, MOTION_COLUMNS + 9
+    SHARED_COLUMNS, SHARED_COLUMNS + 9
 )
-CONTACT_COLUMNS = MOTION_COLUMNS + 9
+MOTION_COLUMNS = SHARED_COLUMNS + 9
 
 # Loads of a joint: normal and tangential force of a contact, or the two components of an ideal joint's reaction on its
 # outboard body; then the torque on the joint angle, without the motor's and the cable loops'.
@@ -109,7 +109,7 @@ attachment_scratch = record(
 )
 joint_scratch = record(
     [
-        ("motion", np.float64, (SLOTS, CONTACT_COLUMNS)),
+        ("motion", np.float64, (SLOTS, MOTION_COLUMNS)),
         ("load", np.float64, (2, LOADS)),
         ("torque", np.float64),  # of the laws
         ("torque_by_angle", np.float64),

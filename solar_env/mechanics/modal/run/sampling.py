@@ -24,7 +24,7 @@ def fill_load_table(model, state, work, slot, loads, table):
     for j in range(model.joints.size):
         joint, own, motion, row = model.joints[j], state.joints[j], work.joints[j].motion[slot], table[j]
         clearance = joint.kind != IDEAL
-        for column in range(columns.MOTION_COLUMNS):
+        for column in range(columns.SHARED_COLUMNS):
             row[column] = motion[column]
         if not clearance:
             row[columns.ECCENTRICITY_X], row[columns.ECCENTRICITY_Y] = 0.0, 0.0

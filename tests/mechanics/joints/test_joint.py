@@ -18,7 +18,7 @@ from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS
 from solar_env.mechanics.joints.joint import penetration
 from solar_env.mechanics.joints.sliding import contact_motion
 from solar_env.mechanics.joints.torques import one_sided_stop, stop_energy, stop_torque
-from solar_env.mechanics.mechanism.description import CableLoop, Mechanism, Spring
+from solar_env.mechanics.mechanism.description import CableLoop, Mechanism
 
 # Angle of either joint relative to the latch at 0.9 and the stow stop at 0, both with 0.05 of free play.
 SITUATIONS = {
@@ -382,12 +382,3 @@ def test_a_mechanism_without_joints_feels_gravity_alone() -> None:
     weight = forces.model.constant_force
     assert weight[0::2].sum() == pytest.approx(mechanism.bodies[0].mass, rel=1e-14)
     assert weight[1::2].sum() == pytest.approx(-2.0 * mechanism.bodies[0].mass, rel=1e-14)
-
-
-def test_a_spring_is_optional() -> None:
-    assert Spring(0.0, 1.0).stiffness == 0.0
-    mechanism = chain(
-        np.random.default_rng(0), angles=np.array([0.4]), eccentricities=np.zeros((1, 2)), spring=None, stop=None
-    )
-    forces = Forces(mechanism)
-    assert not forces.force(forces.state.q, forces.state.v).any()

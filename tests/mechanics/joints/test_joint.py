@@ -17,7 +17,7 @@ from solar_env.mechanics.bodies.markers import place
 from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS
 from solar_env.mechanics.joints.joint import penetration
 from solar_env.mechanics.joints.sliding import contact_motion
-from solar_env.mechanics.joints.torques import one_sided_stop, stop_energy, stop_torque
+from solar_env.mechanics.joints.torques import one_sided_stop, stop_energy, stop_torque, summed_torque
 from solar_env.mechanics.mechanism.description import CableLoop, Mechanism
 
 # Angle of either joint relative to the latch at 0.9 and the stow stop at 0, both with 0.05 of free play.
@@ -81,13 +81,17 @@ def test_the_power_of_the_forces_is_work_put_in_less_losses_less_growth_of_store
         q, v = forces.state.q, forces.state.v
 
         def stored(time: Vector, forces: Forces = forces, q: Vector = q, v: Vector = v) -> Vector:
-            return forces.stored(q + time[0] * v, v)[[m.SPRING, m.CABLE, m.LATCH, m.CONTACT]].sum()[None]
+            energies = dict(zip(m.ENERGY_NAMES, forces.stored(q + time[0] * v, v), strict=True))
+            return np.array([sum(energies[law.energy] for law in columns.TORQUES if law.energy) + energies["contact"]])
 
         growth = central_difference(stored, np.zeros(1))[0, 0]
         force = forces.force(q, v)
+        total = columns.total_torque(forces.work.loads)
+        assert [summed_torque(forces.work.loads, j) for j in range(2)] == pytest.approx(total, rel=1e-14, abs=1e-14)
         powers = forces.integral_powers().sum(axis=0)
-        put_in = powers[m.MOTOR_WORK] + powers[m.CABLE_WORK]
-        lost = powers[[m.NORMAL_DISSIPATION, m.FRICTION_DISSIPATION, m.LATCH_DISSIPATION]].sum()
+        put_in = sum(powers[law.integral] for law in columns.TORQUES if law.book and not law.lost)
+        lost = powers[[m.NORMAL_DISSIPATION, m.FRICTION_DISSIPATION]].sum()
+        lost += sum(powers[law.integral] for law in columns.TORQUES if law.lost)
         scale = float(np.abs(force) @ np.abs(v))
         # A stop or a cable limit within the difference's reach would show as a kink; 1e-8 leaves none unnoticed.
         assert force @ v == pytest.approx(put_in - lost - growth, abs=1e-8 * scale)

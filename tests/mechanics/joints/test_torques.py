@@ -16,11 +16,8 @@ from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.joints.torques import (
     add_torque_energies,
-    add_torque_powers,
-    enter_torques,
     hinge_torques,
     may_be_stiff,
-    summed_torque,
     torque_of_motion,
 )
 from solar_env.mechanics.mechanism.textbook import pendulum
@@ -71,20 +68,6 @@ def test_slopes_and_energies_are_those_of_the_sum() -> None:
     growth = central_difference(lambda x: np.array([stored(joint, own, x[0])]), np.array([1.1]))[0, 0]
     assert -growth == pytest.approx(torques.spring + torques.latch_elastic, rel=1e-8)
     assert may_be_stiff(own)
-
-
-def test_the_power_of_the_sum_is_what_the_books_and_the_stored_energy_say() -> None:
-    joint, own = latched_joint()
-    torques = hinge_torques(joint, own, 1.1, RATE)
-    loads, powers = np.zeros((1, columns.LOAD_COLUMNS)), np.zeros(m.INTEGRALS_PER_JOINT)
-    enter_torques(torques, 0, loads)
-    add_torque_powers(torques, RATE, 1.0, 0, powers)
-    assert summed_torque(loads, 0) == pytest.approx(columns.total_torque(loads)[0], rel=1e-15)
-    lost = sum(powers[law.integral] for law in columns.TORQUES if law.lost)
-    put_in = powers.sum() - lost
-    stored_power = -(torques.spring + torques.latch_elastic) * RATE
-    assert summed_torque(loads, 0) * RATE == pytest.approx(put_in - lost - stored_power, rel=1e-14)
-    assert lost > 0.0
 
 
 def test_a_trajectory_and_its_file_have_every_torque(tmp_path: Any) -> None:

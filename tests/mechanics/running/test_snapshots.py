@@ -35,7 +35,6 @@ def test_a_restored_state_continues_to_the_same_bits_in_the_middle_of_a_contact(
     assert starts.sum() > saved.joints["contact_starts"].sum()
 
 
-@every_integrator
 def test_a_pickled_snapshot_continues_to_the_same_bits_in_another_process(
     tmp_path: Path, run_python: Callable[..., str]
 ) -> None:

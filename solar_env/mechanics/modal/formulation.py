@@ -6,7 +6,15 @@ from solar_env.mechanics.arrays.columns import ECCENTRICITY_X, ECCENTRICITY_Y
 from solar_env.mechanics.arrays.model import ENERGIES, IDEAL
 from solar_env.mechanics.equations.formulation import Array, Formulation
 from solar_env.mechanics.mechanism.description import Mechanism
-from solar_env.mechanics.modal.arrays import OTHER, VELOCITY_X, VELOCITY_Y, ModalModel, ModalState, Workspace, make_workspace
+from solar_env.mechanics.modal.arrays import (
+    OTHER,
+    VELOCITY_X,
+    VELOCITY_Y,
+    ModalModel,
+    ModalState,
+    Workspace,
+    make_workspace,
+)
 from solar_env.mechanics.modal.build import compile_modal
 from solar_env.mechanics.modal.run.books import stored_energies
 from solar_env.mechanics.modal.run.driver import start_loads

@@ -10,7 +10,7 @@ import gymnasium
 import numpy as np
 
 from agents.torque_laws import Controller
-from solar_env.mechanics.joints.joint import ANGLE, RATE
+from solar_env.mechanics.arrays.columns import ANGLE, RATE
 from solar_env.support.numbers import is_number
 
 UNITS = ("s", "N", "Ns", "J", "m")

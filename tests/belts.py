@@ -6,7 +6,6 @@ import numpy as np
 from helpers import Forces
 from mechanisms import ROUND_BEARING
 
-from solar_env.mechanics.bodies.description import ReferencePointBody
 from solar_env.mechanics.mechanism.description import Body, CableLoop, FlexibleBody, Joint, Mechanism
 
 LOOP = CableLoop("inner", "outer", 1.7, 2.0, 2.0)
@@ -21,7 +20,7 @@ def belt(seed: int, *, reverse: bool = False, cable: CableLoop = LOOP) -> Forces
     bodies = (
         Body("base", 1.5, 0.3, 0.9, (0.4, 0.1), angle=-0.4),
         beam,
-        ReferencePointBody("last", 0.7, 0.1, 0.8, (0.3, -0.1), angle=0.9),
+        Body("last", 0.7, 0.1, 0.8, (0.3, -0.1), angle=0.9),
     )
     joints = (
         Joint("inner", "base", "beam", (0.9, 0.1), ends[0], folded_angle=0.2, bearing=ROUND_BEARING),

@@ -19,7 +19,7 @@ from solar_env.environment.registration import DEPLOY
 from solar_env.environment.task.reward import Reward
 from solar_env.environment.task.versions import PRESENT
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.joints.joint import ANGLE
+from solar_env.mechanics.arrays.columns import ANGLE
 
 SAMPLING = with_sampling({}, DEPLOY)["randomize"]
 TASK = PRESENT.task

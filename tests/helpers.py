@@ -18,11 +18,12 @@ from mechanisms import Vector, beam_rotor, rotor
 
 from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.arrays.columns import ANGLE
 from solar_env.mechanics.bodies.kinds import KINDS
 from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.equations.system import add_mass_products, make_workspace, stored_energies
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, RungeKutta
-from solar_env.mechanics.joints.joint import ANGLE, joint_forces
+from solar_env.mechanics.joints.joint import joint_forces
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.records.recording import make_recorder
 from solar_env.mechanics.running.diagnosis import SimulationWarning

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from solar_env.mechanics.arrays.columns import TORQUES
 from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.support.files import check_target, write_text
 
@@ -17,10 +18,7 @@ _BY_JOINT = {
     "gap_m": "penetration",
     "normal_force_N": "normal_force",
     "tangential_force_N": "tangential_force",
-    "spring_torque_Nm": "spring_torque",
-    "cable_torque_Nm": "cable_torque",
-    "latch_torque_Nm": "latch_torque",
-    "motor_torque_Nm": "motor_torque",
+    **{f"{law.name}_Nm": law.name for law in TORQUES},
     "impulse_Ns": "impulse",
     "sliding_work_J": "sliding_work",
 }

@@ -20,9 +20,9 @@ from solar_env.array import (
 from solar_env.array.deployment import panel_deflections, simulate
 from solar_env.array.methods import default_integrator
 from solar_env.mechanics.analysis.geometry import centreline
+from solar_env.mechanics.arrays.columns import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y
 from solar_env.mechanics.bodies.kinds import CABLE_ELEMENTS
 from solar_env.mechanics.equations.build import compile_mechanism
-from solar_env.mechanics.joints.joint import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y
 from solar_env.mechanics.mechanism.description import FlexibleBody, ModalPanel
 from solar_env.mechanics.running.simulation import Simulation
 

@@ -22,9 +22,9 @@ from solar_env.array import (
 from solar_env.array.deployment import panel_deflections, simulate
 from solar_env.array.methods import INTEGRATOR_NAMES, default_integrator, landing_integrator, make_integrator
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.bodies.markers import velocity as marker_velocity
+from solar_env.mechanics.arrays.columns import RATE
+from solar_env.mechanics.bodies.markers import place
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, ModalRadau, Rosenbrock, RungeKutta
-from solar_env.mechanics.joints.joint import RATE
 from solar_env.mechanics.running.simulation import Simulation
 from solar_env.mechanics.running.trajectory import Trajectory
 
@@ -187,7 +187,7 @@ def test_initial_rates_are_those_asked_for_and_strain_nothing(model: str, hinge:
     loads, state, compiled = simulation.joint_loads(), simulation.state, simulation.model
     assert loads[:, RATE] == pytest.approx(rates, abs=1e-14)
     for joint in compiled.joints:
-        sides = [marker_velocity(compiled.markers[joint[side]], state.q, state.v) for side in ("inboard", "outboard")]
+        sides = [place(compiled.markers[joint[side]], state.v) for side in ("inboard", "outboard")]
         assert sides[0] == pytest.approx(sides[1], abs=1e-15)
     # Main body: at rest at its centroid; panels: every point turns about the hinge.
     velocity, turn, expected = np.zeros(2), spin, []

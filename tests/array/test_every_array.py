@@ -22,10 +22,10 @@ from mechanisms import turned
 
 from solar_env.array import MODELS, ArrayParameters, PanelModel, build
 from solar_env.array.methods import default_integrator
+from solar_env.mechanics.arrays.columns import ANGLE
 from solar_env.mechanics.integrators.settings import INTEGRATORS
 from solar_env.mechanics.joints.contact.laws import CONTACT_LAWS
 from solar_env.mechanics.joints.friction.laws import FRICTION_LAWS, SLIDING_READINGS
-from solar_env.mechanics.joints.joint import ANGLE
 from solar_env.mechanics.mechanism.description import AnyBody, Body, Joint, Mechanism
 from solar_env.mechanics.running.batch import Batch
 from solar_env.mechanics.running.diagnosis import SimulationWarning

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from episodes import STRONG, watch
 
+from solar_env.mechanics.arrays.columns import ANGLE
 from solar_env.mechanics.arrays.model import MOTOR_WORK, joint_integrals
-from solar_env.mechanics.joints.joint import ANGLE
 
 JOINTS = 2
 ANGLES, RATES, LATCHED = range(JOINTS), range(JOINTS, 2 * JOINTS), range(2 * JOINTS, 3 * JOINTS)

@@ -60,16 +60,17 @@ for each in (fine, simulation):
 assert 1e-12 < abs(simulation.state.q - fine.state.q).max() < 1e-5
 """,
     "Body kind": """
-from solar_env.mechanics.bodies.description import LeverBody, ReferencePointBody
-from solar_env.mechanics.mechanism.description import Mechanism
+from solar_env.mechanics.bodies.description import LeverBody
+from solar_env.mechanics.mechanism.description import Body, Mechanism
 ends = []
-for kind in (LeverBody, ReferencePointBody):
+for kind in (LeverBody, Body):
     body = kind("falling", 1.5, 0.3, 0.9, (0.4, 0.1), velocity=(0.5, 0.2), spin=-0.9)
     simulation = solar_env.Simulation(Mechanism((body,), gravity=(0.0, -9.81)))
     simulation.advance(0.1)
     ends.append(simulation.state.q.tolist())
 assert ends[0] == ends[1]
-assert abs(ends[0][2] + 0.09) < 1e-12
+turned = math.atan2(ends[0][3] - ends[0][1], ends[0][2] - ends[0][0])
+assert abs(turned + 0.09) < 1e-9
 """,
     "Observation": """
 import gymnasium
@@ -154,24 +155,25 @@ def change(path, lines):
 
 
 def add_body_kind(root):
-    """Do what the page says in words: copy a kind, and add a branch beside each of its own."""
+    """Do what the page says in words: copy a kind, and add a branch for it wherever kinds differ."""
     bodies = root / "solar_env" / "mechanics" / "bodies"
-    source = (bodies / "reference_point.py").read_text(encoding="utf-8")
-    source = source.replace("ReferencePointBody", "LeverBody").replace("class ReferencePoint(", "class Lever(")
+    source = (bodies / "natural_coordinates.py").read_text(encoding="utf-8")
+    source = re.sub(r"\bBody\b", "LeverBody", source).replace("class NaturalCoordinates(", "class Lever(")
     (bodies / "lever.py").write_text(source, encoding="utf-8")
-    branch = re.compile(r"^( *)(if|elif) (\w+)\.kind == REFERENCE_POINT:\n((?:\1 +.*\n)+)", re.MULTILINE)
+    # Natural coordinates come last, without a condition of their own.
+    last = re.compile(r"^( *)(?:else:\n *(natural_coordinates\..*)|(return natural_coordinates\..*))\n", re.MULTILINE)
 
     def both(found):
-        indent, word, row, block = found.groups()
-        own = block.replace("reference_point.", "lever.")
-        return f"{indent}{word} {row}.kind == LEVER:\n{own}{indent}elif {row}.kind == REFERENCE_POINT:\n{block}"
+        indent, after, returned = found.groups()
+        word = "elif" if after else "if"
+        own = (after or returned).replace("natural_coordinates.", "lever.")
+        return f"{indent}{word} body.kind == LEVER:\n{indent}    {own}\n{found.group(0)}"
 
-    for name in ("dispatch", "markers"):
-        text, count = branch.subn(both, (bodies / f"{name}.py").read_text(encoding="utf-8"))
-        assert count > 3
-        text = text.replace("reference_point\n", "lever, reference_point\n", 1)
-        text = text.replace("REFERENCE_POINT\n", "LEVER, REFERENCE_POINT\n", 1)
-        (bodies / f"{name}.py").write_text(text, encoding="utf-8")
+    text, count = last.subn(both, (bodies / "dispatch.py").read_text(encoding="utf-8"))
+    assert count == 5
+    text = text.replace("natural_coordinates\n", "lever, natural_coordinates\n", 1)
+    text = text.replace("CABLE_ELEMENTS\n", "CABLE_ELEMENTS, LEVER\n", 1)
+    (bodies / "dispatch.py").write_text(text, encoding="utf-8")
 
 
 def run(root, arguments):

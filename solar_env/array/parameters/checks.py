@@ -6,7 +6,7 @@ from typing import Any
 
 from solar_env.array.parameters.plausibility import warn_of_implausible
 from solar_env.mechanics.joints.friction.laws import FRICTION_LAWS, SLIDING_READINGS
-from solar_env.mechanics.running.diagnosis import check_restitution
+from solar_env.mechanics.running.diagnosis import restitution_text, warn
 from solar_env.support.numbers import is_number
 
 ArrayParameters = Any  # of `parameters`, which imports this module
@@ -115,7 +115,7 @@ def _check_contact(p: ArrayParameters) -> None:
         # A law that conserves energy does so whatever it is asked for.
         if given < 1.0 and restitution not in told:
             told.add(restitution)
-            check_restitution(p.contact_law, restitution, given)
+            warn(restitution_text(p.contact_law, restitution, given))
 
 
 def _check_type(p: ArrayParameters, name: str, default: Any) -> None:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from solar_env.array import ArrayParameters, main_body_corners
 from solar_env.environment.settings import EnvironmentSettings
 from solar_env.mechanics.analysis.geometry import centreline
-from solar_env.mechanics.joints.joint import ECCENTRICITY_X, ECCENTRICITY_Y, NORMAL
+from solar_env.mechanics.arrays.columns import ECCENTRICITY_X, ECCENTRICITY_Y, NORMAL
 from solar_env.mechanics.running.simulation import Simulation
 from solar_env.pictures.render import Renderer
 from solar_env.pictures.scene import Scene

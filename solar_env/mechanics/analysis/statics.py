@@ -33,8 +33,7 @@ def static_equilibrium(mechanism: Mechanism, load_steps: int = 10) -> NDArray[np
     for step in range(1, load_steps + 1):
         share = step / load_steps
         loads = model.loads.copy()
-        for part in ("force_x", "force_y", "torque"):
-            loads[part] *= share
+        loads["torque"] *= share
         loaded = model._replace(constant_force=share * model.constant_force, loads=loads)
         for _ in range(_MOST_ITERATIONS):
             residual = equations.residual(loaded)[moving]

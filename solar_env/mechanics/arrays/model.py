@@ -4,7 +4,7 @@ Elements of one kind are rows of one structured array, so that a kernel reads `j
 and the number of arrays that cross from Python to a kernel stays small. All quantities are in SI units.
 
 Generalized coordinates `q` come body by body; what they are is known to the kind of body alone (`bodies/kinds.py`),
-which also makes the rows for bodies and for markers, that is points of bodies with a direction.
+which also makes the rows for bodies.
 """
 
 from typing import NamedTuple
@@ -96,8 +96,8 @@ drive_type = record(
     ]
 )
 
-# Constant force and torque on a marker, as far as its generalized force depends on the configuration.
-load_type = record([("marker", np.int64), ("force_x", np.float64), ("force_y", np.float64), ("torque", np.float64)])
+# Constant torque on a marker; generalized forces of constant forces are constant.
+load_type = record([("marker", np.int64), ("torque", np.float64)])
 
 joint_state_type = record(
     [
@@ -147,7 +147,7 @@ clock_type = record(
 )
 
 # Running time integrals: these of every joint, joint by joint, then those of the whole mechanism.
-NORMAL_DISSIPATION, FRICTION_DISSIPATION, SLIDING_WORK, IMPULSE, MOTOR_WORK, STOP_DISSIPATION, CABLE_WORK = range(7)
+NORMAL_DISSIPATION, FRICTION_DISSIPATION, SLIDING_WORK, IMPULSE, MOTOR_WORK, LATCH_DISSIPATION, CABLE_WORK = range(7)
 INTEGRALS_PER_JOINT = 7
 # Work of drives and load torques; energy that the material damping of flexible bodies took.
 EXTERNAL_WORK, MATERIAL_DISSIPATION = -2, -1

@@ -37,45 +37,26 @@ class AnyBody:
 
 
 @dataclass(frozen=True)
-class RigidBody(AnyBody):
-    """A rigid body, whatever its coordinates.
+class Body(AnyBody):
+    """A rigid body in natural coordinates: two base points, the body frame's origin and the end of its x axis.
 
     Attributes:
         mass: [kg].
         inertia: about the centroid [kg m2].
         length: of the x axis, from the origin of the body frame to a second point [m].
         centroid: in the body frame [m].
+        fixed: whether the body is held in place.
     """
 
     mass: float
     inertia: float
     length: float
     centroid: Point
+    fixed: bool = field(default=False, kw_only=True)
 
     def __post_init__(self) -> None:
         super().__post_init__()
         require_signs(self, positive=("mass", "inertia", "length"))
-
-
-@dataclass(frozen=True)
-class Body(RigidBody):
-    """A rigid body in natural coordinates: two base points, the body frame's origin and the end of its x axis.
-
-    It suits ideal joints, whose constraints are linear in these coordinates.
-
-    Attributes:
-        fixed: whether the body is held in place.
-    """
-
-    fixed: bool = field(default=False, kw_only=True)
-
-
-@dataclass(frozen=True)
-class ReferencePointBody(RigidBody):
-    """A rigid body in reference point coordinates: place of the centroid and angle, without a constraint.
-
-    It takes joints with clearance, cables and loads. Ideal joints, guides and drives need a `Body`.
-    """
 
 
 @dataclass(frozen=True)
@@ -141,10 +122,7 @@ class ModalPanel(AnyBody):
         bending_stiffness: E I [N m2].
         damping: retardation time of the material [s]: stress = modulus * (strain + damping * strain rate).
         modes: number of bending modes that are kept; of axial ones half as many are. What the others contribute to the
-            flexibility of the ends is kept whatever the number.
-        residual_blocks: blocks of pseudo-modes that stand for these others, see `beam_modes`. One has their static
-            flexibility; two have its first change with the squared frequency as well. Without any the ends are too
-            stiff, which is for studies of convergence alone.
+            flexibility of the ends is kept whatever the number, with its first change by the squared frequency.
     """
 
     length: float
@@ -153,16 +131,10 @@ class ModalPanel(AnyBody):
     bending_stiffness: float
     damping: float = 0.0
     modes: int = field(kw_only=True)
-    residual_blocks: int = field(default=2, kw_only=True)
 
     def __post_init__(self) -> None:
         super().__post_init__()
         require_count(self, "modes", 0, 200)
-        require_count(self, "residual_blocks", 0, 2)
-        bends = self.modes > 0 or self.residual_blocks > 0
-        require(
-            bends, self, "modes", self.modes, "must be positive without residual blocks; use a Body if nothing bends"
-        )
         require_signs(self, ("length", "mass", "axial_stiffness", "bending_stiffness"), ("damping",))
 
     @property

@@ -3,10 +3,10 @@
 Fixed bodies, whatever their kind, have neither inertia nor accelerations.
 """
 
-from solar_env.mechanics.bodies import natural_coordinates, reference_point
+from solar_env.mechanics.bodies import natural_coordinates
 from solar_env.mechanics.bodies.cable_element import element, forces
 from solar_env.mechanics.bodies.cable_element.tangent import add_elastic_tangents
-from solar_env.mechanics.bodies.kinds import CABLE_ELEMENTS, NATURAL, REFERENCE_POINT
+from solar_env.mechanics.bodies.kinds import CABLE_ELEMENTS
 from solar_env.mechanics.numerics.jit import kernel
 
 
@@ -35,9 +35,6 @@ def solve_body(body, constants, q, v, force, a, with_velocity):
     if body.kind == CABLE_ELEMENTS:
         element.solve_mass(body, constants, force, a)
         return 0.0
-    if body.kind == REFERENCE_POINT:
-        reference_point.solve_mass(body, force, a)
-        return 0.0
     return natural_coordinates.solve_body(body, q, v, force, a, with_velocity)
 
 
@@ -48,8 +45,6 @@ def solve_free(body, constants, force, a):
         _hold(body, a)
     elif body.kind == CABLE_ELEMENTS:
         element.solve_mass(body, constants, force, a)
-    elif body.kind == REFERENCE_POINT:
-        reference_point.solve_mass(body, force, a)
     else:
         natural_coordinates.solve_mass(body, force, a)
 
@@ -61,8 +56,6 @@ def add_mass_product(body, constants, a, out):
         return
     if body.kind == CABLE_ELEMENTS:
         element.add_mass_product(body, constants, a, out)
-    elif body.kind == REFERENCE_POINT:
-        reference_point.add_mass_product(body, a, out)
     else:
         natural_coordinates.add_mass_product(body, a, out)
 
@@ -74,8 +67,6 @@ def add_mass_matrix(body, constants, elimination, matrix):
         return
     if body.kind == CABLE_ELEMENTS:
         element.add_mass_matrix(body, constants, 1.0, elimination, matrix)
-    elif body.kind == REFERENCE_POINT:
-        reference_point.add_mass_matrix(body, elimination, matrix)
     else:
         natural_coordinates.add_body_matrix(body, 1.0, 0.0, elimination, matrix)
 
@@ -87,8 +78,6 @@ def kinetic_energy(body, constants, v):
         return 0.0
     if body.kind == CABLE_ELEMENTS:
         return element.kinetic_energy(body, constants, v)
-    if body.kind == REFERENCE_POINT:
-        return reference_point.kinetic_energy(body, v)
     return natural_coordinates.kinetic_energy(body, v)
 
 
@@ -122,5 +111,5 @@ def project_bodies(bodies, q, v):
     """Return every body to its own constraint, and its velocity to the rate's, by the least change in its mass."""
     for b in range(bodies.size):
         body = bodies[b]
-        if body.kind == NATURAL and not body.fixed:
+        if body.constraints:
             natural_coordinates.project_length(body, q, v)

@@ -20,17 +20,12 @@ class BodyKind(ABC, Generic[Described]):
     Attributes:
         description: class of its parameters.
         body_fields: members of a body's row that its kernels need beyond the common ones.
-        marker_fields: members of a marker's row, likewise.
-        linear: whether place and direction of its markers are linear in the coordinates, as ideal joints, guides and
-            drives require.
         deformable: whether it deforms.
         constraints: number of constraints among its own coordinates, 0 or 1.
     """
 
     description: ClassVar[type[AnyBody]]
     body_fields: ClassVar[Fields] = []
-    marker_fields: ClassVar[Fields] = []
-    linear: ClassVar[bool] = False
     deformable: ClassVar[bool] = False
     constraints: ClassVar[int] = 0
 
@@ -44,7 +39,7 @@ class BodyKind(ABC, Generic[Described]):
 
     @abstractmethod
     def fill_marker(self, body: Described, row: np.void, first: int, point: Point) -> None:
-        """Fill the kind's members of a marker's row.
+        """Fill a marker's linear map of two coordinate pairs, see `markers`.
 
         Args:
             body: that the marker belongs to.
@@ -55,10 +50,6 @@ class BodyKind(ABC, Generic[Described]):
         Raises:
             ValueError: if nothing can be attached there.
         """
-
-    @abstractmethod
-    def marker_coordinates(self, row: np.void) -> list[int]:
-        """Indices of the coordinates that a marker depends on."""
 
     @abstractmethod
     def initial_motion(self, body: Described) -> tuple[Array, Array]:

@@ -1,4 +1,4 @@
-"""Table of the kinds of body, and the rows of bodies and markers that hold what all of them need."""
+"""Table of the kinds of body, and the rows of bodies that hold what all of them need."""
 
 from typing import Any
 
@@ -9,11 +9,10 @@ from solar_env.mechanics.bodies.cable_element.element import CableElements
 from solar_env.mechanics.bodies.description import AnyBody
 from solar_env.mechanics.bodies.kind import BodyKind, Fields
 from solar_env.mechanics.bodies.natural_coordinates import NaturalCoordinates
-from solar_env.mechanics.bodies.reference_point import ReferencePoint
 
 # A kind's place in the table is its code in compiled code.
-KINDS: tuple[BodyKind[Any], ...] = (NaturalCoordinates(), CableElements(), ReferencePoint())
-NATURAL, CABLE_ELEMENTS, REFERENCE_POINT = range(len(KINDS))
+KINDS: tuple[BodyKind[Any], ...] = (NaturalCoordinates(), CableElements())
+NATURAL, CABLE_ELEMENTS = range(len(KINDS))
 
 _BODY: Fields = [
     ("kind", np.int64),
@@ -23,13 +22,7 @@ _BODY: Fields = [
     ("constraints", np.int64),  # number of constraints among its coordinates: its length, or none
     ("length", np.float64),
 ]
-_MARKER: Fields = [
-    ("kind", np.int64),
-    ("body", np.int64),
-    ("linear", np.int64),  # whether place and direction are linear in the coordinates
-]
 body_type = record(list(dict([*_BODY, *(member for kind in KINDS for member in kind.body_fields)]).items()))
-marker_type = record(list(dict([*_MARKER, *(member for kind in KINDS for member in kind.marker_fields)]).items()))
 
 
 def code_of(body: AnyBody) -> int:

@@ -1,53 +1,71 @@
-"""Place and direction of a body's markers, their rates, and the generalized forces of loads there, by kind.
+"""Markers: where they are, how they move, what loads at them do, and the slopes of all this.
 
-Each function chooses by the marker's kind of body; nothing else looks into a marker's row.
+Coordinates of bodies are points and vectors, of which a marker is a linear map: with two coordinate pairs p1 and p2 and
+the quarter turn J, place = (a1 + b1 J) p1 + (a2 + b2 J) p2 and direction = c1 p1 + p2. The direction is as long as the
+body, or as a beam is stretched there. Rates follow from velocities by the same map.
 """
 
 import math
 
-from solar_env.mechanics.bodies import linear_marker, reference_point
-from solar_env.mechanics.bodies.kinds import REFERENCE_POINT
+import numpy as np
+
+from solar_env.mechanics.arrays.model import record
 from solar_env.mechanics.numerics.jit import kernel
+from solar_env.mechanics.numerics.profile import add_entry
+
+marker_type = record(
+    [
+        ("body", np.int64),
+        ("i1", np.int64),  # first coordinate of p1
+        ("i2", np.int64),
+        ("a1", np.float64),
+        ("b1", np.float64),
+        ("a2", np.float64),
+        ("b2", np.float64),
+        ("c1", np.float64),
+    ]
+)
+
+
+def pair_coordinates(row: np.void) -> list[int]:
+    """Indices of the four coordinates that a marker depends on: those of p1, then those of p2."""
+    return [int(row["i1"]), int(row["i1"]) + 1, int(row["i2"]), int(row["i2"]) + 1]
+
+
+def place_row(row: np.void, axis: int) -> dict[int, float]:
+    """Coefficients by coordinate of the marker's x (axis 0) or y (axis 1); those that vanish are left out."""
+    turn = -1.0 if axis == 0 else 1.0
+    entries: dict[int, float] = {}
+    for first, a, b in ((int(row["i1"]), row["a1"], row["b1"]), (int(row["i2"]), row["a2"], row["b2"])):
+        for index, value in ((first + axis, float(a)), (first + 1 - axis, turn * float(b))):
+            if value != 0.0:
+                entries[index] = entries.get(index, 0.0) + value
+    return entries
 
 
 @kernel(inlined=True)
-def place(marker, q):
-    """Place (x, y) [m] of the marker."""
-    if marker.kind == REFERENCE_POINT:
-        return reference_point.place(marker, q)
-    return linear_marker.place(marker, q)
+def place(marker, x):
+    """Place [m] from coordinates, or its rate [m/s] from velocities."""
+    i, k = marker.i1, marker.i2
+    return (
+        marker.a1 * x[i] - marker.b1 * x[i + 1] + marker.a2 * x[k] - marker.b2 * x[k + 1],
+        marker.a1 * x[i + 1] + marker.b1 * x[i] + marker.a2 * x[k + 1] + marker.b2 * x[k],
+    )
 
 
 @kernel(inlined=True)
-def velocity(marker, q, v):
-    """Velocity (x, y) [m/s] of the marker's place."""
-    if marker.kind == REFERENCE_POINT:
-        return reference_point.velocity(marker, q, v)
-    return linear_marker.place(marker, v)
-
-
-@kernel(inlined=True)
-def direction(marker, q):
-    """Direction vector of the marker, of any length but zero."""
-    if marker.kind == REFERENCE_POINT:
-        return reference_point.direction(marker, q)
-    return linear_marker.direction(marker, q)
-
-
-@kernel(inlined=True)
-def direction_rate(marker, q, v):
-    """Rate of change of the direction vector."""
-    if marker.kind == REFERENCE_POINT:
-        return reference_point.direction_rate(marker, q, v)
-    return linear_marker.direction(marker, v)
+def direction(marker, x):
+    """Direction vector from coordinates, or its rate from velocities."""
+    i, k = marker.i1, marker.i2
+    return marker.c1 * x[i] + x[k], marker.c1 * x[i + 1] + x[k + 1]
 
 
 @kernel(inlined=True)
 def spin(marker, q, v):
-    """Angular velocity [rad/s] of the marker's direction."""
-    if marker.kind == REFERENCE_POINT:
-        return reference_point.spin(marker, v)
-    return linear_marker.spin(marker, q, v)
+    """Angular velocity [rad/s] of the direction."""
+    dx, dy = direction(marker, q)
+    ux, uy = direction(marker, v)
+    return (dx * uy - dy * ux) / (dx * dx + dy * dy)
 
 
 @kernel(inlined=True)
@@ -58,45 +76,84 @@ def vector_angle(marker, q, x, y):
 
 
 @kernel(inlined=True)
-def add_point_force(marker, q, fx, fy, force):
+def add_point_force(marker, fx, fy, force):
     """Add to `force` (n,) the generalized force of a force [N] at the marker's place."""
-    if marker.kind == REFERENCE_POINT:
-        reference_point.add_point_force(marker, q, fx, fy, force)
-    else:
-        linear_marker.add_point_force(marker, fx, fy, force)
+    i, k = marker.i1, marker.i2
+    force[i] += marker.a1 * fx + marker.b1 * fy
+    force[i + 1] += marker.a1 * fy - marker.b1 * fx
+    force[k] += marker.a2 * fx + marker.b2 * fy
+    force[k + 1] += marker.a2 * fy - marker.b2 * fx
 
 
 @kernel(inlined=True)
 def add_torque(marker, q, torque, force):
-    """Add to `force` (n,) the generalized force of a torque [N m] on the marker's direction."""
-    if marker.kind == REFERENCE_POINT:
-        reference_point.add_torque(marker, torque, force)
-    else:
-        linear_marker.add_torque(marker, q, torque, force)
+    """Add to `force` (n,) the generalized force of a torque [N m]: times the gradient of the direction's angle."""
+    dx, dy = direction(marker, q)
+    scale = torque / (dx * dx + dy * dy)
+    i, k = marker.i1, marker.i2
+    force[i] -= marker.c1 * scale * dy
+    force[i + 1] += marker.c1 * scale * dx
+    force[k] -= scale * dy
+    force[k + 1] += scale * dx
+
+
+@kernel
+def set_direction_row(marker, c, s, row):
+    """Write the linear constraint that the direction has no component across (c, s): its first four entries."""
+    row[0] = -s * marker.c1
+    row[1] = c * marker.c1
+    row[2] = -s
+    row[3] = c
+
+
+@kernel
+def angle_hessian(dx, dy):
+    """Entries (xx, xy) of the Hessian of atan2(dy, dx); yy = -xx."""
+    fourth = (dx * dx + dy * dy) ** 2
+    return 2.0 * dx * dy / fourth, (dy * dy - dx * dx) / fourth
 
 
 @kernel(inner=True)
 def fill_slopes(marker, q, v, side, index, gradient, rate_slope):
-    """Fill the slopes of a marker's motion by its coordinates, at most four, in columns 4 * side and following.
+    """Fill the slopes of a marker's motion by its four coordinates, in columns 4 * side and following.
 
     Args:
         marker: row of the marker.
         q, v: (n,) coordinates and velocities.
         side: 0 or 1.
-        index: (8,) the coordinates; those beyond the marker's own repeat the last one, with zero slopes.
+        index: (8,) the coordinates.
         gradient: (4, 8) slopes of x and y in rows 0 and 1, of the direction's angle in row 2 + side; zero before.
-        rate_slope: (4, 8) slopes by the coordinates of the rates of these, likewise.
+        rate_slope: (4, 8) slopes by the coordinates of the rates of these; those of the place's rate vanish.
     """
-    if marker.kind == REFERENCE_POINT:
-        reference_point.fill_slopes(marker, q, v, side, index, gradient, rate_slope)
-    else:
-        linear_marker.fill_slopes(marker, q, v, side, index, gradient, rate_slope)
+    k, angle = 4 * side, 2 + side
+    index[k], index[k + 1] = marker.i1, marker.i1 + 1
+    index[k + 2], index[k + 3] = marker.i2, marker.i2 + 1
+    x, y = gradient[0], gradient[1]
+    x[k], x[k + 1], x[k + 2], x[k + 3] = marker.a1, -marker.b1, marker.a2, -marker.b2
+    y[k], y[k + 1], y[k + 2], y[k + 3] = marker.b1, marker.a1, marker.b2, marker.a2
+    dx, dy = direction(marker, q)
+    ux, uy = direction(marker, v)
+    hxx, hxy = angle_hessian(dx, dy)
+    squared = dx * dx + dy * dy
+    gx, gy = -dy / squared, dx / squared
+    sx, sy = hxx * ux + hxy * uy, hxy * ux - hxx * uy
+    turn, spin = gradient[angle], rate_slope[angle]
+    turn[k], turn[k + 1], turn[k + 2], turn[k + 3] = marker.c1 * gx, marker.c1 * gy, gx, gy
+    spin[k], spin[k + 1], spin[k + 2], spin[k + 3] = marker.c1 * sx, marker.c1 * sy, sx, sy
 
 
 @kernel(inner=True)
-def subtract_hessian(marker, q, fx, fy, torque, elimination, matrix):
-    """Subtract from `matrix` the slopes by q of a constant force's and torque's generalized force at the marker."""
-    if marker.kind == REFERENCE_POINT:
-        reference_point.subtract_hessian(marker, q, fx, fy, elimination, matrix)
-    else:
-        linear_marker.subtract_hessian(marker, q, torque, elimination, matrix)
+def subtract_hessian(marker, q, torque, elimination, matrix):
+    """Subtract torque * Hessian of the direction's angle from `matrix`; that of the place vanishes."""
+    dx, dy = direction(marker, q)
+    hxx, hxy = angle_hessian(dx, dy)
+    for row in range(2):
+        first = marker.i1 if row == 0 else marker.i2
+        c = marker.c1 if row == 0 else 1.0
+        for column in range(2):
+            second = marker.i1 if column == 0 else marker.i2
+            d = -torque * c * (marker.c1 if column == 0 else 1.0)
+            add_entry(elimination, matrix, first, second, d * hxx)
+            add_entry(elimination, matrix, first, second + 1, d * hxy)
+            add_entry(elimination, matrix, first + 1, second, d * hxy)
+            add_entry(elimination, matrix, first + 1, second + 1, -d * hxx)

@@ -12,7 +12,6 @@ import numpy as np
 
 from solar_env.mechanics.bodies.description import Body, Point
 from solar_env.mechanics.bodies.kind import Array, BodyKind, Fields
-from solar_env.mechanics.bodies.linear_marker import MARKER_FIELDS, pair_coordinates
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.profile import add_entry
 
@@ -25,8 +24,6 @@ class NaturalCoordinates(BodyKind[Body]):
     body_fields: ClassVar[Fields] = [
         (name, np.float64) for name in ("m11", "m22", "m12", "n12", "w11", "w22", "w12", "x12")
     ]
-    marker_fields = MARKER_FIELDS
-    linear = True
     constraints = 1
 
     def coordinates(self, body: Body) -> int:
@@ -45,10 +42,6 @@ class NaturalCoordinates(BodyKind[Body]):
         along, across = point[0] / body.length, point[1] / body.length
         row["i1"], row["i2"], row["c1"] = first, first + 2, -1.0
         row["a1"], row["b1"], row["a2"], row["b2"] = 1.0 - along, -across, along, across
-
-    def marker_coordinates(self, row: np.void) -> list[int]:
-        """Return the coordinates of both base points."""
-        return pair_coordinates(row)
 
     def initial_motion(self, body: Body) -> tuple[Array, Array]:
         """Return the motion of the base points as described; a fixed body is at rest."""

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.bodies.cable_element.element import element_blocks
 from solar_env.mechanics.bodies.kind import BodyKind
-from solar_env.mechanics.bodies.kinds import KINDS, body_type, code_of, marker_type
-from solar_env.mechanics.bodies.linear_marker import pair_coordinates, place_row
+from solar_env.mechanics.bodies.kinds import KINDS, body_type, code_of
+from solar_env.mechanics.bodies.markers import marker_type, pair_coordinates, place_row
 from solar_env.mechanics.equations.joint_rows import fill_bearing, fill_cable, fill_joint
 from solar_env.mechanics.mechanism.description import GROUND, AnyBody, Body, Mechanism, ModalPanel, Point
 from solar_env.mechanics.numerics.profile import BLOCK, Elimination, make_elimination
@@ -63,7 +63,7 @@ class _Compiler:
         bodies = self._bodies()
         joints = self._joints()
         for guide in self.mechanism.guides:
-            marker = self._marker(guide.body, guide.point, "a guide")
+            marker = self._marker(guide.body, guide.point)
             row: _Row = {}
             for axis in (0, 1):
                 self._add_place(row, marker, axis, guide.normal[axis])
@@ -103,25 +103,12 @@ class _Compiler:
             row["constraints"] = 0 if row["fixed"] else kind.constraints
         return bodies
 
-    def _marker(self, body_name: str, point: Point, needs_linear: str = "") -> int:
-        """Add a marker at a point of a body's frame; returns its index.
-
-        Args:
-            body_name: of the body.
-            point: in its frame [m].
-            needs_linear: the part that needs place and direction to be linear in the coordinates, if it does.
-        """
+    def _marker(self, body_name: str, point: Point) -> int:
+        """Add a marker at a point of a body's frame [m]; returns its index."""
         k = self.index[body_name]
-        kind, body = self.kinds[k], self.described[k]
-        if needs_linear and not kind.linear:
-            linear = " or ".join(other.description.__name__ for other in KINDS if other.linear)
-            raise ValueError(
-                f"{needs_linear} cannot hold body {body_name!r}, a {type(body).__name__}: describe the body as a "
-                f"{linear}, or use a joint with clearance"
-            )
         row = np.zeros(1, dtype=marker_type)[0]
-        row["kind"], row["body"], row["linear"] = self.codes[k], k, kind.linear
-        kind.fill_marker(body, row, self.offsets[k], point)
+        row["body"] = k
+        self.kinds[k].fill_marker(self.described[k], row, self.offsets[k], point)
         self.markers.append(row)
         return len(self.markers) - 1
 
@@ -153,9 +140,8 @@ class _Compiler:
         joints = np.zeros(len(self.mechanism.joints), dtype=m.joint_type)
         for k, joint in enumerate(self.mechanism.joints):
             record = joints[k]
-            ideal = f"the ideal joint {joint.name!r}" if joint.bearing is None else ""
-            inboard = self._marker(joint.inboard, joint.inboard_point, ideal)
-            outboard = self._marker(joint.outboard, joint.outboard_point, ideal)
+            inboard = self._marker(joint.inboard, joint.inboard_point)
+            outboard = self._marker(joint.outboard, joint.outboard_point)
             record["inboard"], record["outboard"] = inboard, outboard
             fill_joint(record, joint)
             if joint.bearing is None:
@@ -175,7 +161,7 @@ class _Compiler:
     def _drives(self) -> NDArray[np.void]:
         drives = np.zeros(len(self.mechanism.drives), dtype=m.drive_type)
         for k, drive in enumerate(self.mechanism.drives):
-            marker = self._marker(drive.body, drive.point, "a drive")
+            marker = self._marker(drive.body, drive.point)
             # Entries in the order in which they are set at run time.
             row = dict.fromkeys(pair_coordinates(self.markers[marker]), 0.0)
             body = self.markers[marker]["body"]
@@ -194,20 +180,17 @@ class _Compiler:
         return np.concatenate([kind.weight(body, self.mechanism.gravity) for kind, body in self._kinds_and_bodies()])
 
     def _loads(self, force: NDArray[np.float64]) -> NDArray[np.void]:
-        """Add the constant part of the loads to `force` (n,); returns the rows of what depends on the motion."""
+        """Add the generalized forces of the loads' forces to `force` (n,); returns the rows of their torques."""
         rows = []
         for load in self.mechanism.loads:
             k = self._marker(load.body, load.point)
-            fx, fy = load.force
-            if self.markers[k]["linear"]:
-                constant = np.zeros(self.size)
-                for axis in (0, 1):
-                    for index, value in place_row(self.markers[k], axis).items():
-                        constant[index] += value * load.force[axis]
-                force += constant
-                fx = fy = 0.0
-            if (fx, fy, load.torque) != (0.0, 0.0, 0.0):
-                rows.append((k, fx, fy, load.torque))
+            constant = np.zeros(self.size)
+            for axis in (0, 1):
+                for index, value in place_row(self.markers[k], axis).items():
+                    constant[index] += value * load.force[axis]
+            force += constant
+            if load.torque != 0.0:
+                rows.append((k, load.torque))
         return np.array(rows, dtype=m.load_type)
 
     def _elimination(self, bodies: NDArray[np.void], joints: NDArray[np.void], cables: NDArray[np.void]) -> Elimination:
@@ -240,7 +223,7 @@ class _Compiler:
             [
                 index
                 for marker in (self.markers[joint["inboard"]], self.markers[joint["outboard"]])
-                for index in KINDS[marker["kind"]].marker_coordinates(marker)
+                for index in pair_coordinates(marker)
             ]
             for joint in joints
         ]

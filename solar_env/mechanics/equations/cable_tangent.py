@@ -5,15 +5,14 @@ length of its chord, r the ratio of the wheels and t that of the torques. With t
 the mismatch s = r angle_a - angle_b and of the length, the generalized force is T (b - t a) - N d, so that
 
 dQ/dq = (b - t a) (T_s (r a - b) + T_d d)^T - d (N_s (r a - b) + N_d d)^T - N length c c^T + what the Hessians of the
-directions and of the chord's angle, and those of the places of its ends, add.
+directions and of the chord's angle add.
 """
 
 import math
 
-from solar_env.mechanics.bodies.linear_marker import angle_hessian
-from solar_env.mechanics.bodies.markers import fill_slopes, subtract_hessian
-from solar_env.mechanics.joints.cable_loop import belt_loads, chord, chord_force, end_torques, wheel_motion
-from solar_env.mechanics.joints.joint import ANGLE
+from solar_env.mechanics.arrays.columns import ANGLE
+from solar_env.mechanics.bodies.markers import angle_hessian, fill_slopes, subtract_hessian
+from solar_env.mechanics.joints.cable_loop import belt_loads, chord, end_torques, wheel_motion
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.profile import add_entry
 
@@ -74,12 +73,9 @@ def add_chord_slopes(model, cable, q, torque, pull, tangent, by_q):
         gradient[_INNER, k] += inner.sign * gradient[_TURN, k]
         gradient[_OUTER, k] -= outer.sign * gradient[_TURN, k]
     inner_torque, outer_torque = end_torques(cable, joints, torque)
-    subtract_hessian(markers[inner.outboard], q, 0.0, 0.0, -inner_torque, elimination, by_q)
-    subtract_hessian(markers[outer.inboard], q, 0.0, 0.0, -outer_torque, elimination, by_q)
+    subtract_hessian(markers[inner.outboard], q, -inner_torque, elimination, by_q)
+    subtract_hessian(markers[outer.inboard], q, -outer_torque, elimination, by_q)
     moment = inner_torque + outer_torque
-    fx, fy = chord_force(cable, markers, q, moment, pull)
-    subtract_hessian(markers[cable.first], q, -fx, -fy, 0.0, elimination, by_q)
-    subtract_hessian(markers[cable.last], q, fx, fy, 0.0, elimination, by_q)
     hxx, hxy = angle_hessian(x, y)
     for r in range(8):
         along, across = hxx * places[0, r] + hxy * places[1, r], hxy * places[0, r] - hxx * places[1, r]

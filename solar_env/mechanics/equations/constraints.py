@@ -7,8 +7,7 @@ dual Schur complement A P A^T has one row and column a constraint. Its part at f
 import math
 
 from solar_env.mechanics.bodies.dispatch import project_bodies, solve_body, solve_free
-from solar_env.mechanics.bodies.linear_marker import set_direction_row
-from solar_env.mechanics.bodies.markers import direction, direction_rate
+from solar_env.mechanics.bodies.markers import direction, set_direction_row
 from solar_env.mechanics.bodies.natural_coordinates import length_compliance, stretch_along
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import cholesky_factor, cholesky_solve
@@ -99,7 +98,7 @@ def drive_motion(model, drive, time, q, v):
     psi, turn, turn_up = drive_angle(drive, time)
     c, s = math.cos(psi), math.sin(psi)
     dx, dy = direction(marker, q)
-    ux, uy = direction_rate(marker, q, v)
+    ux, uy = direction(marker, v)
     rate = -turn * (s * dy + c * dx)
     bias = -2.0 * turn * (s * uy + c * ux) + turn * turn * (s * dx - c * dy) - turn_up * (c * dx + s * dy)
     return rate, bias

@@ -53,7 +53,7 @@ class Formulation(ABC):
 
     @abstractmethod
     def joint_loads(self, model: Any, state: Any) -> Array:
-        """(joints, LOAD_COLUMNS) table of angles, rates, forces and torques; columns are named in `joint.py`."""
+        """(joints, LOAD_COLUMNS) table of angles, rates, forces and torques; columns are named in `arrays.columns`."""
 
     @abstractmethod
     def stored_energies(self, model: Any, state: Any) -> Array:

@@ -11,6 +11,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from solar_env.mechanics.arrays.columns import (
+    ANGLE,
+    ECCENTRICITY_X,
+    ECCENTRICITY_Y,
+    FORCE_X,
+    FORCE_Y,
+    LOAD_COLUMNS,
+    NORMAL,
+    TANGENTIAL,
+)
 from solar_env.mechanics.arrays.model import (
     CABLE,
     CLEARANCE,
@@ -22,9 +32,7 @@ from solar_env.mechanics.arrays.model import (
     IMPULSE,
     INTEGRALS_PER_JOINT,
     KINETIC,
-    LATCH,
     MATERIAL_DISSIPATION,
-    SPRING,
     Model,
     State,
 )
@@ -36,7 +44,7 @@ from solar_env.mechanics.bodies.dispatch import (
     kinetic_energy,
     solve_body,
 )
-from solar_env.mechanics.bodies.markers import add_point_force, add_torque, direction, place, spin
+from solar_env.mechanics.bodies.markers import add_point_force, add_torque, direction, spin
 from solar_env.mechanics.equations.constraints import (
     add_columns,
     add_row,
@@ -50,18 +58,8 @@ from solar_env.mechanics.equations.constraints import (
 )
 from solar_env.mechanics.joints.cable_loop import belt_loads, wheel_motion
 from solar_env.mechanics.joints.contact.normal_force import contact_energy
-from solar_env.mechanics.joints.joint import (
-    ANGLE,
-    ECCENTRICITY_X,
-    ECCENTRICITY_Y,
-    FORCE_X,
-    FORCE_Y,
-    LOAD_COLUMNS,
-    NORMAL,
-    TANGENTIAL,
-    joint_forces,
-    stop_energy,
-)
+from solar_env.mechanics.joints.joint import joint_forces
+from solar_env.mechanics.joints.torques import add_torque_energies
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import cholesky_solve, copy_into
 
@@ -156,7 +154,6 @@ def applied_forces(model, joint_states, q, v, work):
     external = 0.0
     for k in range(loads.size):
         marker = model.markers[loads[k].marker]
-        add_point_force(marker, q, loads[k].force_x, loads[k].force_y, force)
         add_torque(marker, q, loads[k].torque, force)
         external += loads[k].torque * spin(marker, q, v)
     power[power.size + EXTERNAL_WORK] = external
@@ -223,14 +220,9 @@ def stored_energies(model, joint_states, q, v, loads, energies):
     energies[ELASTIC] = elastic_energy(model.bodies, q)
     for i in range(q.size):
         energies[GRAVITY] -= model.constant_force[i] * q[i]
-    for load in model.loads:
-        x, y = place(model.markers[load.marker], q)
-        energies[GRAVITY] -= load.force_x * x + load.force_y * y
     for j in range(model.joints.size):
         joint = model.joints[j]
-        stretch = joint.spring_preload_angle - loads[j, ANGLE]
-        energies[SPRING] += 0.5 * joint.spring_stiffness * stretch * stretch
-        energies[LATCH] += stop_energy(joint, joint_states[j], loads[j, ANGLE])
+        add_torque_energies(joint, joint_states[j], loads[j, ANGLE], energies)
         if joint.kind == CLEARANCE:
             depth = math.hypot(loads[j, ECCENTRICITY_X], loads[j, ECCENTRICITY_Y]) - joint.clearance
             if depth > 0.0:
@@ -259,7 +251,7 @@ def normal_inverse_mass(model, q, v, j, work):
             continue
         for i in range(body.offset, body.offset + body.coordinates):
             work.row_force[i] = 0.0
-        add_point_force(marker, q, nx, ny, work.row_force)
+        add_point_force(marker, nx, ny, work.row_force)
         solve_body(body, model.body_constants, q, v, work.row_force, work.solution, 0.0)
         for i in range(body.offset, body.offset + body.coordinates):
             total += work.row_force[i] * work.solution[i]

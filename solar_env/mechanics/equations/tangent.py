@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from solar_env.mechanics.arrays.columns import ANGLE, INBOARD_SPIN, OUTBOARD_SPIN, RATE
 from solar_env.mechanics.arrays.model import CLEARANCE
 from solar_env.mechanics.bodies.cable_element.tangent import ElementSlopes, make_element_slopes
 from solar_env.mechanics.bodies.dispatch import add_internal_slopes
@@ -20,22 +21,9 @@ from solar_env.mechanics.equations.system import Workspace
 from solar_env.mechanics.joints.contact.normal_force import normal_force
 from solar_env.mechanics.joints.friction.friction_share import friction_share
 from solar_env.mechanics.joints.friction.laws import MATERIAL, PLACES
-from solar_env.mechanics.joints.joint import (
-    ANGLE,
-    CABLE_TORQUE,
-    FORCE_X,
-    FORCE_Y,
-    INBOARD_SPIN,
-    MOTOR_TORQUE,
-    OUTBOARD_SPIN,
-    RATE,
-    SPRING_TORQUE,
-    STOP_TORQUE,
-    relative,
-    relative_velocity,
-    stop_torque,
-)
+from solar_env.mechanics.joints.joint import relative, relative_velocity
 from solar_env.mechanics.joints.sliding import contact_motion, sliding_share
+from solar_env.mechanics.joints.torques import hinge_torques, summed_torque
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.profile import add_entry, clear
 
@@ -166,14 +154,13 @@ def fill_tangents(model, joint_states, q, v, tangent, by_q, by_v):
         local_map(joint, markers, q, v, index[j], b, rate_slope)
         stiffness[:] = 0.0
         damping[:] = 0.0
-        _, _, by_angle, by_rate = stop_torque(joint, joint_states[j], loads[j, ANGLE], loads[j, RATE])
-        by_angle -= joint.spring_stiffness
+        torques = hinge_torques(joint, joint_states[j], loads[j, ANGLE], loads[j, RATE])
         for row in range(2):
             for column in range(2):
                 sign = 1.0 if row == column else -1.0
-                stiffness[2 + row, 2 + column] += sign * by_angle
-                damping[2 + row, 2 + column] += sign * by_rate
-        torque = loads[j, SPRING_TORQUE] + loads[j, CABLE_TORQUE] + loads[j, STOP_TORQUE] + loads[j, MOTOR_TORQUE]
+                stiffness[2 + row, 2 + column] += sign * torques.by_angle
+                damping[2 + row, 2 + column] += sign * torques.by_rate
+        torque = summed_torque(loads, j)
         outboard_torque, inboard_torque = joint.sign * torque, -joint.sign * torque
         if joint.kind == CLEARANCE and tangent.impact_speeds[j] > 0.0:
             tangential, lever = contact_tangent(
@@ -213,12 +200,11 @@ def fill_tangents(model, joint_states, q, v, tangent, by_q, by_v):
         for c in range(8):
             tangent.angle_gradient[j, c] = joint.sign * (b[2, c] - b[3, c])
         outboard, inboard = markers[joint.outboard], markers[joint.inboard]
-        fx, fy = loads[j, FORCE_X], loads[j, FORCE_Y]
-        subtract_hessian(outboard, q, fx, fy, outboard_torque, elimination, by_q)
-        subtract_hessian(inboard, q, -fx, -fy, inboard_torque, elimination, by_q)
+        subtract_hessian(outboard, q, outboard_torque, elimination, by_q)
+        subtract_hessian(inboard, q, inboard_torque, elimination, by_q)
     for k in range(cables.size):
         add_cable_slopes(model, cables[k], q, v, tangent, by_q)
     for k in range(model.loads.size):
         load = model.loads[k]
-        subtract_hessian(markers[load.marker], q, load.force_x, load.force_y, load.torque, elimination, by_q)
+        subtract_hessian(markers[load.marker], q, load.torque, elimination, by_q)
     add_internal_slopes(model, q, v, tangent.elements, by_q, by_v)

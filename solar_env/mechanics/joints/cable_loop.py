@@ -15,7 +15,7 @@ angles grow in one sense the strands cross, and r1 + r2 takes the place of r1 - 
 
 import math
 
-from solar_env.mechanics.bodies.markers import add_point_force, add_torque, place, spin, vector_angle, velocity
+from solar_env.mechanics.bodies.markers import add_point_force, add_torque, place, spin, vector_angle
 from solar_env.mechanics.numerics.jit import kernel
 
 
@@ -110,8 +110,8 @@ def inner_wheel_rate(cable, joints, markers, q, v, rate):
     if cable.chord_sense != 0:
         a = joints[cable.joint_a]
         x, y = chord(cable, markers, q)
-        ax, ay = velocity(markers[cable.first], q, v)
-        bx, by = velocity(markers[cable.last], q, v)
+        ax, ay = place(markers[cable.first], v)
+        bx, by = place(markers[cable.last], v)
         turn = (x * (by - ay) - y * (bx - ax)) / (x * x + y * y)
         rate += a.sign * (turn - spin(markers[a.outboard], q, v))
     return rate
@@ -154,5 +154,5 @@ def move_to_chord(cable, joints, markers, q, torque, pull, force):
     add_torque(markers[joints[cable.joint_a].outboard], q, -inner, force)
     add_torque(markers[joints[cable.joint_b].inboard], q, -outer, force)
     fx, fy = chord_force(cable, markers, q, inner + outer, pull)
-    add_point_force(markers[cable.first], q, -fx, -fy, force)
-    add_point_force(markers[cable.last], q, fx, fy, force)
+    add_point_force(markers[cable.first], -fx, -fy, force)
+    add_point_force(markers[cable.last], fx, fy, force)

@@ -1,4 +1,4 @@
-"""Forces in a joint: spring, latch and stow stop, motor and cable loop about its angle; contact in its bearing.
+"""Forces in a joint: the torques about its angle (`torques.py`), and contact in its bearing.
 
 Every joint joins an outboard marker (the journal) to an inboard one (the bearing). A torque acts as the gradient of
 the direction angle, so that it does no work on a body's stretch; a contact force acts at one material point on both
@@ -8,38 +8,32 @@ bodies, so that linear and angular momentum are conserved exactly.
 import math
 
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.bodies.markers import (
-    add_point_force,
-    add_torque,
-    direction,
-    direction_rate,
-    place,
-    velocity,
+from solar_env.mechanics.arrays.columns import (
+    ANGLE,
+    ECCENTRICITY_X,
+    ECCENTRICITY_Y,
+    FORCE_X,
+    FORCE_Y,
+    INBOARD_SPIN,
+    NORMAL,
+    OUTBOARD_SPIN,
+    RATE,
+    TANGENTIAL,
 )
+from solar_env.mechanics.bodies.markers import add_point_force, add_torque, direction, place
 from solar_env.mechanics.joints.cable_loop import belt_loads, inner_wheel_rate, move_to_chord, wheel_motion
 from solar_env.mechanics.joints.contact.normal_force import normal_force
 from solar_env.mechanics.joints.friction.friction_share import friction_share
 from solar_env.mechanics.joints.sliding import contact_motion
+from solar_env.mechanics.joints.torques import (
+    add_cable_power,
+    add_torque_powers,
+    enter_cable,
+    enter_torques,
+    hinge_torques,
+    summed_torque,
+)
 from solar_env.mechanics.numerics.jit import kernel
-
-# Columns of the table of joint loads that one evaluation fills.
-(
-    ECCENTRICITY_X,
-    ECCENTRICITY_Y,
-    ANGLE,
-    RATE,
-    NORMAL,
-    TANGENTIAL,
-    FORCE_X,
-    FORCE_Y,
-    SPRING_TORQUE,
-    CABLE_TORQUE,
-    STOP_TORQUE,
-    MOTOR_TORQUE,
-    OUTBOARD_SPIN,
-    INBOARD_SPIN,
-) = range(14)
-LOAD_COLUMNS = 14
 
 
 @kernel(inlined=True)
@@ -53,9 +47,7 @@ def relative(joint, markers, q):
 @kernel(inlined=True)
 def relative_velocity(joint, markers, q, v):
     """Velocity of the journal centre minus that of the bearing centre [m/s]."""
-    ox, oy = velocity(markers[joint.outboard], q, v)
-    ix, iy = velocity(markers[joint.inboard], q, v)
-    return ox - ix, oy - iy
+    return relative(joint, markers, v)
 
 
 @kernel(inlined=True)
@@ -75,8 +67,8 @@ def joint_motion(joint, markers, q, v):
     outboard, inboard = markers[joint.outboard], markers[joint.inboard]
     ox, oy = direction(outboard, q)
     ix, iy = direction(inboard, q)
-    px, py = direction_rate(outboard, q, v)
-    jx, jy = direction_rate(inboard, q, v)
+    px, py = direction(outboard, v)
+    jx, jy = direction(inboard, v)
     outboard_spin = (ox * py - oy * px) / (ox * ox + oy * oy)
     inboard_spin = (ix * jy - iy * jx) / (ix * ix + iy * iy)
     tx = joint.turn_cos * ix - joint.turn_sin * iy
@@ -85,62 +77,9 @@ def joint_motion(joint, markers, q, v):
     return angle, joint.sign * (outboard_spin - inboard_spin), outboard_spin, inboard_spin
 
 
-@kernel(inlined=True)
-def one_sided_stop(joint, depth, closing_rate):
-    """Resisting torque of one stop face, its elastic part, and its slopes by depth and by closing rate.
-
-    k depth^e plus damping that a cubic STEP ramps in over `stop_ramp_depth`; never pulls (BISTOP, paper Eqs 5-7).
-    """
-    if depth <= 0.0:
-        return 0.0, 0.0, 0.0, 0.0
-    exponent = joint.stop_exponent
-    elastic = joint.stop_stiffness * depth**exponent
-    s = min(depth / joint.stop_ramp_depth, 1.0)
-    damping = joint.stop_damping * s * s * (3.0 - 2.0 * s)
-    torque = elastic + damping * closing_rate
-    if torque <= 0.0:
-        return 0.0, elastic, 0.0, 0.0
-    slope = exponent * elastic / depth + joint.stop_damping * 6.0 * s * (1.0 - s) / joint.stop_ramp_depth * closing_rate
-    return torque, elastic, slope, damping
-
-
-@kernel(inlined=True)
-def stop_depth(joint, latched, angle):
-    """Depth [rad] in latch or stow stop, negative outside, and the sign of the torque that resists it."""
-    below_stow = joint.stow_angle - joint.stop_gap - angle if joint.has_stow_stop else -math.inf
-    if latched:
-        beyond = angle - joint.lock_angle
-        depth = abs(beyond) - joint.stop_gap
-        if depth >= below_stow:
-            return depth, -1.0 if beyond > 0.0 else 1.0
-    return below_stow, 1.0
-
-
-@kernel(inlined=True)
-def stop_torque(joint, own, angle, rate):
-    """Torque of latch and stow stop on the joint angle, its elastic part, and its slopes by angle and rate.
-
-    A stop that is not engaged exerts none: within a step of the explicit method this keeps the torque smooth.
-    """
-    if not own.stop_engaged:
-        return 0.0, 0.0, 0.0, 0.0
-    depth, sign = stop_depth(joint, own.latched, angle)
-    torque, elastic, slope, damping = one_sided_stop(joint, depth, -sign * rate)
-    return sign * torque, sign * elastic, -slope, -damping
-
-
-@kernel
-def stop_energy(joint, own, angle):
-    """Elastic energy [J] of latch and stow stop."""
-    depth, _ = stop_depth(joint, own.latched, angle)
-    if depth <= 0.0 or not own.stop_engaged:
-        return 0.0
-    return joint.stop_stiffness * depth ** (joint.stop_exponent + 1.0) / (joint.stop_exponent + 1.0)
-
-
 @kernel(inner=True)
 def joint_torques(model, joint_states, q, v, loads, force, power):
-    """Fill angles, rates, spins and the spring, stop, motor and cable torques of every joint; their powers too.
+    """Fill angles, rates, spins and the torques of every joint; their powers too.
 
     To `force` it adds what a cable loop does besides these torques.
     """
@@ -148,31 +87,23 @@ def joint_torques(model, joint_states, q, v, loads, force, power):
     for j in range(joints.size):
         joint = joints[j]
         angle, rate, outboard_spin, inboard_spin = joint_motion(joint, markers, q, v)
-        own = joint_states[j]
-        stop, elastic, _, _ = stop_torque(joint, own, angle, rate)
-        motor = own.motor_torque
         loads[j, ANGLE] = angle
         loads[j, RATE] = rate
         loads[j, OUTBOARD_SPIN] = outboard_spin
         loads[j, INBOARD_SPIN] = inboard_spin
-        loads[j, SPRING_TORQUE] = joint.spring_stiffness * (joint.spring_preload_angle - angle)
-        loads[j, STOP_TORQUE] = stop
-        loads[j, MOTOR_TORQUE] = motor
-        loads[j, CABLE_TORQUE] = 0.0
-        first = m.INTEGRALS_PER_JOINT * j
-        power[first + m.MOTOR_WORK] = motor * rate
-        power[first + m.STOP_DISSIPATION] = (elastic - stop) * rate
-        power[first + m.CABLE_WORK] = 0.0
+        torques = hinge_torques(joint, joint_states[j], angle, rate)
+        enter_torques(torques, j, loads)
+        for k in range(m.INTEGRALS_PER_JOINT * j, m.INTEGRALS_PER_JOINT * (j + 1)):
+            power[k] = 0.0
+        add_torque_powers(torques, rate, 1.0, j, power)
     for c in range(cables.size):
         cable = cables[c]
         a, b = cable.joint_a, cable.joint_b
         stretch, length = wheel_motion(cable, joints, markers, q, loads[a, ANGLE], loads[b, ANGLE])
         torque, pull, _, _, _, _ = belt_loads(cable, stretch, length)
-        loads[a, CABLE_TORQUE] -= cable.torque_ratio * torque
-        loads[b, CABLE_TORQUE] += torque
-        # Nothing unless the torque ratio differs from the wheel ratio.
+        enter_cable(cable, torque, loads)
         rate = inner_wheel_rate(cable, joints, markers, q, v, loads[a, RATE])
-        power[m.INTEGRALS_PER_JOINT * a + m.CABLE_WORK] += torque * (cable.wheel_ratio - cable.torque_ratio) * rate
+        add_cable_power(cable, torque, rate, 1.0, power)
         if cable.chord_sense != 0:
             move_to_chord(cable, joints, markers, q, torque, pull, force)
 
@@ -192,17 +123,11 @@ def joint_forces(model, joint_states, impact_speeds, q, v, loads, force, power):
     for j in range(joints.size):
         joint = joints[j]
         outboard, inboard = markers[joint.outboard], markers[joint.inboard]
-        torque = joint.sign * (
-            loads[j, SPRING_TORQUE] + loads[j, CABLE_TORQUE] + loads[j, STOP_TORQUE] + loads[j, MOTOR_TORQUE]
-        )
+        torque = joint.sign * summed_torque(loads, j)
         outboard_torque, inboard_torque = torque, -torque
         normal, tangential, fx, fy = 0.0, 0.0, 0.0, 0.0
         ex, ey = 0.0, 0.0
         first = m.INTEGRALS_PER_JOINT * j
-        power[first + m.NORMAL_DISSIPATION] = 0.0
-        power[first + m.FRICTION_DISSIPATION] = 0.0
-        power[first + m.SLIDING_WORK] = 0.0
-        power[first + m.IMPULSE] = 0.0
         if joint.kind == m.CLEARANCE:
             ex, ey = relative(joint, markers, q)
             if impact_speeds[j] > 0.0:
@@ -216,8 +141,8 @@ def joint_forces(model, joint_states, impact_speeds, q, v, loads, force, power):
                     fy = -normal * motion.normal_y + tangential * motion.normal_x
                     outboard_torque += joint.journal_radius * tangential
                     inboard_torque -= motion.lever * tangential
-                    add_point_force(outboard, q, fx, fy, force)
-                    add_point_force(inboard, q, -fx, -fy, force)
+                    add_point_force(outboard, fx, fy, force)
+                    add_point_force(inboard, -fx, -fy, force)
                     power[first + m.NORMAL_DISSIPATION] = (normal - elastic) * motion.rate
                     power[first + m.FRICTION_DISSIPATION] = -tangential * motion.slip
                     power[first + m.SLIDING_WORK] = normal * abs(motion.sliding_speed)

@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from solar_env.mechanics.arrays.columns import LOAD_COLUMNS, SHARED_COLUMNS
 from solar_env.mechanics.arrays.model import ENERGIES, record
 from solar_env.mechanics.arrays.trial import make_joint_motions, make_trial
-from solar_env.mechanics.joints.joint import LOAD_COLUMNS
 from solar_env.mechanics.modal.panel.oscillators import COEFFICIENTS
 from solar_env.mechanics.modal.panel.tables import Panels, Tables, make_tables, panel_scratch
 
@@ -39,31 +39,17 @@ body_type = record(
 # Where a joint attaches: a point of a body's frame, from the centre of mass and undeformed.
 attachment_type = record([("body", np.int64), ("end", np.int64), ("x", np.float64), ("y", np.float64)])
 
-# Columns of a joint's motion.
-(
-    ECCENTRICITY_X,
-    ECCENTRICITY_Y,
-    VELOCITY_X,
-    VELOCITY_Y,
-    ANGLE,
-    RATE,
-    OUTBOARD_SPIN,
-    INBOARD_SPIN,
-    LEVER,
-    NORMAL_X,
-    NORMAL_Y,
-    DEPTH,
-    DEPTH_RATE,
-    SLIP,
-    SLIDING_SPEED,
-) = range(15)
-MOTION_COLUMNS = 15
+# Further columns of a joint's motion, behind those of `arrays.columns`.
+VELOCITY_X, VELOCITY_Y, LEVER, NORMAL_X, NORMAL_Y, DEPTH, DEPTH_RATE, SLIP, SLIDING_SPEED = range(
+    SHARED_COLUMNS, SHARED_COLUMNS + 9
+)
+MOTION_COLUMNS = SHARED_COLUMNS + 9
 
 # Loads of a joint: normal and tangential force of a contact, or the two components of an ideal joint's reaction on its
 # outboard body; then the torque on the joint angle, without the motor's and the cable loops'.
 LOADS = 3
 # Kinds of unknown; the reactions last.
-TORQUE, CABLE, NORMAL, TANGENTIAL, REACTION_X, REACTION_Y = range(6)
+TORQUE_ROW, CABLE_ROW, NORMAL_ROW, TANGENTIAL_ROW, REACTION_X_ROW, REACTION_Y_ROW = range(6)
 
 # Columns of a cable loop's motion: mismatch of the wheels' angles, rate of the inner one's, and force at the outer
 # joint by a unit of moment on a chord, which is none where the body between the joints is rigid.

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.mechanics.bodies.beam_modes import EndModes, axial_modes, bending_modes
-from solar_env.mechanics.bodies.description import GROUND, AnyBody, Body, ModalPanel, Point, ReferencePointBody
+from solar_env.mechanics.bodies.description import GROUND, AnyBody, Body, ModalPanel, Point
 from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.equations.joint_rows import chord_sense
 from solar_env.mechanics.mechanism.description import Mechanism
@@ -31,13 +31,16 @@ from solar_env.mechanics.modal.panel.tables import (
     mode_type,
 )
 
-_Design = tuple[float, float, float, float, float, int, int]
+# Of pseudo-modes that stand for the modes that are left out, see `beam_modes`.
+_BLOCKS = 2
+
+_Design = tuple[float, float, float, float, float, int]
 
 
 def design(panel: ModalPanel) -> _Design:
     """Parameters that two panels of one design have in common."""
     stiffness = (panel.axial_stiffness, panel.bending_stiffness)
-    return (panel.length, panel.mass, *stiffness, panel.damping, panel.modes, panel.residual_blocks)
+    return (panel.length, panel.mass, *stiffness, panel.damping, panel.modes)
 
 
 def axial_count(modes: int) -> int:
@@ -80,12 +83,12 @@ def _packed_forms(project: NDArray[np.float64], ends: NDArray[np.float64], coupl
 
 
 def _design_modes(chosen: _Design) -> _PanelModes:
-    length, mass, axial_stiffness, bending_stiffness, _, modes, blocks = chosen
+    length, mass, axial_stiffness, bending_stiffness, _, modes = chosen
     axial, coupled, coupled_axial = axial_count(modes), min(BENDING_MODES, modes), min(AXIAL_MODES, axial_count(modes))
     frequencies, rows, sizes = [], [], []
     for family in (
-        bending_modes(length, mass, bending_stiffness, modes, blocks),
-        axial_modes(length, mass, axial_stiffness, axial, blocks),
+        bending_modes(length, mass, bending_stiffness, modes, _BLOCKS),
+        axial_modes(length, mass, axial_stiffness, axial, _BLOCKS),
     ):
         for group in _groups(family):
             values = family.rows[: len(family.rows) // 2, group].T
@@ -127,12 +130,12 @@ def rigid_stand_in(body: AnyBody) -> Body:
     """
     if isinstance(body, Body):
         return body
-    if isinstance(body, ReferencePointBody | ModalPanel):
+    if isinstance(body, ModalPanel):
         rigid = Body(body.name, body.mass, body.inertia, body.length, body.centroid)
         return replace(rigid, position=body.position, angle=body.angle, velocity=body.velocity, spin=body.spin)
     raise ValueError(
         f"body {body.name!r} is a {type(body).__name__}, which does not go with ModalRadau; describe it as a "
-        "ModalPanel, Body or ReferencePointBody, or choose another integrator"
+        "ModalPanel or a Body, or choose another integrator"
     )
 
 
@@ -141,7 +144,7 @@ def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
 
     Raises:
         ValueError: if a part is there that the modal method does not take, if a joint attaches to a panel elsewhere
-            than at an end, or if panels differ in their number of modes or of residual blocks.
+            than at an end, or if panels differ in their number of modes.
     """
     for name in ("guides", "drives", "loads"):
         if getattr(mechanism, name):
@@ -152,7 +155,7 @@ def compile_modal(mechanism: Mechanism) -> tuple[ModalModel, ModalState]:
     attachments = _attachments(mechanism, model.joints)
     designs = tuple(dict.fromkeys(design(body) for body in mechanism.bodies if isinstance(body, ModalPanel)))
     # Arrays need a design even where no body has one.
-    panels, tables = compile_panels(designs or ((1.0, 1.0, 1.0, 1.0, 0.0, 0, 1),))
+    panels, tables = compile_panels(designs or ((1.0, 1.0, 1.0, 1.0, 0.0, 0),))
     folded = np.array([_folded_angle(mechanism, k) for k in range(len(mechanism.joints))])
     compiled = ModalModel(
         bodies,
@@ -195,13 +198,12 @@ def _bodies(mechanism: Mechanism) -> tuple[NDArray[np.void], NDArray[np.float64]
     if any(GROUND in (joint.inboard, joint.outboard) for joint in mechanism.joints):
         described.append(Body("fixed frame", mass=1.0, inertia=1.0, length=1.0, centroid=(0.0, 0.0), fixed=True))
     panels = [body for body in described if isinstance(body, ModalPanel)]
-    for name in ("modes", "residual_blocks"):
-        counts = [getattr(panel, name) for panel in panels]
-        if len(set(counts)) > 1:
-            raise ValueError(
-                f"{name} = {counts} of the panels differ, and ModalRadau keeps the amplitudes of all panels in arrays "
-                "of one shape: give every ModalPanel the greatest of these numbers"
-            )
+    counts = [panel.modes for panel in panels]
+    if len(set(counts)) > 1:
+        raise ValueError(
+            f"modes = {counts} of the panels differ, and ModalRadau keeps the amplitudes of all panels in arrays of "
+            "one shape: give every ModalPanel the greatest of these numbers"
+        )
     amplitudes = 0
     if panels:
         amplitudes = _design_modes(design(panels[0])).frequency.size

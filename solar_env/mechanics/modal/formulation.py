@@ -2,10 +2,19 @@
 
 import numpy as np
 
+from solar_env.mechanics.arrays.columns import ECCENTRICITY_X, ECCENTRICITY_Y
 from solar_env.mechanics.arrays.model import ENERGIES, IDEAL
 from solar_env.mechanics.equations.formulation import Array, Formulation
 from solar_env.mechanics.mechanism.description import Mechanism
-from solar_env.mechanics.modal.arrays import OTHER, ModalModel, ModalState, Workspace, make_workspace
+from solar_env.mechanics.modal.arrays import (
+    OTHER,
+    VELOCITY_X,
+    VELOCITY_Y,
+    ModalModel,
+    ModalState,
+    Workspace,
+    make_workspace,
+)
 from solar_env.mechanics.modal.build import compile_modal
 from solar_env.mechanics.modal.run.books import stored_energies
 from solar_env.mechanics.modal.run.method import start_loads
@@ -30,7 +39,8 @@ class FloatingFrames(Formulation):
     def drift(self, model: ModalModel, state: ModalState) -> tuple[float, float]:
         """Return the greatest violations of the ideal joints, in m and m/s."""
         motion = np.abs(present_motion(model, state).joints["motion"][model.joints["kind"] == IDEAL, OTHER])
-        return float(motion[:, :2].max(initial=0.0)), float(motion[:, 2:4].max(initial=0.0))
+        gaps, rates = motion[:, [ECCENTRICITY_X, ECCENTRICITY_Y]], motion[:, [VELOCITY_X, VELOCITY_Y]]
+        return float(gaps.max(initial=0.0)), float(rates.max(initial=0.0))
 
     def joint_loads(self, model: ModalModel, state: ModalState) -> Array:
         """Evaluate the table of loads with those at the end of the last step."""

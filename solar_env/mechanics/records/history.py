@@ -3,7 +3,7 @@
 import math
 
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.joints.joint import stop_depth
+from solar_env.mechanics.joints.torques import stop_depth
 from solar_env.mechanics.joints.wear import add_wear, pressed_half_angle
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.records.recording import record_contact

@@ -6,14 +6,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from solar_env.mechanics.arrays.columns import LOAD_COLUMNS
 from solar_env.mechanics.arrays.model import ENERGY_NAMES, IMPULSE, INTEGRALS_PER_JOINT, SLIDING_WORK, Model, State
 from solar_env.mechanics.equations.system import accelerations, stored_energies
-from solar_env.mechanics.joints.joint import OUTBOARD_SPIN
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 
-# Loads up to here are kept; the spins behind them are internal.
-RECORDED_LOADS = OUTBOARD_SPIN
 CONTACT_FIELDS = ("joint", "start_s", "end_s", "impact_speed", "peak_force", "impulse", "sliding_work")
 
 
@@ -33,7 +31,7 @@ def sample_columns(model: Model, state: State) -> dict[str, slice]:
     sizes = {
         "q": n,
         "v": n,
-        "loads": joints * RECORDED_LOADS,
+        "loads": joints * LOAD_COLUMNS,
         "energies": len(ENERGY_NAMES),
         "integrals": state.integrals.size,
     }
@@ -83,7 +81,7 @@ def record_sample(recorder, model, joint_states, q, v, time, integrals, work, a,
     copy_into(row[n : 2 * n], v)
     k = 2 * n
     for j in range(model.joints.size):
-        for c in range(RECORDED_LOADS):
+        for c in range(LOAD_COLUMNS):
             row[k] = work.loads[j, c]
             k += 1
     copy_into(row[k : k + energies.size], energies)

@@ -1,5 +1,6 @@
 """Looks after the accuracy of a run, and warns (`diagnosis.py`) where it is less than it seems."""
 
+from collections.abc import Callable
 from typing import Any, Protocol
 
 import numpy as np
@@ -10,11 +11,12 @@ from solar_env.mechanics.equations.formulation import Formulation
 from solar_env.mechanics.integrators.settings import Integrator
 from solar_env.mechanics.joints.contact.normal_force import impact_scales
 from solar_env.mechanics.running.diagnosis import (
-    check_constraint_forces,
-    check_energy,
-    check_impact_steps,
-    check_modal_range,
-    check_tolerance,
+    constraint_force_text,
+    energy_text,
+    impact_step_text,
+    modal_range_text,
+    tolerance_text,
+    warn,
 )
 
 # Between looks at a run that goes on call by call: a look takes as long as some hundred steps.
@@ -74,26 +76,22 @@ class AccuracyWatch:
         self._steps = int(simulation.state.clock["steps"][0])
         chosen = simulation.integrator
         self.check_impacts()
-        self._check_tolerance()
+        self._tolerance_text()
         if chosen.settles_forces:
             self._check_forces()
-        if "energy" not in self._told:
-            residual, turnover = simulation.energy_book()
-            self._tell("energy", check_energy(simulation.time, residual, turnover, chosen.remedy))
+        self._tell("energy", lambda: energy_text(simulation.time, *simulation.energy_book(), chosen.remedy))
         self.check_range()
 
     def check_range(self) -> None:
         """Look at whether modal panels have left the range that their second order holds for."""
-        simulation = self._simulation
-        if "range" not in self._told:
-            reached = simulation.formulation.modal_range(simulation.model, simulation.state)
-            self._tell("range", check_modal_range(simulation.time, *reached))
+        run = self._simulation
+        self._tell("range", lambda: modal_range_text(run.time, *run.formulation.modal_range(run.model, run.state)))
 
     def check_impacts(self, contacts: NDArray[np.void] | None = None) -> None:
         """Look at whether a fixed step resolves the impacts: the latest of every joint, or those of a contact table."""
         simulation = self._simulation
         needed = simulation.integrator.steps_needed_per_impact
-        if needed is None or "impacts" in self._told:
+        if needed is None:
             return
         durations = simulation.state.joints["contact_duration"]
         struck = durations > 0.0
@@ -103,23 +101,25 @@ class AccuracyWatch:
             durations = durations * _shortest_over_latest(simulation.model.joints, contacts)
         shortest = float(durations[struck].min())
         steps = shortest / float(simulation.state.clock["last_step"][0])
-        self._tell("impacts", check_impact_steps(steps, needed, shortest))
+        self._tell("impacts", lambda: impact_step_text(steps, needed, shortest))
 
-    def _check_tolerance(self) -> None:
+    def _tolerance_text(self) -> None:
         simulation = self._simulation
         rtol, loosest = simulation.integrator.rtol, simulation.integrator.loosest_in_contact
-        if rtol is not None and "tolerance" not in self._told and simulation.state.joints["contact_starts"].any():
-            self._tell("tolerance", check_tolerance(rtol, loosest))
+        if rtol is not None and simulation.state.joints["contact_starts"].any():
+            self._tell("tolerance", lambda: tolerance_text(rtol, loosest))
 
     def _check_forces(self) -> None:
-        simulation = self._simulation
-        if "forces" not in self._told and simulation.state.clock["steps"][0] > 0:
-            defect, largest = simulation.constraint_force_defect()
-            self._tell("forces", check_constraint_forces(simulation.time, defect, largest))
+        run = self._simulation
+        if run.state.clock["steps"][0] > 0:
+            self._tell("forces", lambda: constraint_force_text(run.time, *run.constraint_force_defect()))
 
-    def _tell(self, what: str, told: bool) -> None:
-        if told:
+    def _tell(self, what: str, look: Callable[[], str]) -> None:
+        """Warn of a shortcoming, once."""
+        text = "" if what in self._told else look()
+        if text:
             self._told.add(what)
+            warn(text)
 
 
 def _shortest_over_latest(joints: NDArray[np.void], contacts: NDArray[np.void]) -> NDArray[np.float64]:

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.joints import joint as columns
-from solar_env.mechanics.records.recording import RECORDED_LOADS, Recorder, sample_columns
+from solar_env.mechanics.records.recording import Recorder, sample_columns
 from solar_env.mechanics.running.accuracy import limits_of_the_laws
 from solar_env.mechanics.running.trajectory import Trajectory, contact_record
 
@@ -18,15 +18,15 @@ _COUNTS = ("steps", "rejected_steps", "evaluations", "factorizations", "stabilit
 def energy_flows(integrals: NDArray[np.float64]) -> tuple[dict[str, Any], dict[str, Any]]:
     """Energy put in and energy lost since t = 0 [J], by the names of `Trajectory`, from integrals (..., columns)."""
     totals = m.joint_integrals(integrals).sum(axis=-2)
-    put_in = {
-        "motor_work": totals[..., m.MOTOR_WORK],
-        "cable_work": totals[..., m.CABLE_WORK],
-        "external_work": integrals[..., m.EXTERNAL_WORK],
-    }
+    by_torques: list[dict[str, Any]] = [
+        {law.book: totals[..., law.integral] for law in columns.TORQUES if law.book and law.lost == lost}
+        for lost in (False, True)
+    ]
+    put_in = {**by_torques[0], "external_work": integrals[..., m.EXTERNAL_WORK]}
     lost = {
         "contact_dissipation": totals[..., m.NORMAL_DISSIPATION],
         "friction_dissipation": totals[..., m.FRICTION_DISSIPATION],
-        "latch_dissipation": totals[..., m.STOP_DISSIPATION],
+        **by_torques[1],
         "material_dissipation": integrals[..., m.MATERIAL_DISSIPATION],
     }
     return put_in, lost
@@ -41,7 +41,7 @@ def assemble(
     """
     table, joints, clock = recorder.samples, model.joints.size, state.clock[0]
     slices = sample_columns(model, state)
-    loads = table[:, slices["loads"]].reshape(len(table), joints, RECORDED_LOADS)
+    loads = table[:, slices["loads"]].reshape(len(table), joints, columns.LOAD_COLUMNS)
     integrals = table[:, slices["integrals"]]
     by_joint = m.joint_integrals(integrals)
     eccentricity = loads[:, :, [columns.ECCENTRICITY_X, columns.ECCENTRICITY_Y]]
@@ -65,10 +65,7 @@ def assemble(
         normal_force=normal,
         tangential_force=tangential,
         joint_force=loads[:, :, [columns.FORCE_X, columns.FORCE_Y]],
-        spring_torque=loads[:, :, columns.SPRING_TORQUE].copy(),
-        cable_torque=loads[:, :, columns.CABLE_TORQUE].copy(),
-        latch_torque=loads[:, :, columns.STOP_TORQUE].copy(),
-        motor_torque=loads[:, :, columns.MOTOR_TORQUE].copy(),
+        **{law.name: loads[:, :, law.column].copy() for law in columns.TORQUES},
         energies={**energies, **put_in, **lost, "residual": residual},
         sliding_work=by_joint[:, :, m.SLIDING_WORK].copy(),
         impulse=by_joint[:, :, m.IMPULSE].copy(),

@@ -1,4 +1,4 @@
-"""Warnings about finished runs: each names a quantity, its value, and what to do.
+"""Texts of warnings about finished runs: each names a quantity, its value, and what to do; empty if all is well.
 
 A run that cannot go on raises (`errors.py`). One that went on, but whose result is worse than its numbers look, warns
 with a `SimulationWarning`. Plain Python: describing a mechanism needs no compiler.
@@ -22,13 +22,15 @@ class SimulationWarning(UserWarning):
     """A run went on, but its result is less accurate than it looks; the message says which, by how much, what to do."""
 
 
-def _warn(text: str) -> None:
-    # The line of the caller says nothing here: what is wrong is in the text.
-    warnings.warn(text, SimulationWarning, stacklevel=2)
+def warn(text: str) -> None:
+    """Give a warning; an empty text is none."""
+    if text:
+        # The line of the caller says nothing here: what is wrong is in the text.
+        warnings.warn(text, SimulationWarning, stacklevel=2)
 
 
-def check_energy(time: float, residual: float, turnover: float, remedy: str) -> bool:
-    """Warn if the energy book does not close; whether it did warn.
+def energy_text(time: float, residual: float, turnover: float, remedy: str) -> str:
+    """Whether the energy book closes.
 
     Args:
         time: [s].
@@ -37,17 +39,16 @@ def check_energy(time: float, residual: float, turnover: float, remedy: str) -> 
         remedy: what to do.
     """
     if abs(residual) <= LARGEST_ENERGY_SHARE * turnover:  # false for NaN
-        return False
+        return ""
     verb = "gained" if residual > 0.0 else "lost"
-    _warn(
+    return (
         f"by t = {time:.6g} s the integration has {verb} {abs(residual):.3g} J that no force accounts for, "
         f"{100.0 * abs(residual) / turnover:.2g} % of the {turnover:.3g} J turned over; {remedy}"
     )
-    return True
 
 
-def check_modal_range(time: float, slope: float, spin_ratio: float) -> bool:
-    """Warn if modal panels bend or turn by more than their second order holds for; whether it did warn.
+def modal_range_text(time: float, slope: float, spin_ratio: float) -> str:
+    """Whether modal panels bend or turn by more than their second order holds for.
 
     Args:
         time: [s].
@@ -58,21 +59,20 @@ def check_modal_range(time: float, slope: float, spin_ratio: float) -> bool:
     # turning frame.
     bent, turned = 0.25 * slope * slope, SPIN_STIFFENING * spin_ratio * spin_ratio
     if max(bent, turned) <= LARGEST_MODAL_SHARE:  # false for NaN
-        return False
+        return ""
     what = (
         f"have bent by {slope:.3g} rad"
         if bent > turned
         else f"have turned at {spin_ratio:.3g} of their lowest bending frequency"
     )
-    _warn(
+    return (
         f"by t = {time:.6g} s the modal panels {what}: what their second order leaves out is "
         f"{100.0 * max(bent, turned):.2g} % of what it keeps; use beam elements (FlexibleBody, panels='ancf')"
     )
-    return True
 
 
-def check_constraint_forces(time: float, defect: float, largest: float) -> bool:
-    """Warn if multipliers are not the forces that hold the constraints; whether it did warn.
+def constraint_force_text(time: float, defect: float, largest: float) -> str:
+    """Whether multipliers are the forces that hold the constraints.
 
     Args:
         time: [s].
@@ -80,17 +80,16 @@ def check_constraint_forces(time: float, defect: float, largest: float) -> bool:
         largest: greatest force that acts [N].
     """
     if defect <= LARGEST_FORCE_SHARE * largest:
-        return False
-    _warn(
+        return ""
+    return (
         f"at t = {time:.6g} s the constraint forces of the integrator are off by {defect:.3g} N where the largest "
         f"force is {largest:.3g} N: with rho_inf near 1 they alternate from step to step, and steps of nanoseconds "
         "magnify rounding; choose rho_inf = 0.8 or another step, or do not use the peak forces of ideal joints"
     )
-    return True
 
 
-def check_impact_steps(steps: float, needed: int, duration: float) -> bool:
-    """Warn if a fixed step does not resolve an impact; whether it did warn.
+def impact_step_text(steps: float, needed: int, duration: float) -> str:
+    """Whether a fixed step resolves an impact.
 
     Args:
         steps: per impact.
@@ -98,32 +97,30 @@ def check_impact_steps(steps: float, needed: int, duration: float) -> bool:
         duration: of the impact [s].
     """
     if steps >= needed:
-        return False
-    _warn(
+        return ""
+    return (
         f"an impact of {duration:.3g} s got {steps:.2g} steps, and an exit speed good to 1 % needs {needed}; "
         f"take a fixed step of at most {duration / needed:.2g} s, or give rtol"
     )
-    return True
 
 
-def check_tolerance(rtol: float, loosest: float) -> bool:
-    """Warn if a tolerance is too loose for single contacts to be trusted; whether it did warn.
+def tolerance_text(rtol: float, loosest: float) -> str:
+    """Whether a tolerance is too loose for single contacts to be trusted.
 
     Args:
         rtol: of the integrator.
         loosest: up to which they can be.
     """
     if rtol <= loosest:
-        return False
-    _warn(
+        return ""
+    return (
         f"at rtol = {rtol:g} a single contact may come out with ten times its force, whatever the energy book says; "
         f"tighten rtol to {loosest:g} or less"
     )
-    return True
 
 
-def check_restitution(law: str, asked: float, given: float) -> bool:
-    """Warn if a contact law does not give the coefficient of restitution that was asked for; whether it did warn.
+def restitution_text(law: str, asked: float, given: float) -> str:
+    """Whether a contact law gives the coefficient of restitution that was asked for.
 
     The text is rounded, so that Python shows it once for values that are nearly the same.
 
@@ -132,9 +129,8 @@ def check_restitution(law: str, asked: float, given: float) -> bool:
         asked, given: exit over entry speed (dimensionless).
     """
     if abs(given - asked) <= LARGEST_RESTITUTION_ERROR:
-        return False
-    _warn(
+        return ""
+    return (
         f"the contact law {law} turns a restitution of {asked:.1f} into an exit over entry speed of {given:.1f}; "
         "choose contact_law = 'restitution', or the restitution that gives the exit speed you want"
     )
-    return True

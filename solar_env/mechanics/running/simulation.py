@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.lanes import copied, with_lane_axis
 from solar_env.mechanics.equations.formulation import Formulation
@@ -17,9 +18,8 @@ from solar_env.mechanics.integrators.formulations import FORMULATIONS
 from solar_env.mechanics.integrators.methods.table import method_of
 from solar_env.mechanics.integrators.run import advance_lanes
 from solar_env.mechanics.integrators.settings import Integrator, RungeKutta
-from solar_env.mechanics.joints import joint as columns
 from solar_env.mechanics.mechanism.description import Mechanism
-from solar_env.mechanics.records.recording import RECORDED_LOADS, Recorder, make_recorder
+from solar_env.mechanics.records.recording import Recorder, make_recorder
 from solar_env.mechanics.running.accuracy import AccuracyWatch
 from solar_env.mechanics.running.assembly import assemble, contact_table, energy_flows
 from solar_env.mechanics.running.errors import raise_for_status
@@ -208,8 +208,8 @@ class Simulation:
         return int(status[0])
 
     def joint_loads(self) -> NDArray[np.float64]:
-        """(joints, columns) table of angles, rates, forces and torques now; columns are named in `joint.py`."""
-        return self.formulation.joint_loads(self.model, self.state)[:, :RECORDED_LOADS]
+        """(joints, columns) table of angles, rates, forces and torques now; columns are named in `arrays.columns`."""
+        return self.formulation.joint_loads(self.model, self.state)
 
     def stored_energies(self) -> NDArray[np.float64]:
         """(ENERGIES,) stored energies now [J], in the order of `model.ENERGY_NAMES`."""

@@ -11,12 +11,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from solar_env.mechanics.arrays.columns import TORQUES
+from solar_env.mechanics.arrays.model import ENERGY_NAMES
 from solar_env.support.files import writing
 from solar_env.support.plain_arrays import MOST_BYTES, parse_json, read_arrays
 
 Array = NDArray[np.float64]
-_STORED = ("kinetic", "spring", "cable", "latch", "contact", "elastic")
-_PUT_IN = ("motor_work", "cable_work", "external_work")
+_STORED = tuple(name for name in ENERGY_NAMES if name != "gravity")
+_PUT_IN = (*(law.book for law in TORQUES if law.book and not law.lost), "external_work")
 _ENERGIES = "energies/"  # before the names of their arrays in a file
 # Entries of the metadata that a summary shows.
 _COSTS_AND_LIMITS = (
@@ -106,6 +108,11 @@ class Trajectory:
     clearance: Array
     journal_radius: Array
     metadata: dict[str, Any]
+
+    @property
+    def joint_torque(self) -> Array:
+        """(nt, nj) sum of the torques on the joint angles [N m]."""
+        return np.asarray(sum(getattr(self, law.name) for law in TORQUES))
 
     @property
     def energy_put_in(self) -> float:
@@ -226,8 +233,8 @@ def _check_arrays(values: dict[str, Any]) -> None:
 
 
 _BY_SAMPLE_AND_JOINT = (
-    "angles", "rates", "penetration", "normal_force", "tangential_force", "spring_torque", "cable_torque",
-    "latch_torque", "motor_torque", "sliding_work", "impulse",
+    "angles", "rates", "penetration", "normal_force", "tangential_force", *(law.name for law in TORQUES),
+    "sliding_work", "impulse",
 )  # fmt: skip
 _BY_JOINT = (
     "latch_times", "peak_force", "postlock_peak_force", "postlock_impulse", "postlock_sliding_work", "contact_starts",

@@ -83,8 +83,6 @@ def write_hub_loads(parameters: ArrayParameters, time: Array, loads: Array, path
 
 def sampled_hinge_loads(parameters: ArrayParameters, trajectory: Trajectory, place: Array) -> Array:
     """`hinge_loads` of a trajectory's samples, for hubs that are held in place."""
-    root = trajectory
-    torques = root.spring_torque + root.cable_torque + root.latch_torque + root.motor_torque
     lever = trajectory.journal_radius[0] + trajectory.clearance[0] + trajectory.penetration[:, 0]
     friction = lever * trajectory.tangential_force[:, 0] * (trajectory.clearance[0] > 0.0)
-    return hinge_loads(parameters, place, trajectory.joint_force[:, 0], torques[:, 0], friction)
+    return hinge_loads(parameters, place, trajectory.joint_force[:, 0], trajectory.joint_torque[:, 0], friction)

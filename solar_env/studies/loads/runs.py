@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters, build
 from solar_env.array.parameters.ranges import drawn
-from solar_env.mechanics.joints import joint as columns
-from solar_env.mechanics.records.recording import RECORDED_LOADS, Recorder, make_recorder, sample_columns
+from solar_env.mechanics.arrays import columns
+from solar_env.mechanics.records.recording import Recorder, make_recorder, sample_columns
 from solar_env.mechanics.running.assembly import assemble, contact_table
 from solar_env.mechanics.running.diagnosis import SimulationWarning
 from solar_env.mechanics.running.simulation import Simulation
@@ -158,9 +158,8 @@ class _Run:
             return
         first = -self._tick % EVERY if stride == 1 else 0
         self._samples.append(table[first :: EVERY // stride].copy())
-        loads = table[:, self._columns["loads"]].reshape(len(table), -1, RECORDED_LOADS)
-        own = [columns.SPRING_TORQUE, columns.CABLE_TORQUE, columns.STOP_TORQUE, columns.MOTOR_TORQUE]
-        self.peak_torque = np.maximum(self.peak_torque, np.abs(loads[:, :, own].sum(axis=2)).max(axis=0))
+        loads = table[:, self._columns["loads"]].reshape(len(table), -1, columns.LOAD_COLUMNS)
+        self.peak_torque = np.maximum(self.peak_torque, np.abs(columns.total_torque(loads)).max(axis=0))
         velocity = hub_velocity(
             self._parameters, self.simulation.model, table[:, self._columns["q"]], table[:, self._columns["v"]]
         )

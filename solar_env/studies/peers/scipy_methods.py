@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.arrays.columns import ANGLE
 from solar_env.mechanics.equations.system import accelerations, make_workspace
-from solar_env.mechanics.joints.joint import ANGLE, joint_motion, penetration
+from solar_env.mechanics.joints.joint import joint_motion, penetration
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.mechanics.running.simulation import Simulation
 from solar_env.studies.common.motion import Motion, Scene

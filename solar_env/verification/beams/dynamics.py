@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from solar_env.mechanics.arrays.columns import FORCE_X, FORCE_Y
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
-from solar_env.mechanics.joints.joint import FORCE_X, FORCE_Y
 from solar_env.mechanics.mechanism.beams import (
     BEAM,
     PENDULUM_BEAM,

@@ -10,13 +10,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from solar_env.mechanics.arrays.columns import NORMAL, RATE, TANGENTIAL
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
 from solar_env.mechanics.joints.contact import lankarani_nikravesh
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.joints.friction.brown_mcphee import BrownMcPhee
 from solar_env.mechanics.joints.friction.laws import FrictionLaw
 from solar_env.mechanics.joints.friction.ramp import RampedCoulomb
-from solar_env.mechanics.joints.joint import NORMAL, RATE, TANGENTIAL
 from solar_env.mechanics.mechanism.description import Bearing, Body
 from solar_env.mechanics.mechanism.textbook import loaded_journal
 from solar_env.mechanics.running.simulation import Simulation, simulate

@@ -7,9 +7,9 @@ import numpy as np
 from scipy.integrate import quad, solve_ivp
 
 from solar_env.array import ArrayParameters, build
+from solar_env.mechanics.arrays.columns import CABLE_TORQUE
 from solar_env.mechanics.arrays.model import CABLE
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
-from solar_env.mechanics.joints.joint import CABLE_TORQUE
 from solar_env.mechanics.mechanism.description import GROUND, CableLoop, Joint, Mechanism, Stop
 from solar_env.mechanics.mechanism.textbook import Link
 from solar_env.mechanics.running.simulation import Simulation, simulate

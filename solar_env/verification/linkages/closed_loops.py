@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from solar_env.mechanics.arrays.columns import FORCE_X, FORCE_Y
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
-from solar_env.mechanics.joints.joint import FORCE_X, FORCE_Y
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.mechanism.textbook import STANDARD_GRAVITY, Link, four_bar, slider_crank
 from solar_env.mechanics.running.simulation import Simulation

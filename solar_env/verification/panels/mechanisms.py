@@ -4,8 +4,8 @@ Mechanisms of modal panels take no dead loads. A force comes from a contact so d
 panel's motion; a moment is the motor torque of a joint so loose that its surfaces never meet.
 """
 
+from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.integrators.settings import ModalRadau
-from solar_env.mechanics.joints import joint as columns
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.mechanism.beams import BEAM, Beam
 from solar_env.mechanics.mechanism.description import GROUND, Bearing, Joint, Mechanism, ModalPanel, Point, Spring

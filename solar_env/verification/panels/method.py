@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.integrators.settings import ModalRadau
-from solar_env.mechanics.joints import joint as columns
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.mechanism.beams import BEAM, PANEL
 from solar_env.mechanics.mechanism.description import GROUND, Bearing, Joint, Mechanism, Spring

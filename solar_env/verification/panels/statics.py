@@ -5,7 +5,7 @@ import warnings
 from collections.abc import Iterator
 from dataclasses import replace
 
-from solar_env.mechanics.joints import joint as columns
+from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.mechanism.beams import PANEL
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.running.diagnosis import SimulationWarning

@@ -11,7 +11,7 @@ from episodes import LATE_ROOT, LEVELS, make
 
 import solar_env
 from solar_env.environment.registration import DEPLOY
-from solar_env.mechanics.joints.joint import MOTOR_TORQUE, NORMAL
+from solar_env.mechanics.arrays.columns import MOTOR_TORQUE, NORMAL
 
 
 def test_frames_are_played_at_the_pace_of_the_control_periods():

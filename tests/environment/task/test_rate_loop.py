@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from solar_env.environment.registration import DEPLOY
-from solar_env.mechanics.joints.joint import RATE
+from solar_env.mechanics.arrays.columns import RATE
 
 RATE_LOOP = {"model": "rigid-ideal", "action": "rate"}
 GAIN = 12.0

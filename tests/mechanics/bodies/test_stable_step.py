@@ -11,7 +11,6 @@ from mechanisms import Vector
 from scipy.linalg import eigh
 
 from solar_env.mechanics.bodies.cable_element.element import add_mass_product
-from solar_env.mechanics.bodies.cable_element.matrices import mass_band
 from solar_env.mechanics.bodies.cable_element.stable_step import largest_frequencies, stable_step
 from solar_env.mechanics.bodies.cable_element.tangent import add_elastic_tangents, make_element_slopes
 from solar_env.mechanics.equations.build import compile_mechanism
@@ -83,15 +82,19 @@ def test_the_most_demanding_frequency_counts() -> None:
         assert both == [stable_step(np.array([50.0]), damping)] * 2
 
 
-@pytest.mark.parametrize("elements", [1, 2, 5, 12])
-def test_the_largest_frequencies_are_those_of_the_kernels_matrices(elements: int) -> None:
+# Beyond a dozen elements the largest frequencies hardly change, and are no longer looked for.
+@pytest.mark.parametrize(
+    ("elements", "tolerance"), [*((n, 1e-10) for n in (1, 2, 5, 12)), *((n, 5e-3) for n in (13, 20, 40))]
+)
+def test_the_largest_frequencies_are_those_of_the_kernels_matrices(elements: int, tolerance: float) -> None:
     beam = replace(BENDING, elements=elements)
     mass, _, stiffness = matrices(beam)
     for axis, expected in enumerate(frequencies(beam)):
         own = slice(axis, None, 2)
         squares = eigh(stiffness[own, own], mass[own, own], eigvals_only=True)
-        assert expected == pytest.approx(math.sqrt(squares[-1]), rel=1e-10)
-    assert frequencies(beam).max() == pytest.approx(math.sqrt(eigh(stiffness, mass, eigvals_only=True)[-1]), rel=1e-10)
+        assert expected == pytest.approx(math.sqrt(squares[-1]), rel=tolerance)
+    whole = math.sqrt(eigh(stiffness, mass, eigvals_only=True)[-1])
+    assert frequencies(beam).max() == pytest.approx(whole, rel=tolerance)
 
 
 def test_the_largest_frequencies_of_a_single_element_are_the_textbooks() -> None:
@@ -102,16 +105,6 @@ def test_the_largest_frequencies_of_a_single_element_are_the_textbooks() -> None
         math.sqrt(8400.0 * bending / density) / length**2,
     )
     assert largest_frequencies(1, length, density, axial, bending) == pytest.approx(expected, rel=1e-12)
-
-
-@pytest.mark.parametrize("elements", [13, 20, 40])
-def test_beyond_a_dozen_elements_the_largest_frequencies_hardly_change(elements: int) -> None:
-    beam = replace(BENDING, elements=elements)
-    mass, _, stiffness = matrices(beam)
-    for axis, expected in enumerate(frequencies(beam)):
-        own = slice(axis, None, 2)
-        exact = math.sqrt(eigh(stiffness[own, own], mass[own, own], eigvals_only=True)[-1])
-        assert expected == pytest.approx(exact, rel=5e-3)
 
 
 def vibrate(beam: FlexibleBody, step: float, steps: int) -> float:
@@ -193,12 +186,3 @@ def test_the_explicit_integrator_keeps_the_bound_by_itself_and_counts_its_steps(
     assert clock.steps - 1 <= clock.stability_bound_steps <= clock.steps
     rigid = Body("rigid", 1.0, 1.0, 1.0, (0.0, 0.0), spin=1.0)
     assert simulate(Mechanism((rigid,)), 1.0).summary()["stability_bound_steps"] == 0
-
-
-def test_the_mass_band_is_half_of_a_symmetric_matrix() -> None:
-    band = mass_band(2, 0.5, 3.0)
-    assert band.shape == (6, 4)
-    # What lies before the first column does not exist.
-    assert not band[0, :3].any()
-    assert not band[1, :2].any()
-    assert band[:, 3].min() > 0.0

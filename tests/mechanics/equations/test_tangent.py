@@ -11,10 +11,10 @@ import pytest
 from helpers import Forces, central_difference
 from mechanisms import ROUND_BEARING, ROUND_SPRING, ROUND_STOP, Vector, chain, pendulum
 
+from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.equations.newton import assemble, linearize_forces
 from solar_env.mechanics.equations.tangent import fill_tangents, make_tangent_scratch
 from solar_env.mechanics.integrators.methods.alpha_step import fill_residual, make_iteration
-from solar_env.mechanics.joints import joint as columns
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.joints.friction.brown_mcphee import BrownMcPhee
 from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS, FrictionLaw
@@ -130,7 +130,7 @@ def test_stop(seed: int, angles: tuple[float, float], latched: bool) -> None:
     # Slow enough that the damping does not cancel the elastic torque.
     forces = scene(seed, angles=angles, latched=latched, stop=ROUND_STOP, rates=0.05)
     forces.force(forces.state.q, forces.state.v)
-    assert np.all(forces.work.loads[:, columns.STOP_TORQUE] != 0.0)
+    assert np.all(forces.work.loads[:, columns.LATCH_TORQUE] != 0.0)
     check(forces)
 
 
@@ -279,7 +279,7 @@ def test_newtons_matrix_is_the_slope_of_the_residual(seed: int) -> None:
     expected = central_difference(residual, np.zeros(unknowns))[np.ix_(moving, moving)]
     residual(np.zeros(unknowns))
     assert np.all(forces.work.loads[2:, columns.NORMAL] > 0.0)
-    assert forces.work.loads[0, columns.STOP_TORQUE] != 0.0
+    assert forces.work.loads[0, columns.LATCH_TORQUE] != 0.0
     linearize_forces(model, state.joints, it.q, it.v, it.newton)
     weights = (scale * mass_weight, scale * damping_weight, scale)
     assemble(model, it.q, it.multipliers, forces.work.row_value, it.newton, weights)

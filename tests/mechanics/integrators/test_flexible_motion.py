@@ -11,10 +11,10 @@ from helpers import Forces, rigid_motions
 from mechanisms import Vector, turned
 
 from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.arrays.columns import ANGLE
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.joints.friction.ramp import RampedCoulomb
-from solar_env.mechanics.joints.joint import ANGLE
 from solar_env.mechanics.mechanism.description import (
     GROUND,
     Bearing,

@@ -12,11 +12,11 @@ from helpers import attempt, fingerprint, orders, single_steps
 from mechanisms import block, floating_pair, pendulum, rotor
 
 from solar_env.array import MODELS, ArrayParameters, build
+from solar_env.mechanics.arrays.columns import ANGLE, FORCE_X, FORCE_Y
 from solar_env.mechanics.arrays.model import MOTOR_WORK
 from solar_env.mechanics.equations.constraints import constraint_drift
 from solar_env.mechanics.equations.system import make_workspace
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, RungeKutta, alpha_coefficients
-from solar_env.mechanics.joints.joint import ANGLE, FORCE_X, FORCE_Y
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.mechanics.running.simulation import Simulation, simulate
 

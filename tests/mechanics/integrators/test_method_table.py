@@ -11,10 +11,10 @@ from helpers import attempt, fingerprint, orders
 from mechanisms import Vector, floating_pair, pendulum, rotor
 
 from solar_env.array import ArrayParameters, build
+from solar_env.mechanics.arrays.columns import ANGLE, RATE
 from solar_env.mechanics.integrators.methods.table import METHODS, method_of
 from solar_env.mechanics.integrators.run import advance_lanes
 from solar_env.mechanics.integrators.settings import INTEGRATORS, Integrator, RungeKutta
-from solar_env.mechanics.joints.joint import ANGLE, RATE
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.modal.panel.tables import GREATEST_STEP
 from solar_env.mechanics.records.recording import make_recorder

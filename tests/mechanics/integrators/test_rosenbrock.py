@@ -11,9 +11,9 @@ from test_flexible_motion import BEAM, WIDE, flight, momenta
 
 from solar_env.array import ArrayParameters, PanelModel, build
 from solar_env.array.methods import default_integrator, make_integrator
+from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.integrators.settings import Rosenbrock, RungeKutta
-from solar_env.mechanics.joints import joint as columns
 from solar_env.mechanics.mechanism.beams import Beam, spin_up_beam
 from solar_env.mechanics.mechanism.description import Bearing, FlexibleBody, Mechanism
 from solar_env.mechanics.running.simulation import Simulation

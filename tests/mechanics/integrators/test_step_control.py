@@ -11,9 +11,9 @@ from helpers import attempt, single_steps
 from mechanisms import block, floating_pair, pendulum
 
 from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.arrays.columns import ANGLE
 from solar_env.mechanics.integrators.settings import RungeKutta
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
-from solar_env.mechanics.joints.joint import ANGLE
 from solar_env.mechanics.mechanism.description import GROUND, Bearing, Body, Joint, Mechanism, Stop
 from solar_env.mechanics.records.recording import make_recorder, sample_columns
 from solar_env.mechanics.running.errors import SimulationError
@@ -140,7 +140,7 @@ def test_a_stow_stop_sets_in_at_its_face_and_is_not_felt_before(sign: int) -> No
     own = simulation.state.joints[0]
     assert simulation.time == pytest.approx(spun_up(STOP.gap), rel=CHORD)
     assert (own["stop_engaged"], own["latched"]) == (1, 0)
-    assert m.joint_integrals(simulation.state.integrals)[0, m.STOP_DISSIPATION] == 0.0
+    assert m.joint_integrals(simulation.state.integrals)[0, m.LATCH_DISSIPATION] == 0.0
 
 
 @pytest.mark.parametrize("angles", [(0.02, 0.03), (0.03, 0.02)])

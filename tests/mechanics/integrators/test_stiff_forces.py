@@ -9,6 +9,7 @@ from mechanisms import block
 from solar_env.array import ArrayParameters, build
 from solar_env.array.methods import default_integrator
 from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.arrays.columns import NORMAL
 from solar_env.mechanics.integrators.methods.runge_kutta import _COUPLING, _ERROR
 from solar_env.mechanics.integrators.methods.stiff_forces import COUPLING, DIAGONAL
 from solar_env.mechanics.integrators.settings import Rosenbrock, RungeKutta
@@ -77,7 +78,7 @@ def test_a_journal_at_rest_is_stepped_over_and_its_load_booked() -> None:
     before = m.joint_integrals(simulation.state.integrals)[0, m.IMPULSE]
     simulation.advance(12.0)
     after = m.joint_integrals(simulation.state.integrals)[0, m.IMPULSE]
-    weight = simulation.joint_loads()[0, 4]
+    weight = simulation.joint_loads()[0, NORMAL]
     # Stability would ask for a step of some 0.4 ms.
     assert simulation.state.clock["steps"][0] - steps < 500
     assert after - before == pytest.approx(10.0 * weight, rel=1e-6)

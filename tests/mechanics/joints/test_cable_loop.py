@@ -12,10 +12,10 @@ from helpers import Forces, central_difference, rigid_motions
 from mechanisms import ROUND_BEARING
 
 from solar_env.mechanics.analysis.statics import static_equilibrium
+from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.bodies.markers import direction, place
 from solar_env.mechanics.equations.build import compile_mechanism
-from solar_env.mechanics.joints import joint as columns
 from solar_env.mechanics.joints.cable_loop import cable_torque
 from solar_env.mechanics.mechanism.description import GROUND, Body, CableLoop, FlexibleBody, Joint, Load, Mechanism
 

@@ -11,13 +11,14 @@ import pytest
 from helpers import Forces, central_difference
 from mechanisms import ROUND_BEARING, ROUND_STOP, Vector, block, chain, turned
 
+from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.bodies.markers import place, velocity
-from solar_env.mechanics.joints import joint as columns
+from solar_env.mechanics.bodies.markers import place
 from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS
-from solar_env.mechanics.joints.joint import one_sided_stop, penetration, stop_energy, stop_torque
+from solar_env.mechanics.joints.joint import penetration
 from solar_env.mechanics.joints.sliding import contact_motion
-from solar_env.mechanics.mechanism.description import CableLoop, Mechanism, Spring
+from solar_env.mechanics.joints.torques import one_sided_stop, stop_energy, stop_torque, summed_torque
+from solar_env.mechanics.mechanism.description import CableLoop, Mechanism
 
 # Angle of either joint relative to the latch at 0.9 and the stow stop at 0, both with 0.05 of free play.
 SITUATIONS = {
@@ -80,13 +81,17 @@ def test_the_power_of_the_forces_is_work_put_in_less_losses_less_growth_of_store
         q, v = forces.state.q, forces.state.v
 
         def stored(time: Vector, forces: Forces = forces, q: Vector = q, v: Vector = v) -> Vector:
-            return forces.stored(q + time[0] * v, v)[[m.SPRING, m.CABLE, m.LATCH, m.CONTACT]].sum()[None]
+            energies = dict(zip(m.ENERGY_NAMES, forces.stored(q + time[0] * v, v), strict=True))
+            return np.array([sum(energies[law.energy] for law in columns.TORQUES if law.energy) + energies["contact"]])
 
         growth = central_difference(stored, np.zeros(1))[0, 0]
         force = forces.force(q, v)
+        total = columns.total_torque(forces.work.loads)
+        assert [summed_torque(forces.work.loads, j) for j in range(2)] == pytest.approx(total, rel=1e-14, abs=1e-14)
         powers = forces.integral_powers().sum(axis=0)
-        put_in = powers[m.MOTOR_WORK] + powers[m.CABLE_WORK]
-        lost = powers[[m.NORMAL_DISSIPATION, m.FRICTION_DISSIPATION, m.STOP_DISSIPATION]].sum()
+        put_in = sum(powers[law.integral] for law in columns.TORQUES if law.book and not law.lost)
+        lost = powers[[m.NORMAL_DISSIPATION, m.FRICTION_DISSIPATION]].sum()
+        lost += sum(powers[law.integral] for law in columns.TORQUES if law.lost)
         scale = float(np.abs(force) @ np.abs(v))
         # A stop or a cable limit within the difference's reach would show as a kink; 1e-8 leaves none unnoticed.
         assert force @ v == pytest.approx(put_in - lost - growth, abs=1e-8 * scale)
@@ -140,7 +145,7 @@ def test_markers_move_with_their_body() -> None:
     arm = turned(joint.outboard_point, body.angle)
     assert place(marker, forces.state.q) == pytest.approx(np.array(body.position) + arm, abs=1e-14)
     expected = np.array(body.velocity) + body.spin * np.array([-arm[1], arm[0]])
-    assert velocity(marker, forces.state.q, forces.state.v) == pytest.approx(expected, abs=1e-14)
+    assert place(marker, forces.state.v) == pytest.approx(expected, abs=1e-14)
 
 
 def test_the_spring_pulls_towards_its_preload_angle() -> None:
@@ -353,7 +358,7 @@ def test_a_joint_without_a_stow_stop_folds_as_far_as_it_likes() -> None:
     assert not forces.force(forces.state.q, forces.state.v).any()
     forces.state.joints["latched"] = 1
     forces.force(forces.state.q, np.zeros_like(forces.state.v))
-    assert forces.work.loads[0, columns.STOP_TORQUE] == pytest.approx(3.0 * (1.5 - 0.05) ** 1.5, rel=1e-12)
+    assert forces.work.loads[0, columns.LATCH_TORQUE] == pytest.approx(3.0 * (1.5 - 0.05) ** 1.5, rel=1e-12)
 
 
 CONTACT_COLUMNS = [columns.NORMAL, columns.TANGENTIAL, columns.FORCE_X, columns.FORCE_Y]
@@ -381,12 +386,3 @@ def test_a_mechanism_without_joints_feels_gravity_alone() -> None:
     weight = forces.model.constant_force
     assert weight[0::2].sum() == pytest.approx(mechanism.bodies[0].mass, rel=1e-14)
     assert weight[1::2].sum() == pytest.approx(-2.0 * mechanism.bodies[0].mass, rel=1e-14)
-
-
-def test_a_spring_is_optional() -> None:
-    assert Spring(0.0, 1.0).stiffness == 0.0
-    mechanism = chain(
-        np.random.default_rng(0), angles=np.array([0.4]), eccentricities=np.zeros((1, 2)), spring=None, stop=None
-    )
-    forces = Forces(mechanism)
-    assert not forces.force(forces.state.q, forces.state.v).any()

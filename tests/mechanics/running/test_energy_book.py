@@ -11,10 +11,10 @@ from mechanisms import Vector, pendulum
 
 from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.arrays.columns import ANGLE
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, ModalRadau, RungeKutta
 from solar_env.mechanics.joints.contact.laws import CONTACT_LAWS
 from solar_env.mechanics.joints.friction.laws import FRICTION_LAWS, SLIDING_READINGS
-from solar_env.mechanics.joints.joint import ANGLE
 from solar_env.mechanics.mechanism.description import GROUND, Body, Joint, Mechanism, Stop
 from solar_env.mechanics.running.simulation import Simulation, simulate
 from solar_env.mechanics.running.trajectory import Trajectory

@@ -16,8 +16,8 @@ from mechanisms import block, pendulum, rotor
 from solar_env.array import ArrayParameters, build
 from solar_env.array.deployment import simulate as simulate_array
 from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.arrays.columns import ANGLE, FORCE_X, FORCE_Y, NORMAL
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, ModalRadau, Rosenbrock, RungeKutta
-from solar_env.mechanics.joints.joint import ANGLE, NORMAL
 from solar_env.mechanics.records.recording import make_recorder
 from solar_env.mechanics.running.simulation import Simulation, simulate
 from solar_env.mechanics.running.trajectory import Trajectory
@@ -95,7 +95,7 @@ def test_samples_between_steps_are_as_good_as_the_steps(integrator: Integrator) 
         landed.advance(float(sampled.time[k]))
         assert sampled.coordinates[k] == pytest.approx(landed.state.q, abs=1e-5)
         assert sampled.velocities[k] == pytest.approx(landed.state.v, abs=1e-4)
-        assert sampled.joint_force[k, 0] == pytest.approx(landed.joint_loads()[0, 6:8], abs=0.05)
+        assert sampled.joint_force[k, 0] == pytest.approx(landed.joint_loads()[0, [FORCE_X, FORCE_Y]], abs=0.05)
 
 
 def test_progress_is_told_and_ends_with_the_duration() -> None:

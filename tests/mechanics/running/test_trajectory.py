@@ -14,6 +14,7 @@ from mechanisms import block, rotor
 from solar_env.array import PanelModel
 from solar_env.array.deployment import simulate as simulate_deployment
 from solar_env.array.methods import default_integrator
+from solar_env.mechanics.arrays.columns import TORQUES
 from solar_env.mechanics.arrays.model import ENERGY_NAMES
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
 from solar_env.mechanics.running.simulation import simulate
@@ -63,19 +64,17 @@ def test_arrays_have_the_documented_shapes(run: Trajectory) -> None:
     # Three bodies of two points, or of three coordinates, with the amplitudes of modes and pseudo-modes of two panels.
     coordinates = 12 if run.metadata["model"].startswith("rigid") else 9 + 2 * (4 + 8 + 2 + 4)
     assert run.coordinates.shape == run.velocities.shape == (SAMPLES, coordinates)
-    for name in (
+    plain = [
         "angles",
         "rates",
         "penetration",
         "normal_force",
         "tangential_force",
-        "spring_torque",
-        "cable_torque",
-        "latch_torque",
-        "motor_torque",
         "sliding_work",
         "impulse",
-    ):
+        "joint_torque",
+    ]
+    for name in (*plain, *(law.name for law in TORQUES)):
         assert getattr(run, name).shape == by_joint, name
     assert run.eccentricity.shape == run.joint_force.shape == (*by_joint, 2)
     assert run.wear_journal.shape == run.wear_bearing.shape == (JOINTS, BINS)
@@ -127,14 +126,18 @@ def test_a_looser_tolerance_leaves_the_steps_that_stability_bounds_as_they_are()
     assert loose.metadata["steps"] == pytest.approx(tight.metadata["steps"], rel=0.01)
 
 
-@pytest.mark.parametrize("integrator", [RungeKutta(rtol=1e-2), GeneralizedAlpha(step=2e-5)])
-def test_stability_bounds_no_step_of_rigid_bodies(integrator: Integrator) -> None:
-    for model in ("rigid-ideal", "rigid-clearance"):
-        assert simulate_deployment(model=model, duration=0.2, integrator=integrator).stability_bound_share == 0.0
-
-
-def test_stability_bounds_no_step_of_generalized_alpha() -> None:
-    run = simulate_deployment(model="flexible-ideal", elements=1, duration=0.05, integrator=GeneralizedAlpha())
+@pytest.mark.parametrize(
+    ("model", "integrator"),
+    [
+        ("rigid-ideal", RungeKutta(rtol=1e-2)),
+        ("rigid-clearance", RungeKutta(rtol=1e-2)),
+        ("rigid-clearance", GeneralizedAlpha(step=2e-5)),
+        ("flexible-ideal", GeneralizedAlpha()),
+    ],
+)
+def test_stability_bounds_no_step_of_rigid_bodies_nor_of_generalized_alpha(model: str, integrator: Integrator) -> None:
+    elements = 1 if model == "flexible-ideal" else None
+    run = simulate_deployment(model=model, elements=elements, duration=0.1, integrator=integrator)
     assert run.stability_bound_share == 0.0
 
 
@@ -143,38 +146,6 @@ def test_angles_go_on_through_full_turns() -> None:
     assert np.ptp(run.angles) == 0.0
     spinning = simulate(block((0.0, 0.0), spin=10.0), 3.0)
     assert spinning.angles[-1, 0] == pytest.approx(30.0, rel=1e-6)
-
-
-def test_the_summary_has_the_fields_that_scripts_rely_on(run: Trajectory) -> None:
-    summary = run.summary()
-    scalars = {"model", "status", "energy_residual_J", "steps", "rejected_steps", "wall_time_s"}
-    lists = {
-        "latch_times_s",
-        "peak_contact_force_N",
-        "peak_postlock_force_N",
-        "contact_starts",
-        "sliding_work_J",
-        "wear_depth_max_m",
-        "theta_end_rad",
-    }
-    assert scalars | lists <= set(summary)
-    for name in lists:
-        assert isinstance(summary[name], list), name
-        assert len(summary[name]) == JOINTS, name
-    assert (summary["model"], summary["status"]) == (run.metadata["model"], "completed")
-    assert summary["steps"] > 0 < summary["wall_time_s"]
-
-
-def test_the_summary_holds_the_figures_of_the_run(run: Trajectory) -> None:
-    summary = run.summary()
-    assert summary["duration_s"] == 2.0
-    assert summary["theta_end_rad"] == run.angles[-1].tolist()
-    assert summary["sliding_work_J"] == run.sliding_work[-1].tolist()
-    assert summary["peak_contact_force_N"] == run.peak_force.tolist()
-    assert summary["contact_starts"] == run.contact_starts.tolist()
-    deepest = [max(run.wear_journal[j].max(), run.wear_bearing[j].max()) for j in range(JOINTS)]
-    assert summary["wear_depth_max_m"] == deepest
-    assert summary["energy_residual_J"] == run.energy_residual
 
 
 def test_each_figure_of_the_summary_is_the_one_that_its_name_says(run: Trajectory) -> None:
@@ -228,5 +199,6 @@ def test_metadata_say_what_was_run_and_how(run: Trajectory) -> None:
     default = default_integrator(level["model"], PanelModel.of(**level))
     assert run.metadata["integrator"] == default.name
     assert run.metadata["parameters"]["clearance"] == 2e-4
+    assert run.metadata["steps"] > 0 < run.metadata["wall_time_s"]
     assert run.metadata["integrator_settings"]["rtol"] == default.rtol
     json.dumps(run.metadata, allow_nan=False)

@@ -20,7 +20,6 @@ from solar_env.mechanics.bodies.cable_element.matrices import MASS_BAND, factor_
 from solar_env.mechanics.bodies.cable_element.stable_step import beam_stable_step
 from solar_env.mechanics.bodies.description import AnyBody, FlexibleBody, Point
 from solar_env.mechanics.bodies.kind import Array, BodyKind, Fields
-from solar_env.mechanics.bodies.linear_marker import MARKER_FIELDS, pair_coordinates
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.profile import add_entry
 
@@ -38,8 +37,6 @@ class CableElements(BodyKind[FlexibleBody]):
         ("mass_band", np.int64),  # first of the mass matrix in the bodies' constants: rows of MASS_BAND entries
         ("mass_factor", np.int64),  # and of its factors
     ]
-    marker_fields = MARKER_FIELDS
-    linear = True
     deformable = True
 
     def coordinates(self, body: FlexibleBody) -> int:
@@ -59,10 +56,6 @@ class CableElements(BodyKind[FlexibleBody]):
         """Fill the node; a marker is at a node only, and its direction is the slope."""
         node = first + 4 * body.node(point)
         row["i1"], row["i2"], row["a1"] = node, node + 2, 1.0
-
-    def marker_coordinates(self, row: np.void) -> list[int]:
-        """Return the coordinates of the node."""
-        return pair_coordinates(row)
 
     def initial_motion(self, body: FlexibleBody) -> tuple[Array, Array]:
         """Return the motion of a beam that is straight and unstrained."""

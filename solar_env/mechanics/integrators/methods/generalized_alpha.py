@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.arrays.columns import ECCENTRICITY_X, ECCENTRICITY_Y
 from solar_env.mechanics.arrays.model import Model, State
 from solar_env.mechanics.arrays.trial import make_joint_motions, make_trial
 from solar_env.mechanics.equations.newton import fill_mass
@@ -32,7 +33,7 @@ from solar_env.mechanics.integrators.methods.alpha_step import (
 from solar_env.mechanics.integrators.methods.stage_steps import fill_rows, measure_depths, take_loads
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, alpha_coefficients
 from solar_env.mechanics.joints.contact.normal_force import impact_scales
-from solar_env.mechanics.joints.joint import ECCENTRICITY_X, ECCENTRICITY_Y, penetration, relative
+from solar_env.mechanics.joints.joint import penetration, relative
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into, greater
 from solar_env.mechanics.numerics.profile import clear

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.arrays.columns import TORQUES
 from solar_env.mechanics.arrays.model import Model, State
 from solar_env.mechanics.equations.system import inlined_accelerations, make_workspace
 from solar_env.mechanics.integrators.methods.stage_steps import begin_stages
@@ -45,7 +46,7 @@ STABILITY_MARGIN = 0.95
 _DEPTH_ERROR = 0.01
 
 # Integrals that enter the energy book, and with it the error norm.
-BOOKED_ENERGIES = (m.NORMAL_DISSIPATION, m.FRICTION_DISSIPATION, m.MOTOR_WORK, m.STOP_DISSIPATION, m.CABLE_WORK)
+BOOKED_ENERGIES = (m.NORMAL_DISSIPATION, m.FRICTION_DISSIPATION, *(law.integral for law in TORQUES if law.book))
 
 
 class RungeKuttaSettings(StageSettings):

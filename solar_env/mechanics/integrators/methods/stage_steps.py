@@ -3,6 +3,7 @@
 Constraints are enforced on the acceleration level and by projection of every accepted step.
 """
 
+from solar_env.mechanics.arrays.columns import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, NORMAL, RATE
 from solar_env.mechanics.arrays.model import APPROXIMATE, CLEARANCE, EXACT
 from solar_env.mechanics.bodies.markers import vector_angle
 from solar_env.mechanics.equations.constraints import fill_columns, prepare_response, project
@@ -17,16 +18,7 @@ from solar_env.mechanics.integrators.methods.stages import (
 )
 from solar_env.mechanics.integrators.methods.stiff_forces import lasts
 from solar_env.mechanics.joints.contact.normal_force import normal_force
-from solar_env.mechanics.joints.joint import (
-    ANGLE,
-    ECCENTRICITY_X,
-    ECCENTRICITY_Y,
-    NORMAL,
-    RATE,
-    joint_motion,
-    penetration,
-    relative,
-)
+from solar_env.mechanics.joints.joint import joint_motion, penetration, relative
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 from solar_env.mechanics.records.history import note_force

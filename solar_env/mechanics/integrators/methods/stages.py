@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from solar_env.mechanics.arrays.model import ENERGIES, EXACT, Model, State
 from solar_env.mechanics.arrays.trial import make_joint_motions, make_trial
 from solar_env.mechanics.equations.system import Workspace, accelerations, make_workspace
-from solar_env.mechanics.joints.joint import penetration, relative, relative_velocity
+from solar_env.mechanics.joints.joint import relative, relative_velocity
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 
@@ -153,11 +153,7 @@ def hermite_state(state, stages, h, share):
 
 @kernel(inner=True)
 def hermite_depth(joint, markers, state, stages, h, share):
-    """Penetration [m] of a joint at `share` of the step; an eccentricity that is linear in q is interpolated alone."""
-    if not (markers[joint.outboard].linear and markers[joint.inboard].linear):
-        hermite_state(state, stages, h, share)
-        depth, _ = penetration(joint, markers, stages.scratch_q, stages.scratch_v)
-        return depth
+    """Penetration [m] of a joint at `share` of the step: the eccentricity is linear in q and interpolated alone."""
     acceleration = stages.acceleration
     p0, p1, p2, r0, r1, r2 = quintic_weights(share)
     ex0, ey0 = relative(joint, markers, state.q)

@@ -22,9 +22,10 @@ from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.bodies.markers import add_point_force, add_torque, spin
 from solar_env.mechanics.equations.constraints import prepare_response
 from solar_env.mechanics.equations.system import acceleration_response, accelerations
+from solar_env.mechanics.joints import torques
 from solar_env.mechanics.joints.contact.normal_force import normal_force
 from solar_env.mechanics.joints.friction.friction_share import friction_share
-from solar_env.mechanics.joints.joint import joint_motion, penetration, relative, relative_velocity, stop_torque
+from solar_env.mechanics.joints.joint import joint_motion, penetration, relative, relative_velocity
 from solar_env.mechanics.joints.sliding import contact_motion
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into, lu_factor, lu_solve
@@ -74,13 +75,13 @@ def contact_directions(joint, markers, q, v, gradient, force):
     ux, uy = relative_velocity(joint, markers, q, v)
     motion = contact_motion(joint, ex, ey, ux, uy, spin(outboard, q, v), spin(inboard, q, v))
     nx, ny = motion.normal_x, motion.normal_y
-    add_point_force(outboard, q, nx, ny, gradient)
-    add_point_force(inboard, q, -nx, -ny, gradient)
+    add_point_force(outboard, nx, ny, gradient)
+    add_point_force(inboard, -nx, -ny, gradient)
     share, _ = friction_share(joint, motion.sliding_speed)
     friction = joint.friction_coefficient * share
     copy_into(force, gradient)
-    add_point_force(outboard, q, -friction * ny, friction * nx, force)
-    add_point_force(inboard, q, friction * ny, -friction * nx, force)
+    add_point_force(outboard, -friction * ny, friction * nx, force)
+    add_point_force(inboard, friction * ny, -friction * nx, force)
     add_torque(outboard, q, friction * joint.journal_radius, force)
     add_torque(inboard, q, -friction * motion.lever, force)
 
@@ -98,7 +99,7 @@ def may_be_stiff(model, state):
     joint_states = state.joints
     for j in range(joint_states.size):
         own = joint_states[j]
-        found = found or (own.stop_engaged != 0 if flexible else lasts(own, time))
+        found = found or (torques.may_be_stiff(own) if flexible else lasts(own, time))
     return found
 
 
@@ -116,10 +117,9 @@ def collect(model, state, work, stiff, h):
     for j in range(joints.size):
         joint, own = joints[j], state.joints[j]
         stiffness, damping = 0.0, 0.0
-        if flexible and own.stop_engaged:
+        if flexible and torques.may_be_stiff(own):
             angle, rate, _, _ = joint_motion(joint, markers, q, v)
-            _, _, _, by_rate = stop_torque(joint, own, angle, rate)
-            damping = -by_rate
+            damping = -torques.hinge_torques(joint, own, angle, rate).by_rate
         elif not flexible and lasts(own, state.clock[0].time):
             depth, rate = penetration(joint, markers, q, v)
             _, _, stiffness, damping = normal_force(joint, depth, rate, own.impact_speed)
@@ -250,7 +250,7 @@ def correct_stage(stiff, stage, h, velocity, acceleration, power):
             add_force_to_powers(power[stage], first, force)
         else:
             # What the stop takes with the torque that the step goes by, not the one that the stage's speed would give.
-            power[stage, first + m.STOP_DISSIPATION] += force * product(stiff.gradient[i], velocity[stage])
+            power[stage, first + m.LATCH_DISSIPATION] += force * product(stiff.gradient[i], velocity[stage])
     for i in range(count):
         if stiff.stiffness[i] > 0.0:
             stiff.closing[stage, i] = product(stiff.gradient[i], a)

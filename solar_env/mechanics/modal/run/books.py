@@ -2,9 +2,9 @@
 
 import math
 
+from solar_env.mechanics.arrays.columns import ANGLE, RATE
 from solar_env.mechanics.arrays.model import (
     CABLE,
-    CABLE_WORK,
     CLEARANCE,
     CONTACT,
     ELASTIC,
@@ -14,27 +14,18 @@ from solar_env.mechanics.arrays.model import (
     IMPULSE,
     INTEGRALS_PER_JOINT,
     KINETIC,
-    LATCH,
-    MOTOR_WORK,
     NORMAL_DISSIPATION,
     SLIDING_WORK,
-    SPRING,
-    STOP_DISSIPATION,
 )
 from solar_env.mechanics.joints.cable_loop import cable_torque
 from solar_env.mechanics.joints.contact.normal_force import contact_energy, normal_force
-from solar_env.mechanics.joints.joint import stop_energy, stop_torque
-from solar_env.mechanics.modal.arrays import (
-    ANGLE,
-    DEPTH,
-    DEPTH_RATE,
-    RATE,
-    RIGID_BODY,
-    SLIDING_SPEED,
-    SLIP,
-    STRETCH,
-    WHEEL_RATE,
+from solar_env.mechanics.joints.torques import (
+    add_cable_power,
+    add_torque_energies,
+    add_torque_powers,
+    hinge_torques,
 )
+from solar_env.mechanics.modal.arrays import DEPTH, DEPTH_RATE, RIGID_BODY, SLIDING_SPEED, SLIP, STRETCH, WHEEL_RATE
 from solar_env.mechanics.modal.panel.coupling import axial_form, foreshorten_pose
 from solar_env.mechanics.modal.panel.oscillators import WEIGHT_A, WEIGHT_B
 from solar_env.mechanics.modal.panel.tables import AXIAL_EVEN, GROUPS
@@ -51,9 +42,8 @@ def add_integrals(model, state, work, h):
         for s in range(2):
             weight = h * (WEIGHT_A if s == 0 else WEIGHT_B)
             motion, load = work.joints[j].motion[s], work.joints[j].load[s]
-            integrals[first + MOTOR_WORK] += weight * own.motor_torque * motion[RATE]
-            stop, elastic, _, _ = stop_torque(joint, own, motion[ANGLE], motion[RATE])
-            integrals[first + STOP_DISSIPATION] += weight * (elastic - stop) * motion[RATE]
+            torques = hinge_torques(joint, own, motion[ANGLE], motion[RATE])
+            add_torque_powers(torques, motion[RATE], weight, j, integrals)
             if joint.kind == IDEAL:
                 integrals[first + IMPULSE] += weight * math.sqrt(load[0] * load[0] + load[1] * load[1])
             elif own.in_contact:
@@ -65,13 +55,11 @@ def add_integrals(model, state, work, h):
                 integrals[first + SLIDING_WORK] += weight * normal * abs(motion[SLIDING_SPEED])
     for c in range(model.cables.size):
         cable = model.cables[c]
-        a = cable.joint_a
         for s in range(2):
             weight = h * (WEIGHT_A if s == 0 else WEIGHT_B)
             motion = work.cables[c].motion[s]
             torque, _, _ = cable_torque(cable, motion[STRETCH])
-            power = torque * (cable.wheel_ratio - cable.torque_ratio) * motion[WHEEL_RATE]
-            integrals[INTEGRALS_PER_JOINT * a + CABLE_WORK] += weight * power
+            add_cable_power(cable, torque, motion[WHEEL_RATE], weight, integrals)
 
 
 @kernel(inlined=True)
@@ -119,9 +107,7 @@ def stored_energies(model, state, q, v, work, slot, energies):
             panel_energies(model, body, q, v, work, energies)
     for j in range(model.joints.size):
         joint, own, motion = model.joints[j], state.joints[j], work.joints[j].motion[slot]
-        stretch = joint.spring_preload_angle - motion[ANGLE]
-        energies[SPRING] += 0.5 * joint.spring_stiffness * stretch * stretch
-        energies[LATCH] += stop_energy(joint, own, motion[ANGLE])
+        add_torque_energies(joint, own, motion[ANGLE], energies)
         if joint.kind == CLEARANCE:
             energies[CONTACT] += contact_energy(joint, motion[DEPTH])
     for c in range(model.cables.size):

@@ -9,11 +9,24 @@ from typing import Any
 
 import numpy as np
 
+from solar_env.mechanics.arrays.columns import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, RATE
 from solar_env.mechanics.arrays.model import CLEARANCE, EXACT, IDEAL, NEWTON_STALLED, SINGULAR_CONSTRAINTS
 from solar_env.mechanics.joints.contact.normal_force import normal_force
 from solar_env.mechanics.joints.friction.friction_share import friction_share
-from solar_env.mechanics.modal import arrays as columns
-from solar_env.mechanics.modal.arrays import ITERATIONS, RIGID_BODY, SECOND, START, STUCK
+from solar_env.mechanics.modal.arrays import (
+    DEPTH,
+    DEPTH_RATE,
+    ITERATIONS,
+    NORMAL_X,
+    NORMAL_Y,
+    RIGID_BODY,
+    SECOND,
+    SLIDING_SPEED,
+    START,
+    STUCK,
+    VELOCITY_X,
+    VELOCITY_Y,
+)
 from solar_env.mechanics.modal.panel.tables import (
     AXIAL_EVEN,
     GROUPS,
@@ -70,8 +83,8 @@ def take_motion(model, state, work):
     """Fill the motion of the joints at the accepted state, of which the workspace has been filled."""
     for j in range(model.joints.size):
         motion, place = work.motion[j], work.joints[j].motion[START]
-        motion.depth, motion.depth_rate = place[columns.DEPTH], place[columns.DEPTH_RATE]
-        motion.angle, motion.rate = place[columns.ANGLE], place[columns.RATE]
+        motion.depth, motion.depth_rate = place[DEPTH], place[DEPTH_RATE]
+        motion.angle, motion.rate = place[ANGLE], place[RATE]
 
 
 @kernel(inner=True)
@@ -150,15 +163,15 @@ def cut_modal(model, state, settings, work, h):
 @kernel(inner=True)
 def depth_of_modal(model, state, work, j, h, share):
     """Penetration [m] of joint `j` at a share of the step, on the cubic through its motion at both ends."""
-    ex = along(work, j, columns.ECCENTRICITY_X, columns.VELOCITY_X, h, share)
-    ey = along(work, j, columns.ECCENTRICITY_Y, columns.VELOCITY_Y, h, share)
+    ex = along(work, j, ECCENTRICITY_X, VELOCITY_X, h, share)
+    ey = along(work, j, ECCENTRICITY_Y, VELOCITY_Y, h, share)
     return math.sqrt(ex * ex + ey * ey) - model.joints[j].clearance
 
 
 @kernel(inner=True)
 def angle_of_modal(model, state, work, j, h, share):
     """Angle [rad] of joint `j`, likewise."""
-    return along(work, j, columns.ANGLE, columns.RATE, h, share)
+    return along(work, j, ANGLE, RATE, h, share)
 
 
 @kernel(inlined=True)
@@ -214,7 +227,7 @@ def evaluate_modal(model, state, work, changed):
 def contact_angles(model, state, work, j):
     """Angles [rad] of the line of centres of joint `j` in the frames of the journal's and of the bearing's body."""
     joint, motion = model.joints[j], work.joints[j].motion[START]
-    angle = math.atan2(motion[columns.ECCENTRICITY_Y], motion[columns.ECCENTRICITY_X])
+    angle = math.atan2(motion[ECCENTRICITY_Y], motion[ECCENTRICITY_X])
     journal = angle - work.attachments[joint.outboard].direction[START, 0]
     return journal, angle - work.attachments[joint.inboard].direction[START, 0]
 
@@ -223,7 +236,7 @@ def contact_angles(model, state, work, j):
 def instantaneous_inverse_mass(model, work, j):
     """Inverse mass [1/kg] that joint `j` feels along its line of centres before the bodies deform."""
     motion, joint = work.joints[j].motion[START], model.joints[j]
-    nx, ny, total = motion[columns.NORMAL_X], motion[columns.NORMAL_Y], 0.0
+    nx, ny, total = motion[NORMAL_X], motion[NORMAL_Y], 0.0
     for side in range(2):
         number = joint.outboard if side == 0 else joint.inboard
         attachment = model.attachments[number]
@@ -246,10 +259,8 @@ def open_contact(model, state, work, j):
     """Inverse mass [1/kg] that joint `j` feels along its line of centres; its loads begin with those of the laws."""
     joint, motion = model.joints[j], work.joints[j].motion[START]
     # Of note where a run starts with a journal that is pressed into its bearing.
-    normal, _, _, _ = normal_force(
-        joint, motion[columns.DEPTH], motion[columns.DEPTH_RATE], state.joints[j].impact_speed
-    )
-    share, _ = friction_share(joint, motion[columns.SLIDING_SPEED])
+    normal, _, _, _ = normal_force(joint, motion[DEPTH], motion[DEPTH_RATE], state.joints[j].impact_speed)
+    share, _ = friction_share(joint, motion[SLIDING_SPEED])
     state.loads[j, 0], state.loads[j, 1] = normal, -joint.friction_coefficient * share * normal
     state.load_rates[j, 0] = state.load_rates[j, 1] = 0.0
     return instantaneous_inverse_mass(model, work, j)

@@ -2,28 +2,16 @@
 
 import math
 
+from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.arrays.model import IDEAL
-from solar_env.mechanics.joints import joint as columns
 from solar_env.mechanics.joints.cable_loop import cable_torque
 from solar_env.mechanics.joints.friction.friction_share import friction_share
-from solar_env.mechanics.joints.joint import stop_torque
-from solar_env.mechanics.modal.arrays import (
-    ANGLE,
-    DEPTH,
-    ECCENTRICITY_X,
-    ECCENTRICITY_Y,
-    INBOARD_SPIN,
-    OTHER,
-    OUTBOARD_SPIN,
-    RATE,
-    SLIDING_SPEED,
-    STRETCH,
-)
+from solar_env.mechanics.joints.torques import enter_cable, enter_torques, hinge_torques
+from solar_env.mechanics.modal.arrays import DEPTH, OTHER, SLIDING_SPEED, STRETCH
 from solar_env.mechanics.modal.run.books import stored_energies
 from solar_env.mechanics.modal.step.bodies import outboard_load
 from solar_env.mechanics.modal.step.motion import look_at
 from solar_env.mechanics.numerics.jit import kernel
-from solar_env.mechanics.records.recording import RECORDED_LOADS
 
 # Step [s] in which velocities hardly change, while rounding shows in quotients of differences.
 _SHORT = 1e-6
@@ -44,23 +32,19 @@ def fill_load_table(model, state, work, slot, loads, table):
     for j in range(model.joints.size):
         joint, own, motion, row = model.joints[j], state.joints[j], work.joints[j].motion[slot], table[j]
         clearance = joint.kind != IDEAL
-        row[columns.ECCENTRICITY_X] = motion[ECCENTRICITY_X] if clearance else 0.0
-        row[columns.ECCENTRICITY_Y] = motion[ECCENTRICITY_Y] if clearance else 0.0
-        row[columns.ANGLE], row[columns.RATE] = motion[ANGLE], motion[RATE]
-        row[columns.OUTBOARD_SPIN], row[columns.INBOARD_SPIN] = motion[OUTBOARD_SPIN], motion[INBOARD_SPIN]
+        for column in range(columns.SHARED_COLUMNS):
+            row[column] = motion[column]
+        if not clearance:
+            row[columns.ECCENTRICITY_X], row[columns.ECCENTRICITY_Y] = 0.0, 0.0
         fx, fy, _, _ = outboard_load(joint, own, loads[j], motion)
         row[columns.NORMAL] = loads[j, 0] if clearance else math.sqrt(fx * fx + fy * fy)
         row[columns.TANGENTIAL] = loads[j, 1] if clearance else 0.0
         row[columns.FORCE_X], row[columns.FORCE_Y] = fx, fy
-        row[columns.SPRING_TORQUE] = joint.spring_stiffness * (joint.spring_preload_angle - motion[ANGLE])
-        row[columns.STOP_TORQUE], _, _, _ = stop_torque(joint, own, motion[ANGLE], motion[RATE])
-        row[columns.MOTOR_TORQUE] = own.motor_torque
-        row[columns.CABLE_TORQUE] = 0.0
+        enter_torques(hinge_torques(joint, own, row[columns.ANGLE], row[columns.RATE]), j, table)
     for c in range(model.cables.size):
         cable = model.cables[c]
         torque, _, _ = cable_torque(cable, work.cables[c].motion[slot, STRETCH])
-        table[cable.joint_a, columns.CABLE_TORQUE] -= cable.torque_ratio * torque
-        table[cable.joint_b, columns.CABLE_TORQUE] += torque
+        enter_cable(cable, torque, table)
 
 
 @kernel(inner=True)
@@ -96,7 +80,7 @@ def record_modal_sample(model, state, work, recorder, h, share):
     stored_energies(model, state, row[:n], row[n : 2 * n], work, OTHER, work.energies)
     k = 2 * n
     for j in range(model.joints.size):
-        for c in range(RECORDED_LOADS):
+        for c in range(columns.LOAD_COLUMNS):
             row[k] = work.sample[j, c]
             k += 1
     for e in range(work.energies.size):

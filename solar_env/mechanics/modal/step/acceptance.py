@@ -1,7 +1,7 @@
 """End of a step: its error over the tolerances, and the state moved to where it leads."""
 
 from solar_env.mechanics.arrays.model import MATERIAL_DISSIPATION
-from solar_env.mechanics.modal.arrays import CABLE, REACTION_X, RIGID_BODY, SECOND, START, UNKNOWNS
+from solar_env.mechanics.modal.arrays import CABLE_ROW, REACTION_X_ROW, RIGID_BODY, SECOND, START, UNKNOWNS
 from solar_env.mechanics.modal.panel.oscillators import WEIGHT_A, WEIGHT_B
 from solar_env.mechanics.modal.panel.tables import AXIAL_EVEN, AXIAL_ODD, BENDING_EVEN, BENDING_ODD, GROUPS, values_of
 from solar_env.mechanics.modal.step.bodies import distribute_loads, stage_frames
@@ -53,11 +53,11 @@ def step_error(model, state, work, settings, tables, level, h):
         error = max(error, abs(deviation) / own.tolerance)
     for r in range(work.counts[UNKNOWNS]):
         kind, j = work.unknowns[r].kind, work.unknowns[r].owner
-        if kind != CABLE and (settled or kind < REACTION_X):
+        if kind != CABLE_ROW and (settled or kind < REACTION_X_ROW):
             c = load_column(kind)
             first, second = work.joints[j].load[0, c], work.joints[j].load[1, c]
             deviation = abs(state.loads[j, c] - 1.5 * first + 0.5 * second)
-            if not comparable and kind >= REACTION_X:
+            if not comparable and kind >= REACTION_X_ROW:
                 deviation = min(deviation, abs(second - first))
             error = max(error, deviation / work.unknowns[r].tolerance)
     limit = work.velocity_tolerance[0]

@@ -6,15 +6,14 @@ torque on the outer wheel; the motion that it works on, where it conserves energ
 
 import math
 
+from solar_env.mechanics.arrays.columns import ANGLE, RATE
 from solar_env.mechanics.joints.cable_loop import cable_torque
 from solar_env.mechanics.modal.arrays import (
     ACROSS_X,
     ACROSS_Y,
-    ANGLE,
-    CABLE,
     CABLE_COLUMNS,
+    CABLE_ROW,
     FACES,
-    RATE,
     START,
     STRETCH,
     WHEEL_RATE,
@@ -122,7 +121,7 @@ def list_cables(model, work, n, soft):
         if cable.stiffness * gain > soft:
             own.unknown = n
             unknown = work.unknowns[n]
-            unknown.kind, unknown.owner, unknown.faces = CABLE, c, FACES
+            unknown.kind, unknown.owner, unknown.faces = CABLE_ROW, c, FACES
             for face in range(FACES):
                 unknown.attachment[face] = cable_attachment(model, cable, face)
             n += 1

@@ -1,17 +1,14 @@
 """Equations of the loads at the stages: torques, contact forces and reactions, each a row of Newton's matrix."""
 
+from solar_env.mechanics.arrays.columns import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, RATE
 from solar_env.mechanics.joints.contact.normal_force import normal_force
 from solar_env.mechanics.joints.friction.friction_share import friction_share
-from solar_env.mechanics.joints.joint import stop_torque
 from solar_env.mechanics.joints.sliding import sliding_share
+from solar_env.mechanics.joints.torques import hinge_torques, torque_of_motion
 from solar_env.mechanics.modal.arrays import (
-    ANGLE,
     DEPTH,
     DEPTH_RATE,
-    ECCENTRICITY_X,
-    ECCENTRICITY_Y,
-    RATE,
-    REACTION_X,
+    REACTION_X_ROW,
     SLIDING_SPEED,
     START,
     VELOCITY_X,
@@ -31,10 +28,9 @@ def fill_torques(model, state, work, s):
     """Torques of the laws at a stage, in place of the corrections' torque rows, with their slopes."""
     for j in range(model.joints.size):
         own, joint = work.joints[j], model.joints[j]
-        angle, rate = own.motion[s, ANGLE], own.motion[s, RATE]
-        stop, _, by_angle, by_rate = stop_torque(joint, state.joints[j], angle, rate)
-        own.torque = joint.spring_stiffness * (joint.spring_preload_angle - angle) + stop
-        own.torque_by_angle, own.torque_by_rate = by_angle - joint.spring_stiffness, by_rate
+        torques = hinge_torques(joint, state.joints[j], own.motion[s, ANGLE], own.motion[s, RATE])
+        own.torque = torque_of_motion(torques)
+        own.torque_by_angle, own.torque_by_rate = torques.by_angle, torques.by_rate
     fill_cable_torques(model, work, s)
 
 
@@ -93,9 +89,9 @@ def reaction_row(work, s, n, r, h, renewed):
     j, kind = work.unknowns[r].owner, work.unknowns[r].kind
     own = work.mobility[r, r].response
     scale = 1.0 / (abs(own[3]) + abs(own[7]))
-    column = VELOCITY_X if kind == REACTION_X else VELOCITY_Y
+    column = VELOCITY_X if kind == REACTION_X_ROW else VELOCITY_Y
     rate, before = work.joints[j].motion[s, column], -work.joints[j].motion[START, column]
-    gap = work.joints[j].motion[START, ECCENTRICITY_X if kind == REACTION_X else ECCENTRICITY_Y]
+    gap = work.joints[j].motion[START, ECCENTRICITY_X if kind == REACTION_X_ROW else ECCENTRICITY_Y]
     limit, change = _RETURN_SPEED * work.velocity_tolerance[0], _RETURN_CHANGE * work.velocity_tolerance[0]
     back = min(max(gap / max(h, _RETURN_TIME), -limit), limit)
     back = min(max(back, before - change), before + change)

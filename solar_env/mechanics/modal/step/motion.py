@@ -2,20 +2,15 @@
 
 import math
 
+from solar_env.mechanics.arrays.columns import ANGLE, ECCENTRICITY_X, ECCENTRICITY_Y, INBOARD_SPIN, OUTBOARD_SPIN, RATE
 from solar_env.mechanics.arrays.model import CLEARANCE
 from solar_env.mechanics.joints.sliding import contact_motion
 from solar_env.mechanics.modal.arrays import (
-    ANGLE,
     DEPTH,
     DEPTH_RATE,
-    ECCENTRICITY_X,
-    ECCENTRICITY_Y,
-    INBOARD_SPIN,
     LEVER,
     NORMAL_X,
     NORMAL_Y,
-    OUTBOARD_SPIN,
-    RATE,
     RIGID_BODY,
     SLIDING_SPEED,
     SLIP,

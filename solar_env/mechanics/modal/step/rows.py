@@ -7,19 +7,20 @@ the unknown works on: a joint angle, minus a depth, a sliding speed, a component
 import math
 
 from solar_env.mechanics.arrays.model import IDEAL
+from solar_env.mechanics.joints.torques import known_stiffness, may_be_stiff
 from solar_env.mechanics.modal.arrays import (
-    CABLE,
+    CABLE_ROW,
     FACES,
     LEVER,
-    NORMAL,
+    NORMAL_ROW,
     NORMAL_X,
     NORMAL_Y,
-    REACTION_X,
-    REACTION_Y,
+    REACTION_X_ROW,
+    REACTION_Y_ROW,
     RIGID_BODY,
     SECOND,
-    TANGENTIAL,
-    TORQUE,
+    TANGENTIAL_ROW,
+    TORQUE_ROW,
 )
 from solar_env.mechanics.modal.panel.coupling import bend_response
 from solar_env.mechanics.modal.panel.oscillators import A, B
@@ -82,17 +83,17 @@ def list_rows(model, state, work, tables, level, h):
     for j in range(model.joints.size):
         give = angle_by_torque(model, tables, level, h, j)
         work.joints[j].torque_unknown, work.joints[j].angle_by_torque = -1, give
-        if state.joints[j].stop_engaged or model.joints[j].spring_stiffness * give > _SOFT:
+        if may_be_stiff(state.joints[j]) or known_stiffness(model.joints[j]) * give > _SOFT:
             work.joints[j].torque_unknown = n
-            list_unknown(model, work, n, TORQUE, j)
+            list_unknown(model, work, n, TORQUE_ROW, j)
             n += 1
         if model.joints[j].kind == IDEAL:
-            list_unknown(model, work, n, REACTION_X, j)
-            list_unknown(model, work, n + 1, REACTION_Y, j)
+            list_unknown(model, work, n, REACTION_X_ROW, j)
+            list_unknown(model, work, n + 1, REACTION_Y_ROW, j)
             n += 2
         elif state.joints[j].in_contact:
-            list_unknown(model, work, n, NORMAL, j)
-            list_unknown(model, work, n + 1, TANGENTIAL, j)
+            list_unknown(model, work, n, NORMAL_ROW, j)
+            list_unknown(model, work, n + 1, TANGENTIAL_ROW, j)
             n += 2
     return list_cables(model, work, n, _SOFT)
 
@@ -100,23 +101,23 @@ def list_rows(model, state, work, tables, level, h):
 @kernel(inlined=True)
 def load_column(kind):
     """Column of an unknown among the loads of its joint."""
-    if kind == TORQUE:
+    if kind == TORQUE_ROW:
         return 2
-    return 0 if kind in (NORMAL, REACTION_X) else 1
+    return 0 if kind in (NORMAL_ROW, REACTION_X_ROW) else 1
 
 
 @kernel(inlined=True)
 def unit_load(model, work, kind, j):
     """Load of a unit of an unknown on its outboard body, force and torque, and the torque on the inboard one."""
     joint, motion = model.joints[j], work.joints[j].motion[SECOND]
-    if kind == TORQUE:
+    if kind == TORQUE_ROW:
         return 0.0, 0.0, float(joint.sign), -float(joint.sign)
-    if kind == REACTION_X:
+    if kind == REACTION_X_ROW:
         return 1.0, 0.0, 0.0, 0.0
-    if kind == REACTION_Y:
+    if kind == REACTION_Y_ROW:
         return 0.0, 1.0, 0.0, 0.0
     nx, ny = motion[NORMAL_X], motion[NORMAL_Y]
-    if kind == NORMAL:
+    if kind == NORMAL_ROW:
         return -nx, -ny, 0.0, 0.0
     return -ny, nx, joint.journal_radius, -motion[LEVER]
 
@@ -136,7 +137,7 @@ def fill_unit_loads(model, work, n):
     """Unit loads of the unknowns in the frames of their bodies, as the second stage has them."""
     for r in range(n):
         own = work.unknowns[r]
-        if own.kind == CABLE:
+        if own.kind == CABLE_ROW:
             cable, motion = model.cables[own.owner], work.cables[own.owner].motion[SECOND]
             for face in range(FACES):
                 fx, fy, torque = face_load(model, cable, motion, face, 1.0, cable.torque_ratio)
@@ -253,7 +254,7 @@ def fill_mobility(model, work, tables, level, h, n, bent):
     for p in range(n):
         for q in range(p + 1):
             share_motion(model, work, p, q)
-            if work.unknowns[p].kind == CABLE or work.unknowns[q].kind == CABLE:
+            if work.unknowns[p].kind == CABLE_ROW or work.unknowns[q].kind == CABLE_ROW:
                 share_motion(model, work, q, p)
             else:
                 copy_into(work.mobility[q, p].response, work.mobility[p, q].response)

@@ -9,18 +9,17 @@ vanishes at the stages, less a share that returns the position.
 import math
 from typing import NamedTuple
 
+from solar_env.mechanics.arrays.columns import ANGLE, RATE
 from solar_env.mechanics.arrays.model import IDEAL
 from solar_env.mechanics.joints.sliding import sliding_share
 from solar_env.mechanics.modal.arrays import (
-    ANGLE,
-    CABLE,
+    CABLE_ROW,
     DEPTH,
     DEPTH_RATE,
     ITERATIONS,
     MOTION_COLUMNS,
-    NORMAL,
-    RATE,
-    REACTION_X,
+    NORMAL_ROW,
+    REACTION_X_ROW,
     RIGID_BODY,
     SECOND,
     SLIDING_SPEED,
@@ -28,8 +27,8 @@ from solar_env.mechanics.modal.arrays import (
     START,
     STRETCH,
     STUCK,
-    TANGENTIAL,
-    TORQUE,
+    TANGENTIAL_ROW,
+    TORQUE_ROW,
     UNKNOWNS,
 )
 from solar_env.mechanics.modal.panel.coupling import couple, shorten_ends
@@ -164,14 +163,15 @@ def set_tolerances(model, state, work, settings, tables, level, h, n):
     set_cable_tolerances(model, work)
     for r in range(n):
         j, kind = work.unknowns[r].owner, work.unknowns[r].kind
-        if kind in (TORQUE, CABLE):
-            work.unknowns[r].tolerance = work.joints[j].torque_tolerance if kind == TORQUE else work.cables[j].tolerance
+        if kind in (TORQUE_ROW, CABLE_ROW):
+            tolerance = work.joints[j].torque_tolerance if kind == TORQUE_ROW else work.cables[j].tolerance
+            work.unknowns[r].tolerance = tolerance
             continue
         # Without signs: a vibration may have turned back by the end of the step.
         own = work.mobility[r, r].response
         gain = _DEVIATION * (abs(own[3]) + abs(own[7]))
         work.unknowns[r].tolerance = limit / gain
-        if kind == NORMAL:
+        if kind == NORMAL_ROW:
             own = state.joints[j]
             least = _LEAST_DEPTH / _HERTZ * own.impact_speed * own.contact_duration
             depth = max(work.joints[j].motion[SECOND, DEPTH], work.joints[j].motion[START, DEPTH], least)
@@ -195,13 +195,13 @@ def correct_loads(model, state, work, n, h, renewed):
         fill_torques(model, state, work, s)
         for r in range(n):
             kind = work.unknowns[r].kind
-            if kind == TORQUE:
+            if kind == TORQUE_ROW:
                 torque_row(work, s, n, r, renewed)
-            elif kind == CABLE:
+            elif kind == CABLE_ROW:
                 cable_row(work, s, n, r, renewed)
-            elif kind == NORMAL:
+            elif kind == NORMAL_ROW:
                 contact_rows(model, state, work, s, n, r, renewed)
-            elif kind != TANGENTIAL:
+            elif kind != TANGENTIAL_ROW:
                 reaction_row(work, s, n, r, h, renewed)
         for j in range(model.joints.size):
             if work.joints[j].torque_unknown < 0:
@@ -223,7 +223,7 @@ def correct_loads(model, state, work, n, h, renewed):
     for s in range(2):
         for r in range(n):
             change, owner, kind = work.correction[s * n + r], work.unknowns[r].owner, work.unknowns[r].kind
-            if kind == CABLE:
+            if kind == CABLE_ROW:
                 work.cables[owner].load[s] += change
             else:
                 work.joints[owner].load[s, load_column(kind)] += change
@@ -244,7 +244,7 @@ def shift_stages(model, work, n):
     greatest = 0.0
     for r in range(n):
         j, kind = work.unknowns[r].owner, work.unknowns[r].kind
-        joint = model.joints[model.cables[j].joint_b if kind == CABLE else j]
+        joint = model.joints[model.cables[j].joint_b if kind == CABLE_ROW else j]
         for s in range(2):
             value, rate = 0.0, 0.0
             for c in range(n):
@@ -252,16 +252,16 @@ def shift_stages(model, work, n):
                 for k in range(2):
                     value += own[4 * k + 2 * s] * work.correction[k * n + c]
                     rate += own[4 * k + 2 * s + 1] * work.correction[k * n + c]
-            if kind == CABLE:
+            if kind == CABLE_ROW:
                 work.cables[j].motion[s, STRETCH] -= value
                 greatest = max(greatest, abs(value) * model.length_scale / joint.clearance)
                 continue
             motion = work.joints[j].motion[s]
-            if kind == TORQUE:
+            if kind == TORQUE_ROW:
                 motion[ANGLE] += value
                 greatest = max(greatest, abs(value) * model.length_scale / joint.clearance)
                 motion[RATE] += rate
-            elif kind == NORMAL:
+            elif kind == NORMAL_ROW:
                 motion[DEPTH] -= value
                 greatest = max(greatest, abs(value) / joint.clearance)
                 motion[DEPTH_RATE] -= rate
@@ -281,7 +281,7 @@ def furthest_off(model, work, n):
         for s in range(2):
             change = abs(work.correction[s * n + r]) / work.unknowns[r].tolerance
             if change > greatest:
-                joint, greatest = model.cables[owner].joint_b if kind == CABLE else owner, change
+                joint, greatest = model.cables[owner].joint_b if kind == CABLE_ROW else owner, change
     return joint
 
 
@@ -301,7 +301,7 @@ def solve_step(model, state, work, settings, tables, level, h):
     work.counts[UNKNOWNS], work.counts[STUCK] = n, -1
     before, renewed, constrained = math.inf, True, False
     for r in range(n):
-        constrained = constrained or work.unknowns[r].kind >= REACTION_X
+        constrained = constrained or work.unknowns[r].kind >= REACTION_X_ROW
     for iteration in range(_MOST_ITERATIONS):
         work.counts[ITERATIONS] += 1
         bent = constrained and iteration >= _STRAIGHT_ITERATIONS

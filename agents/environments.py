@@ -7,7 +7,6 @@ from typing import Any, Literal
 import gymnasium
 
 import solar_env  # noqa: F401  (registers the environment ids)
-from solar_env.array import MODELS, has_flexible_panels
 from solar_env.array.parameters.ranges import RELEASE_RATE
 from solar_env.environment.registration import DEPLOY
 from solar_env.environment.settings import EnvironmentSettings
@@ -23,9 +22,6 @@ SAMPLED = "initial_rate"
 
 # They say what is observed, what an action is and how long it holds: each controller has its own.
 INTERFACE = ("observation", "action", "control_period")
-
-# One of them says how panels are modelled, and two may contradict each other.
-PANEL_KEYWORDS = ("panels", "elements", "modes")
 
 Purpose = Literal["training", "validation", "evaluation"]
 _BLOCKS: dict[Purpose, int] = {"training": 0, "validation": 1, "evaluation": 2}
@@ -70,53 +66,17 @@ def without_sampling(env_kwargs: Mapping[str, Any], env_id: str = DEFAULT_ENV_ID
     return asked if with_sampling(asked, env_id).get("randomize") == drawn else dict(env_kwargs)
 
 
-def completed(given: Mapping[str, Any], usual: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the keywords `given` with those of `usual` that they lack, but for its panels where they name any or none.
-
-    A rigid model names none.
-    """
-    model = given.get("model")
-    rigid = model in MODELS and not has_flexible_panels(model)
-    left_out = PANEL_KEYWORDS if rigid or any(name in given for name in PANEL_KEYWORDS) else ()
-    return {**{name: value for name, value in usual.items() if name not in left_out}, **given}
-
-
 def with_model(
-    env_kwargs: Mapping[str, Any],
-    model: str | None = None,
-    elements: int | None = None,
-    env_id: str = DEFAULT_ENV_ID,
-    default: Mapping[str, Any] | None = None,
-    *,
-    panels: str | None = None,
-    modes: int | None = None,
+    env_kwargs: Mapping[str, Any], model: str | None = None, default: Mapping[str, Any] | None = None
 ) -> dict[str, Any]:
-    """Return `env_kwargs` with the options `--model`, `--panels`, `--elements` and `--modes` that are not None.
-
-    Where no model is named, that of `default` is taken, with its panels unless others are named.
-    `model="auto"` is replaced by the level that it stands for, so that a record says what was simulated even after the
-    ladder has been measured anew.
+    """Return `env_kwargs` with the option `--model` if it is not None, else with the model of `default`.
 
     Raises:
-        ValueError: `env_kwargs` hold another value of an option, rigid panels were asked for more than a model, or the
-            environment refuses the keywords.
+        ValueError: `env_kwargs` hold another model.
     """
-    options = {"model": model, "panels": panels, "elements": elements, "modes": modes}
-    given = {name: value for name, value in options.items() if value is not None}
-    for name, value in given.items():
-        if env_kwargs.get(name, value) != value:
-            raise ValueError(f"--{name} {value} contradicts --env-kwargs {name}={env_kwargs[name]}; give one of them")
-    chosen = {**env_kwargs, **given}
-    if "model" not in chosen:
-        chosen = completed(chosen, default or {})
-    if chosen.get("model") in MODELS and not has_flexible_panels(chosen["model"]):
-        for name in given.keys() - {"model"}:
-            raise ValueError(f"--{name} {given[name]}: panels of {chosen['model']} have none; name a flexible model")
-    if chosen.get("model") == "auto":
-        level = environment_settings(env_id, chosen)
-        kept = {name: value for name, value in chosen.items() if name not in ("question", "tolerance")}
-        chosen = {**kept, "model": level.model, **level.level[1].keywords_of(level.model)}
-    return chosen
+    if model is not None and env_kwargs.get("model", model) != model:
+        raise ValueError(f"--model {model} contradicts --env-kwargs model={env_kwargs['model']}; give one of them")
+    return {**(default or {}), **env_kwargs, **({} if model is None else {"model": model})}
 
 
 def environment_settings(

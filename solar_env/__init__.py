@@ -4,7 +4,8 @@ Importing this package registers the environments and loads neither the compiler
 one deployment; `gymnasium.make("solar_env/Deploy-v1")` makes an environment, `gymnasium.make_vec` many of them.
 
 Names at the top level: `ArrayParameters` (`solar_env.array.parameters`) describes an array, `read_parameters` reads
-one from a file, `build` makes its mechanism, `MODELS` are the models' names. `simulate` gives a `Trajectory`;
+one from a file, `build` makes its mechanism, `MODELS` are the models' names and `cheapest_level` gives the level of the
+model that a question needs. `simulate` gives a `Trajectory`;
 `Simulation` advances step by step, by the integrators `RungeKutta`, `Rosenbrock`, `ModalRadau` or
 `GeneralizedAlpha`. `SolarArrayEnv` and `SolarArrayVectorEnv` are the environments, `Hardware` is their drive. Runs that
 cannot go on raise `SimulationError`, doubtful ones warn of `SimulationWarning`.
@@ -20,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 from solar_env.array import MODELS as MODELS
 from solar_env.array import ArrayParameters as ArrayParameters
 from solar_env.array import build as build
+from solar_env.array import cheapest_level as cheapest_level
 from solar_env.array import read_parameters as read_parameters
 from solar_env.environment.hardware import Hardware as Hardware
 from solar_env.environment.registration import register_environments
@@ -41,7 +43,7 @@ __version__ = "0.1.0"
 
 _PUBLIC = (
     *("ArrayParameters", "GeneralizedAlpha", "Hardware", "MODELS", "ModalRadau", "Rosenbrock"),
-    *("RungeKutta", "SimulationWarning", "build", "read_parameters"),
+    *("RungeKutta", "SimulationWarning", "build", "cheapest_level", "read_parameters"),
 )
 # Public names whose modules need the compiler: imported on first use.
 _LAZY = {

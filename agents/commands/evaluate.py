@@ -12,7 +12,7 @@ from agents.comparison.evaluation import STORE, common_env_id, common_env_kwargs
 from agents.comparison.figures import comparison_figure
 from agents.comparison.report import write_comparison
 from agents.comparison.suites import MODEL, SUITES, suite_controllers
-from agents.environments import completed, with_sampling
+from agents.environments import with_sampling
 from agents.laws.table import LAWS
 from solar_env.commands.arguments import CommandRecord, WorkerOptions
 from solar_env.support.files import copy_file, make_folder
@@ -64,8 +64,8 @@ def run_command(args: Args) -> int:
         controllers = args.controllers or ["passive", "brake", "servo"]
         env_id = args.env_id or common_env_id(controllers)
         common = {}
-    given = args.keywords(env_id)
-    given = completed(given, common or common_env_kwargs(controllers, env_id, given))
+    given = args.keywords()
+    given = {**(common or common_env_kwargs(controllers, env_id, given)), **given}
     out = Path(args.out or (Path("evaluation") / (args.suite or "")))
     make_folder(out)
     env_kwargs = with_sampling(given, env_id)

@@ -73,7 +73,7 @@ def _each(args: Args, **keywords: Any) -> Iterator[tuple[str, Controller, gymnas
     Raises:
         ValueError, OSError: There is no controller of a name, or its files cannot be loaded.
     """
-    asked = {**args.keywords(args.env_id, MODEL), **keywords}
+    asked = {**args.keywords(MODEL), **keywords}
     named = parse_controllers(args.controllers)
     for controller in named:
         controller.check()

@@ -32,7 +32,7 @@ from solar_env.support.interruption import keeping
 from solar_env.support.terminal import print_markdown
 
 BASELINES = ("passive", "servo-untuned", "servo")
-FIXED = ("algo", "seed", "env_id", "model", "panels", "elements", "modes", "env_kwargs", "n_envs", "hyperparams")
+FIXED = ("algo", "seed", "env_id", "model", "env_kwargs", "n_envs", "hyperparams")
 SQUASHING = ("sac", "td3")  # whose actions are no linear function of what a linear policy observes
 SHORT_TIMESTEPS = 130_000  # of a search on flexible panels, with its comparison within ten minutes on two cores
 
@@ -128,7 +128,7 @@ def configuration(args: Args, seed: int) -> configurations.Configuration:
     env_id = args.env_id or DEFAULT_ENV_ID
     algo = args.algo or "ars"
     searches = configurations.searches_weights(algo)
-    keywords = args.keywords(env_id, MODEL if searches else RIGID)
+    keywords = args.keywords(MODEL if searches else RIGID)
     config = configurations.complete(algo, env_id, keywords, seed, args.n_envs, args.timesteps, args.hyperparams)
     if args.start:
         begun = Path(args.start) / seed_folder(seed) if args.seeds else Path(args.start)

@@ -71,7 +71,7 @@ def run_command(args: Args) -> int:
         raise ValueError(f"nothing to tune in {args.controller!r}; choose from {', '.join(TUNABLE)}")
     check_target(CONFIGS / f"{args.controller}.json")
     untuned = TUNABLE[args.controller].defaults
-    env_kwargs = with_sampling(args.keywords(args.env_id), args.env_id)
+    env_kwargs = with_sampling(args.keywords(), args.env_id)
 
     workers = args.workers
     simulated = 0
@@ -83,7 +83,7 @@ def run_command(args: Args) -> int:
         returns = mean_returns(args.controller, parameters, args.env_id, env_kwargs, seeds, workers)
         return [-value for value in returns]
 
-    model = environment_settings(args.env_id, env_kwargs).model
+    model = environment_settings(args.env_id, env_kwargs).level.name
     validation = episode_seeds("validation", args.seed, args.validation_episodes)
     if args.episodes_per_candidate < 1:
         raise ValueError(f"--episodes-per-candidate is {args.episodes_per_candidate}; give a positive number")

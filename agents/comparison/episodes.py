@@ -57,7 +57,7 @@ def _prepared(spec: str, policy: str | None, env_id: str, keywords: str) -> tupl
 def _base_and_model(cell: Cell) -> tuple[str, str, str]:
     """What a cell runs, or searches around; environment id and model."""
     spec, env_id = str(cell["spec"]), str(cell["env_id"])
-    return spec.removeprefix(SEARCH_AROUND), env_id, environment_settings(env_id, cell["env_kwargs"]).level[0]
+    return spec.removeprefix(SEARCH_AROUND), env_id, environment_settings(env_id, cell["env_kwargs"]).level.name
 
 
 def run_cells(

@@ -10,7 +10,6 @@ from agents.comparison.report import Row
 from agents.environments import (
     DEFAULT_ENV_ID,
     INTERFACE,
-    PANEL_KEYWORDS,
     environment_settings,
     episode_seeds,
     with_sampling,
@@ -68,7 +67,7 @@ def evaluate(
 
 def efforts(controllers: Sequence[str], env_id: str, env_kwargs: Mapping[str, Any]) -> dict[str, str]:
     """Return the effort of tuning or training by controller, see `NamedController.effort`, with the number of runs."""
-    model = environment_settings(env_id, env_kwargs).model
+    model = environment_settings(env_id, env_kwargs).level.name
     found: dict[str, list[str]] = {}
     for controller in map(parse_controller, controllers):
         if effort := controller.effort(env_id, model):
@@ -108,7 +107,6 @@ def common_env_kwargs(
     for controller in map(parse_controller, controllers):
         if training := controller.training():
             left_out = {*INTERFACE, *given, *(() if training["env_id"] == env_id else ("randomize",))}
-            left_out |= set(PANEL_KEYWORDS) if left_out.intersection(PANEL_KEYWORDS) else set()
             asked = without_sampling(training["env_kwargs"], training["env_id"])
             physics[controller.spec] = {k: v for k, v in asked.items() if k not in left_out}
     if not physics:

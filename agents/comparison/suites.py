@@ -6,13 +6,12 @@ from agents.laws.baselines import is_tuned
 from agents.laws.table import TUNABLE
 from agents.policies import shipped
 from agents.policies.policy import Description
-from solar_env.array import DEFAULT_MODES
 from solar_env.environment.registration import DEPLOY, DEPLOY_RANDOMISED
 
 # Both suites are judged on this model, whose peak forces have converged, and searches train on it. It is also the
 # cheapest with flexible panels: under the servo 579 environment steps a second of a core with 24 modes, 453 with 8, and
 # 380, 270 and 172 with 2, 4 and 6 beam elements.
-MODEL: dict[str, Any] = {"model": "flexible-clearance", "modes": DEFAULT_MODES}
+MODEL: dict[str, Any] = {"model": "flexible-clearance"}
 # What learns from single steps needs more episodes than there is time for with flexible panels.
 RIGID: dict[str, Any] = {"model": "rigid-clearance"}
 # Name -> environment id of the scenario.

@@ -9,6 +9,7 @@ import gymnasium
 
 from agents.laws.table import LAWS, TUNABLE
 from agents.torque_laws import Controller, LawParameters, Signals
+from solar_env.array import ModelLevel
 from solar_env.support.files import write_text
 from solar_env.support.plain_arrays import read_json
 
@@ -122,5 +123,5 @@ def make_baseline(name: str, env: gymnasium.Env, parameters: LawParameters | Non
     signals = Signals.of(env)
     if name not in TUNABLE:
         return LAWS[name].cls(signals)
-    model: str = env.unwrapped.model  # type: ignore[attr-defined]
+    model: str = ModelLevel.of(env.unwrapped.model).name  # type: ignore[attr-defined]
     return TUNABLE[name](signals, parameters or load_parameters(name, env.spec.id if env.spec else "", model))

@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from typing import Any
 
 from agents.policies.policy import ShippedPolicy
-from solar_env.array import has_flexible_panels
 from solar_env.environment.hardware import Hardware
 from solar_env.support.markdown import markdown_table
 
@@ -35,7 +34,7 @@ def _training(config: dict[str, Any], policy: ShippedPolicy, env: Any) -> str:
     facts = {
         "algorithm": config["algo"],
         "environment": f"`{config['env_id']}` with `{json.dumps(config['env_kwargs'])}`",
-        "model": env.model + (f", {env.panels}" if has_flexible_panels(env.model) else ""),
+        "model": env.model,
         "scenario": f"{env.scenario}; drawn for every episode: {_ranges(env.randomize)}",
         "sensors and motor": _imperfections(env.hardware),
         "environment steps": steps,

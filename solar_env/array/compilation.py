@@ -5,8 +5,8 @@ from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 
+from solar_env.array.level import MODELS
 from solar_env.array.methods import make_integrator
-from solar_env.array.models import MODELS
 
 
 def kernels_are_compiled(integrator: str) -> bool:

@@ -2,8 +2,11 @@
 
 import math
 from dataclasses import dataclass
+from typing import Annotated
 
-from solar_env.array.ladder import PACKAGED_TABLE, QUESTIONS, Answer, read_answers, steps
+import tyro
+
+from solar_env.array.ladder import PACKAGED_TABLE, QUESTIONS, Answer, cheapest, read_answers, steps
 from solar_env.commands.arguments import FolderOptions, QuietOption
 from solar_env.support.markdown import markdown_table
 from solar_env.support.readme import STUDIES, Section
@@ -14,11 +17,15 @@ SECTION = Section(STUDIES / "ladder" / "README.md", "ladder", "solar-env ladder 
 
 @dataclass
 class Args(FolderOptions, QuietOption):
-    """Measure which level of the model answers which question.
+    """Tell the cheapest level of the model that answers a question, or measure which level answers which.
 
-    With --readme the table goes into solar_env/array/data, where simulate --question, loads and model='auto' look it
-    up, the figure and the levels chosen into the page of the study.
+    With --readme the table goes into solar_env/array/data, where --ask, loads and solar_env.cheapest_level look it up,
+    the figure and the levels chosen into the page of the study.
     """
+
+    ask: Annotated[str | None, tyro.conf.arg(help=f"measure nothing, tell of one: {', '.join(QUESTIONS)}")] = None
+    tolerance: float = 0.2
+    """of what is asked, as a share"""
 
     quick: bool = False
     """few runs of few levels: under two minutes"""
@@ -26,6 +33,14 @@ class Args(FolderOptions, QuietOption):
 
 def run_command(args: Args) -> int:
     """Measure, write the table, draw the figure, and print the cheapest level by question and tolerance."""
+    if args.ask is not None:
+        answer = cheapest(read_answers(), args.ask, args.tolerance)
+        print(answer.level)
+        args.console.print(
+            f"measured with the default parameters: error {answer.error:.2g}, sampling {answer.half_width:.2g}, "
+            f"{answer.cost_ratio:.2g} times the reference's cost"
+        )
+        return 0
     from solar_env.studies.ladder.campaign import FILE, measure_ladder
     from solar_env.studies.ladder.plot import draw_ladder
 
@@ -52,8 +67,8 @@ def choices(answers: tuple[Answer, ...]) -> str:
     for question in QUESTIONS:
         telling = [answer for answer in reversed(steps(answers, question)) if answer.bound < 1.0]
         for count, answer in enumerate(telling):
-            level = f"`{answer.model}`" + (f", {answer.panel_model.size}" if answer.panels else "")
-            rows.append(("" if count else question, _percent(answer.bound), level, f"{answer.cost_ratio:.2g}"))
+            named = "" if count else question
+            rows.append((named, _percent(answer.bound), f"`{answer.level}`", f"{answer.cost_ratio:.2g}"))
     return markdown_table(("question", "tolerance", "cheapest level", "wall time over the reference's"), rows)
 
 

@@ -54,14 +54,14 @@ def run_command(args: Args) -> int:
     array = args.parameter_file
     plan, workers = LoadsPlan(array, args.question, args.tolerance, args.runs, args.window, args.deadline), args.workers
     for level in plan.levels:
-        build(array.parameters, level.model, panels=level.panels)  # refuses before anything is compiled
+        build(array.parameters, level.model)  # refuses before anything is compiled
     for path, suffix in ((args.html, ".html"), (args.hub, ".csv")):
         if path is not None:
             check_target(path, (suffix,))
     from solar_env.array.methods import default_integrator
     from solar_env.commands.warmup import warm_up
 
-    kernels = [(level.model, default_integrator(level.model, level.panels).name) for level in plan.levels]
+    kernels = [(level.model, default_integrator(level.model).name) for level in plan.levels]
     for model, method in dict.fromkeys(kernels):
         warm_up(args.console, model, method)
     loads = measure_loads(plan, args.out, workers, args.console)

@@ -10,21 +10,14 @@ import tyro
 from rich.console import Console
 from rich.table import Table
 
-from solar_env.array import ArrayParameters, PanelModel, build, check_model
-from solar_env.array.ladder import DEFAULT_TOLERANCE, QUESTIONS, Answer, cheapest, read_answers
+from solar_env.array import ModelLevel, build
 from solar_env.array.methods import INTEGRATOR_NAMES, default_integrator, make_integrator
-from solar_env.array.models import has_flexible_panels
 from solar_env.commands.arguments import ArrayOption, Assignments, QuietOption
 from solar_env.mechanics.integrators.settings import Rosenbrock, RungeKutta
 from solar_env.support.files import check_target, write_text
 from solar_env.support.progress import share_bar
 
-_QUESTION_HELP = (
-    "take the cheapest model and panels that answer a question, as measured by the command ladder: "
-    f"{', '.join(QUESTIONS)}"
-)
 _INTEGRATOR_HELP = f"one of {', '.join(INTEGRATOR_NAMES)}; by default the model's best"
-DEFAULT_MODEL = "rigid-clearance"
 _NOTEWORTHY_SHARE = 0.1  # of steps at the limit of stability, above which the command says so
 
 
@@ -32,17 +25,9 @@ _NOTEWORTHY_SHARE = 0.1  # of steps at the limit of stability, above which the c
 class Args(ArrayOption, QuietOption):
     """Simulate one deployment, of the nominal array."""
 
-    model: str | None = None
-    """rigid-ideal, rigid-clearance, flexible-ideal or flexible-clearance; by default rigid-clearance"""
-    panels: str | None = None
-    """of a flexible model: modal or ancf; by default modal, ancf of the preset paper"""
-    modes: int | None = None
-    """bending modes of each modal panel; by default 32"""
-    elements: int | None = None
-    """beam elements of each panel of ancf; by default 6"""
-    question: Annotated[str | None, tyro.conf.arg(help=_QUESTION_HELP)] = None
-    tolerance: float | None = None
-    """of the answer to the question, as a share; by default 0.2"""
+    model: str = "rigid-clearance"
+    """its level: rigid-ideal, rigid-clearance, flexible-ideal or flexible-clearance, as it is or with the fineness of
+    the panels: "flexible-clearance:8 modes", "flexible-ideal:6 elements"; ladder --ask tells the cheapest one"""
     duration: float = 30.0
     """simulated time [s]"""
     set: Assignments = field(default_factory=dict)
@@ -67,8 +52,7 @@ def run_command(args: Args) -> int:
     # Wrong input is refused before anything is compiled.
     from solar_env.array import data_files
 
-    answer = _chosen_answer(args)
-    model, panels = _level(args, answer)
+    level = ModelLevel.of(args.model)
     parameters = args.parameter_file.parameters.with_changes(args.set)
     if args.out is not None:
         check_target(args.out, data_files.SUFFIXES)
@@ -78,24 +62,21 @@ def run_command(args: Args) -> int:
         check_target(args.plot, plots.SUFFIXES)
     if args.json is not None and str(args.json) != "-":
         check_target(args.json)
-    name = args.integrator or default_integrator(model, panels).name
-    integrator = make_integrator(name, model, args.step, args.rtol)
-    build(parameters, model, panels=panels)
+    name = args.integrator or default_integrator(level).name
+    integrator = make_integrator(name, level, args.step, args.rtol)
+    build(parameters, level)
     from solar_env.mechanics.running.sampling import sample_times
 
     sample_times(args.duration, args.output_step)
     from solar_env.array.deployment import panel_deflections, simulate
     from solar_env.commands.warmup import warm_up
 
-    if answer is not None:
-        args.console.print(_answer_note(answer, parameters), highlight=False, soft_wrap=True)
-    warm_up(args.console, model, name)
+    warm_up(args.console, level.name, name)
     with share_bar(args.console) as progress:
         task = progress.add_task("seconds simulated", total=args.duration)
         trajectory = simulate(
             parameters,
-            model=model,
-            panels=panels,
+            model=level,
             duration=args.duration,
             integrator=integrator,
             output_step=args.output_step,
@@ -114,44 +95,8 @@ def run_command(args: Args) -> int:
     if args.out:
         data_files.write_data(trajectory, args.out)
     if args.plot:
-        plots.plot_deployment(
-            trajectory, args.plot, panel_deflections(trajectory) if has_flexible_panels(model) else None
-        )
+        plots.plot_deployment(trajectory, args.plot, panel_deflections(trajectory) if level.flexible else None)
     return 0
-
-
-def _chosen_answer(args: Args) -> Answer | None:
-    """Row of the ladder for the cheapest level that answers the question; None if no question is asked."""
-    if args.question is None:
-        if args.tolerance is not None:
-            raise ValueError("--tolerance says how well a --question is answered; give one, or --rtol for the steps")
-        return None
-    for option in ("model", "panels", "elements", "modes"):
-        if getattr(args, option) is not None:
-            raise ValueError(f"--question chooses model and panels: leave out --{option}, or the question")
-    return cheapest(read_answers(), args.question, DEFAULT_TOLERANCE if args.tolerance is None else args.tolerance)
-
-
-def _level(args: Args, answer: Answer | None) -> tuple[str, PanelModel]:
-    """Model, and that of its panels, chosen by the ladder or given.
-
-    Raises:
-        ValueError: if one given is refused.
-    """
-    if answer is not None:
-        return answer.model, PanelModel.of(answer.model, answer.panel_model, integrator=args.integrator)
-    model = check_model(DEFAULT_MODEL if args.model is None else args.model)
-    return model, PanelModel.requested(model, args.panels, args.elements, args.modes, args.integrator, args.array)
-
-
-def _answer_note(answer: Answer, parameters: ArrayParameters) -> str:
-    note = (
-        f"{answer.level}: the cheapest level for {answer.question}, measured error {answer.error:.2g} (sampling "
-        f"{answer.half_width:.2g}), {answer.cost_ratio:.2g} times the reference's cost"
-    )
-    if parameters != ArrayParameters():
-        note += "; measured with the default parameters, not with these"
-    return note
 
 
 def _stability_note(share: float) -> str:
@@ -178,8 +123,6 @@ def printed(name: str, value: Any) -> str:
 def _print_summary(summary: dict[str, Any]) -> None:
     table = Table(title=f"{summary['model']}, {summary['duration_s']:g} s", show_header=False)
     for key, value in summary.items():
-        if value is None:
-            continue  # a count of what these panels do not consist of
         values = value if isinstance(value, list) else [value]
         table.add_row(key, ", ".join(printed(key, entry) for entry in values))
     Console().print(table)

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 from rich.console import Console
 
-from solar_env.array import MODELS, ArrayParameters, PanelModel, build
+from solar_env.array import MODELS, ArrayParameters, ModelLevel, build
 from solar_env.array.compilation import compilation_note, kernels_are_compiled, mark_compiled
 from solar_env.array.methods import make_integrator
-from solar_env.mechanics.integrators.settings import INTEGRATORS
+from solar_env.mechanics.integrators.settings import INTEGRATORS, ModalRadau
 from solar_env.support.interruption import starting_workers
 from solar_env.support.progress import stage
 
@@ -28,9 +28,10 @@ def load_kernels(model: str, integrator: str) -> float:
     """Run a moment of a model so that its kernels are compiled or loaded; returns the wall time it took [s]."""
     from solar_env.mechanics.running.simulation import Simulation
 
-    start = time.perf_counter()
-    panels = PanelModel.of(model, integrator=integrator)
-    Simulation(build(ArrayParameters(), model, panels=panels), make_integrator(integrator, model)).advance(1e-3)
+    start, level = time.perf_counter(), ModelLevel.of(model)
+    if level.flexible and integrator != ModalRadau.name:
+        level = ModelLevel.of(f"{level.name}:6 elements")
+    Simulation(build(ArrayParameters(), level), make_integrator(integrator, level)).advance(1e-3)
     mark_compiled(integrator)
     return time.perf_counter() - start
 

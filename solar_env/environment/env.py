@@ -104,10 +104,9 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     gymnasium.make("solar_env/Deploy-v1", model="rigid-clearance", randomize={"clearance": (5e-5, 5e-4)})
     ```
 
-    `solar_env.environment.settings.EnvironmentSettings` describes the keywords: `model`, `parameters`, `panels`,
-    `elements`, `modes`, `question`, `tolerance`, `version`, `torque_limit`, `control_period`, `deadline`,
-    `postlock_window`, `driven_joint`, `action`, `observation`, `reward`, `scenario`, `randomize`, `hardware`,
-    `render_mode` and `max_steps`.
+    `solar_env.environment.settings.EnvironmentSettings` describes the keywords: `model`, `parameters`, `version`,
+    `torque_limit`, `control_period`, `deadline`, `postlock_window`, `driven_joint`, `action`, `observation`, `reward`,
+    `scenario`, `randomize`, `hardware`, `render_mode` and `max_steps`.
 
     `reset(options={"parameters": {...}})` changes parameters for one episode, after `randomize`, but for `panel_count`,
     `body_fixed` and `wear_bins`, on which the mechanism's structure depends.
@@ -126,7 +125,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         settings = EnvironmentSettings.of(keywords)
         self.render_mode, self.scenario = settings.render_mode, settings.scenario
         self.metadata = {**self.metadata, "render_fps": settings.frames_per_second}
-        self.model, self.panels = settings.level
+        self.model = str(settings.level)
         self.parameters, self.randomize, self.hardware = settings.array, settings.ranges, settings.drive
         self.task, self.reward, self.observation_names = settings.task, settings.terms, settings.observation_names
         self.observation_space, self.action_space = settings.observation_space(), settings.action_space()

@@ -8,8 +8,7 @@ from typing import Any, Self
 import gymnasium
 import numpy as np
 
-from solar_env.array import ArrayParameters, PanelModel, build, check_model
-from solar_env.array.ladder import DEFAULT_QUESTION, DEFAULT_TOLERANCE, cheapest, read_answers
+from solar_env.array import ArrayParameters, ModelLevel, build
 from solar_env.array.methods import landing_integrator
 from solar_env.array.names import unknown_name
 from solar_env.array.parameters.ranges import Ranges, checked_ranges, drawn
@@ -33,19 +32,12 @@ class EnvironmentSettings:
     """The keywords of `gymnasium.make` and `gymnasium.make_vec` that describe an environment.
 
     Attributes:
-        model: "rigid-clearance", "rigid-ideal", "flexible-clearance" or "flexible-ideal". With ideal joints the joint
-            reactions take the place of contact forces and nothing wears. "auto" takes the cheapest model and panels
-            that answer a question, as measured by `solar-env ladder` with the default parameters; the
-            attributes `model` and `panels` of the environment then say which. With other parameters, and with
-            `randomize`, take it as a hint.
+        model: its level: "rigid-clearance", "rigid-ideal", "flexible-clearance" or "flexible-ideal", after which the
+            fineness of flexible panels may stand, as in "flexible-clearance:8 modes" (up to 200; 32 by default) or
+            "flexible-ideal:6 elements" (1 to 1000). With ideal joints the joint reactions take the place of contact
+            forces and nothing wears. `solar_env.cheapest_level("controller-ranking", 0.2)` gives the cheapest level
+            that answers a question.
         parameters: an `ArrayParameters`, or a mapping of changes to those of the scenario.
-        panels: "modal" for flexible panels that are described by their modes in a floating frame, "ancf" for beams in
-            the absolute nodal coordinate formulation; by default what the next two ask for, else "modal". With rigid
-            panels all three are refused.
-        elements: number of beam elements of each panel of "ancf", from 1 to 1000; by default 6.
-        modes: number of bending modes of each modal panel, up to 200; by default 32.
-        question, tolerance: of `model="auto"`: one of `solar_env.array.ladder.QUESTIONS` and the error allowed. By
-            default at most a fifth of the pairs of controllers may be ranked wrongly ("controller-ranking", 0.2).
         version: of the task, with the values of the next four keywords and the prices of the reward.
         torque_limit, control_period, deadline, postlock_window: see `task.task.Task`; by default the version's.
         driven_joint, action: see `task.task.Task`.
@@ -67,11 +59,6 @@ class EnvironmentSettings:
 
     model: str = "rigid-clearance"
     parameters: ArrayParameters | Changes | None = None
-    panels: str | PanelModel | None = None
-    elements: int | None = None
-    modes: int | None = None
-    question: str | None = None
-    tolerance: float | None = None
     version: str = CURRENT_VERSION
     torque_limit: float | None = None
     control_period: float | None = None
@@ -100,7 +87,7 @@ class EnvironmentSettings:
 
     @classmethod
     def of(cls, keywords: Changes) -> Self:
-        """Settings from keywords, with what the scenario and `model="auto"` stand for in their place.
+        """Settings from keywords, with what the scenario stands for in its place.
 
         Raises:
             TypeError: for an unknown keyword; the message names the closest ones.
@@ -111,32 +98,18 @@ class EnvironmentSettings:
             if name not in known:
                 raise TypeError(unknown_name("the environment's keyword", name, known))
         given = cls(**keywords)
-        model, panels = given.level
-        level = {"model": model, **panels.keywords_of(model), "question": None, "tolerance": None}
-        return replace(given, **level, parameters=given.array, randomize=given.ranges, hardware=given.drive)
+        model, array, ranges = str(given.level), given.array, given.ranges
+        return replace(given, model=model, parameters=array, randomize=ranges, hardware=given.drive)
 
     @cached_property
-    def level(self) -> tuple[str, PanelModel]:
-        """Model, and that of its panels, as given or chosen by the ladder."""
-        if self.model != "auto":
-            if self.question is not None or self.tolerance is not None:
-                raise ValueError(f"question and tolerance choose the model: they need model='auto', not {self.model!r}")
-            model = check_model(self.model)
-            return model, PanelModel.requested(model, self.panels, self.elements, self.modes)
-        for name in ("panels", "elements", "modes"):
-            if getattr(self, name) is not None:
-                raise ValueError(
-                    f"model='auto' chooses panels too: leave out {name} = {getattr(self, name)!r}, or name the model"
-                )
-        question = DEFAULT_QUESTION if self.question is None else self.question
-        tolerance = DEFAULT_TOLERANCE if self.tolerance is None else self.tolerance
-        chosen = cheapest(read_answers(), question, tolerance)
-        return chosen.model, chosen.panel_model
+    def level(self) -> ModelLevel:
+        """Level of the model."""
+        return ModelLevel.of(self.model)
 
     @cached_property
     def integrator(self) -> Integrator:
         """Method of the model, with the bound on its steps."""
-        return replace(landing_integrator(*self.level), max_steps=self.max_steps)
+        return replace(landing_integrator(self.level), max_steps=self.max_steps)
 
     @property
     def frames_per_second(self) -> int:
@@ -234,5 +207,4 @@ class EnvironmentSettings:
         return Simulation(self._mechanism(parameters), self.integrator)
 
     def _mechanism(self, parameters: ArrayParameters) -> Mechanism:
-        model, panels = self.level
-        return build(parameters, model, panels=panels)
+        return build(parameters, self.level)

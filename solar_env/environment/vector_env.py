@@ -80,7 +80,7 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         if self.render_mode == "human":
             raise ValueError("render_mode 'human' has one window for one array; a vector draws with 'rgb_array' or not")
         self.parameters = [SCENARIOS[self.scenario].design(entry) for entry in by_lane]
-        self.model, self.panels = settings.level
+        self.model = str(settings.level)
         self.randomize, self.hardware = settings.ranges, settings.drive
         self.task, self.reward, self.observation_names = settings.task, settings.terms, settings.observation_names
         self.autoreset_mode = AutoresetMode(autoreset_mode)

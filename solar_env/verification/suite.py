@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterator
 from functools import partial
 
-from solar_env.array import DEFAULT_ELEMENTS, DEFAULT_MODES, PanelModel
 from solar_env.verification.arrays import conservation, flexible, impacts, latching
 from solar_env.verification.beams import dynamics, elements, statics, vibration
 from solar_env.verification.checks import Check, Row
@@ -69,11 +68,9 @@ CASES: dict[str, Callable[[], Iterator[Check]]] = {
     "flexible-integrators": flexible.two_integrators,
     "flexible-agreement": flexible.two_integrators_tightly,
     "flexible-impacts": flexible.paper_phenomena,
-    "array-impacts": partial(impacts.deployment_impacts, "rigid-clearance", None, 30.0, 1000),
-    "flexible-array-impacts": partial(
-        impacts.deployment_impacts, "flexible-clearance", PanelModel("ancf", DEFAULT_ELEMENTS), 14.0, 300
-    ),
-    "modal-array-impacts": partial(impacts.modal_impacts, PanelModel("modal", DEFAULT_MODES), 16.0, 150),
+    "array-impacts": partial(impacts.deployment_impacts, "rigid-clearance", 30.0, 1000),
+    "flexible-array-impacts": partial(impacts.deployment_impacts, "flexible-clearance:6 elements", 14.0, 300),
+    "modal-array-impacts": partial(impacts.modal_impacts, 16.0, 150),
 }
 
 

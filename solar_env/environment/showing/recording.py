@@ -57,7 +57,6 @@ class RecordTrajectory(gymnasium.Wrapper):
             "model": env.model,
             "parameters": env.episode_parameters.to_dict(),
             "integrator": simulation.integrator.name,
-            **env.panels.keywords_of(env.model),
         }
         table = contact_table(simulation.state, kept.contacts[:contacts])
         return assemble(simulation.model, simulation.state, kept, table, details)

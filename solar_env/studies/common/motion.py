@@ -7,8 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.array import ArrayParameters, PanelModel, build
-from solar_env.array.panels import ANCF
+from solar_env.array import ArrayParameters, ModelLevel, build
 from solar_env.array.parameters.ranges import RELEASE_RATE
 from solar_env.mechanics.integrators.settings import Integrator
 from solar_env.mechanics.mechanism.description import Mechanism
@@ -20,7 +19,6 @@ Array = NDArray[np.float64]
 
 # Of the runs of an ensemble: settings of the method, within this share of the nominal one.
 SETTING_SHARE = 3e-3
-BEAMS = PanelModel(ANCF, 6)
 
 
 @dataclass(frozen=True)
@@ -28,11 +26,10 @@ class Scene:
     """A deployment from rest.
 
     Attributes:
-        model: one of `array.MODELS`.
+        model: the level as a word, see `ModelLevel`.
         parameters: of the array.
         duration: [s].
         sample_step: distance of the sampled angles [s].
-        panels: model of the panels; rigid ones do not use it.
         forces_kept: whether peak contact forces are asked for, for which programs that sample must do so every step.
     """
 
@@ -40,18 +37,28 @@ class Scene:
     parameters: ArrayParameters
     duration: float
     sample_step: float
-    panels: PanelModel = BEAMS
     forces_kept: bool = False
 
     def mechanism(self) -> Mechanism:
         """The array as the project's own simulator takes it."""
-        return build(self.parameters, self.model, panels=self.panels)
+        return build(self.parameters, self.model)
+
+    @property
+    def level(self) -> ModelLevel:
+        """The parts of the model's word."""
+        return ModelLevel.of(self.model)
 
     @property
     def sample_times(self) -> Array:
         """(nt,) times of the samples [s], from 0 to the duration."""
         count = math.ceil(self.duration / self.sample_step - 1e-9)
         return np.append(np.arange(count) * self.sample_step, self.duration)
+
+
+def with_panels(model: str, panels: str) -> str:
+    """The word of a model whose flexible panels consist of `panels`, as "6 elements"; rigid ones do of nothing."""
+    level = ModelLevel.of(model)
+    return f"{level.name}:{panels}" if level.flexible else level.name
 
 
 @dataclass(frozen=True)

@@ -2,9 +2,8 @@
 
 from dataclasses import dataclass, replace
 
-from solar_env.array import MODELS, ArrayParameters, PanelModel
-from solar_env.array.panels import ANCF, MODAL
-from solar_env.studies.common.motion import BEAMS, Scene
+from solar_env.array import MODELS, ArrayParameters
+from solar_env.studies.common.motion import Scene, with_panels
 
 # The peer's friction sets in at rest; everything is measured with the same law.
 PARAMETERS = ArrayParameters(friction_speed_zero=0.0)
@@ -17,28 +16,28 @@ class Ensemble:
     """A level of the study of convergence, and the size of its ensemble.
 
     Attributes:
-        panels: model of the panels; None for rigid ones.
+        panels: what flexible panels consist of, as "6 elements" or "32 modes"; empty for rigid ones.
         members: runs with clearance.
         tighter: what the default tolerance is divided by.
     """
 
-    panels: PanelModel | None
+    panels: str
     members: int
     tighter: float = 1.0
 
 
 # From the coarsest to the finest of each family.
 LEVELS = (
-    Ensemble(None, 48),
-    *(Ensemble(PanelModel(ANCF, elements), 16) for elements in (1, 2, 4, 6, 12, 24)),
-    Ensemble(PanelModel(ANCF, 48), 6),
-    *(Ensemble(PanelModel(MODAL, modes), 48) for modes in (4, 8, 16, 24, 32, 48)),
-    *(Ensemble(PanelModel(MODAL, modes), 48, tighter) for modes, tighter in ((32, 2.0), (32, 4.0), (48, 10.0))),
+    Ensemble("", 48),
+    *(Ensemble(f"{elements} elements", 16) for elements in (1, 2, 4, 6, 12, 24)),
+    Ensemble("48 elements", 6),
+    *(Ensemble(f"{modes} modes", 48) for modes in (4, 8, 16, 24, 32, 48)),
+    *(Ensemble(f"{modes} modes", 48, tighter) for modes, tighter in ((32, 2.0), (32, 4.0), (48, 10.0))),
 )
 SHORT_LEVELS = (
-    Ensemble(None, 2),
-    *(Ensemble(PanelModel(ANCF, elements), 2) for elements in (1, 2, 4)),
-    *(Ensemble(PanelModel(MODAL, 8), 2, tighter) for tighter in (1.0, 2.0)),
+    Ensemble("", 2),
+    *(Ensemble(f"{elements} elements", 2) for elements in (1, 2, 4)),
+    *(Ensemble("8 modes", 2, tighter) for tighter in (1.0, 2.0)),
 )
 
 
@@ -49,7 +48,7 @@ class ChartPlan:
     Attributes:
         models: of the array.
         parameters: of the array.
-        panels: model of the panels, with methods that have none of their own.
+        panels: what flexible panels consist of, with methods that have none of their own.
         duration: of deployments [s]; beyond the latching.
         before_latch: up to which angles are compared [s].
         settings: how many settings of a method are measured, from the coarsest; None for all.
@@ -63,7 +62,7 @@ class ChartPlan:
 
     models: tuple[str, ...] = MODELS
     parameters: ArrayParameters = PARAMETERS
-    panels: PanelModel = BEAMS
+    panels: str = "6 elements"
     duration: float = 13.0
     before_latch: float = 12.0
     settings: int | None = None
@@ -76,13 +75,13 @@ class ChartPlan:
 
     def deployment(self, model: str) -> Scene:
         """The deployment of a model up to a moment after its latching."""
-        return Scene(model, self.parameters, self.duration, self.before_latch / 120.0, self.panels)
+        return Scene(with_panels(model, self.panels), self.parameters, self.duration, self.before_latch / 120.0)
 
 
 FULL = ChartPlan()
 QUICK = ChartPlan(
     parameters=FAST_PARAMETERS,
-    panels=PanelModel(ANCF, 2),
+    panels="2 elements",
     duration=2.6,
     before_latch=2.2,
     settings=2,

@@ -8,10 +8,9 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
-from solar_env.array import ArrayParameters, PanelModel, has_clearance
+from solar_env.array import ArrayParameters
 from solar_env.array.compilation import compilation_note
 from solar_env.array.ladder import QUESTIONS, Answer
-from solar_env.array.panels import ANCF, MODAL
 from solar_env.array.parameters.ranges import RELEASE_RATE
 from solar_env.studies.common.levels import FINEST, Level
 from solar_env.studies.common.motion import SETTING_SHARE
@@ -52,9 +51,9 @@ class LadderPlan:
         window: time simulated after the last latching under a controller [s].
     """
 
-    panels: tuple[PanelModel, ...] = (
-        *(PanelModel(ANCF, elements) for elements in (1, 2, 4, 6, 12)),
-        *(PanelModel(MODAL, modes) for modes in (8, 32)),
+    panels: tuple[str, ...] = (
+        *(f"{elements} elements" for elements in (1, 2, 4, 6, 12)),
+        *(f"{modes} modes" for modes in (8, 32)),
     )
     reference: Level = FINEST
     duration: float = 22.5
@@ -66,12 +65,12 @@ class LadderPlan:
     @property
     def levels(self) -> tuple[Level, ...]:
         """The levels, from rigid panels with ideal joints to the reference."""
-        flexible = (Level(f"flexible-{joint}", panels) for joint in ("ideal", "clearance") for panels in self.panels)
+        flexible = (Level(f"flexible-{joint}:{panels}") for joint in ("ideal", "clearance") for panels in self.panels)
         return (Level("rigid-ideal"), Level("rigid-clearance"), *flexible, self.reference)
 
     def members_of(self, level: Level, most: int) -> int:
         """How many of at most so many members run at a level."""
-        return most if has_clearance(level.model) else min(most, self.ideal_members)
+        return most if level.panels.clearance else min(most, self.ideal_members)
 
     @property
     def runs(self) -> tuple[LadderRun, ...]:
@@ -88,7 +87,7 @@ class LadderPlan:
 
 FULL = LadderPlan()
 QUICK = LadderPlan(
-    panels=(PanelModel(ANCF, 1), PanelModel(ANCF, 2), PanelModel(MODAL, 8)),
+    panels=("1 element", "2 elements", "8 modes"),
     duration=17.0,
     members=4,
     ideal_members=2,
@@ -129,9 +128,7 @@ def rows_of(deployed: Mapping[Level, Sequence[Outcome]], controlled: Mapping[Lev
             error, half_width = error_of(question, own, reference)
             answer = Answer(
                 question,
-                level.model,
-                level.panels.kind if level.panels else "",
-                level.panels.count if level.panels else 0,
+                str(level.panels),
                 error,
                 half_width,
                 statistics.median(run.wall for run in own) / statistics.median(run.wall for run in reference),

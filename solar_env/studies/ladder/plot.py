@@ -6,7 +6,7 @@ from pathlib import Path
 import matplotlib as mpl
 from matplotlib.axes import Axes
 
-from solar_env.array import has_clearance
+from solar_env.array import ModelLevel
 from solar_env.array.ladder import QUESTIONS, Answer, steps
 from solar_env.pictures.style import LEVEL_LOOKS, STEEL, STYLE, Look, look_of
 from solar_env.studies.common.drawing import make_figure, save, use_decades
@@ -44,7 +44,7 @@ def conclusion(answers: Sequence[Answer], asked: Sequence[str]) -> str:
     chosen: dict[str, list[str]] = {}
     for question in asked:
         within = [answer for answer in steps(answers, question) if answer.bound <= _TOLERANCE]
-        panels = "none" if not within else within[-1].panel_model.size if within[-1].panels else "rigid panels"
+        panels = _size(within[-1]).replace("rigid", "rigid panels") if within else "none"
         chosen.setdefault(panels, []).append(question)
     most = max(chosen, key=lambda panels: len(chosen[panels]))
     clauses = [f"{panels} for {' and '.join(own)}" for panels, own in chosen.items() if panels != most]
@@ -53,12 +53,12 @@ def conclusion(answers: Sequence[Answer], asked: Sequence[str]) -> str:
 
 
 def _size(answer: Answer) -> str:
-    return answer.panel_model.size if answer.panels else "rigid"
+    return ModelLevel.of(answer.level).size
 
 
 def _look(answer: Answer) -> Look:
     """The look of a level, open with ideal joints."""
-    filled = {} if has_clearance(answer.model) else {"markerfacecolor": "white"}
+    filled = {} if ModelLevel.of(answer.level).clearance else {"markerfacecolor": "white"}
     return {**look_of(_size(answer), LEVEL_LOOKS), "linestyle": "none", **filled}
 
 

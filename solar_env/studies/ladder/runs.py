@@ -104,7 +104,7 @@ def _tip(trajectory: Trajectory, level: Level) -> Array:
     """(nt, 2) places of the outermost panel's free end in inertial axes [m]."""
     details = trajectory.metadata
     parameters = ArrayParameters().with_changes(details["parameters"])
-    array = build(parameters, level.model, panels=level.panels)
+    array = build(parameters, level.model)
     model, _ = METHODS[details["integrator"]].formulation.compile(array)
     return np.asarray(centreline(model, trajectory.coordinates, parameters.panel_count, 1)[:, -1])
 
@@ -120,7 +120,7 @@ def control(level: Level, member: int, profile: Profile, window: float) -> Outco
         ValueError: if the controller misses the environment's deadline, so that there is nothing to rank.
         SimulationError: if the run cannot go on.
     """
-    array = build(perturbed(ArrayParameters(), member), level.model, panels=level.panels)
+    array = build(perturbed(ArrayParameters(), member), level.model)
     simulation = Simulation(array, level.integrator(member))
     start = time.perf_counter()
     _drive(simulation, profile, window)

@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.console import Console
 
-from solar_env.array import ArrayParameters, PanelModel
+from solar_env.array import ArrayParameters, ModelLevel
 from solar_env.array.ladder import Answer, cheapest, read_answers, steps
-from solar_env.array.models import has_clearance
 from solar_env.array.parameters.file import ParameterFile
 from solar_env.studies.common.levels import FINEST, Level
 from solar_env.studies.loads.quantities import QUANTITIES, read_all
@@ -65,15 +64,11 @@ class LoadsPlan:
         """The level chosen, and the next finer one."""
         chosen = self.answer
         finer = [row for row in steps(_with_clearance(), self.question) if row.bound < chosen.bound]
-        return _level(chosen), _level(finer[-1]) if finer else FINEST
+        return Level(chosen.level), Level(finer[-1].level) if finer else FINEST
 
 
 def _with_clearance() -> list[Answer]:
-    return [row for row in read_answers() if has_clearance(row.model)]
-
-
-def _level(answer: Answer) -> Level:
-    return Level(answer.model, answer.panel_model if answer.panels else None)
+    return [row for row in read_answers() if ModelLevel.of(row.level).clearance]
 
 
 def run_member(cell: Cell) -> dict[str, Any]:
@@ -82,8 +77,7 @@ def run_member(cell: Cell) -> dict[str, Any]:
     Raises:
         SimulationError: if the run cannot go on.
     """
-    panels = PanelModel(cell["panels"], cell["count"]) if cell["panels"] else None
-    level = Level(cell["model"], panels, cell["tighter"])
+    level = Level(cell["model"], cell["tighter"])
     nominal = ArrayParameters().with_changes(cell["parameters"])
     parameters = member_parameters(nominal, cell["randomize"], cell["member"])
     done = deploy(level, parameters, cell["member"], cell["window"], cell["deadline"])
@@ -137,8 +131,6 @@ def measure_loads(plan: LoadsPlan, folder: Path, workers: Workers, console: Cons
     cells = [
         {
             "model": level.model,
-            "panels": level.panels.kind if level.panels else "",
-            "count": level.panels.count if level.panels else 0,
             "tighter": level.tighter,
             "member": member,
             **shared,

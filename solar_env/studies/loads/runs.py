@@ -84,7 +84,7 @@ def deploy(level: Level, parameters: ArrayParameters, member: int, window: float
     """
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", SimulationWarning)
-        array = build(parameters, level.model, panels=level.panels)
+        array = build(parameters, level.model)
         run = _Run(Simulation(array, level.integrator(member)), parameters)
         run.go_on(window, deadline)
         details = {
@@ -92,7 +92,7 @@ def deploy(level: Level, parameters: ArrayParameters, member: int, window: float
             "parameters": parameters.to_dict(),
             "integrator": run.simulation.integrator.name,
         }
-        trajectory = run.trajectory(details | (level.panels.keywords if level.panels else {}))
+        trajectory = run.trajectory(details)
         run.simulation.check()
     said = tuple(dict.fromkeys(str(item.message) for item in caught if issubclass(item.category, SimulationWarning)))
     place = hub_place(parameters, run.simulation.model, trajectory.coordinates)

@@ -5,19 +5,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from solar_env.array import MODELS, ArrayParameters, PanelModel, has_flexible_panels
-from solar_env.array.panels import ANCF
+from solar_env.array import MODELS, ArrayParameters, ModelLevel
 from solar_env.mechanics.integrators.settings import RungeKutta
 from solar_env.mechanics.mechanism.textbook import four_bar
 from solar_env.mechanics.running.simulation import simulate as simulate_mechanism
 from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.studies.common.levels import Level
+from solar_env.studies.common.motion import with_panels
 
 DURATION = 30.0  # s, of the deployments
 OUTPUT_STEP = 5e-3  # s
 MEMBERS = 6  # of an ensemble
 JOINTS = (0, 1)
-PANELS = PanelModel(ANCF, 6)  # absolute nodal coordinates, as the paper's
+PANELS = "6 elements"  # absolute nodal coordinates, as the paper's
 # Of cases whose contact stiffness follows from Eq 40: the end of their names, and the beginning of their columns.
 EQ_40_CASE, EQ_40 = "-eq-40", "eq_40_"
 
@@ -43,7 +43,7 @@ CASES: Mapping[str, Case] = {
 
 def is_flexible(case: str) -> bool:
     """Whether the panels of a case bend."""
-    return has_flexible_panels(CASES[case].model)
+    return ModelLevel.of(CASES[case].model).flexible
 
 
 # One member of an ensemble: all deployments by name.
@@ -73,10 +73,10 @@ def simulate_run(run: CaseRun) -> Trajectory:
     return simulate_case(run.case, ArrayParameters.preset("paper").with_changes(dict(run.changes)), run.member)
 
 
-def simulate_case(case: str, parameters: ArrayParameters, member: int, panels: PanelModel = PANELS) -> Trajectory:
+def simulate_case(case: str, parameters: ArrayParameters, member: int, panels: str = PANELS) -> Trajectory:
     """Simulate a case of an array that differs from the paper's, see `simulate_run`."""
     own = CASES[case]
-    level = Level(own.model, panels if is_flexible(case) else None)
+    level = Level(with_panels(own.model, panels))
     return level.deploy(parameters.with_changes(own.changes), member, DURATION, OUTPUT_STEP)
 
 

@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from solar_env.array import ArrayParameters, PanelModel
-from solar_env.array.panels import ANCF, MODAL
+from solar_env.array import ArrayParameters
 from solar_env.studies.paper.cases import simulate_case
 from solar_env.studies.paper.claims import CLAIMS, Claim
 from solar_env.support.markdown import markdown_table
@@ -25,28 +24,28 @@ class PanelLevel:
     """Panels with a damping.
 
     Attributes:
-        panels: their model.
+        panels: what they consist of.
         damping: retardation time of the material [s].
     """
 
-    panels: PanelModel
+    panels: str
     damping: float
 
     @property
     def name(self) -> str:
         """The level in words."""
-        return f"{self.panels.size}, " + (f"{self.damping:g} s" if self.damping else "undamped")
+        return f"{self.panels}, " + (f"{self.damping:g} s" if self.damping else "undamped")
 
 
 PAPER, DAMPED, FINER = (
-    PanelLevel(PanelModel(ANCF, 6), 0.0),
-    PanelLevel(PanelModel(ANCF, 6), 1e-5),
-    PanelLevel(PanelModel(ANCF, 12), 0.0),
+    PanelLevel("6 elements", 0.0),
+    PanelLevel("6 elements", 1e-5),
+    PanelLevel("12 elements", 0.0),
 )
 CONVERGED = (
-    PanelLevel(PanelModel(MODAL, 48), 1e-6),
-    PanelLevel(PanelModel(MODAL, 24), 1e-5),
-    PanelLevel(PanelModel(MODAL, 24), 1e-4),
+    PanelLevel("48 modes", 1e-6),
+    PanelLevel("24 modes", 1e-5),
+    PanelLevel("24 modes", 1e-4),
 )
 LEVELS = (PAPER, FINER, DAMPED, *CONVERGED)
 FLEXIBLE_CLAIMS: tuple[Claim, ...] = tuple(claim for claim in CLAIMS if claim.on_flexible_panels)
@@ -54,9 +53,9 @@ FLEXIBLE_CLAIMS: tuple[Claim, ...] = tuple(claim for claim in CLAIMS if claim.on
 
 def cells() -> Iterator[dict[str, Any]]:
     """Deployments to measure: a level and the member of an ensemble, those that are done soonest first."""
-    for number in sorted(range(len(LEVELS)), key=lambda k: (LEVELS[k].panels.kind == ANCF, LEVELS[k].panels.count)):
+    for level in (*CONVERGED[1:], CONVERGED[0], PAPER, DAMPED, FINER):
         for member in range(MEMBERS):
-            yield {"level": LEVELS[number].name, "member": member}
+            yield {"level": level.name, "member": member}
 
 
 def measure(cell: Mapping[str, Any]) -> dict[str, float]:

@@ -25,7 +25,7 @@ class FlexibleBuilder(Builder):
 
     def build(self) -> None:
         """Add everything to the system and assemble it."""
-        p, system, elements = self.p, self.system, self.array.scene.panels.count
+        p, system, elements = self.p, self.system, self.array.scene.level.count
         base, body = self.base()
         length = p.panel_length / elements
         section = p.panel_width * p.panel_thickness

@@ -17,8 +17,6 @@ import math
 import exudyn
 import numpy as np
 
-from solar_env.array import has_flexible_panels
-from solar_env.array.panels import ANCF
 from solar_env.studies.common.motion import Scene
 from solar_env.studies.peers.exudyn_beams import FlexibleBuilder
 from solar_env.studies.peers.exudyn_parts import Builder, PeerArray, items
@@ -45,8 +43,8 @@ def check_supported(scene: Scene) -> None:
     ):
         if not fits:
             raise ValueError(f"{name} = {getattr(p, name)!r} cannot be built of the peer's objects")
-    if has_flexible_panels(scene.model) and scene.panels.kind != ANCF:
-        raise ValueError(f"panels = {scene.panels.kind!r} cannot be built of the peer's objects; take {ANCF!r}")
+    if scene.level.modal:
+        raise ValueError(f"model = {scene.model!r} cannot be built of the peer's objects; take panels of elements")
 
 
 def build_peer(scene: Scene, implicit: bool) -> PeerArray:
@@ -59,7 +57,7 @@ def build_peer(scene: Scene, implicit: bool) -> PeerArray:
     container = exudyn.SystemContainer()
     array = PeerArray(scene, container, container.AddSystem())
     tree = scene.model == "rigid-ideal" and not implicit
-    builder = TreeBuilder if tree else FlexibleBuilder if has_flexible_panels(scene.model) else RigidBuilder
+    builder = TreeBuilder if tree else FlexibleBuilder if scene.level.flexible else RigidBuilder
     builder(array).build()
     return array
 

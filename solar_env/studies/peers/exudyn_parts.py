@@ -11,7 +11,7 @@ import exudyn.itemInterface
 import numpy as np
 from exudyn.utilities import CreateSymbolicUserFunction
 
-from solar_env.array import ArrayParameters, has_clearance
+from solar_env.array import ArrayParameters
 from solar_env.mechanics.mechanism.description import Stop
 from solar_env.studies.common.motion import Scene
 
@@ -92,7 +92,7 @@ class Builder(ABC):
         """Join (bearing, journal) markers, with clearance or without."""
         p, system = self.p, self.system
         for j, (bearing, journal) in enumerate(markers):
-            if not has_clearance(self.array.scene.model):
+            if not self.array.scene.level.clearance:
                 system.AddObject(items.ObjectJointRevolute2D(markerNumbers=[bearing, journal]))
                 continue
             data = system.AddNode(

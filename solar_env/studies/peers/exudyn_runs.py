@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
-from solar_env.array import has_clearance, has_flexible_panels
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.studies.common.motion import Motion, Scene
 from solar_env.studies.peers.exudyn_beams import joint_angles
@@ -33,7 +32,7 @@ def run_exudyn(scene: Scene, solver: str, step: float) -> Motion:
         ValueError: if the scene has what Exudyn's objects cannot express.
         SimulationError: if the run cannot go on.
     """
-    explicit, clearance = solver == "explicit", has_clearance(scene.model)
+    explicit, clearance = solver == "explicit", scene.level.clearance
     array = build_peer(scene, implicit=not explicit)
     name = "GeneralizedAlpha" if not explicit else "ExplicitMidpoint" if clearance else "RK44"
     settings = _settings(scene, step)
@@ -64,7 +63,7 @@ def run_exudyn(scene: Scene, solver: str, step: float) -> Motion:
 
 
 def _settings(scene: Scene, step: float) -> Any:
-    flexible, clearance = has_flexible_panels(scene.model), has_clearance(scene.model)
+    flexible, clearance = scene.level.flexible, scene.level.clearance
     settings = exudyn.SimulationSettings()
     settings.solution.file.write = False
     settings.solution.sensors.writePeriod = step if scene.forces_kept else scene.sample_step

@@ -11,7 +11,7 @@ from functools import partial
 
 import numpy as np
 
-from solar_env.array.panels import MODAL
+from solar_env.array.level import MODES
 from solar_env.studies.common.levels import Level
 from solar_env.studies.common.measures import angle_error, force_error, latch_error
 from solar_env.studies.common.motion import Motion, Scene, perturbed, run_own
@@ -28,13 +28,13 @@ Key = tuple[Ensemble, int | None]
 
 
 def family(level: Ensemble) -> str:
-    """Kind of the panels: "rigid", "ancf" or "modal"."""
-    return RIGID if level.panels is None else level.panels.kind
+    """What the panels consist of: "rigid", "elements" or "modes"."""
+    return _level(level, "ideal").panels.unit or RIGID
 
 
 def _level(level: Ensemble, joint: str) -> Level:
-    panels = "rigid" if level.panels is None else "flexible"
-    return Level(f"{panels}-{joint}", level.panels, level.tighter)
+    model = f"flexible-{joint}:{level.panels}" if level.panels else f"rigid-{joint}"
+    return Level(model, level.tighter)
 
 
 def _keys(plan: ChartPlan) -> Iterator[Key]:
@@ -65,7 +65,7 @@ def run_level(level: Level, scene: Scene, member: int = 0) -> Motion:
         SimulationError: if the run cannot go on.
     """
     parameters = perturbed(scene.parameters, member)
-    return run_own(replace(scene, parameters=parameters, panels=level.panels or scene.panels), level.integrator(member))
+    return run_own(replace(scene, parameters=parameters, model=level.model), level.integrator(member))
 
 
 def convergence_rows(plan: ChartPlan, results: dict[Key, Measured]) -> list[Row]:
@@ -74,7 +74,7 @@ def convergence_rows(plan: ChartPlan, results: dict[Key, Measured]) -> list[Row]
     Raises:
         ValueError: if the level that others are compared with could not be simulated to its end.
     """
-    finest = [level for level in plan.levels if family(level) == MODAL][-1]
+    finest = [level for level in plan.levels if family(level) == MODES][-1]
     reference = results[finest, None].motion
     if reference is None:
         raise ValueError("the level that others are compared with could not be simulated to its end")

@@ -8,7 +8,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 
-from solar_env.array.panels import ANCF, MODAL
+from solar_env.array.level import ELEMENTS, MODES
 from solar_env.pictures.style import LEVEL_LOOKS, STYLE, Look, look_of
 from solar_env.studies.common.drawing import make_figure, save, use_decades
 from solar_env.studies.common.tables import Cell, Table, number
@@ -74,7 +74,7 @@ def difference(first: Mapping[str, Cell], second: Mapping[str, Cell], name: str)
 
 def conclusion(rows: Table) -> str:
     """Whether the finest of beams and the finest of modes have the same means, or by how much they differ."""
-    beams, modes = (rows.where(family=kind).rows[-1] for kind in (ANCF, MODAL))
+    beams, modes = (rows.where(family=kind).rows[-1] for kind in (ELEMENTS, MODES))
     found = [
         (*difference(beams, modes, f"{statistic}_{joint}"), f"{label.partition(' [')[0]} of joint {joint}")
         for joint in JOINTS

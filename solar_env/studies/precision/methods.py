@@ -7,8 +7,7 @@ import importlib.util
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
-from solar_env.array import DEFAULT_MODES, MODELS, PanelModel, has_flexible_panels
-from solar_env.array.panels import MODAL
+from solar_env.array import MODELS
 from solar_env.mechanics.integrators.settings import (
     GeneralizedAlpha,
     Integrator,
@@ -16,12 +15,10 @@ from solar_env.mechanics.integrators.settings import (
     Rosenbrock,
     RungeKutta,
 )
-from solar_env.studies.common.motion import Motion, Scene, run_own
+from solar_env.studies.common.motion import Motion, Scene, run_own, with_panels
 from solar_env.studies.peers.scipy_methods import run_scipy
 
 MISSING_PEER = "Exudyn is not installed, its methods are left out: pip install -e '.[peers]'"
-
-MODES = PanelModel(MODAL, DEFAULT_MODES)
 
 Settings = tuple[float, ...]
 Program = Callable[[Scene, float], Motion]
@@ -38,7 +35,7 @@ class Method:
         settings: model -> values of the setting; a model that is not there is left out.
         dear: model -> further values, long runs that only the full chart makes.
         needs: distribution that must be installed besides the project.
-        panels: the only flexible panels that it takes; None for those of the scene.
+        panels: what the only flexible panels consist of that it takes, as "32 modes"; empty for those of the scene.
     """
 
     name: str
@@ -47,7 +44,7 @@ class Method:
     settings: Mapping[str, Settings]
     dear: Mapping[str, Settings] = field(default_factory=dict)
     needs: str | None = None
-    panels: PanelModel | None = None
+    panels: str = ""
 
     @property
     def available(self) -> bool:
@@ -60,11 +57,15 @@ class Method:
         Raises:
             SimulationError: if the run cannot go on.
         """
-        return self.program(replace(scene, panels=self.panels or scene.panels), setting)
+        return self.program(self.scene(scene), setting)
+
+    def scene(self, scene: Scene) -> Scene:
+        """The scene with the method's panels."""
+        return replace(scene, model=with_panels(scene.model, self.panels)) if self.panels else scene
 
     def size(self, scene: Scene) -> str:
         """Panels of a run in words: "rigid", "6 elements", "32 modes"."""
-        return (self.panels or scene.panels).size if has_flexible_panels(scene.model) else "rigid"
+        return self.scene(scene).level.size
 
 
 def own(make: Callable[[float], Integrator]) -> Program:
@@ -112,7 +113,7 @@ METHODS: tuple[Method, ...] = (
     Method(
         "modal-radau", "rtol", own(lambda rtol: ModalRadau(rtol=rtol)),
         _by_model((), (3e-2, 1e-2, 1e-3, 1e-4), (1e-3, 3e-4, 1e-4, 1e-5, 1e-6), (3e-2, 1e-2, 1e-3, 1e-4, 1e-5)),
-        panels=MODES,
+        panels="32 modes",
     ),
     Method(
         "generalized-alpha", "step", own(lambda step: GeneralizedAlpha(step=step)),

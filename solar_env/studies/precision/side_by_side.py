@@ -13,10 +13,8 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.array import PanelModel, has_flexible_panels
-from solar_env.array.panels import ANCF
 from solar_env.studies.common.levels import FINEST, Level
-from solar_env.studies.common.motion import perturbed, perturbed_setting
+from solar_env.studies.common.motion import perturbed, perturbed_setting, with_panels
 from solar_env.studies.common.plans import ChartPlan
 from solar_env.studies.common.tables import Row
 from solar_env.studies.common.timing import Job, Measured
@@ -78,21 +76,17 @@ class Case:
     watched: bool = False
 
 
-def _default_level(model: str) -> Level:
-    return Level(model, PanelModel.of(model) if has_flexible_panels(model) else None)
-
-
 def _job(plan: ChartPlan, case: Case) -> Job:
     scene = replace(plan.deployment(case.model), duration=plan.side_duration, forces_kept=case.watched)
     title = f"side by side, {case.model}: {case.method}, {case.value:g}, run {case.member + 1}"
     title += ", forces kept" * case.watched
     repeats = 1 if case.member or case.watched or case.method in (_REFERENCE, _ENSEMBLE) else plan.repeats
     if case.method in (DEFAULT, _ENSEMBLE):
-        level = _default_level(case.model) if case.method == DEFAULT else CONVERGED[case.model]
+        level = Level(case.model) if case.method == DEFAULT else CONVERGED[case.model]
         return Job(title, partial(run_level, level, scene, case.member), repeats)
     name, value = REFERENCES[case.model] if case.method == _REFERENCE else (case.method, case.value)
-    if case.method == _REFERENCE and has_flexible_panels(case.model):
-        scene = replace(scene, panels=PanelModel(ANCF, 4 * plan.panels.count))
+    if case.method == _REFERENCE:
+        scene = replace(scene, model=with_panels(case.model, f"{4 * scene.level.count} elements"))
     scene = replace(scene, parameters=perturbed(scene.parameters, case.member))
     solve = partial(find_method(name).solve, scene, perturbed_setting(value, case.member))
     return Job(title, solve, repeats, _LONG_RUN)
@@ -138,7 +132,7 @@ def side_by_side_rows(plan: ChartPlan, results: Mapping[Case, Measured]) -> list
 
 def _panels(plan: ChartPlan, case: Case) -> str:
     if case.method == DEFAULT:
-        return _default_level(case.model).size
+        return Level(case.model).size
     return find_method(case.method).size(plan.deployment(case.model))
 
 

@@ -9,7 +9,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 
-from solar_env.array import has_clearance
+from solar_env.array import ModelLevel
 from solar_env.pictures.style import METHOD_LOOKS, STEEL, STYLE, Look, look_of
 from solar_env.studies.common.drawing import draw_floor, make_figure, positive_points, save, short, use_decades
 from solar_env.studies.common.tables import Cell, Table, number
@@ -66,7 +66,7 @@ def order(rows: Table) -> float:
     steps, errors = rows.column("steps"), rows.column(ERROR)
     counts = np.where(np.isfinite(steps), steps, rows.column("evaluations"))
     counts, errors = positive_points(counts, np.where(errors > _ABOVE_FLOOR * rows.column("floor_rad"), errors, 0.0))
-    if len(counts) < _FITTED or has_clearance(str(rows.rows[0]["model"])):
+    if len(counts) < _FITTED or ModelLevel.of(str(rows.rows[0]["model"])).clearance:
         return math.nan
     finest = np.argsort(counts)[-_FITTED:]
     return -float(np.polyfit(np.log(counts[finest]), np.log(errors[finest]), 1)[0])

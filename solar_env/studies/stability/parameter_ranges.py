@@ -9,7 +9,6 @@ from typing import Any
 
 from solar_env.array import ArrayParameters, build
 from solar_env.array.methods import default_integrator
-from solar_env.array.panels import PanelModel
 from solar_env.array.parameters.plausibility import UnitWarning
 from solar_env.mechanics.running.diagnosis import LARGEST_ENERGY_SHARE
 from solar_env.mechanics.running.simulation import Simulation
@@ -50,9 +49,8 @@ def trial(name: str, factor: float, model: str, duration: float = DURATION) -> R
     def deployed() -> Simulation:
         # That a value is far from what is usual is what this study wants.
         warnings.simplefilter("ignore", UnitWarning)
-        panels = PanelModel.of(model)
-        method = replace(default_integrator(model, panels), max_steps=MAX_STEPS)
-        simulation = Simulation(build(ArrayParameters(**change), model, panels=panels), method)
+        method = replace(default_integrator(model), max_steps=MAX_STEPS)
+        simulation = Simulation(build(ArrayParameters(**change), model), method)
         simulation.advance(duration)
         simulation.check()
         return simulation

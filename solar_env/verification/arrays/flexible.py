@@ -51,7 +51,7 @@ def rigid_limit() -> Iterator[Check]:
         parameters = _parameters(panels, cable_stiffness=0.0, **QUIET)
         rigid = angles(without_rotary_inertia(build(parameters, "rigid-ideal")))
         softer, stiffer = (
-            float(np.abs(angles(build(replace(parameters, panel_young=E), "flexible-ideal", elements=2)) - rigid).max())
+            float(np.abs(angles(build(replace(parameters, panel_young=E), "flexible-ideal:2 elements")) - rigid).max())
             for E in moduli
         )
         yield Check(
@@ -82,7 +82,7 @@ def mesh_convergence() -> Iterator[Check]:
     counts, reference = (1, 2, 4, 6), 8
     motions = {
         elements: simulate(
-            build(_parameters(), "flexible-ideal", elements=elements),
+            build(_parameters(), f"flexible-ideal:{elements} elements"),
             13.0,
             integrator=GeneralizedAlpha(step=2e-3),
             output_step=0.01,
@@ -158,22 +158,22 @@ def _conserved(mechanism: Mechanism, name: str, duration: float, integrator: Int
 
 def panel_counts() -> Iterator[Check]:
     """One to four panels deploy with ideal joints, rigid and flexible: latching, momenta, energy."""
-    for model in ("rigid-ideal", "flexible-ideal"):
+    for model in ("rigid-ideal", "flexible-ideal:2 elements"):
         for panels, duration in ((1, 12.0), (2, 15.0), (3, 20.0), (4, 22.0)):
-            mechanism = build(_parameters(panels), model, elements=2)
+            mechanism = build(_parameters(panels), model)
             name = f"{panels} panel{'s' * (panels > 1)}, {model}"
             yield from _conserved(mechanism, name, duration, RungeKutta(rtol=1e-6))
 
 
 def flexible_clearance() -> Iterator[Check]:
     """The whole model, with impacts, friction, latching, cable loop and flexible panels."""
-    mechanism = build(_parameters(), "flexible-clearance", elements=2)
+    mechanism = build(_parameters(), "flexible-clearance:2 elements")
     yield from _conserved(mechanism, "flexible-clearance", 15.0, RungeKutta(rtol=1e-6))
 
 
 def two_integrators() -> Iterator[Check]:
     """Explicit and implicit integration of the flexible array agree on the deployment up to latching."""
-    mechanism = build(_parameters(), "flexible-ideal", elements=2)
+    mechanism = build(_parameters(), "flexible-ideal:2 elements")
     explicit, implicit = (
         simulate(mechanism, 13.0, integrator=integrator, output_step=0.1)
         for integrator in (RungeKutta(rtol=1e-8), GeneralizedAlpha(step=1e-3))
@@ -188,7 +188,7 @@ def two_integrators() -> Iterator[Check]:
 
 def two_integrators_tightly() -> Iterator[Check]:
     """Explicit and implicit integration of the damped array with six elements a panel, at tight tolerances."""
-    mechanism = build(_parameters(cable_stiffness=10.0), "flexible-ideal", elements=6)
+    mechanism = build(_parameters(cable_stiffness=10.0), "flexible-ideal:6 elements")
     before_latch = 12.0
 
     def angles(integrator: Integrator) -> NDArray[np.float64]:
@@ -211,8 +211,8 @@ def paper_phenomena() -> Iterator[Check]:
     duration, settled = 19.0, 2.0
     parameters = ArrayParameters.preset("paper")
     rigid, flexible = (
-        simulate(build(parameters, model, elements=6), duration, integrator=RungeKutta(rtol=1e-5), output_step=1e-2)
-        for model in ("rigid-clearance", "flexible-clearance")
+        simulate(build(parameters, model), duration, integrator=RungeKutta(rtol=1e-5), output_step=1e-2)
+        for model in ("rigid-clearance", "flexible-clearance:6 elements")
     )
 
     def at_least(quantity: str, bound: float, obtained: float) -> Check:

@@ -13,7 +13,7 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.array import ArrayParameters, PanelModel, build
+from solar_env.array import ArrayParameters, build
 from solar_env.array.methods import default_integrator
 from solar_env.mechanics.arrays.model import State
 from solar_env.mechanics.integrators.settings import Integrator, RungeKutta
@@ -100,22 +100,19 @@ def _exit(simulation: Simulation, start: State | ModalState, j: int, longest: fl
     return -rate, simulation.time - begun
 
 
-def impacts(
-    model: str, panels: PanelModel | None, duration: float, tight: Integrator, longest: float = IMPACT_DURATIONS
-) -> Impacts:
+def impacts(model: str, duration: float, tight: Integrator, longest: float = IMPACT_DURATIONS) -> Impacts:
     """Impacts of a deployment by the default method, each of them also by another one.
 
     The exit speed contains what other joints' impacts and the springs do meanwhile, and can exceed the impact speed.
 
     Args:
-        model: one of `array.MODELS`.
-        panels: model of flexible panels; None with rigid ones.
+        model: its level.
         duration: [s].
         tight: method of the second run of each impact, of the formulation of the default one.
         longest: in predicted durations; contacts that last longer are left out.
     """
-    mechanism = build(ArrayParameters(), model, panels=panels)
-    run, tight_run = Simulation(mechanism, default_integrator(model, panels)), Simulation(mechanism, tight)
+    mechanism = build(ArrayParameters(), model)
+    run, tight_run = Simulation(mechanism, default_integrator(model)), Simulation(mechanism, tight)
     rows: list[tuple[float, ...]] = []
     while run.time < duration:
         before = run.snapshot()
@@ -154,9 +151,9 @@ def _compared(name: str, duration: float, found: Impacts, at_least: int) -> Iter
     )
 
 
-def deployment_impacts(model: str, panels: PanelModel | None, duration: float, at_least: int) -> Iterator[Check]:
+def deployment_impacts(model: str, duration: float, at_least: int) -> Iterator[Check]:
     """Impacts with rigid panels or beam elements up to a duration [s], of which at least so many can be compared."""
-    found = impacts(model, panels, duration, RungeKutta(rtol=1e-10, impact_resolution=_STEPS_PER_IMPACT))
+    found = impacts(model, duration, RungeKutta(rtol=1e-10, impact_resolution=_STEPS_PER_IMPACT))
     yield from _compared(model, duration, found, at_least)
     same = found.where(found.same_end)
     yield Check(
@@ -167,15 +164,15 @@ def deployment_impacts(model: str, panels: PanelModel | None, duration: float, a
     )
 
 
-def modal_impacts(panels: PanelModel, duration: float, at_least: int) -> Iterator[Check]:
+def modal_impacts(duration: float, at_least: int) -> Iterator[Check]:
     """Impacts with modal panels up to a duration [s], of which at least so many can be compared.
 
     The method's tolerance is one of speeds, here 0.1 mm/s: restitutions of slow impacts are less accurate.
     """
     model = "flexible-clearance"
-    name, default = f"{model}, {panels}", default_integrator(model, panels)
+    name, default = f"{model}, 32 modes a panel", default_integrator(model)
     tight = replace(default, rtol=0.01 * default.rtol, impact_resolution=_STEPS_PER_IMPACT)
-    found = impacts(model, panels, duration, tight, _LONGEST_MODAL)
+    found = impacts(model, duration, tight, _LONGEST_MODAL)
     yield from _compared(name, duration, found, at_least)
     same = found.where(found.same_end)
     errors = same.errors / same.speed

@@ -151,7 +151,7 @@ def test_elements_divide_flexible_panels_only(elements: int) -> None:
 
 @pytest.mark.parametrize("elements", [1, 2, 5])
 def test_deflections_are_those_of_the_panels_middles_from_their_chords(elements: int) -> None:
-    run = simulate(model="flexible-ideal", elements=elements, duration=0.02)
+    run = simulate(model=f"flexible-ideal:{elements} elements", duration=0.02)
     model, _ = compile_mechanism(build(ArrayParameters(), "flexible-ideal", elements))
     # Parabolas over the chords, which cubics represent: the middle lies 1/4 of the end slopes' length off.
     stations = np.linspace(0.0, 1.5, elements + 1)

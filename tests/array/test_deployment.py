@@ -164,7 +164,7 @@ def test_the_preset_of_the_paper_has_its_parameters_and_beams_of_elements_unless
     assert run.metadata["parameters"] == replace(ArrayParameters.preset("paper"), friction_coefficient=0.1).to_dict()
     kept = [run.metadata[name] for name in ("panels", "elements", "integrator")]
     assert kept == ["ancf", DEFAULT_ELEMENTS, "rosenbrock"]
-    assert simulate(preset="paper", model="flexible-ideal", modes=2, duration=0.01).metadata["modes"] == 2
+    assert simulate(preset="paper", model="flexible-ideal:2 modes", duration=0.01).metadata["modes"] == 2
 
 
 @pytest.mark.parametrize("model", ["flexible-ideal", "flexible-clearance"])

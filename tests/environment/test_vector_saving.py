@@ -17,7 +17,7 @@ from solar_env.environment.registration import DEPLOY
 @pytest.mark.parametrize("copied", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])
 @pytest.mark.parametrize(
     "level",
-    [{}, {"model": "flexible-clearance", "elements": 1}, {"model": "flexible-clearance", "modes": 4}],
+    [{}, {"model": "flexible-clearance:1 element"}, {"model": "flexible-clearance:4 modes"}],
     ids=["rigid", "elements", "modes"],
 )
 def test_a_copy_goes_on_as_the_original_and_tells_the_same(level, copied):
@@ -70,7 +70,7 @@ def test_a_simulation_of_an_earlier_episode_stays_as_it_was():
     assert earlier.time == 0.2
 
 
-@pytest.mark.parametrize("level", [{}, {"model": "flexible-clearance", "modes": 4}], ids=["rigid", "modes"])
+@pytest.mark.parametrize("level", [{}, {"model": "flexible-clearance:4 modes"}], ids=["rigid", "modes"])
 @pytest.mark.parametrize("observation", ["drive", "history", "privileged"])
 def test_a_saved_episode_goes_on_to_the_same_bits_in_any_lane_as_often_as_one_likes(observation, level):
     """Mid-contact, with a noisy and late drive, after other episodes have come and gone in its lane."""
@@ -105,7 +105,7 @@ def test_what_cannot_be_saved_or_restored_is_refused():
     env.step(random_actions(1)[0])
     with pytest.raises(gymnasium.error.ResetNeeded, match="the episode of lane 0 has ended"):
         env.lane(0).save_episode()
-    other = make_vector(model="flexible-clearance", elements=2).unwrapped
+    other = make_vector(model="flexible-clearance:2 elements").unwrapped
     other.reset(seed=0)
     with pytest.raises(ValueError, match=r"snapshot\.q has shape"):
         other.lane(0).restore_episode(saved)

@@ -25,7 +25,7 @@ from solar_env.support.readme import STUDIES
 ONE = PanelModel("ancf", 1)
 TINY = campaign.LadderPlan(
     panels=(ONE, PanelModel("modal", 8)),
-    reference=Level("flexible-clearance", PanelModel("modal", 8), tighter=2.0),
+    reference=Level("flexible-clearance:8 modes", tighter=2.0),
     duration=12.6,
     members=2,
     ideal_members=1,
@@ -47,7 +47,7 @@ def deployed(level, duration):
         Level("rigid-clearance"),
         Level("flexible-ideal", ONE),
         Level("flexible-clearance", ONE),
-        Level("flexible-clearance", PanelModel("modal", 32)),
+        Level("flexible-clearance"),
     ],
     ids=lambda level: level.name,
 )

@@ -70,19 +70,19 @@ def test_panels_of_a_training_are_left_behind_on_a_rigid_model():
 
 def test_model_and_elements_join_the_environments_keywords():
     assert with_model({"torque_limit": 0.3}) == {"torque_limit": 0.3}
-    assert with_model({}, "flexible-ideal", 2) == {"model": "flexible-ideal", "elements": 2}
-    assert with_model({"elements": 2}, "flexible-ideal", 2) == {"model": "flexible-ideal", "elements": 2}
+    assert with_model({}, "flexible-ideal", 2) == {"model": "flexible-ideal:2 elements"}
+    assert with_model({"elements": 2}, "flexible-ideal", 2) == {"model": "flexible-ideal:2 elements"}
     with make_env(env_kwargs=with_model({}, "flexible-ideal", 2)) as made:
         assert (made.unwrapped.model, made.unwrapped.panels) == ("flexible-ideal", PanelModel("ancf", 2))
 
 
 def test_a_default_model_with_its_modes_gives_way_to_a_model_and_to_panels_that_are_named():
-    default = {"model": "flexible-clearance", "modes": 32}
+    default = {"model": "flexible-clearance"}
     assert with_model({}, default=default) == default
-    assert with_model({}, elements=2, default=default) == {"model": "flexible-clearance", "elements": 2}
+    assert with_model({}, elements=2, default=default) == {"model": "flexible-clearance:2 elements"}
     assert with_model({}, "rigid-clearance", default=default) == {"model": "rigid-clearance"}
     assert with_model({"model": "rigid-ideal"}, default=default) == {"model": "rigid-ideal"}
-    assert with_model({}, modes=8, default=default) == {"model": "flexible-clearance", "modes": 8}
+    assert with_model({}, modes=8, default=default) == {"model": "flexible-clearance:8 modes"}
     assert with_model({}, panels="ancf", default=default) == {"model": "flexible-clearance", "panels": "ancf"}
 
 

@@ -263,7 +263,7 @@ def test_a_run_without_policy_says_so(tmp_path):
 def test_a_suite_is_a_scenario_on_modal_panels_with_all_that_was_tuned_there_or_trained_for_it(name, env_id):
     found, controllers, env_kwargs = suite_named(name, None, [])
     assert found == env_id
-    assert env_kwargs == {"model": "flexible-clearance", "modes": 32}
+    assert env_kwargs == {"model": "flexible-clearance"}
     descriptions = {policy: load_shipped(policy).description for policy in shipped.available()}
     trained = [
         name
@@ -291,4 +291,4 @@ def test_the_command_runs_a_suite_in_a_folder_of_its_own(tmp_path, monkeypatch):
     )
     settings = json.loads((tmp_path / "evaluation" / "robust" / "metrics.json").read_text())["settings"]
     assert settings["env_id"] == DEPLOY_RANDOMISED
-    assert settings["env_kwargs"] == {"model": "flexible-clearance", "elements": 1}
+    assert settings["env_kwargs"] == {"model": "flexible-clearance:1 element"}

@@ -126,7 +126,7 @@ def test_a_soft_start_hands_over_to_the_servo_by_and_by():
 
 
 def test_the_tuned_soft_start_wears_the_bearings_less_than_the_servo_where_panels_have_converged():
-    env = make_env(env_kwargs=with_sampling(with_model({}, "flexible-clearance", modes=32)))
+    env = make_env(env_kwargs=with_sampling(with_model({}, "flexible-clearance")))
     runs = {
         name: [run_episode(env, make_baseline(name, env), seed=seed) for seed in range(4)]
         for name in ("servo", "soft-start")

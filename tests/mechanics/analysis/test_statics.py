@@ -50,12 +50,12 @@ def test_matrices_of_a_sprung_link():
 
 
 def test_the_folded_array_has_the_zeros_of_a_free_body_and_no_damping_but_the_materials():
-    mechanism = build(ArrayParameters(panel_damping=1e-3), "flexible-ideal", elements=2)
+    mechanism = build(ArrayParameters(panel_damping=1e-3), "flexible-ideal:2 elements")
     frequencies = natural_frequencies(mechanism)
     assert np.count_nonzero(frequencies < 1e-3) == 3
     _, damping, _, _ = linearize(mechanism)
     assert damping.any()
-    assert not linearize(build(ArrayParameters(panel_damping=0.0), "flexible-ideal", elements=2)).damping.any()
+    assert not linearize(build(ArrayParameters(panel_damping=0.0), "flexible-ideal:2 elements")).damping.any()
 
 
 def test_a_pendulum_on_its_stow_stop_rests_where_the_stop_bears_its_weight():

@@ -66,7 +66,7 @@ def test_joint_forces_and_integrals_are_those_of_the_explicit_method() -> None:
 
 def test_friction_in_a_lasting_contact_is_booked() -> None:
     # Steps in which journals roll on by a degree, pressed in by nanometres.
-    simulation = after(build(ArrayParameters(), "flexible-clearance", elements=2), 4.0, Rosenbrock())
+    simulation = after(build(ArrayParameters(), "flexible-clearance:2 elements"), 4.0, Rosenbrock())
     residual, steps = simulation.energy_residual(), int(simulation.state.clock["steps"][0])
     friction = m.joint_integrals(simulation.state.integrals)[:, m.FRICTION_DISSIPATION].sum()
     simulation.advance(9.0)
@@ -79,7 +79,7 @@ def test_friction_in_a_lasting_contact_is_booked() -> None:
 def test_a_lasting_contact_has_no_peaks_within_long_steps(rtol: float) -> None:
     # Between the impacts of the start and the latches 2 N press in the bearings, 5 to 11 N at the loosest of these
     # tolerances, by the rounding of the machine; the interpolant of a long step can make 80 N of it.
-    simulation = after(build(ArrayParameters(), "flexible-clearance", elements=2), 3.0, Rosenbrock(rtol=rtol))
+    simulation = after(build(ArrayParameters(), "flexible-clearance:2 elements"), 3.0, Rosenbrock(rtol=rtol))
     simulation.state.joints["recent_peak_force"] = 0.0
     for period in range(85):
         simulation.advance(3.0 + 0.1 * (period + 1))

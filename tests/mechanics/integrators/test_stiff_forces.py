@@ -57,7 +57,7 @@ def test_what_stiff_stops_take_is_booked_to_order_three() -> None:
     fast = ArrayParameters(spring_stiffness=(2.5, 1.875), cable_preload_force=1250.0)
     residuals = []
     for step in (2e-5, 1e-5):
-        simulation = Simulation(build(fast, "flexible-ideal", elements=6), Rosenbrock())
+        simulation = Simulation(build(fast, "flexible-ideal:6 elements"), Rosenbrock())
         simulation.advance(2.3)
         simulation.integrator = RungeKutta(rtol=1e-3, max_step=step)
         before = simulation.energy_residual()

@@ -168,7 +168,7 @@ def test_impact_gives_back_the_exit_speed_of_its_law_within_one_percent(speed: f
 def test_contacts_begin_at_the_wall_however_little_of_the_vibration_a_step_sees() -> None:
     """Not a micrometre inside, where an impact of 1 mm/s would begin with a hundred newtons instead of none."""
     parameters = ArrayParameters()
-    simulation = single_steps(build(parameters, "flexible-clearance", modes=24), ModalRadau(rtol=1e-2))
+    simulation = single_steps(build(parameters, "flexible-clearance:24 modes"), ModalRadau(rtol=1e-2))
     clearance, seen, depths, done = parameters.by_joint("clearance", 0), np.zeros(2, dtype=int), [], False
     while not done:
         done = attempt(simulation, 1.0)
@@ -284,7 +284,7 @@ def test_panel_that_leaves_the_range_of_the_model_is_told(spin: float, warns: bo
 
 def test_a_range_that_was_left_on_the_way_and_come_back_to_is_told() -> None:
     soft = replace(ArrayParameters(), panel_young=ArrayParameters().panel_young / 30.0)
-    simulation = Simulation(build(soft, "flexible-ideal", modes=8), ModalRadau(rtol=1e-3))
+    simulation = Simulation(build(soft, "flexible-ideal:8 modes"), ModalRadau(rtol=1e-3))
     with pytest.warns(SimulationWarning, match=r"by t = 20 s the modal panels have bent by 0\.2.* use beam elements"):
         simulation.advance(20.0)
     in_all, _ = simulation.formulation.modal_range(simulation.model, simulation.state)
@@ -294,7 +294,7 @@ def test_a_range_that_was_left_on_the_way_and_come_back_to_is_told() -> None:
 
 
 def test_ideal_joints_hold_where_foreshortening_has_them():
-    simulation = Simulation(build(ArrayParameters(), "flexible-ideal", modes=8), ModalRadau(rtol=2e-4))
+    simulation = Simulation(build(ArrayParameters(), "flexible-ideal:8 modes"), ModalRadau(rtol=2e-4))
     simulation.advance(20.7)
     simulation.integrator = replace(simulation.integrator, max_steps=1)
     worst = 0.0

@@ -19,7 +19,7 @@ SHORT = 13.0  # s, a little after the latches
 )
 def test_sliding_may_turn_in_any_step(modes: int, onset: float) -> None:
     parameters = ArrayParameters(friction_speed_zero=onset, friction_speed_full=10.0 * onset)
-    trajectory = simulate(parameters, model="flexible-clearance", modes=modes, duration=SHORT)
+    trajectory = simulate(parameters, model=f"flexible-clearance:{modes} modes", duration=SHORT)
     assert trajectory.time[-1] == SHORT
     assert trajectory.metadata["rejected_steps"] < 0.3 * trajectory.metadata["steps"]
 
@@ -33,7 +33,7 @@ def test_ideal_joints_hold_panels_that_bend_out_of_their_range_and_it_is_said(
     stiffness = tuple(springs * value for value in np.broadcast_to(default.spring_stiffness, 2))
     parameters = default.with_changes({"panel_young": default.panel_young / soft, "spring_stiffness": stiffness})
     with pytest.warns(SimulationWarning, match="have bent by 0.6"):
-        trajectory = simulate(parameters, model="flexible-ideal", modes=modes, duration=1.0)
+        trajectory = simulate(parameters, model=f"flexible-ideal:{modes} modes", duration=1.0)
     # Steps that shrink to nothing would be millions.
     assert trajectory.metadata["steps"] < 100_000
 

@@ -25,7 +25,7 @@ def panel(modes: int) -> Simulation:
 
 def shaken(modes: int) -> Simulation:
     """The array with all amplitudes and rates at random, each as large as its share of the same energy."""
-    simulation = Simulation(build(ArrayParameters(), "flexible-clearance", modes=modes), ModalRadau())
+    simulation = Simulation(build(ArrayParameters(), f"flexible-clearance:{modes} modes"), ModalRadau())
     model, state, rng = simulation.model, simulation.state, np.random.default_rng(modes)
     frequencies = model.panels.frequency[0]
     for body in model.bodies[model.bodies["panel"] >= 0]:

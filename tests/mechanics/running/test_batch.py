@@ -51,7 +51,7 @@ def test_what_cannot_be_a_batch_is_refused(make: Callable[[], Batch], message: s
 def modal_lanes() -> list[Simulation]:
     """Three arrays of other modal panels."""
     arrays = [ArrayParameters(panel_young=280e6 + 2e7 * k, spring_stiffness=1.0) for k in range(3)]
-    return [Simulation(build(p, "flexible-clearance", modes=4), ModalRadau()) for p in arrays]
+    return [Simulation(build(p, "flexible-clearance:4 modes"), ModalRadau()) for p in arrays]
 
 
 @pytest.mark.parametrize("threads", [1, 2, None])

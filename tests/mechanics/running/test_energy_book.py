@@ -27,8 +27,8 @@ def test_formulations_agree_on_energies_and_momenta_of_a_moving_array() -> None:
     assert np.abs(one.momenta()).min() > 1e-3
     assert one.stored_energies() == pytest.approx(other.stored_energies(), rel=1e-12, abs=1e-15)
     p = ArrayParameters(initial_spin=0.3, initial_rate=(0.2, 0.5))
-    beams = Simulation(build(p, "flexible-ideal", elements=3), RungeKutta())
-    modes = Simulation(build(p, "flexible-ideal", modes=3), ModalRadau())
+    beams = Simulation(build(p, "flexible-ideal:3 elements"), RungeKutta())
+    modes = Simulation(build(p, "flexible-ideal:3 modes"), ModalRadau())
     assert beams.momenta() == pytest.approx(modes.momenta(), rel=1e-12, abs=1e-12)
 
 

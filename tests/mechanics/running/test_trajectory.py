@@ -44,7 +44,7 @@ COUNTED = (
 
 
 RIGID: dict[str, Any] = {"model": "rigid-clearance"}
-MODAL: dict[str, Any] = {"model": "flexible-clearance", "modes": 4}
+MODAL: dict[str, Any] = {"model": "flexible-clearance:4 modes"}
 
 
 @pytest.fixture(scope="module", params=[RIGID, MODAL], ids=["rigid", "modal"])
@@ -110,7 +110,7 @@ def test_the_energies_are_the_documented_ones_and_sum_up(run: Trajectory) -> Non
 def test_the_share_of_steps_that_stability_bounds_grows_with_the_elements() -> None:
     integrator = RungeKutta(rtol=1e-7)
     one, six = (
-        simulate_deployment(model="flexible-ideal", elements=elements, duration=0.2, integrator=integrator)
+        simulate_deployment(model=f"flexible-ideal:{elements} elements", duration=0.2, integrator=integrator)
         for elements in (1, 6)
     )
     assert 0.0 < one.stability_bound_share < 0.1 < six.stability_bound_share <= 1.0

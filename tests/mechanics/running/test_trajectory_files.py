@@ -18,7 +18,7 @@ from solar_env.mechanics.running.trajectory import Trajectory
 RIGID: dict[str, Any] = {"model": "rigid-clearance"}
 
 
-MODAL: dict[str, Any] = {"model": "flexible-clearance", "modes": 4}
+MODAL: dict[str, Any] = {"model": "flexible-clearance:4 modes"}
 
 
 @pytest.fixture(scope="module", params=[RIGID, MODAL], ids=["rigid", "modal"])

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solar_env.array import ArrayParameters, PanelModel
+from solar_env.array import ArrayParameters
 from solar_env.array.deployment import simulate
 from solar_env.array.parameters.file import ParameterFile
 from solar_env.mechanics.integrators.settings import ModalRadau, RungeKutta
@@ -281,7 +281,7 @@ def test_an_ensemble_that_never_latches_says_what_to_do():
 
 
 def test_levels_keep_their_panels_in_a_cell():
-    level = Level("flexible-clearance", PanelModel("modal", 4))
+    level = Level("flexible-clearance:4 modes")
     cell = {
         "model": level.model,
         "panels": "modal",

@@ -43,7 +43,7 @@ def test_members_take_settings_of_their_own_and_levels_divide_them():
     ("level", "name"),
     [
         (Level("rigid-ideal"), "rigid-ideal"),
-        (Level("flexible-ideal", PanelModel("ancf", 1)), "flexible-ideal, 1 element"),
+        (Level("flexible-ideal:1 element"), "flexible-ideal, 1 element"),
         (Level("flexible-clearance", MODES, 4.0), "flexible-clearance, 32 modes, rtol / 4"),
     ],
 )
@@ -52,7 +52,7 @@ def test_levels_are_named_by_model_panels_and_tolerance(level, name):
 
 
 def test_a_level_simulates_its_member():
-    level = Level("flexible-ideal", PanelModel("modal", 4))
+    level = Level("flexible-ideal:4 modes")
     run = level.deploy(ArrayParameters(), 2, 0.02, 0.02)
     assert run.metadata["modes"] == 4
     assert run.metadata["integrator_settings"]["rtol"] == level.integrator(2).rtol

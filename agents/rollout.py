@@ -66,7 +66,7 @@ def are_figures(content: object) -> bool:
 def _step(env: Any, observation: np.ndarray, action: np.ndarray, info: Mapping[str, Any]) -> Step:
     """Make the record of the control period that has just ended."""
     joints, loads, array = env.simulation.state.joints, env.simulation.joint_loads(), env.episode_parameters
-    openings = loads[:, ANGLE] / [array.lock_angle(joint) for joint in range(len(loads))]
+    openings = loads[:, ANGLE] / [joint.lock_angle for joint in array.joints]
     torque, forces = float(joints["motor_torque"][env.task.driven_joint]), joints["recent_peak_force"].copy()
     rates = loads[:, RATE].copy()
     return Step(info["time_s"], observation, action, openings, rates, torque, forces, info["reward_terms"])

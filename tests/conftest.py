@@ -15,9 +15,12 @@ from typing import Any
 import numba
 import pytest
 from hypothesis import HealthCheck, settings
+from platformdirs import user_cache_path
 
 import solar_env
 
+# Kernels of the tests' own: the user's cache is neither asked nor filled.
+os.environ.setdefault("NUMBA_CACHE_DIR", str(user_cache_path("solar_env_tests", appauthor=False)))
 os.environ["SDL_VIDEODRIVER"] = "dummy"  # windows without a display
 signal.signal(signal.SIGINT, signal.default_int_handler)  # shells let commands in the background ignore Ctrl-C
 PACKAGE_PARENT = Path(solar_env.__file__).resolve().parent.parent

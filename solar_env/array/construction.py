@@ -1,12 +1,14 @@
 """The mechanism that array parameters describe, folded, and the outline of its main body."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array.level import ModelLevel
 from solar_env.array.parameters import ArrayParameters
+from solar_env.array.parameters.plan import MAIN_BODY, JointRow
 from solar_env.mechanics.bodies.description import Point
 from solar_env.mechanics.mechanism.description import AnyBody, Body, CableLoop, Joint, Mechanism, Spring
 
@@ -29,69 +31,73 @@ def build(parameters: ArrayParameters, model: str | ModelLevel = "rigid-clearanc
     level, p = ModelLevel.of(model), parameters
     if p.cable_bearing_forces and level.modal:
         raise ValueError(
-            f"cable_bearing_forces = True: cables do not pull on the bearings of modal panels; choose the model "
+            "cable_bearing_forces = True: cables do not pull on the bearings of modal panels; choose the model "
             f"'{level.name}:6 elements', one with rigid panels, or cable_bearing_forces = False"
         )
-    # Base points of the main body: below the hinge's height at the centroid, and the hinge itself.
-    bodies: list[AnyBody] = [
-        Body(
-            "main body",
-            p.body_mass,
-            p.body_inertia,
-            length=p.body_length,
-            centroid=(0.0, -p.hinge_y),
-            position=(0.0, p.hinge_y),
-            velocity=_turning(p.initial_spin, (0.0, p.hinge_y)),
-            spin=p.initial_spin,
-            fixed=p.body_fixed,
-        )
-    ]
-    joints, cables = [], []
+    bodies, joints, cables = [_main_body(p)], [], []
     hinge = (p.hinge_x, p.hinge_y)
     velocity, spin = _turning(p.initial_spin, hinge), p.initial_spin
-    for k in range(p.panel_count):
-        sign = 1 if k % 2 == 0 else -1
-        angle = -sign * math.pi / 2
-        spin += sign * p.by_joint("initial_rate", k)
+    for row in p.joints:
+        angle = -row.sign * math.pi / 2
+        spin += row.sign * p.by_joint("initial_rate", row.index)
         motion = {"position": hinge, "angle": angle, "velocity": velocity, "spin": spin}
-        bodies.append(level.body(p, f"panel {k + 1}", motion))
-        lock = p.lock_angle(k)
-        joints.append(
-            Joint(
-                name=f"joint {k + 1}",
-                inboard=bodies[k].name,
-                outboard=bodies[k + 1].name,
-                inboard_point=(p.panel_length, 0.0) if k else (p.hinge_x, 0.0),
-                outboard_point=(0.0, 0.0),
-                sign=sign,
-                folded_angle=-sign * math.pi if k else angle,
-                middle=lock / 2,
-                bearing=p.bearing(k) if level.clearance else None,
-                spring=Spring(p.by_joint("spring_stiffness", k), p.by_joint("spring_preload_angle", k)),
-                stop=p.stop(k),
-                lock_angle=lock,
-                stow_angle=0.0,
-            )
-        )
-        if k:
-            ratio = lock / p.lock_angle(k - 1)
-            cables.append(
-                CableLoop(
-                    joints[k - 1].name,
-                    joints[k].name,
-                    p.by_joint("cable_stiffness", k - 1),
-                    wheel_ratio=ratio,
-                    torque_ratio=ratio if p.cable_torque_ratio is None else p.cable_torque_ratio,
-                    preload_torque=p.cable_preload_force * p.cable_wheel_radius,
-                    wheel_radius=p.cable_wheel_radius if p.cable_bearing_forces else None,
-                )
-            )
+        bodies.append(level.body(p, f"panel {row.index + 1}", motion))
+        joints.append(_joint(p, level, row, bodies))
+        if row.inboard != MAIN_BODY:
+            cables.append(_cable(p, p.joints[row.index - 1], row))
         # Folded, a panel lies along the y axis.
         folded = (0.0, p.panel_length * math.sin(angle))
         turning = _turning(spin, folded)
         hinge = (hinge[0], hinge[1] + folded[1])
         velocity = (velocity[0] + turning[0], velocity[1])
     return Mechanism(tuple(bodies), tuple(joints), tuple(cables), wear_bins=p.wear_bins)
+
+
+def _main_body(p: ArrayParameters) -> AnyBody:
+    """The main body; its base points are one below the hinge's height at the centroid, and the hinge itself."""
+    return Body(
+        "main body",
+        p.body_mass,
+        p.body_inertia,
+        length=p.body_length,
+        centroid=(0.0, -p.hinge_y),
+        position=(0.0, p.hinge_y),
+        velocity=_turning(p.initial_spin, (0.0, p.hinge_y)),
+        spin=p.initial_spin,
+        fixed=p.body_fixed,
+    )
+
+
+def _joint(p: ArrayParameters, level: ModelLevel, row: JointRow, bodies: Sequence[AnyBody]) -> Joint:
+    root, k = row.inboard == MAIN_BODY, row.index
+    return Joint(
+        name=row.name,
+        inboard=bodies[row.inboard].name,
+        outboard=bodies[row.panel].name,
+        inboard_point=(p.hinge_x if root else p.panel_length, 0.0),
+        outboard_point=(0.0, 0.0),
+        sign=row.sign,
+        folded_angle=-row.sign * (math.pi / 2 if root else math.pi),
+        middle=row.lock_angle / 2,
+        bearing=p.bearing(k) if level.clearance else None,
+        spring=Spring(p.by_joint("spring_stiffness", k), p.by_joint("spring_preload_angle", k)),
+        stop=p.stop(k),
+        lock_angle=row.lock_angle,
+        stow_angle=0.0,
+    )
+
+
+def _cable(p: ArrayParameters, inner: JointRow, outer: JointRow) -> CableLoop:
+    ratio = outer.lock_angle / inner.lock_angle
+    return CableLoop(
+        inner.name,
+        outer.name,
+        p.by_joint("cable_stiffness", inner.index),
+        wheel_ratio=ratio,
+        torque_ratio=ratio if p.cable_torque_ratio is None else p.cable_torque_ratio,
+        preload_torque=p.cable_preload_force * p.cable_wheel_radius,
+        wheel_radius=p.cable_wheel_radius if p.cable_bearing_forces else None,
+    )
 
 
 def main_body_corners(parameters: ArrayParameters, base_points: NDArray[np.float64]) -> NDArray[np.float64]:

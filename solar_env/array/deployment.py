@@ -86,8 +86,8 @@ def panel_deflections(trajectory: Trajectory) -> NDArray[np.float64]:
     details = trajectory.metadata
     parameters = ArrayParameters().with_changes(details["parameters"])
     model, _ = METHODS[details["integrator"]].formulation.compile(build(parameters, details["model"]))
-    bodies = range(1, parameters.panel_count + 1)
-    return np.stack([_middle_deflection(centreline(model, trajectory.coordinates, body, 2)) for body in bodies], axis=1)
+    axes = (centreline(model, trajectory.coordinates, joint.panel, 2) for joint in parameters.joints)
+    return np.stack([_middle_deflection(axis) for axis in axes], axis=1)
 
 
 def _middle_deflection(points: NDArray[np.float64]) -> NDArray[np.float64]:

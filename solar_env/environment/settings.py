@@ -124,7 +124,7 @@ class EnvironmentSettings:
     @cached_property
     def ranges(self) -> Ranges:
         """Parameter -> (low, high), by joint where the parameter is."""
-        usual = SCENARIOS[self.scenario].ranges(self.array.panel_count)
+        usual = SCENARIOS[self.scenario].ranges(len(self.array.joints))
         return checked_ranges(self.array, usual if self.randomize is None else self.randomize)
 
     @cached_property
@@ -140,10 +140,10 @@ class EnvironmentSettings:
         given = {item.name: getattr(self, item.name) for item in fields(Task)}
         usual = VERSIONS[self.version].task
         task = replace(usual, **{name: value for name, value in given.items() if value is not None})
-        if task.driven_joint >= self.array.panel_count:
+        if task.driven_joint >= len(self.array.joints):
             raise ValueError(
-                f"driven_joint = {task.driven_joint!r} must be below panel_count = {self.array.panel_count}, the "
-                "number of joints; the root has index 0"
+                f"driven_joint = {task.driven_joint!r} must be below {len(self.array.joints)}, the number of joints; "
+                "the root has index 0"
             )
         task.samples(self.drive)  # refuses a loop whose samples do not fit into a control period
         return task
@@ -151,7 +151,7 @@ class EnvironmentSettings:
     @cached_property
     def entries(self) -> tuple[Entry, ...]:
         """Entries of an observation, in order."""
-        return observation_entries(self.array.panel_count, self.observation)
+        return observation_entries(len(self.array.joints), self.observation)
 
     @property
     def observation_names(self) -> tuple[str, ...]:
@@ -165,7 +165,7 @@ class EnvironmentSettings:
 
     def sensors(self, lanes: int) -> Sensors:
         """The sensors of several arrays."""
-        lock_angles = [self.array.lock_angle(j) for j in range(self.array.panel_count)]
+        lock_angles = [joint.lock_angle for joint in self.array.joints]
         return Sensors(lanes, lock_angles, self.entries, self.drive, self.task.deadline)
 
     def observation_space(self) -> gymnasium.Space[Any]:

@@ -78,7 +78,7 @@ def test_at_its_lock_angles_the_array_is_straight_and_stands_off_the_body(panels
             q[:] = start, 0.0, start + p.panel_length, 0.0
     _, eccentricities = joint_points(simulation)
     assert eccentricities == pytest.approx(0.0, abs=1e-14)
-    locks = [p.lock_angle(k) for k in range(panels)]
+    locks = [joint.lock_angle for joint in p.joints]
     assert simulation.joint_loads()[:, ANGLE] == pytest.approx(locks, abs=1e-14)
     assert locks == [math.pi / 2] + [math.pi] * (panels - 1)
     assert [joint.lock_angle for joint in build(p, **LEVELS[level]).joints] == locks
@@ -86,7 +86,7 @@ def test_at_its_lock_angles_the_array_is_straight_and_stands_off_the_body(panels
 
 def test_springs_relax_at_the_lock_angles_by_default() -> None:
     p = ArrayParameters(panel_count=4)
-    assert p.for_each_joint("spring_preload_angle") == tuple(p.lock_angle(k) for k in range(4))
+    assert p.for_each_joint("spring_preload_angle") == tuple(p.joints[k].lock_angle for k in range(4))
 
 
 @pytest.mark.parametrize("panels", [1, 2, 3, 4])

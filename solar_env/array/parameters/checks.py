@@ -92,14 +92,14 @@ def _in_proportion(gyration: float, along: float, across: float) -> bool:
 
 def _check_friction(p: ArrayParameters) -> None:
     rule = f"must be below friction_speed_full = {p.friction_speed_full!r}"
-    for joint in range(p.panel_count):
+    for joint in range(len(p.joints)):
         below = p.by_joint("friction_speed_zero", joint) < p.by_joint("friction_speed_full", joint)
         _require(p, "friction_speed_zero", below, rule)
     readings = f"must be one of {', '.join(SLIDING_READINGS)}"
     _require(p, "friction_sliding", p.friction_sliding in SLIDING_READINGS, readings)
     _require(p, "friction_law", p.friction_law in FRICTION_LAWS, f"must be one of {', '.join(FRICTION_LAWS)}")
     _require(p, "static_friction_ratio", min(p.entries("static_friction_ratio")) >= 1.0, "must be at least 1")
-    for joint in range(p.panel_count):
+    for joint in range(len(p.joints)):
         p.friction(joint)
 
 
@@ -110,7 +110,7 @@ def _check_contact(p: ArrayParameters) -> None:
         _require(p, "contact_stiffness", stiffness is None or stiffness > 0.0, "must be positive")
         _require(p, "contact_stiffness", stiffness is None or stiffness >= _LEAST, f"must be at least {_LEAST:g}")
     told = set()
-    for joint in range(p.panel_count):
+    for joint in range(len(p.joints)):
         given, restitution = p.contact(joint).exit_speed_ratio(), p.by_joint("restitution", joint)
         # A law that conserves energy does so whatever it is asked for.
         if given < 1.0 and restitution not in told:
@@ -134,7 +134,7 @@ def _check_type(p: ArrayParameters, name: str, default: Any) -> None:
     if isinstance(default, int):
         _require(p, name, isinstance(value, int), "must be a whole number")
     if isinstance(value, tuple) and value != default:
-        _require(p, name, len(value) <= p.panel_count, f"has more entries than panels ({p.panel_count})")
+        _require(p, name, len(value) <= len(p.joints), f"has more entries than joints ({len(p.joints)})")
 
 
 def _require(p: ArrayParameters, name: str, condition: bool, rule: str) -> None:

@@ -197,9 +197,9 @@ def _about(parameters: ArrayParameters, name: str, half_width: Any) -> tuple[Any
         raise ValueError(f"tolerance of {name} = {half_width!r} must be a single number")
     if name not in ArrayParameters.BY_JOINT:
         return value - half_width, value + half_width
-    widths = [entries[min(joint, len(entries) - 1)] for joint in range(parameters.panel_count)]
+    widths = [entries[min(joint, len(entries) - 1)] for joint in range(len(parameters.joints))]
     values = parameters.for_each_joint(name)
-    if len(entries) > parameters.panel_count:
+    if len(entries) > len(parameters.joints):
         raise ValueError(f"tolerance of {name} = {half_width!r} has more entries than panels")
     ends = [tuple(v + sign * w for v, w in zip(values, widths, strict=True)) for sign in (-1, 1)]
     return ends[0], ends[1]

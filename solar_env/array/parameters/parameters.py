@@ -16,6 +16,7 @@ from typing import Any, ClassVar, Self
 
 from solar_env.array.names import changed, unknown_name
 from solar_env.array.parameters.checks import check_parameters
+from solar_env.array.parameters.plan import JointRow, chain
 from solar_env.mechanics.joints.contact.laws import ContactLaw, contact_law
 from solar_env.mechanics.joints.contact.surfaces import Surfaces
 from solar_env.mechanics.joints.friction.laws import FRICTION_LAWS, FrictionLaw
@@ -176,7 +177,7 @@ class ArrayParameters:
 
     def for_each_joint(self, name: str) -> tuple[Any, ...]:
         """Entries of a quantity by joint, one for each of the joints."""
-        return tuple(self.by_joint(name, joint) for joint in range(self.panel_count))
+        return tuple(self.by_joint(name, joint.index) for joint in self.joints)
 
     @classmethod
     def preset(cls, name: str) -> Self:
@@ -184,8 +185,7 @@ class ArrayParameters:
 
         "paper": hinge at the side's end that the folded panels point away from and a cable couple of torque ratio 1,
         which together reproduce its latch time, though the couple destroys half of the springs' energy; no damping of
-        the panels; a wear coefficient that puts the deepest bin where its figures do. Where a preset is named to
-        simulate, its flexible panels are beams of cable elements, too.
+        the panels; a wear coefficient that puts the deepest bin where its figures do.
 
         Raises:
             ValueError: if the name is unknown.
@@ -207,9 +207,10 @@ class ArrayParameters:
         """Distance of the main body's base points [m], which must not lie too close to each other."""
         return self.hinge_x if self.hinge_x > 1e-3 * self.body_size else self.body_size
 
-    def lock_angle(self, joint: int) -> float:
-        """Angle at which a joint latches [rad]: pi/2 at the root, pi further out."""
-        return math.pi / 2 if joint == 0 else math.pi
+    @property
+    def joints(self) -> tuple[JointRow, ...]:
+        """The joints of the array, from the root on."""
+        return chain(self.panel_count)
 
     def stop(self, joint: int) -> Stop:
         """The stop of a joint's latch and stow stop, counted from 0."""

@@ -48,7 +48,7 @@ def checked_ranges(parameters: ArrayParameters, ranges: Ranges) -> Ranges:
             raise ValueError(f"randomize[{name!r}] = {bounds!r} must be a pair (low, high)")
         several = any(hasattr(bound, "__len__") for bound in pair)
         by_joint = name in ArrayParameters.DRAWN_BY_JOINT or (several and name in ArrayParameters.BY_JOINT)
-        low, high = (_checked_bound(name, bound, parameters.panel_count if by_joint else None) for bound in pair)
+        low, high = (_checked_bound(name, bound, len(parameters.joints) if by_joint else None) for bound in pair)
         if not np.all(np.less_equal(low, high)):
             raise ValueError(f"randomize[{name!r}] = {bounds!r} must satisfy low <= high")
         for end in (low, high):

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters, main_body_corners
+from solar_env.array.parameters.plan import MAIN_BODY
 from solar_env.environment.settings import EnvironmentSettings
 from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.arrays.columns import ECCENTRICITY_X, ECCENTRICITY_Y, NORMAL
@@ -19,7 +20,7 @@ class Film:
 
     def __init__(self, settings: EnvironmentSettings) -> None:
         self._settings = settings
-        self._peaks = [np.zeros(settings.array.panel_count)]
+        self._peaks = [np.zeros(len(settings.array.joints))]
         self._times = [0.0]
         self._renderer: Renderer | None = None
 
@@ -43,7 +44,8 @@ class Film:
         """The scene of a simulation, with the force peaks of the episode."""
         model, state = simulation.model, simulation.state
         loads = simulation.joint_loads()
-        axes = [centreline(model, state.q, body) for body in range(parameters.panel_count + 1)]
+        bodies = (MAIN_BODY, *(joint.panel for joint in parameters.joints))
+        axes = [centreline(model, state.q, body) for body in bodies]
         eccentricity = loads[:, [ECCENTRICITY_X, ECCENTRICITY_Y]]
         return Scene(
             time=simulation.time,

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from solar_env.array import ArrayParameters, build, main_body_corners
 from solar_env.array.parameters.file import units
+from solar_env.array.parameters.plan import MAIN_BODY
 from solar_env.array.parameters.ranges import Ranges
 from solar_env.mechanics.analysis.geometry import centreline
 from solar_env.mechanics.integrators.methods.table import METHODS
@@ -64,10 +65,10 @@ def motion_of(trajectory: Trajectory, name: str) -> Motion:
     """
     kept, details = shown_samples(trajectory), trajectory.metadata
     parameters = ArrayParameters().with_changes(details["parameters"])
-    panels = {key: details.get(key) for key in ("panels", "elements", "modes")}
-    model, _ = METHODS[details["integrator"]].formulation.compile(build(parameters, details["model"], **panels))
+    model, _ = METHODS[details["integrator"]].formulation.compile(build(parameters, details["model"]))
     q = trajectory.coordinates[kept]
-    axes = [centreline(model, q, body, 1) for body in range(parameters.panel_count + 1)]
+    bodies = (MAIN_BODY, *(joint.panel for joint in parameters.joints))
+    axes = [centreline(model, q, body, 1) for body in bodies]
     clearance = trajectory.clearance
     return Motion(
         name=name,

@@ -94,7 +94,7 @@ def perturbed(parameters: ArrayParameters, member: int) -> ArrayParameters:
     Differences in the place of a hinge would not do: the lasting contact of the deployment wipes them out, and at the
     latching all members would be alike. Member 0 is the nominal array.
     """
-    rates = RELEASE_RATE * _deviations(member, parameters.panel_count)
+    rates = RELEASE_RATE * _deviations(member, len(parameters.joints))
     nominal = parameters.for_each_joint("initial_rate")
     return replace(parameters, initial_rate=tuple((nominal + rates).tolist()))
 

@@ -147,7 +147,7 @@ def error_of(question: str, own: Sequence[Outcome], reference: Sequence[Outcome]
     scale = np.abs(other.mean(axis=0)).sum(axis=-1)
     if question == "tip-motion":
         parameters = ArrayParameters()
-        scale = np.full(other.shape[1], parameters.panel_count * parameters.panel_length)
+        scale = np.full(other.shape[1], len(parameters.joints) * parameters.panel_length)
     return mean_error(level, other, scale)
 
 

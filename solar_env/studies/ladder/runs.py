@@ -106,7 +106,7 @@ def _tip(trajectory: Trajectory, level: Level) -> Array:
     parameters = ArrayParameters().with_changes(details["parameters"])
     array = build(parameters, level.model)
     model, _ = METHODS[details["integrator"]].formulation.compile(array)
-    return np.asarray(centreline(model, trajectory.coordinates, parameters.panel_count, 1)[:, -1])
+    return np.asarray(centreline(model, trajectory.coordinates, parameters.joints[-1].panel, 1)[:, -1])
 
 
 def control(level: Level, member: int, profile: Profile, window: float) -> Outcome:

@@ -110,7 +110,7 @@ def _basis(loads: Loads) -> str:
 
 def tables(loads: Loads) -> list[Table]:
     """A table for each joint and one for the hub."""
-    joints = loads.plan.array.parameters.panel_count
+    joints = len(loads.plan.array.parameters.joints)
     by_joint = [
         Table(f"Joint {j + 1}", COLUMNS, [_row(loads, name, j) for name in JOINT_QUANTITIES]) for j in range(joints)
     ]

@@ -114,7 +114,7 @@ class _Run:
 
     def __init__(self, simulation: Simulation, parameters: ArrayParameters) -> None:
         self.simulation, self._parameters = simulation, parameters
-        joints = parameters.panel_count
+        joints = len(parameters.joints)
         self._columns = sample_columns(simulation.model, simulation.state)
         self._samples: list[Array] = []
         self._contacts: list[Array] = []

@@ -139,7 +139,7 @@ class Builder(ABC):
                     markerNumbers=list(pair), stiffness=self.p.stop(j).stiffness, damping=0.0, activeConnector=False
                 )
             )
-            torque = _stop_expression(self.p.stop(j), _SENSES[j] * self.p.lock_angle(j))
+            torque = _stop_expression(self.p.stop(j), _SENSES[j] * self.p.joints[j].lock_angle)
             symbolic = CreateSymbolicUserFunction(system, torque, "springForceUserFunction", latch)
             system.SetObjectParameter(latch, "springForceUserFunction", symbolic)
             array.kept_alive += [torque, symbolic]
@@ -154,7 +154,7 @@ class Builder(ABC):
                 called[:] = [called[1] if time > called[1] else called[0], time]
                 start, now = called[0], angles()
                 for j, angle in enumerate(now):
-                    lock = self.p.lock_angle(j)
+                    lock = self.p.joints[j].lock_angle
                     if math.isnan(array.latch_times[j]) and angle >= lock:
                         share = (lock - before[1 + j]) / (angle - before[1 + j])
                         array.latch_times[j] = before[0] + share * (start - before[0])

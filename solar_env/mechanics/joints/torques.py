@@ -44,23 +44,23 @@ def stop_depth(joint, latched, angle):
 
 
 @kernel(inlined=True)
-def stop_torque(joint, own, angle, rate):
+def stop_torque(joint, joint_state, angle, rate):
     """Torque of latch and stow stop on the joint angle, its elastic part, and its slopes by angle and rate.
 
     A stop that is not engaged exerts none: within a step of the explicit method this keeps the torque smooth.
     """
-    if not own.stop_engaged:
+    if not joint_state.stop_engaged:
         return 0.0, 0.0, 0.0, 0.0
-    depth, sign = stop_depth(joint, own.latched, angle)
+    depth, sign = stop_depth(joint, joint_state.latched, angle)
     torque, elastic, slope, damping = one_sided_stop(joint, depth, -sign * rate)
     return sign * torque, sign * elastic, -slope, -damping
 
 
 @kernel(inlined=True)
-def stop_energy(joint, own, angle):
+def stop_energy(joint, joint_state, angle):
     """Elastic energy [J] of latch and stow stop."""
-    depth, _ = stop_depth(joint, own.latched, angle)
-    if depth <= 0.0 or not own.stop_engaged:
+    depth, _ = stop_depth(joint, joint_state.latched, angle)
+    if depth <= 0.0 or not joint_state.stop_engaged:
         return 0.0
     return joint.stop_stiffness * depth ** (joint.stop_exponent + 1.0) / (joint.stop_exponent + 1.0)
 

@@ -15,20 +15,20 @@ IMPACT_DURATIONS = 2.0
 @kernel(inner=True)
 def end_contact(state, j, time, recorder):
     """Close the contact of joint `j` and record it."""
-    own = state.joints[j]
-    record_contact(recorder, j, own, state.integrals, time)
-    own.in_contact = 0
-    own.impact_speed = 0.0
+    joint_state = state.joints[j]
+    record_contact(recorder, j, joint_state, state.integrals, time)
+    joint_state.in_contact = 0
+    joint_state.impact_speed = 0.0
 
 
 @kernel(inner=True)
-def note_force(own, force, postlock):
+def note_force(joint_state, force, postlock):
     """Raise a joint's running maxima to a force [N]."""
-    own.contact_peak = max(own.contact_peak, force)
-    own.peak_force = max(own.peak_force, force)
-    own.recent_peak_force = max(own.recent_peak_force, force)
+    joint_state.contact_peak = max(joint_state.contact_peak, force)
+    joint_state.peak_force = max(joint_state.peak_force, force)
+    joint_state.recent_peak_force = max(joint_state.recent_peak_force, force)
     if postlock:
-        own.postlock_peak_force = max(own.postlock_peak_force, force)
+        joint_state.postlock_peak_force = max(joint_state.postlock_peak_force, force)
 
 
 @kernel
@@ -63,20 +63,20 @@ def wear_contact(joint, state, j, journal_angle, bearing_angle, depth, sliding_w
 
 
 @kernel(inlined=True)
-def release_stop(joint, own, angle, rate):
+def release_stop(joint, joint_state, angle, rate):
     """Book that a stop which is engaged has opened, if it has."""
-    if own.latched and joint.stop_gap == 0.0:
+    if joint_state.latched and joint.stop_gap == 0.0:
         return  # the two faces are one, on which the joint stays
-    depth, sign = stop_depth(joint, own.latched, angle)
+    depth, sign = stop_depth(joint, joint_state.latched, angle)
     # On the very face it stays engaged unless it opens, or the same engagement would be found for ever.
-    own.stop_engaged = depth > 0.0 or (depth > -1e-9 and sign * rate <= 0.0)
+    joint_state.stop_engaged = depth > 0.0 or (depth > -1e-9 and sign * rate <= 0.0)
 
 
 @kernel(inlined=True)
-def has_parted(own, time, depth, rate):
+def has_parted(joint_state, time, depth, rate):
     """Whether the surfaces of a joint in contact have parted by `time` [s], with their depth [m] and its rate there."""
     # One that has begun just now, on the very wall, may not end at once: time would stand still.
-    return depth <= 0.0 and rate < 0.0 and own.contact_start < time
+    return depth <= 0.0 and rate < 0.0 and joint_state.contact_start < time
 
 
 @kernel(inlined=True)
@@ -92,9 +92,12 @@ def impact_step_limit(state, time, resolution):
     joint_states = state.joints
     limit = math.inf
     for j in range(joint_states.size):
-        own = joint_states[j]
-        if own.in_contact and time - own.contact_start < IMPACT_DURATIONS * own.contact_duration:
-            limit = min(limit, own.contact_duration / resolution)
+        joint_state = joint_states[j]
+        if (
+            joint_state.in_contact
+            and time - joint_state.contact_start < IMPACT_DURATIONS * joint_state.contact_duration
+        ):
+            limit = min(limit, joint_state.contact_duration / resolution)
     return limit
 
 

@@ -90,16 +90,16 @@ def record_sample(recorder, model, joint_states, q, v, time, integrals, work, a,
 
 
 @kernel(inner=True)
-def record_contact(recorder, j, own, integrals, end):
+def record_contact(recorder, j, joint_state, integrals, end):
     """Store the line of a contact of joint `j` that has just ended."""
     if recorder.contacts.shape[0] == 0:
         return
     row = recorder.contacts[recorder.filled[1]]
     row[0] = j
-    row[1] = own.contact_start
+    row[1] = joint_state.contact_start
     row[2] = end
-    row[3] = own.impact_speed
-    row[4] = own.contact_peak
-    row[5] = integrals[INTEGRALS_PER_JOINT * j + IMPULSE] - own.contact_impulse
-    row[6] = integrals[INTEGRALS_PER_JOINT * j + SLIDING_WORK] - own.contact_sliding_work
+    row[3] = joint_state.impact_speed
+    row[4] = joint_state.contact_peak
+    row[5] = integrals[INTEGRALS_PER_JOINT * j + IMPULSE] - joint_state.contact_impulse
+    row[6] = integrals[INTEGRALS_PER_JOINT * j + SLIDING_WORK] - joint_state.contact_sliding_work
     recorder.filled[1] += 1

@@ -58,8 +58,8 @@ class RosenbrockArrays(NamedTuple):
 def make_rosenbrock_arrays(model: Model, state: State) -> StageArrays:
     """Allocate the arrays for a mechanism."""
     work = make_workspace(model, state)
-    own = RosenbrockArrays(make_stiff_forces(state), make_linear_step(model, state, work))
-    return make_stage_arrays(model, state, STAGES, work, own)
+    extra = RosenbrockArrays(make_stiff_forces(state), make_linear_step(model, state, work))
+    return make_stage_arrays(model, state, STAGES, work, extra)
 
 
 @kernel(single_caller=True)
@@ -74,11 +74,11 @@ def present_velocity_scale(velocity_scale, weights, v0, v):
 @kernel(inner=True)
 def begin_rosenbrock(model, state, settings, arrays):
     """Prepare a call, without what other lanes and calls have left; False if constraints are singular."""
-    own = arrays.own
-    own.stiff.active[0] = 0
-    own.step.linearized[0] = NEVER
-    clear(model.elimination, own.step.newton.mass)
-    fill_mass(model, own.step.newton.mass)
+    extra = arrays.extra
+    extra.stiff.active[0] = 0
+    extra.step.linearized[0] = NEVER
+    clear(model.elimination, extra.step.newton.mass)
+    fill_mass(model, extra.step.newton.mass)
     return begin_stages(model, state, settings, arrays)
 
 
@@ -94,9 +94,9 @@ def choose_rosenbrock(model, state, settings, arrays, wanted, remaining):
 @kernel(inner=True)
 def attempt_rosenbrock(model, state, settings, arrays, h):
     """Fill a step `h`, its end going to `stages`; its error in units of the tolerance, negative if singular."""
-    work, stages, own = arrays.work, arrays.stages, arrays.own
+    work, stages, extra = arrays.work, arrays.stages, arrays.extra
     if arrays.trial[0].implicit:
-        error = _STRICTER * attempt_implicit(model, state, stages, own.step, work, settings, h)
+        error = _STRICTER * attempt_implicit(model, state, stages, extra.step, work, settings, h)
         if 0.0 <= error <= 1.0:
             copy_into(state.multipliers, stages.multipliers)
         return error

@@ -120,7 +120,7 @@ def make_runge_kutta_arrays(model: Model, state: State) -> StageArrays:
 @kernel(inner=True)
 def begin_runge_kutta(model, state, settings, arrays):
     """Prepare a call, without the stiff forces of other lanes and calls; False if constraints are singular."""
-    arrays.own.stiff.active[0] = 0
+    arrays.extra.stiff.active[0] = 0
     return begin_stages(model, state, settings, arrays)
 
 
@@ -153,7 +153,7 @@ def restore_ends(v0, stages, stiff):
 @kernel(single_caller=True)
 def take_stages(model, state, arrays, h):
     """Fill the stages of a step `h`, its end going to `stages.q`, `.v` and `.gain`. False if singular."""
-    work, stages, stiff = arrays.work, arrays.stages, arrays.own.stiff
+    work, stages, stiff = arrays.work, arrays.stages, arrays.extra.stiff
     q0, v0, joint_states, multipliers = state.q, state.v, state.joints, state.multipliers
     q, v, velocity, acceleration = stages.q, stages.v, stages.velocity, stages.acceleration
     power, stage_power, gain = work.power, stages.power, stages.gain
@@ -213,7 +213,7 @@ def contact_error(model, arrays, stiff, h):
 @kernel(single_caller=True)
 def error_norm(model, state, arrays, rtol, velocity_scale, h):
     """Greatest component of the error estimate in units of the tolerance."""
-    stages, stiff = arrays.stages, arrays.own.stiff
+    stages, stiff = arrays.stages, arrays.extra.stiff
     v0, v, velocity, acceleration, power = state.v, stages.v, stages.velocity, stages.acceleration, stages.power
     e0, e1, e2, e3, e4 = _ERROR
     if stiff.active[0] > 0:

@@ -57,7 +57,7 @@ class StageArrays(NamedTuple):
     work: Workspace
     scratch: Workspace  # for evaluations that leave the other as it is
     stages: Stages
-    own: Any  # what else the method needs: a named tuple of arrays
+    extra: Any  # what else the method needs: a named tuple of arrays
 
 
 def make_stages(state: State, rows: int) -> Stages:
@@ -80,10 +80,10 @@ def make_stages(state: State, rows: int) -> Stages:
     )
 
 
-def make_stage_arrays(model: Model, state: State, rows: int, work: Workspace, own: Any) -> StageArrays:
-    """Allocate the arrays of a method of `rows` stages that works in `work` and has arrays of its `own`."""
+def make_stage_arrays(model: Model, state: State, rows: int, work: Workspace, extra: Any) -> StageArrays:
+    """Allocate the arrays of a method of `rows` stages that works in `work` and has `extra` arrays."""
     scratch, motion = make_workspace(model, state), make_joint_motions(state.joints.size)
-    return StageArrays(make_trial(), motion, work, scratch, make_stages(state, rows), own)
+    return StageArrays(make_trial(), motion, work, scratch, make_stages(state, rows), extra)
 
 
 @kernel(inner=True)

@@ -87,9 +87,12 @@ def contact_directions(joint, markers, q, v, gradient, force):
 
 
 @kernel(inner=True)
-def lasts(own, time):
+def lasts(joint_state, time):
     """Whether a joint is in contact and its impact, which has steps of its own, over."""
-    return own.in_contact != 0 and time - own.contact_start >= IMPACT_DURATIONS * own.contact_duration
+    return (
+        joint_state.in_contact != 0
+        and time - joint_state.contact_start >= IMPACT_DURATIONS * joint_state.contact_duration
+    )
 
 
 @kernel(inner=True)
@@ -98,8 +101,8 @@ def may_be_stiff(model, state):
     flexible, time, found = model.flexible != 0, state.clock[0].time, False
     joint_states = state.joints
     for j in range(joint_states.size):
-        own = joint_states[j]
-        found = found or (torques.may_be_stiff(own) if flexible else lasts(own, time))
+        joint_state = joint_states[j]
+        found = found or (torques.may_be_stiff(joint_state) if flexible else lasts(joint_state, time))
     return found
 
 
@@ -115,14 +118,14 @@ def collect(model, state, work, stiff, h):
     # Typed: a literal would have Numba compile the functions that take it twice.
     count, prepared = np.int64(0), False
     for j in range(joints.size):
-        joint, own = joints[j], state.joints[j]
+        joint, joint_state = joints[j], state.joints[j]
         stiffness, damping = 0.0, 0.0
-        if flexible and torques.may_be_stiff(own):
+        if flexible and torques.may_be_stiff(joint_state):
             angle, rate, _, _ = joint_motion(joint, markers, q, v)
-            damping = -torques.hinge_torques(joint, own, angle, rate).by_rate
-        elif not flexible and lasts(own, state.clock[0].time):
+            damping = -torques.hinge_torques(joint, joint_state, angle, rate).by_rate
+        elif not flexible and lasts(joint_state, state.clock[0].time):
             depth, rate = penetration(joint, markers, q, v)
-            _, _, stiffness, damping = normal_force(joint, depth, rate, own.impact_speed)
+            _, _, stiffness, damping = normal_force(joint, depth, rate, joint_state.impact_speed)
         if stiffness == 0.0 and damping == 0.0:
             continue
         if not prepared:

@@ -63,45 +63,45 @@ def foreshorten(forms, low, column, gradient, shortening):
 
 
 @kernel(inlined=True)
-def foreshorten_pose(panels, own, d, q, v):
+def foreshorten_pose(panels, panel, d, q, v):
     """Foreshortening of a panel, as of the first stage, in a pose: amplitudes, their rates, and the ends' values."""
     for group in range(AXIAL_EVEN):
         coupled = panels.coupled[group]
         for i in range(VALUES):
             for c in range(2):
-                own.low[group, coupled + i, c] = own.ends[group, i, c]
+                panel.low[group, coupled + i, c] = panel.ends[group, i, c]
         for r in range(coupled):
             k = panels.first[group] + r
-            own.low[group, r, 0], own.low[group, r, 1] = q[k], v[k]
+            panel.low[group, r, 0], panel.low[group, r, 1] = q[k], v[k]
             for i in range(VALUES):
-                own.low[group, coupled + i, 0] -= panels.modes[d, k].row[i] * q[k]
-                own.low[group, coupled + i, 1] -= panels.modes[d, k].row[i] * v[k]
-    foreshorten(panels.forms[d], own.low, 0, own.gradient[0], own.shortening[0])
+                panel.low[group, coupled + i, 0] -= panels.modes[d, k].row[i] * q[k]
+                panel.low[group, coupled + i, 1] -= panels.modes[d, k].row[i] * v[k]
+    foreshorten(panels.forms[d], panel.low, 0, panel.gradient[0], panel.shortening[0])
 
 
 @kernel(inlined=True)
-def move_low(panels, own, answers, d, group):
+def move_low(panels, panel, answers, d, group):
     """Motion of the coupled coordinates of a group at both stages under the loads and the present modal forces."""
     coupled = panels.coupled[group]
     if group < AXIAL_EVEN:
         for i in range(VALUES):
             for c in range(4):
-                own.low[group, coupled + i, c] = own.ends[group, i, c]
+                panel.low[group, coupled + i, c] = panel.ends[group, i, c]
     for r in range(coupled):
         k = panels.first[group] + r
         mode, answer, first, second = panels.modes[d, k], answers[k].coefficient, 0.0, 0.0
         for i in range(values_of(group)):
-            first += mode.row[i] * own.load[0, group, i]
-            second += mode.row[i] * own.load[1, group, i]
+            first += mode.row[i] * panel.load[0, group, i]
+            second += mode.row[i] * panel.load[1, group, i]
         for c in range(4):
             by_first, by_second = answer[FROM_LOAD + c], answer[FROM_LOAD + 4 + c]
-            moved = own.low_free[group, r, c] + by_first * first + by_second * second
+            moved = panel.low_free[group, r, c] + by_first * first + by_second * second
             if group < AXIAL_EVEN:
                 # The ends have moved by the loads, not yet by the modal forces.
                 for i in range(VALUES):
-                    own.low[group, coupled + i, c] -= mode.row[i] * moved
-            moved += by_first * own.coupling[0, group, r] + by_second * own.coupling[1, group, r]
-            own.low[group, r, c] = moved
+                    panel.low[group, coupled + i, c] -= mode.row[i] * moved
+            moved += by_first * panel.coupling[0, group, r] + by_second * panel.coupling[1, group, r]
+            panel.low[group, r, c] = moved
 
 
 @kernel(inlined=True)
@@ -117,72 +117,72 @@ def form_of_ends(odd):
 
 
 @kernel(inlined=True)
-def push_axial(panels, own, d, s):
+def push_axial(panels, panel, d, s):
     """Modal forces of foreshortening on the axial modes of a panel at stage `s`."""
     for group in range(AXIAL_EVEN, GROUPS):
         for r in range(panels.coupled[group]):
             frequency, f = panels.modes[d, panels.first[group] + r].frequency, axial_form(group, r)
-            strain = own.shortening[s, 0, f] + panels.damping[d] * own.shortening[s, 1, f]
-            own.coupling[s, group, r] = frequency * frequency * strain
+            strain = panel.shortening[s, 0, f] + panels.damping[d] * panel.shortening[s, 1, f]
+            panel.coupling[s, group, r] = frequency * frequency * strain
 
 
 @kernel(inlined=True)
-def push_bending(panels, own, d, s):
+def push_bending(panels, panel, d, s):
     """Forces of the tension on the bending coordinates of a panel at stage `s`."""
     for f in range(FORMS):
-        own.tension[f] = 0.0
-    own.tension[EVEN_ENDS] = own.load[s, AXIAL_EVEN, 0]
-    own.tension[ODD_ENDS] = own.load[s, AXIAL_ODD, 0]
+        panel.tension[f] = 0.0
+    panel.tension[EVEN_ENDS] = panel.load[s, AXIAL_EVEN, 0]
+    panel.tension[ODD_ENDS] = panel.load[s, AXIAL_ODD, 0]
     for group in range(AXIAL_EVEN, GROUPS):
         for r in range(panels.coupled[group]):
             frequency, f = panels.modes[d, panels.first[group] + r].frequency, axial_form(group, r)
-            value, rate = own.low[group, r, 2 * s], own.low[group, r, 2 * s + 1]
-            own.strain_rate[s, group, r] = rate - own.shortening[s, 1, f]
+            value, rate = panel.low[group, r, 2 * s], panel.low[group, r, 2 * s + 1]
+            panel.strain_rate[s, group, r] = rate - panel.shortening[s, 1, f]
             force = frequency * frequency * (value + panels.damping[d] * rate)
-            own.tension[f] = force - own.coupling[s, group, r]
+            panel.tension[f] = force - panel.coupling[s, group, r]
     for group in range(AXIAL_EVEN):
         coupled = panels.coupled[group]
         for r in range(coupled + VALUES):
             force = 0.0
             for f in range(FORMS):
-                force += own.tension[f] * own.gradient[s, group, r, f]
+                force += panel.tension[f] * panel.gradient[s, group, r, f]
             if r >= coupled:
-                own.load[s, group, r - coupled] += force - own.coupling[s, group, r]
-            own.coupling[s, group, r] = force
+                panel.load[s, group, r - coupled] += force - panel.coupling[s, group, r]
+            panel.coupling[s, group, r] = force
         for r in range(coupled):
             for i in range(VALUES):
                 share = panels.modes[d, panels.first[group] + r].row[i]
-                own.coupling[s, group, r] -= share * own.coupling[s, group, coupled + i]
+                panel.coupling[s, group, r] -= share * panel.coupling[s, group, coupled + i]
 
 
 @kernel(inlined=True)
-def couple(panels, own, answers, d):
+def couple(panels, panel, answers, d):
     """Forces of foreshortening in a panel at both stages, the axial ones first: tension is what they leave.
 
     The ends must have moved by their loads, among which are the forces on the rest of their values: these change here.
     """
     for group in range(AXIAL_EVEN):
-        move_low(panels, own, answers, d, group)
+        move_low(panels, panel, answers, d, group)
     for s in range(2):
-        foreshorten(panels.forms[d], own.low, 2 * s, own.gradient[s], own.shortening[s])
-        push_axial(panels, own, d, s)
+        foreshorten(panels.forms[d], panel.low, 2 * s, panel.gradient[s], panel.shortening[s])
+        push_axial(panels, panel, d, s)
     for group in range(AXIAL_EVEN, GROUPS):
-        move_low(panels, own, answers, d, group)
+        move_low(panels, panel, answers, d, group)
     for s in range(2):
-        push_bending(panels, own, d, s)
+        push_bending(panels, panel, d, s)
 
 
 @kernel(inner=True)
-def bend_response(panels, own, answers, rest, d):
+def bend_response(panels, panel, answers, rest, d):
     """Fill what a unit of axial load does through the bent axis of a panel, as of the second stage.
 
     The load works on the bending coordinates by the gradients of foreshortening, and by these the bending coordinates
     shorten the axis. Forces of the axial modes are left out: they follow their load by a square of the step size.
     """
-    own.bent[:] = 0.0
-    own.shortened[:] = 0.0
+    panel.bent[:] = 0.0
+    panel.shortened[:] = 0.0
     for group in range(AXIAL_EVEN):
-        coupled, gradient = panels.coupled[group], own.gradient[1, group]
+        coupled, gradient = panels.coupled[group], panel.gradient[1, group]
         for r in range(coupled):
             k = panels.first[group] + r
             mode, answer = panels.modes[d, k], answers[k].coefficient
@@ -190,23 +190,23 @@ def bend_response(panels, own, answers, rest, d):
                 for x in range(2):
                     moved = gradient[r, form_of_ends(x)] * answer[FROM_LOAD + c]
                     for y in range(2):
-                        own.shortened[x, y, c] += gradient[r, form_of_ends(y)] * moved
+                        panel.shortened[x, y, c] += gradient[r, form_of_ends(y)] * moved
                     for i in range(VALUES):
-                        own.bent[x, group, i, c] += mode.row[i] * moved
+                        panel.bent[x, group, i, c] += mode.row[i] * moved
         for i in range(VALUES):
             for j in range(VALUES):
                 for c in range(8):
                     for x in range(2):
                         moved = gradient[coupled + j, form_of_ends(x)] * rest[group, i, j, c]
-                        own.bent[x, group, i, c] += moved
+                        panel.bent[x, group, i, c] += moved
                         for y in range(2):
-                            own.shortened[x, y, c] += gradient[coupled + i, form_of_ends(y)] * moved
+                            panel.shortened[x, y, c] += gradient[coupled + i, form_of_ends(y)] * moved
 
 
 @kernel(inlined=True)
-def shorten_ends(own):
+def shorten_ends(panel):
     """Add foreshortening to the axial motion of the ends of a panel at both stages."""
     for s in range(2):
         for c in range(2):
-            own.ends[AXIAL_ODD, 0, 2 * s + c] += own.shortening[s, c, ODD_ENDS]
-            own.ends[AXIAL_EVEN, 0, 2 * s + c] += own.shortening[s, c, EVEN_ENDS]
+            panel.ends[AXIAL_ODD, 0, 2 * s + c] += panel.shortening[s, c, ODD_ENDS]
+            panel.ends[AXIAL_EVEN, 0, 2 * s + c] += panel.shortening[s, c, EVEN_ENDS]

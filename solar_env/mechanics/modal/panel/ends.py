@@ -44,49 +44,49 @@ def sum_free(modes, answers, q, v, low, sums):
 
 
 @kernel(inlined=True)
-def free_ends(panels, own, answers, d, q, v):
+def free_ends(panels, panel, answers, d, q, v):
     """Free motion over a step of the ends and of the coupled modes of a panel.
 
     Args:
         panels: see `Panels`.
-        own: scratch of the panel.
+        panel: scratch of the panel.
         answers: (modes,) of the panel's design `d` to the step.
         q, v: (modes,) amplitudes and rates.
     """
     for group in range(GROUPS):
         begin, end = panels.first[group], panels.first[group + 1]
-        own.defect[group] = sum_free(
+        panel.defect[group] = sum_free(
             panels.modes[d, begin:end],
             answers[begin:end],
             q[begin:end],
             v[begin:end],
-            own.low_free[group, : panels.coupled[group]],
-            own.free[group],
+            panel.low_free[group, : panels.coupled[group]],
+            panel.free[group],
         )
 
 
 @kernel(inlined=True)
-def forced_ends(own, response, groups):
+def forced_ends(panel, response, groups):
     """Motion of the ends of a panel at both stages in the first `groups` groups, free and by the loads there."""
     for group in range(groups):
         for i in range(values_of(group)):
             for c in range(4):
-                total = own.free[group, i, c]
+                total = panel.free[group, i, c]
                 for j in range(values_of(group)):
-                    total += response[group, i, j, c] * own.load[0, group, j]
-                    total += response[group, i, j, 4 + c] * own.load[1, group, j]
-                own.ends[group, i, c] = total
+                    total += response[group, i, j, c] * panel.load[0, group, j]
+                    total += response[group, i, j, 4 + c] * panel.load[1, group, j]
+                panel.ends[group, i, c] = total
 
 
 @kernel(inlined=True)
-def add_modal_forces(panels, own, answers, d):
+def add_modal_forces(panels, panel, answers, d):
     """Add what the modal forces of foreshortening do to the ends of a panel."""
     for group in range(GROUPS):
         for r in range(panels.coupled[group]):
             k = panels.first[group] + r
-            first, second = own.coupling[0, group, r], own.coupling[1, group, r]
+            first, second = panel.coupling[0, group, r], panel.coupling[1, group, r]
             mode, answer = panels.modes[d, k], answers[k].coefficient
             for c in range(4):
                 gain = answer[FROM_LOAD + c] * first + answer[FROM_LOAD + 4 + c] * second
                 for i in range(values_of(group)):
-                    own.ends[group, i, c] += mode.row[i] * gain
+                    panel.ends[group, i, c] += mode.row[i] * gain

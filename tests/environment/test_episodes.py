@@ -7,7 +7,8 @@ import math
 import gymnasium
 import numpy as np
 import pytest
-from episodes import LATE_ROOT, LEVELS, STRONG, deploy, main_body_spin, make
+from deployments import LEVELS
+from episodes import LATE_ROOT, STRONG, deploy, main_body_spin, make
 
 from solar_env.environment.registration import DEPLOY
 from solar_env.mechanics.arrays.model import SLIDING_WORK, joint_integrals
@@ -118,7 +119,7 @@ def test_braking_before_the_latch_is_rewarded(passive):
     total, _, info = deploy(make(model), brake)
     assert info["deployment"]["latched"]
     # Of the forces that panels without a mesh have, as those with twelve elements, it takes off a third at best.
-    assert total > (0.8 if model == "flexible-ideal-modal" else 0.5) * alone
+    assert total > (0.8 if model == "flexible-ideal:4 modes" else 0.5) * alone
 
 
 def test_the_peak_before_latching_is_the_greatest_force_up_to_the_first_latching():
@@ -162,7 +163,7 @@ def test_the_time_since_latching_counts_from_the_last_one_in_units_of_the_window
     assert observation[index] == 1.0
 
 
-@pytest.mark.parametrize("model", ["rigid-ideal", "rigid-clearance", "flexible-clearance"])
+@pytest.mark.parametrize("model", ["rigid-ideal", "rigid-clearance", "flexible-clearance:2 elements"])
 def test_latches_without_play_hold_a_folded_array_that_the_motor_pushes_shut(model):
     env = make(model, parameters={"latch_gap": 0.0})
     env.reset(seed=0)

@@ -112,7 +112,7 @@ def test_the_table_of_the_package_answers_every_question_at_every_level_and_says
     assert {a.question for a in answers} == set(QUESTIONS)
     for question in QUESTIONS:
         own = [a for a in answers if a.question == question]
-        assert {a.level for a in own} == {level.model for level in campaign.FULL.levels[:-1]}
+        assert {a.level for a in own} == {str(level.panels) for level in campaign.FULL.levels[:-1]}
         # Unlike a mean, a ranking can come out the same in all resamples.
         assert all(a.half_width > 0.0 or question == "controller-ranking" for a in own)
         assert all(a.half_width >= 0.0 and a.evaluations > 0 and a.cost_ratio > 0.0 for a in own)

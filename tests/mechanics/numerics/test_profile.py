@@ -222,7 +222,7 @@ def mixed() -> Mechanism:
 
 MECHANISMS: dict[str, Callable[[], Mechanism]] = {
     **{model: (lambda model=model: build(ArrayParameters(panel_count=3), model)) for model in NATURAL_LEVELS},
-    "fixed main body": lambda: build(ArrayParameters(body_fixed=True), "flexible-ideal", 6),
+    "fixed main body": lambda: build(ArrayParameters(body_fixed=True), "flexible-ideal:6 elements"),
     "slider-crank": slider_crank,
     "mixed": mixed,
     "free chain": lambda: chain(np.random.default_rng(0), angles=np.full(3, 0.4), eccentricities=np.zeros((3, 2))),

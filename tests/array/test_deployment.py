@@ -69,12 +69,6 @@ def test_integrators_by_name(name: str, level: str) -> None:
         assert make_integrator(name, model, rtol=1e-5) == replace(expected, rtol=1e-5)
 
 
-def test_an_unknown_integrator_is_refused_with_the_choices() -> None:
-    choices = ", ".join(INTEGRATOR_NAMES)
-    with pytest.raises(ValueError, match=f"integrator 'euler' is unknown; choose from {choices}"):
-        make_integrator("euler", "rigid-ideal")
-
-
 @pytest.mark.parametrize("name", INTEGRATOR_NAMES)
 @pytest.mark.parametrize("step", [0.0, -1e-4, math.nan])
 def test_an_absurd_step_is_refused_with_its_value(name: str, step: float) -> None:
@@ -135,12 +129,8 @@ def test_a_deployment_takes_parameters_or_changes_and_keeps_them() -> None:
     assert changed.metadata["parameters"] == ArrayParameters(clearance=3e-4).to_dict()
     assert changed.clearance.tolist() == [3e-4, 3e-4]
     assert changed.metadata["model"] == "rigid-clearance"
-
-
-def test_the_preset_of_the_paper_has_its_parameters() -> None:
-    run = simulate({"friction_coefficient": 0.1}, preset="paper", model="flexible-ideal:6 elements", duration=0.01)
-    assert run.metadata["parameters"] == replace(ArrayParameters.preset("paper"), friction_coefficient=0.1).to_dict()
-    assert run.metadata["integrator"] == "rosenbrock"
+    paper = simulate({"friction_coefficient": 0.1}, preset="paper", duration=0.01).metadata["parameters"]
+    assert paper == replace(ArrayParameters.preset("paper"), friction_coefficient=0.1).to_dict()
 
 
 @pytest.mark.parametrize("model", ["flexible-ideal:3 elements", "flexible-clearance:3 elements"])
@@ -180,11 +170,6 @@ def test_initial_rates_are_those_asked_for_and_strain_nothing(model: str, hinge:
     energies = dict(zip(m.ENERGY_NAMES, simulation.stored_energies(), strict=True))
     assert energies["kinetic"] == pytest.approx(0.5 * p.body_inertia * spin**2 + sum(expected), rel=1e-12)
     assert energies["elastic"] == pytest.approx(0.0, abs=1e-20)
-
-
-def test_a_body_that_is_held_cannot_turn() -> None:
-    with pytest.raises(ValueError, match=r"initial_spin = 0\.1 needs a body that is not fixed"):
-        ArrayParameters(body_fixed=True, initial_spin=0.1)
 
 
 FAST = {"spring_stiffness": (2.5, 1.875), "cable_preload_force": 1250.0}

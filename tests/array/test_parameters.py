@@ -122,6 +122,7 @@ def test_other_values_without_sense_are_refused() -> None:
     refused({"static_friction_ratio": 0.9}, "static_friction_ratio = 0.9 must be at least 1")
     refused({"static_friction_ratio": 1.5}, "static_friction_ratio = 1.5 must be 1 with friction_law = 'ramp'")
     refused({"body_fixed": 1}, "body_fixed = 1 must be of type bool")
+    refused({"body_fixed": True, "initial_spin": 0.1}, "initial_spin = 0.1 needs a body that is not fixed")
     refused({"latch_exponent": 0.5}, "latch_exponent = 0.5 must be at least 1")
     for name in ("journal_poisson", "bearing_poisson"):
         for value in (-1.0, 0.51):
@@ -261,11 +262,6 @@ def test_changes_leave_the_original_alone_and_may_be_lists() -> None:
     assert p == ArrayParameters()
 
 
-def test_parameters_survive_json() -> None:
-    p = ArrayParameters(panel_count=3, clearance=(1e-4, 2e-4, 3e-4), contact_stiffness=None)
-    assert ArrayParameters().with_changes(json.loads(json.dumps(p.to_dict()))) == p
-
-
 @pytest.mark.parametrize(
     ("name", "given", "kept"),
     [
@@ -301,10 +297,6 @@ def test_the_papers_preset_differs_in_these_four_parameters_alone() -> None:
 
 def test_presets() -> None:
     assert ArrayParameters.preset("default") == ArrayParameters()
-    paper = ArrayParameters.preset("paper")
-    assert (paper.hinge_x, paper.hinge_y) == (0.5, -0.5)
-    assert paper.cable_torque_ratio == 1.0
-    assert paper.friction_sliding == "material"
     for name in PRESETS:
         assert ArrayParameters.preset(name).with_changes({}) == ArrayParameters.preset(name)
     with pytest.raises(ValueError, match="preset 'papper' is unknown; did you mean 'paper'"):

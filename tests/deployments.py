@@ -12,13 +12,19 @@ from solar_env.mechanics.running.simulation import Simulation
 # A method with each control of steps: adaptive, its own, and that of modal panels.
 EXAMPLES: list[Integrator] = [RungeKutta(), GeneralizedAlpha(rtol=1e-4), ModalRadau()]
 every_integrator = pytest.mark.parametrize("integrator", EXAMPLES, ids=lambda i: i.name)
+# Levels of natural coordinates, and of all methods; few elements and modes, which is quick.
+BEAMS = ["flexible-ideal:2 elements", "flexible-clearance:2 elements"]
+NATURAL_LEVELS = ["rigid-ideal", "rigid-clearance", *BEAMS]
+LEVELS = [*NATURAL_LEVELS, "flexible-ideal:4 modes", "flexible-clearance:4 modes"]
 
 
 def array(integrator: Integrator, model: str = "rigid-clearance") -> Mechanism:
     """The array, with modal panels for their own method."""
     if isinstance(integrator, ModalRadau):
-        return build(ArrayParameters(), model.replace("rigid", "flexible"), modes=3)
-    return build(ArrayParameters(), model, 2)
+        model = f"{model.replace('rigid', 'flexible')}:3 modes"
+    elif model.startswith("flexible"):
+        model += ":2 elements"
+    return build(ArrayParameters(), model)
 
 
 def in_contact(integrator: Integrator) -> Simulation:

@@ -5,13 +5,9 @@ from __future__ import annotations
 import gymnasium
 import numpy as np
 
-from solar_env.array import MODELS
 from solar_env.environment.registration import DEPLOY
 
 RANGES = {"clearance": (1e-4, 3e-4), "friction_coefficient": (0.05, 0.3)}
-# Few elements and modes, which is quick.
-LEVELS = {model: {"model": model} | ({"elements": 2} if model.startswith("flexible") else {}) for model in MODELS}
-LEVELS |= {f"{model}-modal": {"model": model, "modes": 4} for model in MODELS if model.startswith("flexible")}
 # Springs that deploy the array within three seconds.
 STRONG = {"spring_stiffness": 2.0}
 LANES = 5
@@ -20,7 +16,7 @@ LATE_ROOT = {"cable_stiffness": 0.02}
 
 
 def make(model="rigid-clearance", **keywords):
-    return gymnasium.make(DEPLOY, **LEVELS[model], **keywords).unwrapped
+    return gymnasium.make(DEPLOY, model=model, **keywords).unwrapped
 
 
 def watch(env, actions, seed=0):

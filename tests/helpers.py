@@ -146,9 +146,9 @@ def in_miniature() -> None:
             ("rigid-ideal", build(p, "rigid-ideal"), 0.1, 0.01),
             ("rigid-clearance", build(p, "rigid-clearance"), 0.1, 0.015),
             ("latching", rotor(0.01), 100.0, 0.03),
-            ("flexible-ideal", build(p, "flexible-ideal", 2), 0.1, 0.004),
+            ("flexible-ideal", build(p, "flexible-ideal:2 elements"), 0.1, 0.004),
             # In flight: the steps of an impact on a beam are chosen by errors so small that rounding decides.
-            ("flexible-clearance", build(ArrayParameters(wear_bins=8), "flexible-clearance", 1), 0.1, 0.002),
+            ("flexible-clearance", build(ArrayParameters(wear_bins=8), "flexible-clearance:1 element"), 0.1, 0.002),
             ("latching-beam", beam_rotor(0.01), 1.0, 0.1),
         ):
             simulation = Simulation(mechanism, integrator)

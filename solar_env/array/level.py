@@ -54,13 +54,13 @@ class ModelLevel:
         name = found["name"] if found else word
         if found is None or name not in MODELS:
             raise ValueError(
-                f"{unknown_name('model', name, MODELS)}; flexible panels may be followed by their fineness, as in "
-                "'flexible-clearance:8 modes' or 'flexible-ideal:6 elements'"
+                f"{unknown_name('model', name, MODELS)} (a fineness may follow flexible panels, as in "
+                "'flexible-clearance:8 modes' or 'flexible-ideal:6 elements')"
             )
         panels, joints = name.split("-")
         if panels == RIGID:
             if found["count"] is not None:
-                raise ValueError(f"model {word!r} has rigid panels, which consist of nothing: name it {name!r}")
+                raise ValueError(f"model {word!r} has rigid panels, which take no count: name it {name!r}")
             return cls(panels, joints)
         if found["count"] is None:
             return cls(panels, joints, MODES, DEFAULT_MODES)

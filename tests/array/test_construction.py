@@ -3,20 +3,12 @@
 from __future__ import annotations
 
 import math
-import re
-from typing import Any
 
 import numpy as np
 import pytest
-from episodes import LEVELS
+from deployments import LEVELS, NATURAL_LEVELS
 
-from solar_env.array import (
-    MODELS,
-    ArrayParameters,
-    PanelModel,
-    build,
-    main_body_corners,
-)
+from solar_env.array import ArrayParameters, build, main_body_corners
 from solar_env.array.deployment import panel_deflections, simulate
 from solar_env.array.methods import default_integrator
 from solar_env.mechanics.analysis.geometry import centreline
@@ -29,9 +21,7 @@ from solar_env.mechanics.running.simulation import Simulation
 
 def folded(p: ArrayParameters, level: str) -> Simulation:
     """The array of a level, before it moves."""
-    panels = PanelModel.of(**LEVELS[level])
-    model = LEVELS[level]["model"]
-    return Simulation(build(p, model, panels=panels), default_integrator(model, panels))
+    return Simulation(build(p, level), default_integrator(level))
 
 
 def joint_points(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
@@ -67,7 +57,7 @@ def test_at_its_lock_angles_the_array_is_straight_and_stands_off_the_body(panels
     for k, body in enumerate(simulation.model.bodies[1:]):
         start = 0.5 + k * p.panel_length
         q = simulation.state.q[body["offset"] :]
-        if level.endswith("modal"):
+        if level.endswith("modes"):
             q[:3] = start + 0.5 * p.panel_length, 0.0, 0.0
             continue
         q = q[: body["coordinates"]]
@@ -81,7 +71,7 @@ def test_at_its_lock_angles_the_array_is_straight_and_stands_off_the_body(panels
     locks = [joint.lock_angle for joint in p.joints]
     assert simulation.joint_loads()[:, ANGLE] == pytest.approx(locks, abs=1e-14)
     assert locks == [math.pi / 2] + [math.pi] * (panels - 1)
-    assert [joint.lock_angle for joint in build(p, **LEVELS[level]).joints] == locks
+    assert [joint.lock_angle for joint in build(p, level).joints] == locks
 
 
 def test_springs_relax_at_the_lock_angles_by_default() -> None:
@@ -117,42 +107,29 @@ def test_only_the_clearance_models_have_bearings(panels: str) -> None:
     assert [joint.bearing for joint in build(p, f"{panels}-clearance").joints] == [p.bearing(0), p.bearing(1)]
 
 
-@pytest.mark.parametrize("panels", [PanelModel("ancf", 3), PanelModel("modal", 3)], ids=str)
-def test_flexible_panels_have_the_mass_of_rigid_ones_and_the_stiffness_of_their_section(panels: PanelModel) -> None:
+@pytest.mark.parametrize("unit", ["elements", "modes"])
+def test_flexible_panels_have_the_mass_of_rigid_ones_and_the_stiffness_of_their_section(unit: str) -> None:
     p = ArrayParameters(panel_width=1.2, panel_thickness=0.03, panel_damping=2e-5)
-    for panel in build(p, "flexible-ideal", panels=panels).bodies[1:]:
+    for panel in build(p, f"flexible-ideal:3 {unit}").bodies[1:]:
         assert isinstance(panel, FlexibleBody | ModalPanel)
-        assert (panel.length, getattr(panel, panels.option), panel.damping) == (1.5, 3, 2e-5)
+        assert (panel.length, getattr(panel, unit), panel.damping) == (1.5, 3, 2e-5)
         mass = panel.mass if isinstance(panel, ModalPanel) else panel.linear_density * panel.length
         assert mass == pytest.approx(200.0 * 1.5 * 1.2 * 0.03, rel=1e-14)
         assert panel.axial_stiffness == pytest.approx(280e6 * 1.2 * 0.03, rel=1e-14)
         assert panel.bending_stiffness == pytest.approx(280e6 * 1.2 * 0.03**3 / 12.0, rel=1e-14)
 
 
-@pytest.mark.parametrize("model", MODELS)
-@pytest.mark.parametrize("elements", [0, -1, 1001, 2.0, "6", True])
-def test_a_refused_number_of_elements_is_named_whatever_the_model(model: str, elements: Any) -> None:
-    calls = (
-        lambda n: PanelModel("ancf", n),
-        lambda n: build(ArrayParameters(), model, n),
-        lambda n: simulate(model=model, elements=n),
-    )
-    for call in calls:
-        with pytest.raises(ValueError, match=rf"elements = {re.escape(repr(elements))}: must"):
-            call(elements)
-
-
-@pytest.mark.parametrize("elements", [1, 7])
-def test_elements_divide_flexible_panels_only(elements: int) -> None:
-    for model in MODELS:
-        bodies = compile_mechanism(build(ArrayParameters(), model, elements))[0].bodies
-        assert bodies["elements"].tolist() == [0] + 2 * [elements if model.startswith("flexible") else 0]
+@pytest.mark.parametrize("level", NATURAL_LEVELS)
+def test_elements_divide_flexible_panels_only(level: str) -> None:
+    bodies = compile_mechanism(build(ArrayParameters(), level))[0].bodies
+    assert bodies["elements"].tolist() == [0] + 2 * [2 if level.startswith("flexible") else 0]
 
 
 @pytest.mark.parametrize("elements", [1, 2, 5])
 def test_deflections_are_those_of_the_panels_middles_from_their_chords(elements: int) -> None:
-    run = simulate(model=f"flexible-ideal:{elements} elements", duration=0.02)
-    model, _ = compile_mechanism(build(ArrayParameters(), "flexible-ideal", elements))
+    level = f"flexible-ideal:{elements} elements"
+    run = simulate(model=level, duration=0.02)
+    model, _ = compile_mechanism(build(ArrayParameters(), level))
     # Parabolas over the chords, which cubics represent: the middle lies 1/4 of the end slopes' length off.
     stations = np.linspace(0.0, 1.5, elements + 1)
     angle = np.array([0.3, -1.2])

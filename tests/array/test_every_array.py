@@ -20,7 +20,7 @@ from hypothesis import assume, given, reject
 from hypothesis import strategies as st
 from mechanisms import turned
 
-from solar_env.array import MODELS, ArrayParameters, PanelModel, build
+from solar_env.array import MODELS, ArrayParameters, build
 from solar_env.array.methods import default_integrator
 from solar_env.mechanics.arrays.columns import ANGLE
 from solar_env.mechanics.integrators.settings import INTEGRATORS
@@ -80,9 +80,10 @@ def simulation(
     torque: float = 0.0,
     change: Callable[[Mechanism], Mechanism] = lambda mechanism: mechanism,
 ) -> Simulation:
-    panels = PanelModel.of(model, integrator=integrator)
-    method = INTEGRATORS[integrator](rtol=1e-4) if integrator else default_integrator(model, panels)
-    made = Simulation(change(build(array, model, panels=panels)), replace(method, max_steps=300_000))
+    if integrator and model.startswith("flexible"):
+        model += ":6 elements"
+    method = INTEGRATORS[integrator](rtol=1e-4) if integrator else default_integrator(model)
+    made = Simulation(change(build(array, model)), replace(method, max_steps=300_000))
     made.set_motor_torque(0, torque)
     return made
 

@@ -110,12 +110,6 @@ def test_a_refusal_names_the_line_and_the_rule(content, line, words, file):
     assert re.search(rf"line {line}\b", str(refusal.value))
 
 
-def test_ranges_that_meet_where_they_contradict_are_refused(file):
-    path = file("[randomize]\nfriction_speed_zero = [1e-5, 8e-4]\nfriction_speed_full = [5e-4, 1e-3]")
-    with pytest.raises(ValueError, match="friction_speed_zero"):
-        read_parameters(path)
-
-
 @pytest.mark.parametrize(
     ("content", "words"),
     [

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 
-import gymnasium
 import numpy as np
 import pytest
-from episodes import LATE_ROOT, LEVELS, STRONG, deploy, main_body_spin, make
+from deployments import LEVELS
+from episodes import LATE_ROOT, STRONG, deploy, main_body_spin, make
 
-from solar_env.environment.registration import DEPLOY
 from solar_env.mechanics.arrays.model import SLIDING_WORK, joint_integrals
 
 
@@ -70,17 +69,8 @@ def test_nothing_counts_as_after_the_latching_where_none_has_latched():
     assert min(info["deployment"]["contact_starts"]) > 0
     for name in ("peak_postlock_force_N", "postlock_impulse_Ns", "postlock_sliding_work_J"):
         assert info["deployment"][name] == [0.0, 0.0], name
-
-
-def test_a_missed_deadline_terminates_and_costs_more_than_the_worst_deployment():
-    env = gymnasium.make(DEPLOY).unwrapped
-    total, steps, info = deploy(env, lambda observation: [-1.0])
-    assert not info["deployment"]["latched"]
-    assert steps == 200
-    assert -50.1 < total <= -37.5, "25, more for most of the way, and what it has worn until then"
-    # Driving at full torque throughout, after latching too, is about the worst that a deployment can be.
-    hard, _, _ = deploy(env, lambda observation: [1.0 if observation[2] >= 0.0 else -1.0])
-    assert total < -env.reward.largest_cost < hard < 0.0
+    assert info["deployment"]["peak_prelatch_force_N"] == env.simulation.state.joints["peak_force"].tolist()
+    assert min(info["deployment"]["peak_prelatch_force_N"]) > 0.0
 
 
 @pytest.mark.parametrize("model", LEVELS)
@@ -91,16 +81,6 @@ def test_a_deadline_ends_the_episode_of_every_model(model):
     assert -50.01 < total <= -45.0
     assert info["deployment"]["latch_times_s"] == [None, None]
     assert info["deployment"]["duration_s"] == pytest.approx(0.55, abs=1e-12)
-
-
-def test_the_charges_are_bounded_whatever_the_forces():
-    env = gymnasium.make(DEPLOY).unwrapped
-    env.reset(seed=0)
-    env.simulation.state.clock["latched_joints"] = 1
-    env.simulation.state.joints["postlock_peak_force"] = 1e9
-    _, reward, _, _, info = env.step([0.0])
-    assert info["reward_terms"]["peak_impact"] == -12.0
-    assert reward >= -env.reward.largest_cost
 
 
 def test_braking_before_the_latch_is_rewarded(passive):
@@ -118,7 +98,7 @@ def test_braking_before_the_latch_is_rewarded(passive):
     total, _, info = deploy(make(model), brake)
     assert info["deployment"]["latched"]
     # Of the forces that panels without a mesh have, as those with twelve elements, it takes off a third at best.
-    assert total > (0.8 if model == "flexible-ideal-modal" else 0.5) * alone
+    assert total > (0.8 if model == "flexible-ideal:4 modes" else 0.5) * alone
 
 
 def test_the_peak_before_latching_is_the_greatest_force_up_to_the_first_latching():
@@ -137,16 +117,6 @@ def test_the_peak_before_latching_is_the_greatest_force_up_to_the_first_latching
     assert np.all(peaks[-1] > 0.0)
 
 
-def test_where_nothing_latches_the_peak_before_latching_is_that_of_the_episode():
-    env = make("rigid-clearance", deadline=0.5)
-    env.reset(seed=0)
-    over = False
-    while not over:
-        *_, over, _, info = env.step([-0.1])
-    assert info["deployment"]["peak_prelatch_force_N"] == env.simulation.state.joints["peak_force"].tolist()
-    assert min(info["deployment"]["peak_prelatch_force_N"]) > 0.0
-
-
 def test_the_time_since_latching_counts_from_the_last_one_in_units_of_the_window():
     env = make("rigid-clearance", parameters=LATE_ROOT)
     env.reset(seed=0)
@@ -162,7 +132,7 @@ def test_the_time_since_latching_counts_from_the_last_one_in_units_of_the_window
     assert observation[index] == 1.0
 
 
-@pytest.mark.parametrize("model", ["rigid-ideal", "rigid-clearance", "flexible-clearance"])
+@pytest.mark.parametrize("model", ["rigid-ideal", "rigid-clearance", "flexible-clearance:2 elements"])
 def test_latches_without_play_hold_a_folded_array_that_the_motor_pushes_shut(model):
     env = make(model, parameters={"latch_gap": 0.0})
     env.reset(seed=0)

@@ -28,7 +28,7 @@ def makers():
 @pytest.mark.parametrize("make", makers().values(), ids=makers())
 def test_every_keyword_is_taken_and_its_default_is_what_is_there_without_it(make, name):
     given, left_out = (make(**keywords).unwrapped for keywords in ({name: getattr(EnvironmentSettings(), name)}, {}))
-    for attribute in ("model", "panels", "parameters", "randomize", "hardware", "task", "observation_names"):
+    for attribute in ("model", "parameters", "randomize", "hardware", "task", "observation_names"):
         assert getattr(given, attribute) == getattr(left_out, attribute)
     assert given.reward.prices == left_out.reward.prices
 

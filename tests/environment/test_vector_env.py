@@ -7,7 +7,8 @@ from functools import partial
 import gymnasium
 import numpy as np
 import pytest
-from episodes import LANES, LEVELS, RANGES, STRONG, assert_same, make_vector, random_actions
+from deployments import LEVELS
+from episodes import LANES, RANGES, STRONG, assert_same, make_vector, random_actions
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 from solar_env.environment.registration import DEPLOY
@@ -51,7 +52,7 @@ def test_it_gives_what_sync_vector_env_gives_bit_for_bit(mode, longest):
 @pytest.mark.parametrize("level", LEVELS)
 def test_a_lane_equals_the_single_environment_with_its_seed(level):
     ranges = {**RANGES, "panel_young": (2.5e8, 3.1e8)}
-    keywords = {**LEVELS[level], "randomize": ranges, "parameters": STRONG, "observation": "privileged"}
+    keywords = {"model": level, "randomize": ranges, "parameters": STRONG, "observation": "privileged"}
     native = make_vector(**keywords)
     first, _ = native.reset(seed=11)
     steps = [native.step(actions) for actions in random_actions(12)]

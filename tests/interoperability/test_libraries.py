@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import solar_env  # noqa: F401 (registers the environments)
-from agents.environments import completed, make_env
+from agents.environments import make_env
 from agents.policies.shipped import load_shipped
 from solar_env.environment.registration import DEPLOY
 
@@ -67,7 +67,7 @@ def test_minari_collects_episodes_of_a_shipped_policy(tmp_path, monkeypatch):
     minari = pytest.importorskip("minari")
     monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))
     policy = load_shipped("cma-es-nominal")
-    keywords = completed({"model": "rigid-ideal"}, policy.description.env_kwargs)
+    keywords = {**policy.description.env_kwargs, "model": "rigid-ideal"}
     env = minari.DataCollector(make_env(DEPLOY, keywords))
     policy.check(env)
     observation, _ = env.reset(seed=0)

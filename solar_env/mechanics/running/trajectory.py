@@ -150,9 +150,6 @@ class Trajectory:
 
         return {
             "model": self.metadata.get("model"),
-            "panels": self.metadata.get("panels"),
-            "elements": self.metadata.get("elements"),
-            "modes": self.metadata.get("modes"),
             "integrator": self.metadata.get("integrator"),
             "status": "completed",
             "duration_s": float(self.time[-1] - self.time[0]),

@@ -7,7 +7,8 @@ import math
 import gymnasium
 import numpy as np
 import pytest
-from episodes import LATE_ROOT, LEVELS, make
+from deployments import BEAMS, LEVELS
+from episodes import LATE_ROOT, make
 
 import solar_env
 from solar_env.environment.registration import DEPLOY
@@ -24,7 +25,7 @@ def test_frames_are_played_at_the_pace_of_the_control_periods():
     assert all(type(rate) is int for rate in rates)
 
 
-@pytest.mark.parametrize("model", ["flexible-ideal", "flexible-clearance"])
+@pytest.mark.parametrize("model", BEAMS)
 def test_a_frame_shows_bent_panels_as_smooth_curves(model, monkeypatch):
     env = make(model, render_mode="rgb_array")
     env.reset(seed=0)

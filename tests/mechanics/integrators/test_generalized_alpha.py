@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from deployments import NATURAL_LEVELS
 from helpers import attempt, fingerprint, orders, single_steps
 from mechanisms import block, floating_pair, pendulum, rotor
 
-from solar_env.array import MODELS, ArrayParameters, build
+from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.arrays.columns import ANGLE, FORCE_X, FORCE_Y
 from solar_env.mechanics.arrays.model import MOTOR_WORK
 from solar_env.mechanics.equations.constraints import constraint_drift
@@ -206,10 +207,10 @@ def test_a_stop_holds_within_one_call_as_the_explicit_method_does() -> None:
     assert angles == pytest.approx([1.015, 1.015], abs=1e-6)
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", NATURAL_LEVELS)
 def test_an_absurd_step_fails_with_time_and_remedy_at_the_last_accepted_state(model: str) -> None:
     # With clearance the first impact is too much, without it the first latching.
-    simulation = Simulation(build(ArrayParameters(), model, 6), GeneralizedAlpha(step=0.5))
+    simulation = Simulation(build(ArrayParameters(), model), GeneralizedAlpha(step=0.5))
     before = simulation.snapshot()
     with pytest.raises(SimulationError, match=r"at t = \d.*reduce the step") as caught:
         simulation.advance(30.0)

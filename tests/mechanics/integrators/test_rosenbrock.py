@@ -9,7 +9,7 @@ import pytest
 from helpers import fingerprint
 from test_flexible_motion import BEAM, WIDE, flight, momenta
 
-from solar_env.array import ArrayParameters, PanelModel, build
+from solar_env.array import ArrayParameters, build
 from solar_env.array.methods import default_integrator, make_integrator
 from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.arrays import model as m
@@ -137,7 +137,7 @@ def test_without_beams_it_is_the_explicit_method() -> None:
 
 
 def test_the_quiet_deployment_of_flexible_panels_takes_hundreds_of_steps() -> None:
-    simulation = Simulation(build(ArrayParameters(), "flexible-ideal", 6), Rosenbrock(rtol=1e-4))
+    simulation = Simulation(build(ArrayParameters(), "flexible-ideal:6 elements"), Rosenbrock(rtol=1e-4))
     simulation.advance(3.0)
     before = int(simulation.state.clock["steps"][0])
     simulation.advance(4.0)
@@ -151,8 +151,8 @@ def test_drives_are_refused() -> None:
         Simulation(spin_up_beam(beam, 2, 1.0, 1.0), Rosenbrock())
 
 
-@pytest.mark.parametrize("model", ["flexible-ideal", "flexible-clearance"])
+@pytest.mark.parametrize("model", ["flexible-ideal:6 elements", "flexible-clearance:6 elements"])
 def test_beams_of_elements_get_it_unless_another_is_named(model: str) -> None:
-    assert default_integrator(model, PanelModel("ancf", 6)) == make_integrator("rosenbrock", model)
+    assert default_integrator(model) == make_integrator("rosenbrock", model)
     assert type(make_integrator("runge-kutta", model)) is RungeKutta
     assert make_integrator("rosenbrock", model, rtol=1e-5, step=0.01) == Rosenbrock(rtol=1e-5, max_step=0.01)

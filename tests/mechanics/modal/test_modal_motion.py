@@ -206,7 +206,7 @@ def test_a_free_undamped_vibration_keeps_its_energy_however_slow_it_is(speed: fl
 
 @pytest.mark.parametrize("model", ["flexible-ideal", "flexible-clearance"])
 def test_array_keeps_its_books(model: str) -> None:
-    mechanism = build(ArrayParameters(spring_stiffness=(2.0, 1.5), initial_rate=0.2), model, modes=6)
+    mechanism = build(ArrayParameters(spring_stiffness=(2.0, 1.5), initial_rate=0.2), f"{model}:6 modes")
     left = []
     for rtol in (1e-3, 1e-5):
         simulation = Simulation(mechanism, ModalRadau(rtol=rtol))

@@ -8,9 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from deployments import NATURAL_LEVELS
 from mechanisms import chain
 
-from solar_env.array import MODELS, ArrayParameters, build
+from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.mechanism.description import GROUND, Body, Drive, FlexibleBody, Guide, Joint, Mechanism
 from solar_env.mechanics.mechanism.textbook import slider_crank
@@ -220,8 +221,8 @@ def mixed() -> Mechanism:
 
 
 MECHANISMS: dict[str, Callable[[], Mechanism]] = {
-    **{model: (lambda model=model: build(ArrayParameters(panel_count=3), model, 6)) for model in MODELS},
-    "fixed main body": lambda: build(ArrayParameters(body_fixed=True), "flexible-ideal", 6),
+    **{model: (lambda model=model: build(ArrayParameters(panel_count=3), model)) for model in NATURAL_LEVELS},
+    "fixed main body": lambda: build(ArrayParameters(body_fixed=True), "flexible-ideal:6 elements"),
     "slider-crank": slider_crank,
     "mixed": mixed,
     "free chain": lambda: chain(np.random.default_rng(0), angles=np.full(3, 0.4), eccentricities=np.zeros((3, 2))),
@@ -264,21 +265,21 @@ def test_every_multiplier_comes_right_after_the_last_coordinate_that_it_acts_on(
         assert all(abs(k - last) < 4 for k in node), (place, node)
 
 
-def storage(model: str, *, panels: int = 2, elements: int = 6) -> int:
+def storage(model: str, panels: int = 2) -> int:
     """Entries below the diagonal in the profile of an array's matrix."""
-    compiled, _ = compile_mechanism(build(ArrayParameters(panel_count=panels), model, elements))
+    compiled, _ = compile_mechanism(build(ArrayParameters(panel_count=panels), model))
     return int(make_profile_matrix(compiled.elimination).lower.size)
 
 
 @pytest.mark.parametrize("model", ["flexible-ideal", "flexible-clearance"])
 def test_storage_grows_linearly_with_the_elements(model: str) -> None:
-    sizes = [storage(model, elements=n) for n in (6, 12, 24, 48)]
+    sizes = [storage(f"{model}:{n} elements") for n in (6, 12, 24, 48)]
     assert sizes[2] - sizes[1] == 2 * (sizes[1] - sizes[0])
     assert sizes[3] - sizes[2] == 4 * (sizes[1] - sizes[0])
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", NATURAL_LEVELS)
 def test_storage_grows_linearly_with_the_panels(model: str) -> None:
-    growth = np.diff([storage(model, panels=k) for k in range(2, 9)])
+    growth = np.diff([storage(model, k) for k in range(2, 9)])
     assert np.all(growth == growth[-1])
     assert growth[-1] > 0

@@ -195,7 +195,7 @@ def test_figures_draws_every_picture(tmp_path, monkeypatch):
     assert all(path.is_file() for path in figures.PICTURES), "those of the pages"
 
 
-@pytest.mark.parametrize("model", ["rigid-clearance", "flexible-clearance"])
+@pytest.mark.parametrize("model", ["rigid-clearance", "flexible-clearance:6 elements"])
 def test_a_run_that_cannot_go_on_exits_with_2_and_says_when_and_why(capsys, model):
     assert main(["simulate", "--model", model, "--duration", "2", "--integrator", "paper", "--step", "0.05"]) == 2
     message = capsys.readouterr().err

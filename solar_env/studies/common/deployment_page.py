@@ -59,13 +59,12 @@ def motion_of(trajectory: Trajectory, name: str) -> Motion:
     """The array in motion.
 
     Args:
-        trajectory: whose metadata tell model, panels, integrator and parameters.
+        trajectory: whose metadata tell model, integrator and parameters.
         name: in words.
     """
     kept, details = shown_samples(trajectory), trajectory.metadata
     parameters = ArrayParameters().with_changes(details["parameters"])
-    panels = {key: details.get(key) for key in ("panels", "elements", "modes")}
-    model, _ = METHODS[details["integrator"]].formulation.compile(build(parameters, details["model"], **panels))
+    model, _ = METHODS[details["integrator"]].formulation.compile(build(parameters, details["model"]))
     q = trajectory.coordinates[kept]
     axes = [centreline(model, q, body, 1) for body in range(parameters.panel_count + 1)]
     clearance = trajectory.clearance

@@ -95,7 +95,7 @@ def test_what_the_peer_cannot_express_is_refused():
     for changed, named in (
         (replace(scene, parameters=ArrayParameters(panel_count=1, friction_speed_zero=0.0)), "panel_count = 1"),
         (replace(scene, parameters=replace(FULL.parameters, initial_spin=0.1)), "initial_spin = 0.1"),
-        (replace(scene, model="flexible-ideal:32 modes"), "XXX"),
+        (replace(scene, model="flexible-ideal:32 modes"), "model = 'flexible-ideal:32 modes'"),
     ):
         with pytest.raises(ValueError, match=named):
             methods.exudyn("generalized-alpha")(changed, 1e-2)

@@ -60,7 +60,7 @@ def motion_of(trajectory: Trajectory, name: str) -> Motion:
     """The array in motion.
 
     Args:
-        trajectory: whose metadata tell model, panels, integrator and parameters.
+        trajectory: whose metadata tell model, integrator and parameters.
         name: in words.
     """
     kept, details = shown_samples(trajectory), trajectory.metadata

@@ -13,25 +13,20 @@ pytestmark = pytest.mark.usefixtures("few_validation_episodes")
 
 
 @pytest.mark.parametrize(
-    ("arguments", "model", "panels", "timesteps"),
+    ("arguments", "model", "timesteps"),
     [
-        ([], "flexible-clearance", {"modes": 32}, 130_000),
-        (["--algo", "cma-es", "--model", "rigid-clearance"], "rigid-clearance", {}, 1_000_000),
-        (["--algo", "ppo"], "rigid-clearance", {}, 200_000),
-        (["--elements", "4", "--timesteps", "500"], "flexible-clearance", {"elements": 4}, 500),
-        (["--algo", "sac"], "rigid-clearance", {}, 100_000),
-        (["--algo", "ppo", "--model", "flexible-clearance"], "flexible-clearance", {}, 200_000),
-        (["--env-kwargs", "model=rigid-clearance"], "rigid-clearance", {}, 1_000_000),
+        ([], "flexible-clearance", 130_000),
+        (["--algo", "cma-es", "--model", "rigid-clearance"], "rigid-clearance", 1_000_000),
+        (["--algo", "ppo"], "rigid-clearance", 200_000),
+        (["--model", "flexible-ideal:4 elements", "--timesteps", "500"], "flexible-ideal:4 elements", 500),
+        (["--algo", "sac"], "rigid-clearance", 100_000),
+        (["--algo", "ppo", "--model", "flexible-clearance"], "flexible-clearance", 200_000),
+        (["--env-kwargs", "model=rigid-clearance"], "rigid-clearance", 1_000_000),
     ],
 )
-def test_a_short_training_on_flexible_panels_unless_a_model_is_named_or_single_steps_teach(
-    arguments, model, panels, timesteps
-):
+def test_a_short_training_on_flexible_panels_unless_a_model_is_named_or_single_steps_teach(arguments, model, timesteps):
     config = train.configuration(parse_arguments(train.Args, arguments), seed=0)
     assert config.env_kwargs["model"] == model
-    assert {
-        name: config.env_kwargs[name] for name in ("panels", "elements", "modes") if name in config.env_kwargs
-    } == panels
     assert config.timesteps == timesteps
 
 
@@ -64,7 +59,7 @@ def test_the_discount_reaches_over_a_whole_episode(algo, env_id):
         (["--env-id", "solar_env/Fold-v0"], "no hyperparameters for 'solar_env/Fold-v0'"),
         (["--env-kwargs", "torque_limits=0.3"], "torque_limits"),
         (["--model", "flexible"], "model 'flexible' is unknown; choose from rigid-ideal"),
-        (["--model", "flexible-clearance", "--elements", "0"], "elements = 0"),
+        (["--model", "flexible-clearance:0 elements"], "elements = 0"),
         (["--seed", "-1"], "seed is -1; give a whole number, not negative"),
         (["--hyperparams", "learning_rate=fast"], "ppo refuses its hyperparameters .*'fast'"),
         (["--hyperparams", "n_steps=0"], "ppo refuses its hyperparameters .*division by zero"),
@@ -92,7 +87,7 @@ def test_the_discount_reaches_over_a_whole_episode(algo, env_id):
             "--start .* and sac acts with the hyperbolic tangent .*; choose cma-es, ars",
         ),
         (["--algo", "td3", "--start", "one"], "--start .* and td3 acts with the hyperbolic tangent"),
-        (["--elements", "4"], "--elements 4: panels of rigid-clearance have none"),
+        (["--model", "rigid-clearance:4 elements"], "name it 'rigid-clearance'"),
         (["--env-kwargs", "scenario=randomised"], "leave the keyword out and choose --env-id"),
         (["--env-kwargs", "max_episode_steps=20"], "max_episode_steps cuts off have no landing to judge"),
         (["--eval-episodes", "0"], "the number of episodes is 0; choose one from 1"),
@@ -123,7 +118,7 @@ def test_several_seeds_need_a_folder_to_come_back_to():
     ("arguments", "message"),
     [
         (["--algo", "sac"], "--algo sac: --resume goes on with the run's own; leave it out"),
-        (["--elements", "2"], "--elements 2: --resume goes on"),
+        (["--model", "rigid-ideal"], "--model rigid-ideal: --resume goes on"),
         (["--n-envs", "3"], "--n-envs 3: --resume goes on"),
         (["--hyperparams", "n_steps=200"], "--hyperparams .*: --resume goes on"),
     ],

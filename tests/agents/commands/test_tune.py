@@ -141,8 +141,8 @@ def test_refining_starts_from_what_the_model_has_and_stays_closer(configs, judge
     ("options", "model"),
     [
         ([], "rigid-clearance"),
-        (["--model", "flexible-ideal", "--elements", "1"], "flexible-ideal"),
-        (["--model", "flexible-clearance", "--elements", "1"], "flexible-clearance"),
+        (["--model", "flexible-ideal:1 element"], "flexible-ideal"),
+        (["--model", "flexible-clearance:1 element"], "flexible-clearance"),
     ],
 )
 def test_the_command_stores_what_it_tuned_for_a_model_and_keeps_the_other_models(configs, options, model):

@@ -10,11 +10,10 @@ from scipy.stats import norm
 
 from agents.commands import evaluate
 from agents.comparison.statistics import difference, estimate, improvement, interquartile_mean
-from agents.environments import completed, episode_seeds, make_env, with_model, with_sampling
+from agents.environments import episode_seeds, make_env, with_model, with_sampling
 from agents.rollout import episode_figures
 from solar_env import SimulationError
 from solar_env.__main__ import main as solar_env
-from solar_env.array import PanelModel
 from solar_env.commands.arguments import Assignments, parse_arguments, parse_assignments
 from solar_env.environment.registration import DEPLOY_RANDOMISED
 
@@ -61,53 +60,19 @@ def test_nominal_episodes_differ_by_release_rates_and_randomised_ones_as_their_s
         assert with_sampling(given) == given
 
 
-def test_panels_of_a_training_are_left_behind_on_a_rigid_model():
-    trained = {"modes": 32, "deadline": 5.0}
-    assert completed({"model": "rigid-ideal"}, trained) == {"model": "rigid-ideal", "deadline": 5.0}
-    assert completed({"model": "flexible-ideal"}, trained) == {"model": "flexible-ideal", **trained}
-    assert completed({"elements": 2}, trained) == {"elements": 2, "deadline": 5.0}
-
-
-def test_model_and_elements_join_the_environments_keywords():
-    assert with_model({"torque_limit": 0.3}) == {"torque_limit": 0.3}
-    assert with_model({}, "flexible-ideal", 2) == {"model": "flexible-ideal:2 elements"}
-    assert with_model({"elements": 2}, "flexible-ideal", 2) == {"model": "flexible-ideal:2 elements"}
-    with make_env(env_kwargs=with_model({}, "flexible-ideal", 2)) as made:
-        assert (made.unwrapped.model, made.unwrapped.panels) == ("flexible-ideal", PanelModel("ancf", 2))
-
-
-def test_a_default_model_with_its_modes_gives_way_to_a_model_and_to_panels_that_are_named():
+def test_a_named_model_joins_the_environments_keywords_and_takes_the_place_of_the_default():
     default = {"model": "flexible-clearance"}
+    assert with_model({"torque_limit": 0.3}) == {"torque_limit": 0.3}
     assert with_model({}, default=default) == default
-    assert with_model({}, elements=2, default=default) == {"model": "flexible-clearance:2 elements"}
-    assert with_model({}, "rigid-clearance", default=default) == {"model": "rigid-clearance"}
+    assert with_model({}, "rigid-clearance", default) == {"model": "rigid-clearance"}
     assert with_model({"model": "rigid-ideal"}, default=default) == {"model": "rigid-ideal"}
-    assert with_model({}, modes=8, default=default) == {"model": "flexible-clearance:8 modes"}
-    assert with_model({}, panels="ancf", default=default) == {"model": "flexible-clearance", "panels": "ancf"}
+    with make_env(env_kwargs=with_model({}, "flexible-ideal:2 elements", default)) as made:
+        assert made.unwrapped.model == "flexible-ideal:2 elements"
 
 
-def test_an_automatic_model_is_kept_as_the_level_that_it_stands_for():
-    keywords = {"question": "wear", "tolerance": 0.2, "torque_limit": 0.3}
-    with make_env(env_kwargs={"model": "auto", **keywords}) as automatic:
-        level = {"model": automatic.unwrapped.model, **automatic.unwrapped.panels.keywords}
-    assert with_model(keywords, "auto") == {"torque_limit": 0.3, **level}
-
-
-@pytest.mark.parametrize(
-    ("keywords", "option", "message"),
-    [
-        ({"model": "rigid-ideal"}, {"modes": 2}, "--modes 2: panels of rigid-ideal have none; name a flexible model"),
-        (
-            {"model": "rigid-ideal"},
-            {"model": "flexible-ideal"},
-            "--model flexible-ideal contradicts --env-kwargs model",
-        ),
-        ({"elements": 3}, {"elements": 2}, "--elements 2 contradicts --env-kwargs elements=3"),
-    ],
-)
-def test_options_that_contradict_the_keywords_are_refused(keywords, option, message):
-    with pytest.raises(ValueError, match=message):
-        with_model(keywords, **option)
+def test_a_model_that_contradicts_the_keywords_is_refused():
+    with pytest.raises(ValueError, match="--model flexible-ideal contradicts --env-kwargs model=rigid-ideal"):
+        with_model({"model": "rigid-ideal"}, "flexible-ideal")
 
 
 def test_interquartile_mean_ignores_the_outer_quarters():

@@ -23,7 +23,6 @@ from agents.policies import shipped
 from agents.policies.shipped import load_shipped
 from agents.rollout import run_episode
 from solar_env.__main__ import execute, main
-from solar_env.array import MODELS
 from solar_env.environment.registration import DEPLOY_RANDOMISED
 from solar_env.support.numbers import plain
 
@@ -135,17 +134,16 @@ def evaluated_on(folder, *arguments):
     return json.loads((folder / "metrics.json").read_text())["settings"]["env_kwargs"]
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", ["rigid-ideal", "flexible-clearance:1 element"])
 def test_the_command_compares_on_the_model_asked_for(tmp_path, model):
-    elements = ["--elements", "1"] if model.startswith("flexible") else []
-    options = ["--controllers", "passive", "--model", model, *elements, "--env-kwargs", *QUICK]
+    options = ["--controllers", "passive", "--model", model, "--env-kwargs", *QUICK]
     used = evaluated_on(tmp_path, *options)
-    assert (used["model"], used.get("elements"), used["deadline"]) == (model, 1 if elements else None, 0.5)
+    assert (used["model"], used["deadline"]) == (model, 0.5)
 
 
 def test_elements_of_rigid_panels_are_refused(tmp_path):
-    with pytest.raises(ValueError, match="--elements 4: panels of rigid-ideal have none"):
-        evaluated_on(tmp_path, "--model", "rigid-ideal", "--elements", "4")
+    with pytest.raises(ValueError, match="model 'rigid-ideal:4 elements' has rigid panels"):
+        evaluated_on(tmp_path, "--model", "rigid-ideal:4 elements")
 
 
 def test_a_scenario_as_a_keyword_is_refused_since_nothing_is_tuned_by_it(tmp_path):
@@ -154,13 +152,13 @@ def test_a_scenario_as_a_keyword_is_refused_since_nothing_is_tuned_by_it(tmp_pat
 
 
 def test_the_model_of_run_folders_holds_unless_another_is_asked_for(tmp_path):
-    for name, model in (("a", "flexible-ideal"), ("b", "flexible-clearance")):
-        write_policy(tmp_path / name, env_kwargs={"model": model, "elements": 1, "deadline": 0.5})
+    for name, model in (("a", "flexible-ideal:1 element"), ("b", "flexible-clearance:1 element")):
+        write_policy(tmp_path / name, env_kwargs={"model": model, "deadline": 0.5})
     first, second = str(tmp_path / "a"), str(tmp_path / "b")
-    assert common_env_kwargs([first])["model"] == "flexible-ideal"
+    assert common_env_kwargs([first])["model"] == "flexible-ideal:1 element"
     with pytest.raises(ValueError, match="say with --env-kwargs"):
         common_env_kwargs([first, second])
-    assert common_env_kwargs([first, second], given=["model"]) == {"elements": 1, "deadline": 0.5}
+    assert common_env_kwargs([first, second], given=["model"]) == {"deadline": 0.5}
 
 
 def test_an_array_is_the_one_asked_for_whatever_a_run_was_trained_on(tmp_path):
@@ -286,9 +284,8 @@ def test_what_is_given_takes_the_place_of_a_suites_parts():
 
 def test_the_command_runs_a_suite_in_a_folder_of_its_own(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    execute(
-        "evaluate", ["--suite", "robust", "--controllers", "passive", "--elements", "1", "--episodes", "1", "--quiet"]
-    )
+    model = ["--model", "flexible-clearance:1 element"]
+    execute("evaluate", ["--suite", "robust", "--controllers", "passive", *model, "--episodes", "1", "--quiet"])
     settings = json.loads((tmp_path / "evaluation" / "robust" / "metrics.json").read_text())["settings"]
     assert settings["env_id"] == DEPLOY_RANDOMISED
     assert settings["env_kwargs"] == {"model": "flexible-clearance:1 element"}

@@ -5,14 +5,13 @@ import json
 import numpy as np
 import pytest
 
-from agents.environments import DEFAULT_ENV_ID, make_env, with_model
+from agents.environments import DEFAULT_ENV_ID, make_env
 from agents.laws.baselines import load_parameters, make_baseline
 from agents.laws.brake import BrakeParameters, ConstantBrake
 from agents.laws.passive import Passive
 from agents.laws.table import LAWS
 from agents.rollout import run_episode
 from agents.torque_laws import Signals
-from solar_env.array import MODELS
 
 
 @pytest.fixture(scope="module")
@@ -39,9 +38,9 @@ def test_a_baseline_has_the_parameters_tuned_for_the_environments_own_model(conf
         assert make_baseline("brake", made).parameters.torque == 0.1
 
 
-@pytest.mark.parametrize("elements", [1, 3])
-def test_tuned_parameters_hold_for_any_number_of_elements(configs, elements):
-    with make_env(env_kwargs={"model": "flexible-clearance", "elements": elements}) as made:
+@pytest.mark.parametrize("panels", ["1 element", "3 elements"])
+def test_tuned_parameters_hold_for_any_number_of_elements(configs, panels):
+    with make_env(env_kwargs={"model": f"flexible-clearance:{panels}"}) as made:
         assert make_baseline("brake", made).parameters.torque == 0.2
 
 
@@ -60,10 +59,10 @@ def test_without_rigid_parameters_to_fall_back_on_another_model_is_refused(confi
 
 
 @pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")
-@pytest.mark.parametrize("model", [model for model in MODELS if model.endswith("clearance")])
+@pytest.mark.parametrize("model", ["rigid-clearance", "flexible-clearance:1 element"])
 @pytest.mark.parametrize("name", LAWS)
 def test_every_baseline_deploys_the_nominal_array(model, name):
-    env = make_env(env_kwargs={"model": model} | ({"elements": 1} if model.startswith("flexible") else {}))
+    env = make_env(env_kwargs={"model": model})
     figures = run_episode(env, make_baseline(name, env), seed=0)
     assert figures["latched"]
     assert figures["latch_times_s"] <= 20.0
@@ -80,7 +79,7 @@ def test_tuned_servo_latches_softer_than_the_springs_alone(env):
 
 
 def test_the_servo_tuned_for_flexible_panels_is_better_there_than_the_one_tuned_for_rigid_ones():
-    with make_env(env_kwargs=with_model({}, "flexible-clearance", 2)) as flexible:
+    with make_env(env_kwargs={"model": "flexible-clearance:2 elements"}) as flexible:
         rigid = load_parameters("servo", DEFAULT_ENV_ID, "rigid-clearance")
         own, other = (run_episode(flexible, make_baseline("servo", flexible, p), seed=0) for p in (None, rigid))
     assert own["return"] > 0.5 * other["return"]

@@ -8,7 +8,7 @@ import pytest
 
 from agents.comparison.controllers import parse_controller
 from agents.comparison.suites import MODEL, SUITES
-from agents.environments import INTERFACE, completed, episode_seeds, make_env, with_sampling
+from agents.environments import INTERFACE, episode_seeds, make_env, with_sampling
 from agents.policies import shipped
 from agents.policies.shipped import load_shipped
 from agents.rollout import run_episode
@@ -35,8 +35,6 @@ def deploy(name, controller, episode=0, model=None):
     description = load_shipped(name).description
     keywords = {**description.env_kwargs, **(model or {})}
     keywords.pop("randomize", None)
-    if keywords["model"] == MODEL["model"]:
-        keywords = completed(MODEL, keywords)
     if controller != name:  # a law has its own interface
         keywords = {key: value for key, value in keywords.items() if key not in INTERFACE}
     env = make_env(description.env_id, with_sampling(keywords, description.env_id))

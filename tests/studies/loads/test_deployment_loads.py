@@ -201,7 +201,7 @@ def test_the_ladder_gives_the_level_and_the_next_finer_one():
 def loads():
     """Of four members, whose finer level is the same with other tolerances."""
     plan = ensemble.LoadsPlan(FAST, "wear", 0.5, members=4, window=0.5)
-    shared = {"model": RIGID.model, "panels": "", "count": 0, "window": 0.5, "deadline": 60.0}
+    shared = {"model": RIGID.model, "window": 0.5, "deadline": 60.0}
     shared |= {"parameters": FAST_PARAMETERS.to_dict(), "randomize": dict(FAST.randomize)}
     cells = [shared | {"member": k, "tighter": tighter} for k in range(1, 5) for tighter in (1.0, 3.0)]
     results = [ensemble.run_member(cell) for cell in cells]
@@ -284,8 +284,6 @@ def test_levels_keep_their_panels_in_a_cell():
     level = Level("flexible-clearance:4 modes")
     cell = {
         "model": level.model,
-        "panels": "modal",
-        "count": 4,
         "tighter": 1.0,
         "member": 1,
         "parameters": FAST_PARAMETERS.to_dict(),

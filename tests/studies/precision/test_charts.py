@@ -11,7 +11,6 @@ from helpers import make_motion
 from rich.console import Console
 
 from solar_env.__main__ import main
-from solar_env.array import PanelModel
 from solar_env.studies.common.plans import FULL, QUICK, Ensemble
 from solar_env.studies.common.tables import Table, read_table
 from solar_env.studies.common.timing import Measured
@@ -24,10 +23,10 @@ MOMENT = replace(
     duration=0.02,
     before_latch=0.02,
     settings=1,
-    panels=PanelModel("ancf", 1),
+    panels="1 element",
     ensemble_size=2,
     ensemble_duration=0.02,
-    levels=(Ensemble(None, 1), Ensemble(PanelModel("ancf", 1), 2), Ensemble(PanelModel("modal", 8), 1, 2.0)),
+    levels=(Ensemble("", 1), Ensemble("1 element", 2), Ensemble("8 modes", 1, 2.0)),
     side_duration=0.02,
 )
 FIGURES = {

@@ -4,12 +4,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solar_env.array import MODELS, ArrayParameters, PanelModel
-from solar_env.studies.common.motion import Scene, perturbed
+from solar_env.array import MODELS, ArrayParameters
+from solar_env.studies.common.motion import Scene, perturbed, with_panels
 from solar_env.studies.common.plans import FULL
 from solar_env.studies.precision import methods
 
-ONE = PanelModel("ancf", 1)
+ONE = "1 element"
 
 
 def test_names_are_unique_and_found():
@@ -42,19 +42,19 @@ def test_no_setting_is_finer_than_the_reference_that_it_is_compared_with(pairs):
 
 def test_a_method_with_panels_of_its_own_takes_them_whatever_the_scene_says():
     modal = methods.find_method("modal-radau")
-    scene = Scene("flexible-ideal", FULL.parameters, 1.0, 1.0, ONE)
-    assert modal.size(scene) == methods.MODES.size == "32 modes"
+    scene = Scene("flexible-ideal:1 element", FULL.parameters, 1.0, 1.0)
+    assert modal.size(scene) == "32 modes"
     assert methods.find_method("rosenbrock").size(scene) == "1 element"
     assert modal.size(replace(scene, model="rigid-clearance")) == "rigid"
     taken = replace(modal, program=lambda own, setting: own).solve(scene, 1e-3)
-    assert taken == replace(scene, panels=methods.MODES)
+    assert taken == replace(scene, model="flexible-ideal:32 modes")
 
 
 @pytest.mark.parametrize("method", [m for m in methods.METHODS if m.needs is None], ids=lambda m: m.name)
 def test_every_own_and_scipy_method_moves_every_model_that_it_is_listed_for(method):
     ends = {}
     for model in (*method.settings, *method.dear):
-        scene = Scene(model, FULL.parameters, duration=2e-3, sample_step=1e-3, panels=ONE)
+        scene = Scene(with_panels(model, ONE), FULL.parameters, duration=2e-3, sample_step=1e-3)
         motion = method.solve(scene, 1e-4)
         assert motion.time.tolist() == [0.0, 1e-3, 2e-3]
         assert motion.angles.shape == (3, 2)
@@ -80,7 +80,7 @@ def test_without_the_peer_its_methods_are_not_available(monkeypatch):
 ])  # fmt: skip
 def test_the_peer_moves_as_the_projects_own_simulator_does(solver, model):
     released = perturbed(replace(FULL.parameters, initial_rate=0.02), 1)
-    scene = Scene(model, released, duration=0.1, sample_step=0.05, panels=ONE)
+    scene = Scene(with_panels(model, ONE), released, duration=0.1, sample_step=0.05)
     peer = methods.exudyn(solver)(scene, 1e-4 if model.endswith("ideal") else 1e-5)
     own = methods.find_method("runge-kutta").solve(scene, 1e-10)
     assert peer.time.tolist() == own.time.tolist()
@@ -95,7 +95,7 @@ def test_what_the_peer_cannot_express_is_refused():
     for changed, named in (
         (replace(scene, parameters=ArrayParameters(panel_count=1, friction_speed_zero=0.0)), "panel_count = 1"),
         (replace(scene, parameters=replace(FULL.parameters, initial_spin=0.1)), "initial_spin = 0.1"),
-        (replace(scene, model="flexible-ideal", parameters=FULL.parameters, panels=methods.MODES), "panels = 'modal'"),
+        (replace(scene, model="flexible-ideal:32 modes"), "model = 'flexible-ideal:32 modes'"),
     ):
         with pytest.raises(ValueError, match=named):
             methods.exudyn("generalized-alpha")(changed, 1e-2)

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from solar_env.array.models import has_flexible_panels
 
 from solar_env.array import (
     MODELS,
@@ -23,7 +24,6 @@ from solar_env.array import (
 )
 from solar_env.array.deployment import simulate
 from solar_env.array.methods import default_integrator
-from solar_env.array.models import has_flexible_panels
 from solar_env.environment.env import SolarArrayEnv
 from solar_env.mechanics.joints.friction.ramp import RampedCoulomb
 from solar_env.mechanics.mechanism.description import Stop

@@ -92,18 +92,11 @@ def mesh_convergence() -> Iterator[Check]:
     torque = 0.1 * math.pi / 2
     amplitude = torque * PANEL.length / PANEL.bending_stiffness
     rate = float(np.abs(np.diff(finest.angles[:, 0])[round(time / 0.01) - 100 : round(time / 0.01)]).mean() / 0.01)
-    frequency = theory.bending_frequencies(
-        "pinned-free", PANEL.length, PANEL.linear_density, PANEL.bending_stiffness, 1
-    )[0]
+    frequency = theory.bending_frequencies("pinned-free", PANEL, 1)[0]
     wave_number = float(theory.bending_wave_numbers("pinned-free", 1)[0]) / PANEL.length
     for elements in counts:
-        phase = (
-            2.0
-            * math.pi
-            * frequency
-            * time
-            * theory.cubic_element_frequency_error(wave_number, PANEL.length / elements)
-        )
+        error = theory.cubic_element_frequency_error(wave_number, PANEL.length / elements)
+        phase = 2.0 * math.pi * frequency * time * error
         obtained = motions[elements].latch_times.max() - time
         quantity = f"latch time with {elements} element{'s' * (elements > 1)} a panel less that with {reference} [s]"
         yield Check(quantity, 0.0, obtained, amplitude / rate * min(2.0, phase), PHASE_ERROR)

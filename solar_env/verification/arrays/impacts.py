@@ -143,9 +143,9 @@ def _compared(name: str, duration: float, found: Impacts, at_least: int) -> Iter
     number = int(found.same_end.sum())
     obtained = max(at_least - number, 0)
     yield Check(f"{name}, {duration:g} s: impacts compared: {number}, at least {at_least}", 0.0, obtained, 0.0, _ALONE)
-    obtained = 1.0 - number / found.speed.size
+    left_out = 1.0 - number / found.speed.size
     quantity = f"{name}: share of the impacts left out, which part for a moment in one of the two runs alone"
-    yield Check(quantity, 0.0, obtained, 0.01, "gaps below a nanometre")
+    yield Check(quantity, 0.0, left_out, 0.01, "gaps below a nanometre")
 
 
 def deployment_impacts(model: str, panels: PanelModel | None, duration: float, at_least: int) -> Iterator[Check]:
@@ -175,4 +175,4 @@ def modal_impacts(panels: PanelModel, duration: float, at_least: int) -> Iterato
         (f"largest error of one, from {_FAST:g} m/s on", errors[same.speed >= _FAST].max(), 3e-3),
         ("largest error of an exit speed [m/s]", same.errors.max(), 3.0 * default.rtol * default.velocity_scale),
     ):
-        yield Check(f"{name}: {quantity}", 0.0, obtained, tolerance, _TIGHTER)
+        yield Check(f"{name}: {quantity}", 0.0, float(obtained), tolerance, _TIGHTER)

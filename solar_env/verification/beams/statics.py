@@ -41,7 +41,7 @@ def tip_load() -> Iterator[Check]:
     slenderness = beam.axial_stiffness * beam.length**2 / beam.bending_stiffness
     for load in LOADS:
         force = load * beam.bending_stiffness / beam.length**2
-        exact, exact_angle = theory.deflected_tip(beam.length, beam.axial_stiffness, beam.bending_stiffness, 1j * force)
+        exact, exact_angle = theory.deflected_tip(beam, 1j * force)
         place, angle = solve_tip(cantilever(beam, elements, (0.0, force)))
         bound = abs(theory.element_deflection_error(load, slenderness, elements))
         panel_figures = (
@@ -88,9 +88,7 @@ def own_weight() -> Iterator[Check]:
     expected = beam.linear_density * gravity * beam.length**2 / (2.0 * beam.axial_stiffness)
     yield Check(quantity, expected, obtained, tolerance, HANGING)
     elements = 16
-    exact, _ = theory.deflected_tip(
-        beam.length, beam.axial_stiffness, beam.bending_stiffness, line_load=-1j * beam.linear_density * gravity
-    )
+    exact, _ = theory.deflected_tip(beam, line_load=-1j * beam.linear_density * gravity)
     drooping, _ = solve_tip(cantilever(beam, elements, gravity=(0.0, -gravity)))
     turn = 0.5 * beam.linear_density * gravity * beam.length**3 / beam.bending_stiffness  # of linear theory, times 3
     bound = beam.length * turn**3 / (384.0 * elements**4)  # h^4 max |r''''| / 384, cubic interpolation

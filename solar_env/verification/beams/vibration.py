@@ -37,7 +37,7 @@ def panel_frequencies() -> Iterator[Check]:
     for support, beam, elements, mechanism, rigid in variants:
         frequencies = np.asarray(natural_frequencies(mechanism))
         title = f"{support}, {beam.length:g} m"
-        exact = theory.bending_frequencies(support, beam.length, beam.linear_density, beam.bending_stiffness, 3)
+        exact = theory.bending_frequencies(support, beam, 3)
         wave_numbers = theory.bending_wave_numbers(support, 3) / beam.length
         for mode, expected in enumerate(exact):
             bound = theory.cubic_element_frequency_error(float(wave_numbers[mode]), beam.length / elements)
@@ -48,7 +48,7 @@ def panel_frequencies() -> Iterator[Check]:
             yield Check(quantity, expected, obtained, tolerance, EULER_BERNOULLI, relative=True)
         obtained = int(np.count_nonzero(frequencies < 1e-3 * exact[0]))
         yield Check(f"{title}: frequencies below 1e-3 of the first bending mode", rigid, obtained, 0.0, RIGID_BODY)
-        along = theory.axial_frequencies(support, beam.length, beam.linear_density, beam.axial_stiffness, 1)[0]
+        along = theory.axial_frequencies(support, beam, 1)[0]
         obtained = frequencies[np.abs(frequencies - along).argmin()]
         yield Check(
             f"{title}: first axial mode [Hz], {elements} elements", along, obtained, 1e-8, STANDING_WAVES, relative=True
@@ -96,7 +96,7 @@ def material_damping() -> Iterator[Check]:
     places, _ = nodes(flexible_body(turning), motion.coordinates)
     ends = places[-1] - places[0]
     rates = np.diff(np.unwrap(np.angle(ends))) / np.diff(motion.time)
-    steady_rate, steady_length = theory.spinning_free_beam(soft.length, soft.linear_density, soft.axial_stiffness, spin)
+    steady_rate, steady_length = theory.spinning_free_beam(soft, spin)
     figures = (
         ("spin after the stretch has died out [rad/s]", steady_rate, rates[-10:].mean()),
         ("spin 5 s earlier [rad/s]", steady_rate, rates[-60:-50].mean()),

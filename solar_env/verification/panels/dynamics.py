@@ -21,9 +21,10 @@ from solar_env.mechanics.mechanism.textbook import STANDARD_GRAVITY
 from solar_env.mechanics.running.diagnosis import SimulationWarning
 from solar_env.mechanics.running.simulation import Simulation
 from solar_env.verification.beams.fields import flexible_body, nodes
+from solar_env.verification.beams.theory import bending_frequencies
 from solar_env.verification.checks import Check
 from solar_env.verification.panels.mechanisms import BEAM, loose, modal, moved, start
-from solar_env.verification.panels.theory import first_frequency, spin_stiffening
+from solar_env.verification.panels.theory import spin_stiffening
 
 RANGE = "range of the second order: what it leaves out is below 1 %"
 RIGID = "SciPy's DOP853 at rtol 1e-11"
@@ -132,7 +133,7 @@ def spinning_frequency(beam: Beam, spin: float, elements: int = ELEMENTS) -> flo
     """
     mechanism = free_beam(beam, elements, (0.0, -0.5 * spin * beam.length), spin)
     simulation, body = Simulation(mechanism, RungeKutta(rtol=1e-7)), flexible_body(mechanism)
-    omega = first_frequency(beam.length, beam.mass, beam.bending_stiffness)
+    omega = 2.0 * math.pi * float(bending_frequencies("free-free", beam, 1)[0])
     x = 4.730040744862704
     z, sigma = x * np.linspace(0.0, 1.0, elements + 1), (math.cosh(x) - math.cos(x)) / (math.sinh(x) - math.sin(x))
     speed = 1e-3 * beam.length * omega
@@ -155,7 +156,7 @@ def spinning_frequency(beam: Beam, spin: float, elements: int = ELEMENTS) -> flo
 
 def turning_frame() -> Iterator[Check]:
     """Modal panels leave out the inertia of their turning frame: the frequency that elements have, and they lack."""
-    omega = first_frequency(PANEL.length, PANEL.mass, PANEL.bending_stiffness)
+    omega = 2.0 * math.pi * float(bending_frequencies("free-free", PANEL, 1)[0])
     stiffening = spin_stiffening()
     for ratio in (0.1, 0.3, 1.0):
         obtained = ((spinning_frequency(PANEL, ratio * omega) / omega) ** 2 - 1.0) / ratio**2

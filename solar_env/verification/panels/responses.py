@@ -4,8 +4,6 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 
-import numpy as np
-
 from solar_env.mechanics.mechanism.beams import PANEL
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.verification.checks import Check
@@ -23,7 +21,7 @@ SERIES = "4000 exact modes as functions of time, and the static flexibility of t
 
 def step_responses() -> Iterator[Check]:
     """Motion of the end under 1 N or 1 N m from t = 0 on; its rate is the answer to a unit impulse."""
-    theory = FineBeam(BEAM.length, BEAM.mass, BEAM.bending_stiffness, BEAM.damping)
+    theory = FineBeam(BEAM)
     for load, name in enumerate(("force", "moment")):
         for modes in (24, 48):
             joints = (loose(END), dead_force(END, 1j)) if load == 0 else (loose(END),)

@@ -44,9 +44,7 @@ def bent(load: float, moment: float, max_steps: int = 1_000_000) -> tuple[float,
     # The clamp gives way a little: of that the elastica is told.
     root = float(simulation.joint_loads()[0, columns.ANGLE])
     way = cmath.exp(1j * root)
-    exact, exact_turn = deflected_tip(
-        length, BEAM.axial_stiffness, stiffness, force / way, tip_moment=moment * stiffness / length
-    )
+    exact, exact_turn = deflected_tip(BEAM, force / way, tip_moment=moment * stiffness / length)
     deflection = (exact * way).imag
     slope, _ = simulation.formulation.modal_range(simulation.model, simulation.state)
     return slope, place.imag / deflection - 1.0, turn / (exact_turn + root) - 1.0

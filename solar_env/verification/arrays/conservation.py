@@ -38,7 +38,7 @@ def conserved(
         yield Check(
             quantity.format(f"{name} momentum over the sum of the bodies' ones"), 0.0, obtained, tolerance, NO_LOADS
         )
-    # some ten times the local tolerance
+    # Some ten times the local tolerance
     obtained = motion.energy_residual / motion.energy_put_in
     yield Check(quantity.format("energy residual over the energy put in"), 0.0, obtained, 1e-5, BOOKS)
 

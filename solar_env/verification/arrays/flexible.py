@@ -66,7 +66,7 @@ def rigid_limit() -> Iterator[Check]:
     mechanism = replace(flexible_pendulum(panel, elements, gravity=0.0), loads=(Load(BEAM, torque=torque),))
     motion = simulate(mechanism, time, integrator=GeneralizedAlpha(step=1e-3), output_step=0.5)
     lead = motion.angles[-1, 0] - 0.5 * torque / (panel.mass * panel.length**2 / 3.0) * time**2
-    # order of the elements; rotation stiffens by (rate / omega)^2 = (0.02 / 47)^2
+    # Order of the elements; rotation stiffens by (rate / omega)^2 = (0.02 / 47)^2
     quantity = "lead of a panel's root over a rigid panel, under a constant torque on it [rad]"
     tolerance = elements**-4.0
     expected = theory.pinned_lead(panel.length, panel.bending_stiffness, torque)

@@ -53,7 +53,7 @@ def spin_up() -> Iterator[Check]:
     yield from compare([lag], f"{{}}, {elements} elements", 1e-4, SIMO)
     lag = ("time of the largest lag [s]", 6.76, motion.time[lowest])
     yield from compare([lag], f"{{}}, {elements} elements", 0.01, SIMO)
-    # the beam goes on swinging by 1e-3 m, which shortens its projection
+    # The beam goes on swinging by 1e-3 m, which shortens its projection
     obtained = local.real[late].mean() - beam.length
     yield Check(
         f"mean extension after the spin-up [m], {elements} elements", extension, obtained, 0.01 * extension, STRETCHED

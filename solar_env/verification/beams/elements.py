@@ -71,7 +71,7 @@ def element_mass() -> Iterator[Check]:
     falling = Simulation(replace(free_beam(beam, elements, angle=0.7), gravity=(1.0, -2.0)))
     falling.advance(0.5)
     uniform = straight_coordinates(body, 1.0 * 0.5 - 2.0j * 0.5, 0j)
-    # rounding of the strains times the stiffness
+    # Rounding of the strains times the stiffness
     obtained = np.abs(falling.state.v[own] - uniform).max()
     yield Check("free fall: greatest difference of a nodal velocity from g t [m/s, 1/s]", 0.0, obtained, 1e-10, UNITY)
 
@@ -222,7 +222,7 @@ def convergence() -> Iterator[Check]:
         name = f"tip deflection, E A L^2 = {slenderness:g} E I, P L^2 = {load:g} E I"
         obtained = math.log2(missing[0] / missing[1])
         yield Check(f"{name}: order, {numbers[0]} and {numbers[1]} elements", order, obtained, 0.3, PERTURBED)
-        # the next term has a factor h^2
+        # The next term has a factor h^2
         obtained = missing[1] / theory.element_deflection_error(load, slenderness, numbers[1])
         yield Check(f"{name}: error over its leading term, {numbers[1]} elements", 1.0, obtained, 0.15, PERTURBED)
 

@@ -86,7 +86,7 @@ def sliding_speed_readings() -> Iterator[Check]:
     journal = mechanism.bodies[0]
     assert isinstance(journal, Body)
     inertia = journal.inertia
-    # that of the integrator, whose treatment of a lasting contact measures a rate of change
+    # That of the integrator, whose treatment of a lasting contact measures a rate of change
     obtained = simulation.joint_loads()[0][RATE]
     quantity = "speed of centres: spin after 0.05 s, without friction [rad/s]"
     yield Check(quantity, torque * duration / inertia, obtained, 1e-8, FREE_SPIN, relative=True)
@@ -143,14 +143,14 @@ def _places_of_wear(name: str, motion: Trajectory, angle: float, half_arc: float
     worn, bin_arc = motion.wear_bearing[0], 2.0 * math.pi / BINS
     middles = (np.arange(BINS) + 0.5) * bin_arc
     place = 1.5 * math.pi - math.atan(FRICTION) - angle
-    # the two bins that the arc covers in part count at their middles
+    # The two bins that the arc covers in part count at their middles
     obtained = worn @ middles / worn.sum()
     quantity = f"{name}: centroid of its wear [rad]"
     tolerance = bin_arc**2 / (16.0 * half_arc)
     yield Check(quantity, place, obtained, tolerance, f"exact: the line of centres leans by arctan(T / N); {STATICS}")
     obtained = worn[np.abs(middles - place) > half_arc + bin_arc].max()
     yield Check(f"{name}: deepest wear beside the arc of contact [m]", 0.0, obtained, 0.0, "no contact there")
-    # a step wears an arc at once
+    # A step wears an arc at once
     obtained = motion.wear_journal.max() / motion.wear_journal.mean()
     quantity = f"{name}: deepest over mean wear of the journal that turns in it"
     yield Check(quantity, 1.0, obtained, 0.03, f"every point of it passes the arc of contact {TURNS} times")

@@ -47,7 +47,7 @@ def _checks(
     name: str, motion: Trajectory, output: NDArray[np.float64], ideal: Sequence[LinkageState], joint: int
 ) -> Iterator[Check]:
     label = f"{name}, c = {1e3 * motion.clearance[joint]:g} mm"
-    # the allowance is of first order in the play
+    # The allowance is of first order in the play
     obtained = max(_play_used(motion, output, ideal, joint) - 1.0, 0.0)
     yield Check(
         f"{label}: excess of the output's deviation over what the play allows, relative", 0.0, obtained, 0.01, GEOMETRY

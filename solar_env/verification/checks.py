@@ -5,14 +5,17 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
+ENERGY, MOMENTUM = "conservation of energy", "conservation of momentum"
+ARNOLD_BRULS = "M. Arnold and O. Bruls, Multibody Syst. Dyn. 18 (2007) 185"
 
-@dataclass(frozen=True, kw_only=True)
+
+@dataclass(frozen=True)
 class Check:
     """A number obtained from the engine beside the value that theory or literature expects.
 
     Attributes:
         quantity: what it is, with its unit.
-        expected: from theory, an independent calculation or a publication; zero unless given.
+        expected: from theory, an independent calculation or a publication.
         obtained: from the engine.
         tolerance: greatest error that passes; absolute in the quantity's unit, or relative to `expected`.
         source: where `expected` comes from.
@@ -20,10 +23,10 @@ class Check:
     """
 
     quantity: str
+    expected: float
     obtained: float
     tolerance: float
     source: str
-    expected: float = 0.0
     relative: bool = False
 
     @property
@@ -48,10 +51,9 @@ def compare(
         quantity: of all of them, with {} for the name.
         tolerance, source, relative: of `Check`.
     """
-    common: dict[str, Any] = {"source": source, "relative": relative}
     for name, expected, obtained, *own in figures:
-        common["tolerance"] = own[0] if tolerance is None else tolerance
-        yield Check(quantity=quantity.format(name), expected=float(expected), obtained=float(obtained), **common)
+        bound = own[0] if tolerance is None else tolerance
+        yield Check(quantity.format(name), float(expected), float(obtained), bound, source, relative)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -25,19 +26,19 @@ def test_elastica_has_the_published_figures(load, deflection, shortening, angle)
 @pytest.mark.parametrize("load", [0.5, 5.0, 10.0])
 def test_shooting_agrees_with_elliptic_integrals_without_stretch(load):
     deflection, shortening, angle = theory.tip_load_elastica(load)
-    place, direction = theory.deflected_tip(2.0, 1e13, 3.0, tip_force=1j * load * 3.0 / 4.0)
+    place, direction = theory.deflected_tip(Beam(2.0, 1.0, 1e13, 3.0), tip_force=1j * load * 3.0 / 4.0)
     assert place / 2.0 == pytest.approx(1.0 - shortening + 1j * deflection, abs=1e-9)
     assert direction == pytest.approx(angle, abs=1e-9)
 
 
 def test_shooting_pulls_droops_and_rolls_up():
-    assert theory.deflected_tip(2.0, 100.0, 1.0, tip_force=5.0)[0] == pytest.approx(2.1, abs=1e-9)
+    assert theory.deflected_tip(Beam(2.0, 1.0, 100.0, 1.0), tip_force=5.0)[0] == pytest.approx(2.1, abs=1e-9)
     # Small deflection: q L^4 / (8 E I), and the slope q L^3 / (6 E I).
-    place, angle = theory.deflected_tip(2.0, 1e9, 1.0, line_load=-1e-5j)
+    place, angle = theory.deflected_tip(Beam(2.0, 1.0, 1e9, 1.0), line_load=-1e-5j)
     assert place.imag == pytest.approx(-2e-5, rel=1e-6)
     assert angle == pytest.approx(-8e-5 / 6.0, rel=1e-6)
     for turn in (0.5, math.pi, 2.0 * math.pi):
-        place, angle = theory.deflected_tip(1.0, 1e9, 3.0, tip_moment=3.0 * turn)
+        place, angle = theory.deflected_tip(Beam(1.0, 1.0, 1e9, 3.0), tip_moment=3.0 * turn)
         assert place == pytest.approx(complex(*theory.tip_moment_circle(turn)), abs=1e-9)
         assert angle == pytest.approx(turn, abs=1e-9)
 
@@ -51,7 +52,7 @@ def test_shooting_pulls_droops_and_rolls_up():
     ],
 )
 def test_panel_frequencies(support, length, frequencies):
-    found = theory.bending_frequencies(support, length, PANEL.linear_density, PANEL.bending_stiffness, len(frequencies))
+    found = theory.bending_frequencies(support, replace(PANEL, length=length), len(frequencies))
     assert found == pytest.approx(frequencies, rel=5e-5)
 
 
@@ -64,16 +65,14 @@ def test_wave_numbers_are_the_textbooks():
 
 
 def test_axial_frequencies():
-    assert theory.axial_frequencies("clamped-free", 2.0, 1.0, 64.0, 2) == pytest.approx((1.0, 3.0))
-    assert theory.axial_frequencies("free-free", 2.0, 1.0, 64.0, 2) == pytest.approx((2.0, 4.0))
+    bar = Beam(2.0, 1.0, 64.0, 1.0)
+    assert theory.axial_frequencies("clamped-free", bar, 2) == pytest.approx((1.0, 3.0))
+    assert theory.axial_frequencies("free-free", bar, 2) == pytest.approx((2.0, 4.0))
 
 
 def test_spinning_beam():
-    beam = SPIN_UP_BEAM
-    assert theory.spinning_extension(beam.length, beam.linear_density, beam.axial_stiffness, 6.0) == pytest.approx(
-        5.143e-4, abs=5e-8
-    )
-    rate, length = theory.spinning_free_beam(2.0, 1.0, 1e3, 5.0)
+    assert theory.spinning_extension(SPIN_UP_BEAM, 6.0) == pytest.approx(5.143e-4, abs=5e-8)
+    rate, length = theory.spinning_free_beam(Beam(2.0, 1.0, 1e3, 1.0), 5.0)
     # To first order the beam is longer by 2 rho A rate^2 l^3 / (3 E A), l half its length.
     assert length - 2.0 == pytest.approx(2.0 * 25.0 / 3e3, rel=0.05)
     assert 4.9 < rate < 5.0
@@ -106,10 +105,10 @@ class TestStrainBeam:
         still, step = np.zeros(size), 1e-6
         stiffness = np.array([-reference.accelerations(0.0, step * row, still) / step for row in np.eye(size)]).T
         frequencies = np.sqrt(np.sort(np.abs(np.linalg.eigvals(stiffness)))) / (2.0 * math.pi)
-        bending = theory.bending_frequencies(support, PANEL.length, PANEL.linear_density, PANEL.bending_stiffness, 2)
+        bending = theory.bending_frequencies(support, PANEL, 2)
         rigid = 0 if clamped else 1
         assert frequencies[rigid : rigid + 2] == pytest.approx(bending, rel=1e-4)
-        axial = theory.axial_frequencies(support, PANEL.length, PANEL.linear_density, PANEL.axial_stiffness, 1)[0]
+        axial = theory.axial_frequencies(support, PANEL, 1)[0]
         assert np.abs(frequencies / axial - 1.0).min() < 1e-5
 
     def test_spin_up_has_the_published_lag(self):

@@ -12,6 +12,10 @@ from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.verification.beams.fields import momenta
 from solar_env.verification.checks import Check
 
+BOOKS = "conservation of energy: stored + dissipated = put in"
+NO_LOADS = "no external force or moment acts"
+ARCHARD = "J. F. Archard, J. Appl. Phys. 24 (1953) 981"
+
 
 def conserved(
     quantity: str,
@@ -30,18 +34,13 @@ def conserved(
     linear, angular = momenta(mechanism, motion)
     # The linear one is subject to rounding alone; the angular one, a product, to the steps' local error.
     for name, both, tolerance in (("linear", linear, linear_tolerance), ("angular", angular, angular_tolerance)):
+        obtained = np.abs(both.sum(axis=1)).max() / np.abs(both).sum(axis=1).max()
         yield Check(
-            quantity=quantity.format(f"{name} momentum over the sum of the bodies' ones"),
-            obtained=float(np.abs(both.sum(axis=1)).max() / np.abs(both).sum(axis=1).max()),
-            tolerance=tolerance,
-            source="no external force or moment acts",
+            quantity.format(f"{name} momentum over the sum of the bodies' ones"), 0.0, obtained, tolerance, NO_LOADS
         )
-    yield Check(
-        quantity=quantity.format("energy residual over the energy put in"),
-        obtained=motion.energy_residual / motion.energy_put_in,
-        tolerance=1e-5,  # some ten times the local tolerance
-        source="conservation of energy: stored + dissipated = put in",
-    )
+    # Some ten times the local tolerance
+    obtained = motion.energy_residual / motion.energy_put_in
+    yield Check(quantity.format("energy residual over the energy put in"), 0.0, obtained, 1e-5, BOOKS)
 
 
 def free_array() -> Iterator[Check]:
@@ -60,9 +59,5 @@ def free_array() -> Iterator[Check]:
         worn = parameters.wear_coefficient * motion.sliding_work[-1]
         quantity = f"{{}}, {duration:g} s, {integrator.name}"
         yield from conserved(quantity, mechanism, motion, linear_tolerance, angular_tolerance)
-        yield Check(
-            quantity=quantity.format("worn volume less k * sliding work, relative"),
-            obtained=float(np.abs(volume / worn - 1.0).max()),
-            tolerance=1e-9,
-            source="J. F. Archard, J. Appl. Phys. 24 (1953) 981",
-        )
+        obtained = np.abs(volume / worn - 1.0).max()
+        yield Check(quantity.format("worn volume less k * sliding work, relative"), 0.0, obtained, 1e-9, ARCHARD)

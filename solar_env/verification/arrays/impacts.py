@@ -25,6 +25,7 @@ from solar_env.mechanics.records.recording import make_recorder
 from solar_env.mechanics.running.simulation import Simulation
 from solar_env.verification.checks import Check
 
+_ALONE = "impacts that other joints' impacts do not draw out"
 _CHUNK = 0.01  # s, which a run and its repetition up to an impact may share before chaos parts them
 _AFTER_START = 1e-9  # s
 _CORRECTIONS = 4  # by Newton's method of the moment at which surfaces part
@@ -137,18 +138,11 @@ def impacts(model: str, duration: float, tight: Integrator, longest: float = IMP
 def _compared(name: str, duration: float, found: Impacts, at_least: int) -> Iterator[Check]:
     """Whether there are enough impacts that end alike in both runs."""
     number = int(found.same_end.sum())
-    yield Check(
-        quantity=f"{name}, {duration:g} s: impacts compared: {number}, at least {at_least}",
-        obtained=max(at_least - number, 0),
-        tolerance=0.0,
-        source="impacts that other joints' impacts do not draw out",
-    )
-    yield Check(
-        quantity=f"{name}: share of the impacts left out, which part for a moment in one of the two runs alone",
-        obtained=1.0 - number / found.speed.size,
-        tolerance=0.01,
-        source="gaps below a nanometre",
-    )
+    obtained = max(at_least - number, 0)
+    yield Check(f"{name}, {duration:g} s: impacts compared: {number}, at least {at_least}", 0.0, obtained, 0.0, _ALONE)
+    left_out = 1.0 - number / found.speed.size
+    quantity = f"{name}: share of the impacts left out, which part for a moment in one of the two runs alone"
+    yield Check(quantity, 0.0, left_out, 0.01, "gaps below a nanometre")
 
 
 def deployment_impacts(model: str, duration: float, at_least: int) -> Iterator[Check]:
@@ -156,12 +150,7 @@ def deployment_impacts(model: str, duration: float, at_least: int) -> Iterator[C
     found = impacts(model, duration, RungeKutta(rtol=1e-10, impact_resolution=_STEPS_PER_IMPACT))
     yield from _compared(model, duration, found, at_least)
     same = found.where(found.same_end)
-    yield Check(
-        quantity=f"{model}: largest error of a restitution",
-        obtained=float((same.errors / same.speed).max()),
-        tolerance=4e-3,
-        source=_EXPLICIT,
-    )
+    yield Check(f"{model}: largest error of a restitution", 0.0, (same.errors / same.speed).max(), 4e-3, _EXPLICIT)
 
 
 def modal_impacts(duration: float, at_least: int) -> Iterator[Check]:
@@ -183,4 +172,4 @@ def modal_impacts(duration: float, at_least: int) -> Iterator[Check]:
         (f"largest error of one, from {_FAST:g} m/s on", errors[same.speed >= _FAST].max(), 3e-3),
         ("largest error of an exit speed [m/s]", same.errors.max(), 3.0 * default.rtol * default.velocity_scale),
     ):
-        yield Check(quantity=f"{name}: {quantity}", obtained=float(obtained), tolerance=tolerance, source=_TIGHTER)
+        yield Check(f"{name}: {quantity}", 0.0, float(obtained), tolerance, _TIGHTER)

@@ -35,17 +35,9 @@ def hinge_map(p: ArrayParameters) -> NDArray[np.float64]:
     return matrix[:, 1:] if p.body_fixed else matrix
 
 
-def springs(p: ArrayParameters) -> tuple[Array, Array]:
-    """(panels,) stiffnesses [N m/rad] and preload angles [rad]."""
-    names = ("spring_stiffness", "spring_preload_angle")
-    stiffness, relaxed = (np.array(p.for_each_joint(name)) for name in names)
-    return stiffness, relaxed
-
-
 def spring_torques(p: ArrayParameters, joint_angles: Array) -> Array:
     """(panels,) K (preload angle - angle) [N m]."""
-    stiffness, relaxed = springs(p)
-    return stiffness * (relaxed - joint_angles)
+    return np.array(p.for_each_joint("spring_stiffness")) * (p.for_each_joint("spring_preload_angle") - joint_angles)
 
 
 def cable_torques(p: ArrayParameters, joint_angles: Array) -> Array:
@@ -111,16 +103,14 @@ def latch_time_by_quadrature(p: ArrayParameters) -> float:
         coupled = whole.T @ mass @ way
         return float(way @ mass @ way - coupled @ np.linalg.solve(whole.T @ mass @ whole, coupled))
 
-    stiffness, relaxed = springs(p)
+    angles = np.array([1.0, 2.0])
 
-    def work(theta: float) -> float:
-        stretched = relaxed - np.array([1.0, 2.0]) * theta
-        return float(0.5 * stiffness @ (relaxed**2 - stretched**2))
+    def mean_torque(theta: float) -> float:
+        """Work of the springs up to theta, over theta: their torques are linear."""
+        return float(angles @ spring_torques(p, 0.5 * theta * angles))
 
     def integrand(s: float) -> float:  # theta = s^2 takes away the singularity at rest
-        if s == 0.0:
-            return 2.0 * math.sqrt(inertia(0.0) / (2.0 * float(stiffness @ (relaxed * np.array([1.0, 2.0])))))
-        return 2.0 * s * math.sqrt(inertia(s * s) / (2.0 * work(s * s)))
+        return 2.0 * math.sqrt(inertia(s * s) / (2.0 * mean_torque(s * s)))
 
     value, _ = quad(integrand, 0.0, math.sqrt(math.pi / 2), epsabs=1e-11, epsrel=1e-11)
     return float(value)

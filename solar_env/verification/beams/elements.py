@@ -21,6 +21,10 @@ from solar_env.verification.beams import theory
 from solar_env.verification.beams.fields import coordinates_of, flexible_body, straight_coordinates, tip
 from solar_env.verification.checks import Check, compare
 
+UNITY = "exact: partition of unity, M^-1 M g = g"
+PRZEMIENIECKI = "J. S. Przemieniecki, Theory of Matrix Structural Analysis, 1968, section 5.6"
+UNIFORM_BEAM = "exact: integrals over the uniform straight beam; cubic fields contain rigid motion"
+PERTURBED = "first-order perturbation of the potential: h^4 of bending, h^6 of membrane locking"
 Vector = NDArray[np.float64]
 
 ROUNDING = 1e-12
@@ -63,22 +67,13 @@ def element_mass() -> Iterator[Check]:
         ("kinetic energy of a rigid motion [J]", energy, Simulation(moving).stored_energies()[KINETIC]),
     )
     for name, expected, obtained in figures:
-        yield Check(
-            quantity=name,
-            expected=expected,
-            obtained=float(obtained),
-            tolerance=ROUNDING * max(1.0, abs(expected)),
-            source="exact: integrals over the uniform straight beam; cubic fields contain rigid motion",
-        )
+        yield Check(name, expected, float(obtained), ROUNDING * max(1.0, abs(expected)), UNIFORM_BEAM)
     falling = Simulation(replace(free_beam(beam, elements, angle=0.7), gravity=(1.0, -2.0)))
     falling.advance(0.5)
     uniform = straight_coordinates(body, 1.0 * 0.5 - 2.0j * 0.5, 0j)
-    yield Check(
-        quantity="free fall: greatest difference of a nodal velocity from g t [m/s, 1/s]",
-        obtained=float(np.abs(falling.state.v[own] - uniform).max()),
-        tolerance=1e-10,  # rounding of the strains times the stiffness
-        source="exact: partition of unity, M^-1 M g = g",
-    )
+    # Rounding of the strains times the stiffness
+    obtained = np.abs(falling.state.v[own] - uniform).max()
+    yield Check("free fall: greatest difference of a nodal velocity from g t [m/s, 1/s]", 0.0, obtained, 1e-10, UNITY)
 
 
 def element_strains() -> Iterator[Check]:
@@ -159,12 +154,9 @@ def element_tangent() -> Iterator[Check]:
     for e in range(elements):
         textbook[2 * e : 2 * e + 4, 2 * e : 2 * e + 4] += beam.bending_stiffness / h**3 * cubic
     across = np.arange(2 * (elements + 1)) * 2 + 1  # y and y'
-    yield Check(
-        quantity="straight beam: greatest difference of the transverse stiffness matrix, relative",
-        obtained=float(np.abs(stiffness[np.ix_(across, across)] - textbook).max() / textbook.max()),
-        tolerance=ROUNDING,
-        source="J. S. Przemieniecki, Theory of Matrix Structural Analysis, 1968, section 5.6",
-    )
+    obtained = np.abs(stiffness[np.ix_(across, across)] - textbook).max() / textbook.max()
+    quantity = "straight beam: greatest difference of the transverse stiffness matrix, relative"
+    yield Check(quantity, 0.0, obtained, ROUNDING, PRZEMIENIECKI)
     # Deformed at random and moving: forces from differences of the energy, tangents from differences of the forces.
     damped = Simulation(free_beam(replace(beam, damping=0.05), elements))
     model, size = damped.model, 4 * (elements + 1)
@@ -190,75 +182,49 @@ def element_tangent() -> Iterator[Check]:
         ("force from -grad(energy)", still, -np.array(gradient), "central differences of the strain energy"),
         ("tangent from the slope of the force", tangent, np.array(slopes).T, "central differences of the force"),
     ):
-        yield Check(
-            quantity=f"deformed beam: greatest difference of the {name}, relative",
-            obtained=float(np.abs(analytic - differences / (2.0 * step)).max() / np.abs(analytic).max()),
-            tolerance=1e-7,  # step^2 times the third derivative; rounding / step
-            source=source,
-        )
+        # step^2 times the third derivative; rounding / step
+        obtained = np.abs(analytic - differences / (2.0 * step)).max() / np.abs(analytic).max()
+        yield Check(f"deformed beam: greatest difference of the {name}, relative", 0.0, obtained, 1e-7, source)
 
 
 def convergence() -> Iterator[Check]:
     """Errors of frequencies and of large static deflections: their order, and their leading term."""
     beam, support = PANEL, "clamped-free"
     coarse, fine = 8, 16
-    exact = theory.bending_frequencies(support, beam.length, beam.linear_density, beam.bending_stiffness, 3)
+    exact = theory.bending_frequencies(support, beam, 3)
     wave_numbers = theory.bending_wave_numbers(support, 3) / beam.length
     errors = {n: natural_frequencies(cantilever(beam, n))[:3] / exact - 1.0 for n in (coarse, fine)}
     for mode in (1, 2):
+        obtained = math.log2(errors[coarse][mode] / errors[fine][mode])
+        quantity = f"order of the frequency of bending mode {mode + 1}, {coarse} and {fine} elements"
         yield Check(
-            quantity=f"order of the frequency of bending mode {mode + 1}, {coarse} and {fine} elements",
-            expected=4.0,
-            obtained=math.log2(errors[coarse][mode] / errors[fine][mode]),
-            tolerance=0.2,
-            source=f"{STRANG_FIX}: 2 (k + 1 - m) with cubics, k = 3, and curvatures, m = 2",
+            quantity, 4.0, obtained, 0.2, f"{STRANG_FIX}: 2 (k + 1 - m) with cubics, k = 3, and curvatures, m = 2"
         )
-        yield Check(
-            quantity=f"error of the frequency of bending mode {mode + 1}, {fine} elements, over (beta h)^4 / 1440",
-            expected=1.0,
-            obtained=float(
-                errors[fine][mode] / theory.cubic_element_frequency_error(wave_numbers[mode], beam.length / fine)
-            ),
-            tolerance=0.05,
-            source=f"{STRANG_FIX}: leading term",
-        )
+        obtained = errors[fine][mode] / theory.cubic_element_frequency_error(wave_numbers[mode], beam.length / fine)
+        quantity = f"error of the frequency of bending mode {mode + 1}, {fine} elements, over (beta h)^4 / 1440"
+        yield Check(quantity, 1.0, obtained, 0.05, f"{STRANG_FIX}: leading term")
     # Nearly without bending stiffness, whose modes lie far below.
     bar = Beam(1.0, 1.0, 1.0, 1e-12)
-    expected = float(
-        theory.axial_frequencies("clamped-free", bar.length, bar.linear_density, bar.axial_stiffness, 2)[1]
-    )
+    expected = float(theory.axial_frequencies(support, bar, 2)[1])
     found = [_nearest(natural_frequencies(cantilever(bar, n)), expected) / expected - 1.0 for n in (coarse, fine)]
-    yield Check(
-        quantity=f"order of the second axial frequency, {coarse} and {fine} elements",
-        expected=6.0,
-        obtained=math.log2(found[0] / found[1]),
-        tolerance=0.3,
-        source=f"{STRANG_FIX}: 2 (k + 1 - m) with cubics, k = 3, and strains, m = 1",
-    )
+    obtained = math.log2(found[0] / found[1])
+    quantity = f"order of the second axial frequency, {coarse} and {fine} elements"
+    yield Check(quantity, 6.0, obtained, 0.3, f"{STRANG_FIX}: 2 (k + 1 - m) with cubics, k = 3, and strains, m = 1")
     # Thick, bending decides; slender, membrane locking does.
     for slenderness, load, order in ((100.0, 5.0, 4.0), (67500.0, 0.5, 6.0)):
         numbers = (8, 16)
         cantilevered = Beam(1.0, 1.0, slenderness, 1.0)
-        place, _ = theory.deflected_tip(1.0, slenderness, 1.0, 1j * load)
+        place, _ = theory.deflected_tip(cantilevered, 1j * load)
         missing = []
         for n in numbers:
             mechanism = cantilever(cantilevered, n, (0.0, load))
             missing.append(float((tip(flexible_body(mechanism), static_equilibrium(mechanism)) - place).imag))
         name = f"tip deflection, E A L^2 = {slenderness:g} E I, P L^2 = {load:g} E I"
-        yield Check(
-            quantity=f"{name}: order, {numbers[0]} and {numbers[1]} elements",
-            expected=order,
-            obtained=math.log2(missing[0] / missing[1]),
-            tolerance=0.3,
-            source="first-order perturbation of the potential: h^4 of bending, h^6 of membrane locking",
-        )
-        yield Check(
-            quantity=f"{name}: error over its leading term, {numbers[1]} elements",
-            expected=1.0,
-            obtained=missing[1] / theory.element_deflection_error(load, slenderness, numbers[1]),
-            tolerance=0.15,  # the next term has a factor h^2
-            source="first-order perturbation of the potential: h^4 of bending, h^6 of membrane locking",
-        )
+        obtained = math.log2(missing[0] / missing[1])
+        yield Check(f"{name}: order, {numbers[0]} and {numbers[1]} elements", order, obtained, 0.3, PERTURBED)
+        # The next term has a factor h^2
+        obtained = missing[1] / theory.element_deflection_error(load, slenderness, numbers[1])
+        yield Check(f"{name}: error over its leading term, {numbers[1]} elements", 1.0, obtained, 0.15, PERTURBED)
 
 
 def _nearest(values: NDArray[np.float64], value: float) -> float:

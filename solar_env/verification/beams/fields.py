@@ -36,30 +36,25 @@ def nodes(body: FlexibleBody, values: NDArray[Any], first: int = 0) -> tuple[Fie
     return points[0::2], points[1::2]
 
 
-def tip(body: FlexibleBody, values: NDArray[Any], first: int = 0) -> Any:
+def tip(body: FlexibleBody, values: NDArray[Any]) -> Any:
     """Place x + i y of the last node, or its velocity."""
-    return nodes(body, values, first)[0][-1]
-
-
-def spline(body: FlexibleBody, values: NDArray[Any], first: int = 0) -> CubicHermiteSpline:
-    """The centreline, or its velocity, over the undeformed length."""
-    places, slopes = nodes(body, values, first)
-    return CubicHermiteSpline(np.linspace(0.0, body.length, body.elements + 1), places, slopes)
+    return nodes(body, values)[0][-1]
 
 
 def beam_points(
-    body: FlexibleBody, coordinates: NDArray[Any], velocities: NDArray[Any], first: int = 0
+    body: FlexibleBody, coordinates: NDArray[Any], velocities: NDArray[Any], first: int
 ) -> tuple[Field, Field, NDArray[np.float64]]:
     """Places and velocities (..., points) along a body, and the mass (points,) [kg] that each stands for.
 
     Gauss points that integrate products of two such fields exactly.
     """
     x, weights = np.polynomial.legendre.leggauss(4)
-    size = body.length / body.elements
+    ends, size = np.linspace(0.0, body.length, body.elements + 1), body.length / body.elements
     points = ((np.arange(body.elements)[:, None] + 0.5 * (x + 1.0)) * size).ravel()
     mass = body.linear_density * np.tile(0.5 * size * weights, body.elements)
-    fields = [np.moveaxis(spline(body, values, first)(points), 0, -1) for values in (coordinates, velocities)]
-    return fields[0], fields[1], mass
+    splines = [CubicHermiteSpline(ends, *nodes(body, values, first)) for values in (coordinates, velocities)]
+    place, velocity = (np.moveaxis(spline(points), 0, -1) for spline in splines)
+    return place, velocity, mass
 
 
 def straight_coordinates(body: FlexibleBody, start: complex, slope: complex) -> NDArray[np.float64]:

@@ -13,6 +13,7 @@ from solar_env.verification.beams import theory
 from solar_env.verification.beams.fields import flexible_body, nodes
 from solar_env.verification.checks import Check, compare
 
+HANGING = "exact: rho A g L^2 / (2 E A), a quadratic field, which the element contains"
 LOADS = (0.5, 1.0, 2.0, 5.0)
 NEWTON = 1e-9  # relative to the length: end of the iteration
 ELASTICA = "K. E. Bisshopp and D. C. Drucker, Q. Appl. Math. 3 (1945) 272"
@@ -40,7 +41,7 @@ def tip_load() -> Iterator[Check]:
     slenderness = beam.axial_stiffness * beam.length**2 / beam.bending_stiffness
     for load in LOADS:
         force = load * beam.bending_stiffness / beam.length**2
-        exact, exact_angle = theory.deflected_tip(beam.length, beam.axial_stiffness, beam.bending_stiffness, 1j * force)
+        exact, exact_angle = theory.deflected_tip(beam, 1j * force)
         place, angle = solve_tip(cantilever(beam, elements, (0.0, force)))
         bound = abs(theory.element_deflection_error(load, slenderness, elements))
         panel_figures = (
@@ -49,14 +50,9 @@ def tip_load() -> Iterator[Check]:
             (exact_angle, angle, 2.0),
         )
         for name, (expected, value, factor) in zip(names, panel_figures, strict=True):
-            yield Check(
-                quantity=f"panel, P L^2 / (E I) = {load:g}: {name}, {elements} elements",
-                expected=expected,
-                obtained=value,
-                # The leading error of the deflection, which overestimates strong locking.
-                tolerance=factor * bound + NEWTON,
-                source=EXTENSIBLE,
-            )
+            # The leading error of the deflection, which overestimates strong locking.
+            quantity = f"panel, P L^2 / (E I) = {load:g}: {name}, {elements} elements"
+            yield Check(quantity, expected, value, factor * bound + NEWTON, EXTENSIBLE)
 
 
 def tip_moment() -> Iterator[Check]:
@@ -86,17 +82,13 @@ def own_weight() -> Iterator[Check]:
     elements, gravity = 4, 9.81
     beam = Beam(length=2.0, linear_density=3.0, axial_stiffness=500.0, bending_stiffness=20.0)
     hanging, _ = solve_tip(cantilever(beam, elements, angle=-math.pi / 2, gravity=(0.0, -gravity)))
-    yield Check(
-        quantity="hanging beam: extension [m]",
-        expected=beam.linear_density * gravity * beam.length**2 / (2.0 * beam.axial_stiffness),
-        obtained=-hanging.imag - beam.length,
-        tolerance=NEWTON * beam.length,
-        source="exact: rho A g L^2 / (2 E A), a quadratic field, which the element contains",
-    )
+    obtained = -hanging.imag - beam.length
+    quantity = "hanging beam: extension [m]"
+    tolerance = NEWTON * beam.length
+    expected = beam.linear_density * gravity * beam.length**2 / (2.0 * beam.axial_stiffness)
+    yield Check(quantity, expected, obtained, tolerance, HANGING)
     elements = 16
-    exact, _ = theory.deflected_tip(
-        beam.length, beam.axial_stiffness, beam.bending_stiffness, line_load=-1j * beam.linear_density * gravity
-    )
+    exact, _ = theory.deflected_tip(beam, line_load=-1j * beam.linear_density * gravity)
     drooping, _ = solve_tip(cantilever(beam, elements, gravity=(0.0, -gravity)))
     turn = 0.5 * beam.linear_density * gravity * beam.length**3 / beam.bending_stiffness  # of linear theory, times 3
     bound = beam.length * turn**3 / (384.0 * elements**4)  # h^4 max |r''''| / 384, cubic interpolation

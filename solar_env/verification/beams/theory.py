@@ -6,6 +6,7 @@ stretch. Quantities are of a cantilever along the x axis, clamped at the origin,
 
 import cmath
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +14,12 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, newton
 from scipy.special import ellipe, ellipeinc, ellipk, ellipkinc
 
+from solar_env.mechanics.mechanism.beams import Beam
+
 Array = NDArray[np.float64]
 
-SUPPORTS = ("clamped-free", "pinned-free", "free-free")
+# Support -> place of the roots beta L near (n + shift) pi.
+SUPPORTS = {"clamped-free": -0.5, "pinned-free": 0.25, "free-free": 0.5}
 
 # The falling pendulum of M. Berzeri and A. A. Shabana, J. Sound Vib. 235 (2000) 539, doi:10.1006/jsvi.1999.2935, as two
 # independent methods agreed on it: time [s] -> tip (x, y) [m], tolerance [m].
@@ -54,41 +58,31 @@ def tip_moment_circle(angle: float) -> tuple[float, float]:
 
 
 def deflected_tip(
-    length: float,
-    axial_stiffness: float,
-    bending_stiffness: float,
-    tip_force: complex = 0j,
-    line_load: complex = 0j,
-    tip_moment: float = 0.0,
+    beam: Beam, tip_force: complex = 0j, line_load: complex = 0j, tip_moment: float = 0.0
 ) -> tuple[complex, float]:
     """Tip x + i y [m] and tip angle [rad] of the extensible elastica under dead loads, by shooting.
 
-    Args:
-        length: [m].
-        axial_stiffness, bending_stiffness: E A [N], E I [N m2].
-        tip_force: x + i y [N].
-        line_load: per undeformed length, x + i y [N/m].
-        tip_moment: [N m].
+    The loads are x + i y of a force [N] and of a force per undeformed length [N/m], and a moment [N m].
     """
 
     def march(root_turn: float, share: float) -> Array:
         def slope(s: float, state: Array) -> tuple[float, ...]:
             angle, turn = state[0], state[1]
-            local = share * (tip_force + line_load * (length - s)) * cmath.exp(-1j * angle)
-            stretch = 1.0 + local.real / axial_stiffness
+            local = share * (tip_force + line_load * (beam.length - s)) * cmath.exp(-1j * angle)
+            stretch = 1.0 + local.real / beam.axial_stiffness
             way = stretch * cmath.exp(1j * angle)
-            return turn, -stretch * local.imag / bending_stiffness, way.real, way.imag
+            return turn, -stretch * local.imag / beam.bending_stiffness, way.real, way.imag
 
-        solution = solve_ivp(slope, (0.0, length), (0.0, root_turn, 0.0, 0.0), method="DOP853", rtol=1e-12, atol=1e-13)
-        return np.asarray(solution.y[:, -1])
+        start = (0.0, root_turn, 0.0, 0.0)
+        return solve_ivp(slope, (0.0, beam.length), start, "DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
 
     turn = 0.0
     for share in np.linspace(0.1, 1.0, 10):
 
         def mismatch(root_turn: float, share: float = float(share)) -> float:
-            return float(march(root_turn, share)[1]) - share * tip_moment / bending_stiffness
+            return float(march(root_turn, share)[1]) - share * tip_moment / beam.bending_stiffness
 
-        turn = float(newton(mismatch, turn, x1=turn + 0.1 / length, tol=1e-13, maxiter=100))
+        turn = float(newton(mismatch, turn, x1=turn + 0.1 / beam.length, tol=1e-13, maxiter=100))
     angle, _, x, y = march(turn, 1.0)
     return complex(x, y), float(angle)
 
@@ -101,36 +95,31 @@ def bending_wave_numbers(support: str, count: int) -> Array:
     Raises:
         ValueError: if the support is none of SUPPORTS.
     """
-
-    def characteristic(x: float) -> float:
-        decay = 2.0 * math.exp(-x) / (1.0 + math.exp(-2.0 * x))  # 1 / cosh
-        if support == "clamped-free":
-            return math.cos(x) + decay
-        if support == "free-free":
-            return math.cos(x) - decay
-        return math.sin(x) - math.tanh(x) * math.cos(x)
-
-    # Near (n - 1/2) pi, (n + 1/2) pi and (n + 1/4) pi.
-    shift = dict(zip(SUPPORTS, (-0.5, 0.25, 0.5), strict=True))
-    if support not in shift:
+    if support not in SUPPORTS:
         raise ValueError(f"support {support!r} is unknown; choose from {', '.join(SUPPORTS)}")
-    centres = (np.arange(1, count + 1) + shift[support]) * math.pi
-    return np.array([brentq(characteristic, x - 0.4, x + 0.4, xtol=1e-14) for x in centres])
+
+    x = (np.arange(1, count + 1) + SUPPORTS[support]) * math.pi
+    side = 1.0 if support == "clamped-free" else -1.0
+    for _ in range(8):  # of Newton's method, down to rounding
+        sine, cosine, tanh, sech = np.sin(x), np.cos(x), np.tanh(x), 2.0 * np.exp(-x) / (1.0 + np.exp(-2.0 * x))
+        if support == "pinned-free":
+            x = x - (sine - tanh * cosine) / (tanh * (sine + tanh * cosine))
+        else:
+            x = x + (cosine + side * sech) / (sine + side * sech * tanh)
+    return np.asarray(x, dtype=float)
 
 
-def bending_frequencies(
-    support: str, length: float, linear_density: float, bending_stiffness: float, count: int
-) -> Array:
+def bending_frequencies(support: str, beam: Beam, count: int) -> Array:
     """(count,) natural frequencies [Hz] of an Euler-Bernoulli beam without rotary inertia."""
-    wave_numbers = bending_wave_numbers(support, count) / length
-    return wave_numbers**2 * math.sqrt(bending_stiffness / linear_density) / (2.0 * math.pi)
+    wave_numbers = bending_wave_numbers(support, count) / beam.length
+    return wave_numbers**2 * math.sqrt(beam.bending_stiffness / beam.linear_density) / (2.0 * math.pi)
 
 
-def axial_frequencies(support: str, length: float, linear_density: float, axial_stiffness: float, count: int) -> Array:
+def axial_frequencies(support: str, beam: Beam, count: int) -> Array:
     """(count,) natural frequencies [Hz] of a bar that is held at no end (free-free) or at one."""
-    speed = math.sqrt(axial_stiffness / linear_density)
+    speed = math.sqrt(beam.axial_stiffness / beam.linear_density)
     quarters = 2.0 * np.arange(1, count + 1) - (0.0 if support == "free-free" else 1.0)
-    return np.asarray(quarters * speed / (4.0 * length))
+    return np.asarray(quarters * speed / (4.0 * beam.length))
 
 
 def cubic_element_frequency_error(wave_number: float, element_length: float) -> float:
@@ -142,13 +131,13 @@ def cubic_element_frequency_error(wave_number: float, element_length: float) -> 
     return (wave_number * element_length) ** 4 / 1440.0
 
 
-def spinning_extension(length: float, linear_density: float, axial_stiffness: float, rate: float) -> float:
+def spinning_extension(beam: Beam, rate: float) -> float:
     """How much longer a straight beam is [m] that turns steadily [rad/s] about one end.
 
     E A r'' = -rho A rate^2 r with r(0) = 0 and r'(length) = 1.
     """
-    k = rate * math.sqrt(linear_density / axial_stiffness)
-    return math.tan(k * length) / k - length
+    k = rate * math.sqrt(beam.linear_density / beam.axial_stiffness)
+    return math.tan(k * beam.length) / k - beam.length
 
 
 def spin_up_angle(time: float, rate: float, ramp_time: float) -> tuple[float, float, float]:
@@ -172,22 +161,20 @@ def modal_decay_rate(frequency: float, damping: float) -> float:
     return 0.5 * damping * (2.0 * math.pi * frequency) ** 2
 
 
-def spinning_free_beam(
-    length: float, linear_density: float, axial_stiffness: float, spin: float
-) -> tuple[float, float]:
+def spinning_free_beam(beam: Beam, spin: float) -> tuple[float, float]:
     """Steady rate [rad/s] and length [m] of a free beam, set spinning unstretched at `spin`, after its stretch has
     been damped out: its angular momentum is conserved.
     """
-    half = 0.5 * length
+    half = 0.5 * beam.length
 
     def lost(rate: float) -> float:
-        k = rate * math.sqrt(linear_density / axial_stiffness)
+        k = rate * math.sqrt(beam.linear_density / beam.axial_stiffness)
         # r = sin(k s) / (k cos(k half)); twice the integral of r^2 over a half.
         second = (half - math.sin(2.0 * k * half) / (2.0 * k)) / (k * math.cos(k * half)) ** 2
-        return rate * second - spin * length**3 / 12.0
+        return rate * second - spin * beam.length**3 / 12.0
 
     rate = float(brentq(lost, 0.1 * spin, spin, xtol=1e-13))
-    return rate, length + 2.0 * spinning_extension(half, linear_density, axial_stiffness, rate)
+    return rate, beam.length + 2.0 * spinning_extension(replace(beam, length=half), rate)
 
 
 def pinned_lead(length: float, bending_stiffness: float, torque: float) -> float:

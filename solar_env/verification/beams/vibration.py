@@ -18,6 +18,9 @@ from solar_env.verification.beams import theory
 from solar_env.verification.beams.fields import coordinates_of, flexible_body, nodes
 from solar_env.verification.checks import Check, compare
 
+STRESS = "stress = modulus * (strain + damping * strain rate)"
+MODAL_DECAY = "exact: damping * omega^2 / 2 for a mode that is damped in proportion to its stiffness"
+STANDING_WAVES = "exact: standing waves of a bar"
 EULER_BERNOULLI = "Euler-Bernoulli: characteristic equation (S. Timoshenko, Vibration Problems in Engineering, 1937)"
 RIGID_BODY = "as many zero frequencies as rigid-body motions"
 
@@ -34,34 +37,21 @@ def panel_frequencies() -> Iterator[Check]:
     for support, beam, elements, mechanism, rigid in variants:
         frequencies = np.asarray(natural_frequencies(mechanism))
         title = f"{support}, {beam.length:g} m"
-        exact = theory.bending_frequencies(support, beam.length, beam.linear_density, beam.bending_stiffness, 3)
+        exact = theory.bending_frequencies(support, beam, 3)
         wave_numbers = theory.bending_wave_numbers(support, 3) / beam.length
         for mode, expected in enumerate(exact):
             bound = theory.cubic_element_frequency_error(float(wave_numbers[mode]), beam.length / elements)
-            yield Check(
-                quantity=f"{title}: bending mode {mode + 1} [Hz], {elements} elements",
-                expected=float(expected),
-                obtained=float(frequencies[rigid + mode]),
-                # The elements' error, and the rounding of an eigenvalue, which is relative to the highest one.
-                tolerance=1.1 * bound + np.finfo(float).eps * float(frequencies[-1] / expected) ** 2,
-                relative=True,
-                source=EULER_BERNOULLI,
-            )
+            # The elements' error, and the rounding of an eigenvalue, which is relative to the highest one.
+            obtained = frequencies[rigid + mode]
+            quantity = f"{title}: bending mode {mode + 1} [Hz], {elements} elements"
+            tolerance = 1.1 * bound + np.finfo(float).eps * float(frequencies[-1] / expected) ** 2
+            yield Check(quantity, expected, obtained, tolerance, EULER_BERNOULLI, relative=True)
+        obtained = int(np.count_nonzero(frequencies < 1e-3 * exact[0]))
+        yield Check(f"{title}: frequencies below 1e-3 of the first bending mode", rigid, obtained, 0.0, RIGID_BODY)
+        along = theory.axial_frequencies(support, beam, 1)[0]
+        obtained = frequencies[np.abs(frequencies - along).argmin()]
         yield Check(
-            quantity=f"{title}: frequencies below 1e-3 of the first bending mode",
-            expected=float(rigid),
-            obtained=float(np.count_nonzero(frequencies < 1e-3 * exact[0])),
-            tolerance=0.0,
-            source=RIGID_BODY,
-        )
-        along = theory.axial_frequencies(support, beam.length, beam.linear_density, beam.axial_stiffness, 1)[0]
-        yield Check(
-            quantity=f"{title}: first axial mode [Hz], {elements} elements",
-            expected=float(along),
-            obtained=float(frequencies[np.abs(frequencies - along).argmin()]),
-            tolerance=1e-8,
-            relative=True,
-            source="exact: standing waves of a bar",
+            f"{title}: first axial mode [Hz], {elements} elements", along, obtained, 1e-8, STANDING_WAVES, relative=True
         )
 
 
@@ -81,11 +71,9 @@ def material_damping() -> Iterator[Check]:
     mechanism = cantilever(beam, elements)
     system = linearize(mechanism)
     scale = np.abs(system.stiffness).max()
+    obtained = np.abs(system.damping - beam.damping * system.stiffness).max() / (beam.damping * scale)
     yield Check(
-        quantity="damping matrix of the unstrained beam less damping * stiffness matrix, relative",
-        obtained=float(np.abs(system.damping - beam.damping * system.stiffness).max() / (beam.damping * scale)),
-        tolerance=1e-12,
-        source="stress = modulus * (strain + damping * strain rate)",
+        "damping matrix of the unstrained beam less damping * stiffness matrix, relative", 0.0, obtained, 1e-12, STRESS
     )
     shape, omega = _first_mode(mechanism)
     simulation = Simulation(mechanism, GeneralizedAlpha(step=1e-3))
@@ -98,22 +86,17 @@ def material_damping() -> Iterator[Check]:
     cycles = 8
     simulation.advance(cycles * period)
     left = float(simulation.stored_energies()[[KINETIC, ELASTIC]].sum())
-    yield Check(
-        quantity=f"decay rate of the first bending mode [1/s], from the energy after {cycles} periods",
-        expected=rate,
-        obtained=-0.5 * math.log(left / start) / (cycles * period),
-        # Relative; the integrator's own damping is some (omega h)^3 / (damping omega).
-        tolerance=1e-3,
-        relative=True,
-        source="exact: damping * omega^2 / 2 for a mode that is damped in proportion to its stiffness",
-    )
+    # Relative; the integrator's own damping is some (omega h)^3 / (damping omega).
+    obtained = -0.5 * math.log(left / start) / (cycles * period)
+    quantity = f"decay rate of the first bending mode [1/s], from the energy after {cycles} periods"
+    yield Check(quantity, rate, obtained, 1e-3, MODAL_DECAY, relative=True)
     soft, spin = Beam(2.0, 1.0, 1e3, 10.0, damping=0.01), 5.0
     turning = free_beam(soft, elements, velocity=(0.0, -0.5 * spin * soft.length), spin=spin)
     motion = simulate(turning, 10.0, integrator=GeneralizedAlpha(step=5e-4), output_step=0.1)
     places, _ = nodes(flexible_body(turning), motion.coordinates)
     ends = places[-1] - places[0]
     rates = np.diff(np.unwrap(np.angle(ends))) / np.diff(motion.time)
-    steady_rate, steady_length = theory.spinning_free_beam(soft.length, soft.linear_density, soft.axial_stiffness, spin)
+    steady_rate, steady_length = theory.spinning_free_beam(soft, spin)
     figures = (
         ("spin after the stretch has died out [rad/s]", steady_rate, rates[-10:].mean()),
         ("spin 5 s earlier [rad/s]", steady_rate, rates[-60:-50].mean()),

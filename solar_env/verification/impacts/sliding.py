@@ -23,6 +23,7 @@ from solar_env.mechanics.running.simulation import Simulation, simulate
 from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.verification.checks import Check, compare
 
+FREE_SPIN = "exact: the centres do not slide, so that the torque accelerates the journal freely"
 LOAD, RADIUS, CLEARANCE, STIFFNESS = 10.0, 0.01, 2e-4, 7.39e10  # N, m, m, N/m^1.5
 FRICTION = 0.15
 SPEED_ZERO, SPEED_FULL = 1e-4, 1e-3
@@ -85,14 +86,10 @@ def sliding_speed_readings() -> Iterator[Check]:
     journal = mechanism.bodies[0]
     assert isinstance(journal, Body)
     inertia = journal.inertia
-    yield Check(
-        quantity="speed of centres: spin after 0.05 s, without friction [rad/s]",
-        expected=torque * duration / inertia,
-        obtained=float(simulation.joint_loads()[0][RATE]),
-        tolerance=1e-8,  # that of the integrator, whose treatment of a lasting contact measures a rate of change
-        relative=True,
-        source="exact: the centres do not slide, so that the torque accelerates the journal freely",
-    )
+    # That of the integrator, whose treatment of a lasting contact measures a rate of change
+    obtained = simulation.joint_loads()[0][RATE]
+    quantity = "speed of centres: spin after 0.05 s, without friction [rad/s]"
+    yield Check(quantity, torque * duration / inertia, obtained, 1e-8, FREE_SPIN, relative=True)
 
 
 def _worn(housing_angle: float | None = None) -> Trajectory:
@@ -146,23 +143,14 @@ def _places_of_wear(name: str, motion: Trajectory, angle: float, half_arc: float
     worn, bin_arc = motion.wear_bearing[0], 2.0 * math.pi / BINS
     middles = (np.arange(BINS) + 0.5) * bin_arc
     place = 1.5 * math.pi - math.atan(FRICTION) - angle
-    yield Check(
-        quantity=f"{name}: centroid of its wear [rad]",
-        expected=place,
-        obtained=float(worn @ middles / worn.sum()),
-        tolerance=bin_arc**2 / (16.0 * half_arc),  # the two bins that the arc covers in part count at their middles
-        source=f"exact: the line of centres leans by arctan(T / N); {STATICS}",
-    )
-    yield Check(
-        quantity=f"{name}: deepest wear beside the arc of contact [m]",
-        obtained=float(worn[np.abs(middles - place) > half_arc + bin_arc].max()),
-        tolerance=0.0,
-        source="no contact there",
-    )
-    yield Check(
-        quantity=f"{name}: deepest over mean wear of the journal that turns in it",
-        expected=1.0,
-        obtained=float(motion.wear_journal.max() / motion.wear_journal.mean()),
-        tolerance=0.03,  # a step wears an arc at once
-        source=f"every point of it passes the arc of contact {TURNS} times",
-    )
+    # The two bins that the arc covers in part count at their middles
+    obtained = worn @ middles / worn.sum()
+    quantity = f"{name}: centroid of its wear [rad]"
+    tolerance = bin_arc**2 / (16.0 * half_arc)
+    yield Check(quantity, place, obtained, tolerance, f"exact: the line of centres leans by arctan(T / N); {STATICS}")
+    obtained = worn[np.abs(middles - place) > half_arc + bin_arc].max()
+    yield Check(f"{name}: deepest wear beside the arc of contact [m]", 0.0, obtained, 0.0, "no contact there")
+    # A step wears an arc at once
+    obtained = motion.wear_journal.max() / motion.wear_journal.mean()
+    quantity = f"{name}: deepest over mean wear of the journal that turns in it"
+    yield Check(quantity, 1.0, obtained, 0.03, f"every point of it passes the arc of contact {TURNS} times")

@@ -25,6 +25,7 @@ from solar_env.verification.linkages.closed_loops import (
 )
 from solar_env.verification.linkages.linkage_theory import LinkageState, slider_crank_state
 
+INVERSE_DYNAMICS = "Newton-Euler inverse dynamics of the ideal linkage"
 SAMPLES = 720  # per turn
 GEOMETRY = "play moves a pin by no more than clearance and penetration; closed-form kinematics"
 BOOKS = "conservation of energy"
@@ -46,18 +47,13 @@ def _checks(
     name: str, motion: Trajectory, output: NDArray[np.float64], ideal: Sequence[LinkageState], joint: int
 ) -> Iterator[Check]:
     label = f"{name}, c = {1e3 * motion.clearance[joint]:g} mm"
+    # The allowance is of first order in the play
+    obtained = max(_play_used(motion, output, ideal, joint) - 1.0, 0.0)
     yield Check(
-        quantity=f"{label}: excess of the output's deviation over what the play allows, relative",
-        obtained=max(_play_used(motion, output, ideal, joint) - 1.0, 0.0),
-        tolerance=0.01,  # the allowance is of first order in the play
-        source=GEOMETRY,
+        f"{label}: excess of the output's deviation over what the play allows, relative", 0.0, obtained, 0.01, GEOMETRY
     )
-    yield Check(
-        quantity=f"{label}: energy residual over the crank's greatest work",
-        obtained=motion.energy_residual / float(np.abs(motion.energies["external_work"]).max()),
-        tolerance=1e-5,
-        source=BOOKS,
-    )
+    obtained = motion.energy_residual / float(np.abs(motion.energies["external_work"]).max())
+    yield Check(f"{label}: energy residual over the crank's greatest work", 0.0, obtained, 1e-5, BOOKS)
 
 
 def slider_crank_clearance() -> Iterator[Check]:
@@ -93,10 +89,7 @@ def four_bar_clearance() -> Iterator[Check]:
             q = motion.coordinates
             angle = np.arctan2(q[:, 11] - q[:, 9], q[:, 10] - q[:, 8])
             yield from _checks(f"pin {pin}", motion, angle, ideal, joint)
-        yield Check(
-            quantity=f"pin {pin}, c = {1e3 * clearance:g} mm: crank's work in twentieths of a turn",
-            obtained=_work_error(motion, ideal, rate),
-            # The play is 1e-4 of the crank; the journal keeps swinging in it, for without friction nothing stops it.
-            tolerance=0.02,
-            source="Newton-Euler inverse dynamics of the ideal linkage",
-        )
+        # The play is 1e-4 of the crank; the journal keeps swinging in it, for without friction nothing stops it.
+        obtained = _work_error(motion, ideal, rate)
+        quantity = f"pin {pin}, c = {1e3 * clearance:g} mm: crank's work in twentieths of a turn"
+        yield Check(quantity, 0.0, obtained, 0.02, INVERSE_DYNAMICS)

@@ -109,7 +109,7 @@ def struck_beam(impact: Impact, beam: FineBeam, duration: float, steps: int) -> 
     # Answers of value and rate to the loads 1 and t / h.
     constant, ramp = (1.0 - cosine) / omega**2, (h - sine) / (omega**2 * h)
     constant_rate, ramp_rate = sine, (1.0 - cosine) / (omega**2 * h)
-    rigid = 4.0 / beam.mass
+    rigid = 4.0 / beam.beam.mass
     flexible = float(row**2 @ ramp)
     y, v = np.zeros(beam.modes), np.zeros(beam.modes)
     end, end_rate, place, speed, force = 0.0, 0.0, 0.0, impact.speed, 0.0

@@ -13,7 +13,7 @@ from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.mechanism.beams import BEAM, PANEL
 from solar_env.mechanics.mechanism.description import GROUND, Bearing, Joint, Mechanism, Spring
 from solar_env.mechanics.running.simulation import Simulation
-from solar_env.verification.checks import Check
+from solar_env.verification.checks import ENERGY, MOMENTUM, Check
 from solar_env.verification.panels.mechanisms import modal, start
 
 OUTER = "outer"
@@ -74,13 +74,7 @@ def order() -> Iterator[Check]:
         found = np.log2(errors[0] / errors[-1]) / halvings
         expected = {"motion": (3.0, 0.3), "torques of the springs": (3.0, 0.3), load: of_load}
         for (quantity, (order_, tolerance)), own in zip(expected.items(), found, strict=True):
-            yield Check(
-                quantity=f"{name}: order of convergence in {quantity}",
-                expected=order_,
-                obtained=float(own),
-                tolerance=tolerance,
-                source=source,
-            )
+            yield Check(f"{name}: order of convergence in {quantity}", order_, own, tolerance, source)
 
 
 def free_chain() -> Iterator[Check]:
@@ -103,14 +97,8 @@ def free_chain() -> Iterator[Check]:
             ("angular momentum", lost[2], abs(before[2])),
         ):
             yield Check(
-                quantity=f"rtol = {rtol:g}: relative change of {name} in {contacts} contacts",
-                obtained=float(error / scale),
-                tolerance=1e-8,
-                source="conservation of momentum",
+                f"rtol = {rtol:g}: relative change of {name} in {contacts} contacts", 0.0, error / scale, 1e-8, MOMENTUM
             )
-        yield Check(
-            quantity=f"rtol = {rtol:g}: energy that the books do not account for over that turned over",
-            obtained=abs(residual) / turnover,
-            tolerance=0.3 * rtol,
-            source="conservation of energy",
-        )
+        obtained = abs(residual) / turnover
+        quantity = f"rtol = {rtol:g}: energy that the books do not account for over that turned over"
+        yield Check(quantity, 0.0, obtained, 0.3 * rtol, ENERGY)

@@ -13,6 +13,7 @@ from solar_env.verification.beams.theory import deflected_tip
 from solar_env.verification.checks import Check
 from solar_env.verification.panels.mechanisms import clamp, dead_force, loose, modal, moved, start
 
+RANGE = "range of the second order: squared slope over 4 below 1 %"
 # Damped critically: at rest after some seconds.
 BEAM = replace(PANEL, damping=0.2)
 _SETTLED = 4.0  # s
@@ -43,9 +44,7 @@ def bent(load: float, moment: float, max_steps: int = 1_000_000) -> tuple[float,
     # The clamp gives way a little: of that the elastica is told.
     root = float(simulation.joint_loads()[0, columns.ANGLE])
     way = cmath.exp(1j * root)
-    exact, exact_turn = deflected_tip(
-        length, BEAM.axial_stiffness, stiffness, force / way, tip_moment=moment * stiffness / length
-    )
+    exact, exact_turn = deflected_tip(BEAM, force / way, tip_moment=moment * stiffness / length)
     deflection = (exact * way).imag
     slope, _ = simulation.formulation.modal_range(simulation.model, simulation.state)
     return slope, place.imag / deflection - 1.0, turn / (exact_turn + root) - 1.0
@@ -61,17 +60,8 @@ def large_deflections() -> Iterator[Check]:
             warnings.simplefilter("always", SimulationWarning)
             slope, deflection, turn = bent(load, moment)
         for quantity, error in (("deflection", deflection), ("turn", turn)):
+            # Second order leaves out 0.0512 of the squared slope, however many modes foreshortening takes along.
             yield Check(
-                quantity=f"{name}: relative error of the tip's {quantity}",
-                obtained=error,
-                # Second order leaves out 0.0512 of the squared slope, however many modes foreshortening takes along.
-                tolerance=0.052 * slope**2 + 1e-6,
-                source=EXTENSIBLE,
+                f"{name}: relative error of the tip's {quantity}", 0.0, error, 0.052 * slope**2 + 1e-6, EXTENSIBLE
             )
-        yield Check(
-            quantity=f"{name}: 1 if the run warns, at a slope of {slope:.2g} rad",
-            expected=float(slope > 0.2),
-            obtained=float(len(told)),
-            tolerance=0.0,
-            source="range of the second order: squared slope over 4 below 1 %",
-        )
+        yield Check(f"{name}: 1 if the run warns, at a slope of {slope:.2g} rad", slope > 0.2, len(told), 0.0, RANGE)

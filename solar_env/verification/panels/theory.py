@@ -5,26 +5,15 @@ Nothing here shares code with the engine: series have thousands of exact modes a
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
 
-import mpmath
 import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
+from solar_env.mechanics.mechanism.beams import Beam
+from solar_env.verification.beams.theory import bending_frequencies, bending_wave_numbers
+
 Array = NDArray[np.float64]
-
-
-@lru_cache(maxsize=8)
-def free_wave_numbers(count: int) -> Array:
-    """(count,) roots of cos x cosh x = 1, of forty digits rounded (S. Timoshenko, Vibration Problems, 1937)."""
-    with mpmath.workdps(40):
-        starts = [(k + mpmath.mpf(1) / 2) * mpmath.pi for k in range(1, count + 1)]
-        # From the twentieth on the root is the start in all digits of a double.
-        roots = [
-            mpmath.findroot(lambda x: mpmath.cos(x) - mpmath.sech(x), x) if k < 20 else x for k, x in enumerate(starts)
-        ]
-    return np.array([float(x) for x in roots])
 
 
 def bending_flexibility(length: float, stiffness: float) -> Array:
@@ -74,32 +63,26 @@ class FineBeam:
     """A free beam by thousands of modes, each a function of time in closed form.
 
     Attributes:
-        length: [m].
-        mass: [kg].
-        stiffness: E I [N m2].
-        damping: retardation time of the material [s].
+        beam: its data; it does not stretch.
         modes: number of bending modes.
     """
 
-    length: float
-    mass: float
-    stiffness: float
-    damping: float = 0.0
+    beam: Beam
     modes: int = 4000
 
     @property
     def frequencies(self) -> Array:
         """(modes,) natural frequencies of bending [rad/s]."""
-        return free_wave_numbers(self.modes) ** 2 * math.sqrt(self.stiffness / self.mass / self.length**3)
+        return 2.0 * math.pi * bending_frequencies("free-free", self.beam, self.modes)
 
     @property
     def first_end(self) -> Array:
         """(2, modes) deflection and slope of the first end by the unit amplitude of mass-normalised modes."""
-        x = free_wave_numbers(self.modes)
+        x = bending_wave_numbers("free-free", self.modes)
         low = x[:12]
         sigma = np.ones(self.modes)
         sigma[:12] = (np.cosh(low) - np.cos(low)) / (np.sinh(low) - np.sin(low))
-        return np.array([np.full(self.modes, 2.0), -2.0 * sigma * x / self.length]) / math.sqrt(self.mass)
+        return np.array([np.full(self.modes, 2.0), -2.0 * sigma * x / self.beam.length]) / math.sqrt(self.beam.mass)
 
     def step_response(self, load: int, time: float) -> tuple[Array, Array]:
         """Deflection and slope of the first end, and their rates, at a time [s] after a unit load began to act there.
@@ -109,26 +92,21 @@ class FineBeam:
             time: [s].
         """
         omega, ends = self.frequencies, self.first_end
-        decay = 0.5 * self.damping * omega**2
+        decay = 0.5 * self.beam.damping * omega**2
         root = np.sqrt((omega**2 - decay**2).astype(complex))
         # Of the sum and the difference of exponentials, which do not overflow where the mode does not oscillate.
         plus, minus = np.exp((-decay + 1j * root) * time), np.exp((-decay - 1j * root) * time)
         sine = ((plus - minus) / (2j * root)).real
         ringing = ((0.5 * (plus + minus)).real + decay * sine) / omega**2
-        still = bending_flexibility(self.length, self.stiffness)[:2, load]
-        inertia = self.mass * self.length**2 / 12.0
-        arm = np.array([-0.5 * self.length, 1.0])
-        rigid = np.array([1.0 if load == 0 else 0.0, 0.0]) / self.mass + arm * arm[load] / inertia
+        still = bending_flexibility(self.beam.length, self.beam.bending_stiffness)[:2, load]
+        inertia = self.beam.mass * self.beam.length**2 / 12.0
+        arm = np.array([-0.5 * self.beam.length, 1.0])
+        rigid = np.array([1.0 if load == 0 else 0.0, 0.0]) / self.beam.mass + arm * arm[load] / inertia
         return rigid * 0.5 * time**2 + still - ends @ (ends[load] * ringing), rigid * time + ends @ (ends[load] * sine)
 
     def left_out(self, kept: int) -> Array:
         """(2,) flexibility of the first end to a force and to a moment there, of the modes above the first `kept`."""
         return np.sum((self.first_end[:, kept:] / self.frequencies[kept:]) ** 2, axis=1)
-
-
-def first_frequency(length: float, mass: float, stiffness: float) -> float:
-    """Angular frequency [rad/s] of the lowest bending mode of a free beam."""
-    return float(free_wave_numbers(1)[0] ** 2 * math.sqrt(stiffness / mass / length**3))
 
 
 def spin_stiffening() -> float:
@@ -137,7 +115,7 @@ def spin_stiffening() -> float:
     Rayleigh's quotient of the centrifugal tension rho A spin^2 (L^2 / 4 - s^2) / 2 on the slopes, less one for the
     inertia of the turning frame.
     """
-    x = float(free_wave_numbers(1)[0])
+    x = float(bending_wave_numbers("free-free", 1)[0])
     # The mode is even about its middle: cosh(x/2) cos(x s) + cos(x/2) cosh(x s), -1/2 < s < 1/2.
     s, weights = np.polynomial.legendre.leggauss(60)
     s, weights = 0.5 * s, 0.5 * weights

@@ -4,7 +4,7 @@ import numpy as np
 
 from agents.commands import train
 from agents.environments import DEFAULT_ENV_ID
-from agents.learning import checkpoints, configurations, learn, runs
+from agents.learning import checkpoints, learn, runs
 from agents.policies import shipped
 from agents.policies.network import Layer, PolicyNetwork
 from agents.policies.policy import Description, ShippedPolicy
@@ -45,7 +45,7 @@ def write_history(folder, results, timesteps=None):
 
 def last_model(folder):
     """The model that the run in a folder has come to."""
-    config = configurations.stored_configuration(folder)
+    config = runs.stored_configuration(folder)
     return checkpoints.read(folder).restore(config, learn.make_training_env(config, threads=1), folder=folder)
 
 

@@ -96,7 +96,9 @@ def run(args: Args) -> Path:
         return train_seeds(args)
     if args.resume:
         refuse_fixed(args)
-        config = configurations.resumed_configuration(args.resume, args.timesteps)
+        config = runs.stored_configuration(args.resume)
+        if args.timesteps is not None:
+            config = replace(config, timesteps=args.timesteps)
     else:
         config = configuration(args, args.seed or 0)
     check_comparison(args, config.seed)

@@ -24,9 +24,8 @@ from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper, VecNormalize
 
 from agents.learning import runs
 from agents.learning.callbacks import DeploymentLogger, Validation
-from agents.learning.configurations import Configuration
 from agents.learning.models import make_model
-from agents.learning.runs import DamagedFileError
+from agents.learning.runs import Configuration, DamagedFileError
 from agents.learning.storage import packed, unpacked
 from agents.learning.vec_env import NativeVecEnv
 from agents.learning.weight_search import WeightSearch

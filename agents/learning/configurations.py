@@ -1,15 +1,12 @@
 """Configurations of training runs: those in agents/configs, with single values replaced by those asked for."""
 
 from collections.abc import Mapping
-from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 from agents.environments import INTERFACE, check_episode_seeds, environment_settings, with_sampling
 from agents.laws.baselines import CONFIGS
 from agents.learning import runs
 from agents.learning.runs import Configuration as Configuration
-from agents.learning.runs import stored_configuration as stored_configuration
 from agents.learning.weight_search import WeightSearch
 from solar_env.support.plain_arrays import read_json
 
@@ -83,19 +80,6 @@ def searches_weights(algo: str) -> bool:
         ValueError: There is no such algorithm.
     """
     return issubclass(runs.algorithm(algo), WeightSearch)
-
-
-def resumed_configuration(folder: str | Path, timesteps: int | None = None) -> Configuration:
-    """Make the configuration that goes on with the run in `folder`.
-
-    A run that was interrupted goes on to its end, or until it has trained for `timesteps`; one that is complete trains
-    for `timesteps` more, by default as many as before.
-
-    Raises:
-        FileNotFoundError, ValueError: As `stored_configuration`, or the number of steps is not positive.
-    """
-    previous = stored_configuration(folder)
-    return previous if timesteps is None else replace(previous, timesteps=timesteps)
 
 
 def _is_linear(policy_kwargs: Any) -> bool:

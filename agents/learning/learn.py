@@ -15,8 +15,8 @@ from stable_baselines3.common.vec_env import VecEnv, VecMonitor, VecNormalize
 from agents.environments import episode_seeds
 from agents.learning import checkpoints, runs
 from agents.learning.callbacks import Call, DeploymentLogger, Validation
-from agents.learning.configurations import Configuration, stored_configuration
 from agents.learning.models import make_model
+from agents.learning.runs import Configuration, stored_configuration
 from agents.learning.vec_env import FixedSeeds, LogarithmicCharges, NativeVecEnv
 from agents.learning.weight_search import WeightSearch
 from solar_env.support.campaigns import Workers, each_done

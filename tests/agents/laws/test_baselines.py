@@ -56,7 +56,7 @@ def observe(opening=0.0, rate=0.0, latched=0.0, names=NAMES):
 
 def law(name, signals=SIGNALS):
     """The law of a row, with parameters from anywhere in their ranges."""
-    cls = LAWS[name].cls
+    cls = LAWS[name]
     if name not in TUNABLE:
         return cls(signals)
     return cls(signals, cls.defaults.from_unit(np.random.default_rng(1).random(len(cls.defaults.bounds()))))
@@ -273,7 +273,7 @@ def test_batched_prediction_equals_the_single_ones(name):
 
 def entries_read(name):
     """Entries that a law reads where the motor works on joint 1."""
-    return {entry.replace("driven", "1") for entry in LAWS[name].cls.reads}
+    return {entry.replace("driven", "1") for entry in LAWS[name].reads}
 
 
 @pytest.mark.parametrize("name", LAWS)

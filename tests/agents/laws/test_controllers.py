@@ -70,7 +70,7 @@ def test_a_law_is_that_of_its_row_and_has_neither_files_nor_training_data(env, n
     assert not controller.files()
     assert not controller.training()
     law = controller.load(env)
-    assert type(law) is LAWS[name].cls
+    assert type(law) is LAWS[name]
     if name in TUNABLE:
         assert law.parameters == load_parameters(name, DEPLOY, "rigid-clearance")
     elif name == "servo-untuned":

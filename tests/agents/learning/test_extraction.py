@@ -10,7 +10,7 @@ from trained import TRAINED, random_observations
 from training import last_model
 
 from agents.environments import make_env
-from agents.learning import configurations
+from agents.learning import runs
 from agents.learning.extraction import network_of, policy_of
 from agents.learning.features import DriveFeatures, observation_features
 from agents.policies import onnx_form
@@ -20,7 +20,7 @@ from agents.policies import onnx_form
 def test_the_policy_of_a_training_acts_as_its_model(finished, name):
     run = finished[name][0]
     model, observations = last_model(run), random_observations(500)
-    policy = policy_of(model, configurations.stored_configuration(run))
+    policy = policy_of(model, runs.stored_configuration(run))
     expected, _ = model.predict(observations, deterministic=True)
     actions, _ = policy.predict(observations)
     assert (actions.shape, actions.dtype) == ((500, 1), np.float32)

@@ -117,7 +117,7 @@ def test_the_actor_learns_at_a_rate_of_its_own_in_a_resumed_run_too(algo, tmp_pa
 
 
 def test_one_rollout_trains_too(ppo_run):
-    config = configurations.stored_configuration(ppo_run)
+    config = runs.stored_configuration(ppo_run)
     venv = learn.make_training_env(config, threads=1)
     fresh = learn.make_model(config, venv)
     trained = last_model(ppo_run)

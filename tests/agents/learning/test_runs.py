@@ -14,7 +14,7 @@ from training import SMALL, last_model, run
 
 from agents.comparison.evaluation import common_env_kwargs, evaluate
 from agents.environments import DEFAULT_ENV_ID, INTERFACE, make_env
-from agents.learning import checkpoints, configurations, learn, runs
+from agents.learning import checkpoints, learn, runs
 from agents.learning.runs import DamagedFileError
 from solar_env.array import MODELS
 from solar_env.support.campaigns import Workers
@@ -187,7 +187,7 @@ def normalisation_count(folder):
 def test_resuming_an_off_policy_run_continues_its_replay_buffer(tmp_path, algo):
     first = run("--algo", algo, "--timesteps", 300, "--out", tmp_path / "first", *SMALL[algo])
     second = run("--resume", first, "--timesteps", 100, "--out", tmp_path / "second")
-    config = configurations.stored_configuration(second)
+    config = runs.stored_configuration(second)
     model = checkpoints.read(second).restore(config, learn.make_training_env(config))
     assert model.num_timesteps == 400
     assert model.replay_buffer.size() == 400
@@ -205,7 +205,7 @@ def test_a_run_with_another_configuration_is_neither_taken_nor_removed(tmp_path,
     folder.mkdir()
     for name in (runs.CONFIG, *([runs.TIMING] if complete else [])):
         (folder / name).write_bytes((ppo_run / name).read_bytes())
-    wanted = replace(configurations.stored_configuration(ppo_run), seed=99)
+    wanted = replace(runs.stored_configuration(ppo_run), seed=99)
     with pytest.raises(ValueError, match="holds a run with another configuration; choose another --out"):
         learn.train_missing({folder: wanted}, "", "cpu", Workers(1), progress=False)
     assert (folder / runs.CONFIG).read_bytes() == (ppo_run / runs.CONFIG).read_bytes()

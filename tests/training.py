@@ -15,20 +15,8 @@ RIGID = ["--model", "rigid-clearance"]
 OFF_POLICY = [*RIGID, "--n-envs", "1"]
 OFF_POLICY += ["--hyperparams", "learning_starts=50", "buffer_size=2000", "batch_size=32"]
 OFF_POLICY += ["train_freq=50", "gradient_steps=2"]
-SMALL = {
-    "ppo": [
-        "--algo",
-        "ppo",
-        *RIGID,
-        "--n-envs",
-        "2",
-        "--hyperparams",
-        "n_steps=300",
-        "batch_size=100",
-    ],
-    "sac": OFF_POLICY,
-    "td3": OFF_POLICY,
-}
+PPO = ["--algo", "ppo", *RIGID, "--n-envs", "2", "--hyperparams", "n_steps=300", "batch_size=100"]
+SMALL = {"ppo": PPO, "sac": OFF_POLICY, "td3": OFF_POLICY}
 
 
 def run(*arguments):

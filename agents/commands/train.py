@@ -129,7 +129,7 @@ def configuration(args: Args, seed: int) -> configurations.Configuration:
     """Make the configuration that the arguments ask for, with a seed."""
     env_id = args.env_id or DEFAULT_ENV_ID
     algo = args.algo or "ars"
-    searches = configurations.searches_weights(algo)
+    searches = algo in runs.SEARCHES
     keywords = args.keywords(env_id, MODEL if searches else RIGID)
     config = configurations.complete(algo, env_id, keywords, seed, args.n_envs, args.timesteps, args.hyperparams)
     if args.start:

@@ -4,7 +4,7 @@ import csv
 import io
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -90,16 +90,13 @@ class Tables:
     effort: str = ""
 
     def __str__(self) -> str:
-        return self._page(self.differences)
+        return "\n\n".join(filter(None, (self.scores, self.differences, self.effort))) + "\n"
 
     def folded(self) -> str:
         """Return the tables for a web page: the differences open with a click."""
         summary = "<summary>Differences, episode by episode</summary>"
         folded = f"<details>\n{summary}\n\n{self.differences}\n\n</details>"
-        return self._page(folded if self.differences else "")
-
-    def _page(self, differences: str) -> str:
-        return "\n\n".join(filter(None, (self.scores, differences, self.effort))) + "\n"
+        return str(replace(self, differences=folded if self.differences else ""))
 
 
 def tabulate(rows: Sequence[Row], summary: Summary | None = None, effort: str = "") -> Tables:

@@ -136,12 +136,9 @@ def test_a_policy_that_could_not_be_written_whole_does_not_take_its_name(finishe
     ("name", "content", "told"),
     [
         ("episodes.csv", "", "episodes.csv is damaged"),
-        ("episodes.csv", "a,b\n1,2\n", "episodes.csv is damaged"),
         ("metrics.json", "", "metrics.json is damaged: it is no JSON"),
         ("metrics.json", "5", "metrics.json is damaged: it does not say which command"),
-        ("metrics.json", "[]", "metrics.json is damaged: it does not say which command"),
         ("metrics.json", '{"settings": {}}', "metrics.json is damaged: it does not say which command"),
-        (runs.TIMING, "5", "timing.json is damaged: it does not tell the steps"),
         (runs.TIMING, '{"timesteps": "many"}', "timing.json is damaged: it does not tell the steps"),
     ],
 )

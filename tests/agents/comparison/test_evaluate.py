@@ -143,16 +143,6 @@ def test_the_command_compares_on_the_model_asked_for(tmp_path, model):
     assert (used["model"], used.get("elements"), used["deadline"]) == (model, 1 if elements else None, 0.5)
 
 
-def test_elements_of_rigid_panels_are_refused(tmp_path):
-    with pytest.raises(ValueError, match="--elements 4: panels of rigid-ideal have none"):
-        evaluated_on(tmp_path, "--model", "rigid-ideal", "--elements", "4")
-
-
-def test_a_scenario_as_a_keyword_is_refused_since_nothing_is_tuned_by_it(tmp_path):
-    with pytest.raises(ValueError, match=r"choose --env-id, one of .*DeployRandomised-v1"):
-        evaluated_on(tmp_path, "--controllers", "servo", "--env-kwargs", "scenario=randomised")
-
-
 def test_the_model_of_run_folders_holds_unless_another_is_asked_for(tmp_path):
     for name, model in (("a", "flexible-ideal"), ("b", "flexible-clearance")):
         write_policy(tmp_path / name, env_kwargs={"model": model, "elements": 1, "deadline": 0.5})
@@ -177,11 +167,6 @@ def test_what_was_drawn_in_training_does_not_replace_the_draws_of_another_scenar
     write_policy(tmp_path, env_kwargs=drawn)
     assert common_env_kwargs([str(tmp_path)], DEFAULT_ENV_ID) == drawn
     assert common_env_kwargs([str(tmp_path)], DEPLOY_RANDOMISED) == {"model": "rigid-ideal"}
-
-
-def test_an_option_that_contradicts_the_keywords_is_refused(tmp_path):
-    with pytest.raises(ValueError, match="--model rigid-ideal contradicts --env-kwargs model=flexible-ideal"):
-        evaluated_on(tmp_path, "--model", "rigid-ideal", "--env-kwargs", "model=flexible-ideal")
 
 
 def test_different_controllers_of_the_same_name_are_not_pooled_unasked():

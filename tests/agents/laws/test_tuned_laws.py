@@ -33,10 +33,8 @@ def test_environment_without_tuned_parameters_names_the_command():
         load_parameters("servo", "other/Env-v0", "flexible-ideal")
 
 
-@pytest.mark.parametrize("keywords", [{}, {"model": "rigid-clearance"}])
-def test_a_baseline_has_the_parameters_tuned_for_the_environments_own_model(configs, keywords):
-    with make_env(env_kwargs=keywords) as made:
-        assert make_baseline("brake", made).parameters.torque == 0.1
+def test_a_baseline_has_the_parameters_tuned_for_the_environments_own_model(configs, env):
+    assert make_baseline("brake", env).parameters.torque == 0.1
 
 
 @pytest.mark.parametrize("elements", [1, 3])

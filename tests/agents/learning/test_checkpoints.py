@@ -5,6 +5,7 @@ import os
 import re
 import signal
 from dataclasses import replace
+from unittest.mock import Mock
 
 import pytest
 
@@ -104,16 +105,12 @@ def test_a_training_interrupted_before_its_first_checkpoint_begins_again(resumed
     config = configuration(timesteps=80)
     whole, cut = train(tmp_path / "whole", config, before), tmp_path / "cut"
 
-    def interrupted(self):
-        raise KeyboardInterrupt
-
     with monkeypatch.context() as patch:
-        patch.setattr(checkpoints.Checkpoints, "_on_rollout_start", interrupted)
+        patch.setattr(checkpoints.Checkpoints, "_on_rollout_start", Mock(side_effect=KeyboardInterrupt))
         with pytest.raises(KeyboardInterrupt) as stop:
             train(cut, config, before)
-    assert stop.value.__notes__ == [
-        f"no checkpoint was due yet; solar-env train --resume {cut} begins where this one began"
-    ]
+    (note,) = stop.value.__notes__
+    assert note == f"no checkpoint was due yet; solar-env train --resume {cut} begins where this one began"
     assert not learn.has_checkpoint(cut)
     train(cut, runs.stored_configuration(cut), cut)
     assert content(cut) == content(whole)
@@ -138,17 +135,12 @@ def test_fewer_steps_than_an_interrupted_training_has_done_are_refused(tmp_path)
 def test_a_training_that_ended_before_it_could_say_so_only_says_so(timesteps, tmp_path):
     folder = train(tmp_path / "run", configuration(timesteps=timesteps))
     before = content(folder)
+    assert runs.steps_taken(folder) == checkpoints.read(folder).timesteps == 80
     (folder / runs.TIMING).unlink()
+    assert runs.steps_taken(folder) == timesteps
     train(folder, runs.stored_configuration(folder), folder)
     assert runs.is_complete(folder)
     assert content(folder) == before
-
-
-def test_steps_are_told_as_they_were_taken_in_whole_rollouts(tmp_path):
-    folder = train(tmp_path / "run", configuration(timesteps=50))
-    assert runs.steps_taken(folder) == checkpoints.read(folder).timesteps > 50
-    (folder / runs.TIMING).unlink()
-    assert runs.steps_taken(folder) == 50
 
 
 @pytest.mark.parametrize("damage", [b"", b"half"])
@@ -176,7 +168,7 @@ def taken(tmp_path_factory):
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="kills a child process")
-@pytest.mark.parametrize("share", [0.0, 0.3, 0.999, 1.0])
+@pytest.mark.parametrize("share", [0.0, 0.999, 1.0])
 @pytest.mark.parametrize("older", [1, 2])
 def test_a_kill_while_a_checkpoint_is_written_leaves_a_whole_one(tmp_path, taken, share, older):
     size = len(packed(taken))

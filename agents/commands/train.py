@@ -16,14 +16,7 @@ from agents.comparison.evaluation import efforts, evaluate
 from agents.comparison.figures import run_figure
 from agents.comparison.report import Summary, Tables, write_comparison
 from agents.comparison.suites import MODEL, RIGID
-from agents.environments import (
-    DEFAULT_ENV_ID,
-    INTERFACE,
-    check_distinct_seeds,
-    check_episode_seeds,
-    episode_seeds,
-    make_env,
-)
+from agents.environments import DEFAULT_ENV_ID, INTERFACE, check_episode_seeds, episode_seeds, make_env
 from agents.laws.baselines import make_baseline
 from agents.learning import configurations, learn, runs
 from agents.rollout import Step, run_episode
@@ -151,7 +144,9 @@ def train_seeds(args: Args) -> Path:
     """
     if args.resume or args.out is None:
         raise ValueError("--seeds takes --out, the folder of their runs, and does not go with --resume")
-    check_distinct_seeds(args.seeds)
+    for seed in args.seeds:
+        if (times := args.seeds.count(seed)) > 1:  # its run would count as two
+            raise ValueError(f"seed {seed} is given {times} times; give it once")
     check_comparison(args, args.seed or 0)
     out = Path(args.out)
     wanted = {out / seed_folder(seed): configuration(args, seed) for seed in args.seeds}

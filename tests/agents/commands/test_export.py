@@ -161,12 +161,6 @@ def test_what_a_kill_has_left_unfinished_is_no_shipped_policy(finished, tmp_path
     assert shipped.available() == ["soft"]
 
 
-def test_a_name_that_is_too_long_for_the_system_is_refused(finished, tmp_path, monkeypatch):
-    monkeypatch.setattr(shipped, "SHIPPED", tmp_path)
-    with pytest.raises(OSError, match=r"aaa \(File name too long\); choose another name"):
-        execute("export", [str(finished["ppo"][0]), "--out", str(tmp_path / ("a" * 256))])
-
-
 @pytest.mark.parametrize("package", ["onnx", "onnxruntime"])
 def test_without_onnx_the_command_says_what_to_install_before_anything_is_read(package, run_python, tmp_path):
     program = f"""

@@ -47,17 +47,12 @@ def law(name, signals=SIGNALS):
 
 
 @pytest.mark.parametrize("opening", [0.0, 0.5, 0.99, 1.0])
-def test_servo_torque_is_zero_on_the_profile(opening):
+def test_servo_torque_is_zero_on_the_profile_drives_below_it_and_brakes_above_it(opening):
     servo = VelocityProfileServo(SIGNALS, SERVO)
-    action, _ = servo.predict(observe(opening, servo.reference_rate(opening, TIME_LEFT)))
-    assert action == pytest.approx(0.0, abs=1e-5)
-
-
-def test_servo_drives_below_the_profile_and_brakes_above_it():
-    servo = VelocityProfileServo(SIGNALS, SERVO)
-    reference = servo.reference_rate(0.5, TIME_LEFT)
-    assert servo.predict(observe(0.5, reference - 0.01))[0] > 0.0
-    assert servo.predict(observe(0.5, reference + 0.01))[0] < 0.0
+    reference = servo.reference_rate(opening, TIME_LEFT)
+    assert servo.predict(observe(opening, reference))[0] == pytest.approx(0.0, abs=1e-5)
+    assert servo.predict(observe(opening, reference - 0.01))[0] > 0.0
+    assert servo.predict(observe(opening, reference + 0.01))[0] < 0.0
 
 
 def test_servo_profile_slows_down_to_the_latch_rate():

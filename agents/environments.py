@@ -1,6 +1,6 @@
 """Environments that controllers are tuned, trained and evaluated on: their keywords, their settings, their seeds."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any, Literal
 
@@ -149,14 +149,3 @@ def episode_seeds(purpose: Purpose, seed: int, count: int) -> list[int]:
     check_episode_seeds(seed, count)
     start = _BLOCKS[purpose] * _BLOCK_SIZE + seed * EPISODES_PER_SEED
     return list(range(start, start + count))
-
-
-def check_distinct_seeds(seeds: Sequence[int]) -> None:
-    """Refuse training seeds of which one is given twice: its run would count as two.
-
-    Raises:
-        ValueError: A seed is given more than once.
-    """
-    for seed in seeds:
-        if (times := seeds.count(seed)) > 1:
-            raise ValueError(f"seed {seed} is given {times} times; give it once")

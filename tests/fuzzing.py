@@ -91,10 +91,10 @@ def policies() -> list[bytes]:
 
 
 def run_folder(content: bytes) -> None:
-    from agents.learning import configurations, runs
+    from agents.learning import runs
 
     written(runs.CONFIG, content)
-    configurations.resumed_configuration(FOLDER)
+    runs.stored_configuration(FOLDER)
     runs.steps_taken(FOLDER)
 
 

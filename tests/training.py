@@ -4,7 +4,7 @@ import numpy as np
 
 from agents.commands import train
 from agents.environments import DEFAULT_ENV_ID
-from agents.learning import checkpoints, configurations, learn, runs
+from agents.learning import checkpoints, learn, runs
 from agents.policies import shipped
 from agents.policies.network import Layer, PolicyNetwork
 from agents.policies.policy import Description, ShippedPolicy
@@ -15,20 +15,8 @@ RIGID = ["--model", "rigid-clearance"]
 OFF_POLICY = [*RIGID, "--n-envs", "1"]
 OFF_POLICY += ["--hyperparams", "learning_starts=50", "buffer_size=2000", "batch_size=32"]
 OFF_POLICY += ["train_freq=50", "gradient_steps=2"]
-SMALL = {
-    "ppo": [
-        "--algo",
-        "ppo",
-        *RIGID,
-        "--n-envs",
-        "2",
-        "--hyperparams",
-        "n_steps=300",
-        "batch_size=100",
-    ],
-    "sac": OFF_POLICY,
-    "td3": OFF_POLICY,
-}
+PPO = ["--algo", "ppo", *RIGID, "--n-envs", "2", "--hyperparams", "n_steps=300", "batch_size=100"]
+SMALL = {"ppo": PPO, "sac": OFF_POLICY, "td3": OFF_POLICY}
 
 
 def run(*arguments):
@@ -45,7 +33,7 @@ def write_history(folder, results, timesteps=None):
 
 def last_model(folder):
     """The model that the run in a folder has come to."""
-    config = configurations.stored_configuration(folder)
+    config = runs.stored_configuration(folder)
     return checkpoints.read(folder).restore(config, learn.make_training_env(config, threads=1), folder=folder)
 
 

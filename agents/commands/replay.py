@@ -76,7 +76,7 @@ def _each(args: Args, **keywords: Any) -> Iterator[tuple[str, Controller, gymnas
     asked = {**args.keywords(MODEL), **keywords}
     named = parse_controllers(args.controllers)
     for controller in named:
-        controller.check()
+        controller.training()  # refuses damaged files before any work
     with counting_bar(args.console) as bar:
         for controller in bar.track(named, description="episodes"):
             env = make_env(args.env_id, with_sampling({**asked, **controller.interface()}, args.env_id))

@@ -16,14 +16,7 @@ from agents.comparison.evaluation import efforts, evaluate
 from agents.comparison.figures import run_figure
 from agents.comparison.report import Summary, Tables, write_comparison
 from agents.comparison.suites import MODEL, RIGID
-from agents.environments import (
-    DEFAULT_ENV_ID,
-    INTERFACE,
-    check_distinct_seeds,
-    check_episode_seeds,
-    episode_seeds,
-    make_env,
-)
+from agents.environments import DEFAULT_ENV_ID, INTERFACE, check_episode_seeds, episode_seeds, make_env
 from agents.laws.baselines import make_baseline
 from agents.learning import configurations, learn, runs
 from agents.rollout import Step, run_episode
@@ -96,7 +89,9 @@ def run(args: Args) -> Path:
         return train_seeds(args)
     if args.resume:
         refuse_fixed(args)
-        config = configurations.resumed_configuration(args.resume, args.timesteps)
+        config = runs.stored_configuration(args.resume)
+        if args.timesteps is not None:
+            config = replace(config, timesteps=args.timesteps)
     else:
         config = configuration(args, args.seed or 0)
     check_comparison(args, config.seed)
@@ -127,7 +122,7 @@ def configuration(args: Args, seed: int) -> configurations.Configuration:
     """Make the configuration that the arguments ask for, with a seed."""
     env_id = args.env_id or DEFAULT_ENV_ID
     algo = args.algo or "ars"
-    searches = configurations.searches_weights(algo)
+    searches = algo in runs.SEARCHES
     keywords = args.keywords(MODEL if searches else RIGID)
     config = configurations.complete(algo, env_id, keywords, seed, args.n_envs, args.timesteps, args.hyperparams)
     if args.start:
@@ -149,7 +144,9 @@ def train_seeds(args: Args) -> Path:
     """
     if args.resume or args.out is None:
         raise ValueError("--seeds takes --out, the folder of their runs, and does not go with --resume")
-    check_distinct_seeds(args.seeds)
+    for seed in args.seeds:
+        if (times := args.seeds.count(seed)) > 1:  # its run would count as two
+            raise ValueError(f"seed {seed} is given {times} times; give it once")
     check_comparison(args, args.seed or 0)
     out = Path(args.out)
     wanted = {out / seed_folder(seed): configuration(args, seed) for seed in args.seeds}

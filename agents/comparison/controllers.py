@@ -45,16 +45,12 @@ class NamedController(ABC):
         """List the files that determine a trained controller; none for a law."""
         return []
 
-    def check(self) -> None:
-        """Read these files, before any work: what is damaged is refused now.
+    def training(self) -> Mapping[str, Any]:
+        """Return the record of the training, with `env_id` and `env_kwargs`; empty for a law.
 
         Raises:
-            FileNotFoundError, ValueError: One is missing or damaged; the message names it.
+            FileNotFoundError, ValueError: A file is missing or damaged; the message names it.
         """
-        self.training()
-
-    def training(self) -> Mapping[str, Any]:
-        """Return the record of the training, with `env_id` and `env_kwargs`; empty for a law."""
         return {}
 
     @abstractmethod
@@ -94,9 +90,6 @@ class _Search(NamedController):
 
     def files(self) -> list[Path]:
         return self.base.files()
-
-    def check(self) -> None:
-        self.base.check()
 
     def training(self) -> Mapping[str, Any]:
         return self.base.training()

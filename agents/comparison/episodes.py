@@ -15,7 +15,7 @@ from rich.console import Console
 
 from agents.comparison.controllers import SEARCH_AROUND, NamedController, parse_controller
 from agents.environments import environment_settings, make_env
-from agents.laws.baselines import CONFIGS, UntunedWarning, make_baseline, warn_if_untuned
+from agents.laws.baselines import CONFIGS, UntunedWarning, load_parameters, make_baseline
 from agents.laws.table import TUNABLE
 from agents.learning import runs
 from agents.rollout import are_figures, run_episode
@@ -80,7 +80,7 @@ def run_cells(
     settings = {json.dumps({**cell, "seed": 0}, sort_keys=True): cell for cell in cells}
     for spec, env_id, model in dict.fromkeys(map(_base_and_model, settings.values())):
         if spec in TUNABLE:
-            warn_if_untuned(spec, env_id, model)
+            load_parameters(spec, env_id, model)
     keys = [json.dumps(cell, sort_keys=True) for cell in cells]
     different = dict(zip(keys, cells, strict=True))
     with counting_bar(Console(stderr=True, quiet=not progress)) as bar:

@@ -51,7 +51,7 @@ def evaluate(
     """
     named = parse_controllers(controllers)
     for controller in named:
-        controller.check()
+        controller.training()  # refuses damaged files before any work
     seeds = episode_seeds("evaluation", seed, episodes)
     sampled = with_sampling(env_kwargs or {}, env_id)
     labels: list[Row] = []

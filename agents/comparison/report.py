@@ -4,7 +4,7 @@ import csv
 import io
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ from agents.laws.table import LAWS
 from agents.learning import runs
 from solar_env.studies.common.bootstrap import FEWEST
 from solar_env.support.files import make_folder, write_text
+from solar_env.support.markdown import markdown_table
 from solar_env.support.versions import versions
 
 # Figure -> (heading, factor to the heading's unit); the tables show these, the CSV file has all.
@@ -89,16 +90,13 @@ class Tables:
     effort: str = ""
 
     def __str__(self) -> str:
-        return self._page(self.differences)
+        return "\n\n".join(filter(None, (self.scores, self.differences, self.effort))) + "\n"
 
     def folded(self) -> str:
         """Return the tables for a web page: the differences open with a click."""
         summary = "<summary>Differences, episode by episode</summary>"
         folded = f"<details>\n{summary}\n\n{self.differences}\n\n</details>"
-        return self._page(folded if self.differences else "")
-
-    def _page(self, differences: str) -> str:
-        return "\n\n".join(filter(None, (self.scores, differences, self.effort))) + "\n"
+        return str(replace(self, differences=folded if self.differences else ""))
 
 
 def tabulate(rows: Sequence[Row], summary: Summary | None = None, effort: str = "") -> Tables:
@@ -109,34 +107,20 @@ def tabulate(rows: Sequence[Row], summary: Summary | None = None, effort: str = 
     episodes = len({row["episode"] for row in rows})
     head = ["controller", "latched", *(TABLE[figure][0] for figure in figures)]
     basis = _basis(episodes, max(entry["return"].count for entry in summary.values()))
-    scores = [
-        f"{basis} Post-lock figures are those of deployments that latched.",
-        "",
-        *header(head),
-    ]
+    lines = []
     for name, entry in summary.items():
         label = f"{name} ({entry['runs']} runs)" if entry["runs"] > 1 else name
-        cells = [_cell(entry[figure], figure) for figure in figures]
-        scores.append(f"| {label} | {entry['latched']:.0%} | " + " | ".join(cells) + " |")
+        lines.append([label, f"{entry['latched']:.0%}", *(_cell(entry[figure], figure) for figure in figures)])
+    scores = f"{basis} Post-lock figures are those of deployments that latched.\n\n{markdown_table(head, lines)}"
     differences = []
     for reference in references(rows) if len(names) > 1 else []:
-        differences += [
-            "",
-            f"Difference from {reference}, episode by episode, and share of the episodes with a higher return:",
-            "",
-            *header(["controller", *(TABLE[figure][0] for figure in figures), "better in"]),
-        ]
-        for name in names:
-            if name != reference:
-                cells = [_cell(summary[name][f"{figure} - {reference}"], figure, worst=False) for figure in figures]
-                share = with_interval(summary[name][f"better than {reference}"], "{:.0%}")
-                differences.append(f"| {name} | " + " | ".join([*cells, share]) + " |")
-    return Tables("\n".join(scores), "\n".join(differences[1:]), effort)
-
-
-def header(names: Sequence[str]) -> list[str]:
-    """Return the first two lines of a table in Markdown."""
-    return ["| " + " | ".join(names) + " |", "|" + " --- |" * len(names)]
+        lines = []
+        for name in (name for name in names if name != reference):
+            cells = [_cell(summary[name][f"{figure} - {reference}"], figure, worst=False) for figure in figures]
+            lines.append([name, *cells, with_interval(summary[name][f"better than {reference}"], "{:.0%}")])
+        told = f"Difference from {reference}, episode by episode, and share of the episodes with a higher return:"
+        differences += [told, markdown_table(["controller", *head[2:], "better in"], lines)]
+    return Tables(scores, "\n\n".join(differences), effort)
 
 
 def _basis(episodes: int, values: int) -> str:

@@ -32,41 +32,22 @@ def load_parameters(name: str, env_id: str, model: str) -> LawParameters:
         ValueError: The file has no entry for `env_id` that would do, or its keys are not those of the law.
     """
     entry, source = _entry(name, env_id, model)
-    _warn_if_borrowed(name, env_id, model, source)
+    if source != model:
+        warnings.warn(
+            f"no parameters of {name!r} have been tuned for {model}; it gets those for {source}. To tune: "
+            + _command(name, env_id, model),
+            UntunedWarning,
+            stacklevel=2,
+        )
     try:
         return TUNABLE[name].defaults.from_json(entry["parameters"])
     except ValueError as error:
         raise ValueError(f"{name}.json, {env_id!r}, {source!r}: {error}") from error
 
 
-def warn_if_untuned(name: str, env_id: str, model: str) -> None:
-    """Warn if the law `name` gets the parameters of another model.
-
-    Raises:
-        ValueError: There are none for `env_id` that would do.
-
-    Warns:
-        UntunedWarning: It does.
-    """
-    _, source = _entry(name, env_id, model)
-    _warn_if_borrowed(name, env_id, model, source)
-
-
-def _warn_if_borrowed(name: str, env_id: str, model: str, source: str) -> None:
-    """Warn if `source`, the model that parameters were tuned for, is another one than `model`."""
-    if source != model:
-        warnings.warn(
-            f"no parameters of {name!r} have been tuned for {model}; it gets those for {source}. To tune: "
-            + _command(name, env_id, model),
-            UntunedWarning,
-            stacklevel=3,
-        )
-
-
 def store_parameters(name: str, env_id: str, model: str, entry: dict[str, Any]) -> Path:
     """Write what tuning has found to the law's file, in place of the entry for the same environment id and model."""
-    path = CONFIGS / f"{name}.json"
-    entries = _entries(name)
+    entries, path = _entries(name), CONFIGS / f"{name}.json"
     entries.setdefault(env_id, {})[model] = entry
     write_text(path, json.dumps(entries, indent=2, allow_nan=False) + "\n")
     return path
@@ -122,6 +103,6 @@ def make_baseline(name: str, env: gymnasium.Env, parameters: LawParameters | Non
         raise ValueError(f"no baseline {name!r}; available: {', '.join(LAWS)}")
     signals = Signals.of(env)
     if name not in TUNABLE:
-        return LAWS[name].cls(signals)
+        return LAWS[name](signals)
     model: str = ModelLevel.of(env.unwrapped.model).name  # type: ignore[attr-defined]
     return TUNABLE[name](signals, parameters or load_parameters(name, env.spec.id if env.spec else "", model))

@@ -24,12 +24,11 @@ from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper, VecNormalize
 
 from agents.learning import runs
 from agents.learning.callbacks import DeploymentLogger, Validation
-from agents.learning.configurations import Configuration
 from agents.learning.models import make_model
-from agents.learning.runs import DamagedFileError
+from agents.learning.runs import Configuration, DamagedFileError
 from agents.learning.storage import packed, unpacked
 from agents.learning.vec_env import NativeVecEnv
-from agents.learning.weight_search import WeightSearch
+from agents.learning.weight_search import CMAES
 from solar_env.support.files import write_bytes
 from solar_env.support.interruption import deaf
 
@@ -92,7 +91,7 @@ class Checkpoint:
             for name, value in self.model["variables"].items():
                 getattr(model, name).data.copy_(value)
             vars(model).update(self.model["counters"])
-            if isinstance(model, WeightSearch):
+            if self.model["progress"]:
                 model.progress = self.model["progress"]
             if self.replay_buffer:
                 vars(model.replay_buffer).update(self.replay_buffer)
@@ -134,7 +133,7 @@ def _of_model(model: Any) -> dict[str, Any]:
         "counters": {name: vars(model)[name] for name in _COUNTERS if name in vars(model)},
         "parameters": model.get_parameters(),
         "variables": {name: getattr(model, name) for name in variables},
-        "progress": model.progress if isinstance(model, WeightSearch) else {},
+        "progress": model.progress if isinstance(model, CMAES) else {},
     }
 
 

@@ -1,33 +1,15 @@
 """Configurations of training runs: those in agents/configs, with single values replaced by those asked for."""
 
 from collections.abc import Mapping
-from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 from agents.environments import INTERFACE, check_episode_seeds, environment_settings, with_sampling
 from agents.laws.baselines import CONFIGS
 from agents.learning import runs
 from agents.learning.runs import Configuration as Configuration
-from agents.learning.runs import stored_configuration as stored_configuration
-from agents.learning.weight_search import WeightSearch
 from solar_env.support.plain_arrays import read_json
 
 FIRST_WEIGHTS = "first_weights"
-
-
-def entry(algo: str, env_id: str) -> dict[str, Any]:
-    """Read the entry of `agents/configs/<algo>.json` for `env_id`.
-
-    Raises:
-        ValueError: There is no algorithm of this name, or no entry.
-    """
-    runs.algorithm(algo)
-    entries = read_json(CONFIGS / f"{algo}.json")
-    if env_id not in entries:
-        raise ValueError(f"{algo}.json has no hyperparameters for {env_id!r}; it has {', '.join(entries)}")
-    found: dict[str, Any] = entries[env_id]
-    return found
 
 
 def complete(
@@ -52,13 +34,17 @@ def complete(
         ValueError: Algorithm, environment or one of its keywords is unknown, a number is out of range, or first weights
             are asked for and the policy is not linear.
     """
-    found, asked = entry(algo, env_id), dict(hyperparameters or {})
+    runs.algorithm(algo)
+    entries = read_json(CONFIGS / f"{algo}.json")
+    if env_id not in entries:
+        raise ValueError(f"{algo}.json has no hyperparameters for {env_id!r}; it has {', '.join(entries)}")
+    found, asked = entries[env_id], dict(hyperparameters or {})
     interface = {name: found[name] for name in INTERFACE if name in found}
     keywords = with_sampling({**interface, **env_kwargs}, env_id)
     chosen = {**found["hyperparameters"], **asked}
     if isinstance(asked.get("policy_kwargs"), dict):
         chosen["policy_kwargs"] = {**found["hyperparameters"].get("policy_kwargs", {}), **asked["policy_kwargs"]}
-    linear = searches_weights(algo) or _is_linear(chosen.get("policy_kwargs"))
+    linear = algo in runs.SEARCHES or _is_linear(chosen.get("policy_kwargs"))
     if asked.get(FIRST_WEIGHTS) is not None and not linear:
         raise ValueError(
             f"hyperparameter {FIRST_WEIGHTS} is of a linear policy, and this one has hidden layers; leave it out, or "
@@ -74,28 +60,6 @@ def complete(
     config = Configuration(algo, env_id, runs.jsonable(keywords), seed, hyperparameters=chosen, **counts)
     check_episode_seeds(seed, config.n_envs)
     return config
-
-
-def searches_weights(algo: str) -> bool:
-    """Whether an algorithm searches the weights of a policy by whole episodes.
-
-    Raises:
-        ValueError: There is no such algorithm.
-    """
-    return issubclass(runs.algorithm(algo), WeightSearch)
-
-
-def resumed_configuration(folder: str | Path, timesteps: int | None = None) -> Configuration:
-    """Make the configuration that goes on with the run in `folder`.
-
-    A run that was interrupted goes on to its end, or until it has trained for `timesteps`; one that is complete trains
-    for `timesteps` more, by default as many as before.
-
-    Raises:
-        FileNotFoundError, ValueError: As `stored_configuration`, or the number of steps is not positive.
-    """
-    previous = stored_configuration(folder)
-    return previous if timesteps is None else replace(previous, timesteps=timesteps)
 
 
 def _is_linear(policy_kwargs: Any) -> bool:

@@ -15,10 +15,9 @@ from stable_baselines3.common.vec_env import VecEnv, VecMonitor, VecNormalize
 from agents.environments import episode_seeds
 from agents.learning import checkpoints, runs
 from agents.learning.callbacks import Call, DeploymentLogger, Validation
-from agents.learning.configurations import Configuration, stored_configuration
 from agents.learning.models import make_model
+from agents.learning.runs import Configuration, stored_configuration
 from agents.learning.vec_env import FixedSeeds, LogarithmicCharges, NativeVecEnv
-from agents.learning.weight_search import WeightSearch
 from solar_env.support.campaigns import Workers, each_done
 from solar_env.support.files import make_folder, write_bytes
 from solar_env.support.interruption import keeping
@@ -92,7 +91,7 @@ def train(training: Training) -> None:
     model = _model(training, beginning)
     runs.write_json(folder / runs.CONFIG, _record(training, beginning))
     model.set_logger(configure(str(folder / "tensorboard"), ["tensorboard"]))
-    validation, logger, restored = _validation(training, model), DeploymentLogger(), beginning.checkpoint
+    validation, logger, restored = _validation(training), DeploymentLogger(), beginning.checkpoint
     saving = checkpoints.Checkpoints(folder, training.checkpoint_interval, validation, logger, restored)
     if restored:
         validation.history = restored.history
@@ -108,7 +107,13 @@ def train(training: Training) -> None:
         model.logger.close()
         validation.eval_env.close()
         model.env.close()
-    runs.write_json(folder / runs.TIMING, _timing(model, validation, time.perf_counter() - start))
+    timing = {
+        "wall_time_s": time.perf_counter() - start,
+        "stepping_s": model.env.unwrapped.stepping_time,
+        "validation_s": validation.wall_time,
+    }
+    timing["learning_s"] = timing["wall_time_s"] - timing["stepping_s"] - timing["validation_s"]
+    runs.write_json(folder / runs.TIMING, {"timesteps": model.num_timesteps, **timing})
 
 
 def _beginning(training: Training) -> _Beginning:
@@ -160,25 +165,14 @@ def _record(training: Training, beginning: _Beginning) -> dict[str, Any]:
     }
 
 
-def _validation(training: Training, model: Any) -> Validation:
+def _validation(training: Training) -> Validation:
     config = training.config
     # The mean of a search wanders: more of them are looked at.
-    validations = VALIDATIONS_OF_WEIGHTS if isinstance(model, WeightSearch) else VALIDATIONS
+    validations = VALIDATIONS_OF_WEIGHTS if config.algo in runs.SEARCHES else VALIDATIONS
     interval = max(config.timesteps // validations, min(config.timesteps, SHORTEST_VALIDATION_INTERVAL))
     every = max(interval // config.n_envs, 1)
     env = make_validation_env(config, training.threads)
     return Validation(env, training.folder, every, VALIDATION_EPISODES, config)
-
-
-def _timing(model: Any, validation: Validation, wall: float) -> dict[str, float]:
-    stepping = model.env.unwrapped.stepping_time
-    return {
-        "timesteps": model.num_timesteps,
-        "wall_time_s": wall,
-        "stepping_s": stepping,
-        "validation_s": validation.wall_time,
-        "learning_s": wall - stepping - validation.wall_time,
-    }
 
 
 def has_checkpoint(folder: Path) -> bool:

@@ -15,8 +15,8 @@ from stable_baselines3.common.vec_env import VecEnv, VecNormalize
 
 from agents.environments import environment_settings, episode_seeds
 from agents.learning import runs
-from agents.learning.configurations import Configuration
 from agents.learning.features import DriveFeatures, observation_features
+from agents.learning.runs import Configuration
 from agents.learning.weight_search import WeightSearch, all_weights
 
 SHARE = "share"

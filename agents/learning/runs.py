@@ -30,6 +30,7 @@ ALGORITHMS: dict[str, type[BaseAlgorithm]] = {
     "ars": WeightSearch,
     "cma-es": CMAES,
 }
+SEARCHES = ("ars", "cma-es")  # over the weights of a policy, by whole episodes
 
 CONFIG = "config.json"
 POLICY = (shipped.ARRAYS, shipped.DESCRIPTION)  # of the best policy
@@ -238,10 +239,8 @@ def linear_weights(folder: str | Path, env: gymnasium.Env) -> list[float]:
         ValueError: The run was no such search, or observations or actions of `env` have another meaning.
     """
     policy = load_policy(folder, env)
-    algo = policy.description.algorithm
-    if not issubclass(algorithm(algo), WeightSearch):
-        searches = ", ".join(name for name, cls in ALGORITHMS.items() if issubclass(cls, WeightSearch))
-        raise ValueError(f"{folder} is a run of {algo}; training can begin with one of {searches}")
+    if (algo := policy.description.algorithm) not in SEARCHES:
+        raise ValueError(f"{folder} is a run of {algo}; training can begin with one of {', '.join(SEARCHES)}")
     return policy.network.layers[-1].weights.ravel().tolist()
 
 

@@ -59,15 +59,6 @@ class WeightSearch(ARS):
         self.weights: Any = torch.from_numpy(vector)
         self.policy.load_from_vector(vector)
 
-    @property
-    def progress(self) -> dict[str, Any]:
-        """All that the search goes on from but the policy's weights; of ARS nothing."""
-        return {}
-
-    @progress.setter
-    def progress(self, progress: dict[str, Any]) -> None:
-        pass
-
     def set_parameters(self, *args: Any, **kwargs: Any) -> None:
         """Load parameters, see `BaseAlgorithm`; the search goes on from the policy's weights."""
         super().set_parameters(*args, **kwargs)

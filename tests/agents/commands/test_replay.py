@@ -57,12 +57,12 @@ def test_replay_shows_controllers_side_by_side(tmp_path, capsys):
     data = page_data(text)
     assert [motion["name"] for motion in data["motions"]] == ["passive", "brake"]
     assert any(chart["title"].startswith("Contact") or "lands softest" in chart["title"] for chart in data["charts"])
+    charts = {chart["y"]: chart for chart in data["charts"]}
     (forces,) = (chart for chart in data["charts"] if chart["logarithmic"])
     assert forces["limits"] == [0.01, 1000.0]
-    assert [line["name"] for line in forces["lines"]] == ["passive", "brake"]
+    for chart in (forces, charts["stored energy [J]"]):
+        assert [line["name"] for line in chart["lines"]] == ["passive", "brake"]
     assert min(min(line["y"]) for line in forces["lines"]) > 0.0, "a logarithm shows no zero"
-    charts = {chart["y"]: chart for chart in data["charts"]}
-    assert [line["name"] for line in charts["stored energy [J]"]["lines"]] == ["passive", "brake"]
     assert "Made by: solar-env replay" in text
     assert "reward peak impact" in text
     answer = re.search(r'<section id="answer"><p>(.*?)</p>', text)[1]

@@ -1,6 +1,7 @@
 """Figures of agents show what they were given, in the units of their axes."""
 
 import math
+from dataclasses import astuple
 
 import numpy as np
 import pytest
@@ -41,10 +42,7 @@ def test_a_comparison_shows_means_intervals_and_the_worst_of_every_controller_in
         "sliding_work_J": Estimate(2e-3, 1e-3, 3e-3, 1e-4, 9e-3, 5),
         "wear_depth_max_m": Estimate(5e-15, 4e-15, 6e-15, 3e-15, 7e-15, 5),
     }
-    better = {
-        name: Estimate(*(0.1 * number for number in list(vars(value).values())[:-1]), count=5)
-        for name, value in figures.items()
-    }
+    better = {name: Estimate(*(0.1 * number for number in astuple(of)[:-1]), 5) for name, of in figures.items()}
     comparison_figure({"passive": figures, "servo": better}, tmp_path / "figure.png")
     panels = saved_figures[0].axes
     rows = {text.get_text(): row for row, text in enumerate(panels[0].get_yticklabels())}
@@ -58,11 +56,11 @@ def test_a_comparison_shows_means_intervals_and_the_worst_of_every_controller_in
 
 
 def test_a_comparison_of_fewer_than_four_episodes_shows_no_interval(tmp_path, saved_figures):
+    others = ("peak_postlock_force_N", "sliding_work_J", "wear_depth_max_m")
     for count, bars in ((3, 0), (4, 1)):
-        comparison_figure({"servo": {"return": Estimate(-2.0, -3.0, -1.5, -9.0, -1.0, count)} | {
-            name: Estimate(0.0, 0.0, 0.0, 0.0, 0.0, count)
-            for name in ("peak_postlock_force_N", "sliding_work_J", "wear_depth_max_m")
-        }}, tmp_path / "figure.png")  # fmt: skip
+        figures = dict.fromkeys(others, Estimate(0.0, 0.0, 0.0, 0.0, 0.0, count))
+        figures["return"] = Estimate(-2.0, -3.0, -1.5, -9.0, -1.0, count)
+        comparison_figure({"servo": figures}, tmp_path / "figure.png")
         (axes,) = saved_figures[-1].axes
         assert sum(line.get_linestyle() == "-" and len(line.get_xdata()) == 2 for line in axes.lines) == bars
         assert ("95 % interval" in saved_figures[-1].get_suptitle()) == bool(bars)

@@ -5,6 +5,7 @@ import os
 import re
 import signal
 from dataclasses import replace
+from unittest.mock import Mock
 
 import pytest
 
@@ -80,7 +81,7 @@ def test_an_interrupted_training_goes_on_bit_for_bit(name, tmp_path):
     assert int(kept[1]) == 120 if name not in SEARCHES else 0 < int(kept[1]) < 700
     assert not runs.is_complete(tmp_path / "cut")
     for folder in (tmp_path / "other", tmp_path / "cut"):  # into another folder, and into its own
-        train(folder, configurations.resumed_configuration(tmp_path / "cut"), tmp_path / "cut")
+        train(folder, runs.stored_configuration(tmp_path / "cut"), tmp_path / "cut")
         assert runs.is_complete(folder)
         assert content(folder) == content(whole)
         record, of_whole = runs.read_config(folder), runs.read_config(whole)
@@ -90,7 +91,7 @@ def test_an_interrupted_training_goes_on_bit_for_bit(name, tmp_path):
 
 def test_a_training_that_is_complete_goes_on_for_as_many_steps_again(tmp_path):
     first = train(tmp_path / "first", configuration(timesteps=80))
-    second = train(tmp_path / "second", configurations.resumed_configuration(first), first)
+    second = train(tmp_path / "second", runs.stored_configuration(first), first)
     assert checkpoints.read(second).timesteps == 160
     assert runs.read_config(second)["timesteps_before"] == 80
     steps = checkpoints.read(second).history["evaluations_timesteps"].tolist()
@@ -104,18 +105,14 @@ def test_a_training_interrupted_before_its_first_checkpoint_begins_again(resumed
     config = configuration(timesteps=80)
     whole, cut = train(tmp_path / "whole", config, before), tmp_path / "cut"
 
-    def interrupted(self):
-        raise KeyboardInterrupt
-
     with monkeypatch.context() as patch:
-        patch.setattr(checkpoints.Checkpoints, "_on_rollout_start", interrupted)
+        patch.setattr(checkpoints.Checkpoints, "_on_rollout_start", Mock(side_effect=KeyboardInterrupt))
         with pytest.raises(KeyboardInterrupt) as stop:
             train(cut, config, before)
-    assert stop.value.__notes__ == [
-        f"no checkpoint was due yet; solar-env train --resume {cut} begins where this one began"
-    ]
+    (note,) = stop.value.__notes__
+    assert note == f"no checkpoint was due yet; solar-env train --resume {cut} begins where this one began"
     assert not learn.has_checkpoint(cut)
-    train(cut, configurations.resumed_configuration(cut), cut)
+    train(cut, runs.stored_configuration(cut), cut)
     assert content(cut) == content(whole)
     assert runs.read_config(cut) == runs.read_config(whole)
 
@@ -125,30 +122,25 @@ def test_a_complete_training_without_its_checkpoint_is_not_begun_again(tmp_path)
     for name in runs.CHECKPOINTS:
         (folder / name).unlink(missing_ok=True)
     with pytest.raises(FileNotFoundError, match="has no checkpoint to go on from; start a new run"):
-        train(tmp_path / "other", configurations.resumed_configuration(folder), folder)
+        train(tmp_path / "other", runs.stored_configuration(folder), folder)
 
 
 def test_fewer_steps_than_an_interrupted_training_has_done_are_refused(tmp_path):
     train_until(135, tmp_path / "cut", configuration())
     with pytest.raises(ValueError, match=r"timesteps is 50: .* has trained for 120 steps; give more"):
-        train(tmp_path / "other", configurations.resumed_configuration(tmp_path / "cut", 50), tmp_path / "cut")
+        train(tmp_path / "other", replace(runs.stored_configuration(tmp_path / "cut"), timesteps=50), tmp_path / "cut")
 
 
 @pytest.mark.parametrize("timesteps", [80, 70])  # whole rollouts, and more than were asked for
 def test_a_training_that_ended_before_it_could_say_so_only_says_so(timesteps, tmp_path):
     folder = train(tmp_path / "run", configuration(timesteps=timesteps))
     before = content(folder)
+    assert runs.steps_taken(folder) == checkpoints.read(folder).timesteps == 80
     (folder / runs.TIMING).unlink()
-    train(folder, configurations.resumed_configuration(folder), folder)
+    assert runs.steps_taken(folder) == timesteps
+    train(folder, runs.stored_configuration(folder), folder)
     assert runs.is_complete(folder)
     assert content(folder) == before
-
-
-def test_steps_are_told_as_they_were_taken_in_whole_rollouts(tmp_path):
-    folder = train(tmp_path / "run", configuration(timesteps=50))
-    assert runs.steps_taken(folder) == checkpoints.read(folder).timesteps > 50
-    (folder / runs.TIMING).unlink()
-    assert runs.steps_taken(folder) == 50
 
 
 @pytest.mark.parametrize("damage", [b"", b"half"])
@@ -176,7 +168,7 @@ def taken(tmp_path_factory):
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="kills a child process")
-@pytest.mark.parametrize("share", [0.0, 0.3, 0.999, 1.0])
+@pytest.mark.parametrize("share", [0.0, 0.999, 1.0])
 @pytest.mark.parametrize("older", [1, 2])
 def test_a_kill_while_a_checkpoint_is_written_leaves_a_whole_one(tmp_path, taken, share, older):
     size = len(packed(taken))

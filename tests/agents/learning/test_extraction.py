@@ -4,13 +4,13 @@ import numpy as np
 import onnxruntime
 import pytest
 from stable_baselines3 import PPO, SAC, TD3
-from stable_baselines3.common.torch_layers import BaseFeaturesExtractor, FlattenExtractor
+from stable_baselines3.common.torch_layers import FlattenExtractor
 from torch import nn
 from trained import TRAINED, random_observations
 from training import last_model
 
 from agents.environments import make_env
-from agents.learning import configurations
+from agents.learning import runs
 from agents.learning.extraction import network_of, policy_of
 from agents.learning.features import DriveFeatures, observation_features
 from agents.policies import onnx_form
@@ -20,7 +20,7 @@ from agents.policies import onnx_form
 def test_the_policy_of_a_training_acts_as_its_model(finished, name):
     run = finished[name][0]
     model, observations = last_model(run), random_observations(500)
-    policy = policy_of(model, configurations.stored_configuration(run))
+    policy = policy_of(model, runs.stored_configuration(run))
     expected, _ = model.predict(observations, deterministic=True)
     actions, _ = policy.predict(observations)
     assert (actions.shape, actions.dtype) == ((500, 1), np.float32)
@@ -77,19 +77,10 @@ def test_means_beyond_the_limits_are_handled_as_the_algorithm_does(cls, keywords
     np.testing.assert_allclose(session.run(None, {"observation": observations})[0], actions, rtol=0.0, atol=1e-6)
 
 
-class Doubling(BaseFeaturesExtractor):
-    def __init__(self, observation_space):
-        super().__init__(observation_space, observation_space.shape[0])
-
-    def forward(self, observations):
-        return 2.0 * observations
-
-
 @pytest.mark.parametrize(
     ("keywords", "message"),
     [
         ({"activation_fn": nn.ELU}, "computes DriveFeatures, Linear, ELU, Linear, ELU, Linear; exported can be"),
-        ({"features_extractor_class": Doubling, "features_extractor_kwargs": {}}, "computes Doubling, Linear"),
         (
             {"features_extractor_class": FlattenExtractor, "features_extractor_kwargs": {}},
             "computes FlattenExtractor, Linear.*exported can be .* layers on the features of agents.learning.features",

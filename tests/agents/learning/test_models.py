@@ -48,7 +48,7 @@ def test_the_first_weights_are_of_the_same_entries_of_a_linear_policy_or_of_none
     actions = learn.make_model(config, venv).predict(venv.reset(), deterministic=True)[0]
     if fit:
         assert actions == pytest.approx(0.84, abs=0.02), "the rate that arrives"
-    elif configurations.searches_weights(algo):
+    elif algo in runs.SEARCHES:
         assert not actions.any()
 
 
@@ -74,13 +74,9 @@ def test_the_noise_and_the_steps_of_ars_fall_to_nothing():
     config = configurations.complete("ars", DEPLOY, {"model": "rigid-ideal"}, 0, n_envs=1)
     venv = learn.make_training_env(config, threads=1)
     model = learn.make_model(config, venv)
-    chosen = config.hyperparameters
-    assert [model.delta_std_schedule(left) for left in (1.0, 0.5, 0.0)] == [
-        chosen["delta_std"] * left for left in (1.0, 0.5, 0.0)
-    ]
-    assert [model.lr_schedule(left) for left in (1.0, 0.5, 0.0)] == [
-        chosen["learning_rate"] * left for left in (1.0, 0.5, 0.0)
-    ]
+    for left in (1.0, 0.5, 0.0):
+        assert model.delta_std_schedule(left) == config.hyperparameters["delta_std"] * left
+        assert model.lr_schedule(left) == config.hyperparameters["learning_rate"] * left
 
 
 @pytest.mark.parametrize("algo", ["sac", "td3"])
@@ -117,7 +113,7 @@ def test_the_actor_learns_at_a_rate_of_its_own_in_a_resumed_run_too(algo, tmp_pa
 
 
 def test_one_rollout_trains_too(ppo_run):
-    config = configurations.stored_configuration(ppo_run)
+    config = runs.stored_configuration(ppo_run)
     venv = learn.make_training_env(config, threads=1)
     fresh = learn.make_model(config, venv)
     trained = last_model(ppo_run)

@@ -37,7 +37,7 @@ def test_a_training_that_spoils_the_agent_keeps_it_as_it_was_and_so_does_one_tha
         assert history["timesteps"].tolist() == [0, 100]
     assert after < before
     assert runs.best_policy(first).description.training_steps == 0
-    learn.train(learn.Training(configurations.resumed_configuration(first), second, first, progress=False, threads=1))
+    learn.train(learn.Training(runs.stored_configuration(first), second, first, progress=False, threads=1))
     for name in runs.POLICY:
         assert (second / name).read_bytes() == (first / name).read_bytes()
 

@@ -113,8 +113,5 @@ def test_candidates_have_the_returns_of_their_policies_and_who_has_ended_is_kept
 
 
 def test_a_search_over_weights_sees_landings_and_sets_the_rate():
-    config = configurations.complete("cma-es", DEFAULT_ENV_ID, {}, 0)
-    assert {name: config.env_kwargs[name] for name in ("action", "observation")} == {
-        "action": "rate",
-        "observation": "landing",
-    }
+    keywords = configurations.complete("cma-es", DEFAULT_ENV_ID, {}, 0).env_kwargs
+    assert (keywords["action"], keywords["observation"]) == ("rate", "landing")

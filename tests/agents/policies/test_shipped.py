@@ -83,15 +83,12 @@ def test_pickled_content_is_refused_and_not_run(own):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"weights_3": np.zeros((64, 63), np.float32)}, r"layer 3: weights have shape \(64, 63\), but layer 2 has 64"),
         ({"weights_2": np.zeros((64, 9), np.float32)}, r"layer 2: weights have shape \(64, 9\), but layer 1 has 11"),
         ({"biases_3": np.zeros(63, np.float32)}, r"layer 3: biases have shape \(63,\), but weights have .*\(64, 64\)"),
         ({"weights_1": np.zeros((11, 8))}, r"the layers map 8 inputs to 1 outputs; expected 9 inputs.*theta"),
         ({"weights_1": np.zeros((11, 9), np.float32)}, "layer 1: weights are of type float32; expected float64"),
-        ({"weights_2": np.zeros((64, 11))}, "layer 2: weights are of type float64; expected float32"),
         ({"biases_1": np.full(11, np.nan)}, "layer 1: biases hold nan"),
         ({"biases_4": np.zeros((1, 1), np.float32)}, r"layer 4: biases have shape \(1, 1\); expected 1 dimension"),
-        ({"biases_1": np.full(11, np.inf)}, "layer 1: biases hold inf"),
         ({"weights_9": np.zeros((1, 1), np.float32)}, r"policy\.npz holds \['biases_1', .*expected weights_1"),
     ],
 )
@@ -107,15 +104,12 @@ def test_arrays_that_do_not_fit_are_named(own, changes, message):
         ({"format": 1}, r"policy\.json has format 1; this version reads format 4"),
         ({"colour": "red"}, r"policy\.json has the keys .*'colour'.*; expected"),
         ({"activation": "elu"}, "activation is 'elu'; choose from relu, tanh"),
-        ({"output": "none"}, "output is 'none'; choose from clip, tanh"),
-        ({"feature_limit": 0.0}, "feature_limit is 0.0; give a positive finite number"),
         ({"feature_limit": "two"}, "feature_limit is 'two'; give a finite number"),
         ({"env_id": "stranger.module:Env-v0"}, "env_id is 'stranger.module:Env-v0'; give .* that names no module"),
         ({"observation_names": 3}, "observation_names is 3; give a list of names"),
         ({"env_kwargs": []}, r"env_kwargs is \[\]; give a mapping"),
         ({"deadline": -1.0}, "deadline is -1.0; give a positive number"),
         ({"mean_limit": -1.0}, "mean_limit is -1.0; give a positive"),
-        ({"mean_limit": "two"}, "mean_limit is 'two'; give a finite number or null"),
         ({"observation_names": ["time", "x */ int evil; /*"]}, "observation_names is .*letters, digits"),
     ],
 )

@@ -141,6 +141,20 @@ def block(
     return Mechanism((body,), (Joint("gap", GROUND, "block", (0.0, 0.0), journal, bearing=pin),), gravity=gravity)
 
 
+def towards_walls(*clearances: float) -> Mechanism:
+    """A block that flies, at 0.3 m/s, in as many bearings at once; 0 stands for a wheel on a pin without clearance."""
+    ends = (0.0, 0.0), (0.0, 0.0)
+    body = Body("block", 1.0, 0.1, 1.0, (0.0, 0.0), velocity=(0.3, 0.0))
+    wheel = Body("wheel", 1.0, 2.0, 1.0, (0.0, 0.0))
+    pins = (
+        Joint(f"{k}", GROUND, "block", *ends, bearing=Bearing(clearance, 0.01, PowerLaw(1e9, damping=0.2)))
+        if clearance
+        else Joint(f"{k}", GROUND, "wheel", *ends)
+        for k, clearance in enumerate(clearances)
+    )
+    return Mechanism((body, wheel) if 0.0 in clearances else (body,), tuple(pins))
+
+
 def rotor(torque_angle: float = 1.0) -> Mechanism:
     """A wheel of 2 kg m2 about its centroid on an ideal pin, at rest, with a latch at `torque_angle`."""
     wheel = Body("wheel", 1.0, 2.0, length=1.0, centroid=(0.0, 0.0))

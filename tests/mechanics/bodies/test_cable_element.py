@@ -19,7 +19,7 @@ from cable_beams import (
     tangent,
     translation,
 )
-from helpers import central_difference, orders
+from helpers import orders
 from mechanisms import turned
 
 from solar_env.mechanics.bodies.cable_element.element import add_mass_product, solve_mass
@@ -30,28 +30,6 @@ from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.mechanism.description import Mechanism
 
 SEEDS = range(4)
-
-
-@pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize("elements", [1, 2, 5])
-def test_the_elastic_force_is_minus_the_slope_of_the_elastic_energy(elements: int, seed: int) -> None:
-    scene = deformed(seed, replace(BEAM, elements=elements, damping=0.0))
-    slope = central_difference(lambda q: elastic_energy(scene.model.bodies, q), scene.q)
-    assert np.abs(slope[scene.own]).max() > 0.1
-    assert internal_force(scene) == pytest.approx(-slope[scene.own], abs=1e-9 * np.abs(slope).max())
-    assert not slope[: scene.beam.offset].any()
-
-
-@pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize("elements", [1, 2, 5])
-def test_the_tangent_of_a_body_is_the_slope_of_its_force(elements: int, seed: int) -> None:
-    scene = deformed(seed, replace(BEAM, elements=elements))
-    by_q = central_difference(lambda q: internal_force(scene, q=q), scene.q)[:, scene.own]
-    by_v = central_difference(lambda v: internal_force(scene, v=v), scene.v)[:, scene.own]
-    scale = max(np.abs(by_q).max(), np.abs(by_v).max())
-    assert tangent(scene, 1.0, 0.0) == pytest.approx(-by_q, abs=1e-8 * scale)
-    assert tangent(scene, 0.0, 1.0) == pytest.approx(-by_v, abs=1e-8 * scale)
-    assert tangent(scene, 0.3, -2.0) == pytest.approx(-0.3 * by_q + 2.0 * by_v, abs=1e-8 * scale)
 
 
 def test_the_tangent_of_the_straight_beam_is_its_stiffness_matrix() -> None:
@@ -98,15 +76,6 @@ def test_a_bent_beam_that_is_turned_and_carried_along_feels_the_same(angle: floa
     assert damping_power(moved) == pytest.approx(damping_power(scene), rel=1e-12)
     expected = np.array([turned(f, angle) for f in internal_force(scene).reshape(-1, 2)]).ravel()
     assert internal_force(moved) == pytest.approx(expected, abs=1e-12 * np.abs(expected).max())
-
-
-@pytest.mark.parametrize("seed", SEEDS)
-def test_internal_forces_change_neither_linear_nor_angular_momentum(seed: int) -> None:
-    scene = deformed(seed)
-    force = internal_force(scene)
-    for field in (translation(scene, 0), translation(scene, 1), quarter_turns(scene.q)):
-        rounding = 1e-14 * float(np.abs(force) @ np.abs(field[scene.own]))
-        assert force @ field[scene.own] == pytest.approx(0.0, abs=rounding)
 
 
 @pytest.mark.parametrize("seed", range(10))

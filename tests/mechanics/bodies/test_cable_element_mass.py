@@ -24,7 +24,6 @@ from mechanisms import Vector, turned
 from scipy.linalg import eigh
 
 from solar_env.mechanics.bodies.cable_element.element import (
-    add_mass_matrix,
     add_mass_product,
     kinetic_energy,
     solve_mass,
@@ -32,7 +31,6 @@ from solar_env.mechanics.bodies.cable_element.element import (
 from solar_env.mechanics.bodies.markers import direction, place
 from solar_env.mechanics.equations.build import compile_mechanism
 from solar_env.mechanics.mechanism.description import GROUND, Drive, Guide, Joint, Load, Mechanism, Point
-from solar_env.mechanics.numerics.profile import dense, make_profile_matrix
 
 
 def hermite(elements: int, length: float, points: int) -> tuple[Vector, Vector, np.ndarray]:
@@ -107,17 +105,6 @@ def test_products_are_added_to_what_is_there() -> None:
     assert force[scene.own] == pytest.approx(1.0 + internal_force(scene), rel=1e-13)
 
 
-def test_the_mass_part_of_newtons_matrix_is_the_weighted_mass_matrix() -> None:
-    scene = straight()
-    elimination = scene.model.elimination
-    matrix = make_profile_matrix(elimination)
-    add_mass_matrix(scene.beam, scene.model.body_constants, 0.7, elimination, matrix)
-    found = dense(elimination, matrix)
-    assert found[scene.own, scene.own] == pytest.approx(0.7 * mass_matrix(scene), rel=1e-14)
-    found[scene.own, scene.own] = 0.0
-    assert not found.any()
-
-
 # Roots of cos x cosh x = 1.
 FREE_FREE = (4.730040744862704, 7.853204624095838, 10.995607838001671)
 
@@ -182,10 +169,3 @@ def test_an_attachment_off_the_nodes_is_refused_with_the_nodes(part: str, place:
     }[part]
     with pytest.raises(ValueError, match=r"is not a node of flexible body 'beam'; its nodes are \(k \* 0\.566667, 0\)"):
         compile_mechanism(Mechanism((RIGID, BEAM), **attached))
-
-
-def test_the_weight_of_a_beam_is_that_of_its_shape_functions() -> None:
-    model, _ = compile_mechanism(Mechanism((RIGID, BEAM), gravity=(0.3, -9.81)))
-    _, weights, shapes = hermite(BEAM.elements, BEAM.length, 4)
-    expected = np.outer(BEAM.linear_density * shapes.T @ weights, (0.3, -9.81)).ravel()
-    assert model.constant_force[4:] == pytest.approx(expected, abs=1e-14)

@@ -73,18 +73,14 @@ def test_integrals_and_energies_are_numbered_without_gaps() -> None:
     assert sorted((m.EXTERNAL_WORK, m.MATERIAL_DISSIPATION)) == list(range(-m.GLOBAL_INTEGRALS, 0))
 
 
-def test_whole_numbers_in_a_description_compile_no_kernel_anew() -> None:
+def test_mechanisms_of_any_size_and_kind_of_number_share_their_compiled_kernels() -> None:
     decimal = Body(
         "b", mass=2.0, inertia=1.0, length=1.0, centroid=(0.0, 0.0), position=(1.0, 2.0), velocity=(1.0, 0.0)
     )
     whole = Body("b", mass=2, inertia=1, length=1, centroid=(0, 0), position=(1, 2), velocity=(1, 0))
     compiled = [compile_mechanism(Mechanism((body,), gravity=(0, -1))) for body in (decimal, whole)]
-    assert numba.typeof(compiled[0]) == numba.typeof(compiled[1])
+    assert numba.typeof(compiled[0]) == numba.typeof(compiled[1]) == numba.typeof(compile_mechanism(example()))
     assert fingerprint(compiled[0][1]) == fingerprint(compiled[1][1])
-
-
-def test_mechanisms_of_any_size_share_their_compiled_kernels() -> None:
-    assert numba.typeof(compile_mechanism(pendulum())) == numba.typeof(compile_mechanism(example()))
 
 
 def test_every_array_is_contiguous() -> None:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers import Forces, central_difference
-from mechanisms import ROUND_BEARING, Vector, block, chain, floating_pair, pendulum, turned
+from mechanisms import ROUND_BEARING, Vector, block, chain, pendulum, turned
 
 from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.arrays import model as m
@@ -205,16 +205,6 @@ def test_projected_velocities_meet_the_constraints_rates() -> None:
         assert (q[k + 2 : k + 4] - q[k : k + 2]) @ (v[k + 2 : k + 4] - v[k : k + 2]) == pytest.approx(0.0, abs=1e-8)
 
 
-def test_projecting_twice_changes_nothing() -> None:
-    forces, q, v = disturbed(1e-12)
-    project_onto_constraints(forces, q, v)
-    again_q, again_v = q.copy(), v.copy()
-    project_onto_constraints(forces, again_q, again_v)
-    assert again_q == pytest.approx(q, abs=1e-14)
-    # Velocities were projected with the directions of positions some 1e-12 off.
-    assert again_v == pytest.approx(v, abs=1e-11)
-
-
 def test_projection_is_the_smallest_change_in_the_mass_metric() -> None:
     forces, before_q, before_v = disturbed(1e-6)
     q, v = before_q.copy(), before_v.copy()
@@ -277,8 +267,3 @@ def test_the_ground_has_no_compliance() -> None:
     forces = Forces(block(position=(0.2, 0.0), bearing=ROUND_BEARING), impact_speed=1.0)
     forces.force(forces.state.q, forces.state.v)
     assert normal_inverse_mass(forces.model, forces.state.q, forces.state.v, 0, forces.work) == pytest.approx(1.0)
-
-
-def test_a_free_mechanism_has_no_constraints() -> None:
-    simulation = Simulation(floating_pair())
-    assert simulation.model.constraints.size.size == 0

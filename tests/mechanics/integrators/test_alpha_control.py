@@ -8,12 +8,12 @@ from typing import Any
 
 import pytest
 from helpers import attempt, single_steps
-from mechanisms import block, pendulum
+from mechanisms import block, pendulum, towards_walls
 
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, RungeKutta, alpha_coefficients
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.joints.joint import penetration
-from solar_env.mechanics.mechanism.description import GROUND, Bearing, Body, Joint, Mechanism
+from solar_env.mechanics.mechanism.description import Bearing, Mechanism
 from solar_env.mechanics.running.simulation import Simulation
 
 SPEED, CLEARANCE = 0.3, 1e-3
@@ -141,24 +141,6 @@ def test_a_step_whose_equations_are_not_solved_is_tried_again_at_a_quarter() -> 
     assert simulation.time == 0.25**refused
 
 
-def bearing(clearance: float) -> Bearing:
-    return Bearing(clearance, 0.01, PowerLaw(1e9, damping=0.2))
-
-
-def towards_walls(*clearances: float) -> Mechanism:
-    """A block that flies, at 0.3 m/s, in as many bearings at once; 0 stands for a wheel on a pin without clearance."""
-    ends = (0.0, 0.0), (0.0, 0.0)
-    body = Body("block", 1.0, 0.1, 1.0, (0.0, 0.0), velocity=(SPEED, 0.0))
-    wheel = Body("wheel", 1.0, 2.0, 1.0, (0.0, 0.0))
-    pins = (
-        Joint(f"{k}", GROUND, "block", *ends, bearing=bearing(clearance))
-        if clearance
-        else Joint(f"{k}", GROUND, "wheel", *ends)
-        for k, clearance in enumerate(clearances)
-    )
-    return Mechanism((body, wheel) if 0.0 in clearances else (body,), tuple(pins))
-
-
 @pytest.mark.parametrize("clearances", [(CLEARANCE,), (1.0, CLEARANCE), (CLEARANCE, 1.0), (0.0, CLEARANCE)])
 def test_a_step_that_would_pass_the_wall_ends_on_it_and_the_next_ones_resolve_the_impact(
     clearances: tuple[float, ...],
@@ -180,16 +162,13 @@ def test_a_step_that_would_pass_the_wall_ends_on_it_and_the_next_ones_resolve_th
     assert len(steps) > 24
 
 
-def test_a_step_that_passes_the_wall_by_less_than_half_of_it_is_halved_first() -> None:
-    simulation = alpha(towards_walls(CLEARANCE), step=1.5 * FLIGHT)
-    assert steps_of(simulation, 1) == pytest.approx([0.75 * FLIGHT], rel=1e-12)
-    assert simulation.state.clock["rejected_steps"][0] == 1
-
-
-def test_a_step_that_ends_before_the_wall_is_taken_whole() -> None:
-    simulation = alpha(towards_walls(CLEARANCE), step=0.9 * FLIGHT)
-    assert steps_of(simulation, 1) == pytest.approx([0.9 * FLIGHT], rel=1e-12)
-    assert simulation.state.clock["rejected_steps"][0] == 0
+@pytest.mark.parametrize(
+    ("step", "taken", "rejected"), [(1.5, 0.75, 1), (0.9, 0.9, 0)], ids=["by less than half of it", "not at all"]
+)
+def test_a_step_that_passes_the_wall_a_little_is_halved_first(step: float, taken: float, rejected: int) -> None:
+    simulation = alpha(towards_walls(CLEARANCE), step=step * FLIGHT)
+    assert steps_of(simulation, 1) == pytest.approx([taken * FLIGHT], rel=1e-12)
+    assert simulation.state.clock["rejected_steps"][0] == rejected
 
 
 def test_of_two_walls_within_a_step_the_nearer_one_ends_it() -> None:

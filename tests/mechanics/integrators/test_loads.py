@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from helpers import Forces, rigid_motions
 from mechanisms import Vector, turned
+from test_flexible_motion import BEAM, both_integrators
 
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.equations.system import accelerations
@@ -17,17 +18,6 @@ from solar_env.mechanics.mechanism.description import GROUND, Body, Drive, Flexi
 from solar_env.mechanics.running.diagnosis import SimulationWarning
 from solar_env.mechanics.running.simulation import Simulation
 
-EXPLICIT_AND_IMPLICIT: dict[str, Integrator] = {
-    "runge-kutta": RungeKutta(rtol=1e-8),
-    "generalized-alpha": GeneralizedAlpha(step=1e-3, rho_inf=1.0),
-}
-# With rho_inf = 1, which conserves energy, the constraint forces alternate, as the library tells; here motion counts.
-pytestmark = pytest.mark.filterwarnings("ignore:.* the constraint forces of the integrator")
-both_integrators = pytest.mark.parametrize(
-    "integrator", EXPLICIT_AND_IMPLICIT.values(), ids=EXPLICIT_AND_IMPLICIT.keys()
-)
-
-BEAM = FlexibleBody("beam", 1.2, 2, linear_density=0.8, axial_stiffness=400.0, bending_stiffness=0.6)
 RIGID = Body("body", 1.5, 0.2, 0.9, (0.4, 0.1), position=(0.3, -0.2), angle=0.5)
 LOADED = {
     "rigid": (RIGID, (0.2, 0.3)),
@@ -65,17 +55,6 @@ def test_a_torque_changes_angular_momentum_alone(body: Body | FlexibleBody, plac
     forces, a = initial_accelerations(Mechanism((body,), loads=(Load("body", place, torque=0.4),)))
     rates = rigid_motions(forces.model, forces.state.q) @ forces.mass_product(a)
     assert rates == pytest.approx([0.0, 0.0, 0.4], abs=1e-13)
-
-
-def test_a_rigid_body_is_accelerated_as_newton_and_euler_say() -> None:
-    force, torque, place = np.array([0.7, -1.1]), 0.4, (0.2, 0.3)
-    _, a = initial_accelerations(Mechanism((RIGID,), loads=(Load("body", place, tuple(force.tolist()), torque),)))
-    arm = turned(np.subtract(place, RIGID.centroid), RIGID.angle)
-    alpha = (torque + arm[0] * force[1] - arm[1] * force[0]) / RIGID.inertia
-    across = turned((0.0, 1.0), RIGID.angle)
-    assert a[2:] - a[:2] == pytest.approx(RIGID.length * alpha * across, rel=1e-12)
-    centroid = turned(RIGID.centroid, RIGID.angle)
-    assert a[:2] == pytest.approx(force / RIGID.mass + alpha * np.array([centroid[1], -centroid[0]]), rel=1e-12)
 
 
 @both_integrators

@@ -1,4 +1,4 @@
-"""Step control of the adaptive methods where everything is known in closed form: sizes, events, samples, books."""
+"""Explicit steps where everything is known in closed form: sizes, events, interpolants, books, and what ends a call."""
 
 from __future__ import annotations
 
@@ -7,17 +7,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers import attempt, single_steps
-from mechanisms import block, floating_pair, pendulum
+from helpers import attempt, fingerprint, single_steps
+from mechanisms import block, floating_pair, pendulum, towards_walls
 
+from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.columns import ANGLE
+from solar_env.mechanics.integrators.methods.runge_kutta import make_runge_kutta_arrays, take_stages
+from solar_env.mechanics.integrators.methods.stages import cubic_weights, quintic_weights, refresh
 from solar_env.mechanics.integrators.settings import RungeKutta
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.mechanism.description import GROUND, Bearing, Body, Joint, Mechanism, Stop
-from solar_env.mechanics.records.recording import make_recorder, sample_columns
 from solar_env.mechanics.running.errors import SimulationError
-from solar_env.mechanics.running.simulation import Simulation
+from solar_env.mechanics.running.simulation import Simulation, simulate
 
 # Nothing is ever rejected: a step is as long as it is asked for.
 UNCONTROLLED = RungeKutta(rtol=0.1, velocity_scale=1e9)
@@ -65,7 +67,10 @@ def test_errors_below_a_ten_thousandth_of_the_tolerance_are_remembered_as_that()
     assert simulation.state.clock["last_error"][0] == 1e-4
 
 
-def test_a_step_that_is_refused_passes_the_second_time_with_what_is_left_for_safety() -> None:
+def test_a_step_that_is_refused_is_tried_again_at_a_tenth_at_least_and_passes_with_what_is_left_for_safety() -> None:
+    far = with_step(floating_pair(), 0.05, RungeKutta(rtol=1e-11))
+    attempt(far, 10.0)
+    assert far.state.clock["step_size"][0] == pytest.approx(0.005, rel=1e-12)
     simulation = with_step(floating_pair(), 0.002, RungeKutta(rtol=1e-11))
     assert not attempt(simulation, 10.0)
     assert (simulation.time, simulation.state.clock["rejected_steps"][0]) == (0.0, 1)
@@ -73,12 +78,6 @@ def test_a_step_that_is_refused_passes_the_second_time_with_what_is_left_for_saf
     assert simulation.time > 0.0
     # The error goes with the fourth power of the step, but for terms of a higher order.
     assert simulation.state.clock["last_error"][0] == pytest.approx(0.9**4, rel=0.02)
-
-
-def test_a_step_far_too_long_is_tried_again_at_a_tenth() -> None:
-    simulation = with_step(floating_pair(), 0.05, RungeKutta(rtol=1e-11))
-    attempt(simulation, 10.0)
-    assert simulation.state.clock["step_size"][0] == pytest.approx(0.005, rel=1e-12)
 
 
 @pytest.mark.parametrize(("start", "refused"), [(0.0, 7), (1e3, 4)])
@@ -143,62 +142,50 @@ def test_a_stow_stop_sets_in_at_its_face_and_is_not_felt_before(sign: int) -> No
     assert m.joint_integrals(simulation.state.integrals)[0, m.LATCH_DISSIPATION] == 0.0
 
 
-@pytest.mark.parametrize("angles", [(0.02, 0.03), (0.03, 0.02)])
-def test_of_two_latchings_within_a_step_the_earlier_one_ends_it(angles: tuple[float, float]) -> None:
-    joints = tuple(pin(name, lock_angle=angle) for name, angle in zip("ab", angles, strict=True))
-    simulation = with_step(Mechanism((wheel("a"), wheel("b")), joints), 1.0)
-    for k in range(2):
-        simulation.set_motor_torque(k, 0.5)
-    attempt(simulation, 3.0)
-    assert simulation.state.joints["latched"].tolist() == [angle == 0.02 for angle in angles]
-    assert simulation.time == pytest.approx(spun_up(0.02), rel=CHORD)
-    simulation.integrator = replace(UNCONTROLLED, max_step=0.5)
-    simulation.advance(0.6)
-    assert sorted(simulation.state.joints["latch_time"]) == pytest.approx([spun_up(0.02), spun_up(0.03)], rel=CHORD)
+LATCHES = (pin("a", lock_angle=0.02), pin("b", lock_angle=0.03))
+STOPS = (pin("a", stow_angle=0.0), pin("b", stow_angle=0.0))
+MIXED = (pin("a", lock_angle=0.02), pin("b", stow_angle=0.0))
 
 
-@pytest.mark.parametrize("torques", [(-0.5, -1.0), (-1.0, -0.5)])
-def test_of_two_stow_stops_within_a_step_the_earlier_one_sets_in(torques: tuple[float, float]) -> None:
-    joints = tuple(pin(name, stow_angle=0.0) for name in "ab")
+@pytest.mark.parametrize(
+    ("joints", "torques", "first", "time"),
+    [
+        (LATCHES, (0.5, 0.5), 0, spun_up(0.02)),
+        (LATCHES[::-1], (0.5, 0.5), 1, spun_up(0.02)),
+        (STOPS, (-0.5, -1.0), 1, spun_up(STOP.gap, 1.0)),
+        (STOPS, (-1.0, -0.5), 0, spun_up(STOP.gap, 1.0)),
+        # The latch is twice as far as the stop, and reached with torques of twice or half as much a unit of way.
+        (MIXED, (4.0, -1.0), 0, None),
+        (MIXED, (1.0, -1.0), 1, None),
+    ],
+)
+def test_of_two_latchings_or_stow_stops_within_a_step_the_earlier_one_ends_it(
+    joints: tuple[Joint, Joint], torques: tuple[float, float], first: int, time: float | None
+) -> None:
     simulation = with_step(Mechanism((wheel("a"), wheel("b")), joints), 1.0)
     for k, torque in enumerate(torques):
         simulation.set_motor_torque(k, torque)
     attempt(simulation, 3.0)
-    assert simulation.state.joints["stop_engaged"].tolist() == [torque == -1.0 for torque in torques]
-    assert simulation.time == pytest.approx(spun_up(STOP.gap, 1.0), rel=CHORD)
+    own = simulation.state.joints
+    columns = ["stop_engaged" if joint.lock_angle is None else "latched" for joint in joints]
+    assert [own[column][k] for k, column in enumerate(columns)] == [k == first for k in range(2)]
+    assert time is None or simulation.time == pytest.approx(time, rel=CHORD)
 
 
-@pytest.mark.parametrize("first", ["latching", "stow stop"])
-def test_of_a_latching_and_a_stow_stop_within_a_step_the_earlier_one_ends_it(first: str) -> None:
-    simulation = with_step(Mechanism((wheel("a"), wheel("b")), (pin("a", 0.02), pin("b", stow_angle=0.0))), 1.0)
-    # The latch is twice as far as the stop, and reached with torques of twice or half as much a unit of way.
-    simulation.set_motor_torque(0, 4.0 if first == "latching" else 1.0)
-    simulation.set_motor_torque(1, -1.0)
-    attempt(simulation, 3.0)
-    joints = simulation.state.joints
-    assert (joints["latched"][0], joints["stop_engaged"][1]) == ((1, 0) if first == "latching" else (0, 1))
-
-
-def test_a_joint_at_rest_at_its_very_lock_angle_latches_at_once() -> None:
-    simulation = with_step(Mechanism((wheel("a"),), (pin("a", lock_angle=0.0),)), 0.1)
-    attempt(simulation, 3.0)
-    assert simulation.state.joints["latched"][0] == 1
-    assert simulation.state.joints["latch_time"][0] == 0.0
-
-
-def test_latchings_at_one_instant_all_happen_then() -> None:
-    simulation = with_step(Mechanism((wheel("a"), wheel("b")), (pin("a", 0.02), pin("b", 0.02))), 1.0)
+@pytest.mark.parametrize("angles", [(0.02, 0.03), (0.02, 0.02)], ids=["one after the other", "at one instant"])
+def test_latchings_all_happen_in_their_time(angles: tuple[float, float]) -> None:
+    joints = tuple(pin(name, lock_angle=angle) for name, angle in zip("ab", angles, strict=True))
+    simulation = Simulation(Mechanism((wheel("a"), wheel("b")), joints), UNCONTROLLED)
     for k in range(2):
         simulation.set_motor_torque(k, 0.5)
-    simulation.integrator = UNCONTROLLED
-    simulation.advance(0.5)
-    assert simulation.state.joints["latched"].all()
-    assert simulation.state.joints["latch_time"] == pytest.approx([spun_up(0.02)] * 2, rel=CHORD)
-    assert simulation.state.clock["latched_joints"][0] == 2
+    simulation.advance(0.6)
+    assert simulation.state.clock["latched_joints"][0] == simulation.state.joints["latched"].sum() == 2
+    assert simulation.state.joints["latch_time"] == pytest.approx([spun_up(angle) for angle in angles], rel=CHORD)
 
 
-def test_a_joint_beyond_its_lock_angle_from_the_start_latches_at_once() -> None:
-    simulation = with_step(Mechanism((wheel("a", angle=0.5),), (pin("a", 0.3),)), 0.1)
+@pytest.mark.parametrize(("angle", "lock_angle"), [(0.0, 0.0), (0.5, 0.3)], ids=["at it", "beyond it"])
+def test_a_joint_that_starts_at_its_lock_angle_or_beyond_latches_at_once(angle: float, lock_angle: float) -> None:
+    simulation = with_step(Mechanism((wheel("a", angle=angle),), (pin("a", lock_angle),)), 0.1)
     attempt(simulation, 3.0)
     assert simulation.state.joints["latched"][0] == 1
     assert simulation.state.joints["latch_time"][0] == 0.0
@@ -225,61 +212,11 @@ def test_of_a_contact_and_a_latching_within_a_step_the_earlier_one_ends_it(first
 
 @pytest.mark.parametrize("widths", [(1e-3, 2e-3), (2e-3, 1e-3)])
 def test_a_journal_meets_the_narrower_of_two_bearings_first(widths: tuple[float, float]) -> None:
-    body = Body("block", 1.0, 0.1, 1.0, (0.0, 0.0), velocity=(0.0, -0.3))
-    bearings = (Bearing(width, 0.01, PowerLaw(1e9, damping=0.2)) for width in widths)
-    pins = tuple(
-        Joint(f"{k}", GROUND, "block", (0.0, 0.0), (0.0, 0.0), bearing=bearing) for k, bearing in enumerate(bearings)
-    )
-    simulation = with_step(Mechanism((body,), pins), 1.0)
+    simulation = with_step(towards_walls(*widths), 1.0)
     attempt(simulation, 1.0)
     assert simulation.state.joints["in_contact"].tolist() == [width == 1e-3 for width in widths]
     assert simulation.time == pytest.approx(1e-3 / 0.3, rel=1e-12)
     assert simulation.state.joints["contact_start"].max() == simulation.time
-
-
-# Heights and bearings in powers of two: nothing is lost in rounding.
-SAMPLES = np.array([0.0, 0.0, 0.125, 0.5, 0.75, 1.0, 1.0])
-
-
-def test_samples_within_a_long_step_are_those_of_free_fall_at_their_times() -> None:
-    wide = Bearing(64.0, 0.01, PowerLaw(1e9))
-    simulation = Simulation(block((2.0, 0.0), bearing=wide, gravity=(0.0, -8.0)), UNCONTROLLED)
-    simulation.state.clock["step_size"], simulation.state.clock["last_error"] = 0.75, 1.0
-    recorder = make_recorder(simulation.model, simulation.state, SAMPLES, 0)
-    simulation.advance(1.0, recorder)
-    assert simulation.state.clock["steps"][0] == 2
-    assert recorder.filled[0] == SAMPLES.size
-    columns = sample_columns(simulation.model, simulation.state)
-    place, speed = recorder.samples[:, columns["q"]][:, :2], recorder.samples[:, columns["v"]][:, :2]
-    assert place == pytest.approx(np.stack([2.0 * SAMPLES, -4.0 * SAMPLES**2], axis=1), abs=1e-13)
-    assert speed == pytest.approx(np.stack([np.full(SAMPLES.size, 2.0), -8.0 * SAMPLES], axis=1), abs=1e-13)
-
-
-def test_samples_of_the_motors_work_grow_with_the_angle() -> None:
-    simulation = Simulation(Mechanism((wheel("a"),), (pin("a", lock_angle=3.0),)), UNCONTROLLED)
-    simulation.set_motor_torque(0, 0.5)
-    simulation.state.clock["step_size"], simulation.state.clock["last_error"] = 0.1, 1.0
-    recorder = make_recorder(simulation.model, simulation.state, np.linspace(0.0, 0.1, 6), 0)
-    simulation.advance(0.1, recorder)
-    integrals = recorder.samples[:, sample_columns(simulation.model, simulation.state)["integrals"]]
-    # Angle = torque t^2 / (2 inertia).
-    expected = 0.5 * 0.5 * recorder.times**2 / 4.0
-    assert m.joint_integrals(integrals)[:, 0, m.MOTOR_WORK] == pytest.approx(expected, rel=1e-4, abs=1e-15)
-
-
-@pytest.mark.parametrize("latched", [False, True])
-def test_the_peak_between_steps_counts_as_one_after_latching_if_a_joint_has_latched(latched: bool) -> None:
-    stiffness, speed = 1e9, 0.3
-    bearing = Bearing(CLEARANCE, 0.01, PowerLaw(stiffness))
-    simulation = Simulation(block((speed, 0.0), bearing=bearing))
-    simulation.state.clock["latched_joints"] = int(latched)
-    deepest = (1.25 * speed**2 / stiffness) ** 0.4
-    simulation.advance((CLEARANCE + 4.0 * deepest) / speed)
-    own = simulation.state.joints[0]
-    assert not own["in_contact"]
-    # All the energy of the approach is in the contact when the journal is deepest.
-    assert own["peak_force"] == pytest.approx(stiffness * deepest**1.5, rel=5e-5)
-    assert own["postlock_peak_force"] == (own["peak_force"] if latched else 0.0)
 
 
 @pytest.mark.parametrize("resolution", [14.1, 14.34, 14.6, 15.0, 15.2, 15.5, 15.8])
@@ -316,3 +253,74 @@ def test_wear_follows_the_sliding_work_through_the_events_of_other_joints() -> N
     section = simulation.state.wear_journal[0].sum() * 0.01 * 2.0 * math.pi / 8.0
     assert work > 0.0
     assert section * 0.5 == pytest.approx(1e-6 * work, rel=1e-9)
+
+
+def test_the_interpolants_meet_values_and_derivatives_at_both_ends() -> None:
+    def polynomial(s: float) -> np.ndarray:
+        return np.array([s**k for k in range(6)])
+
+    def slope(s: float) -> np.ndarray:
+        return np.array([k * s ** max(k - 1, 0) for k in range(6)])
+
+    def bend(s: float) -> np.ndarray:
+        return np.array([k * (k - 1) * s ** max(k - 2, 0) for k in range(6)])
+
+    for s in np.linspace(0.0, 1.0, 11):
+        quintic = np.array(quintic_weights(s))
+        data = np.stack([polynomial(0.0), slope(0.0), bend(0.0), polynomial(1.0), slope(1.0), bend(1.0)])
+        assert quintic @ data == pytest.approx(polynomial(s), abs=1e-14)
+        cubic = np.array(cubic_weights(s))
+        data = np.stack([polynomial(0.0), slope(0.0), polynomial(1.0), slope(1.0)])[:, :4]
+        assert cubic @ data == pytest.approx(polynomial(s)[:4], abs=1e-14)
+
+
+def test_the_lengths_of_bodies_do_not_drift() -> None:
+    simulation = Simulation(floating_pair(), RungeKutta(rtol=1e-4))
+    simulation.advance(20.0)
+    for k, length in enumerate((1.0, 1.5)):
+        d = simulation.state.q[4 * k + 2 : 4 * k + 4] - simulation.state.q[4 * k : 4 * k + 2]
+        assert math.hypot(*d) == pytest.approx(length, abs=1e-9)
+
+
+def mid_run() -> Simulation:
+    """A deployment caught in a contact."""
+    simulation = single_steps(build(ArrayParameters()), RungeKutta(rtol=1e-5))
+    while simulation.state.clock["steps"][0] < 300 or not simulation.state.joints["in_contact"].any():
+        attempt(simulation, 1.0)
+    return simulation
+
+
+def test_a_step_depends_on_nothing_but_the_accepted_state_and_its_size() -> None:
+    simulation = mid_run()
+    model, state = simulation.model, simulation.state
+    h = 1e-5
+
+    def step(*rejected: float) -> tuple[bytes, ...]:
+        arrays = make_runge_kutta_arrays(model, state)
+        stages = arrays.stages
+        assert refresh(model, state, stages, arrays.work)
+        stages.velocity[0] = state.v
+        for tried in (*rejected, h):
+            assert take_stages(model, state, arrays, tried)
+        return tuple(array.tobytes() for array in (stages.q, stages.v, stages.gain, stages.acceleration, stages.power))
+
+    alone = step()
+    before = fingerprint(state, skip=("clock", "multipliers"))
+    assert alone == step(7 * h) == step(0.01, 1e-9, 3.0)
+    assert fingerprint(state, skip=("clock", "multipliers")) == before
+
+
+def test_a_journal_driven_through_its_bearing_is_reported_not_followed() -> None:
+    bearing = Bearing(1e-3, 0.01, PowerLaw(10.0))
+    with pytest.raises(SimulationError, match=r"joint 1 sank 0\.0\d+ m into its bearing") as caught:
+        simulate(block((0.3, 0.0), bearing=bearing), 1.0)
+    assert caught.value.reason == "penetration"
+    assert 0.0 < caught.value.time < 1.0
+
+
+def test_a_joint_turned_past_the_range_of_its_angle_is_reported() -> None:
+    simulation = Simulation(pendulum())
+    simulation.set_motor_torque(0, 100.0)
+    with pytest.raises(SimulationError, match=r"angle of joint 1 reached -?\d\.\d+ rad") as caught:
+        simulation.advance(10.0)
+    assert caught.value.reason == "joint_angle"

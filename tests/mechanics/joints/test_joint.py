@@ -9,16 +9,15 @@ from itertools import product
 import numpy as np
 import pytest
 from helpers import Forces, central_difference
-from mechanisms import ROUND_BEARING, ROUND_STOP, Vector, block, chain, turned
+from mechanisms import ROUND_BEARING, ROUND_STOP, Vector, block, chain
 
 from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.bodies.markers import place
 from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS
 from solar_env.mechanics.joints.joint import penetration
 from solar_env.mechanics.joints.sliding import contact_motion
 from solar_env.mechanics.joints.torques import one_sided_stop, stop_energy, stop_torque, summed_torque
-from solar_env.mechanics.mechanism.description import CableLoop, Mechanism
+from solar_env.mechanics.mechanism.description import CableLoop
 
 # Angle of either joint relative to the latch at 0.9 and the stow stop at 0, both with 0.05 of free play.
 SITUATIONS = {
@@ -136,18 +135,6 @@ def test_the_joint_angle_and_its_rate_are_those_of_the_description(seed: int) ->
     assert forces.work.loads[:, columns.INBOARD_SPIN] == pytest.approx(spins[:-1], abs=1e-13)
 
 
-def test_markers_move_with_their_body() -> None:
-    rng = np.random.default_rng(0)
-    mechanism = chain(rng, angles=np.array([0.3]), eccentricities=np.zeros((1, 2)))
-    forces = Forces(mechanism)
-    body, joint = mechanism.bodies[1], mechanism.joints[0]
-    marker = forces.model.markers[forces.model.joints["outboard"][0]]
-    arm = turned(joint.outboard_point, body.angle)
-    assert place(marker, forces.state.q) == pytest.approx(np.array(body.position) + arm, abs=1e-14)
-    expected = np.array(body.velocity) + body.spin * np.array([-arm[1], arm[0]])
-    assert place(marker, forces.state.v) == pytest.approx(expected, abs=1e-14)
-
-
 def test_the_spring_pulls_towards_its_preload_angle() -> None:
     forces = random_state(0, "free", "flying")
     forces.force(forces.state.q, forces.state.v)
@@ -183,23 +170,27 @@ def test_the_wall_pushes_back_and_friction_opposes_the_sliding() -> None:
     assert loads[columns.FORCE_X : columns.FORCE_Y + 1] == pytest.approx([-normal, -0.4 * normal], rel=1e-12)
 
 
-def test_a_journal_that_spins_in_place_slides_at_its_material_points_only() -> None:
-    # Rim speed 0.3 m * 20 rad/s: above the full speed of 3 m/s.
-    assert contact_of_block((0.0, 0.0), spin=20.0)[columns.TANGENTIAL] == pytest.approx(-0.4 * 50.0 * 0.1**1.5)
-    assert contact_of_block((0.0, 0.0), spin=20.0, sliding="centres")[columns.TANGENTIAL] == 0.0
-
-
-def test_the_places_of_contact_slide_by_the_share_of_the_depth_in_the_distance_of_the_centres() -> None:
-    # 0.1 of 0.2 m: half of 5 m/s, on the ramp from 0.2 to 3 m/s; the journal's spin counts for nothing.
-    share = (0.5 * 5.0 - 0.2) / (3.0 - 0.2)
-    tangential = contact_of_block((0.1, 5.0), sliding="places", spin=20.0)[columns.TANGENTIAL]
-    assert tangential == pytest.approx(-0.4 * share * 50.0 * 0.1**1.5 * (1.0 + 0.7 * 0.1), rel=1e-12)
-
-
-def test_the_centres_slide_by_their_whole_speed_across_their_line() -> None:
-    # On the ramp from 0.2 to 3 m/s; the journal's spin counts for nothing.
-    tangential = contact_of_block((0.0, 1.6), sliding="centres", spin=20.0)[columns.TANGENTIAL]
-    assert tangential == pytest.approx(-0.4 * 0.5 * 50.0 * 0.1**1.5, rel=1e-12)
+@pytest.mark.parametrize(
+    ("sliding", "velocity", "spin", "share"),
+    [
+        # Rim speed 0.3 m * 20 rad/s: above the full speed of 3 m/s, where a journal spins in place.
+        ("material", (0.0, 0.0), 20.0, 1.0),
+        ("centres", (0.0, 0.0), 20.0, 0.0),
+        # On the ramp from 0.2 to 3 m/s; the journal's spin counts for nothing.
+        ("centres", (0.0, 1.6), 20.0, 0.5),
+        # By the share of the depth in the distance of the centres, 0.1 of 0.2 m: half of 5 m/s.
+        ("places", (0.1, 5.0), 20.0, (0.5 * 5.0 - 0.2) / (3.0 - 0.2)),
+        # A journal that rolls: rim speed of minus that of the centre at the contact.
+        ("material", (0.0, 4.0), -4.0 / 0.3, 0.0),
+        ("centres", (0.0, 4.0), -4.0 / 0.3, 1.0),
+    ],
+)
+def test_friction_follows_the_sliding_speed_of_its_reading(
+    sliding: str, velocity: tuple[float, float], spin: float, share: float
+) -> None:
+    loads = contact_of_block(velocity, sliding=sliding, spin=spin)
+    normal = 50.0 * 0.1**1.5 * (1.0 + 0.7 * velocity[0])
+    assert loads[columns.TANGENTIAL] == pytest.approx(-0.4 * share * normal, rel=1e-12)
 
 
 @pytest.mark.parametrize("distance", [0.05, 0.1], ids=["in flight", "on the very wall"])
@@ -217,12 +208,6 @@ def test_a_centred_journal_has_no_line_of_centres_and_slides_by_its_spin_alone()
     motion = contact_motion(Forces(block(bearing=ROUND_BEARING)).model.joints[0], 0.0, 0.0, 0.3, 0.4, 20.0, 10.0)
     assert motion[:6] == (-0.1, 0.0, 0.0, 0.0, 0.3, 0.0)
     assert motion.slip == motion.sliding_speed == pytest.approx(0.3 * 10.0, rel=1e-14)
-
-
-def test_a_journal_that_rolls_does_not_slide() -> None:
-    # Centre speed v, rim speed -v at the contact: no slip, though the centres move.
-    assert contact_of_block((0.0, 4.0), spin=-4.0 / 0.3)[columns.TANGENTIAL] == 0.0
-    assert contact_of_block((0.0, 4.0), spin=-4.0 / 0.3, sliding="centres")[columns.TANGENTIAL] < 0.0
 
 
 def test_a_journal_in_flight_feels_no_force_even_where_its_path_crosses_the_wall() -> None:
@@ -261,26 +246,27 @@ def stop_of(situation: str, angle: float, rate: float, *, latched: bool, engaged
     return stop_torque(forces.model.joints[0], own, angle, rate)
 
 
-def test_a_latched_joint_is_held_from_both_sides_of_its_lock_angle() -> None:
-    assert stop_of("free", 0.9 + 0.05 + 0.2, 0.0, latched=True)[0] == pytest.approx(-3.0 * 0.2**1.5)
-    assert stop_of("free", 0.9 - 0.05 - 0.2, 0.0, latched=True)[0] == pytest.approx(3.0 * 0.2**1.5)
-    for angle in (0.86, 0.9, 0.94):
-        assert stop_of("free", angle, 5.0, latched=True)[0] == 0.0
-
-
-def test_a_joint_that_has_not_latched_swings_through_its_lock_angle() -> None:
-    assert stop_of("free", 1.5, 3.0, latched=False) == (0.0, 0.0, 0.0, 0.0)
-
-
-@pytest.mark.parametrize("latched", [False, True])
-def test_the_stow_stop_holds_a_joint_whether_latched_or_not(latched: bool) -> None:
-    # Of two stops that a joint is past, the deeper one acts: the latch holds a joint that is folded back.
-    torque = stop_of("free", -0.05 - 0.2, 0.0, latched=latched)[0]
-    assert torque == pytest.approx(3.0 * (1.1 if latched else 0.2) ** 1.5)
-
-
-def test_a_stop_that_is_not_engaged_exerts_no_torque() -> None:
-    assert stop_of("free", 1.5, 3.0, latched=True, engaged=False) == (0.0, 0.0, 0.0, 0.0)
+@pytest.mark.parametrize(
+    ("angle", "rate", "latched", "engaged", "torque"),
+    [
+        # Held from both sides of the lock angle, at 0.9 with a play of 0.05.
+        (0.9 + 0.05 + 0.2, 0.0, True, True, -3.0 * 0.2**1.5),
+        (0.9 - 0.05 - 0.2, 0.0, True, True, 3.0 * 0.2**1.5),
+        *((angle, 5.0, True, True, 0.0) for angle in (0.86, 0.9, 0.94)),
+        # One that has not latched swings through; a stop that is not engaged exerts none.
+        (1.5, 3.0, False, True, 0.0),
+        (1.5, 3.0, True, False, 0.0),
+        # Of two stops that a joint is past, the deeper one acts: the latch holds a joint that is folded back.
+        (-0.05 - 0.2, 0.0, False, True, 3.0 * 0.2**1.5),
+        (-0.05 - 0.2, 0.0, True, True, 3.0 * 1.1**1.5),
+    ],
+)
+def test_a_stop_holds_a_joint_that_is_latched_or_stowed(
+    angle: float, rate: float, latched: bool, engaged: bool, torque: float
+) -> None:
+    found = stop_of("free", angle, rate, latched=latched, engaged=engaged)
+    assert found[0] == pytest.approx(torque)
+    assert torque != 0.0 or found == (0.0, 0.0, 0.0, 0.0)
 
 
 def stop_row() -> np.record:
@@ -364,12 +350,6 @@ def test_a_joint_without_a_stow_stop_folds_as_far_as_it_likes() -> None:
 CONTACT_COLUMNS = [columns.NORMAL, columns.TANGENTIAL, columns.FORCE_X, columns.FORCE_Y]
 
 
-def test_a_journal_in_flight_bears_nothing() -> None:
-    forces = random_state(0, "free", "flying")
-    forces.force(forces.state.q, forces.state.v)
-    assert not forces.work.loads[:, CONTACT_COLUMNS].any()
-
-
 def test_an_ideal_joint_has_neither_gap_nor_contact() -> None:
     rng = np.random.default_rng(0)
     mechanism = chain(rng, angles=np.array([0.4]), eccentricities=np.zeros((1, 2)), bearing=None, stop=None)
@@ -377,12 +357,3 @@ def test_an_ideal_joint_has_neither_gap_nor_contact() -> None:
     forces.force(forces.state.q, forces.state.v)
     assert not forces.work.loads[0, [columns.ECCENTRICITY_X, columns.ECCENTRICITY_Y, *CONTACT_COLUMNS]].any()
     assert not forces.integral_powers()[0, [m.SLIDING_WORK, m.NORMAL_DISSIPATION]].any()
-
-
-def test_a_mechanism_without_joints_feels_gravity_alone() -> None:
-    mechanism = chain(np.random.default_rng(0), angles=np.zeros(0), eccentricities=np.zeros((0, 2)))
-    forces = Forces(Mechanism(mechanism.bodies, gravity=(1.0, -2.0)))
-    assert not forces.force(forces.state.q, forces.state.v).any()
-    weight = forces.model.constant_force
-    assert weight[0::2].sum() == pytest.approx(mechanism.bodies[0].mass, rel=1e-14)
-    assert weight[1::2].sum() == pytest.approx(-2.0 * mechanism.bodies[0].mass, rel=1e-14)

@@ -75,26 +75,6 @@ def test_the_solution_of_any_order_and_profile_is_numpys(size: int, seed: int) -
     assert solved(elimination, matrix, right) == pytest.approx(expected, abs=1e-15 * size * np.linalg.cond(matrix))
 
 
-@pytest.mark.parametrize("seed", range(5))
-def test_the_factors_are_those_of_the_matrix_in_the_order_of_elimination(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    size = 15
-    couplings = random_couplings(rng, size)
-    matrix, order = coupled_matrix(rng, size, couplings), rng.permutation(size)
-    elimination = make_elimination(np.argsort(order), couplings)
-    factors = filled(elimination, matrix)
-    assert profile_factor(elimination, factors)
-    both = dense(elimination._replace(position=np.arange(size)), factors)
-    lower, middle, upper = np.eye(size), np.zeros((size, size)), np.eye(size)
-    for start in range(0, size, BLOCK):
-        block = slice(start, start + BLOCK)
-        lower[block, :start] = both[block, :start]
-        middle[block, block] = np.linalg.inv(both[block, block])
-        upper[block, start + BLOCK :] = both[block, block] @ both[block, start + BLOCK :]
-    scale = np.abs(matrix).max()
-    assert lower @ middle @ upper == pytest.approx(matrix[np.ix_(order, order)], abs=1e-13 * scale)
-
-
 @pytest.mark.parametrize("size", [1, 4, 7, 30])
 def test_the_product_with_a_vector_is_numpys(size: int) -> None:
     rng = np.random.default_rng(size)

@@ -12,7 +12,7 @@ import pytest
 from helpers import fingerprint
 
 from solar_env.array import ArrayParameters, build
-from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, ModalRadau, Rosenbrock, RungeKutta
+from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, Rosenbrock, RungeKutta
 from solar_env.mechanics.running import batch as module
 from solar_env.mechanics.running.batch import Batch
 from solar_env.mechanics.running.diagnosis import SimulationWarning
@@ -46,29 +46,6 @@ def lanes() -> list[Simulation]:
 def test_what_cannot_be_a_batch_is_refused(make: Callable[[], Batch], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         make()
-
-
-def modal_lanes() -> list[Simulation]:
-    """Three arrays of other modal panels."""
-    arrays = [ArrayParameters(panel_young=280e6 + 2e7 * k, spring_stiffness=1.0) for k in range(3)]
-    return [Simulation(build(p, "flexible-clearance:4 modes"), ModalRadau()) for p in arrays]
-
-
-@pytest.mark.parametrize("threads", [1, 2, None])
-@pytest.mark.parametrize("lanes", [lanes, modal_lanes])
-def test_a_lane_has_the_bits_of_its_simulation_alone(
-    lanes: Callable[[], list[Simulation]], threads: int | None
-) -> None:
-    batch, alone = Batch(lanes(), threads), lanes()
-    ends = np.array([0.9, 1.2, 0.6])
-    # Of the second half the order of the lanes is another.
-    for share in (0.5, 1.0):
-        batch.advance(LANES, share * ends)
-        for k, simulation in enumerate(alone):
-            simulation.advance(share * ends[k])
-    for inside, outside in zip(batch.simulations, alone, strict=True):
-        assert fingerprint(inside.state) == fingerprint(outside.state)
-    assert len({fingerprint(simulation.state) for simulation in alone}) == 3
 
 
 def test_lanes_that_are_not_named_stay_where_they_are() -> None:

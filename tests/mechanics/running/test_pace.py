@@ -45,16 +45,6 @@ def test_how_often_a_call_comes_back_changes_no_bit(name: str, model: str, monke
     assert ends[0] == ends[1] == ends[2]
 
 
-def test_nor_does_it_change_a_sample_or_a_contact_of_a_whole_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    runs = []
-    for steps in (1, 1_000_000):
-        monkeypatch.setattr(pace.Pace, "begin", lambda *_, steps=steps: steps)
-        runs.append(simulate(build(ARRAY), 0.1, output_step=1e-3))
-    assert len(runs[0].contacts) > 10
-    for name in ("time", "coordinates", "normal_force", "contacts", "sliding_work", "wear_journal", "peak_force"):
-        assert getattr(runs[0], name).tobytes() == getattr(runs[1], name).tobytes(), name
-
-
 def test_a_bound_on_steps_holds_over_all_that_a_call_consists_of(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pace.Pace, "begin", lambda *_: 16)
     run = simulation("rigid-clearance", replace(INTEGRATORS["runge-kutta"](), max_steps=100))

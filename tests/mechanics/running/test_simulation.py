@@ -1,8 +1,9 @@
-"""Whole runs: the same bits again, samples, arrays of any number of panels, and what is refused."""
+"""Whole runs: the same bits again, samples, snapshots, arrays of any number of panels, and what is refused."""
 
 from __future__ import annotations
 
 import math
+import pickle
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,7 @@ from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.columns import ANGLE, FORCE_X, FORCE_Y, NORMAL
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, ModalRadau, Rosenbrock, RungeKutta
 from solar_env.mechanics.records.recording import make_recorder
+from solar_env.mechanics.running.pace import Pace
 from solar_env.mechanics.running.simulation import Simulation, simulate
 from solar_env.mechanics.running.trajectory import Trajectory
 
@@ -46,39 +48,12 @@ def test_an_integrator_that_is_none_is_refused() -> None:
         Simulation(pendulum(), "rosenbrock")  # type: ignore[arg-type]
 
 
-@every_integrator
-def test_the_same_run_gives_the_same_bits(integrator: Integrator) -> None:
-    runs = [simulate(build(ArrayParameters()), 0.5, integrator=integrator) for _ in range(2)]
-    same(*runs)
-    for name, series in runs[0].energies.items():
-        assert series.tobytes() == runs[1].energies[name].tobytes()
-
-
-@every_integrator
-def test_results_do_not_depend_on_the_output_step(integrator: Integrator) -> None:
-    fine, coarse = (simulate(build(ArrayParameters()), 0.5, integrator=integrator, output_step=s) for s in (1e-3, 0.25))
-    assert len(fine.contacts) > 10
-    assert (len(fine.time), len(coarse.time)) == (501, 3)
-    same(fine, coarse)
-
-
 ARRAYS: list[tuple[str, Integrator]] = [
     ("rigid-clearance", RungeKutta()),
     ("rigid-clearance", GeneralizedAlpha(rtol=1e-4)),
     ("flexible-clearance", Rosenbrock()),
     ("flexible-clearance", ModalRadau()),
 ]
-
-
-@pytest.mark.parametrize(("model", "integrator"), ARRAYS)
-def test_results_do_not_depend_on_whether_anything_is_recorded(model: str, integrator: Integrator) -> None:
-    silent, recorded = (Simulation(array(integrator, model), integrator) for _ in range(2))
-    silent.advance(0.5)
-    recorder = make_recorder(recorded.model, recorded.state, np.linspace(0.0, 0.5, 77), 1000)
-    recorded.advance(0.5, recorder)
-    assert recorder.filled[0] == 77
-    assert recorder.filled[1] > 10
-    assert fingerprint(recorded.state) == fingerprint(silent.state)
 
 
 def test_samples_stand_at_the_times_asked_for() -> None:
@@ -107,20 +82,31 @@ def test_progress_is_told_and_ends_with_the_duration() -> None:
 
 
 @pytest.mark.parametrize(("model", "integrator"), [*ARRAYS, ("rigid-clearance", GeneralizedAlpha(step=1.3e-5))])
-def test_results_do_not_depend_on_progress_nor_on_how_many_contacts_one_buffer_holds(
+def test_results_depend_neither_on_samples_nor_progress_nor_buffers_nor_on_how_often_a_call_comes_back(
     model: str, integrator: Integrator, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    mechanism = array(integrator, model)
-    whole = simulate(mechanism, 0.5, integrator=integrator)
+    def run(output_step: float = 0.01, **options: Any) -> Trajectory:
+        mechanism = array(integrator, model)
+        return simulate(mechanism, 0.5, integrator=integrator, output_step=output_step, **options)
+
     told: list[float] = []
-    watched = simulate(mechanism, 0.5, integrator=integrator, progress=told.append)
-    monkeypatch.setattr("solar_env.mechanics.running.simulation._CONTACTS_PER_DRAIN", 3)
-    pieces = simulate(mechanism, 0.5, integrator=integrator)
+    whole, coarse = run(), run(output_step=0.25)
+    same_samples = [run(progress=told.append)]
+    with monkeypatch.context() as patch:
+        patch.setattr("solar_env.mechanics.running.simulation._CONTACTS_PER_DRAIN", 3)
+        same_samples.append(run())
+    monkeypatch.setattr(Pace, "begin", lambda *_: 7)
+    same_samples.append(run())
     assert len(whole.contacts) > 10
     assert len(told) > 10
-    for other in (watched, pieces):
+    assert (len(whole.time), len(coarse.time)) == (51, 3)
+    same(whole, coarse)
+    for other in same_samples:
         same(whole, other)
-        assert other.coordinates.tobytes() == whole.coordinates.tobytes()
+        for name in ("coordinates", "normal_force", "sliding_work"):
+            assert getattr(other, name).tobytes() == getattr(whole, name).tobytes(), name
+        for name, series in whole.energies.items():
+            assert series.tobytes() == other.energies[name].tobytes(), name
         assert other.metadata["steps"] == whole.metadata["steps"]
 
 
@@ -159,27 +145,6 @@ def test_integrators_agree_on_when_the_joints_with_clearance_latch() -> None:
     # The impacts of the first seconds are chaotic; what they leave in the latch times was seen to be some 1e-5 s.
     for other in runs[1:]:
         assert other.latch_times == pytest.approx(runs[0].latch_times, abs=1e-3)
-
-
-def test_postlock_figures_start_with_the_first_latching() -> None:
-    run = simulate(build(ArrayParameters()), 14.0)
-    first = np.searchsorted(run.time, run.latch_times.min())
-    late = run.contacts[np.isfinite(run.contacts["end_s"]) & (run.contacts["start_s"] > run.latch_times.min())]
-    assert np.all(run.postlock_peak_force <= run.peak_force)
-    for j in range(2):
-        assert run.postlock_peak_force[j] >= late["peak_force"][late["joint"] == j].max(initial=0.0)
-        between = run.impulse[-1, j] - run.impulse[[first - 1, first], j]
-        assert between[1] <= run.postlock_impulse[j] <= between[0]
-        between = run.sliding_work[-1, j] - run.sliding_work[[first - 1, first], j]
-        assert between[1] <= run.postlock_sliding_work[j] <= between[0]
-
-
-def test_before_any_latching_there_are_no_postlock_figures() -> None:
-    run = simulate(build(ArrayParameters()), 1.0)
-    assert not run.postlock_peak_force.any()
-    assert not run.postlock_impulse.any()
-    assert not run.postlock_sliding_work.any()
-    assert np.isnan(run.latch_times).all()
 
 
 def test_an_impulse_stops_what_it_should() -> None:
@@ -265,3 +230,44 @@ def test_the_kernels_also_run_uncompiled_where_an_index_out_of_bounds_is_an_erro
         assert name == expected_name
         # The compiler contracts products and sums: rounding, which the first impacts magnify.
         assert [float(x) for x in figures] == pytest.approx([float(x) for x in expected], rel=1e-6, abs=1e-9)
+
+
+def test_a_pickled_snapshot_continues_to_the_same_bits_in_another_process(
+    tmp_path: Path, run_python: Callable[..., str]
+) -> None:
+    simulation = in_contact(EXAMPLES[0])
+    path = tmp_path / "snapshot.pickle"
+    path.write_bytes(pickle.dumps(simulation.snapshot()))
+    end = simulation.time + 0.2
+    simulation.advance(end)
+    program = """
+import pickle, sys, hashlib
+from solar_env.array import ArrayParameters, build
+from solar_env.mechanics.running.simulation import Simulation
+simulation = Simulation(build(ArrayParameters()))
+simulation.restore(pickle.load(open(sys.argv[1], "rb")))
+simulation.advance(float.fromhex(sys.argv[2]))
+print(hashlib.sha256(b"".join(array.tobytes() for array in simulation.state)).hexdigest())
+"""
+    assert run_python(program, str(path), end.hex()).strip() == fingerprint(simulation.state)
+
+
+def test_an_integrator_of_another_formulation_is_refused() -> None:
+    simulation = Simulation(build(ArrayParameters()), RungeKutta())
+    other = Simulation(build(ArrayParameters()), ModalRadau())
+    with pytest.raises(ValueError, match="the snapshot is a State, the integrator 'modal-radau' needs a ModalState"):
+        other.restore(simulation.snapshot())
+    simulation.integrator = ModalRadau()
+    with pytest.raises(ValueError, match="'modal-radau' needs other arrays than those of this simulation; make a new"):
+        simulation.advance(0.1)
+
+
+def test_a_snapshot_that_is_refused_changes_nothing() -> None:
+    simulation = in_contact(RungeKutta())
+    before = fingerprint(simulation.state)
+    other = Simulation(build(ArrayParameters(wear_bins=7)))
+    with pytest.raises(ValueError, match=r"snapshot\.wear_journal has shape \(2, 7\)"):
+        simulation.restore(other.snapshot())
+    with pytest.raises(ValueError, match=r"snapshot\.q has shape \(8,\), this mechanism needs \(12,\)"):
+        simulation.restore(Simulation(pendulum()).snapshot())
+    assert fingerprint(simulation.state) == before

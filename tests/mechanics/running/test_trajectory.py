@@ -190,6 +190,9 @@ def test_the_summary_is_strict_json_with_null_for_what_did_not_happen(run: Traje
     text = json.dumps(run.summary(), allow_nan=False)
     assert json.loads(text) == run.summary()
     assert run.summary()["latch_times_s"] == [None, None]
+    # Before any latching there are no figures of the time after it.
+    for figure in (run.postlock_peak_force, run.postlock_impulse, run.postlock_sliding_work):
+        assert not figure.any()
 
 
 def test_metadata_say_what_was_run_and_how(run: Trajectory) -> None:

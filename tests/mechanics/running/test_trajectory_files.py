@@ -50,36 +50,24 @@ def test_a_name_without_suffix_is_kept(run: Trajectory, tmp_path: Path) -> None:
     assert Trajectory.load(str(tmp_path / "run")).summary() == run.summary()
 
 
-def foreign_npz(path: Path) -> None:
-    np.savez(path, time=np.zeros(3))
+FOREIGN: dict[str, Callable[[Path], object]] = {
+    "another npz": lambda path: np.savez(path, time=np.zeros(3)),
+    "a single array": lambda path: path.write_bytes(np.lib.format.magic(1, 0) + bytes(80)),
+    "text": lambda path: path.write_text("time,angle\n0,1\n"),
+    "nothing": Path.touch,
+}
 
 
-def single_array(path: Path) -> None:
-    with path.open("wb") as file:
-        np.save(file, np.zeros(3))
-
-
-def text(path: Path) -> None:
-    path.write_text("time,angle\n0,1\n")
-
-
-def empty(path: Path) -> None:
-    path.touch()
-
-
-@pytest.mark.parametrize("write", [foreign_npz, single_array, text, empty])
-def test_a_foreign_file_is_refused_by_name(write: Callable[[Path], None], tmp_path: Path) -> None:
+@pytest.mark.parametrize("write", FOREIGN.values(), ids=FOREIGN.keys())
+def test_a_foreign_file_is_refused_by_name_and_an_npz_with_what_it_lacks(
+    write: Callable[[Path], object], tmp_path: Path
+) -> None:
     path = tmp_path / "foreign.npz"
     write(path)
-    with pytest.raises(ValueError, match=r"foreign\.npz is not a saved trajectory"):
+    with pytest.raises(ValueError, match=r"foreign\.npz is not a saved trajectory") as caught:
         Trajectory.load(path)
-
-
-def test_a_foreign_npz_is_refused_with_what_it_lacks(tmp_path: Path) -> None:
-    path = tmp_path / "foreign.npz"
-    foreign_npz(path)
-    with pytest.raises(ValueError, match="it lacks coordinates, velocities, angles"):
-        Trajectory.load(path)
+    if write is FOREIGN["another npz"]:
+        assert "it lacks coordinates, velocities, angles" in str(caught.value)
 
 
 @pytest.mark.parametrize(

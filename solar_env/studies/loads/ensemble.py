@@ -18,7 +18,6 @@ from solar_env.studies.loads.quantities import QUANTITIES, read_all
 from solar_env.studies.loads.runs import Deployment, deploy, member_parameters
 from solar_env.studies.loads.statistics import Figure, figure_of
 from solar_env.support.campaigns import Campaign, Cell, Workers
-from solar_env.support.progress import counting_bar
 
 Array = NDArray[np.float64]
 
@@ -130,12 +129,7 @@ def measure_loads(plan: LoadsPlan, folder: Path, workers: Workers, console: Cons
         for level in plan.levels
     ]
     campaign = Campaign(run_member, cells, folder / STORE)
-    with counting_bar(console) as bar:
-        done = len(cells) - len(campaign.missing)
-        task = bar.add_task("deployments, at two levels of the model", total=len(cells), completed=done)
-        for _ in campaign.run(workers):
-            bar.advance(task)
-    return gathered(plan, campaign.results())
+    return gathered(plan, campaign.run_shown(workers, console, "deployments, at two levels of the model"))
 
 
 def gathered(plan: LoadsPlan, results: list[dict[str, Any]]) -> Loads:

@@ -145,10 +145,9 @@ def _checked_suffix(path: str | Path) -> str:
 
 def _figure(width: float, height: float) -> Figure:
     """An empty figure [inch] that needs no display."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    return FigureCanvasAgg(Figure(figsize=(width, height))).figure
+    return Figure(figsize=(width, height))
 
 
 def _save(figure: Figure, path: str | Path, suffix: str) -> None:

@@ -14,10 +14,12 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from joblib import Parallel, delayed
+from rich.console import Console
 
 from solar_env.support.files import make_folder, write_text
 from solar_env.support.interruption import keeping, starting_workers
 from solar_env.support.plain_arrays import parse_json
+from solar_env.support.progress import counting_bar
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
@@ -155,6 +157,15 @@ class Campaign:
                     raise
                 self._results[_key(cell)] = json.loads(json.dumps(result))
                 yield cell
+
+    def run_shown(self, workers: Workers, console: Console, cells: str) -> list[Any]:
+        """Do what is missing under a bar that says what `cells` are; returns the results of all cells."""
+        with counting_bar(console) as bar:
+            done = len(self.cells) - len(self.missing)
+            task = bar.add_task(cells, total=len(self.cells), completed=done)
+            for _ in self.run(workers):
+                bar.advance(task)
+        return self.results()
 
     def _kept(self) -> str:
         done, total = len(self.cells) - len(self.missing), len(self.cells)

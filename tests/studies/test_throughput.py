@@ -12,9 +12,9 @@ from solar_env.studies.throughput import step_rates
 from solar_env.studies.throughput.rate_tables import tables
 from solar_env.studies.throughput.step_rates import (
     MOMENTS,
+    FromMoment,
     Split,
     compare,
-    make_from_moment,
     make_native,
     moments,
     place,
@@ -47,7 +47,7 @@ def test_every_kind_of_vector_begins_at_the_same_moments():
     place(native, chosen)
     first = native.step(np.zeros((2, 1)))[0]
     for lane, moment in enumerate(chosen):
-        env = make_from_moment(MODEL, moment)
+        env = FromMoment(MODEL, moment)
         env.reset(seed=0)
         assert env.step(np.zeros(1))[0].tobytes() == first[lane].tobytes()
 

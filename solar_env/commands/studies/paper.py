@@ -99,9 +99,7 @@ def _judge_levels(args: Args) -> int:
     if args.readme:
         LEVELS_SECTION.read()
     campaign = Campaign(levels.measure, list(levels.cells()), out / levels.STORE)
-    with counting_bar(args.console) as bar:
-        list(bar.track(campaign.run(args.workers), len(campaign.missing), description="deployments"))
-    text = levels.as_markdown(campaign.results())
+    text = levels.as_markdown(campaign.run_shown(args.workers, args.console, "deployments"))
     if args.readme:
         LEVELS_SECTION.write(text)
     else:

@@ -117,34 +117,48 @@ def charts_of(trajectories: Mapping[str, Trajectory]) -> list[Chart]:
     """
     single, looks = len(trajectories) == 1, controller_looks(list(trajectories))
 
-    def by_joint(read: Callable[[Trajectory, NDArray[np.intp]], Array]) -> list[Line]:
+    def lines_of(read: Callable[[Trajectory], tuple[Array, Array]]) -> list[Line]:
         lines = []
         for name, trajectory in trajectories.items():
-            kept = shown_samples(trajectory)
-            values = read(trajectory, kept)
+            x, values = read(trajectory)
             for j in range(values.shape[1]):
                 label = f"joint {j + 1}" if single else f"{name}, joint {j + 1}"
                 colour = COLOURS[j % len(COLOURS)] if single else looks[name]["color"]
                 dash = "solid" if single else _DASHES[j % len(_DASHES)]
-                lines.append(Line(label, trajectory.time[kept], values[:, j], colour, dash))
+                lines.append(Line(label, x, values[:, j], colour, dash))
         return lines
+
+    def by_joint(read: Callable[[Trajectory, NDArray[np.intp]], Array]) -> list[Line]:
+        def shown(trajectory: Trajectory) -> tuple[Array, Array]:
+            kept = shown_samples(trajectory)
+            return trajectory.time[kept], read(trajectory, kept)
+
+        return lines_of(shown)
+
+    def worn(trajectory: Trajectory) -> tuple[Array, Array]:
+        """Depth [fm] of the bearings' wear round them, in their bodies' own frames."""
+        angles = np.linspace(0.0, 360.0, trajectory.wear_bearing.shape[1], endpoint=False)
+        return angles, _FEMTOMETRES * trajectory.wear_bearing.T
 
     titles = _single_titles(next(iter(trajectories.values()))) if single else _titles(trajectories)
     charts = [Chart(titles["angles"], "time [s]", "angle [deg]", by_joint(lambda t, k: np.degrees(t.angles[k])))]
     if single:
         charts += [
             Chart(titles["forces"], "time [s]", "greatest from point to point [N]", by_joint(peaks_between)),
-            Chart(titles["gaps"], "time [s]", "gap [mm], 0 in contact", by_joint(_gaps)),
+            Chart(titles["gaps"], "time [s]", "gap [mm], 0 in contact", by_joint(lambda t, k: -1e3 * t.penetration[k])),
         ]
     else:
-        charts += [_compared_forces(titles["forces"], trajectories), _compared_gaps(titles["gaps"], trajectories)]
+        gaps = _compared(trajectories, lambda t: np.maximum(-1e3 * t.penetration, 0.0))
+        label = f"greatest gap in {_WINDOW:g} s, any joint [mm]"
+        charts += [_compared_forces(titles["forces"], trajectories), Chart(titles["gaps"], "time [s]", label, gaps)]
     charts.append(Chart(titles["torques"], "time [s]", "torque [N m]", by_joint(lambda t, k: t.latch_torque[k])))
     if any(t.motor_torque.any() for t in trajectories.values()):
-        charts.append(Chart(titles["motor"], "time [s]", "torque [N m]", by_joint(_driven)))
+        driven = by_joint(lambda t, k: t.motor_torque[k][:, t.motor_torque.any(axis=0)])
+        charts.append(Chart(titles["motor"], "time [s]", "torque [N m]", driven))
     stored = "energy [J]" if single else "stored energy [J]"
     charts.append(Chart(titles["energies"], "time [s]", stored, _energies(trajectories)))
     if any(t.wear_depth.any() for t in trajectories.values()):
-        charts.append(Chart(titles["wear"], "", "fm", _wear(trajectories), False, polar=True))
+        charts.append(Chart(titles["wear"], "", "fm", lines_of(worn), False, polar=True))
     return charts
 
 
@@ -192,11 +206,6 @@ def _touching(trajectory: Trajectory) -> Array:
     return np.asarray(np.average(trajectory.penetration[1:] > 0.0, axis=0, weights=np.diff(trajectory.time)))
 
 
-def _gaps(trajectory: Trajectory, kept: NDArray[np.intp]) -> Array:
-    """Gaps [mm]."""
-    return np.asarray(-1e3 * trajectory.penetration[kept])
-
-
 def greatest_in_windows(time: Array, values: Array) -> tuple[Array, Array]:
     """The beginnings of windows of time, and the greatest of (n, joints) values in each, at any joint."""
     number = np.floor(time / _WINDOW + 1e-6)
@@ -223,16 +232,6 @@ def _compared_forces(title: str, trajectories: Mapping[str, Trajectory]) -> Char
     return Chart(title, "time [s]", label, lines, logarithmic="y", limits=limits)
 
 
-def _compared_gaps(title: str, trajectories: Mapping[str, Trajectory]) -> Chart:
-    every = _compared(trajectories, lambda t: np.maximum(-1e3 * t.penetration, 0.0))
-    return Chart(title, "time [s]", f"greatest gap in {_WINDOW:g} s, any joint [mm]", every)
-
-
-def _driven(trajectory: Trajectory, kept: NDArray[np.intp]) -> Array:
-    """Torques of the joints that have a motor."""
-    return np.asarray(trajectory.motor_torque[kept][:, trajectory.motor_torque.any(axis=0)])
-
-
 def _energies(trajectories: Mapping[str, Trajectory]) -> list[Line]:
     """Parts of the energy of a single deployment; of several what each has stored, as in their title."""
     lines, looks = [], controller_looks(list(trajectories))
@@ -245,18 +244,4 @@ def _energies(trajectories: Mapping[str, Trajectory]) -> list[Line]:
         lost = np.sum([energies[part] for part in _LOST], axis=0)
         parts = {"kinetic": energies["kinetic"], "springs": energies["spring"], "all stored": stored, "lost": lost}
         lines += [Line(part, time, parts[part][kept], COLOURS[i]) for i, part in enumerate(parts)]
-    return lines
-
-
-def _wear(trajectories: Mapping[str, Trajectory]) -> list[Line]:
-    """Depth [fm] of the bearings' wear round them, in their bodies' own frames."""
-    lines, looks = [], controller_looks(list(trajectories))
-    for name, trajectory in trajectories.items():
-        for j, depth in enumerate(trajectory.wear_bearing):
-            single = len(trajectories) == 1
-            label = f"joint {j + 1}" if single else f"{name}, joint {j + 1}"
-            angle = np.linspace(0.0, 360.0, len(depth), endpoint=False)
-            colour = COLOURS[j % len(COLOURS)] if single else looks[name]["color"]
-            dash = "solid" if single else _DASHES[j % len(_DASHES)]
-            lines.append(Line(label, angle, _FEMTOMETRES * depth, colour, dash))
     return lines

@@ -12,7 +12,6 @@ from solar_env.array import ArrayParameters
 from solar_env.studies.common.levels import Level
 from solar_env.studies.common.tables import Row, provenance, write_table
 from solar_env.support.campaigns import Campaign, Cell, Workers
-from solar_env.support.progress import counting_bar
 
 FILE = "design.csv"
 STORE = "design.jsonl"
@@ -91,11 +90,8 @@ def measure_design(preset: str, members: int, workers: Workers, folder: Path, co
     ]
     settings = {"parameters": ArrayParameters.preset(preset).to_dict(), "model": MODEL, "duration": DURATION}
     campaign = Campaign(measure_cell, cells, folder / STORE, settings)
-    with counting_bar(console) as bar:
-        task = bar.add_task("cells of the maps", total=len(cells), completed=len(cells) - len(campaign.missing))
-        for _ in campaign.run(workers):
-            bar.advance(task)
-    rows = [_row(cell, result) for cell, result in zip(cells, campaign.results(), strict=True)]
+    results = campaign.run_shown(workers, console, "cells of the maps")
+    rows = [_row(cell, result) for cell, result in zip(cells, results, strict=True)]
     table = folder / FILE
     write_table(table, rows, provenance("design", preset=preset, members=members, model=MODEL))
     return table

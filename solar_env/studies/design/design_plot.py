@@ -5,7 +5,6 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
@@ -26,7 +25,6 @@ def draw_design(table: Table, folder: Path) -> Path:
     """Draw the maps of wear and of force; returns the picture's file."""
     with mpl.rc_context({**STYLE, "axes.grid": False}):
         figure = Figure(figsize=(10.0, 8.0), layout="constrained")
-        FigureCanvasAgg(figure)
         axes = figure.subplots(len(MAPS), len(QUANTITIES), squeeze=False)
         for (name, design), row in zip(MAPS.items(), axes, strict=True):
             for (quantity, (title, unit)), axis in zip(QUANTITIES.items(), row, strict=True):

@@ -3,7 +3,6 @@
 from pathlib import Path
 
 import matplotlib as mpl
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from solar_env.pictures.style import COLOURS, STYLE
@@ -24,7 +23,6 @@ def draw_ground_test(table: Table, folder: Path) -> Path:
     """Draw clearance, wear and force over the deployments, extrapolated and direct; returns the picture's file."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(11.0, 3.2), layout="constrained")
-        FigureCanvasAgg(figure)
         for axis, (column, (label, unit)) in zip(figure.subplots(1, 3), QUANTITIES.items(), strict=True):
             for joint in JOINTS:
                 for kind, style in (("extrapolated", "o-"), ("direct", "+")):

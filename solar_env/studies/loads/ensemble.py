@@ -1,5 +1,6 @@
 """The ensemble: members at the cheapest level that answers to a tolerance, and at the next finer one."""
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,10 +15,9 @@ from solar_env.array.ladder import Answer, cheapest, read_answers, steps
 from solar_env.array.parameters.file import ParameterFile
 from solar_env.studies.common.levels import FINEST, Level
 from solar_env.studies.loads.quantities import QUANTITIES, read_all
-from solar_env.studies.loads.runs import FREQUENCIES, Deployment, deploy, member_parameters
+from solar_env.studies.loads.runs import Deployment, deploy, member_parameters
 from solar_env.studies.loads.statistics import Figure, figure_of
 from solar_env.support.campaigns import Campaign, Cell, Workers
-from solar_env.support.progress import counting_bar
 
 Array = NDArray[np.float64]
 
@@ -109,11 +109,6 @@ class Loads:
     unlatched: tuple[int, int]
     warnings: Mapping[str, int]
 
-    @property
-    def frequencies(self) -> Array:
-        """(f,) frequencies of the shock response spectra [Hz]."""
-        return FREQUENCIES
-
 
 def measure_loads(plan: LoadsPlan, folder: Path, workers: Workers, console: Console) -> Loads:
     """Run what is missing of the ensemble, going on where an earlier run of the same plan stopped.
@@ -129,22 +124,12 @@ def measure_loads(plan: LoadsPlan, folder: Path, workers: Workers, console: Cons
         "deadline": plan.deadline,
     }
     cells = [
-        {
-            "model": level.model,
-            "tighter": level.tighter,
-            "member": member,
-            **shared,
-        }
+        {"model": level.model, "tighter": level.tighter, "member": member, **shared}
         for member in range(1, plan.members + 1)
         for level in plan.levels
     ]
     campaign = Campaign(run_member, cells, folder / STORE)
-    with counting_bar(console) as bar:
-        done = len(cells) - len(campaign.missing)
-        task = bar.add_task("deployments, at two levels of the model", total=len(cells), completed=done)
-        for _ in campaign.run(workers):
-            bar.advance(task)
-    return gathered(plan, campaign.results())
+    return gathered(plan, campaign.run_shown(workers, console, "deployments, at two levels of the model"))
 
 
 def gathered(plan: LoadsPlan, results: list[dict[str, Any]]) -> Loads:
@@ -171,10 +156,7 @@ def gathered(plan: LoadsPlan, results: list[dict[str, Any]]) -> Loads:
     hinge, hub = (
         np.array([[runs[k][name] for k in both] for runs in levels]) for name in ("hinge_spectrum", "hub_spectrum")
     )
-    said: dict[str, int] = {}
-    for run in results:
-        for text in run["warnings"]:
-            said[text] = said.get(text, 0) + 1
+    said = Counter(text for run in results for text in run["warnings"])
     return Loads(plan, figures, hinge, hub, (unlatched[0], unlatched[1]), said)
 
 

@@ -38,23 +38,16 @@ def hub_velocity(parameters: ArrayParameters, model: Any, q: Array, v: Array) ->
     return np.asarray(change / (2.0 * _SHIFT))
 
 
-def hinge_loads(
-    parameters: ArrayParameters, place: Array, joint_force: Array, torques: Array, friction: Array
-) -> Array:
-    """(nt, 3) force [N] and torque about the centroid [N m] that the root hinge exerts on the hub.
-
-    Args:
-        parameters: of the array.
-        place: (nt, 3), see `hub_place`.
-        joint_force: (nt, 2) on the first panel [N].
-        torques: (nt,) of spring, cable, latch and motor on the root's angle [N m].
-        friction: (nt,) torque of the tangential contact force about the bearing's centre [N m].
-    """
+def sampled_hinge_loads(parameters: ArrayParameters, trajectory: Trajectory, place: Array) -> Array:
+    """(nt, 3) force [N] and torque about the centroid [N m] of the root hinge on a hub held in place (`hub_place`)."""
+    lever = trajectory.journal_radius[0] + trajectory.clearance[0] + trajectory.penetration[:, 0]
+    # About the bearing's centre.
+    friction = lever * trajectory.tangential_force[:, 0] * (trajectory.clearance[0] > 0.0)
     c, s = np.cos(place[:, 2]), np.sin(place[:, 2])
     x, y = parameters.hinge_x, parameters.hinge_y
     arm = np.column_stack([c * x - s * y, s * x + c * y])
-    force = -joint_force
-    torque = arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0] - torques - friction
+    force = -trajectory.joint_force[:, 0]
+    torque = arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0] - trajectory.joint_torque[:, 0] - friction
     return np.column_stack([force, torque])
 
 
@@ -79,10 +72,3 @@ def write_hub_loads(parameters: ArrayParameters, time: Array, loads: Array, path
     hub = {"hub_mass_kg": parameters.body_mass, "hub_inertia_kgm2": parameters.body_inertia}
     same = {name: np.full(len(loads), value) for name, value in hub.items()}
     write_columns(path, columns | {"torque_z_Nm": loads[:, 2]} | same)
-
-
-def sampled_hinge_loads(parameters: ArrayParameters, trajectory: Trajectory, place: Array) -> Array:
-    """`hinge_loads` of a trajectory's samples, for hubs that are held in place."""
-    lever = trajectory.journal_radius[0] + trajectory.clearance[0] + trajectory.penetration[:, 0]
-    friction = lever * trajectory.tangential_force[:, 0] * (trajectory.clearance[0] > 0.0)
-    return hinge_loads(parameters, place, trajectory.joint_force[:, 0], trajectory.joint_torque[:, 0], friction)

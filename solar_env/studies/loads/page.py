@@ -9,7 +9,7 @@ from solar_env.pictures.style import COLOURS
 from solar_env.studies.common.deployment_page import charts_of, motion_of, parameter_table, shown_samples
 from solar_env.studies.loads.ensemble import Loads
 from solar_env.studies.loads.report import answer, tables
-from solar_env.studies.loads.runs import Deployment
+from solar_env.studies.loads.runs import FREQUENCIES, Deployment
 from solar_env.studies.loads.statistics import shortened
 
 
@@ -37,7 +37,6 @@ def _hub_charts(nominal: Deployment) -> list[Chart]:
     turn = np.degrees(nominal.place[kept, 2] - nominal.place[0, 2])
     begins = kept[kept < len(time) - 1]
     greatest = np.maximum.reduceat(nominal.hub_greatest, begins, axis=0)
-    fast, twist = (shortened(peak, 3) for peak in greatest.max(axis=0))
     return [
         Chart(
             f"The nominal hub turns by up to {np.abs(turn).max():.3g} degrees",
@@ -45,17 +44,16 @@ def _hub_charts(nominal: Deployment) -> list[Chart]:
             "angle [deg]",
             [Line("hub", time[kept], turn, COLOURS[0])],
         ),
-        Chart(
-            f"The nominal hub sees up to {fast} N",
-            "time [s]",
-            "greatest over 50 us [N]",
-            [Line("force of the root hinge", time[begins], greatest[:, 0], COLOURS[0])],
-        ),
-        Chart(
-            f"The nominal hub sees up to {twist} N m",
-            "time [s]",
-            "greatest over 50 us [N m]",
-            [Line("torque about its centroid", time[begins], greatest[:, 1], COLOURS[0])],
+        *(
+            Chart(
+                f"The nominal hub sees up to {shortened(values.max(), 3)} {unit}",
+                "time [s]",
+                f"greatest over 50 us [{unit}]",
+                [Line(name, time[begins], values, COLOURS[0])],
+            )
+            for name, unit, values in zip(
+                ("force of the root hinge", "torque about its centroid"), ("N", "N m"), greatest.T, strict=True
+            )
         ),
     ]
 
@@ -65,15 +63,12 @@ def _spectra(loads: Loads) -> list[Chart]:
     if not loads.hub_spectrum.size:
         return []
     joints = loads.hinge_spectrum.shape[-1]
-    hinge = [
-        line for j in range(joints) for line in _spectrum(loads, loads.hinge_spectrum[..., j], f"joint {j + 1}, ", j)
-    ]
-    names = [f"hinge {j + 1}" for j in range(joints)]
+    hinge = [line for j in range(joints) for line in _spectrum(loads.hinge_spectrum[..., j], f"joint {j + 1}, ", j)]
     greatest = loads.hinge_spectrum[0].mean(axis=0).max(axis=0)
     worst = int(greatest.argmax())
     return [
         Chart(
-            f"Shock response of hinge forces (Q = 10): up to {greatest[worst]:.3g} N, at {names[worst]}",
+            f"Shock response of hinge forces (Q = 10): up to {greatest[worst]:.3g} N, at hinge {worst + 1}",
             "natural frequency [Hz]",
             "force [N]",
             hinge,
@@ -84,18 +79,18 @@ def _spectra(loads: Loads) -> list[Chart]:
             f"Shock response of the hub (Q = 10): up to {loads.hub_spectrum[0].mean(axis=0).max():.2g} m/s2",
             "natural frequency [Hz]",
             "acceleration [m/s2]",
-            _spectrum(loads, loads.hub_spectrum, "", 0),
+            _spectrum(loads.hub_spectrum, "", 0),
             False,
             "xy",
         ),
     ]
 
 
-def _spectrum(loads: Loads, spectra: np.ndarray, prefix: str, colour: int) -> list[Line]:
+def _spectrum(spectra: np.ndarray, prefix: str, colour: int) -> list[Line]:
     runs, finer = spectra
     rows = (
         ("mean", runs.mean(axis=0), "solid"),
         ("greatest", runs.max(axis=0), "dot"),
         ("finer level", finer.mean(axis=0), "dash"),
     )
-    return [Line(prefix + name, loads.frequencies, values, COLOURS[colour], dash) for name, values, dash in rows]
+    return [Line(prefix + name, FREQUENCIES, values, COLOURS[colour], dash) for name, values, dash in rows]

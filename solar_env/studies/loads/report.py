@@ -4,11 +4,13 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from solar_env.pictures.page.content import Table
 from solar_env.studies.common.bootstrap import FEWEST
 from solar_env.studies.loads.ensemble import Loads
 from solar_env.studies.loads.quantities import HUB_QUANTITIES, JOINT_QUANTITIES, QUANTITIES
+from solar_env.studies.loads.runs import FREQUENCIES
 from solar_env.studies.loads.statistics import Figure, counted, rounded, shortened
 
 COLUMNS = ("quantity", "", "mean", "95 % interval", "99 % of runs below", "at 95 % confidence", "model error")
@@ -114,13 +116,14 @@ def tables(loads: Loads) -> list[Table]:
     by_joint = [
         Table(f"Joint {j + 1}", COLUMNS, [_row(loads, name, j) for name in JOINT_QUANTITIES]) for j in range(joints)
     ]
-    spectra = [_spectrum_row(loads, j) for j in range(joints)]
+    spectra = [_spectrum_rows(f"force of hinge {j + 1} [N]", loads.hinge_spectrum[..., j]) for j in range(joints)]
+    spectra.append(_spectrum_rows("acceleration of the hub [m/s2]", loads.hub_spectrum))
     title = "Shock response spectra, Q = 10: mean over runs, and of the next finer level"
-    columns = ("spectrum", *(f"{f:.0f} Hz" for f in loads.frequencies[_SHOWN]))
+    columns = ("spectrum", *(f"{f:.0f} Hz" for f in FREQUENCIES[_SHOWN]))
     return [
         *by_joint,
         Table("Hub", COLUMNS, [_row(loads, name, 0) for name in HUB_QUANTITIES]),
-        Table(title, columns, [row for rows in spectra for row in rows] + _hub_spectrum_rows(loads)),
+        Table(title, columns, [row for rows in spectra for row in rows]),
     ]
 
 
@@ -147,13 +150,8 @@ def _quantiles(figure: Figure) -> tuple[float, float]:
     return figure.quantile, figure.quantile_bound
 
 
-def _spectrum_row(loads: Loads, joint: int) -> list[list[str]]:
-    means = loads.hinge_spectrum[..., joint].mean(axis=1) if loads.hinge_spectrum.size else np.zeros((2, 0))
-    labels = (f"force of hinge {joint + 1} [N]", "  finer level")
-    return [[label, *map(shortened, level[_SHOWN])] for label, level in zip(labels, means, strict=True)]
-
-
-def _hub_spectrum_rows(loads: Loads) -> list[list[str]]:
-    means = loads.hub_spectrum.mean(axis=1) if loads.hub_spectrum.size else np.zeros((2, 0))
-    labels = ("acceleration of the hub [m/s2]", "  finer level")
-    return [[label, *map(shortened, level[_SHOWN])] for label, level in zip(labels, means, strict=True)]
+def _spectrum_rows(name: str, spectra: NDArray[np.float64]) -> list[list[str]]:
+    means = spectra.mean(axis=1) if spectra.size else np.zeros((2, 0))
+    return [
+        [label, *map(shortened, level[_SHOWN])] for label, level in zip((name, "  finer level"), means, strict=True)
+    ]

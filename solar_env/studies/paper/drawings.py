@@ -8,7 +8,6 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from solar_env.array import MODELS
@@ -30,7 +29,6 @@ def draw_figure(table: Table, kind: str, title: str, path: Path) -> None:
     """Draw a figure, of a `kind` in DRAWERS, from its table to a PNG file; the same table gives the same file."""
     with mpl.rc_context(STYLE):
         figure = Figure(layout="constrained")
-        FigureCanvasAgg(figure)
         DRAWERS[kind](figure, table)
         figure.suptitle(f"{title}:\n{CONCLUSIONS[kind](table)}", fontsize=9)
         save_figure(figure, path, dpi=80)

@@ -78,10 +78,10 @@ def spread(model: str, lanes: int) -> list[State]:
 
 
 class FromMoment(gymnasium.Wrapper):
-    """An environment whose episodes begin at a saved state."""
+    """A single environment whose episodes begin at a saved state."""
 
-    def __init__(self, env: gymnasium.Env, moment: State) -> None:
-        super().__init__(env)
+    def __init__(self, model: str, moment: State) -> None:
+        super().__init__(gymnasium.make(DEPLOY, model=model))
         self._moment = moment
 
     def reset(self, **keywords: Any) -> tuple[Any, dict[str, Any]]:
@@ -89,11 +89,6 @@ class FromMoment(gymnasium.Wrapper):
         result = self.env.reset(**keywords)
         self.get_wrapper_attr("simulation").restore(self._moment)
         return result
-
-
-def make_from_moment(model: str, moment: State) -> gymnasium.Env:
-    """A single environment that begins at a saved state."""
-    return FromMoment(gymnasium.make(DEPLOY, model=model), moment)
 
 
 def make_native(model: str, lanes: int, threads: int | None = None) -> SolarArrayVectorEnv:
@@ -112,13 +107,17 @@ def place(env: SolarArrayVectorEnv, chosen: Sequence[State]) -> None:
 def measure_native(model: str, lanes: int) -> Split:
     """Time the steps of a native vector environment, whose lanes go through all moments again and again."""
     env = make_native(model, lanes)
-    clock = _Clock()
+    physics, observation = [0.0], [0.0]
     episodes = env.episodes
-    for owner, name in ((episodes.batch, "attempt"), (episodes, "hold"), (episodes, "end")):
-        setattr(owner, name, clock.timed(name, getattr(owner, name)))
+    for owner, name, taken in (
+        (episodes.batch, "attempt", physics),
+        (episodes, "hold", observation),
+        (episodes, "end", observation),
+    ):
+        setattr(owner, name, _timed(getattr(owner, name), taken))
     actions = np.zeros((lanes, 1), dtype=np.float32)
     env.step(actions)
-    clock.clear()
+    physics[0] = observation[0] = 0.0
     steps, wall = 0, 0.0
     while wall < ENOUGH or steps < FEWEST * lanes:
         for first in range(0, MOMENTS, lanes):
@@ -128,28 +127,19 @@ def measure_native(model: str, lanes: int) -> Split:
             wall += time.perf_counter() - start
             steps += lanes
     env.close()
-    return Split(steps, wall, clock.total("attempt"), clock.total("hold") + clock.total("end"))
+    return Split(steps, wall, physics[0], observation[0])
 
 
-class _Clock:
-    def __init__(self) -> None:
-        self._times: dict[str, float] = {}
+def _timed(function: Callable[..., Any], taken: list[float]) -> Callable[..., Any]:
+    """The function, which adds the time of each call to the one number in `taken` [s]."""
 
-    def timed(self, name: str, function: Callable[..., Any]) -> Callable[..., Any]:
-        def call(*arguments: Any) -> Any:
-            start = time.perf_counter()
-            try:
-                return function(*arguments)
-            finally:
-                self._times[name] = self.total(name) + time.perf_counter() - start
+    def call(*arguments: Any) -> Any:
+        start = time.perf_counter()
+        result = function(*arguments)
+        taken[0] += time.perf_counter() - start
+        return result
 
-        return call
-
-    def total(self, name: str) -> float:
-        return self._times.get(name, 0.0)
-
-    def clear(self) -> None:
-        self._times.clear()
+    return call
 
 
 def compare(contestants: Mapping[str, tuple[Any, Callable[[], Any]]], lanes: int) -> dict[str, float]:
@@ -191,7 +181,7 @@ def measure_peers(model: str) -> dict[str, float]:
     from stable_baselines3.common.vec_env import SubprocVecEnv
 
     chosen = spread(model, COMPARED_LANES)
-    makers = [partial(make_from_moment, model, moment) for moment in chosen]
+    makers = [partial(FromMoment, model, moment) for moment in chosen]
     native, sync = make_native(model, COMPARED_LANES), gymnasium.vector.SyncVectorEnv(makers)
     processes = SubprocVecEnv(makers)  # type: ignore[arg-type]
     rates = compare(

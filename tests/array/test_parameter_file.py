@@ -1,4 +1,4 @@
-"""Files of parameters: complete, explained, read back to the same values, and refused by name, line and rule."""
+"""Files of parameters: complete, explained, read back to the same values, and refused by name and rule."""
 
 from __future__ import annotations
 
@@ -61,53 +61,51 @@ def test_tolerances_are_ranges_about_the_values_and_environments_take_both(file)
 
 
 @pytest.mark.parametrize(
-    ("content", "line", "words"),
+    ("content", "words"),
     [
-        ("panel_count = 2\nclearence = 1e-4", 2, "'clearence' is unknown; did you mean 'clearance'"),
-        ("clearance = '0.1 mm'", 1, "clearance = '0.1 mm' must be a finite number; clearance is: bearing radius minus"),
-        ("panel_count = 2.5", 1, "must be a whole number"),
-        ("body_mass = -1", 1, "body_mass = -1 must be positive"),
-        ("restitution = 0.9\nfriction_speed_zero = 1e-2", 2, "must be below friction_speed_full = 0.001"),
-        ("clearance = [1e-4, 2e-4]\n[tolerance]\nclearance = 1e-3", 3, "must be positive"),
+        ("panel_count = 2\nclearence = 1e-4", "'clearence' is unknown; did you mean 'clearance'"),
+        ("clearance = '0.1 mm'", "clearance = '0.1 mm' must be a finite number; clearance is: bearing radius minus"),
+        ("panel_count = 2.5", "must be a whole number"),
+        ("body_mass = -1", "body_mass = -1 must be positive"),
+        ("restitution = 0.9\nfriction_speed_zero = 1e-2", "must be below friction_speed_full = 0.001"),
+        ("clearance = [1e-4, 2e-4]\n[tolerance]\nclearance = 1e-3", "must be positive"),
         (
             "clearance = 1e-4\n[tolerance]\nclearance = 2e-4",
-            3,
             "tolerance of clearance = 0.0002 is too wide about 0.0001",
         ),
-        ("[tolerance]\nbody_mass = 1e9", 2, "choose a smaller one: at its end body_mass = -9"),
-        ("[tolerance]\nbody_mass = -1", 2, "must be a finite number, not negative"),
-        ("[tolerance]\nbody_mass = [1, 2]", 2, "must be a single number"),
-        ("[tolerance]\nclearance = [1e-6, 1e-6, 1e-6]", 2, "more entries than panels"),
-        ("[tolerance]\ncontact_law = 1", 2, "is not a real number"),
-        ("[tolerance]\nclearence = 1e-5", 2, "did you mean 'clearance'"),
-        ("[randomize]\nrestitution = [0.9, 0.7]", 2, "low <= high"),
-        ("[tolerance]\nbody_mass=1\n[randomize]\nbody_mass = [1, 2]", 4, "stands in both"),
-        ("tolerance = 3", 1, "write [tolerance]"),
-        ("[tolerence]\nclearance = 1e-5", 1, "did you mean 'tolerance'"),
-        ("body_mass = \nbody_inertia = 1", 1, "is no TOML"),
-        ("body_mass = 900\nspring_preload_angle = [1.5, 90]", 2, "must lie between -2 pi and 2 pi: it is in radians"),
-        ("[randomize]\nspring_preload_angle = [1, 90]", 2, "it is in radians, not in degrees"),
+        ("[tolerance]\nbody_mass = 1e9", "choose a smaller one: at its end body_mass = -9"),
+        ("[tolerance]\nbody_mass = -1", "must be a finite number, not negative"),
+        ("[tolerance]\nbody_mass = [1, 2]", "must be a single number"),
+        ("[tolerance]\nclearance = [1e-6, 1e-6, 1e-6]", "more entries than panels"),
+        ("[tolerance]\ncontact_law = 1", "is not a real number"),
+        ("[tolerance]\nclearence = 1e-5", "did you mean 'clearance'"),
+        ("[randomize]\nrestitution = [0.9, 0.7]", "low <= high"),
+        ("[tolerance]\nbody_mass=1\n[randomize]\nbody_mass = [1, 2]", "stands in both"),
+        ("tolerance = 3", "write [tolerance]"),
+        ("[tolerence]\nclearance = 1e-5", "did you mean 'tolerance'"),
+        ("body_mass = \nbody_inertia = 1", "is no TOML"),
+        ("body_mass = 900\nspring_preload_angle = [1.5, 90]", "must lie between -2 pi and 2 pi: it is in radians"),
+        ("[randomize]\nspring_preload_angle = [1, 90]", "it is in radians, not in degrees"),
         # What contradicts a value that the file leaves out.
-        ("body_mass = 900\njournal_radius = 1e-4", 2, "clearance = 0.0002 must be below journal_radius"),
-        ("body_mass = 900\nfriction_speed_full = 1e-5", 2, "friction_speed_zero = 0.0001 must be below"),
-        ("body_mass = 900\ncontact_law = 'x'", 2, "contact law 'x' is unknown"),
-        ("body_mass = 900\ncontact_law = 'pereira'", 2, "contact_stiffness = 73900000000.0 is that of spheres"),
+        ("body_mass = 900\njournal_radius = 1e-4", "clearance = 0.0002 must be below journal_radius"),
+        ("body_mass = 900\nfriction_speed_full = 1e-5", "friction_speed_zero = 0.0001 must be below"),
+        ("body_mass = 900\ncontact_law = 'x'", "contact law 'x' is unknown"),
+        ("body_mass = 900\ncontact_law = 'pereira'", "contact_stiffness = 73900000000.0 is that of spheres"),
         # What is fine by itself.
-        ("[randomize]\nfriction_speed_zero = [1e-5, 8e-4]\nfriction_speed_full = [5e-4, 1e-3]", 2, "must be below"),
+        ("[randomize]\nfriction_speed_zero = [1e-5, 8e-4]\nfriction_speed_full = [5e-4, 1e-3]", "must be below"),
         # Other ways in which TOML writes a table.
-        ("\ntolerance.clearance = -1", 2, "must be a finite number"),
-        ("\ntolerance = {clearance = -1}", 2, "must be a finite number"),
-        ("['tolerance']\n'clearance' = -1", 2, "must be a finite number"),
-        ("\n[[tolerance]]\nclearance = 1", 2, "write [tolerance]"),
-        ("\n[tolerance.clearance]\nx = 1", 2, "must be a finite number"),
+        ("\ntolerance.clearance = -1", "must be a finite number"),
+        ("\ntolerance = {clearance = -1}", "must be a finite number"),
+        ("['tolerance']\n'clearance' = -1", "must be a finite number"),
+        ("\n[[tolerance]]\nclearance = 1", "write [tolerance]"),
+        ("\n[tolerance.clearance]\nx = 1", "must be a finite number"),
     ],
 )
-def test_a_refusal_names_the_line_and_the_rule(content, line, words, file):
+def test_a_refusal_names_the_file_and_the_rule(content, words, file):
     path = file(content)
     with pytest.raises(ValueError, match=re.escape(words)) as refusal:
         read_parameters(path)
     assert str(path) in str(refusal.value)
-    assert re.search(rf"line {line}\b", str(refusal.value))
 
 
 @pytest.mark.parametrize(
@@ -140,28 +138,25 @@ def untold(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("content", "line", "words"),
+    ("content", "words"),
     [
         (
             "body_mass = 900\npanel_length = 1500",
-            2,
             "panel_length = 1500 m is implausibly large for a spacecraft (over 50",
         ),
-        ("panel_thickness = 20", 1, "give it in m, not in mm"),
+        ("panel_thickness = 20", "give it in m, not in mm"),
         (
             "panel_young = 280",
-            1,
             "panel_young = 280 Pa is implausibly small (under 1e+05 Pa); give it in Pa, not in MPa",
         ),
-        ("[randomize]\nbody_size = [1.0, 1000.0]", 2, "body_size = 1000 m is implausibly large"),
-        ("initial_rate = [0.0, 20.0]", 1, "initial_rate = 20 rad/s is implausibly large"),
+        ("[randomize]\nbody_size = [1.0, 1000.0]", "body_size = 1000 m is implausibly large"),
+        ("initial_rate = [0.0, 20.0]", "initial_rate = 20 rad/s is implausibly large"),
     ],
 )
-def test_a_value_in_another_unit_is_warned_of_once_by_line_value_and_unit(content, line, words, file, untold):
+def test_a_value_in_another_unit_is_warned_of_once_by_value_and_unit(content, words, file, untold):
     path = file(content)
     with pytest.warns(SimulationWarning, match=re.escape(words)) as told:
         read = read_parameters(path)
-    assert str(told[0].message).startswith(f"{path}, line {line}: ")
     assert len(told) == 1
     assert replace(read.parameters, wear_bins=90).wear_bins == 90, "and not again, whatever is made of it"
 

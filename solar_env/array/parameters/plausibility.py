@@ -2,9 +2,7 @@
 
 import math
 import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from contextvars import ContextVar
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from solar_env.mechanics.running.diagnosis import SimulationWarning
@@ -60,7 +58,6 @@ PLAUSIBLE = {
 
 # Names and rounded values that were told in this process: the same array is described over and over in an ensemble.
 _told: set[tuple[str, str]] = set()
-_place: ContextVar[Callable[[str], str]] = ContextVar("place", default=lambda name: "")
 
 
 def warn_of_implausible(entries: Callable[[str], tuple[Any, ...]]) -> None:
@@ -70,7 +67,7 @@ def warn_of_implausible(entries: Callable[[str], tuple[Any, ...]]) -> None:
         entries: of a parameter by its name; all numbers, or None.
 
     Warns:
-        UnitWarning: naming the parameter, its value, where it stands, and the unit that is meant.
+        UnitWarning: naming the parameter, its value, and the unit that is meant.
     """
     for name, usual in PLAUSIBLE.items():
         for value in entries(name):
@@ -82,23 +79,9 @@ def warn_of_implausible(entries: Callable[[str], tuple[Any, ...]]) -> None:
             large = abs(value) > usual.high
             bound = f"large for a spacecraft (over {usual.high:.3g}" if large else f"small (under {usual.low:.3g}"
             text = (
-                f"{_place.get()(name)}{name} = {value:g} {usual.unit} is implausibly {bound} {usual.unit}); give it in "
-                f"{usual.unit}, not in {usual.slip}"
+                f"{name} = {value:g} {usual.unit} is implausibly {bound} {usual.unit}); give it in {usual.unit}, "
+                f"not in {usual.slip}"
             )
             warnings.warn(text, UnitWarning, stacklevel=2)
             _told.add(key)
             break
-
-
-@contextmanager
-def located(place: Callable[[str], str]) -> Iterator[None]:
-    """While it lasts, warnings say where a parameter stands.
-
-    Args:
-        place: from a name to what stands before the sentence, such as "my.toml, line 3: ".
-    """
-    token = _place.set(place)
-    try:
-        yield
-    finally:
-        _place.reset(token)

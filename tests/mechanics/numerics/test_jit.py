@@ -49,7 +49,7 @@ def cache_of(package: Path, tmp_path: Path, run_python: Callable[..., str]) -> C
 
 
 def test_every_kernel_that_a_run_calls_stands_behind_the_drivers_cache() -> None:
-    drivers = ("mechanics/integrators/driver.py", "environment/task/periods.py")
+    drivers = ("mechanics/integrators/run.py", "environment/task/periods.py")
     behind = {path for driver in drivers for path in kernel_sources(ROOT / driver)}
     assert len(COMPILING) > 15
     assert behind >= set(COMPILING)
@@ -71,7 +71,7 @@ def test_the_sources_of_a_kernel_are_those_that_its_module_imports(path: Path) -
 def test_an_edit_of_what_a_kernel_calls_changes_its_cache_folder(
     package: Path, cache_of: Callable[[str], Path], tmp_path: Path, name: str
 ) -> None:
-    driver = "mechanics/integrators/adaptive.py"
+    driver = "mechanics/integrators/run.py"
     before = cache_of(driver)
     assert before.parent == tmp_path / "cache"
     assert before.is_dir()
@@ -84,13 +84,13 @@ def test_an_edit_of_what_a_kernel_calls_changes_its_cache_folder(
 
 
 def test_an_edit_of_what_a_kernel_does_not_call_keeps_its_cache(package: Path, cache_of: Callable[[str], Path]) -> None:
-    driver = "mechanics/integrators/adaptive.py"
-    before, before_task = cache_of(driver), cache_of("environment/task/task.py")
-    for name in ("array/construction.py", "environment/task/task.py"):
+    driver = "mechanics/integrators/run.py"
+    before, before_task = cache_of(driver), cache_of("environment/task/control.py")
+    for name in ("array/construction.py", "environment/task/control.py"):
         path = package / "solar_env" / name
         path.write_text(path.read_text() + "\n# edited\n")
     assert cache_of(driver) == before
-    assert cache_of("environment/task/task.py") != before_task
+    assert cache_of("environment/task/control.py") != before_task
 
 
 KERNEL = """
@@ -115,7 +115,7 @@ def test_a_folder_that_cannot_be_written_is_replaced_by_a_temporary_one(
     # A file stands where the folder should be.
     (tmp_path / "cache").write_text("")
     environment = {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "TMPDIR": str(tmp_path)}
-    folder = Path(run_python(PROGRAM, str(package), "environment/task/task.py", **environment).strip())
+    folder = Path(run_python(PROGRAM, str(package), "environment/task/control.py", **environment).strip())
     assert folder.is_dir()
     assert tmp_path in folder.parents
 

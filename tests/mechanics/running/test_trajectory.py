@@ -118,7 +118,7 @@ def test_the_share_of_steps_that_stability_bounds_grows_with_the_elements() -> N
 
 def test_a_looser_tolerance_leaves_the_steps_that_stability_bounds_as_they_are() -> None:
     tight, loose = (
-        simulate_deployment(model="flexible-ideal", duration=0.2, integrator=RungeKutta(rtol=rtol))
+        simulate_deployment(model="flexible-ideal:6 elements", duration=0.2, integrator=RungeKutta(rtol=rtol))
         for rtol in (1e-5, 1e-3)
     )
     assert min(tight.stability_bound_share, loose.stability_bound_share) > 0.95

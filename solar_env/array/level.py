@@ -39,6 +39,8 @@ class ModelLevel:
     count: int = 0
 
     def __post_init__(self) -> None:
+        if not self.flexible and (self.unit or self.count):
+            raise ValueError(f"model {self.name!r} has rigid panels, which take no count: leave out {self.count!r}")
         self.body(ArrayParameters(), "panel", {})
 
     @classmethod

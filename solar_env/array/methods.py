@@ -58,7 +58,7 @@ def check_fits(integrator: Integrator, model: str | ModelLevel) -> Integrator:
     level = ModelLevel.of(model)
     if level.flexible and level.modal != isinstance(integrator, ModalRadau):
         kind, other = ("modes", "beam elements") if level.modal else ("beam elements", "modes")
-        instead = f"{level.name}:6 elements" if level.modal else f"{level.name}:32 modes"
+        instead = f"{level.name}:6 elements" if level.modal else level.name
         raise ValueError(
             f"integrator = {integrator.name!r} steps panels of {other}, and those of model = {str(level)!r} are of "
             f"{kind}: choose the model {instead!r}, or leave out the integrator"

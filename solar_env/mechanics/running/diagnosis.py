@@ -67,7 +67,7 @@ def modal_range_text(time: float, slope: float, spin_ratio: float) -> str:
     )
     return (
         f"by t = {time:.6g} s the modal panels {what}: what their second order leaves out is "
-        f"{100.0 * max(bent, turned):.2g} % of what it keeps; use beam elements (FlexibleBody, panels='ancf')"
+        f"{100.0 * max(bent, turned):.2g} % of what it keeps; use beam elements (FlexibleBody, '...:6 elements')"
     )
 
 

@@ -44,7 +44,7 @@ _CAUSES = {
     m.NEWTON_STALLED: (
         "joint_loads",
         "Newton's iteration on the loads of joint {joint} converges at no step size; let its friction set in over "
-        "higher speeds, remove what holds its bodies twice, or use beam elements (FlexibleBody, panels='ancf')",
+        "higher speeds, remove what holds its bodies twice, or use beam elements (FlexibleBody, '...:6 elements')",
     ),
     m.JOINT_ANGLE_RANGE: (
         "joint_angle",

@@ -1,6 +1,5 @@
 """`solar-env play`: drive the array by hand, in a window."""
 
-import os
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -8,16 +7,21 @@ import numpy as np
 
 from solar_env.commands.arguments import Assignments
 from solar_env.environment.registration import DEPLOY
+from solar_env.environment.showing.window import open_display
+from solar_env.pictures.raster import CARD, INK
+from solar_env.pictures.style import BLUE, FAINT
 
-_INVISIBLE = ("offscreen", "dummy")  # drivers that SDL takes where there is no display
+BAR = 64  # pixels below the frame: the slider, and what it means
+_MARGIN = 24
+_STEPS = 20  # of a key, from no torque to the limit
 
 
 @dataclass
 class Args:
     """Drive the array by hand in a window: land it softly.
 
-    Keys: right and left drive the motor at its limit, to open and to close; up and down at a tenth of it. Without a key
-    the motor rests. Escape ends. An episode that has ended begins anew.
+    Keys: left and right turn the motor torque down and up, 0 sets it to nothing, the mouse moves its slider; space
+    pauses, n goes on by a single step, r begins anew, q ends.
     """
 
     env_id: str = DEPLOY
@@ -30,11 +34,116 @@ class Args:
     """environment keywords, for example torque_limit=0.3"""
 
 
+class Player:
+    """An episode in a window; `handle` takes an event, `tick` goes on by a control period, `draw` shows the state.
+
+    Attributes:
+        torque: in units of the limit, -1 to 1.
+        paused: whether `tick` does nothing.
+        running: False once the window is to close.
+        score: sum of the rewards so far.
+        ended: whether the episode has.
+    """
+
+    def __init__(self, env: Any, seed: int) -> None:
+        # Display and fonts alone: sound, say, complains at length where there is no device.
+        self._game = pygame = open_display()
+        pygame.font.init()
+        self._env, self._seed = env, seed
+        self.torque, self.paused, self.running, self._dragging = 0.0, True, True, False
+        self.restart()
+        height, width = self._frame.shape[:2]
+        self._window = pygame.display.set_mode((width, height + BAR))
+        pygame.display.set_caption("solar-env play")
+        self._font = pygame.font.Font(None, 26)
+        self._track = (_MARGIN, width - _MARGIN, height + 18)
+
+    def restart(self) -> None:
+        """Begin the episode anew, paused."""
+        self._env.reset(seed=self._seed)
+        self.torque, self.score, self.ended, self.paused, self.peak = 0.0, 0.0, False, True, 0.0
+        self._frame = self._env.render()
+
+    def handle(self, event: Any) -> None:
+        """Take a key, a movement of the mouse, or the closing of the window."""
+        game = self._game
+        if event.type == game.QUIT:
+            self.running = False
+        elif event.type == game.KEYDOWN:
+            self._press(event.key)
+        elif event.type == game.MOUSEBUTTONDOWN and event.pos[1] > self._frame.shape[0]:
+            self._dragging = True
+            self._slide(event.pos[0])
+        elif event.type == game.MOUSEMOTION and self._dragging:
+            self._slide(event.pos[0])
+        elif event.type == game.MOUSEBUTTONUP:
+            self._dragging = False
+
+    def _press(self, key: int) -> None:
+        game = self._game
+        if key in (game.K_LEFT, game.K_RIGHT):
+            change = (1.0 if key == game.K_RIGHT else -1.0) / _STEPS
+            self.torque = round(min(max(self.torque + change, -1.0), 1.0), 6)
+        elif key == game.K_0:
+            self.torque = 0.0
+        elif key == game.K_SPACE:
+            self.paused = not self.paused
+        elif key == game.K_n:
+            self.paused = True
+            self.step()
+        elif key == game.K_r:
+            self.restart()
+        elif key in (game.K_q, game.K_ESCAPE):
+            self.running = False
+
+    def _slide(self, x: float) -> None:
+        left, right, _ = self._track
+        self.torque = min(max(2.0 * (x - left) / (right - left) - 1.0, -1.0), 1.0)
+
+    def tick(self) -> None:
+        """Go on by a control period, unless paused."""
+        if not self.paused:
+            self.step()
+
+    def step(self) -> None:
+        """Go on by a control period, unless the episode has ended."""
+        if self.ended:
+            return
+        _, reward, self.ended, _, _ = self._env.step(np.array([self.torque], dtype=np.float32))
+        self.score += float(reward)
+        self.peak = max(self.peak, float(self._env.unwrapped.simulation.state.joints["postlock_peak_force"].max()))
+        self._frame = self._env.render()
+
+    def draw(self) -> None:
+        """Show the present state, the torque and the score."""
+        game, window, (left, right, y) = self._game, self._window, self._track
+        window.fill(CARD)
+        window.blit(game.surfarray.make_surface(self._frame.swapaxes(0, 1)), (0, 0))
+        middle, x = (left + right) // 2, left + 0.5 * (self.torque + 1.0) * (right - left)
+        game.draw.line(window, FAINT, (left, y), (right, y), 4)
+        game.draw.line(window, BLUE, (middle, y), (x, y), 4)
+        game.draw.circle(window, BLUE, (x, y), 9)
+        limit = self._env.unwrapped.task.torque_limit
+        state = "ended, r: again" if self.ended else "paused, space: go on" if self.paused else "space: pause"
+        text = (
+            f"torque {self.torque * limit:+.3f} N m     return {self.score:.3f}     peak after latching "
+            f"{self.peak:.0f} N     {state}, n: step, q: quit"
+        )
+        window.blit(self._font.render(text, True, INK), (left, y + 18))
+        game.display.flip()
+
+    def close(self) -> None:
+        """Close the window."""
+        self._game.quit()
+
+
 def run_command(args: Args) -> int:
-    """Open the window and play until it is closed, printing the result of every episode."""
-    pygame = _open_display()
+    """Open the window and play until it is closed."""
+    try:
+        import pygame
+    except ImportError as error:
+        raise ValueError("the window needs pygame: pip install 'solar-env[play]'") from error
     import gymnasium
-    from gymnasium.utils.play import play
 
     import solar_env  # noqa: F401 (registers the environments)
 
@@ -45,43 +154,16 @@ def run_command(args: Args) -> int:
         env = gymnasium.make(args.env_id, render_mode="rgb_array", **keywords)
     except TypeError as error:
         raise ValueError(str(error)) from error
-    score = 0.0
-
-    def report(*step: Any) -> None:
-        nonlocal score
-        _, _, _, reward, terminated, _, info = step
-        score += float(reward)
-        if terminated:
-            peak = max(info["deployment"]["peak_postlock_force_N"])
-            print(f"return {score:.3f}, peak force after latching {peak:.0f} N", flush=True)
-            score = 0.0
-
-    torques = {pygame.K_RIGHT: 1.0, pygame.K_LEFT: -1.0, pygame.K_UP: 0.1, pygame.K_DOWN: -0.1}
-    actions = {key: np.array([torque], dtype=np.float32) for key, torque in torques.items()}
-    play(env, keys_to_action=actions, noop=np.zeros(1, dtype=np.float32), seed=args.seed, callback=report)
+    player = Player(env, args.seed)
+    clock, rate = pygame.time.Clock(), 1.0 / env.unwrapped.task.control_period  # type: ignore[attr-defined]
+    try:
+        while player.running:
+            for event in pygame.event.get():
+                player.handle(event)
+            player.tick()
+            player.draw()
+            clock.tick(rate)
+    finally:
+        player.close()
+    print(f"return {player.score:.3f}, peak force after latching {player.peak:.0f} N")
     return 0
-
-
-def _open_display() -> Any:
-    """Begin with pygame's display, where there is one or `SDL_VIDEODRIVER` asks for what SDL takes; returns pygame.
-
-    Raises:
-        ValueError: pygame is not installed.
-        OSError: what is shown would be seen by nobody.
-    """
-    try:
-        import pygame
-    except ImportError as error:
-        raise ValueError("the window needs pygame: pip install 'solar-env[play]'") from error
-    why = ""
-    try:
-        pygame.display.init()
-        driver = pygame.display.get_driver()
-        if driver in _INVISIBLE and not os.environ.get("SDL_VIDEODRIVER"):
-            why = f"SDL has its driver {driver!r} alone"
-    except pygame.error as error:
-        why = str(error)
-    if why:
-        advice = "run it where there is one, or show an episode on a page or film it (solar-env replay)"
-        raise OSError(f"there is no display for a window ({why}); {advice}")
-    return pygame

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from solar_env.array import ArrayParameters
 from solar_env.environment.calls import Exclusive, checked_actions, checked_options
 from solar_env.environment.episodes import Episodes
-from solar_env.environment.settings import RENDER_MODE, EnvironmentSettings
+from solar_env.environment.settings import RENDER_MODES, EnvironmentSettings
+from solar_env.environment.showing.window import Window
 from solar_env.environment.task.observations import observation_table
 from solar_env.environment.task.reward import reward_table
 from solar_env.mechanics.running.simulation import Simulation
@@ -111,7 +112,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     `body_fixed` and `wear_bins`, on which the mechanism's structure depends.
     """
 
-    metadata: dict[str, Any] = {"render_modes": [RENDER_MODE], "render_fps": 10}  # noqa: RUF012 - as Gymnasium's
+    metadata: dict[str, Any] = {"render_modes": list(RENDER_MODES), "render_fps": 10}  # noqa: RUF012 - as Gymnasium's
 
     def __init__(self, **keywords: Any) -> None:
         """See the class.
@@ -119,6 +120,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         Raises:
             TypeError: for an unknown keyword.
             ValueError: for an unknown name or a refused value; the message says which.
+            gymnasium.error.DependencyNotInstalled: for the render mode "human" without pygame.
         """
         settings = EnvironmentSettings.of(keywords)
         self.render_mode, self.scenario = settings.render_mode, settings.scenario
@@ -130,6 +132,7 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self._episodes = Episodes(settings, [self.parameters])
         self._lane = np.zeros(1, dtype=np.int64)
         self._exclusive = Exclusive()
+        self._window = Window(1.0 / self.task.control_period) if self.render_mode == "human" else None
 
     @property
     def simulation(self) -> Simulation:
@@ -167,6 +170,8 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             self._episodes.check_changes(self._lane, changes)
             super().reset(seed=seed)
             self._episodes.reset(self._lane, [self.np_random], changes)
+            if self._window:
+                self._window.show(self._episodes.render(0))
             return self._episodes.observations[0].copy(), self._episodes.info(0)
 
     def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
@@ -193,11 +198,21 @@ class SolarArrayEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             terminated, info = bool(episodes.terminated[0]), episodes.info(0)
             if terminated:
                 info["deployment"] = episodes.figures(0)
+            if self._window:
+                self._window.show(episodes.render(0))
             return episodes.observations[0].copy(), float(episodes.rewards[0]), terminated, False, info
 
     def render(self) -> NDArray[np.uint8] | None:
-        """Draw the present state; (540, 960, 3) uint8, or None without a render mode."""
-        return self._episodes.render(0)
+        """Draw the present state; (540, 960, 3) uint8, or None without a render mode.
+
+        With the render mode "human" every reset and step shows it in a window, at the pace of the control periods.
+        """
+        return None if self._window else self._episodes.render(0)
+
+    def close(self) -> None:
+        """Close the window, if there is one."""
+        if self._window:
+            self._window.close()
 
 
 SolarArrayEnv.__doc__ = (

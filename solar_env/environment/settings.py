@@ -23,7 +23,7 @@ from solar_env.mechanics.integrators.settings import Integrator
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.running.simulation import Simulation
 
-RENDER_MODE = "rgb_array"
+RENDER_MODES = ("human", "rgb_array")
 Changes = Mapping[str, Any]
 
 
@@ -50,7 +50,7 @@ class EnvironmentSettings:
         randomize: mapping of parameter names to (low, high), in place of the scenario's; each reset draws uniformly, by
             joint where the parameter is by joint, and there each bound may be one by joint.
         hardware: a `solar_env.Hardware`, or a mapping of changes to the scenario's.
-        render_mode: "rgb_array" or None; `gymnasium.make` opens a window for "human".
+        render_mode: "rgb_array", "human" (a window; a single environment alone) or None.
         max_steps: bound on the integration steps of one control period, tried ones included; usual are some hundred.
 
     Raises:
@@ -75,8 +75,8 @@ class EnvironmentSettings:
     max_steps: int = 1_000_000
 
     def __post_init__(self) -> None:
-        if self.render_mode not in (None, RENDER_MODE):
-            raise ValueError(f"render_mode {self.render_mode!r} is unknown; choose {RENDER_MODE} or None")
+        if self.render_mode not in (None, *RENDER_MODES):
+            raise ValueError(f"render_mode {self.render_mode!r} is unknown; choose {', '.join(RENDER_MODES)} or None")
         # Whatever follows from the keywords refuses values that it cannot follow from.
         for name, table in (("scenario", SCENARIOS), ("version", VERSIONS)):
             if getattr(self, name) not in table:
@@ -113,7 +113,7 @@ class EnvironmentSettings:
 
     @property
     def frames_per_second(self) -> int:
-        """Control periods in a second [1/s], the nearest whole number, as Gymnasium asks for."""
+        """Control periods in a second [1/s], the nearest whole number, which Gymnasium's `play` asks for."""
         return max(round(1.0 / self.task.control_period), 1)
 
     @cached_property

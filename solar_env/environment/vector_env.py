@@ -16,7 +16,7 @@ from solar_env.environment.env import Observation
 from solar_env.environment.episodes import Episodes, SavedEpisode, raise_first
 from solar_env.environment.lane import Lane
 from solar_env.environment.scenarios import SCENARIOS
-from solar_env.environment.settings import RENDER_MODE, EnvironmentSettings
+from solar_env.environment.settings import EnvironmentSettings
 from solar_env.support.numbers import is_whole_number, plain
 
 ON_FAILURE = ("truncate", "raise")
@@ -77,13 +77,15 @@ class SolarArrayVectorEnv(VectorEnv[Observation, Actions, NDArray[Any]]):
         by_lane = _by_lane("parameters", keywords.get("parameters"), self.num_envs)
         settings = EnvironmentSettings.of({**keywords, "parameters": by_lane[0]})
         self.render_mode, self.scenario = settings.render_mode, settings.scenario
+        if self.render_mode == "human":
+            raise ValueError("render_mode 'human' has one window for one array; a vector draws with 'rgb_array' or not")
         self.parameters = [SCENARIOS[self.scenario].design(entry) for entry in by_lane]
         self.model = str(settings.level)
         self.randomize, self.hardware = settings.ranges, settings.drive
         self.task, self.reward, self.observation_names = settings.task, settings.terms, settings.observation_names
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         timing = {"render_fps": settings.frames_per_second, "autoreset_mode": self.autoreset_mode}
-        self.metadata = {"render_modes": [RENDER_MODE], **timing}
+        self.metadata = {"render_modes": ["rgb_array"], **timing}
         self.single_observation_space, self.single_action_space = settings.observation_space(), settings.action_space()
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)

@@ -1,4 +1,4 @@
-"""The window: keys drive the motor, and every episode's result is printed; without a display."""
+"""The window: keys and mouse move the torque, the episode goes on, pauses and begins anew; without a display."""
 
 from __future__ import annotations
 
@@ -10,43 +10,101 @@ from solar_env.__main__ import main
 from solar_env.environment.registration import DEPLOY
 
 pygame = pytest.importorskip("pygame")
-QUICK = ["--model", "rigid-ideal", "--env-kwargs", "control_period=0.5"]
 
 
-def event(kind, **what):
-    return pygame.event.Event(kind, **what)
+@pytest.fixture
+def player():
+    from solar_env.commands.play import Player
+
+    env = gymnasium.make(DEPLOY, render_mode="rgb_array", model="rigid-ideal")
+    player = Player(env, seed=0)
+    yield player
+    player.close()
 
 
-@pytest.mark.parametrize(("key", "action"), [(pygame.K_RIGHT, 1.0), (pygame.K_LEFT, -1.0), (pygame.K_UP, 0.1)])
-def test_keys_drive_the_motor_until_the_window_is_closed(key, action, monkeypatch):
-    seen, step = [], gymnasium.Wrapper.step
-    monkeypatch.setattr(gymnasium.Wrapper, "step", lambda env, action: seen.append(action) or step(env, action))
-    pressed, released = event(pygame.KEYDOWN, key=key), event(pygame.KEYUP, key=key)
-    polls = iter([[pressed], [released], [event(pygame.QUIT)]])
-    monkeypatch.setattr(pygame.event, "get", lambda: next(polls))
-    assert main(["play", *QUICK]) == 0
-    np.testing.assert_allclose([seen[0], seen[-1]], [[action], [0.0]])
+def press(player, *keys):
+    for key in keys:
+        player.handle(pygame.event.Event(pygame.KEYDOWN, key=key))
 
 
-def test_the_result_of_an_episode_is_its_return(monkeypatch, capsys):
-    env = gymnasium.make(DEPLOY, model="rigid-ideal", control_period=0.5)
+def picture(player):
+    player.draw()
+    return pygame.surfarray.array3d(pygame.display.get_surface())
+
+
+def test_keys_turn_the_torque_and_the_window_shows_it(player):
+    before = picture(player)
+    assert before.shape == (960, 540 + 64, 3)
+    press(player, *[pygame.K_RIGHT] * 3)
+    assert player.torque == pytest.approx(0.15)
+    assert not np.array_equal(picture(player), before)
+    press(player, *[pygame.K_LEFT] * 30)
+    assert player.torque == -1.0
+    press(player, pygame.K_0)
+    assert player.torque == 0.0
+
+
+def test_neither_sound_nor_joysticks_are_asked_for(player):
+    assert pygame.display.get_init()
+    assert pygame.font.get_init()
+    assert pygame.mixer.get_init() is None
+    assert not pygame.joystick.get_init()
+
+
+def test_the_mouse_moves_the_slider(player):
+    y = 540 + 18
+    player.handle(pygame.event.Event(pygame.MOUSEBUTTONDOWN, pos=(936, y), button=1))
+    assert player.torque == 1.0
+    player.handle(pygame.event.Event(pygame.MOUSEMOTION, pos=(480, y)))
+    assert player.torque == pytest.approx(0.0)
+    player.handle(pygame.event.Event(pygame.MOUSEBUTTONUP, pos=(480, y), button=1))
+    player.handle(pygame.event.Event(pygame.MOUSEMOTION, pos=(24, y)))
+    assert player.torque == pytest.approx(0.0)
+
+
+def test_an_episode_is_paused_stepped_played_and_begun_anew(player):
+    simulation = player._env.unwrapped
+    player.tick()
+    assert simulation.simulation.time == 0.0, "it begins paused"
+    press(player, pygame.K_RIGHT, pygame.K_n)
+    assert simulation.simulation.time == pytest.approx(0.1)
+    assert simulation.simulation.state.joints["motor_torque"][0] == pytest.approx(0.05 * simulation.task.torque_limit)
+    press(player, pygame.K_SPACE)
+    for _ in range(5):
+        player.tick()
+    assert simulation.simulation.time == pytest.approx(0.6)
+    press(player, pygame.K_r)
+    assert (simulation.simulation.time, player.score, player.torque) == (0.0, 0.0, 0.0)
+
+
+def test_an_episode_that_has_ended_stays_and_its_score_is_the_return(player):
+    press(player, pygame.K_SPACE)
+    env = gymnasium.make(DEPLOY, model="rigid-ideal")
     env.reset(seed=0)
-    expected, steps, ended = 0.0, 0, False
+    expected, ended = 0.0, False
     while not ended:
         _, reward, ended, _, _ = env.step(np.zeros(1, dtype=np.float32))
-        expected, steps = expected + reward, steps + 1
-    polls = iter([*[[]] * steps, [event(pygame.QUIT)]])
+        expected += reward
+        player.tick()
+    assert player.ended
+    assert player.score == expected
+    player.tick()
+    assert player.score == expected
+
+
+def test_the_command_ends_when_its_window_is_closed(monkeypatch, capsys):
+    polls = iter([[], [pygame.event.Event(pygame.KEYDOWN, key=pygame.K_n)], [pygame.event.Event(pygame.QUIT)]])
     monkeypatch.setattr(pygame.event, "get", lambda: next(polls))
-    monkeypatch.setattr(pygame.time, "Clock", lambda: type("Clock", (), {"tick": lambda self, rate: None})())
-    assert main(["play", *QUICK]) == 0
-    assert capsys.readouterr().out.startswith(f"return {expected:.3f}, peak force after latching")
+    assert main(["play", "--model", "rigid-ideal"]) == 0
+    assert "return" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("driver", ["offscreen", "dummy"])
 def test_without_a_display_nothing_is_played_and_it_says_what_to_do_instead(driver, monkeypatch, capsys):
     monkeypatch.delenv("SDL_VIDEODRIVER")
     monkeypatch.setattr(pygame.display, "get_driver", lambda: driver)
-    assert main(["play", *QUICK]) == 2
+    monkeypatch.setattr(pygame.event, "get", lambda: [pygame.event.Event(pygame.QUIT)])
+    assert main(["play", "--model", "rigid-ideal"]) == 2
     (line,) = capsys.readouterr().err.splitlines()
     for word in ("no display", repr(driver), "solar-env replay"):
         assert word in line
@@ -57,7 +115,7 @@ def test_a_driver_that_does_not_work_is_told_in_the_same_words(monkeypatch, caps
         raise pygame.error("x11 not available")
 
     monkeypatch.setattr(pygame.display, "init", fail)
-    assert main(["play", *QUICK]) == 2
+    assert main(["play", "--model", "rigid-ideal"]) == 2
     assert "no display for a window (x11 not available); " in capsys.readouterr().err
 
 

@@ -197,7 +197,7 @@ def test_a_restored_state_replays_the_same_step(model):
         ({"torque_limit": -0.5}, ["torque_limit", "-0.5"]),
         ({"control_period": math.inf}, ["control_period", "inf"]),
         ({"postlock_window": 0.01}, ["postlock_window", "control_period"]),
-        ({"render_mode": "ansi"}, ["ansi", "rgb_array"]),
+        ({"render_mode": "ansi"}, ["ansi", "human", "rgb_array"]),
     ],
 )
 def test_wrong_keywords_are_refused_by_name(keywords, words):

@@ -1,9 +1,15 @@
-"""The render mode "human" is Gymnasium's window of our frames; without a display here."""
+"""The render mode "human" shows every reset and step in a window, at the episode's pace; without a display here."""
+
+import copy
+import importlib.util
+import pickle
+import time
 
 import gymnasium
 import numpy as np
 import pytest
 from episodes import assert_same
+from gymnasium.utils.env_checker import check_env
 
 from solar_env.environment.registration import DEPLOY
 
@@ -11,13 +17,67 @@ pygame = pytest.importorskip("pygame")
 QUICK = {"model": "rigid-ideal", "control_period": 0.02}
 
 
-@pytest.mark.filterwarnings("ignore:.*natively support.*")
+def picture():
+    return pygame.surfarray.array3d(pygame.display.get_surface()).swapaxes(0, 1)
+
+
 def test_resets_and_steps_show_the_frames_that_rgb_array_draws_and_the_episode_is_the_same():
     shown, drawn = (gymnasium.make(DEPLOY, render_mode=mode, **QUICK) for mode in ("human", "rgb_array"))
-    assert shown.metadata["render_fps"] == 50
+    assert not isinstance(shown, gymnasium.wrappers.HumanRendering)
     assert_same(shown.reset(seed=0), drawn.reset(seed=0))
-    for _ in range(3):
+    folded = picture()
+    np.testing.assert_array_equal(folded, drawn.render())
+    for _ in range(5):
         assert_same(shown.step([1.0]), drawn.step([1.0]))
-        picture = pygame.surfarray.array3d(pygame.display.get_surface()).swapaxes(0, 1)
-        np.testing.assert_array_equal(picture, drawn.render())
-    shown.close()
+        np.testing.assert_array_equal(picture(), drawn.render())
+    assert shown.render() is None
+    assert not np.array_equal(picture(), folded)
+    assert pygame.display.get_surface().get_size() == (960, 540)
+
+
+def test_frames_are_shown_at_the_pace_of_the_control_periods():
+    env = gymnasium.make(DEPLOY, render_mode="human", model="rigid-ideal", control_period=0.1)
+    env.reset(seed=0)
+    env.step([0.0])
+    begun = time.monotonic()
+    for _ in range(5):
+        env.step([0.0])
+    assert time.monotonic() - begun > 0.45
+
+
+def test_the_window_closes_and_opens_with_the_next_episode():
+    env = gymnasium.make(DEPLOY, render_mode="human", **QUICK)
+    env.close()
+    env.reset(seed=0)
+    env.close()
+    env.close()
+    assert pygame.display.get_surface() is None
+    env.reset(seed=1)
+    assert pygame.display.get_surface() is not None
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])
+def test_a_copy_goes_on_in_the_window(copied):
+    env = gymnasium.make(DEPLOY, render_mode="human", **QUICK).unwrapped
+    env.reset(seed=0)
+    env.step([1.0])
+    twin = copied(env)
+    after = env.step([1.0]), picture()
+    assert_same((twin.step([1.0]), picture()), after)
+
+
+def test_gymnasium_finds_no_fault():
+    check_env(gymnasium.make(DEPLOY, render_mode="human", **QUICK).unwrapped)
+
+
+def test_without_pygame_the_mode_is_refused_with_what_to_install(monkeypatch):
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"pip install 'solar-env\[play\]'"):
+        gymnasium.make(DEPLOY, render_mode="human")
+
+
+def test_without_a_display_the_mode_is_refused_before_the_first_episode(monkeypatch):
+    monkeypatch.delenv("SDL_VIDEODRIVER")
+    monkeypatch.setattr(pygame.display, "get_driver", lambda: "offscreen")
+    with pytest.raises(OSError, match=r"no display .*'offscreen'.*solar-env replay.*solar-env replay"):
+        gymnasium.make(DEPLOY, render_mode="human", **QUICK)

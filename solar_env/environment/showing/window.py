@@ -1,0 +1,74 @@
+"""The window of the render mode "human"."""
+
+import importlib.util
+import os
+from typing import Any
+
+import gymnasium
+from numpy.typing import NDArray
+
+_INVISIBLE = ("offscreen", "dummy")  # drivers that SDL takes where there is no display
+
+
+def open_display() -> Any:
+    """Begin with pygame's display, where there is one or `SDL_VIDEODRIVER` asks for what SDL takes; returns pygame.
+
+    Raises:
+        OSError: what is shown would be seen by nobody.
+    """
+    import pygame
+
+    advice = "run it where there is one, or show an episode on a page or film it (solar-env replay)"
+    try:
+        pygame.display.init()
+    except pygame.error as error:
+        raise OSError(f"there is no display for a window ({error}); {advice}") from error
+    driver = pygame.display.get_driver()
+    if driver in _INVISIBLE and not os.environ.get("SDL_VIDEODRIVER"):
+        pygame.display.quit()
+        raise OSError(f"there is no display for a window (SDL has its driver {driver!r} alone); {advice}")
+    return pygame
+
+
+class Window:
+    """A window that shows frames at their pace. It opens with the first one; a copy of it begins closed.
+
+    Args:
+        rate: frames in a second [Hz].
+
+    Raises:
+        gymnasium.error.DependencyNotInstalled: on construction, without pygame.
+        OSError: on construction, without a display.
+    """
+
+    def __init__(self, rate: float) -> None:
+        if importlib.util.find_spec("pygame") is None:
+            raise gymnasium.error.DependencyNotInstalled("the window needs pygame: pip install 'solar-env[play]'")
+        open_display()  # refuses before anything is compiled
+        self._rate = rate
+        self._surface: Any = None
+        self._clock: Any = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**vars(self), "_surface": None, "_clock": None}
+
+    def show(self, frame: NDArray[Any] | None) -> None:
+        """Show a frame, (height, width, 3) uint8, once its time has come."""
+        assert frame is not None
+        pygame = open_display()
+        image = pygame.surfarray.make_surface(frame.swapaxes(0, 1))
+        if self._surface is None:
+            self._surface, self._clock = pygame.display.set_mode(image.get_size()), pygame.time.Clock()
+            pygame.display.set_caption("solar_env")
+        self._surface.blit(image, (0, 0))
+        pygame.event.pump()  # else the system takes the window for hung
+        self._clock.tick(self._rate)
+        pygame.display.flip()
+
+    def close(self) -> None:
+        """Close the window; the next frame opens it again."""
+        if self._surface is not None:
+            import pygame
+
+            pygame.display.quit()
+            self._surface = None

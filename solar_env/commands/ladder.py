@@ -17,7 +17,7 @@ SECTION = Section(STUDIES / "ladder" / "README.md", "ladder", "solar-env ladder 
 
 @dataclass
 class Args(FolderOptions, QuietOption):
-    """Tell the cheapest model that answers a question, or measure which does.
+    """Tell the cheapest level for a question, or measure which does.
 
     With --readme the table goes into solar_env/array/data, where --ask, loads and solar_env.cheapest_level look it up,
     the figure and the levels chosen into the page of the study.

@@ -200,7 +200,7 @@ def test_the_last_entry_of_a_quantity_by_joint_holds_for_all_further_joints(name
         p = ArrayParameters(panel_count=4).with_changes({name: [one, two]})
         assert p.for_each_joint(name) == (one, two, two, two)
         assert [ArrayParameters().with_changes({name: two}).by_joint(name, j) for j in range(2)] == [two] * 2
-        refused({name: (one, two, two)}, f"{name} = {(one, two, two)} has more entries than panels (2)")
+        refused({name: (one, two, two)}, f"{name} = {(one, two, two)} has more entries than joints (2)")
 
 
 def test_hinges_and_loops_that_differ_become_those_of_the_mechanism() -> None:

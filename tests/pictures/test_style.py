@@ -25,7 +25,10 @@ def test_every_method_that_is_charted_has_its_look():
 
 def test_every_level_that_is_measured_has_its_look():
     levels = (*FULL.levels, *QUICK.levels)
-    assert {Level("", level.panels, level.tighter).size for level in levels} == set(style.LEVEL_LOOKS)
+    assert {
+        Level(f"flexible-ideal:{level.panels}" if level.panels else "rigid-ideal", level.tighter).size
+        for level in levels
+    } == set(style.LEVEL_LOOKS)
 
 
 def test_every_controller_and_algorithm_that_is_configured_has_its_look():

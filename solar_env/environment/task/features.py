@@ -52,7 +52,7 @@ class Shown(NamedTuple):
 
 
 def shown(measured: Mapping[str, Values], lock_angles: Values, deadline: float) -> Shown:
-    """What follows from the readings of the sensors.
+    """Features that follow from the readings of the sensors.
 
     Args:
         measured: by the names in `MEASURED`: (lanes, joints) angles in units of the lock angles, rates [rad/s] and

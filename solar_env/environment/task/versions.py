@@ -10,7 +10,7 @@ BOUNDED = 0
 
 
 class Version(NamedTuple):
-    """What an environment asks for and charges where its keywords say nothing else.
+    """A version of the task: limits, times and prices where the keywords of an environment say nothing else.
 
     Attributes:
         task: limits and times.

@@ -8,6 +8,7 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
@@ -36,6 +37,7 @@ def make_figure(
         below = 0.75 + 0.16 * -(-entries // _legend_columns(width))
         height = (size[1] - 0.5 + gap) * rows + _ABOVE + below - gap
         figure = Figure(figsize=(width, height))
+        FigureCanvasAgg(figure)
         axes = figure.subplots(rows, columns, squeeze=False)
         figure.subplots_adjust(
             left=0.7 / width,

@@ -28,7 +28,7 @@ Key = tuple[Ensemble, int | None]
 
 
 def family(level: Ensemble) -> str:
-    """What the panels consist of: "rigid", "elements" or "modes"."""
+    """Kind of the panels: "rigid", "elements" or "modes"."""
     return _level(level, "ideal").panels.unit or RIGID
 
 

@@ -58,7 +58,7 @@ def test_the_discount_reaches_over_a_whole_episode(algo, env_id):
         (["--timesteps", "0"], "timesteps is 0; give a positive number"),
         (["--env-id", "solar_env/Fold-v0"], "no hyperparameters for 'solar_env/Fold-v0'"),
         (["--env-kwargs", "torque_limits=0.3"], "torque_limits"),
-        (["--model", "flexible"], "model 'flexible' is unknown; choose from rigid-ideal"),
+        (["--model", "flexible"], "model 'flexible' is unknown; did you mean"),
         (["--model", "flexible-clearance:0 elements"], "elements = 0"),
         (["--seed", "-1"], "seed is -1; give a whole number, not negative"),
         (["--hyperparams", "learning_rate=fast"], "ppo refuses its hyperparameters .*'fast'"),

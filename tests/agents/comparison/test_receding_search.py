@@ -21,6 +21,7 @@ class Futures:
         self.terminated = np.zeros(count, dtype=bool)
 
     def step(self, lanes, actions):
+        actions = actions[:, 0]  # of the one motor
         assert not self.terminated[lanes].any(), "an episode that has ended goes on"
         self.actions.append(np.where(np.isin(np.arange(len(actions)), lanes), actions, np.nan))
         self.rewards[lanes] = -((actions[lanes] - self.world.wanted) ** 2)

@@ -188,7 +188,7 @@ def test_the_ladder_gives_the_level_and_the_next_finer_one():
     ]
     coarse, finer = ensemble.LoadsPlan(FAST, "wear", 0.5).levels
     assert coarse == RIGID
-    assert finer.model == "flexible-clearance"
+    assert finer.panels.name == "flexible-clearance"
     assert ensemble.LoadsPlan(FAST, "latch-time", 0.1).levels[0] == RIGID, "ideal joints tell nothing of impacts"
     with pytest.raises(ValueError, match=r"no level answers 'peak-force' to a tolerance of 0\.001"):
         ensemble.LoadsPlan(FAST, tolerance=1e-3)

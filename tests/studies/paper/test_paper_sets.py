@@ -21,14 +21,13 @@ def motions_of(changes, cases):
 
 def test_the_preset_is_a_set_and_other_sets_are_what_their_tables_say():
     preset = ArrayParameters.preset("paper")
-    assert preset.with_changes(dict(sets.found_set("preset"))) == preset
-    loop = preset.with_changes(dict(sets.found_set("stiff loop")))
+    assert preset.with_changes(dict(sets.found_sets()["preset"])) == preset
+    loop = preset.with_changes(dict(sets.found_sets()["stiff loop"]))
     assert (loop.hinge_y, loop.cable_torque_ratio, loop.friction_sliding) == (0.5, 1.28, "material")
     assert (loop.stop(0).stiffness, loop.by_joint("friction_speed_full", 0)) == (1.6e4, 0.013)
-    readings = {preset.with_changes(dict(sets.found_set(f"front {k}"))).contact_stiffness for k in range(1, 155)}
+    readings = {preset.with_changes(dict(sets.found_sets()[f"front {k}"])).contact_stiffness for k in range(1, 155)}
     assert readings == {None, preset.contact_stiffness}
-    with pytest.raises(ValueError, match=r"set 'front 155' is unknown; choose from found 1, .* front 1 to front 154"):
-        sets.found_set("front 155")
+    assert "front 155" not in sets.found_sets()
 
 
 def test_the_page_names_the_pairs_that_its_table_has_apart_and_no_set_of_the_front_meets_both():
@@ -53,7 +52,7 @@ def test_the_table_of_sets_on_the_page_counts_what_the_table_of_figures_holds():
 
 def test_the_stiff_loop_does_at_joint_2_what_the_preset_does_not():
     for name, expected in (("stiff loop", True), ("preset", False)):
-        motions = motions_of(sets.found_set(name), ["rigid-clearance"])
+        motions = motions_of(sets.found_sets()[name], ["rigid-clearance"])
         for key in ("lock-torque-2", "settling-2", "swing-2"):
             assert RIGID_CLAIMS[key].holds(RIGID_CLAIMS[key].value(motions)) == expected
 
@@ -78,14 +77,14 @@ def greatest_forces(changes):
 
 @pytest.mark.parametrize("name", ["preset", "mid-side", "stiff loop"])
 def test_figures_20_and_21_from_14_5_s_on_do_not_reconcile_the_forces_of_a_set_of_the_page(name):
-    forces = greatest_forces(sets.found_set(name))
+    forces = greatest_forces(sets.found_sets()[name])
     assert forces["rigid-clearance"][0] > 500.0
     assert max(forces["distribution-1"][1], forces["distribution-2"][1]) > 500.0
 
 
 @pytest.mark.slow
 def test_of_the_front_one_set_has_the_papers_forces_and_its_bursts_fade():
-    every = (greatest_forces(sets.found_set(f"front {number}")) for number in range(1, 155))
+    every = (greatest_forces(sets.found_sets()[f"front {number}"]) for number in range(1, 155))
     hard = [forces for forces in every if 700.0 <= forces["rigid-clearance"][0] <= 900.0]
     assert 4 <= len(hard) <= 9
     for first in (0, 1):
@@ -101,7 +100,7 @@ def test_the_command_judges_a_set_and_says_no_reasons_of_the_preset(tmp_path, mo
     motions = motions_of((), ["rigid-clearance"])
     monkeypatch.setattr("solar_env.studies.paper.claims.CLAIMS", [RIGID_CLAIMS["lead"], RIGID_CLAIMS["turning"]])
     monkeypatch.setattr("solar_env.studies.paper.cases.simulate_run", lambda run: motions[run.case])
-    assert main(["paper", "--set", "mid-side", "--jobs", "1", "--quiet", "--out", str(tmp_path)]) == 0
+    assert main(["study", "paper", "--only", "mid-side", "--jobs", "1", "--quiet", "--out", str(tmp_path)]) == 0
     said = capsys.readouterr().out
     assert "1 of 2 claims agree" in said
     assert "cable loop" not in said

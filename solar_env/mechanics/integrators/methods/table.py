@@ -61,7 +61,7 @@ def cut_nothing(model, state, settings, arrays, h):
 
 @dataclass(frozen=True)
 class Kernels:
-    """What a method offers to the run loop (`run.py`): kernels, whose arguments are those of that loop.
+    """Kernels that a method offers to the run loop (`run.py`), whose arguments are those of that loop.
 
     `arrays` are the method's, with `trial` and `motion` (`arrays/trial.py`) among them; `h` is the size of the step in
     hand [s], `share` a place in it from 0 to 1.

@@ -30,6 +30,11 @@ def test_the_preset_is_a_set_and_other_sets_are_what_their_tables_say():
     assert "front 155" not in sets.found_sets()
 
 
+def test_a_set_that_is_none_is_refused_by_its_name(capsys):
+    assert main(["study", "paper", "--only", "front 155"]) == 2
+    assert "part of the study paper 'front 155' is unknown" in capsys.readouterr().err
+
+
 def test_the_page_names_the_pairs_that_its_table_has_apart_and_no_set_of_the_front_meets_both():
     pairs, front = (read_table(FOLDER / f"identification-{name}.csv") for name in ("pairs", "front"))
     assert list(pairs.values("claim")) == list(RIGID_CLAIMS)

@@ -1,6 +1,6 @@
 """Small motions about the initial state: mass, damping, stiffness, constraints, and natural frequencies.
 
-The matrices are those of Newton's equations of the implicit integrator (`alpha_step.py`).
+The matrices are those of Newton's equations of the implicit integrator (`generalized_alpha.py`).
 """
 
 import math
@@ -13,7 +13,7 @@ from scipy.linalg import eigh, null_space
 from solar_env.mechanics.arrays.model import Model, State
 from solar_env.mechanics.equations.newton import assemble, linearize_forces
 from solar_env.mechanics.equations.system import Workspace, accelerations, add_mass_products, make_workspace
-from solar_env.mechanics.integrators.methods.alpha_step import Iteration, fill_residual, make_iteration
+from solar_env.mechanics.integrators.methods.generalized_alpha import Iteration, fill_residual, make_iteration
 from solar_env.mechanics.mechanism.description import Mechanism
 from solar_env.mechanics.numerics.profile import dense
 from solar_env.mechanics.running.simulation import Simulation

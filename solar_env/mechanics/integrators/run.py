@@ -45,7 +45,6 @@ from solar_env.mechanics.records.history import (
     end_contact,
     fail,
     has_parted,
-    impact_step_limit,
     note_force,
     parting_time,
     release_stop,
@@ -82,11 +81,10 @@ def begin_call(model, state, settings, recorder, arrays):
 def choose_step(model, state, settings, arrays, end_time):
     """Fill the trial with the step to take: what accuracy, impacts, the method and the end of the call allow."""
     clock, trial = state.clock[0], arrays.trial[0]
-    limit = min(settings.max_step, impact_step_limit(state, clock.time, settings.impact_resolution))
     remaining = end_time - clock.time
     trial.retry, trial.reason, trial.joint = 0.0, m.DONE, -1
     trial.bound = trial.implicit = trial.stiff_contacts = 0
-    trial.wanted = choose_of(settings)(model, state, settings, arrays, min(clock.step_size, limit), remaining)
+    trial.wanted = choose_of(settings)(model, state, settings, arrays, remaining)
     trial.last = trial.wanted >= remaining
     trial.step = remaining if trial.last else trial.wanted
 
@@ -94,7 +92,7 @@ def choose_step(model, state, settings, arrays, end_time):
 @kernel(single_caller=True)
 def reject(model, state, settings, arrays, h, error):
     """Shorten the next step after one of size `h` [s] that is refused; a status code."""
-    clock, trial, control = state.clock[0], arrays.trial[0], controller_of(settings)(settings)
+    clock, trial, control = state.clock[0], arrays.trial[0], controller_of(settings)
     clock.rejected_steps += 1
     if trial.retry == 0.0:
         clock.step_size = shortened(control, h, error)
@@ -103,7 +101,7 @@ def reject(model, state, settings, arrays, h, error):
     if control.memory > 0.0:
         # The step that is taken then does not grow at once.
         clock.last_error = 1.0
-    adapt_of(settings)(model, state, arrays, False)
+    adapt_of(settings)(model, state, settings, arrays, False)
     if trial.retry < 0.0 or not clock.step_size > _SMALLEST_STEP * max(1.0, abs(clock.time)):
         reason = m.STEP_TOO_SMALL if math.isfinite(error) else m.NOT_FINITE
         return fail(state, reason if trial.reason == m.DONE else trial.reason, trial.joint, error)
@@ -113,14 +111,14 @@ def reject(model, state, settings, arrays, h, error):
 @kernel(single_caller=True)
 def choose_next(model, state, settings, arrays):
     """Set the next step's size after an accepted one."""
-    clock, trial, control = state.clock[0], arrays.trial[0], controller_of(settings)(settings)
+    clock, trial, control = state.clock[0], arrays.trial[0], controller_of(settings)
     error = max(trial.error, control.memory * clock.last_error)
     grow = growth(control, error, clock.last_error)
     clock.last_error = max(error, 1e-4)
     # A step that was cut short by the end of the call says little about the next one.
     clock.step_size = max(trial.wanted, trial.step * grow) if trial.last else trial.step * grow
     clock.stability_bound_steps += trial.bound
-    adapt_of(settings)(model, state, arrays, True)
+    adapt_of(settings)(model, state, settings, arrays, True)
 
 
 @kernel(single_caller=True)

@@ -87,17 +87,17 @@ def parting_time(start, end, start_depth, depth):
 
 
 @kernel(inner=True)
-def impact_step_limit(state, time, resolution):
-    """Greatest step [s] that resolves the impacts under way with `resolution` steps each."""
-    joint_states = state.joints
-    limit = math.inf
+def step_limit(state, settings):
+    """Greatest step [s] that the last error, the settings and the resolution of impacts under way allow."""
+    joint_states, time = state.joints, state.clock[0].time
+    limit = min(state.clock[0].step_size, settings.max_step)
     for j in range(joint_states.size):
         joint_state = joint_states[j]
         if (
             joint_state.in_contact
             and time - joint_state.contact_start < IMPACT_DURATIONS * joint_state.contact_duration
         ):
-            limit = min(limit, joint_state.contact_duration / resolution)
+            limit = min(limit, joint_state.contact_duration / settings.impact_resolution)
     return limit
 
 

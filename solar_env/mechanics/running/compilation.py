@@ -17,10 +17,10 @@ from solar_env.mechanics.records.recording import make_recorder, record_sample
 def compile_evaluation(mechanism: Mechanism) -> None:
     """Compile, or load, the evaluation of the equations of motion, and what a step does before and after it."""
     model, state = compile_mechanism(mechanism)
-    _, _, work, scratch, stages, own = METHODS[Rosenbrock.name].arrays(model, state)
-    refresh(model, state, stages, work)
-    _compile(begin_step, model, state, work, own.stiff, state.a, 1e-3)
-    sample = (state.q, state.v, 1e-3, state.integrals, scratch, state.a, state.multipliers, stages.energies)
+    own = METHODS[Rosenbrock.name].arrays(model, state)
+    refresh(model, state, own.stages, own.work)
+    _compile(begin_step, model, state, own.work, own.stiff, state.a, 1e-3)
+    sample = (state.q, state.v, 1e-3, state.integrals, own.scratch, state.a, state.multipliers, own.stages.energies)
     _compile(record_sample, make_recorder(model, state, np.zeros(0), 0), model, state.joints, *sample)
 
 
@@ -28,8 +28,8 @@ def compile_linear_step(mechanism: Mechanism) -> None:
     """Compile, or load, the linearly implicit step, and with it the tangents and factors of all implicit methods."""
     model, state = compile_mechanism(mechanism)
     settings = method_of(Rosenbrock()).convert(Rosenbrock())
-    _, _, work, _, stages, own = METHODS[Rosenbrock.name].arrays(model, state)
-    _compile(attempt_implicit, model, state, stages, own.step, work, settings, 1e-3)
+    own = METHODS[Rosenbrock.name].arrays(model, state)
+    _compile(attempt_implicit, model, state, own.stages, own.step, own.work, settings, 1e-3)
 
 
 def compile_modal_step(mechanism: Mechanism) -> None:

@@ -15,7 +15,7 @@ from mechanisms import ROUND_BEARING, ROUND_SPRING, ROUND_STOP, Vector, chain, p
 from solar_env.mechanics.arrays import columns
 from solar_env.mechanics.equations.newton import assemble, linearize_forces
 from solar_env.mechanics.equations.tangent import fill_tangents, make_tangent_scratch
-from solar_env.mechanics.integrators.methods.alpha_step import fill_residual, make_iteration
+from solar_env.mechanics.integrators.methods.generalized_alpha import fill_residual, make_iteration
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.joints.friction.brown_mcphee import BrownMcPhee
 from solar_env.mechanics.joints.friction.laws import SLIDING_READINGS, FrictionLaw

@@ -117,12 +117,11 @@ def test_the_energy_book_of_rigid_and_flexible_bodies_closes(
 def test_both_integrators_agree_on_the_motion(damping: float) -> None:
     states = []
     # Fixed steps resolve the undamped stretching of an element, of 1600 rad/s, to some (h omega)^2 / 12.
-    for integrator in (RungeKutta(rtol=1e-9), GeneralizedAlpha(step=2.5e-4, rho_inf=1.0), GeneralizedAlpha(rtol=1e-6)):
+    for integrator in (RungeKutta(rtol=1e-9), GeneralizedAlpha(step=2.5e-4, rho_inf=1.0)):
         simulation = Simulation(flight(None, damping), integrator)
         simulation.advance(1.0)
         states.append(simulation.state.q.copy())
     assert states[1] == pytest.approx(states[0], abs=1e-5 if damping else 2e-3)
-    assert states[2] == pytest.approx(states[0], abs=1e-5)
 
 
 def test_a_trajectory_books_elastic_energy_and_what_damping_took() -> None:

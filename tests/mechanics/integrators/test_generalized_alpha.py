@@ -149,18 +149,18 @@ def test_coming_back_from_another_integrator_it_restarts_as_from_a_restored_stat
     assert changed.state.multipliers.tobytes() == fresh.state.multipliers.tobytes()
 
 
-def test_adaptive_and_explicit_integration_agree_on_the_latchings() -> None:
+def test_implicit_and_explicit_integration_agree_on_the_latchings() -> None:
     mechanism = build(ArrayParameters(), "rigid-ideal")
-    implicit = simulate(mechanism, 13.0, integrator=GeneralizedAlpha(rtol=1e-6))
+    implicit = simulate(mechanism, 13.0, integrator=GeneralizedAlpha(step=5e-4))
     explicit = simulate(mechanism, 13.0, integrator=RungeKutta(rtol=1e-8))
     assert np.all(explicit.latch_times > 12.0)
     assert implicit.latch_times == pytest.approx(explicit.latch_times, abs=1e-4)
     assert implicit.angles[-1] == pytest.approx(explicit.angles[-1], abs=1e-3)
 
 
-def test_adaptive_and_explicit_integration_agree_on_an_impact() -> None:
+def test_implicit_and_explicit_integration_agree_on_an_impact() -> None:
     mechanism = block((0.3, 0.0))
-    runs = [simulate(mechanism, 0.01, integrator=i) for i in (GeneralizedAlpha(rtol=1e-7), RungeKutta(rtol=1e-9))]
+    runs = [simulate(mechanism, 0.01, integrator=i) for i in (GeneralizedAlpha(step=1e-6), RungeKutta(rtol=1e-9))]
     found, expected = (run.contacts[0] for run in runs)
     assert found["start_s"] == pytest.approx(expected["start_s"], rel=1e-3)
     assert found["impact_speed"] == pytest.approx(expected["impact_speed"], rel=1e-3)

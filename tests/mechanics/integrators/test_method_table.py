@@ -26,6 +26,8 @@ from solar_env.mechanics.running.errors import SimulationError
 from solar_env.mechanics.running.simulation import Simulation
 
 every_method = pytest.mark.parametrize("name", METHODS)
+FIXED = "generalized-alpha"
+every_adaptive_method = pytest.mark.parametrize("name", [name for name in METHODS if name != FIXED])
 # A moment of the array in which its joints strike their bearings often.
 IMPACTS = 0.06
 # s, 64 of the greatest step that the modal method has tables for, whose steps are halves of it.
@@ -37,8 +39,8 @@ TENTATIVE = ("clock", "multipliers", "a", "algorithmic_a", "power")  # what a st
 
 
 def controlled(name: str) -> Integrator:
-    """The method with its error under control."""
-    return INTEGRATORS[name](rtol=1e-4)
+    """The method with its error under control, or with a small step."""
+    return INTEGRATORS[name]().with_options(2e-5 if name == FIXED else None, None if name == FIXED else 1e-4)
 
 
 def deploying(name: str, **changes: float) -> Simulation:
@@ -47,7 +49,7 @@ def deploying(name: str, **changes: float) -> Simulation:
 
 def at_fixed_step(name: str, mechanism: Mechanism, step: float) -> Simulation:
     """A simulation that takes steps of one size, whatever their error."""
-    loose = {"velocity_scale": 1e9} if name == "generalized-alpha" else {"velocity_scale": 1e9, "rtol": 0.1}
+    loose = {} if name == FIXED else {"velocity_scale": 1e9, "rtol": 0.1}
     simulation = Simulation(mechanism, INTEGRATORS[name](**loose).with_options(step, None))
     simulation.state.clock["step_size"], simulation.state.clock["last_error"] = step, 1.0
     return simulation
@@ -87,7 +89,7 @@ def test_a_method_converges_with_the_order_that_its_row_declares(name: str, mech
     assert orders(errors).mean() == pytest.approx(order, abs=0.4)
 
 
-@every_method
+@every_adaptive_method
 def test_a_rejected_step_leaves_no_trace_in_the_motion_or_its_history(name: str) -> None:
     tried = Simulation(build(ARRAY), controlled(name))
     tried.advance(IMPACTS)
@@ -103,7 +105,7 @@ def test_a_rejected_step_leaves_no_trace_in_the_motion_or_its_history(name: str)
     assert fingerprint(tried.state, skip=TENTATIVE) == before
 
 
-@every_method
+@every_adaptive_method
 def test_a_tighter_tolerance_gives_a_smaller_error_at_more_steps(name: str) -> None:
     exact = Simulation(floating_pair(), RungeKutta(rtol=1e-12))
     exact.advance(2.0)
@@ -113,15 +115,14 @@ def test_a_tighter_tolerance_gives_a_smaller_error_at_more_steps(name: str) -> N
         simulation.advance(2.0)
         errors.append(np.abs(swing(simulation) - swing(exact)).max())
         steps.append(int(simulation.state.clock["steps"][0]))
-    gain = 3 if METHODS[name].order == 2 else 10
-    assert errors[0] > gain * errors[1] > gain**2 * errors[2]
-    assert errors[2] < 1e-7 or METHODS[name].order == 2
+    assert errors[0] > 10 * errors[1] > 100 * errors[2]
+    assert errors[2] < 1e-7
     assert steps == sorted(set(steps))
 
 
 @every_method
 def test_every_call_ends_on_its_very_end(name: str) -> None:
-    simulation = Simulation(floating_pair(), INTEGRATORS[name](rtol=1e-3))
+    simulation = Simulation(floating_pair(), INTEGRATORS[name]().with_options(0.1, None))
     # Start + (end - start) is not always the end.
     for end in np.cumsum(np.random.default_rng(0).uniform(1e-9, 0.05, 300)):
         simulation.advance(end)
@@ -180,7 +181,7 @@ def test_a_snapshot_in_a_contact_a_copy_and_a_pickle_go_on_to_the_same_bits(name
 @every_method
 def test_the_energy_book_of_a_smooth_motion_closes_to_the_tolerance(name: str) -> None:
     for mechanism in (pendulum(), floating_pair()):
-        simulation = Simulation(mechanism, INTEGRATORS[name](rtol=1e-6))
+        simulation = Simulation(mechanism, INTEGRATORS[name]() if name == FIXED else INTEGRATORS[name](rtol=1e-6))
         start = simulation.stored_energies()[GRAVITY]
         simulation.advance(3.0)
         assert abs(simulation.stored_energies()[GRAVITY] - start) > 1.0
@@ -236,25 +237,24 @@ SENSELESS = {
     "velocity_scale": (0.0, math.inf, math.nan),
     "max_step": (0.0, -1.0, math.nan),
     "impact_resolution": (-1.0, 0.0, math.inf),
-    "max_steps": (0, 2.5, math.nan),
 }
 OF_ALPHA = {
     "step": (0.0, -1e-4, 2.0, math.nan),
     "rho_inf": (1.1, -0.1, math.nan),
     "newton_tolerance": (0.0,),
 }
+OF_ALL = {"max_steps": (0, 2.5, math.nan)}
 
 
 @every_method
 def test_settings_without_sense_are_refused_by_name_and_value(name: str) -> None:
-    for setting, values in (SENSELESS | (OF_ALPHA if name == "generalized-alpha" else {})).items():
+    for setting, values in (OF_ALL | (OF_ALPHA if name == FIXED else SENSELESS)).items():
         for value in values:
             with pytest.raises(ValueError, match=f"{setting} = {value!r}"):
                 INTEGRATORS[name](**{setting: value})
 
 
-def test_each_method_has_compiled_kernels_of_its_own() -> None:
+def test_kernels_are_compiled_for_the_settings_of_methods_alone() -> None:
     settings = {method.kernel_settings.__name__ for method in METHODS.values()}
-    assert len(settings) == len(METHODS)
     for signature in getattr(advance_lanes, "signatures", []):
         assert signature[2].instance_class.__name__ in settings

@@ -13,7 +13,8 @@ from mechanisms import block, floating_pair, pendulum, towards_walls
 from solar_env.array import ArrayParameters, build
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.columns import ANGLE
-from solar_env.mechanics.integrators.methods.runge_kutta import make_runge_kutta_arrays, take_stages
+from solar_env.mechanics.integrators.methods.rosenbrock import make_stage_arrays
+from solar_env.mechanics.integrators.methods.runge_kutta import take_stages
 from solar_env.mechanics.integrators.methods.stages import cubic_weights, quintic_weights, refresh
 from solar_env.mechanics.integrators.settings import RungeKutta
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
@@ -296,7 +297,7 @@ def test_a_step_depends_on_nothing_but_the_accepted_state_and_its_size() -> None
     h = 1e-5
 
     def step(*rejected: float) -> tuple[bytes, ...]:
-        arrays = make_runge_kutta_arrays(model, state)
+        arrays = make_stage_arrays(model, state)
         stages = arrays.stages
         assert refresh(model, state, stages, arrays.work)
         stages.velocity[0] = state.v

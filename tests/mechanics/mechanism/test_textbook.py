@@ -53,13 +53,11 @@ def test_all_pins_can_be_clearance_joints_at_once():
     assert motion.energy_residual < 1e-5 * motion.energy_put_in
 
 
-# The steps that rtol = 1e-6 asks for in contact are so small that rounding scatters the fourth impact by one percent.
-@pytest.mark.parametrize(("implicit", "impacts"), [(GeneralizedAlpha(step=1e-7), 4), (GeneralizedAlpha(rtol=1e-6), 2)])
-def test_both_integrators_agree_on_the_first_impacts_of_a_clearance_pin(implicit, impacts):
+def test_both_integrators_agree_on_the_first_impacts_of_a_clearance_pin():
     mechanism = slider_crank(clearances={"rod-slider": flores_bearing()})
-    runs = [simulate(mechanism, 1e-3, integrator=i) for i in (RungeKutta(rtol=1e-8), implicit)]
+    runs = [simulate(mechanism, 1e-3, integrator=i) for i in (RungeKutta(rtol=1e-8), GeneralizedAlpha(step=1e-7))]
     assert runs[0].contact_starts[2] == runs[1].contact_starts[2] == 4
-    speeds = [run.contacts["impact_speed"][:impacts] for run in runs]
+    speeds = [run.contacts["impact_speed"][:4] for run in runs]
     np.testing.assert_allclose(*speeds, rtol=1e-2)
 
 

@@ -50,7 +50,7 @@ def test_impacts_that_a_fixed_step_does_not_resolve_are_told_and_told_once(rho_i
 
 
 def test_a_resolving_fixed_step_and_an_adaptive_one_are_silent_about_impacts() -> None:
-    for chosen in (GeneralizedAlpha(step=2e-5), GeneralizedAlpha(rtol=1e-5), RungeKutta()):
+    for chosen in (GeneralizedAlpha(step=2e-5), RungeKutta()):
         simulation = Simulation(bouncing_block(GAP, 6.0), chosen)
         simulation.advance(0.02)
         assert simulation.state.joints["contact_starts"][0] > 3
@@ -119,7 +119,7 @@ def test_a_change_of_step_that_sets_constraint_forces_swinging_is_told() -> None
     assert "constraint forces" in said[0]
 
 
-@pytest.mark.parametrize("chosen", [RungeKutta(), GeneralizedAlpha(step=1e-3), GeneralizedAlpha(rtol=1e-6)])
+@pytest.mark.parametrize("chosen", [RungeKutta(), GeneralizedAlpha(step=1e-3)])
 def test_good_runs_are_silent(chosen: Integrator) -> None:
     for mechanism in (pendulum(), point_pendulum(), four_bar(), build(ArrayParameters(), "rigid-ideal")):
         simulation = Simulation(mechanism, chosen)
@@ -173,8 +173,6 @@ def test_a_run_tells_in_how_many_samples_the_damping_was_cut_off(restitution: fl
 def test_a_step_of_fewer_than_four_to_an_impact_is_refused() -> None:
     with pytest.raises(ValueError, match=r"impact_resolution = 2\.0 must be at least 4"):
         RungeKutta(impact_resolution=2.0)
-    with pytest.raises(ValueError, match=r"impact_resolution = 8\.0 must be at least 23"):
-        GeneralizedAlpha(rtol=1e-4, rho_inf=0.0, impact_resolution=8.0)
 
 
 def test_a_damped_latch_under_the_default_tolerance_is_silent() -> None:

@@ -1,11 +1,10 @@
-"""Integration methods, one file each; `table` has their kernels, a row a method.
+"""Integration methods; `table` has their kernels, a row a method.
 
 Imports `settings` and `formulations` of the room around it, `modal`, `records` and the equations with what lies below
-them. `stages` has the arrays of methods in stages and `stage_steps` what these share before the run loop; `rosenbrock`
-builds on `runge_kutta`, and this on `stiff_forces`; `rosenbrock_step` (with `rosenbrock_stages`) and `alpha_step` are
-one step of the implicit methods.
+them. `rosenbrock` is what methods in stages offer the run loop, with `stage_steps`; their steps are in `runge_kutta`,
+with `stiff_forces`, and in `rosenbrock_step`; `stages` has their arrays and interpolants.
 
-To add a method, write its module, with a subclass of `stages.StageSettings`, a function that makes its arrays and the
-kernels that `table.Kernels` lists; its settings are a class of `settings`, and its row in `table.METHODS` says which
-order it has. Command line, warm-up, batches and the tests of every method follow.
+To add a method, write its module: a named tuple of its settings, a function that makes its arrays, and the kernels that
+`table.Kernels` lists. Its settings are a class of `settings`, and its row in `table.METHODS` says which order it has.
+Command line, warm-up, batches and the tests of every method follow.
 """

@@ -1,8 +1,13 @@
 """Generalized-alpha for the index-3 equations M a + Phi_q^T lambda = Q(q, v, t), Phi(q, t) = 0.
 
-One step is in `alpha_step.py`, what the run loop asks for here. Fixed steps divide a call evenly and land on no events:
-Newton's iteration meets contacts, latches and stops wherever they are. Adaptive steps follow the change of the
-accelerations, and are shortened to end near a bearing wall when a contact begins that they would not resolve.
+J. Chung and G. M. Hulbert, J. Appl. Mech. 60 (1993) 371, doi:10.1115/1.2900803, in the form of M. Arnold and
+O. Bruls, Multibody Syst. Dyn. 18 (2007) 185, doi:10.1007/s11044-007-9084-0. Constraint rows and multipliers are
+scaled by beta h^2 (C. L. Bottasso, O. A. Bauchau and A. Cardona, SIAM J. Sci. Comput. 29 (2007) 397,
+doi:10.1137/050638503). With rho_inf = 1 this is the trapezoidal Newmark scheme, beta = 1/4, gamma = 1/2.
+
+Fixed steps divide a call evenly and land on no events: Newton's iteration meets contacts, latches and stops wherever
+they are. A change of step size leaves the auxiliary accelerations inconsistent; they are then solved for afresh on the
+acceleration level, at the instant t + (alpha_m - alpha_f) h which they stand for.
 """
 
 import math
@@ -12,36 +17,219 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.arrays.columns import ECCENTRICITY_X, ECCENTRICITY_Y
 from solar_env.mechanics.arrays.model import Model, State
 from solar_env.mechanics.arrays.trial import make_joint_motions, make_trial
-from solar_env.mechanics.equations.newton import fill_mass
+from solar_env.mechanics.bodies.natural_coordinates import add_length_force
+from solar_env.mechanics.equations.constraints import add_row, constraint_drift, prepare_response, project
+from solar_env.mechanics.equations.newton import (
+    NewtonMatrices,
+    assemble,
+    fill_mass,
+    linearize_forces,
+    make_newton_matrices,
+)
 from solar_env.mechanics.equations.system import (
     Workspace,
+    accelerations,
+    add_mass_products,
     applied_forces,
     make_workspace,
-    normal_inverse_mass,
     store_constraint_loads,
-)
-from solar_env.mechanics.integrators.methods.alpha_step import (
-    AlphaSettings,
-    Iteration,
-    make_iteration,
-    restart,
-    solve_step,
 )
 from solar_env.mechanics.integrators.methods.stage_steps import fill_rows, measure_depths, take_loads
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, alpha_coefficients
-from solar_env.mechanics.joints.contact.normal_force import impact_scales
-from solar_env.mechanics.joints.joint import penetration, relative
 from solar_env.mechanics.numerics.jit import kernel
-from solar_env.mechanics.numerics.linear import copy_into, greater
-from solar_env.mechanics.numerics.profile import clear
-from solar_env.mechanics.numerics.step_size import UNSOLVED, StepController
+from solar_env.mechanics.numerics.linear import copy_into
+from solar_env.mechanics.numerics.profile import BLOCK, clear, enter, profile_factor, profile_solve, taken
 from solar_env.mechanics.records.recording import record_sample
 
-# A change of step costs a restart: a step is kept unless much is gained.
-CONTROL = StepController(2.0, least_share=0.2, most_growth=2.0, least_growth=1.5)
+_MOST_ITERATIONS = 60
+# Full corrections at first; where kinks of contact or friction make them cycle for so long, smaller shares of them.
+_PATIENCE = 12
+
+
+class AlphaSettings(NamedTuple):
+    """Settings of generalized-alpha as the kernels take them."""
+
+    alpha_m: float
+    alpha_f: float
+    beta: float
+    gamma: float
+    step: float  # [s]
+    newton_tolerance: float
+    max_steps: int
+
+
+class Iteration(NamedTuple):
+    """Arrays of the step in hand."""
+
+    start_q: NDArray[np.float64]  # where it begins: the accepted state, returned to the constraints after a restart
+    start_v: NDArray[np.float64]
+    q: NDArray[np.float64]
+    v: NDArray[np.float64]
+    a: NDArray[np.float64]  # accelerations q''
+    auxiliary: NDArray[np.float64]  # algorithmic accelerations
+    multipliers: NDArray[np.float64]  # unscaled
+    newton: NewtonMatrices
+    rhs: NDArray[np.float64]  # (n + m + bodies,)
+    solution: NDArray[np.float64]  # (blocks, BLOCK) the same in the order of elimination
+    power: NDArray[np.float64]  # at the step's start
+    scratch_q: NDArray[np.float64]
+    scratch_v: NDArray[np.float64]
+    scratch_a: NDArray[np.float64]
+    scratch_multipliers: NDArray[np.float64]
+    integrals: NDArray[np.float64]
+    energies: NDArray[np.float64]
+
+
+def make_iteration(model: Model, state: State, work: Workspace) -> Iteration:
+    """Allocate the arrays of a step."""
+    n = state.q.size
+    size = n + state.multipliers.size
+    return Iteration(
+        start_q=np.zeros(n),
+        start_v=np.zeros(n),
+        q=np.zeros(n),
+        v=np.zeros(n),
+        a=np.zeros(n),
+        auxiliary=np.zeros(n),
+        multipliers=np.zeros(state.multipliers.size),
+        newton=make_newton_matrices(model, work),
+        rhs=np.zeros(size),
+        solution=np.zeros((model.elimination.first.size, BLOCK)),
+        power=np.zeros(state.power.size),
+        scratch_q=np.zeros(n),
+        scratch_v=np.zeros(n),
+        scratch_a=np.zeros(n),
+        scratch_multipliers=np.zeros(state.multipliers.size),
+        integrals=np.zeros(state.integrals.size),
+        energies=np.zeros(m.ENERGIES),
+    )
+
+
+@kernel(single_caller=True)
+def fill_residual(model, state, it, work, time, scale):
+    """Right-hand side of Newton's equations: minus the scaled residual of dynamics, minus the constraints."""
+    bodies, rhs, force = model.bodies, it.rhs, work.force
+    q, multipliers = it.q, it.multipliers
+    n, rows = q.size, work.residual.size
+    applied_forces(model, state.joints, q, it.v, work)
+    constraint_drift(model, q, time, work)
+    for i in range(n):
+        it.scratch_a[i] = 0.0
+    add_mass_products(model, it.a, it.scratch_a)
+    for i in range(n):
+        rhs[i] = force[i] - it.scratch_a[i]
+    for r in range(rows):
+        add_row(model, work, r, -multipliers[r], rhs)
+    for r in range(rows):
+        rhs[n + r] = -work.residual[r]
+    for b in range(bodies.size):
+        body = bodies[b]
+        rhs[n + rows + b] = 0.0
+        if body.constraints:
+            rhs[n + rows + b] = -add_length_force(body, q, multipliers[rows + b], rhs)
+    for i in range(n):
+        rhs[i] *= scale
+
+
+@kernel(single_caller=True)
+def solve_newton(model, it):
+    """Solve Newton's equations for `it.rhs` in place; False if the matrix is singular."""
+    position, rhs, solution = model.elimination.position, it.rhs, it.solution
+    if not profile_factor(model.elimination, it.newton.matrix):
+        return False
+    for i in range(rhs.size):
+        enter(solution, position[i], rhs[i])
+    profile_solve(model.elimination, it.newton.matrix, solution)
+    for i in range(rhs.size):
+        rhs[i] = taken(solution, position[i])
+    return True
+
+
+@kernel(single_caller=True)
+def solve_step(model, state, it, work, settings, h):
+    """Solve one step into `it`; returns the last correction in units of the tolerance (at most 1 if it converged)."""
+    n = state.q.size
+    alpha_m, alpha_f, beta, gamma = settings.alpha_m, settings.alpha_f, settings.beta, settings.gamma
+    q0, v0, a0, x0 = it.start_q, it.start_v, state.a, state.algorithmic_a
+    q, v, a, x = it.q, it.v, it.a, it.auxiliary
+    rhs, multipliers = it.rhs, it.multipliers
+    for i in range(n):
+        a[i] = a0[i]
+        x[i] = (a0[i] - alpha_m * x0[i]) / (1.0 - alpha_m)
+        q[i] = q0[i] + h * v0[i] + h * h * ((0.5 - beta) * x0[i] + beta * x[i])
+        v[i] = v0[i] + h * ((1.0 - gamma) * x0[i] + gamma * x[i])
+    copy_into(multipliers, state.multipliers)
+    scale = beta * h * h
+    mass_weight = (1.0 - alpha_m) / (h * h * beta * (1.0 - alpha_f))
+    damping_weight = gamma / (h * beta)
+    time = state.clock[0].time + h
+    size = rhs.size
+    tolerance = settings.newton_tolerance * model.length_scale
+    correction, best, relaxation, stalled = math.inf, math.inf, 1.0, 0
+    for _ in range(_MOST_ITERATIONS):
+        fill_residual(model, state, it, work, time, scale)
+        linearize_forces(model, state.joints, q, v, it.newton)
+        weights = (scale * mass_weight, scale * damping_weight, scale)
+        assemble(model, q, multipliers, work.row_value, it.newton, weights)
+        state.clock[0].evaluations += 1
+        state.clock[0].factorizations += 1
+        if not solve_newton(model, it):
+            return math.inf
+        correction = 0.0
+        for i in range(n):
+            if not abs(rhs[i]) <= correction:
+                correction = abs(rhs[i])
+        # A share r of a correction that points the right way leaves 1 - r of it.
+        if correction <= (1.0 - 0.5 * relaxation) * best:
+            best, stalled, relaxation = correction, 0, min(1.0, 2.0 * relaxation)
+        else:
+            stalled += 1
+            if stalled == _PATIENCE:
+                relaxation, stalled = 0.5 * relaxation, 0
+        for i in range(size):
+            rhs[i] *= relaxation
+        for i in range(n):
+            q[i] += rhs[i]
+            v[i] += damping_weight * rhs[i]
+            a[i] += mass_weight * rhs[i]
+            x[i] += rhs[i] / scale
+        for r in range(size - n):
+            multipliers[r] += rhs[n + r] / scale
+        if correction <= tolerance:
+            break
+        if not math.isfinite(correction):
+            break
+    return correction / tolerance
+
+
+@kernel(single_caller=True)
+def restart(model, state, it, work, settings, h):
+    """Solve accelerations and multipliers afresh at the accepted state, for steps of size `h`. False if singular."""
+    q0, v0, time = it.start_q, it.start_v, state.clock[0].time
+    # Velocities are O(h^2) off the constraints, which a shorter step would answer with forces of O(h^2 / new step).
+    if not prepare_response(model, q0, time, work):
+        return False
+    project(model, q0, v0, time, work)
+    if not accelerations(model, state.joints, q0, v0, time, work, state.a, state.multipliers):
+        return False
+    shift = (settings.alpha_m - settings.alpha_f) * h
+    for i in range(q0.size):
+        it.scratch_q[i] = q0[i] + shift * v0[i] + 0.5 * shift * shift * state.a[i]
+        it.scratch_v[i] = v0[i] + shift * state.a[i]
+    regular = accelerations(
+        model,
+        state.joints,
+        it.scratch_q,
+        it.scratch_v,
+        time + shift,
+        work,
+        state.algorithmic_a,
+        it.scratch_multipliers,
+    )
+    state.clock[0].evaluations += 2
+    return regular
 
 
 class AlphaArrays(NamedTuple):
@@ -65,10 +253,6 @@ def convert_settings(chosen: GeneralizedAlpha) -> AlphaSettings:
     return AlphaSettings(
         *alpha_coefficients(chosen.rho_inf),
         float(chosen.step),
-        float(chosen.rtol or 0.0),
-        float(chosen.velocity_scale),
-        float(chosen.max_step),
-        float(chosen.impact_resolution),
         float(chosen.newton_tolerance),
         int(chosen.max_steps),
     )
@@ -116,54 +300,13 @@ def begin_alpha(model, state, settings, arrays):
     for q, v in ((it.start_q, it.start_v), (it.q, it.v)):
         copy_into(q, state.q)
         copy_into(v, state.v)
-    if state.clock[0].step_size <= 0.0:
-        state.clock[0].step_size = settings.step
-        state.clock[0].last_error = 1.0
     return True
 
 
 @kernel(inner=True)
-def choose_alpha(model, state, settings, arrays, wanted, remaining):
-    """Step to try [s]: the fixed one, divided so that a whole number of them ends the call, or the one `wanted`."""
-    if settings.rtol == 0.0:
-        return remaining / math.ceil(remaining / settings.step - 1e-9)
-    # Two even steps rather than one followed by a sliver.
-    return 0.5 * remaining if wanted < remaining < 2.0 * wanted else wanted
-
-
-@kernel(single_caller=True)
-def error_norm(state, it, settings, h):
-    """Local error in units of the tolerance, from the change of the accelerations (Zienkiewicz and Xie 1991).
-
-    O. C. Zienkiewicz and Y. M. Xie, Earthq. Eng. Struct. Dyn. 20 (1991) 871, doi:10.1002/eqe.4290200907.
-    Multipliers are left out.
-    """
-    worst = 0.0
-    factor = abs(settings.beta - 1.0 / 6.0) * h
-    for i in range(state.q.size):
-        estimate = factor * abs(it.auxiliary[i] - state.algorithmic_a[i])
-        scale = settings.rtol * (settings.velocity_scale + max(abs(state.v[i]), abs(it.v[i])))
-        worst = greater(worst, estimate / scale)
-    return worst
-
-
-@kernel(single_caller=True)
-def landing_step(model, state, arrays, settings, h):
-    """A step that ends near the wall if a contact begins inside this one and `h` does not resolve it, else `h`."""
-    it, scratch, shorter = arrays.iteration, arrays.scratch, h
-    for j in range(model.joints.size):
-        joint, motion = model.joints[j], arrays.motion[j]
-        if joint.kind != m.CLEARANCE or state.joints[j].in_contact:
-            continue
-        depth, _ = penetration(joint, model.markers, it.q, it.v)
-        if depth <= 0.0:
-            continue
-        scratch.loads[j, ECCENTRICITY_X], scratch.loads[j, ECCENTRICITY_Y] = relative(joint, model.markers, it.q)
-        speed = max(motion.depth_rate, joint.minimum_impact_speed)
-        _, duration = impact_scales(joint, normal_inverse_mass(model, it.q, it.v, j, scratch), speed)
-        wanted = max(min(-motion.depth / speed, 0.5 * h), duration / settings.impact_resolution)
-        shorter = min(shorter, wanted)
-    return shorter
+def choose_alpha(model, state, settings, arrays, remaining):
+    """Step to try [s]: the fixed one, divided so that a whole number of them ends the call."""
+    return remaining / math.ceil(remaining / settings.step - 1e-9)
 
 
 @kernel(inner=True)
@@ -180,18 +323,11 @@ def attempt_alpha(model, state, settings, arrays, h):
         clock.last_step = h
     convergence = solve_step(model, state, it, work, settings, h)
     if not convergence <= 1.0:
-        fixed = settings.rtol == 0.0
-        trial.retry = -1.0 if fixed else UNSOLVED * h
-        if fixed and math.isfinite(convergence):
+        trial.retry = -1.0
+        if math.isfinite(convergence):
             trial.reason = m.NEWTON_FAILED
         return convergence
-    if settings.rtol == 0.0:
-        return 0.0
-    shorter = landing_step(model, state, arrays, settings, h)
-    if shorter < h:
-        trial.retry = shorter
-        return math.inf
-    return error_norm(state, it, settings, h)
+    return 0.0
 
 
 @kernel(inner=True)

@@ -1,32 +1,44 @@
-"""Rosenbrock's method: linearly implicit steps (`rosenbrock_step.py`) where they are worth their price.
+"""Explicit Runge-Kutta steps, and in Rosenbrock's method linearly implicit ones where they are worth their price.
 
-With flexible bodies the explicit method (`runge_kutta.py`) is unstable beyond a known step. Where accuracy would
-allow several times as long a one, a linearly implicit step is tried; the others are explicit.
+With flexible bodies the explicit step (`runge_kutta.py`) is unstable beyond a known size. Where accuracy would allow
+several times as long a one, Rosenbrock's method tries a linearly implicit step (`rosenbrock_step.py`); of rigid bodies
+alone both methods are the same. They have their kernels in common, so that these are compiled once.
 """
 
 from typing import NamedTuple
 
-from solar_env.mechanics.arrays.model import Model, State
+import numpy as np
+from numpy.typing import NDArray
+
+from solar_env.mechanics.arrays.model import EXACT, Model, State
+from solar_env.mechanics.arrays.trial import make_joint_motions, make_trial
 from solar_env.mechanics.equations.newton import fill_mass
-from solar_env.mechanics.equations.system import make_workspace
-from solar_env.mechanics.integrators.methods.rosenbrock_stages import NEVER, LinearStep, make_linear_step
-from solar_env.mechanics.integrators.methods.rosenbrock_step import attempt_implicit
+from solar_env.mechanics.equations.system import Workspace, make_workspace
+from solar_env.mechanics.integrators.methods.rosenbrock_step import (
+    NEVER,
+    LinearStep,
+    attempt_implicit,
+    make_linear_step,
+)
 from solar_env.mechanics.integrators.methods.runge_kutta import (
-    STABILITY_MARGIN,
     STAGES,
     StiffForces,
-    attempt_explicit,
     error_norm,
     make_stiff_forces,
-    stable_step,
+    take_stages,
 )
 from solar_env.mechanics.integrators.methods.stage_steps import begin_stages
-from solar_env.mechanics.integrators.methods.stages import StageArrays, StageSettings, make_stage_arrays
+from solar_env.mechanics.integrators.methods.stages import Stages, make_stages, refresh
+from solar_env.mechanics.integrators.settings import Rosenbrock, RungeKutta
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 from solar_env.mechanics.numerics.profile import clear
 from solar_env.mechanics.numerics.step_size import StepController, growth
+from solar_env.mechanics.records.history import step_limit
 
+ORDER = 4  # of convergence, of both kinds of step
+# Share of the flexible bodies' stable step that is used: on its very limit their highest mode would not decay.
+_STABILITY_MARGIN = 0.95
 # A linearly implicit step is taken if it is so many times as long as the stable explicit one. It costs five times as
 # much, but the explicit method's estimate sees the stiff vibrations too and promises less than can be had.
 _WORTH = 2.5
@@ -44,22 +56,40 @@ _SLOW = 0.5
 _LEAST_SCALE = 1e-3
 
 
-class RosenbrockSettings(StageSettings):
-    """Settings of this method."""
+class StageSettings(NamedTuple):
+    """Settings of methods in stages as the kernels take them."""
+
+    rtol: float  # local error of velocities relative to (velocity_scale + |velocity|), of positions to the length scale
+    velocity_scale: float  # [m/s]
+    max_step: float  # [s]
+    impact_resolution: float  # steps per predicted impact duration
+    max_steps: int  # per call
+    implicit: bool  # whether steps may be linearly implicit
 
 
-class RosenbrockArrays(NamedTuple):
-    """Scratch arrays of the method besides the stages."""
+class StageArrays(NamedTuple):
+    """Scratch arrays of methods in stages, of one thread; nothing in them outlives a lane's turn."""
 
+    trial: NDArray[np.void]  # (1,) rows of `trial.trial_type`
+    motion: NDArray[np.void]  # (joints,) rows of `trial.joint_motion_type`
+    work: Workspace
+    scratch: Workspace  # for evaluations that leave the other as it is
+    stages: Stages
     stiff: StiffForces
     step: LinearStep
 
 
-def make_rosenbrock_arrays(model: Model, state: State) -> StageArrays:
+def convert_settings(chosen: RungeKutta) -> StageSettings:
+    """The settings as the kernels take them; of other types they would be compiled anew."""
+    values = (chosen.rtol, chosen.velocity_scale, chosen.max_step, chosen.impact_resolution)
+    return StageSettings(*map(float, values), int(chosen.max_steps), isinstance(chosen, Rosenbrock))
+
+
+def make_stage_arrays(model: Model, state: State) -> StageArrays:
     """Allocate the arrays for a mechanism."""
-    work = make_workspace(model, state)
-    extra = RosenbrockArrays(make_stiff_forces(state), make_linear_step(model, state, work))
-    return make_stage_arrays(model, state, STAGES, work, extra)
+    work, scratch = make_workspace(model, state), make_workspace(model, state)
+    stages, stiff, step = make_stages(state, STAGES), make_stiff_forces(state), make_linear_step(model, state, work)
+    return StageArrays(make_trial(), make_joint_motions(state.joints.size), work, scratch, stages, stiff, step)
 
 
 @kernel(single_caller=True)
@@ -74,51 +104,56 @@ def present_velocity_scale(velocity_scale, weights, v0, v):
 @kernel(inner=True)
 def begin_rosenbrock(model, state, settings, arrays):
     """Prepare a call, without what other lanes and calls have left; False if constraints are singular."""
-    extra = arrays.extra
-    extra.stiff.active[0] = 0
-    extra.step.linearized[0] = NEVER
-    clear(model.elimination, extra.step.newton.mass)
-    fill_mass(model, extra.step.newton.mass)
+    step = arrays.step
+    arrays.stiff.active[0] = 0
+    step.linearized[0] = NEVER
+    if settings.implicit:
+        clear(model.elimination, step.newton.mass)
+        fill_mass(model, step.newton.mass)
     return begin_stages(model, state, settings, arrays)
 
 
 @kernel(inner=True)
-def choose_rosenbrock(model, state, settings, arrays, wanted, remaining):
-    """Step to try [s] if `wanted` is what accuracy, impacts and the settings allow, and whether linearly implicit."""
-    trial = arrays.trial[0]
-    implicit = state.clock[0].explicit_wait <= 0 and wanted > _WORTH * (STABILITY_MARGIN * model.stable_step)
-    trial.implicit = implicit
-    return wanted if implicit else stable_step(model, trial, wanted)
+def choose_rosenbrock(model, state, settings, arrays, remaining):
+    """Step to try [s] by accuracy, impacts and stability, and whether it is linearly implicit."""
+    clock, trial, stable = state.clock[0], arrays.trial[0], _STABILITY_MARGIN * model.stable_step
+    wanted = step_limit(state, settings)
+    trial.implicit = settings.implicit and clock.explicit_wait <= 0 and wanted > _WORTH * stable
+    trial.bound = not trial.implicit and stable < wanted
+    return stable if trial.bound else wanted
 
 
 @kernel(inner=True)
 def attempt_rosenbrock(model, state, settings, arrays, h):
     """Fill a step `h`, its end going to `stages`; its error in units of the tolerance, negative if singular."""
-    work, stages, extra = arrays.work, arrays.stages, arrays.extra
+    work, stages = arrays.work, arrays.stages
     if arrays.trial[0].implicit:
-        error = _STRICTER * attempt_implicit(model, state, stages, extra.step, work, settings, h)
+        error = _STRICTER * attempt_implicit(model, state, stages, arrays.step, work, settings, h)
         if 0.0 <= error <= 1.0:
             copy_into(state.multipliers, stages.multipliers)
         return error
-    if not attempt_explicit(model, state, arrays, h):
+    # Explicit steps need accelerations that solve the equations of motion.
+    if state.clock[0].acceleration_current != EXACT and not refresh(model, state, stages, work):
+        return -1.0
+    if not take_stages(model, state, arrays, h):
         return -1.0
     velocity_scale = settings.velocity_scale
-    if model.flexible:
+    if settings.implicit and model.flexible:
         velocity_scale = present_velocity_scale(velocity_scale, model.error_weight, state.v, stages.v)
     return error_norm(model, state, arrays, settings.rtol, velocity_scale, h)
 
 
 @kernel(inner=True)
-def adapt_rosenbrock(model, state, arrays, accepted):
+def adapt_rosenbrock(model, state, settings, arrays, accepted):
     """Choose when a linearly implicit step is tried next, once the next step's size is set."""
     clock, trial = state.clock[0], arrays.trial[0]
-    if accepted:
+    if accepted and settings.implicit:
         clock.explicit_wait -= not trial.implicit
         if trial.implicit:
             clock.explicit_patience = 0
         if trial.bound and not trial.last:
             # What accuracy alone would allow.
             clock.step_size = max(clock.step_size, trial.wanted * growth(_CONTROL, trial.error, 1.0))
-    elif trial.implicit and clock.step_size <= _WORTH * (STABILITY_MARGIN * model.stable_step):
+    elif trial.implicit and clock.step_size <= _WORTH * (_STABILITY_MARGIN * model.stable_step):
         clock.explicit_patience = min(max(2 * clock.explicit_patience, 4), _LONGEST_WAIT)
         clock.explicit_wait = clock.explicit_patience

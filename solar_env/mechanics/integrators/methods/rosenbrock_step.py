@@ -15,27 +15,195 @@ their own slopes. It is factored once a step, in time that grows linearly with t
 The stiff vibrations of beams then do not bound the step.
 """
 
-from solar_env.mechanics.arrays.model import (
-    CLEARANCE,
-    FRICTION_DISSIPATION,
-    IMPULSE,
-    INTEGRALS_PER_JOINT,
-    NORMAL_DISSIPATION,
-    SLIDING_WORK,
-)
-from solar_env.mechanics.equations.newton import assemble, linearize_forces
-from solar_env.mechanics.equations.system import applied_forces, store_constraint_loads
-from solar_env.mechanics.integrators.methods.rosenbrock_stages import (
-    GAMMA,
-    ROSENBROCK_STAGES,
-    add_length_slopes,
-    set_stage,
-    solve_stage,
-)
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.arrays.model import Model, State
+from solar_env.mechanics.equations.newton import NewtonMatrices, assemble, linearize_forces, make_newton_matrices
+from solar_env.mechanics.equations.system import Workspace, applied_forces, store_constraint_loads
 from solar_env.mechanics.integrators.methods.stages import hermite_state
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into, greatest
-from solar_env.mechanics.numerics.profile import profile_factor
+from solar_env.mechanics.numerics.profile import (
+    BLOCK,
+    add_entry,
+    add_to,
+    enter,
+    profile_factor,
+    profile_product,
+    profile_solve,
+    taken,
+)
+
+ROSENBROCK_STAGES = 6
+NEVER = -1
+GAMMA = 0.25
+# a_ij and c_ij of stage i; the sixth stage adds the fifth's increment, and the end adds the sixth's.
+_A = (
+    (0.0, 0.0, 0.0, 0.0, 0.0),
+    (1.544, 0.0, 0.0, 0.0, 0.0),
+    (0.9466785280815826, 0.2557011698983284, 0.0, 0.0, 0.0),
+    (3.314825187068521, 2.896124015972201, 0.9986419139977817, 0.0, 0.0),
+    (1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950, 0.0),
+    (1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950, 1.0),
+)
+_C = (
+    (0.0, 0.0, 0.0, 0.0, 0.0),
+    (-5.6688, 0.0, 0.0, 0.0, 0.0),
+    (-2.430093356833875, -0.2063599157091915, 0.0, 0.0, 0.0),
+    (-0.1073529058151375, -9.594562251023355, -20.47028614809616, 0.0, 0.0),
+    (7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160, 0.0),
+    (8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136, -6.058818238834054),
+)
+
+
+class LinearStep(NamedTuple):
+    """Arrays of a linearly implicit step; places are those of the order of elimination."""
+
+    newton: NewtonMatrices  # of the stage equations
+    coordinate_increments: NDArray[np.float64]  # (stages, n)
+    velocity_increments: NDArray[np.float64]  # (stages, n)
+    acceleration_increments: NDArray[np.float64]  # (stages, n)
+    multiplier_increments: NDArray[np.float64]  # (stages, m + bodies)
+    start_force: NDArray[np.float64]  # (n,)
+    q: NDArray[np.float64]  # (n,) stage values
+    v: NDArray[np.float64]
+    a: NDArray[np.float64]
+    past_velocity: NDArray[np.float64]  # (n,) sum of c_ij u_j / h
+    rate: NDArray[np.float64]  # (n,) of the coordinates, but for the increment in hand
+    multipliers: NDArray[np.float64]  # (m + bodies,)
+    unknowns: NDArray[np.float64]  # (blocks, BLOCK)
+    factor: NDArray[np.float64]  # (blocks, BLOCK) of a product
+    product: NDArray[np.float64]  # (blocks, BLOCK)
+    linearized: NDArray[np.int64]  # (1,) number of the accepted step whose end the tangents belong to, or NEVER
+
+
+def make_linear_step(model: Model, state: State, work: Workspace) -> LinearStep:
+    """Allocate the arrays of a linearly implicit step and fill the constant ones."""
+    n, k = state.q.size, state.multipliers.size
+    blocks = model.elimination.first.size
+    return LinearStep(
+        newton=make_newton_matrices(model, work),
+        coordinate_increments=np.zeros((ROSENBROCK_STAGES, n)),
+        velocity_increments=np.zeros((ROSENBROCK_STAGES, n)),
+        acceleration_increments=np.zeros((ROSENBROCK_STAGES, n)),
+        multiplier_increments=np.zeros((ROSENBROCK_STAGES, k)),
+        start_force=np.zeros(n),
+        q=np.zeros(n),
+        v=np.zeros(n),
+        a=np.zeros(n),
+        past_velocity=np.zeros(n),
+        rate=np.zeros(n),
+        multipliers=np.zeros(k),
+        unknowns=np.zeros((blocks, BLOCK)),
+        factor=np.zeros((blocks, BLOCK)),
+        product=np.zeros((blocks, BLOCK)),
+        linearized=np.zeros(1, dtype=np.int64),
+    )
+
+
+@kernel(single_caller=True)
+def add_length_slopes(model, state, a, newton, diagonal):
+    """Add the slopes, by coordinates and velocities, of the lengths' acceleration-level rows d.a + u.u = 0."""
+    q, v, elimination = state.q, state.v, model.elimination
+    first = q.size + model.constraints.size.size
+    for b in range(model.bodies.size):
+        if model.bodies[b].constraints:
+            k = model.bodies[b].offset
+            for axis in range(2):
+                i, j = k + axis, k + 2 + axis
+                slope = diagonal * (2.0 * (v[j] - v[i]) + diagonal * (a[j] - a[i]))
+                add_entry(elimination, newton.matrix, first + b, i, -slope)
+                add_entry(elimination, newton.matrix, first + b, j, slope)
+
+
+@kernel(single_caller=True)
+def set_stage(state, stages, step, s, h):
+    """Values of the coordinates, velocities, accelerations and multipliers at stage `s`, and its past terms."""
+    q, v, a, past, rate, multipliers = step.q, step.v, step.a, step.past_velocity, step.rate, step.multipliers
+    copy_into(q, state.q)
+    copy_into(v, state.v)
+    copy_into(a, stages.acceleration[0])
+    copy_into(multipliers, state.multipliers)
+    for i in range(q.size):
+        past[i] = 0.0
+        rate[i] = 0.0
+    for j in range(s):
+        weight, pull = _A[s][j], _C[s][j] / h
+        uq, uv = step.coordinate_increments[j], step.velocity_increments[j]
+        ua, ul = step.acceleration_increments[j], step.multiplier_increments[j]
+        for i in range(q.size):
+            q[i] += weight * uq[i]
+            v[i] += weight * uv[i]
+            a[i] += weight * ua[i]
+            rate[i] += pull * uq[i]
+            past[i] += pull * uv[i]
+        for k in range(ul.size):
+            multipliers[k] += weight * ul[k]
+    for i in range(q.size):
+        rate[i] += v[i]
+
+
+@kernel(single_caller=True)
+def solve_stage(model, state, stages, step, s, force, diagonal):
+    """Increments of stage `s` for the applied `force` (n,) at its values."""
+    elimination, position = model.elimination, model.elimination.position
+    n, rows = state.q.size, model.constraints.size.size
+    x, factor, product = step.unknowns, step.factor, step.product
+    past, rate = step.past_velocity, step.rate
+    for i in range(n):
+        enter(factor, position[i], rate[i])
+    profile_product(elimination, step.newton.stiffness, factor, product)
+    for r in range(x.shape[0]):
+        for k in range(BLOCK):
+            x[r, k] = -diagonal * diagonal * product[r, k]
+    for i in range(n):
+        enter(factor, position[i], past[i])
+    profile_product(elimination, step.newton.mass, factor, product)
+    for r in range(x.shape[0]):
+        for k in range(BLOCK):
+            x[r, k] += diagonal * product[r, k]
+    for i in range(n):
+        add_to(x, position[i], diagonal * force[i])
+    for r in range(rows):
+        enter(x, position[n + r], 0.0)
+    for b in range(model.bodies.size):
+        if model.bodies[b].constraints:
+            border_length(state, stages.acceleration[0], step, model.bodies[b].offset, rows + b, position, diagonal)
+    profile_solve(elimination, step.newton.matrix, x)
+    uq, uv = step.coordinate_increments[s], step.velocity_increments[s]
+    ua, ul = step.acceleration_increments[s], step.multiplier_increments[s]
+    inverse = 1.0 / diagonal
+    for i in range(n):
+        uv[i] = taken(x, position[i])
+        uq[i] = diagonal * (uv[i] + rate[i])
+        ua[i] = inverse * uv[i] - step.a[i] - past[i]
+    for k in range(ul.size):
+        if position[n + k] >= 0:
+            ul[k] = inverse * taken(x, position[n + k]) - step.multipliers[k]
+
+
+@kernel(single_caller=True)
+def border_length(state, start_a, step, k, row, position, diagonal):
+    """Enter a rigid body's length, and what its multiplier's force is beyond the linear one, in a right-hand side."""
+    q, v, a, rate, past, x = step.q, step.v, step.a, step.rate, step.past_velocity, step.unknowns
+    multiplier, start = step.multipliers[row], state.multipliers[row]
+    square = diagonal * diagonal
+    length_row = 0.0
+    for axis in range(2):
+        i, j = k + axis, k + 2 + axis
+        d0, d = state.q[j] - state.q[i], q[j] - q[i]
+        relative = start_a[j] - start_a[i]
+        pull = diagonal * multiplier * (d - d0) - square * start * (rate[i] - rate[j])
+        add_to(x, position[i], pull)
+        add_to(x, position[j], -pull)
+        u = v[j] - v[i]
+        length_row += d0 * (a[j] - a[i] + past[j] - past[i]) - d * (a[j] - a[i]) - u * u
+        length_row -= diagonal * relative * (rate[j] - rate[i])
+    enter(x, position[state.q.size + row], diagonal * length_row)
 
 
 @kernel(inner=True)
@@ -52,9 +220,9 @@ def take_contacts_from_ends(joints, power, gain, h):
     the solution has it at its ends, but not its interpolant in between.
     """
     for j in range(joints.size):
-        if joints[j].kind == CLEARANCE:
-            for integral in (NORMAL_DISSIPATION, FRICTION_DISSIPATION, SLIDING_WORK, IMPULSE):
-                k = INTEGRALS_PER_JOINT * j + integral
+        if joints[j].kind == m.CLEARANCE:
+            for integral in (m.NORMAL_DISSIPATION, m.FRICTION_DISSIPATION, m.SLIDING_WORK, m.IMPULSE):
+                k = m.INTEGRALS_PER_JOINT * j + integral
                 gain[k] = 0.5 * h * (power[0, k] + power[-1, k])
 
 

@@ -15,10 +15,8 @@ from numpy.typing import NDArray
 
 from solar_env.mechanics.arrays import model as m
 from solar_env.mechanics.arrays.columns import TORQUES
-from solar_env.mechanics.arrays.model import Model, State
-from solar_env.mechanics.equations.system import inlined_accelerations, make_workspace
-from solar_env.mechanics.integrators.methods.stage_steps import begin_stages
-from solar_env.mechanics.integrators.methods.stages import StageArrays, StageSettings, make_stage_arrays, refresh
+from solar_env.mechanics.arrays.model import State
+from solar_env.mechanics.equations.system import inlined_accelerations
 from solar_env.mechanics.integrators.methods.stiff_forces import begin_step, correct_stage, may_be_stiff, product
 from solar_env.mechanics.joints.joint import penetration
 from solar_env.mechanics.numerics.jit import kernel
@@ -38,19 +36,12 @@ _COUPLING = (
 # integrals, to which estimates from the last two stages alone are blind.
 _ERROR = tuple(weight / 40.0 for weight in (-1.0, 3.0, -3.0, -3.0, 4.0))
 
-# Share of the flexible bodies' stable step that is used: on its very limit their highest mode would not decay.
-STABILITY_MARGIN = 0.95
-
 # Share of a lasting contact's depth that a step may be off. The depth is some nanometres: to a tolerance of positions
 # alone a step could press the contact with a hundred times its force.
 _DEPTH_ERROR = 0.01
 
 # Integrals that enter the energy book, and with it the error norm.
 BOOKED_ENERGIES = (m.NORMAL_DISSIPATION, m.FRICTION_DISSIPATION, *(law.integral for law in TORQUES if law.book))
-
-
-class RungeKuttaSettings(StageSettings):
-    """Settings of this method."""
 
 
 class StiffForces(NamedTuple):
@@ -105,39 +96,6 @@ def make_stiff_forces(state: State) -> StiffForces:
     )
 
 
-class RungeKuttaArrays(NamedTuple):
-    """Scratch arrays of the method besides the stages."""
-
-    stiff: StiffForces
-
-
-def make_runge_kutta_arrays(model: Model, state: State) -> StageArrays:
-    """Allocate the arrays for a mechanism."""
-    work = make_workspace(model, state)
-    return make_stage_arrays(model, state, STAGES, work, RungeKuttaArrays(make_stiff_forces(state)))
-
-
-@kernel(inner=True)
-def begin_runge_kutta(model, state, settings, arrays):
-    """Prepare a call, without the stiff forces of other lanes and calls; False if constraints are singular."""
-    arrays.extra.stiff.active[0] = 0
-    return begin_stages(model, state, settings, arrays)
-
-
-@kernel(inlined=True)
-def stable_step(model, trial, wanted):
-    """Bound the step `wanted` [s] by the method's stability on the flexible bodies, and note whether that did."""
-    stable = STABILITY_MARGIN * model.stable_step
-    trial.bound = stable < wanted
-    return min(stable, wanted)
-
-
-@kernel(inner=True)
-def choose_runge_kutta(model, state, settings, arrays, wanted, remaining):
-    """Step to try [s] if `wanted` is what accuracy, impacts and the settings allow."""
-    return stable_step(model, arrays.trial[0], wanted)
-
-
 @kernel(inlined=True)
 def restore_ends(v0, stages, stiff):
     """Undo the correction for stiff forces at both ends: interpolant and further steps take what holds there itself."""
@@ -153,7 +111,7 @@ def restore_ends(v0, stages, stiff):
 @kernel(single_caller=True)
 def take_stages(model, state, arrays, h):
     """Fill the stages of a step `h`, its end going to `stages.q`, `.v` and `.gain`. False if singular."""
-    work, stages, stiff = arrays.work, arrays.stages, arrays.extra.stiff
+    work, stages, stiff = arrays.work, arrays.stages, arrays.stiff
     q0, v0, joint_states, multipliers = state.q, state.v, state.joints, state.multipliers
     q, v, velocity, acceleration = stages.q, stages.v, stages.velocity, stages.acceleration
     power, stage_power, gain = work.power, stages.power, stages.gain
@@ -213,7 +171,7 @@ def contact_error(model, arrays, stiff, h):
 @kernel(single_caller=True)
 def error_norm(model, state, arrays, rtol, velocity_scale, h):
     """Greatest component of the error estimate in units of the tolerance."""
-    stages, stiff = arrays.stages, arrays.extra.stiff
+    stages, stiff = arrays.stages, arrays.stiff
     v0, v, velocity, acceleration, power = state.v, stages.v, stages.velocity, stages.acceleration, stages.power
     e0, e1, e2, e3, e4 = _ERROR
     if stiff.active[0] > 0:
@@ -252,19 +210,3 @@ def error_norm(model, state, arrays, rtol, velocity_scale, h):
         worst = greater(worst, contact_error(model, arrays, stiff, h))
         restore_ends(v0, stages, stiff)
     return worst
-
-
-@kernel(single_caller=True)
-def attempt_explicit(model, state, arrays, h):
-    """Fill a step `h` from accelerations that solve the equations of motion. False if constraints are singular."""
-    if state.clock[0].acceleration_current != m.EXACT and not refresh(model, state, arrays.stages, arrays.work):
-        return False
-    return take_stages(model, state, arrays, h)
-
-
-@kernel(inner=True)
-def attempt_runge_kutta(model, state, settings, arrays, h):
-    """Fill a step `h`, its end going to `stages`; its error in units of the tolerance, negative if singular."""
-    if not attempt_explicit(model, state, arrays, h):
-        return -1.0
-    return error_norm(model, state, arrays, settings.rtol, settings.velocity_scale, h)

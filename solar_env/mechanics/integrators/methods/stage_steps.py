@@ -214,8 +214,3 @@ def contact_angles(model, state, arrays, j):
     ex, ey = loads[j, ECCENTRICITY_X], loads[j, ECCENTRICITY_Y]
     journal = vector_angle(markers[joint.outboard], state.q, ex, ey)
     return journal, vector_angle(markers[joint.inboard], state.q, ex, ey)
-
-
-@kernel(inner=True)
-def adapt_nothing(model, state, arrays, accepted):
-    """Do nothing: the method has no choice of its own between steps."""

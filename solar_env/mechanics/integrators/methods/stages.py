@@ -7,28 +7,16 @@ doi:10.1007/978-3-540-78862-1).
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.mechanics.arrays.model import ENERGIES, EXACT, Model, State
-from solar_env.mechanics.arrays.trial import make_joint_motions, make_trial
-from solar_env.mechanics.equations.system import Workspace, accelerations, make_workspace
+from solar_env.mechanics.arrays.model import ENERGIES, EXACT, State
+from solar_env.mechanics.equations.system import accelerations
 from solar_env.mechanics.joints.joint import relative, relative_velocity
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
-
-
-class StageSettings(NamedTuple):
-    """Settings of a method in stages as the kernels take them; a subclass a method tells the compiler which it is."""
-
-    rtol: float  # local error of velocities relative to (velocity_scale + |velocity|), of positions to the length scale
-    velocity_scale: float  # [m/s]
-    max_step: float  # [s]
-    impact_resolution: float  # steps per predicted impact duration
-    max_steps: int  # per call
-    order: float  # of the method: the error estimate grows with this power of the step
 
 
 class Stages(NamedTuple):
@@ -49,17 +37,6 @@ class Stages(NamedTuple):
     multipliers: NDArray[np.float64]  # (m + bodies,) scratch; at the end of a linearly implicit step
 
 
-class StageArrays(NamedTuple):
-    """Scratch arrays of a method in stages, of one thread; nothing in them outlives a lane's turn."""
-
-    trial: NDArray[np.void]  # (1,) rows of `trial.trial_type`
-    motion: NDArray[np.void]  # (joints,) rows of `trial.joint_motion_type`
-    work: Workspace
-    scratch: Workspace  # for evaluations that leave the other as it is
-    stages: Stages
-    extra: Any  # what else the method needs: a named tuple of arrays
-
-
 def make_stages(state: State, rows: int) -> Stages:
     """Allocate the arrays of a step of `rows` stages, the derivatives at its end included."""
     n, k = state.q.size, state.integrals.size
@@ -78,12 +55,6 @@ def make_stages(state: State, rows: int) -> Stages:
         ratios=np.zeros(n),
         multipliers=np.zeros(state.multipliers.size),
     )
-
-
-def make_stage_arrays(model: Model, state: State, rows: int, work: Workspace, extra: Any) -> StageArrays:
-    """Allocate the arrays of a method of `rows` stages that works in `work` and has `extra` arrays."""
-    scratch, motion = make_workspace(model, state), make_joint_motions(state.joints.size)
-    return StageArrays(make_trial(), motion, work, scratch, make_stages(state, rows), extra)
 
 
 @kernel(inner=True)

@@ -11,8 +11,7 @@ from typing import Any
 from solar_env.mechanics.equations.formulation import Formulation
 from solar_env.mechanics.integrators import settings
 from solar_env.mechanics.integrators.formulations import ABSOLUTE, FLOATING
-from solar_env.mechanics.integrators.methods import generalized_alpha, rosenbrock, runge_kutta, stage_steps
-from solar_env.mechanics.integrators.methods.alpha_step import AlphaSettings
+from solar_env.mechanics.integrators.methods import generalized_alpha, rosenbrock, stage_steps
 from solar_env.mechanics.modal.arrays import make_workspace
 from solar_env.mechanics.modal.run import method as modal
 from solar_env.mechanics.modal.step.solve import ModalSettings
@@ -23,24 +22,6 @@ from solar_env.mechanics.numerics.step_size import StepController
 Chosen = Any  # one of the settings' classes of `settings.py`
 # How steps land on events: not at all, at a share of the step that is interpolated, or by solving a shorter step.
 NOT_AT_ALL, AT_SHARE, BY_SOLVING_AGAIN = range(3)
-
-
-@kernel(inner=True)
-def control_stages(settings):
-    """The controller of methods in stages, by proportional and integral control of the error."""
-    return StepController(settings.order, 0.72, 0.4, 1e-10, 0.1, 10.0, 0.0, 0.0)
-
-
-@kernel(inner=True)
-def control_modal(settings):
-    """The controller of modal panels."""
-    return modal.CONTROL
-
-
-@kernel(inner=True)
-def control_alpha(settings):
-    """The controller of generalized-alpha."""
-    return generalized_alpha.CONTROL
 
 
 @kernel(inner=True)
@@ -59,6 +40,11 @@ def cut_nothing(model, state, settings, arrays, h):
     return True
 
 
+@kernel(inner=True)
+def adapt_nothing(model, state, settings, arrays, accepted):
+    """Do nothing: the method has no choice of its own between steps."""
+
+
 @dataclass(frozen=True)
 class Kernels:
     """Kernels that a method offers to the run loop (`run.py`), whose arguments are those of that loop.
@@ -68,7 +54,7 @@ class Kernels:
 
     Attributes:
         begin: prepares the arrays for a call, fills `motion` and a first step size; False if constraints are singular.
-        choose: step to try [s] of the one `wanted` by accuracy and impacts, with `remaining` time in the call [s].
+        choose: step to try [s] by accuracy, impacts and the settings, with `remaining` time in the call [s].
         attempt: tries a step from the accepted state, which it leaves; its error in units of the tolerance, negative if
             constraints are singular. In `trial`, it may name a step to try after a refused one.
         complete: fills what samples and the acceptance need beyond what the attempt left.
@@ -80,7 +66,7 @@ class Kernels:
         contact_angles: angles of the line of centres in the frames of journal and bearing [rad].
         depth, angle: penetration [m] and angle [rad] of a joint at a share of the step.
         landing: how steps land on events.
-        control: the controller of the step size.
+        control: the controller of the step size; of a fixed one it is without effect.
         note_peaks: raises the force maxima to those inside the step.
         resume: prepares the next step, after the ends of contacts.
         adapt: what the method itself changes once the next step's size is set.
@@ -99,10 +85,10 @@ class Kernels:
     depth: Any
     angle: Any
     landing: int
-    control: Any
+    control: StepController
     note_peaks: Any = note_no_peaks
     resume: Any = resume_nothing
-    adapt: Any = stage_steps.adapt_nothing
+    adapt: Any = adapt_nothing
     cut: Any = cut_nothing
 
 
@@ -127,16 +113,17 @@ class Method:
     formulation: Formulation = ABSOLUTE
 
 
-def in_stages(order: int, kernel_settings: type, arrays: Callable[[Any, Any], Any], **kernels: Any) -> Method:
-    """Row of a method in stages; of its kernels those that are not `stage_steps`' are named."""
-
-    def convert(chosen: settings.RungeKutta) -> Any:
-        values = (chosen.rtol, chosen.velocity_scale, chosen.max_step, chosen.impact_resolution)
-        # Of other types they would be compiled anew.
-        return kernel_settings(*map(float, values), int(chosen.max_steps), float(order))
-
-    shared = Kernels(
-        **kernels,
+# By proportional and integral control of the error.
+_PROPORTIONAL_INTEGRAL = StepController(float(rosenbrock.ORDER), 0.72, 0.4, 1e-10, 0.1, 10.0, 0.0, 0.0)
+_IN_STAGES = Method(
+    rosenbrock.ORDER,
+    rosenbrock.StageSettings,
+    rosenbrock.convert_settings,
+    rosenbrock.make_stage_arrays,
+    Kernels(
+        begin=rosenbrock.begin_rosenbrock,
+        choose=rosenbrock.choose_rosenbrock,
+        attempt=rosenbrock.attempt_rosenbrock,
         complete=stage_steps.complete_nothing,
         sample=stage_steps.sample_stages,
         commit=stage_steps.commit_stages,
@@ -146,31 +133,16 @@ def in_stages(order: int, kernel_settings: type, arrays: Callable[[Any, Any], An
         depth=stage_steps.depth_in_stages,
         angle=stage_steps.angle_in_stages,
         landing=AT_SHARE,
-        control=control_stages,
+        control=_PROPORTIONAL_INTEGRAL,
         note_peaks=stage_steps.refine_peaks,
         resume=stage_steps.resume_stages,
-    )
-    return Method(order, kernel_settings, convert, arrays, shared)
-
-
-METHODS: dict[str, Method] = {
-    settings.RungeKutta.name: in_stages(
-        4,
-        runge_kutta.RungeKuttaSettings,
-        runge_kutta.make_runge_kutta_arrays,
-        begin=runge_kutta.begin_runge_kutta,
-        choose=runge_kutta.choose_runge_kutta,
-        attempt=runge_kutta.attempt_runge_kutta,
-    ),
-    settings.Rosenbrock.name: in_stages(
-        4,
-        rosenbrock.RosenbrockSettings,
-        rosenbrock.make_rosenbrock_arrays,
-        begin=rosenbrock.begin_rosenbrock,
-        choose=rosenbrock.choose_rosenbrock,
-        attempt=rosenbrock.attempt_rosenbrock,
         adapt=rosenbrock.adapt_rosenbrock,
     ),
+)
+
+METHODS: dict[str, Method] = {
+    settings.RungeKutta.name: _IN_STAGES,
+    settings.Rosenbrock.name: _IN_STAGES,
     settings.ModalRadau.name: Method(
         3,
         ModalSettings,
@@ -189,7 +161,7 @@ METHODS: dict[str, Method] = {
             depth=modal.depth_of_modal,
             angle=modal.angle_of_modal,
             landing=BY_SOLVING_AGAIN,
-            control=control_modal,
+            control=modal.CONTROL,
             note_peaks=modal.note_peaks,
             resume=modal.resume_modal,
             cut=modal.cut_modal,
@@ -198,7 +170,7 @@ METHODS: dict[str, Method] = {
     ),
     settings.GeneralizedAlpha.name: Method(
         2,
-        AlphaSettings,
+        generalized_alpha.AlphaSettings,
         generalized_alpha.convert_settings,
         generalized_alpha.make_alpha_arrays,
         Kernels(
@@ -214,7 +186,7 @@ METHODS: dict[str, Method] = {
             depth=generalized_alpha.depth_at_start,
             angle=generalized_alpha.angle_at_start,
             landing=NOT_AT_ALL,
-            control=control_alpha,
+            control=StepController(2.0),
             resume=generalized_alpha.engage_stops,
         ),
     ),

@@ -45,6 +45,7 @@ from solar_env.mechanics.modal.step.solve import ModalSettings, solve_step
 from solar_env.mechanics.numerics.jit import kernel
 from solar_env.mechanics.numerics.linear import copy_into
 from solar_env.mechanics.numerics.step_size import UNSOLVED, StepController
+from solar_env.mechanics.records.history import step_limit
 
 CONTROL = StepController(4.0, most_growth=4.0, memory=0.25)
 _FIRST_STEP = 1e-4  # s
@@ -107,8 +108,9 @@ def begin_modal(model, state, settings, work):
 
 
 @kernel(inner=True)
-def choose_modal(model, state, settings, work, wanted, remaining):
-    """Step to try [s]: of the tabled sizes the greatest that does not exceed the one `wanted`, or what remains."""
+def choose_modal(model, state, settings, work, remaining):
+    """Step to try [s]: of the tabled sizes the greatest that does not exceed the one wanted, or what remains."""
+    wanted = step_limit(state, settings)
     level = level_below(wanted)
     h = level_size(level) if level < LEVELS else wanted
     # No sliver of a step is left before the end.

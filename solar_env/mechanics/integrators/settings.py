@@ -122,7 +122,11 @@ class GeneralizedAlpha:
     loosest_in_contact = math.inf
     rtol = None
     remedy = "reduce the step"
-    steps_needed_per_impact = property(lambda self: steps_per_impact(self.rho_inf))
+
+    @property
+    def steps_needed_per_impact(self) -> int:
+        """Steps that an impact needs of a fixed step."""
+        return steps_per_impact(self.rho_inf)
 
     def with_options(self, step: float | None, rtol: float | None) -> GeneralizedAlpha:
         """These settings with a step [s] of its own if one is given.

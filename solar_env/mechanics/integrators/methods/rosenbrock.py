@@ -81,8 +81,14 @@ class StageArrays(NamedTuple):
 
 def convert_settings(chosen: RungeKutta) -> StageSettings:
     """The settings as the kernels take them; of other types they would be compiled anew."""
-    values = (chosen.rtol, chosen.velocity_scale, chosen.max_step, chosen.impact_resolution)
-    return StageSettings(*map(float, values), int(chosen.max_steps), isinstance(chosen, Rosenbrock))
+    return StageSettings(
+        float(chosen.rtol),
+        float(chosen.velocity_scale),
+        float(chosen.max_step),
+        float(chosen.impact_resolution),
+        int(chosen.max_steps),
+        isinstance(chosen, Rosenbrock),
+    )
 
 
 def make_stage_arrays(model: Model, state: State) -> StageArrays:

@@ -79,7 +79,7 @@ def bending_wave_numbers(support: str, count: int) -> Array:
     S. Timoshenko, Vibration Problems in Engineering, 2nd ed., 1937, section 54.
     """
     shift, characteristic = SUPPORTS[support]
-    x: Array = (np.arange(1, count + 1) + shift) * math.pi
+    x = np.asarray((np.arange(1, count + 1) + shift) * math.pi, dtype=float)
     # Further roots differ from these by less than rounding.
     x[:12] = [brentq(characteristic, near - 0.5, near + 0.5, xtol=1e-14) for near in x[:12]]
     return x

@@ -1,6 +1,5 @@
 """`solar-env verify`: run the cases with known answers."""
 
-import itertools
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,7 +9,7 @@ from solar_env.mechanics.integrators.settings import INTEGRATORS
 from solar_env.support.files import check_target, write_text
 from solar_env.support.progress import counting_bar
 from solar_env.support.terminal import wide_console
-from solar_env.verification.report import make_table, to_json
+from solar_env.verification.checks import make_table, to_json
 
 
 @dataclass
@@ -24,26 +23,23 @@ class Args(QuietOption):
 
 
 def run_command(args: Args) -> int:
-    """Run, print the table, write what was asked for; 1 if a row fails, else 0."""
-    from solar_env.verification.suite import run, select
+    """Run, print the table, write what was asked for; 1 if a check fails, else 0."""
+    from solar_env.verification.suite import CASES, run
 
-    names = select(args.only)
+    names = [args.only] if args.only else list(CASES)
     to_standard_output = str(args.json) == "-"
     if args.json and not to_standard_output:
         check_target(args.json)
-    begun, compiling = itertools.count(), compilation_note(INTEGRATORS)
+    checks, note = [], compilation_note(INTEGRATORS)
     with counting_bar(args.console) as progress:
         task = progress.add_task("", total=len(names))
-
-        def announce(name: str) -> None:
-            done = next(begun)
-            progress.update(task, completed=done, description=name if done else name + compiling)
-
-        rows = run(args.only, announce)
+        for number, name in enumerate(names):
+            progress.update(task, completed=number, description=name if number else name + note)
+            checks += run(name)
     if to_standard_output:
-        print(to_json(rows))
+        print(to_json(checks))
     else:
-        wide_console().print(make_table(rows))
+        wide_console().print(make_table(checks))
         if args.json:
-            write_text(args.json, to_json(rows) + "\n")
-    return 0 if all(row.passed for row in rows) else 1
+            write_text(args.json, to_json(checks) + "\n")
+    return 0 if all(check.passed for check in checks) else 1

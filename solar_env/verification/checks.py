@@ -1,9 +1,14 @@
-"""Checks: one number of a verification case beside its expected value."""
+"""Checks: a number of a verification case beside its expected value; many of them as a table and as JSON."""
 
+import json
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
+
+from rich import box
+from rich.table import Table
+from rich.text import Text
 
 ENERGY, MOMENTUM = "conservation of energy", "conservation of momentum"
 ARNOLD_BRULS = "M. Arnold and O. Bruls, Multibody Syst. Dyn. 18 (2007) 185"
@@ -20,6 +25,7 @@ class Check:
         tolerance: greatest error that passes; absolute in the quantity's unit, or relative to `expected`.
         source: where `expected` comes from.
         relative: whether error and tolerance are relative.
+        case: name of the case that it belongs to, set where cases are run.
     """
 
     quantity: str
@@ -28,6 +34,7 @@ class Check:
     tolerance: float
     source: str
     relative: bool = False
+    case: str = ""
 
     @property
     def error(self) -> float:
@@ -56,24 +63,41 @@ def compare(
         yield Check(quantity.format(name), float(expected), float(obtained), bound, source, relative)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Row(Check):
-    """A check of a named case.
+def make_table(checks: Sequence[Check]) -> Table:
+    """Table for a terminal with a line for every check, under a heading for every case and one for every source."""
+    failed = sum(not check.passed for check in checks)
+    title = f"{len(checks)} checks, {failed} failed" if failed else f"{len(checks)} checks, all passed"
+    table = Table(title=title, caption="r: relative to the expected value", title_justify="left", box=box.SIMPLE)
+    table.add_column("case, source, quantity", overflow="fold", min_width=24)
+    for name in ("expected", "obtained", "error", "tolerance"):
+        table.add_column(name, justify="right", no_wrap=True)
+    table.add_column("verdict", no_wrap=True)
+    case = source = ""
+    for check in checks:
+        if check.case != case:
+            table.add_section()
+            case, source = check.case, ""
+            table.add_row(Text(case, style="bold"))
+        if check.source != source:
+            source = check.source
+            table.add_row(Text(source, style="italic dim"))
+        mark = "r" if check.relative else ""
+        table.add_row(
+            Text(check.quantity),
+            f"{check.expected:.9g}",
+            f"{check.obtained:.9g}",
+            f"{check.error:.1e}{mark}",
+            f"{check.tolerance:.1e}{mark}",
+            Text("pass", style="green") if check.passed else Text("FAIL", style="bold red"),
+        )
+    return table
 
-    Attributes:
-        case: name of the case, a key of `suite.CASES`.
-    """
 
-    case: str
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values, ready for JSON; a number that is not finite becomes None."""
-        values: dict[str, Any] = {"case": self.case, "quantity": self.quantity}
-        numbers = {"expected": self.expected, "obtained": self.obtained, "error": self.error}
-        values |= {name: float(x) if math.isfinite(x) else None for name, x in numbers.items()}
-        return values | {
-            "tolerance": float(self.tolerance),
-            "measure": "relative" if self.relative else "absolute",
-            "source": self.source,
-            "passed": self.passed,
-        }
+def to_json(checks: Sequence[Check]) -> str:
+    """JSON text: whether all passed, and every check as an object; numbers that are not finite become null."""
+    rows = []
+    for check in checks:
+        row = {**vars(check), "error": check.error, "passed": check.passed}
+        numbers = {name: float(row[name]) for name in ("expected", "obtained", "error", "tolerance")}
+        rows.append(row | {name: x if math.isfinite(x) else None for name, x in numbers.items()})
+    return json.dumps({"passed": all(check.passed for check in checks), "rows": rows}, indent=2)

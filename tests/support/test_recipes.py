@@ -1,6 +1,5 @@
 """The recipes of the contributing page, applied to a copy of the code: what they add works, and tests take it in."""
 
-import json
 import os
 import re
 import shutil
@@ -13,106 +12,39 @@ from solar_env.support.readme import PACKAGE
 
 ROOT = PACKAGE.parent
 PAGE = PACKAGE / "contributing.md"
-# What each recipe promises, as programs that run one after the other.
-CLAIMS = {
-    "Normal contact law": """
-from solar_env.array import ArrayParameters
-from solar_env.mechanics.mechanism.description import Bearing
-from solar_env.mechanics.mechanism.textbook import bouncing_block
-from solar_env.mechanics.running.simulation import simulate
-array = ArrayParameters(contact_law="hu-guo", restitution=0.7)
-contact = array.bearing(0).contact
-assert contact.damping == 1.5 * (1.0 - 0.7) / 0.7
-run = simulate(bouncing_block(Bearing(2e-4, 0.01, contact), 6.0, 0.05), 0.01)
-assert run.contact_starts[0] == 1
-# The law is known to come close to what it is asked for.
-assert abs(-run.velocities[-1, 0] / 0.05 - contact.exit_speed_ratio()) < 3e-4
-assert abs(contact.exit_speed_ratio() - 0.7) < 0.03
-""",
-    "Friction law": """
-import math
-from solar_env.array import ArrayParameters
-from solar_env.mechanics.arrays import model as m
-from solar_env.mechanics.joints.contact.power_law import PowerLaw
-from solar_env.mechanics.mechanism.description import Bearing
-from solar_env.mechanics.mechanism.textbook import loaded_journal
-from solar_env.mechanics.running.simulation import Simulation
-law = ArrayParameters(friction_law="tanh", friction_speed_full=2e-3).bearing(0).friction
-assert law.speed == 2e-3
-# A journal turned at a constant rate slides in the place where its load balances friction.
-slip, time, coefficient = 1e-3, 1e-3, 0.2
-lean = math.atan(coefficient * math.tanh(slip / law.speed))
-bearing = Bearing(2e-4, 0.01, PowerLaw(1e9), friction_coefficient=coefficient, friction=law)
-simulation = Simulation(loaded_journal(bearing, 10.0, lean, rate=slip / 0.01))
-simulation.advance(time)
-work = m.joint_integrals(simulation.state.integrals)[0, m.FRICTION_DISSIPATION]
-assert abs(work / (10.0 * math.sin(lean) * slip * time) - 1.0) < 1e-3
-""",
-    "Integrator": """
+# What the page says of the things that it adds, beyond what the tests of their tables find.
+CLAIMS = """
 import solar_env
-from solar_env.array.methods import make_integrator
-from solar_env.mechanics.mechanism.textbook import pendulum
-heun = make_integrator("heun", "rigid-ideal", rtol=1e-6)
-fine = solar_env.Simulation(pendulum(), solar_env.RungeKutta(rtol=1e-10))
-simulation = solar_env.Simulation(pendulum(), heun)
-for each in (fine, simulation):
-    each.advance(0.1)
-assert 1e-12 < abs(simulation.state.q - fine.state.q).max() < 1e-5
-""",
-    "Body kind": """
-from solar_env.mechanics.bodies.description import LeverBody
-from solar_env.mechanics.mechanism.description import Body, Mechanism
-ends = []
-for kind in (LeverBody, Body):
-    body = kind("falling", 1.5, 0.3, 0.9, (0.4, 0.1), velocity=(0.5, 0.2), spin=-0.9)
-    simulation = solar_env.Simulation(Mechanism((body,), gravity=(0.0, -9.81)))
-    simulation.advance(0.1)
-    ends.append(simulation.state.q.tolist())
-assert ends[0] == ends[1]
-turned = math.atan2(ends[0][3] - ends[0][1], ends[0][2] - ends[0][0])
-assert abs(turned + 0.09) < 1e-9
-""",
-    "Observation": """
-import gymnasium
-keywords = {"model": "rigid-ideal", "observation": ["theta", "postlatch_force", "postlatch_force_1_ago"]}
-env = gymnasium.make("solar_env/Deploy-v1", **keywords)
-envs = gymnasium.make_vec("solar_env/Deploy-v1", num_envs=2, **keywords)
-assert env.unwrapped.observation_names[2:] == (
-    "postlatch_force_1", "postlatch_force_2", "postlatch_force_1_1_ago", "postlatch_force_2_1_ago"
-)
-assert env.observation_space.contains(env.reset(seed=0)[0])
-assert envs.reset(seed=0)[0].shape == (2, 6)
-assert "`postlatch_force_i`" in solar_env.SolarArrayEnv.__doc__
-""",
-    "Reward term": """
-price = {"impact_count": {"weight": 1.0, "scale": 200.0, "bound": 0.5}}
-env = gymnasium.make("solar_env/Deploy-v1", reward=price)
-assert env.unwrapped.reward.prices["impact_count"].scale == 200.0
-env.reset(seed=0)
-assert "impact_count" in env.unwrapped.reward.names
-assert "impact_count" not in gymnasium.make("solar_env/Deploy-v1").unwrapped.reward.names
-""",
-    "Driven joint": """
-env = gymnasium.make("solar_env/Deploy-v1", model="rigid-ideal", driven_joint=1, control_period=1e-3)
-assert env.unwrapped.task.driven_joint == 1
-env.reset(seed=0)
-env.step([1.0])
-assert env.unwrapped.simulation.state.joints["motor_torque"].tolist() == [0.0, 0.5]
-""",
-    "Scenario, controller, study, verification case, command": """
 from agents.environments import make_env
 from agents.laws.baselines import make_baseline
 from solar_env.__main__ import main
+from solar_env.array.methods import make_integrator
+from solar_env.mechanics.mechanism.textbook import pendulum
 from solar_env.verification.suite import run
-env = gymnasium.make("solar_env/DeployLate-v1", model="rigid-ideal")
+changes = {"contact_law": "hu-guo", "restitution": 0.7, "friction_law": "tanh", "friction_speed_full": 2e-3}
+bearing = solar_env.ArrayParameters(**changes).bearing(0)
+assert bearing.contact.damping == 1.5 * (1.0 - 0.7) / 0.7
+assert bearing.friction.speed == 2e-3
+solar_env.Simulation(pendulum(), make_integrator("heun", "rigid-ideal", rtol=1e-6)).advance(0.01)
+env = make_env("solar_env/DeployLate-v1", {
+    "model": "rigid-ideal",
+    "observation": ["theta", "postlatch_force_1_ago"],
+    "reward": {"impact_count": {"weight": 1.0, "scale": 200.0, "bound": 0.5}},
+    "driven_joint": 1,
+    "control_period": 1e-3,
+})
 assert env.unwrapped.hardware.sensor_delay == 2
-law = make_baseline("push", env)
-assert abs(law.predict(env.reset(seed=0)[0])[0][0] - 0.1) < 1e-7
-assert [row.passed for row in run("first-fall")] == [True]
+assert env.unwrapped.observation_names[-2:] == ("postlatch_force_1_1_ago", "postlatch_force_2_1_ago")
+assert "impact_count" in env.unwrapped.reward.names
+env.reset(seed=0)
+env.step([1.0])
+assert env.unwrapped.simulation.state.joints["motor_torque"].tolist() == [0.0, 0.5]
+env = make_env("solar_env/Deploy-v1", {"model": "rigid-ideal"})
+assert abs(make_baseline("push", env).predict(env.reset(seed=0)[0])[0][0] - 0.1) < 1e-7
+assert [check.passed for check in run("first-fall")] == [True]
 assert main(["study", "stability", "--only", "fall", "--quick", "--out", "maps"]) == 0
 assert main(["presets"]) == 0
-""",
-}
+"""
 # What picks the new rows from the tests that run over the tables, and the least number of tests that they bring.
 ROWS = {
     "mechanics/joints/test_contact_laws.py": ("hu-guo and not block and not deep", 13),
@@ -125,119 +57,64 @@ ROWS = {
 }
 
 
-def sections():
-    """Heading -> text of the recipes."""
-    parts = re.split(r"^## (.*)\n", PAGE.read_text(encoding="utf-8"), flags=re.MULTILINE)[1:]
-    return {heading: text for heading, text in zip(parts[::2], parts[1::2], strict=True) if heading in CLAIMS}
+def change(root, block):
+    """Apply the hunks of a block, each of which must fit in one place of its file."""
+    for name, lines in re.findall(r"^# ([\w/]+\.(?:py|toml))\n((?:(?!# ).*\n)*)", block, re.MULTILINE):
+        text = (root / name).read_text(encoding="utf-8")
+        for hunk in lines.split("@@\n"):
+            old, new = ("".join(re.findall(rf"^[ {sign}](.*\n)", hunk, re.MULTILINE)) for sign in ("-", "+"))
+            assert text.count(old) == 1, f"{name}: the lines\n{old}are there {text.count(old)} times"
+            text = text.replace(old, new)
+        (root / name).write_text(text, encoding="utf-8")
 
 
-def files(lines):
-    """(path, lines) of the files that a block is about."""
-    found = []
-    for line in lines:
-        if re.fullmatch(r"# [\w/]+\.(py|toml)", line):
-            found.append((line[2:], []))
-        else:
-            found[-1][1].append(line)
-    return found
-
-
-def change(path, lines):
-    """Apply the hunks of a block, each of which must fit in one place."""
-    text = path.read_text(encoding="utf-8")
-    for hunk in "\n".join(lines).split("\n@@\n"):
-        old, new = (
-            "".join(f"{line[1:]}\n" for line in hunk.splitlines() if line[:1] not in left_out) for left_out in "+-"
-        )
-        assert text.count(old) == 1, f"{path}: the lines\n{old}are there {text.count(old)} times"
-        text = text.replace(old, new)
-    path.write_text(text, encoding="utf-8")
-
-
-def add_body_kind(root):
+def add_body_kind(bodies):
     """Do what the page says in words: copy a kind, and add a branch for it wherever kinds differ."""
-    bodies = root / "solar_env" / "mechanics" / "bodies"
     source = (bodies / "natural_coordinates.py").read_text(encoding="utf-8")
     source = re.sub(r"\bBody\b", "LeverBody", source).replace("class NaturalCoordinates(", "class Lever(")
     (bodies / "lever.py").write_text(source, encoding="utf-8")
+    text = (bodies / "dispatch.py").read_text(encoding="utf-8")
     # Natural coordinates come last, without a condition of their own.
-    last = re.compile(r"^( *)(?:else:\n *(natural_coordinates\..*)|(return natural_coordinates\..*))\n", re.MULTILINE)
-
-    def both(found):
-        indent, after, returned = found.groups()
-        word = "elif" if after else "if"
-        own = (after or returned).replace("natural_coordinates.", "lever.")
-        return f"{indent}{word} body.kind == LEVER:\n{indent}    {own}\n{found.group(0)}"
-
-    text, count = last.subn(both, (bodies / "dispatch.py").read_text(encoding="utf-8"))
-    assert count == 5
+    for last, word, returned in ((r"else:\n *", "elif", ""), ("return ", "if", "return ")):
+        before = rf"\1{word} body.kind == LEVER:\n\1    {returned}lever.\2\n\g<0>"
+        text, count = re.subn(rf"^( *){last}natural_coordinates\.(.*)\n", before, text, flags=re.MULTILINE)
+        assert count
     text = text.replace("natural_coordinates\n", "lever, natural_coordinates\n", 1)
-    text = text.replace("CABLE_ELEMENTS\n", "CABLE_ELEMENTS, LEVER\n", 1)
-    (bodies / "dispatch.py").write_text(text, encoding="utf-8")
-
-
-def run(root, arguments):
-    """Run Python in the copy, without compiling kernels; its output."""
-    environment = {
-        **os.environ,
-        "PYTHONPATH": os.pathsep.join(map(str, (root, root / "tests"))),
-        "NUMBA_DISABLE_JIT": "1",
-        "PYTHONDONTWRITEBYTECODE": "1",
-    }
-    done = subprocess.run(
-        [sys.executable, *arguments], cwd=root, env=environment, capture_output=True, text=True, check=False
-    )
-    return done.stdout + done.stderr
+    (bodies / "dispatch.py").write_text(text.replace("CABLE_ELEMENTS\n", "CABLE_ELEMENTS, LEVER\n", 1), "utf-8")
 
 
 @pytest.fixture(scope="module")
-def copy(tmp_path_factory):
-    """The root of a copy of the code to which every recipe has been applied."""
+def run(tmp_path_factory):
+    """Run Python, without compiling kernels, in a copy of the code to which every recipe has been applied."""
     root = tmp_path_factory.mktemp("recipes") / "copy"
     for folder in ("solar_env", "agents", "tests"):
         shutil.copytree(ROOT / folder, root / folder, ignore=shutil.ignore_patterns("__pycache__", "figures", "*.npz"))
-    for name in ("pyproject.toml", "train.py"):
-        shutil.copy(ROOT / name, root)
-    for text in sections().values():
-        for path, example in re.findall(r"`([\w/]+\.py)` \(\[example\]\(([^)]+)\)\)", text):
-            shutil.copy(PAGE.parent / example, root / path)
-        for block in re.findall(r"```diff\n(.*?)```", text, re.DOTALL):
-            for path, lines in files(block.splitlines()):
-                change(root / path, lines)
-    add_body_kind(root)
-    return root
+    shutil.copy(ROOT / "pyproject.toml", root)
+    page = PAGE.read_text(encoding="utf-8")
+    for path, example in re.findall(r"`([\w/]+\.py)`\s\(\[example\]\(([^)]+)\)\)", page):
+        shutil.copy(PAGE.parent / example, root / path)
+    for block in re.findall(r"```diff\n(.*?)```", page, re.DOTALL):
+        change(root, block)
+    add_body_kind(root / "solar_env" / "mechanics" / "bodies")
+    places = os.environ | {"PYTHONPATH": os.pathsep.join(map(str, (root, root / "tests"))), "NUMBA_DISABLE_JIT": "1"}
+
+    def python(*arguments):
+        done = subprocess.run([sys.executable, *arguments], cwd=root, env=places, capture_output=True, text=True)
+        return done.returncode, done.stdout + done.stderr
+
+    return python
 
 
-@pytest.fixture(scope="module")
-def kept(copy):
-    """Section -> what went wrong in its claims; empty if nothing did."""
-    (copy / "programs.json").write_text(json.dumps(CLAIMS), encoding="utf-8")
-    runner = """
-import json, traceback
-namespace, wrong = {}, {}
-for heading, program in json.load(open("programs.json")).items():
-    try:
-        exec(program, namespace)
-        wrong[heading] = ""
-    except Exception:
-        wrong[heading] = traceback.format_exc(limit=-3)
-json.dump(wrong, open("wrong.json", "w"))
-"""
-    printed = run(copy, ["-c", runner])
-    assert (copy / "wrong.json").exists(), printed
-    return json.loads((copy / "wrong.json").read_text(encoding="utf-8"))
+def test_what_the_recipes_add_works_as_the_page_says(run):
+    status, printed = run("-c", CLAIMS)
+    assert status == 0, printed
 
 
-@pytest.mark.parametrize("heading", CLAIMS)
-def test_what_a_recipe_adds_works_as_the_page_says(kept, heading):
-    assert kept[heading] == ""
-
-
-def test_the_tests_of_every_table_take_in_the_new_rows(copy):
-    """With kernels uncompiled: those of a row that are quick."""
-    picked = " or ".join(f"({words})" for words, _ in ROWS.values())
-    options = ["--noconftest", "-v", "-p", "no:cacheprovider", "-k", picked]  # that of the tests loads all kernels
-    printed = run(copy, ["-m", "pytest", *options, *(f"tests/{name}" for name in ROWS)])
+@pytest.mark.slow
+def test_the_tests_of_every_table_take_in_the_new_rows(run):
+    # The configuration of the tests would load all kernels.
+    options = ["--noconftest", "-v", "-k", " or ".join(f"({words})" for words, _ in ROWS.values())]
+    _, printed = run("-m", "pytest", *options, *(f"tests/{name}" for name in ROWS))
     assert re.findall("^(?:FAILED|ERROR) .*", printed, re.MULTILINE) == [], printed
     for name, (_, least) in ROWS.items():
         assert len(re.findall(rf"^tests/{name}::.* PASSED", printed, re.MULTILINE)) >= least, printed

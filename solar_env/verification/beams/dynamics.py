@@ -1,13 +1,12 @@
-"""Cases of beams in large motion: spin-up, falling pendulum, free flight; order of the implicit integrator."""
+"""Cases of beams in large motion: spin-up, falling pendulum, free flight."""
 
 import cmath
-import math
 from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 
-from solar_env.mechanics.arrays.columns import FORCE_X, FORCE_Y
 from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
 from solar_env.mechanics.mechanism.beams import (
     BEAM,
@@ -24,7 +23,7 @@ from solar_env.mechanics.running.simulation import Simulation, simulate
 from solar_env.verification.beams import theory
 from solar_env.verification.beams.fields import flexible_body, momenta, tip
 from solar_env.verification.beams.strain_theory import StrainBeam
-from solar_env.verification.checks import ARNOLD_BRULS, ENERGY, Check, compare
+from solar_env.verification.checks import ENERGY, Check, compare
 
 STRETCHED = "exact: E A r'' = -rho A rate^2 r"
 DRIVEN = "conservation of energy: stored = work of the drive"
@@ -41,37 +40,26 @@ DAMPED_PENDULUM_BEAM = replace(PENDULUM_BEAM, bending_stiffness=100.0 * PENDULUM
 
 def spin_up() -> Iterator[Check]:
     """A beam spun up about its end: lag of the tip, and its steady stretch."""
-    beam, elements = SPIN_UP_BEAM, 16
-    mechanism = spin_up_beam(beam, elements, SPIN_RATE, RAMP_TIME)
+    beam = SPIN_UP_BEAM
+    mechanism = spin_up_beam(beam, 16, SPIN_RATE, RAMP_TIME)
     motion = simulate(mechanism, 20.0, integrator=GeneralizedAlpha(step=2e-3), output_step=0.01)
     turned = np.array([theory.spin_up_angle(t, SPIN_RATE, RAMP_TIME)[0] for t in motion.time])
     local = tip(flexible_body(mechanism), motion.coordinates) * np.exp(-1j * turned)
     lowest = int(local.imag.argmin())
-    late = motion.time > RAMP_TIME
-    extension = theory.spinning_extension(beam, SPIN_RATE)
-    lag = ("largest lag of the tip [m]", -0.5738, local[lowest].imag)
-    yield from compare([lag], f"{{}}, {elements} elements", 1e-4, SIMO)
-    lag = ("time of the largest lag [s]", 6.76, motion.time[lowest])
-    yield from compare([lag], f"{{}}, {elements} elements", 0.01, SIMO)
+    yield Check("largest lag of the tip [m], 16 elements", -0.5738, local[lowest].imag, 1e-4, SIMO)
+    yield Check("time of the largest lag [s], 16 elements", 6.76, motion.time[lowest], 0.01, SIMO)
     # The beam goes on swinging by 1e-3 m, which shortens its projection
-    obtained = local.real[late].mean() - beam.length
-    yield Check(
-        f"mean extension after the spin-up [m], {elements} elements", extension, obtained, 0.01 * extension, STRETCHED
-    )
+    obtained = local.real[motion.time > RAMP_TIME].mean() - beam.length
+    extension = theory.spinning_extension(beam, SPIN_RATE)
+    yield Check("mean extension after the spin-up [m]", extension, obtained, 0.01 * extension, STRETCHED)
     times = [3.0, 6.0, 9.0, 12.0, 15.0, 18.0]
     reference = StrainBeam(beam, 5, 1, root_angle=lambda t: theory.spin_up_angle(t, SPIN_RATE, RAMP_TIME))
     places = reference.tips([0.0, *times], rtol=1e-6)[1:]
-    difference = [
-        abs(tip(flexible_body(mechanism), motion.coordinates[round(t / 0.01)]) - p)
-        for t, p in zip(times, places, strict=True)
-    ]
-    obtained = max(difference)
-    yield Check(
-        f"greatest distance of the tips at t = 3, 6, .. 18 s [m], {elements} elements", 0.0, obtained, 1e-4, STRAIN_BEAM
-    )
-    yield Check(
-        "energy residual over the energy put in", 0.0, motion.energy_residual / motion.energy_put_in, 1e-4, DRIVEN
-    )
+    found = [tip(flexible_body(mechanism), motion.coordinates[round(t / 0.01)]) for t in times]
+    obtained = np.abs(np.array(found) - places).max()
+    yield Check("greatest distance of the tips at t = 3, 6, .. 18 s [m]", 0.0, obtained, 1e-4, STRAIN_BEAM)
+    obtained = motion.energy_residual / motion.energy_put_in
+    yield Check("energy residual over the energy put in", 0.0, obtained, 1e-4, DRIVEN)
 
 
 def falling_pendulum() -> Iterator[Check]:
@@ -84,7 +72,7 @@ def falling_pendulum() -> Iterator[Check]:
         place = tip(flexible_body(mechanism), simulation.state.q)
         quantity = f"{{}} of the tip at t = {time:g} s [m], {elements} elements"
         yield from compare((("x", x, place.real), ("y", y, place.imag)), quantity, tolerance, BERZERI)
-    times, elements = [0.25, 0.5, 0.75, 1.0], 16
+    times, elements = [0.25, 0.5], 16
     places = StrainBeam(DAMPED_PENDULUM_BEAM, 10, 7, gravity=STANDARD_GRAVITY).tips([0.0, *times], rtol=1e-8)[1:]
     mechanism = flexible_pendulum(DAMPED_PENDULUM_BEAM, elements)
     choices: tuple[tuple[Integrator, float], ...] = ((RungeKutta(rtol=1e-8), 2e-5), (GeneralizedAlpha(step=5e-4), 1e-4))
@@ -129,7 +117,7 @@ def free_flight() -> Iterator[Check]:
                 node = body.node(load.point)
                 place = motion.coordinates[:, 4 * node] + 1j * motion.coordinates[:, 4 * node + 1]
                 moment = moment + (place.conj() * complex(*load.force)).imag
-            impulse = np.concatenate([[0.0], np.cumsum(0.5 * (moment[1:] + moment[:-1]) * np.diff(motion.time))])
+            impulse = cumulative_trapezoid(moment, motion.time, initial=0.0)
             obtained = np.abs(linear[:, 0] - expected).max() / np.abs(expected).max()
             yield Check(f"{name}: linear momentum less F t, relative, {integrator.name}", 0.0, obtained, 1e-9, LINEAR)
             obtained = np.abs(angular[:, 0] - angular[0, 0] - impulse).max() / np.abs(angular).max()
@@ -139,19 +127,3 @@ def free_flight() -> Iterator[Check]:
             obtained = motion.energy_residual / at_hand
             quantity = f"{name}: energy residual over the energy at hand, {integrator.name}"
             yield Check(quantity, 0.0, obtained, energy_tolerance, ENERGY)
-
-
-def implicit_order() -> Iterator[Check]:
-    """Order of generalized-alpha with flexible bodies, in coordinates and in the force of the pivot."""
-    mechanism, time = flexible_pendulum(DAMPED_PENDULUM_BEAM, 4), 0.5
-
-    def run(integrator: Integrator) -> tuple[np.ndarray, np.ndarray]:
-        simulation = Simulation(mechanism, integrator)
-        simulation.advance(time)
-        return simulation.state.q.copy(), simulation.joint_loads()[0, [FORCE_X, FORCE_Y]]
-
-    exact = run(RungeKutta(rtol=1e-11))
-    runs = [run(GeneralizedAlpha(step=step)) for step in (1e-3, 5e-4)]
-    for name, part in (("coordinates", 0), ("the pivot's force", 1)):
-        coarse, fine = (float(np.linalg.norm(result[part] - exact[part])) for result in runs)
-        yield Check(f"order of convergence in {name}", 2.0, math.log2(coarse / fine), 0.1, ARNOLD_BRULS)

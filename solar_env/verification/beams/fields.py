@@ -57,13 +57,6 @@ def beam_points(
     return place, velocity, mass
 
 
-def straight_coordinates(body: FlexibleBody, start: complex, slope: complex) -> NDArray[np.float64]:
-    """Coordinates of a body whose centreline is start + slope * s; of its velocity for a rigid motion, too."""
-    places = start + slope * np.linspace(0.0, body.length, body.elements + 1)
-    columns = (places.real, places.imag, np.full_like(places.real, slope.real), np.full_like(places.real, slope.imag))
-    return np.column_stack(columns).ravel()
-
-
 def momenta(mechanism: Mechanism, motion: Trajectory) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
     """Linear (x + i y) [kg m/s] and angular momentum about the origin [kg m2/s] of every body, (times, bodies) each.
 

@@ -11,7 +11,6 @@ This is the strain-based form of the geometrically exact beam (J. C. Simo and L.
 """
 
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -67,10 +66,6 @@ class StrainBeam:
         way = np.exp(1j * (root + self.direction @ coordinates[: self.turns]))
         return way, (1.0 + self.stretch @ coordinates[self.turns :]) * way
 
-    def tip(self, time: float, coordinates: Array) -> complex:
-        """Place of the tip [m]."""
-        return complex(self.weights @ self.tangent(time, coordinates)[1])
-
     def accelerations(self, time: float, coordinates: Array, rates: Array) -> Array:
         """Second time derivatives of the coordinates."""
         beam, n = self.beam, self.turns
@@ -87,18 +82,13 @@ class StrainBeam:
         force[n:] -= self.axial @ (coordinates[n:] + beam.damping * rates[n:])
         return np.linalg.solve((weighted.T @ columns).real, force)
 
-    def solve(self, times: Sequence[float], rtol: float = 1e-8) -> Any:
-        """SciPy's solution from the straight beam at rest along the x axis; states hold coordinates and rates."""
+    def tips(self, times: Sequence[float], rtol: float = 1e-8) -> NDArray[np.complex128]:
+        """Places of the tip [m] at times [s], from the straight beam at rest along the x axis."""
         size = self.turns + self.stretches
 
         def slope(time: float, state: Array) -> Array:
             return np.concatenate([state[size:], self.accelerations(time, state[:size], state[size:])])
 
         start = np.zeros(2 * size)
-        return solve_ivp(slope, (0.0, times[-1]), start, method="DOP853", t_eval=times, rtol=rtol, atol=0.1 * rtol)
-
-    def tips(self, times: Sequence[float], rtol: float = 1e-8) -> NDArray[np.complex128]:
-        """Places of the tip [m] over time, from rest."""
-        solution = self.solve(times, rtol)
-        size = self.turns + self.stretches
-        return np.array([self.tip(t, q[:size]) for t, q in zip(solution.t, solution.y.T, strict=True)])
+        states = solve_ivp(slope, (0.0, times[-1]), start, "DOP853", times, rtol=rtol, atol=0.1 * rtol).y.T
+        return np.array([self.weights @ self.tangent(t, q[:size])[1] for t, q in zip(times, states, strict=True)])

@@ -4,22 +4,25 @@ The beam does not shear; its moment is E I times the turn per undeformed length,
 stretch. Quantities are of a cantilever along the x axis, clamped at the origin, unless a function says otherwise.
 """
 
-import cmath
 import math
-from dataclasses import replace
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
-from scipy.optimize import brentq, newton
+from scipy.integrate import quad, solve_bvp
+from scipy.optimize import brentq
 from scipy.special import ellipe, ellipeinc, ellipk, ellipkinc
 
 from solar_env.mechanics.mechanism.beams import Beam
 
 Array = NDArray[np.float64]
 
-# Support -> place of the roots beta L near (n + shift) pi.
-SUPPORTS = {"clamped-free": -0.5, "pinned-free": 0.25, "free-free": 0.5}
+# Support -> the roots beta L lie near (n + shift) pi, and the function that is zero there.
+SUPPORTS: dict[str, tuple[float, Callable[[float], float]]] = {
+    "clamped-free": (-0.5, lambda x: math.cos(x) + 1.0 / math.cosh(x)),
+    "pinned-free": (0.25, lambda x: math.sin(x) - math.tanh(x) * math.cos(x)),
+    "free-free": (0.5, lambda x: math.cos(x) - 1.0 / math.cosh(x)),
+}
 
 # The falling pendulum of M. Berzeri and A. A. Shabana, J. Sound Vib. 235 (2000) 539, doi:10.1006/jsvi.1999.2935, as two
 # independent methods agreed on it: time [s] -> tip (x, y) [m], tolerance [m].
@@ -51,39 +54,22 @@ def tip_load_elastica(load: float) -> tuple[float, float, float]:
     return deflection, 1.0 - math.sqrt(2.0 * math.sin(angle) / load), float(angle)
 
 
-def tip_moment_circle(angle: float) -> tuple[float, float]:
-    """Tip (x, y), for the length 1, of a beam that a tip moment M L / (E I) = `angle` bends to a circular arc."""
-    tip = (cmath.exp(1j * angle) - 1.0) / (1j * angle)
-    return tip.real, tip.imag
+def deflected_tip(beam: Beam, tip_force: complex = 0j, tip_moment: float = 0.0) -> tuple[complex, float]:
+    """Tip x + i y [m] and tip angle [rad] of the extensible elastica under dead loads [N, N m]."""
 
+    def slope(_: Array, state: Array) -> Array:
+        angle, turn = state[:2]
+        local = tip_force * np.exp(-1j * angle)
+        stretch = 1.0 + local.real / beam.axial_stiffness
+        way = stretch * np.exp(1j * angle)
+        return np.array([turn, -stretch * local.imag / beam.bending_stiffness, way.real, way.imag])
 
-def deflected_tip(
-    beam: Beam, tip_force: complex = 0j, line_load: complex = 0j, tip_moment: float = 0.0
-) -> tuple[complex, float]:
-    """Tip x + i y [m] and tip angle [rad] of the extensible elastica under dead loads, by shooting.
+    def misfit(root: Array, tip: Array) -> Array:
+        return np.array([root[0], root[2], root[3], tip[1] - tip_moment / beam.bending_stiffness])
 
-    The loads are x + i y of a force [N] and of a force per undeformed length [N/m], and a moment [N m].
-    """
-
-    def march(root_turn: float, share: float) -> Array:
-        def slope(s: float, state: Array) -> tuple[float, ...]:
-            angle, turn = state[0], state[1]
-            local = share * (tip_force + line_load * (beam.length - s)) * cmath.exp(-1j * angle)
-            stretch = 1.0 + local.real / beam.axial_stiffness
-            way = stretch * cmath.exp(1j * angle)
-            return turn, -stretch * local.imag / beam.bending_stiffness, way.real, way.imag
-
-        start = (0.0, root_turn, 0.0, 0.0)
-        return solve_ivp(slope, (0.0, beam.length), start, "DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
-
-    turn = 0.0
-    for share in np.linspace(0.1, 1.0, 10):
-
-        def mismatch(root_turn: float, share: float = float(share)) -> float:
-            return float(march(root_turn, share)[1]) - share * tip_moment / beam.bending_stiffness
-
-        turn = float(newton(mismatch, turn, x1=turn + 0.1 / beam.length, tol=1e-13, maxiter=100))
-    angle, _, x, y = march(turn, 1.0)
+    s = np.linspace(0.0, beam.length, 100)
+    solution = solve_bvp(slope, misfit, s, np.array([0.0 * s, 0.0 * s, s, 0.0 * s]), tol=1e-11, max_nodes=100_000)
+    angle, _, x, y = solution.y[:, -1]
     return complex(x, y), float(angle)
 
 
@@ -91,22 +77,12 @@ def bending_wave_numbers(support: str, count: int) -> Array:
     """(count,) roots beta L of the characteristic equation, ascending, without the rigid-body zeros.
 
     S. Timoshenko, Vibration Problems in Engineering, 2nd ed., 1937, section 54.
-
-    Raises:
-        ValueError: if the support is none of SUPPORTS.
     """
-    if support not in SUPPORTS:
-        raise ValueError(f"support {support!r} is unknown; choose from {', '.join(SUPPORTS)}")
-
-    x = (np.arange(1, count + 1) + SUPPORTS[support]) * math.pi
-    side = 1.0 if support == "clamped-free" else -1.0
-    for _ in range(8):  # of Newton's method, down to rounding
-        sine, cosine, tanh, sech = np.sin(x), np.cos(x), np.tanh(x), 2.0 * np.exp(-x) / (1.0 + np.exp(-2.0 * x))
-        if support == "pinned-free":
-            x = x - (sine - tanh * cosine) / (tanh * (sine + tanh * cosine))
-        else:
-            x = x + (cosine + side * sech) / (sine + side * sech * tanh)
-    return np.asarray(x, dtype=float)
+    shift, characteristic = SUPPORTS[support]
+    x = np.asarray((np.arange(1, count + 1) + shift) * math.pi, dtype=float)
+    # Further roots differ from these by less than rounding.
+    x[:12] = [brentq(characteristic, near - 0.5, near + 0.5, xtol=1e-14) for near in x[:12]]
+    return x
 
 
 def bending_frequencies(support: str, beam: Beam, count: int) -> Array:
@@ -153,39 +129,6 @@ def spin_up_angle(time: float, rate: float, ramp_time: float) -> tuple[float, fl
     return angle, scale * (time - math.sin(phase * time) / phase), scale * (1.0 - math.cos(phase * time))
 
 
-def modal_decay_rate(frequency: float, damping: float) -> float:
-    """Decay rate [1/s] of a mode of `frequency` [Hz] if the stress has a part modulus * damping * strain rate.
-
-    From m (x'' + damping omega^2 x' + omega^2 x) = 0.
-    """
-    return 0.5 * damping * (2.0 * math.pi * frequency) ** 2
-
-
-def spinning_free_beam(beam: Beam, spin: float) -> tuple[float, float]:
-    """Steady rate [rad/s] and length [m] of a free beam, set spinning unstretched at `spin`, after its stretch has
-    been damped out: its angular momentum is conserved.
-    """
-    half = 0.5 * beam.length
-
-    def lost(rate: float) -> float:
-        k = rate * math.sqrt(beam.linear_density / beam.axial_stiffness)
-        # r = sin(k s) / (k cos(k half)); twice the integral of r^2 over a half.
-        second = (half - math.sin(2.0 * k * half) / (2.0 * k)) / (k * math.cos(k * half)) ** 2
-        return rate * second - spin * beam.length**3 / 12.0
-
-    rate = float(brentq(lost, 0.1 * spin, spin, xtol=1e-13))
-    return rate, beam.length + 2.0 * spinning_extension(replace(beam, length=half), rate)
-
-
-def pinned_lead(length: float, bending_stiffness: float, torque: float) -> float:
-    """How far the root of a pinned uniform beam leads [rad] a rigid one under a constant torque on it [N m].
-
-    A uniform angular acceleration a bends it by E I w'' = -rho A a (L^3 / 3 - L^2 s / 2 + s^3 / 6); equal moments of
-    momentum turn the root ahead by -integral(rho A s w) / J = (33 / 140) torque L / (E I).
-    """
-    return 33.0 / 140.0 * torque * length / bending_stiffness
-
-
 def element_deflection_error(load: float, slenderness: float, elements: int) -> float:
     """Leading error of the tip's deflection w / L of a cantilever of cubic elements under P L^2 / (E I) = `load`.
 
@@ -204,15 +147,13 @@ def element_deflection_error(load: float, slenderness: float, elements: int) -> 
     def energy(load: float) -> float:
         _, _, tip_angle = tip_load_elastica(load)
 
-        def slope(_: float, state: Array) -> tuple[float, float, float]:
-            angle, turn, _ = state
-            change = -load * math.cos(angle)
-            second = load * math.sin(angle) * turn
-            bending = (second - turn**3) ** 2 / (1440.0 * elements**4)
-            return turn, change, bending + slenderness * (turn * change) ** 2 / (6720.0 * elements**6)
+        def per_angle(angle: float) -> float:
+            # kappa' = -load cos(angle), and ds = d(angle) / kappa.
+            square = max(2.0 * load * (math.sin(tip_angle) - math.sin(angle)), 0.0)
+            bending = (load * math.sin(angle) - square) ** 2 / (1440.0 * elements**4)
+            return math.sqrt(square) * (bending + slenderness * (load * math.cos(angle)) ** 2 / (6720.0 * elements**6))
 
-        start = (0.0, math.sqrt(2.0 * load * math.sin(tip_angle)), 0.0)
-        return float(solve_ivp(slope, (0.0, 1.0), start, method="DOP853", rtol=1e-11, atol=1e-18).y[2, -1])
+        return float(quad(per_angle, 0.0, tip_angle, epsabs=0.0, epsrel=1e-10)[0])
 
     step = 1e-3 * load
     return (energy(load - step) - energy(load + step)) / (2.0 * step)

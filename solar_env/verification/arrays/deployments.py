@@ -1,0 +1,162 @@
+"""Cases of whole deployments: rigid panels against minimal coordinates, the limits of the models, conservation."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solar_env.array import ArrayParameters, build
+from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta
+from solar_env.mechanics.mechanism.description import Body, Mechanism
+from solar_env.mechanics.running.simulation import simulate
+from solar_env.verification.arrays.theory import joint_angles_over_time, latch_time
+from solar_env.verification.beams.fields import momenta
+from solar_env.verification.checks import ARNOLD_BRULS, ENERGY, Check, compare
+from solar_env.verification.linkages.chain_theory import MINIMAL
+
+REDUCED = "theta2 = 2 theta1: reduced equation of motion"
+NO_LOADS = "no external force or moment acts"
+HINGE_SHIFT = "a hinge out of its place by c changes inertias, and the time, by the order of c / L"
+QUASI_STATIC = "quasi-static deflection under the inertia forces is proportional to 1 / E"
+# A cable that hardly stretches and never slackens.
+STIFF_CABLE: dict[str, Any] = {"cable_stiffness": 1e5, "cable_preload_force": 1e9}
+COUPLE: dict[str, Any] = {"cable_torque_ratio": 1.0}
+# name, changes to the parameters
+REDUCTIONS: tuple[tuple[str, dict[str, Any]], ...] = (
+    ("main body fixed", {"body_fixed": True}),
+    ("free, hinge at mid-side", {}),
+    ("cable couple, main body fixed", {"body_fixed": True, **COUPLE}),
+    ("cable couple, free, hinge at mid-side", COUPLE),
+    ("cable couple, free, hinge at (0.5, -0.5)", {"hinge_y": -0.5, **COUPLE}),
+    ("cable couple, free, hinge at (0.5, 0.5)", {"hinge_y": 0.5, **COUPLE}),
+)
+
+
+def rigid_array_motion() -> Iterator[Check]:
+    """The free array with springs and cable loops; greatest difference of any joint angle over 10 s."""
+    times = [float(t) for t in np.arange(0.0, 10.01, 0.1)]
+    variants = (
+        ("two panels", ArrayParameters()),
+        ("two panels, paper preset", ArrayParameters.preset("paper")),
+        ("two panels, main body fixed", ArrayParameters(body_fixed=True)),
+        ("three panels", ArrayParameters(panel_count=3, spring_stiffness=(0.1, 0.075, 0.075))),
+    )
+    for name, parameters in variants:
+        array = build(parameters, "rigid-ideal")
+        motion = simulate(array, times[-1], integrator=RungeKutta(rtol=1e-12), output_step=0.1)
+        obtained = np.abs(motion.angles - joint_angles_over_time(parameters, times)).max()
+        yield Check(f"{name}: greatest difference of a joint angle [rad]", 0.0, obtained, 1e-9, MINIMAL)
+
+
+def latch_times() -> Iterator[Check]:
+    """Rigid-ideal array with a stiff cable loop against the reduction to one degree of freedom."""
+    integrators: tuple[Integrator, ...] = (RungeKutta(rtol=1e-8), GeneralizedAlpha(step=2e-3))
+    for name, changes in REDUCTIONS:
+        parameters = ArrayParameters(**changes, **STIFF_CABLE)
+        expected = latch_time(parameters)
+        for integrator in integrators:
+            motion = simulate(build(parameters, "rigid-ideal"), expected + 0.05, integrator=integrator, output_step=1.0)
+            obtained = motion.latch_times.max()
+            yield Check(f"latch time, {name} [s], {integrator.name}", expected, obtained, 1e-3, REDUCED)
+
+
+def clearance_limit() -> Iterator[Check]:
+    """Joints with clearance tend to ideal joints as it vanishes; without friction, whose torque does not vanish."""
+
+    def latched(parameters: ArrayParameters, model: str, rtol: float) -> NDArray[np.float64]:
+        return simulate(build(parameters, model), 13.0, integrator=RungeKutta(rtol=rtol), output_step=1.0).latch_times
+
+    ideal, clearances = latched(ArrayParameters(), "rigid-ideal", 1e-9), (2e-4, 1e-4, 5e-5, 2.5e-5)
+    differences = []
+    for clearance in clearances:
+        parameters = ArrayParameters(clearance=clearance, friction_coefficient=0.0)
+        differences.append(latched(parameters, "rigid-clearance", 1e-7) - ideal)
+        for joint, difference in enumerate(differences[-1]):
+            quantity = f"c = {clearance:g} m: latch time of joint {joint + 1} less that of an ideal one [s]"
+            tolerance = 2.0 * float(ideal[joint]) * clearance / parameters.panel_length
+            yield Check(quantity, 0.0, difference, tolerance, HINGE_SHIFT)
+    orders = np.log2(np.abs(differences[0] / differences[-1])) / math.log2(clearances[0] / clearances[-1])
+    yield from compare(
+        zip("12", (1.0, 1.0), orders, strict=True),
+        "order in c of the difference of the latch time of joint {}",
+        tolerance=0.25,  # single runs, with impacts at the start
+        source="the place of the hinge is proportional to c",
+    )
+
+
+def without_rotary_inertia(mechanism: Mechanism) -> Mechanism:
+    """Rigid panels with the inertia of a thin rod, as the beams have it."""
+    bodies = [mechanism.bodies[0]]
+    for body in mechanism.bodies[1:]:
+        assert isinstance(body, Body)
+        bodies.append(replace(body, inertia=body.mass * body.length**2 / 12.0))
+    return replace(mechanism, bodies=tuple(bodies))
+
+
+def rigid_limit() -> Iterator[Check]:
+    """Flexible panels tend to rigid ones as their modulus grows; without a cable, which would swing undamped.
+
+    The vibrations that the torques' sudden start excites are damped: the panels then bend quasi-statically.
+    """
+
+    def angles(mechanism: Mechanism) -> NDArray[np.float64]:
+        motion = simulate(mechanism, 6.0, integrator=GeneralizedAlpha(step=2.5e-3), output_step=0.5)
+        return motion.angles[4:]
+
+    two = ArrayParameters(cable_stiffness=0.0, panel_damping=0.01)
+    one = replace(two, panel_count=1, spring_stiffness=0.1, spring_preload_angle=math.pi / 2)
+    for name, parameters in (("1 panel", one), ("2 panels", two)):
+        rigid = angles(without_rotary_inertia(build(parameters, "rigid-ideal")))
+        softer, stiffer = (
+            np.abs(angles(build(replace(parameters, panel_young=E), "flexible-ideal:2 elements")) - rigid).max()
+            for E in (280e6, 560e6)
+        )
+        quantity = f"{name}: order in 1 / E of the difference of the angles, 2 to 6 s"
+        yield Check(quantity, 1.0, math.log2(softer / stiffer), 0.01, QUASI_STATIC)
+
+
+def two_integrators() -> Iterator[Check]:
+    """Explicit and implicit integration of the array with flexible, damped panels; order of the implicit method."""
+    parameters, end = ArrayParameters(cable_stiffness=10.0, panel_damping=3e-4), 3.0
+    mechanism = build(parameters, "flexible-ideal:2 elements")
+
+    def angles(integrator: Integrator) -> NDArray[np.float64]:
+        return simulate(mechanism, end, integrator=integrator, output_step=end).angles[-1]
+
+    explicit = angles(RungeKutta(rtol=1e-10))
+    coarse, fine = (angles(GeneralizedAlpha(step=step)) for step in (4e-4, 2e-4))
+    orders = np.log2((coarse - explicit) / (fine - explicit))
+    yield from compare(zip("12", (2.0, 2.0), orders, strict=True), "order in the angle of joint {}", 0.05, ARNOLD_BRULS)
+    # Of order two: extrapolated, its error is of the order of the step's fourth power.
+    yield from compare(
+        zip("12", explicit, (4.0 * fine - coarse) / 3.0, strict=True),
+        "angle of joint {} at 3 s [rad], generalized-alpha extrapolated from 0.4 and 0.2 ms",
+        tolerance=1e-9,
+        source="runge-kutta at rtol 1e-10",
+    )
+
+
+def conservation() -> Iterator[Check]:
+    """Momenta and energy of a free array through impacts, friction, latching and a cable loop."""
+    # Steps are longest between impacts, when journals rest; generalized-alpha adds the tolerance of Newton's iteration.
+    runs: tuple[tuple[str, Integrator, float, float, float], ...] = (
+        ("rigid-clearance", RungeKutta(rtol=1e-6), 30.0, 1.5e-14, 3e-6),
+        ("rigid-clearance", GeneralizedAlpha(rtol=1e-6), 15.0, 1e-8, 1e-5),
+        ("flexible-clearance:2 elements", RungeKutta(rtol=1e-6), 15.0, 1e-13, 3e-7),
+    )
+    for model, integrator, duration, linear_tolerance, angular_tolerance in runs:
+        mechanism, name = build(ArrayParameters(), model), f"{model}, {duration:g} s, {integrator.name}"
+        motion = simulate(mechanism, duration, integrator=integrator, output_step=0.05)
+        obtained = np.isnan(motion.latch_times).sum()
+        yield Check(f"{name}: joints that have not latched", 0.0, obtained, 0.0, "every joint latches")
+        linear, angular = momenta(mechanism, motion)
+        # The linear one is subject to rounding alone; the angular one, a product, to the steps' local error.
+        for kind, both, tolerance in (("linear", linear, linear_tolerance), ("angular", angular, angular_tolerance)):
+            obtained = np.abs(both.sum(axis=1)).max() / np.abs(both).sum(axis=1).max()
+            yield Check(f"{name}: {kind} momentum over the sum of the bodies' ones", 0.0, obtained, tolerance, NO_LOADS)
+        # Some ten times the local tolerance
+        obtained = motion.energy_residual / motion.energy_put_in
+        yield Check(f"{name}: energy residual over the energy put in", 0.0, obtained, 1e-5, ENERGY)

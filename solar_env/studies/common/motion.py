@@ -115,8 +115,7 @@ def run_own(scene: Scene, integrator: Integrator) -> Motion:
     Raises:
         SimulationError: if the run cannot go on.
     """
-    with warnings.catch_warnings():
-        # What the library warns of is measured here.
+    with warnings.catch_warnings():  # what the library warns of is measured here
         warnings.simplefilter("ignore", SimulationWarning)
         trajectory = simulate(scene.mechanism(), scene.duration, integrator=integrator, output_step=scene.sample_step)
     return from_trajectory(trajectory)

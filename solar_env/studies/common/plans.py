@@ -13,17 +13,11 @@ FAST_PARAMETERS = replace(PARAMETERS, spring_stiffness=(2.5, 1.875), cable_prelo
 
 @dataclass(frozen=True)
 class Ensemble:
-    """A level of the study of convergence, and the size of its ensemble.
+    """A level of the study of convergence, and the size of its ensemble."""
 
-    Attributes:
-        panels: what flexible panels consist of, as "6 elements" or "32 modes"; empty for rigid ones.
-        members: runs with clearance.
-        tighter: what the default tolerance is divided by.
-    """
-
-    panels: str
-    members: int
-    tighter: float = 1.0
+    panels: str  # "6 elements" or "32 modes"; empty for rigid ones
+    members: int  # runs with clearance
+    tighter: float = 1.0  # what the default tolerance is divided by
 
 
 # From the coarsest to the finest of each family.

@@ -25,7 +25,7 @@ def draw_ladder(answers: Sequence[Answer], folder: Path) -> Path:
     asked = [question for question in QUESTIONS if any(answer.question == question for answer in answers)]
     looks = {_size(answer): look_of(_size(answer), LEVEL_LOOKS) for answer in answers}
     rows = -(-len(asked) // _COLUMNS)
-    figure, axes = make_figure(rows, _COLUMNS, (4.1, 2.4), len(looks), gap=0.7)
+    figure, axes = make_figure(rows, _COLUMNS, (4.1, 2.4), len(looks))
     with mpl.rc_context(STYLE):
         for axis, question in zip(axes.flat, asked, strict=False):
             _draw_panel(axis, [answer for answer in answers if answer.question == question])

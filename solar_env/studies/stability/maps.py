@@ -12,6 +12,8 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import TypeVar
 
+import numpy as np
+
 from solar_env.mechanics.running.diagnosis import SimulationWarning
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.studies.common.tables import Cell as TableCell
@@ -48,31 +50,17 @@ class Said(StrEnum):
 
 @dataclass(frozen=True)
 class Axis:
-    """An axis of a map.
+    """An axis of a map."""
 
-    Attributes:
-        column: name of its column in the table.
-        label: what it is, with its unit.
-        quick: the values of a quick run.
-        full: the values of a full run.
-    """
-
-    column: str
-    label: str
-    quick: tuple[Value, ...]
+    column: str  # of the table
+    label: str  # with its unit
+    quick: tuple[Value, ...]  # values of a quick run
     full: tuple[Value, ...]
 
 
 @dataclass(frozen=True)
 class Cell:
-    """Measurement at one place of a map.
-
-    Attributes:
-        kind: its class.
-        value: the measured quantity; nan if the run raised.
-        said: how the library said that something is wrong.
-        message: what it said.
-    """
+    """Measurement at one place of a map: its class, what was measured (nan if the run raised), and what was said."""
 
     kind: Kind
     value: float
@@ -88,7 +76,7 @@ class StabilityMap:
         name: of the command line and of the files.
         title: heading of the figure.
         x, y: axes.
-        panels: names of the panels, from left to right.
+        panels: their names, in the order in which they are drawn.
         quantity: what the value of a cell is, with its unit.
         advice: one sentence that says what to do about the failures.
         measure: panel, x and y to the cell.
@@ -117,29 +105,14 @@ class StabilityMap:
     def row(self, panel: str, x: Value, y: Value) -> Mapping[str, TableCell]:
         """Measure a cell and return its row of the table."""
         cell = self.measure(panel, x, y)
-        return {
-            "panel": panel,
-            self.x.column: x,
-            self.y.column: y,
-            "class": cell.kind,
-            "value": cell.value,
-            "limit": self.limit(panel, y),
-            "said": cell.said,
-            "message": cell.message,
-        }
+        place = {"panel": panel, self.x.column: x, self.y.column: y, "class": cell.kind, "value": cell.value}
+        return {**place, "limit": self.limit(panel, y), "said": cell.said, "message": cell.message}
 
     def description(self) -> dict[str, str]:
         """Texts that a figure needs beside the rows; kept with the table's provenance."""
-        return {
-            "title": self.title,
-            "x": self.x.column,
-            "y": self.y.column,
-            "x label": self.x.label,
-            "y label": self.y.label,
-            "value": self.quantity,
-            "limit": self.limit_label,
-            "advice": self.advice,
-        }
+        axes = {"x": self.x.column, "y": self.y.column, "x label": self.x.label, "y label": self.y.label}
+        texts = {"value": self.quantity, "limit": self.limit_label, "advice": self.advice}
+        return {"title": self.title, **axes, **texts}
 
 
 def listen(run: Callable[[], Result], judge: Callable[[Result], Cell]) -> Cell:
@@ -160,12 +133,7 @@ def listen(run: Callable[[], Result], judge: Callable[[Result], Cell]) -> Cell:
 
 
 def classify_ratios(lowest: float, highest: float, tolerance: float) -> Kind:
-    """Class of a quantity over its exact value, from the lowest and the highest ratio that was seen.
-
-    Args:
-        lowest, highest: 1 if all is well.
-        tolerance: what is still fine; twice the exact value, or more, is a blow-up.
-    """
+    """Class of a quantity over its exact value, from the lowest and the highest ratio: 2 or more is a blow-up."""
     if not highest <= 2.0:
         return Kind.BLOW_UP
     if highest > 1.0 + tolerance:
@@ -181,5 +149,4 @@ def silent_failures(table: Table) -> Table:
 
 def log_range(first: float, last: float, count: int) -> tuple[float, ...]:
     """`count` values from first to last at equal ratios, rounded to three digits."""
-    ratio = (last / first) ** (1.0 / (count - 1))
-    return tuple(float(f"{first * ratio**k:.3g}") for k in range(count))
+    return tuple(float(f"{value:.3g}") for value in np.geomspace(first, last, count))

@@ -1,7 +1,7 @@
 """Error and cost of every level of the model, question by question, measured into a table."""
 
 import statistics
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,25 +16,10 @@ from solar_env.studies.common.levels import FINEST, Level
 from solar_env.studies.common.motion import SETTING_SHARE
 from solar_env.studies.common.tables import Row, provenance, write_table
 from solar_env.studies.ladder.answers import mean_error, ranking_error
-from solar_env.studies.ladder.runs import CONTROLLERS, SAMPLE_STEP, Outcome, Profile, control, deploy
+from solar_env.studies.ladder.runs import CONTROLLERS, RANKING, SAMPLE_STEP, Outcome, control, deploy
 from solar_env.support.progress import counting_bar
 
-RANKING = "controller-ranking"
 FILE = "ladder.csv"
-
-
-@dataclass(frozen=True)
-class LadderRun:
-    """A member of the ensemble at a level, under a controller or, without one, on the springs alone."""
-
-    level: Level
-    member: int
-    profile: Profile | None
-
-    @property
-    def name(self) -> str:
-        """Level, number of the run and controller, in words."""
-        return f"{self.level.name}, run {self.member + 1}" + (f", {self.profile.name}" if self.profile else "")
 
 
 @dataclass(frozen=True)
@@ -68,21 +53,16 @@ class LadderPlan:
         flexible = (Level(f"flexible-{joint}:{panels}") for joint in ("ideal", "clearance") for panels in self.panels)
         return (Level("rigid-ideal"), Level("rigid-clearance"), *flexible, self.reference)
 
-    def members_of(self, level: Level, most: int) -> int:
-        """How many of at most so many members run at a level."""
-        return most if level.panels.clearance else min(most, self.ideal_members)
-
     @property
-    def runs(self) -> tuple[LadderRun, ...]:
-        """Every run, member by member, so that what disturbs the machine meets all levels alike."""
-        return tuple(
-            LadderRun(level, member, profile)
-            for most, profiles in ((self.members, (None,)), (self.controlled_members, CONTROLLERS))
+    def runs(self) -> list[tuple[Level, int, bool]]:
+        """Level, member, and whether controlled; member by member, so that disturbances meet all levels alike."""
+        return [
+            (level, member, controlled)
+            for most, controlled in ((self.members, False), (self.controlled_members, True))
             for member in range(most)
             for level in self.levels
-            if member < self.members_of(level, most)
-            for profile in profiles
-        )
+            if level.panels.clearance or member < self.ideal_members
+        ]
 
 
 FULL = LadderPlan()
@@ -95,35 +75,22 @@ QUICK = LadderPlan(
     window=4.0,
 )
 
-Announce = Callable[[str], None]
 
-
-def run_ladder(plan: LadderPlan, announce: Announce) -> list[Row]:
+def run_ladder(plan: LadderPlan, announce: Callable[[str], None]) -> list[Row]:
     """Make every run, announced before it starts.
 
     Returns a row for every question and level, with the columns of `solar_env.array.ladder.Answer`.
     """
-    deployed: dict[Level, list[Outcome]] = {level: [] for level in plan.levels}
-    controlled: dict[Level, list[Outcome]] = {level: [] for level in plan.levels}
-    for run in plan.runs:
-        announce(run.name)
-        if run.profile is None:
-            deployed[run.level].append(deploy(run.level, run.member, plan.duration))
-        else:
-            controlled[run.level].append(control(run.level, run.member, run.profile, plan.window))
-    members = len(CONTROLLERS)
-    joined = {
-        level: [Outcome.of_all(own[k : k + members]) for k in range(0, len(own), members)]
-        for level, own in controlled.items()
+    done: dict[bool, dict[Level, list[Outcome]]] = {
+        controlled: {level: [] for level in plan.levels} for controlled in (False, True)
     }
-    return rows_of(deployed, joined)
-
-
-def rows_of(deployed: Mapping[Level, Sequence[Outcome]], controlled: Mapping[Level, Sequence[Outcome]]) -> list[Row]:
-    """Rows of the table from the runs of all levels and, last, of the reference."""
+    for level, member, controlled in plan.runs:
+        announce(f"{level.name}, run {member + 1}{', controllers' * controlled}")
+        run = control(level, member, plan.window) if controlled else deploy(level, member, plan.duration)
+        done[controlled][level].append(run)
     rows: list[Row] = []
     for question in QUESTIONS:
-        *levels, (_, reference) = (controlled if question == RANKING else deployed).items()
+        *levels, (_, reference) = done[question == RANKING].items()
         for level, own in levels:
             error, half_width = error_of(question, own, reference)
             answer = Answer(
@@ -166,7 +133,7 @@ def measure_ladder(quick: bool, folder: Path, console: Console) -> Path:
         integrators=f"the default of each level; tolerances of members within {SETTING_SHARE:.1%}",
         duration_s=plan.duration,
         window_s=plan.window,
-        controllers="; ".join(f"{p.name} ({p.torque:g} N m from {p.start:g} s)" for p in CONTROLLERS),
+        controllers="; ".join(f"{name} ({torque:g} N m from {s:g} s)" for name, (torque, s) in CONTROLLERS.items()),
     )
     path = folder / FILE
     write_table(path, rows, made_by)

@@ -12,8 +12,6 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import TypeVar
 
-import numpy as np
-
 from solar_env.mechanics.running.diagnosis import SimulationWarning
 from solar_env.mechanics.running.errors import SimulationError
 from solar_env.studies.common.tables import Cell as TableCell
@@ -149,4 +147,5 @@ def silent_failures(table: Table) -> Table:
 
 def log_range(first: float, last: float, count: int) -> tuple[float, ...]:
     """`count` values from first to last at equal ratios, rounded to three digits."""
-    return tuple(float(f"{value:.3g}") for value in np.geomspace(first, last, count))
+    ratio = (last / first) ** (1.0 / (count - 1))
+    return tuple(float(f"{first * ratio**k:.3g}") for k in range(count))

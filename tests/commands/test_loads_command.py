@@ -10,6 +10,8 @@ from helpers import page_data
 
 from solar_env.__main__ import main
 from solar_env.array import read_parameters
+from solar_env.studies.common.levels import Level
+from solar_env.studies.loads import ensemble
 from solar_env.studies.loads.ensemble import LoadsPlan, nominal_deployment
 
 FAST = """
@@ -28,9 +30,10 @@ def array(tmp_path):
     return tmp_path / "my_array.toml"
 
 
-def test_it_answers_and_writes_page_data_and_loads_on_the_hub(array, tmp_path, capsys):
+def test_it_answers_and_writes_page_data_and_loads_on_the_hub(array, tmp_path, capsys, monkeypatch):
     files = {name: tmp_path / name for name in ("loads.html", "hub.csv")}
-    options = ["--question", "wear", "--tolerance", "0.5", "--runs", "1", "--window", "0.3", "--jobs", "1"]
+    monkeypatch.setattr(ensemble, "FINEST", Level("rigid-clearance", tighter=2.0))
+    options = ["--model", "rigid-clearance", "--runs", "1", "--window", "0.3", "--jobs", "1"]
     usual = ["loads", str(array), *options, "--out", str(tmp_path / "runs")]
     assert main([*usual, "--html", str(files["loads.html"])]) == 0
     first = capsys.readouterr().out
@@ -50,7 +53,7 @@ def test_it_answers_and_writes_page_data_and_loads_on_the_hub(array, tmp_path, c
     assert (tmp_path / "runs" / "loads.jsonl").read_bytes() == kept
     assert capsys.readouterr().out == first
 
-    plan = LoadsPlan(read_parameters(array), "wear", 0.5, 1, 0.3, 60.0)
+    plan = LoadsPlan(read_parameters(array), "rigid-clearance", 1, 0.3, 60.0)
     trajectory = nominal_deployment(plan).trajectory
     table = np.genfromtxt(files["hub.csv"], delimiter=",", names=True)
     turned = (table["torque_z_Nm"] * (table["end_s"] - table["start_s"])).cumsum() / table["hub_inertia_kgm2"]
@@ -70,8 +73,7 @@ def test_it_answers_and_writes_page_data_and_loads_on_the_hub(array, tmp_path, c
         (["--html", "page.pdf"], ["suffix", ".pdf", ".html"]),
         (["--html", "no/such/page.html"], ["folder", "no/such/page.html"]),
         (["--runs", "0"], ["runs", "0"]),
-        (["--tolerance", "1e-6"], ["no level answers", "peak-force"]),
-        (["--wear-limit", "0"], ["wear limit", "positive"]),
+        (["--model", "rigid-ideal"], ["rigid-ideal", "clearance"]),
         (["--window", "-1"], ["window", "-1"]),
         (["--window", "nan"], ["window", "nan"]),
         (["--jobs", "0"], ["jobs", "0"]),

@@ -1,7 +1,7 @@
-"""The ensemble: members at the cheapest level that answers to a tolerance, and at the next finer one."""
+"""The ensemble: members at a level of the model, and at the finest one."""
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from rich.console import Console
 
 from solar_env.array import ArrayParameters, ModelLevel
-from solar_env.array.ladder import Answer, cheapest, read_answers, steps
 from solar_env.array.parameters.file import ParameterFile
 from solar_env.studies.common.levels import FINEST, Level
 from solar_env.studies.loads.quantities import QUANTITIES, read_all
@@ -30,45 +29,36 @@ class LoadsPlan:
 
     Attributes:
         array: parameters, and what of them is drawn.
-        question, tolerance: of the ladder, by which the level is chosen.
+        model: the level as a word; the same members run at the finest level, too.
         members: runs of each level.
         window: time simulated after the last latching [s].
         deadline: by which all joints must have latched [s].
 
     Raises:
-        ValueError: on construction, for a value out of range or a tolerance that no level with clearance meets.
+        ValueError: on construction, for a value out of range, or ideal joints, which tell nothing of impacts.
     """
 
     array: ParameterFile
-    question: str = "peak-force"
-    tolerance: float = 0.15
+    model: str = "flexible-clearance"
     members: int = 16
     window: float = 10.0
     deadline: float = 60.0
 
     def __post_init__(self) -> None:
+        if not ModelLevel.of(self.model).clearance:
+            raise ValueError(
+                f"model = {self.model!r} has ideal joints, which know no impacts; choose one with clearance"
+            )
         if self.members < 1:
             raise ValueError(f"runs = {self.members!r} must be at least 1")
         for name in ("window", "deadline"):
             if not 0.0 < getattr(self, name) <= 1e4:
                 raise ValueError(f"{name} = {getattr(self, name)!r} s must be positive and at most 10000")
-        self.levels  # noqa: B018 (checks question and tolerance)
-
-    @property
-    def answer(self) -> Answer:
-        """The ladder's row of the cheapest level with clearance; ideal joints tell nothing of impacts."""
-        return cheapest(_with_clearance(), self.question, self.tolerance)
 
     @property
     def levels(self) -> tuple[Level, Level]:
-        """The level chosen, and the next finer one."""
-        chosen = self.answer
-        finer = [row for row in steps(_with_clearance(), self.question) if row.bound < chosen.bound]
-        return Level(chosen.level), Level(finer[-1].level) if finer else FINEST
-
-
-def _with_clearance() -> list[Answer]:
-    return [row for row in read_answers() if ModelLevel.of(row.level).clearance]
+        """The level chosen, and the finest one."""
+        return Level(self.model), FINEST
 
 
 def run_member(cell: Cell) -> dict[str, Any]:
@@ -98,7 +88,7 @@ class Loads:
         plan: what was asked.
         figures: quantity -> a figure for each joint, or one of the hub.
         hinge_spectrum, hub_spectrum: (levels, members, f, joints) and (levels, members, f) of members that latched.
-        unlatched: members in which not all joints latched by the deadline, of the level and of the finer one.
+        unlatched: members in which not all joints latched by the deadline, of the level and of the finest one.
         warnings: text -> in how many runs the simulator said it.
     """
 
@@ -106,7 +96,7 @@ class Loads:
     figures: Mapping[str, tuple[Figure, ...]]
     hinge_spectrum: Array
     hub_spectrum: Array
-    unlatched: tuple[int, int]
+    unlatched: Sequence[int]
     warnings: Mapping[str, int]
 
 
@@ -139,7 +129,7 @@ def gathered(plan: LoadsPlan, results: list[dict[str, Any]]) -> Loads:
         ValueError: if in no run all joints latch.
     """
     levels = results[::2], results[1::2]
-    unlatched = tuple(sum(not run["latched"] for run in runs) for runs in levels)
+    unlatched = [sum(not run["latched"] for run in runs) for runs in levels]
     if min(unlatched) == plan.members:
         raise ValueError(
             f"in none of {plan.members} runs all joints latch within {plan.deadline:g} s; give a longer --deadline, or "
@@ -147,17 +137,13 @@ def gathered(plan: LoadsPlan, results: list[dict[str, Any]]) -> Loads:
         )
     figures = {}
     for name in QUANTITIES:
-        width = max(len(run["quantities"].get(name, [])) for run in results)
-        first, second = (
-            np.array([run["quantities"].get(name, [np.nan] * width) for run in runs], dtype=float) for runs in levels
-        )
-        figures[name] = tuple(figure_of(first[:, k], second[:, k]) for k in range(first.shape[1]))
+        level, finest = (np.array([run["quantities"][name] for run in runs], dtype=float) for runs in levels)
+        figures[name] = tuple(figure_of(*values) for values in zip(level.T, finest.T, strict=True))
     both = [k for k in range(plan.members) if levels[0][k]["latched"] and levels[1][k]["latched"]]
     hinge, hub = (
         np.array([[runs[k][name] for k in both] for runs in levels]) for name in ("hinge_spectrum", "hub_spectrum")
     )
-    said = Counter(text for run in results for text in run["warnings"])
-    return Loads(plan, figures, hinge, hub, (unlatched[0], unlatched[1]), said)
+    return Loads(plan, figures, hinge, hub, unlatched, Counter(text for run in results for text in run["warnings"]))
 
 
 def nominal_deployment(plan: LoadsPlan) -> Deployment:

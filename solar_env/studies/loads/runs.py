@@ -70,29 +70,18 @@ def member_parameters(parameters: ArrayParameters, ranges: Mapping[str, Any], me
 
 
 def deploy(level: Level, parameters: ArrayParameters, member: int, window: float, deadline: float) -> Deployment:
-    """Simulate an array until some time after its last latching, or to the deadline if a joint has not latched then.
+    """Simulate an array until `window` [s] after its last latching, or to the deadline [s] if a joint is open then.
 
-    Args:
-        level: of the model.
-        parameters: of the member, see `member_parameters`.
-        member: chooses the tolerance of the integrator.
-        window: [s] after the last latching.
-        deadline: [s].
+    The member chooses the tolerance of the integrator.
 
     Raises:
         SimulationError: if the run cannot go on.
     """
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", SimulationWarning)
-        array = build(parameters, level.model)
-        run = _Run(Simulation(array, level.integrator(member)), parameters)
+        run = _Run(Simulation(build(parameters, level.model), level.integrator(member)), parameters)
         run.go_on(window, deadline)
-        details = {
-            "model": level.model,
-            "parameters": parameters.to_dict(),
-            "integrator": run.simulation.integrator.name,
-        }
-        trajectory = run.trajectory(details)
+        trajectory = run.trajectory(level.model)
         run.simulation.check()
     said = tuple(dict.fromkeys(str(item.message) for item in caught if issubclass(item.category, SimulationWarning)))
     place = hub_place(parameters, run.simulation.model, trajectory.coordinates)
@@ -190,10 +179,12 @@ class _Run:
             np.maximum.at(greatest, np.minimum(milliseconds, last) - 1, loads)
         return greatest
 
-    def trajectory(self, metadata: Mapping[str, Any]) -> Trajectory:
+    def trajectory(self, model: str) -> Trajectory:
         """The run as a trajectory."""
+        integrator = self.simulation.integrator.name
+        details = {"model": model, "parameters": self._parameters.to_dict(), "integrator": integrator}
         samples, state = np.concatenate(self._samples), self.simulation.state
         times = np.asarray(np.arange(len(samples)) * (EVERY / RATE), np.float64)
         recorder = Recorder(times, samples, np.zeros((0, 7)), np.zeros(2, np.int64), np.zeros(1))
         contacts = contact_table(state, np.concatenate(self._contacts))
-        return assemble(self.simulation.model, state, recorder, contacts, dict(metadata))
+        return assemble(self.simulation.model, state, recorder, contacts, details)

@@ -8,45 +8,78 @@ round as the contact law wants it.
 """
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from rich.console import Console
 
 from solar_env.array import ArrayParameters
 from solar_env.studies.common.levels import Level
 from solar_env.studies.common.tables import Row
 from solar_env.support.campaigns import ONE, Workers, each_done
+from solar_env.support.progress import counting_bar
 
 Array = NDArray[np.float64]
 
 FILE = "ground_test.csv"
 MODEL = "rigid-clearance"
 DURATION = 30.0  # s
+# Archard's k [m2/N] of ground tests: ten deployments wear like 1e9 at 1e-14, the array's.
+WEAR_COEFFICIENT = 1e-6
+GROWTH = 0.05  # share of a clearance that may be worn before the next deployment is simulated
+MEMBERS = 4  # runs that stand for a deployment
+CHECKED = 10  # deployments that are simulated directly, too
 
 
 @dataclass(frozen=True)
 class Deployment:
-    """One simulated deployment of the campaign; figures by joint are means over an ensemble.
+    """One simulated deployment of the campaign; figures by joint (joints,) are means over an ensemble.
 
     Attributes:
         number: of deployments before it.
-        clearance: (joints,) [m].
-        wear: (joints,) growth of the clearance by this deployment [m].
-        wear_error: (joints,) its standard error [m].
-        peak_force: (joints,) greatest contact force after the first latching [N].
-        peak_force_error: (joints,) its standard error [N].
         repeated: how many deployments this one stands for.
+        clearance: [m].
+        wear, wear_error: growth of the clearance by this deployment [m], and its standard error.
+        force, force_error: greatest contact force after the first latching [N], and its standard error.
     """
 
     number: int
+    repeated: int
     clearance: Array
     wear: Array
     wear_error: Array
-    peak_force: Array
-    peak_force_error: Array
-    repeated: int
+    force: Array
+    force_error: Array
+
+
+def measure_ground_tests(
+    preset: str, deployments: int, workers: Workers, console: Console
+) -> tuple[list[Row], list[str]]:
+    """Simulate a campaign, extrapolated and for a while directly; returns its rows, and how the two compare.
+
+    Raises:
+        SimulationError: if a run cannot go on.
+    """
+    parameters = replace(ArrayParameters.preset(preset), wear_coefficient=WEAR_COEFFICIENT)
+    checked = min(CHECKED, deployments)
+    rows: list[Row] = []
+    told = []
+    with counting_bar(console) as bar:
+        for kind, count, growth in (("extrapolated", deployments, GROWTH), ("direct", checked, 0.0)):
+            task = bar.add_task(f"{kind} deployments", total=count)
+            campaign = []
+            for deployment in wear_campaign(parameters, count, growth, MEMBERS, workers):
+                campaign.append(deployment)
+                bar.advance(task, deployment.repeated)
+            rows += [as_row(deployment, kind) for deployment in campaign]
+            grown = zip(*(1e6 * of_joints for of_joints in clearances_after(campaign, checked)), strict=True)
+            listed = ", ".join(f"{clearance:.3f} +- {error:.3f}" for clearance, error in grown)
+            told.append(
+                f"clearances after {checked} deployments, {kind}, {len(campaign)} of them simulated [µm]: {listed}"
+            )
+    return rows, told
 
 
 def wear_campaign(
@@ -62,13 +95,8 @@ def wear_campaign(
         workers: where the simulations run.
 
     Raises:
-        ValueError: if a number is too small, or `growth` is negative.
         SimulationError: if a run cannot go on.
     """
-    if deployments < 1 or members < 2:
-        raise ValueError(f"deployments = {deployments} must be at least 1, members = {members} at least 2")
-    if not growth >= 0.0:
-        raise ValueError(f"growth = {growth!r} must not be negative")
     clearance = np.array(parameters.for_each_joint("clearance"))
     number, repeated, simulated, before = 0, 0, 0, np.zeros_like(clearance)
     while number < deployments:
@@ -77,25 +105,19 @@ def wear_campaign(
         simulated += 1
         done = {own: figure for (_, own), figure in each_done(_deploy, runs, workers)}
         figures = np.array([done[own] for _, own in runs])
-        wear, peak_force = figures.mean(axis=0)
+        wear, force = figures.mean(axis=0)
         wear_error, force_error = figures.std(axis=0, ddof=1) / math.sqrt(members)
         corrected = clearance + 0.5 * max(repeated - 1, 0) * (wear - before)
-        longest = deployments - number
-        fastest = float(np.max(wear / clearance))
-        repeated = min(longest, max(1, int(growth / fastest))) if fastest > 0.0 else longest
-        yield Deployment(number, clearance, wear, wear_error, peak_force, force_error, repeated)
+        repeated, fastest = deployments - number, float(np.max(wear / clearance))
+        if fastest > 0.0:
+            repeated = min(repeated, max(1, int(growth / fastest)))
+        yield Deployment(number, repeated, clearance, wear, wear_error, force, force_error)
         clearance, before = corrected + repeated * wear, wear
         number += repeated
 
 
 def clearances_after(campaign: Sequence[Deployment], deployments: int) -> tuple[Array, Array]:
-    """(joints,) clearances [m] after a number of deployments, and their standard error from that of the wear [m].
-
-    Raises:
-        ValueError: if the campaign is shorter.
-    """
-    if campaign[-1].number + campaign[-1].repeated < deployments:
-        raise ValueError(f"the campaign ends before deployment {deployments}")
+    """(joints,) clearances [m] after a number of deployments, and their standard error from that of the wear [m]."""
     # How often each simulated deployment counts, wear being linear in between.
     weights = np.zeros(len(campaign))
     for k, deployment in enumerate(campaign):
@@ -109,24 +131,20 @@ def clearances_after(campaign: Sequence[Deployment], deployments: int) -> tuple[
     return campaign[0].clearance + weights @ wear, np.sqrt(weights**2 @ errors**2)
 
 
-def as_rows(campaign: Iterable[Deployment], kind: str) -> Iterator[Row]:
-    """Rows of a table, joints counted from 1; `kind` tells campaigns apart."""
-    for deployment in campaign:
-        row: Row = {"kind": kind, "deployment": deployment.number, "repeated": deployment.repeated}
-        for joint in range(len(deployment.clearance)):
-            row |= {
-                f"clearance_{joint + 1}_m": float(deployment.clearance[joint]),
-                f"wear_{joint + 1}_m": float(deployment.wear[joint]),
-                f"wear_{joint + 1}_m_error": float(deployment.wear_error[joint]),
-                f"force_{joint + 1}_N": float(deployment.peak_force[joint]),
-                f"force_{joint + 1}_N_error": float(deployment.peak_force_error[joint]),
-            }
-        yield row
+def as_row(deployment: Deployment, kind: str) -> Row:
+    """Row of a table, joints counted from 1; `kind` tells campaigns apart."""
+    row: Row = {"kind": kind, "deployment": deployment.number, "repeated": deployment.repeated}
+    for joint, clearance in enumerate(deployment.clearance, start=1):
+        row[f"clearance_{joint}_m"] = float(clearance)
+        for name, unit in (("wear", "m"), ("force", "N")):
+            row[f"{name}_{joint}_{unit}"] = float(getattr(deployment, name)[joint - 1])
+            row[f"{name}_{joint}_{unit}_error"] = float(getattr(deployment, f"{name}_error")[joint - 1])
+    return row
 
 
 def _deploy(run: tuple[ArrayParameters, int]) -> list[list[float]]:
     """Growth of the clearances [m] and peak forces [N] of one deployment; no two are alike."""
     parameters, number = run
-    motion = Level(MODEL).deploy(parameters, number, DURATION, output_step=DURATION)
+    motion = Level(MODEL).deploy(parameters, number, DURATION, DURATION)
     growth = motion.wear_bearing.mean(axis=1) + motion.wear_journal.mean(axis=1)
     return [growth.tolist(), motion.postlock_peak_force.tolist()]

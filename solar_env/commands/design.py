@@ -36,14 +36,13 @@ def run_command(args: Args) -> int:
     tables, pictures = args.folders("design", None, STUDIES / "design" / "figures")
     path = tables / (ground_test.FILE if args.ground_tests else design_map.FILE)
     if not args.draw:
-        told: list[str] = []
         if args.ground_tests:
-            rows, told = ground_test.measure_ground_tests(args.preset, args.ground_tests, workers, args.console)
+            rows = ground_test.measure_ground_tests(args.preset, args.ground_tests, workers, args.console)
         else:
             rows = design_map.measure_design(args.preset, args.members, workers, tables, args.console)
         settings = {name: getattr(args, name) for name in ("preset", "members", "ground_tests")}
         write_table(path, rows, provenance("solar-env design", **settings))
-        print(path, *told, sep="\n")
+        print(path)
     draw = plots.draw_ground_test if args.ground_tests else plots.draw_design
     print(draw(read_table(path), pictures))
     return 0

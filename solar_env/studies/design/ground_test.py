@@ -8,7 +8,7 @@ round as the contact law wants it.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -30,7 +30,6 @@ DURATION = 30.0  # s
 WEAR_COEFFICIENT = 1e-6
 GROWTH = 0.05  # share of a clearance that may be worn before the next deployment is simulated
 MEMBERS = 4  # runs that stand for a deployment
-CHECKED = 10  # deployments that are simulated directly, too
 
 
 @dataclass(frozen=True)
@@ -54,32 +53,19 @@ class Deployment:
     force_error: Array
 
 
-def measure_ground_tests(
-    preset: str, deployments: int, workers: Workers, console: Console
-) -> tuple[list[Row], list[str]]:
-    """Simulate a campaign, extrapolated and for a while directly; returns its rows, and how the two compare.
+def measure_ground_tests(preset: str, deployments: int, workers: Workers, console: Console) -> list[Row]:
+    """Simulate a campaign; returns a row for each deployment simulated.
 
     Raises:
         SimulationError: if a run cannot go on.
     """
-    parameters = replace(ArrayParameters.preset(preset), wear_coefficient=WEAR_COEFFICIENT)
-    checked = min(CHECKED, deployments)
-    rows: list[Row] = []
-    told = []
+    parameters, rows = replace(ArrayParameters.preset(preset), wear_coefficient=WEAR_COEFFICIENT), []
     with counting_bar(console) as bar:
-        for kind, count, growth in (("extrapolated", deployments, GROWTH), ("direct", checked, 0.0)):
-            task = bar.add_task(f"{kind} deployments", total=count)
-            campaign = []
-            for deployment in wear_campaign(parameters, count, growth, MEMBERS, workers):
-                campaign.append(deployment)
-                bar.advance(task, deployment.repeated)
-            rows += [as_row(deployment, kind) for deployment in campaign]
-            grown = zip(*(1e6 * of_joints for of_joints in clearances_after(campaign, checked)), strict=True)
-            listed = ", ".join(f"{clearance:.3f} +- {error:.3f}" for clearance, error in grown)
-            told.append(
-                f"clearances after {checked} deployments, {kind}, {len(campaign)} of them simulated [µm]: {listed}"
-            )
-    return rows, told
+        task = bar.add_task("deployments", total=deployments)
+        for deployment in wear_campaign(parameters, deployments, GROWTH, MEMBERS, workers):
+            rows.append(row_of(deployment))
+            bar.advance(task, deployment.repeated)
+    return rows
 
 
 def wear_campaign(
@@ -116,24 +102,9 @@ def wear_campaign(
         number += repeated
 
 
-def clearances_after(campaign: Sequence[Deployment], deployments: int) -> tuple[Array, Array]:
-    """(joints,) clearances [m] after a number of deployments, and their standard error from that of the wear [m]."""
-    # How often each simulated deployment counts, wear being linear in between.
-    weights = np.zeros(len(campaign))
-    for k, deployment in enumerate(campaign):
-        counted = min(deployment.repeated, max(0, deployments - deployment.number))
-        passed_on = 0.5 * counted * (counted - 1) / deployment.repeated if k + 1 < len(campaign) else 0.0
-        weights[k] += counted - passed_on
-        if passed_on:
-            weights[k + 1] += passed_on
-    wear = np.array([deployment.wear for deployment in campaign])
-    errors = np.array([deployment.wear_error for deployment in campaign])
-    return campaign[0].clearance + weights @ wear, np.sqrt(weights**2 @ errors**2)
-
-
-def as_row(deployment: Deployment, kind: str) -> Row:
-    """Row of a table, joints counted from 1; `kind` tells campaigns apart."""
-    row: Row = {"kind": kind, "deployment": deployment.number, "repeated": deployment.repeated}
+def row_of(deployment: Deployment) -> Row:
+    """Row of a table, joints counted from 1."""
+    row: Row = {"deployment": deployment.number, "repeated": deployment.repeated}
     for joint, clearance in enumerate(deployment.clearance, start=1):
         row[f"clearance_{joint}_m"] = float(clearance)
         for name, unit in (("wear", "m"), ("force", "N")):

@@ -65,22 +65,20 @@ def _draw_map(axis: Axes, table: Table, design: DesignMap, quantity: str, unit: 
 
 
 def draw_ground_test(table: Table, folder: Path) -> Path:
-    """Draw clearance, wear and force over the deployments, extrapolated and direct; returns the picture's file."""
+    """Draw clearance, wear and force over the deployments; returns the picture's file."""
+    deployments, growth = table.column("deployment"), 0.0
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(11.0, 3.2), layout="constrained")
         for axis, (column, (label, unit)) in zip(figure.subplots(1, 3), REPEATED.items(), strict=True):
             for joint in JOINTS:
-                for kind, style in (("extrapolated", "o-"), ("direct", "+")):
-                    own, name = table.where(kind=kind), column.format(joint)
-                    errors = unit * own.column(f"{name}_error") if f"{name}_error" in own.rows[0] else None
-                    axis.errorbar(
-                        own.column("deployment"), unit * own.column(name), yerr=errors, fmt=style, markersize=3.0,
-                        color=COLOURS[joint - 1], label=f"joint {joint}, {kind}", linewidth=0.8,
-                    )  # fmt: skip
+                name = column.format(joint)
+                errors = unit * table.column(f"{name}_error") if f"{name}_error" in table.rows[0] else None
+                look = {"color": COLOURS[joint - 1], "label": f"joint {joint}", "linewidth": 0.8}
+                values = unit * table.column(name)
+                axis.errorbar(deployments, values, yerr=errors, fmt="o-", markersize=3.0, **look)
+                growth = max(growth, values[-1] / values[0]) if column.startswith("clearance") else growth
             axis.set(xlabel="deployments before", ylabel=label)
         figure.axes[0].legend()
-        last = table.where(kind="extrapolated").rows
-        growth = max(float(last[-1][f"clearance_{j}_m"]) / float(last[0][f"clearance_{j}_m"]) for j in JOINTS)
         figure.suptitle(f"Wear feeds back: clearances grow {growth:.1f}-fold, and forces with them")
         path = folder / "ground_test.png"
         save_figure(figure, path, dpi=100)

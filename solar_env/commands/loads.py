@@ -38,9 +38,10 @@ class Args(ArrayOption, WorkerOptions, CommandRecord):
 
 def run_command(args: Args) -> int:
     """Run the ensemble, print the answer and the tables, write what was asked for."""
-    from solar_env.studies.loads.ensemble import LoadsPlan, measure_loads, nominal_deployment
+    from solar_env.studies.loads.ensemble import LoadsPlan, measure_loads
     from solar_env.studies.loads.hub import write_hub_loads
     from solar_env.studies.loads.report import answer, loads_page, tables
+    from solar_env.studies.loads.runs import deploy
     from solar_env.support.versions import versions
 
     array = args.parameter_file
@@ -58,14 +59,14 @@ def run_command(args: Args) -> int:
         warm_up(args.console, model, method)
     loads = measure_loads(plan, args.out, workers, args.console)
     if args.html or args.hub:
-        nominal = nominal_deployment(plan)
+        nominal = deploy(plan.levels[0], array.parameters, 0, plan.window, plan.deadline)
     if args.html:
         from solar_env.pictures.page.document import write_page
 
         notes = [f"Made by: {args.command}", ", ".join(f"{name} {value}" for name, value in versions().items())]
         write_page(loads_page(loads, nominal, notes), args.html)
     if args.hub:
-        write_hub_loads(plan.array.parameters, nominal.trajectory.time, nominal.hub_loads, args.hub)
+        write_hub_loads(array.parameters, nominal.trajectory.time, nominal.hub_loads, args.hub)
     printed = wide_console()
     for line in answer(loads):
         printed.print(line, highlight=False)

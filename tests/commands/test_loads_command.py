@@ -12,7 +12,7 @@ from solar_env.__main__ import main
 from solar_env.array import read_parameters
 from solar_env.studies.common.levels import Level
 from solar_env.studies.loads import ensemble
-from solar_env.studies.loads.ensemble import LoadsPlan, nominal_deployment
+from solar_env.studies.loads.runs import deploy
 
 FAST = """
 body_mass = 1200
@@ -53,8 +53,7 @@ def test_it_answers_and_writes_page_data_and_loads_on_the_hub(array, tmp_path, c
     assert (tmp_path / "runs" / "loads.jsonl").read_bytes() == kept
     assert capsys.readouterr().out == first
 
-    plan = LoadsPlan(read_parameters(array), "rigid-clearance", 1, 0.3, 60.0)
-    trajectory = nominal_deployment(plan).trajectory
+    trajectory = deploy(Level("rigid-clearance"), read_parameters(array).parameters, 0, 0.3, 60.0).trajectory
     table = np.genfromtxt(files["hub.csv"], delimiter=",", names=True)
     turned = (table["torque_z_Nm"] * (table["end_s"] - table["start_s"])).cumsum() / table["hub_inertia_kgm2"]
     assert set(table["hub_mass_kg"]) == {1200.0}, "of the file's array"
@@ -85,9 +84,3 @@ def test_wrong_input_is_refused_before_anything_is_compiled(options, words, arra
     message = capsys.readouterr().err
     for word in words:
         assert word in message
-
-
-def test_a_bad_file_is_refused_by_name_line_and_rule(array, capsys):
-    array.write_text("clearance = 1e-4\nclearence = 1e-4\n")
-    assert main(["loads", str(array)]) == 2
-    assert "my_array.toml: parameter 'clearence' is unknown" in capsys.readouterr().err

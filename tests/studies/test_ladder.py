@@ -11,10 +11,10 @@ from solar_env.array import ModelLevel
 from solar_env.array.ladder import PACKAGED_TABLE, QUESTIONS, cheapest, read_answers
 from solar_env.studies.common.levels import Level
 from solar_env.studies.common.tables import read_table
-from solar_env.studies.ladder import campaign, runs
+from solar_env.studies.ladder import campaign
 from solar_env.studies.ladder.answers import discordant_share, mean_error, ranking_error
+from solar_env.studies.ladder.campaign import CONTROLLERS, deploy
 from solar_env.studies.ladder.plot import conclusion
-from solar_env.studies.ladder.runs import CONTROLLERS, deploy
 from solar_env.support.readme import STUDIES
 
 TINY = campaign.LadderPlan(
@@ -106,11 +106,13 @@ def test_a_ranking_is_less_certain_the_more_the_runs_scatter():
 def test_the_command_writes_table_and_figure_draws_from_the_table_alone_and_leaves_the_package_alone(
     tmp_path, monkeypatch, capsys
 ):
-    monkeypatch.setattr(campaign, "QUICK", TINY)
-    monkeypatch.setattr(runs, "CONTROLLERS", {name: CONTROLLERS[name] for name in ("springs alone", "constant drive")})
+    monkeypatch.setattr(campaign, "FULL", TINY)
+    monkeypatch.setattr(
+        campaign, "CONTROLLERS", {name: CONTROLLERS[name] for name in ("springs alone", "constant drive")}
+    )
     packaged = PACKAGED_TABLE.read_bytes()
     arguments = ["ladder", "--out", str(tmp_path)]
-    assert main([*arguments, "--quick"]) == 0
+    assert main(arguments) == 0
     assert PACKAGED_TABLE.read_bytes() == packaged
     assert {path.name for path in tmp_path.iterdir()} == {"ladder.csv", "ladder.png"}
     printed = capsys.readouterr().out
@@ -123,7 +125,7 @@ def test_the_command_writes_table_and_figure_draws_from_the_table_alone_and_leav
     assert by_level["wear", "rigid-ideal"].error == 1.0, "ideal joints do not wear"
     assert by_level["latch-time", "rigid-ideal"].error < 0.01
     assert by_level["latch-time", "flexible-clearance:8 modes"].error < 1e-4
-    assert read_table(tmp_path / "ladder.csv").provenance["command"] == "solar-env ladder --quick"
+    assert read_table(tmp_path / "ladder.csv").provenance["command"] == "solar-env ladder"
     # Drawn again, from the table alone.
     figure, table = (tmp_path / "ladder.png").read_bytes(), (tmp_path / "ladder.csv").read_bytes()
     monkeypatch.setattr(campaign, "measure_ladder", None)
@@ -137,11 +139,6 @@ def test_every_level_runs_alone_and_under_controllers_and_ideal_joints_less_ofte
         for controlled, most in ((False, 3), (True, 2)):
             members = [member for own, member, other in plan.runs if own == level and other == controlled]
             assert members == list(range(most if level.panels.clearance else 1))
-
-
-def test_drawing_without_a_table_says_what_to_do(tmp_path, capsys):
-    assert main(["ladder", "--draw", "--out", str(tmp_path)]) == 2
-    assert "measure it" in capsys.readouterr().err
 
 
 def test_a_deployment_that_does_not_latch_is_refused():

@@ -17,19 +17,12 @@ Key = TypeVar("Key", bound=Hashable)
 
 @dataclass(frozen=True)
 class Job:
-    """A run of a study.
-
-    Attributes:
-        name: in words.
-        solve: makes the run; raises SimulationError if it cannot go on.
-        repeats: how often it is timed.
-        long_run: a run that takes longer than this is not repeated [s].
-    """
+    """A run of a study."""
 
     name: str
-    solve: Callable[[], Motion]
-    repeats: int = 1
-    long_run: float = 10.0
+    solve: Callable[[], Motion]  # raises SimulationError if it cannot go on
+    repeats: int = 1  # how often it is timed
+    long_run: float = 10.0  # a run that takes longer is not repeated [s]
 
 
 @dataclass(frozen=True)

@@ -57,9 +57,6 @@ def measure_cell(cell: Cell) -> dict[str, list[list[float]]]:
     Returns:
         (members, joints) lists: deepest wear of bearing or journal [m], greatest contact force after the first
         latching [N].
-
-    Raises:
-        SimulationError: if a run cannot go on.
     """
     changes = MAPS[cell["map"]].changes(cell["x"], cell["y"])
     parameters = ArrayParameters.preset(cell["preset"]).with_changes(changes)
@@ -75,7 +72,6 @@ def measure_design(preset: str, members: int, workers: Workers, folder: Path, co
 
     Raises:
         ValueError: if the folder holds maps of other settings or code.
-        SimulationError: if a run cannot go on.
     """
     cells = [
         {"preset": preset, "map": name, "x": x, "y": y, "members": members}

@@ -34,31 +34,19 @@ MEMBERS = 4  # runs that stand for a deployment
 
 @dataclass(frozen=True)
 class Deployment:
-    """One simulated deployment of the campaign; figures by joint (joints,) are means over an ensemble.
+    """One simulated deployment of the campaign; figures by joint (joints,) are means over an ensemble."""
 
-    Attributes:
-        number: of deployments before it.
-        repeated: how many deployments this one stands for.
-        clearance: [m].
-        wear, wear_error: growth of the clearance by this deployment [m], and its standard error.
-        force, force_error: greatest contact force after the first latching [N], and its standard error.
-    """
-
-    number: int
-    repeated: int
-    clearance: Array
-    wear: Array
-    wear_error: Array
-    force: Array
+    number: int  # of deployments before it
+    repeated: int  # how many deployments this one stands for
+    clearance: Array  # m
+    wear: Array  # growth of the clearance by this deployment [m]
+    wear_error: Array  # standard error
+    force: Array  # greatest contact force after the first latching [N]
     force_error: Array
 
 
 def measure_ground_tests(preset: str, deployments: int, workers: Workers, console: Console) -> list[Row]:
-    """Simulate a campaign; returns a row for each deployment simulated.
-
-    Raises:
-        SimulationError: if a run cannot go on.
-    """
+    """Simulate a campaign; returns a row for each deployment simulated."""
     parameters, rows = replace(ArrayParameters.preset(preset), wear_coefficient=WEAR_COEFFICIENT), []
     with counting_bar(console) as bar:
         task = bar.add_task("deployments", total=deployments)
@@ -79,9 +67,6 @@ def wear_campaign(
         growth: share of a clearance that may be worn before the next deployment is simulated; 0 simulates every one.
         members: runs of the ensemble that stands for a deployment, 2 or more.
         workers: where the simulations run.
-
-    Raises:
-        SimulationError: if a run cannot go on.
     """
     clearance = np.array(parameters.for_each_joint("clearance"))
     number, repeated, simulated, before = 0, 0, 0, np.zeros_like(clearance)

@@ -14,7 +14,7 @@ from solar_env.array import ArrayParameters, ModelLevel
 from solar_env.array.parameters.file import ParameterFile
 from solar_env.studies.common.levels import FINEST, Level
 from solar_env.studies.loads.quantities import QUANTITIES, read_all
-from solar_env.studies.loads.runs import Deployment, deploy, member_parameters
+from solar_env.studies.loads.runs import deploy, member_parameters
 from solar_env.studies.loads.statistics import Figure, figure_of
 from solar_env.support.campaigns import Campaign, Cell, Workers
 
@@ -27,22 +27,15 @@ STORE = "loads.jsonl"
 class LoadsPlan:
     """Question that an ensemble answers.
 
-    Attributes:
-        array: parameters, and what of them is drawn.
-        model: the level as a word; the same members run at the finest level, too.
-        members: runs of each level.
-        window: time simulated after the last latching [s].
-        deadline: by which all joints must have latched [s].
-
     Raises:
         ValueError: on construction, for a value out of range, or ideal joints, which tell nothing of impacts.
     """
 
-    array: ParameterFile
-    model: str = "flexible-clearance"
-    members: int = 16
-    window: float = 10.0
-    deadline: float = 60.0
+    array: ParameterFile  # parameters, and what of them is drawn
+    model: str = "flexible-clearance"  # the same members run at the finest level, too
+    members: int = 16  # of each level
+    window: float = 10.0  # simulated after the last latching [s]
+    deadline: float = 60.0  # by which all joints must have latched [s]
 
     def __post_init__(self) -> None:
         if not ModelLevel.of(self.model).clearance:
@@ -62,11 +55,7 @@ class LoadsPlan:
 
 
 def run_member(cell: Cell) -> dict[str, Any]:
-    """Quantities, spectra and warnings of a member at a level, as values that JSON keeps.
-
-    Raises:
-        SimulationError: if the run cannot go on.
-    """
+    """Quantities, spectra and warnings of a member at a level, as values that JSON keeps."""
     level = Level(cell["model"], cell["tighter"])
     nominal = ArrayParameters().with_changes(cell["parameters"])
     parameters = member_parameters(nominal, cell["randomize"], cell["member"])
@@ -82,22 +71,14 @@ def run_member(cell: Cell) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Loads:
-    """Answer of an ensemble.
-
-    Attributes:
-        plan: what was asked.
-        figures: quantity -> a figure for each joint, or one of the hub.
-        hinge_spectrum, hub_spectrum: (levels, members, f, joints) and (levels, members, f) of members that latched.
-        unlatched: members in which not all joints latched by the deadline, of the level and of the finest one.
-        warnings: text -> in how many runs the simulator said it.
-    """
+    """Answer of an ensemble."""
 
     plan: LoadsPlan
-    figures: Mapping[str, tuple[Figure, ...]]
-    hinge_spectrum: Array
-    hub_spectrum: Array
-    unlatched: Sequence[int]
-    warnings: Mapping[str, int]
+    figures: Mapping[str, tuple[Figure, ...]]  # quantity -> a figure for each joint, or one of the hub
+    hinge_spectrum: Array  # (levels, members, f, joints) of members that latched
+    hub_spectrum: Array  # (levels, members, f)
+    unlatched: Sequence[int]  # members that did not latch by the deadline, of the level and of the finest one
+    warnings: Mapping[str, int]  # text -> in how many runs the simulator said it
 
 
 def measure_loads(plan: LoadsPlan, folder: Path, workers: Workers, console: Console) -> Loads:
@@ -105,7 +86,6 @@ def measure_loads(plan: LoadsPlan, folder: Path, workers: Workers, console: Cons
 
     Raises:
         ValueError: if the folder holds another ensemble, or in no run all joints latch.
-        SimulationError: if a run cannot go on.
     """
     shared = {
         "parameters": plan.array.parameters.to_dict(),
@@ -144,12 +124,3 @@ def gathered(plan: LoadsPlan, results: list[dict[str, Any]]) -> Loads:
         np.array([[runs[k][name] for k in both] for runs in levels]) for name in ("hinge_spectrum", "hub_spectrum")
     )
     return Loads(plan, figures, hinge, hub, unlatched, Counter(text for run in results for text in run["warnings"]))
-
-
-def nominal_deployment(plan: LoadsPlan) -> Deployment:
-    """The nominal array at the level chosen, to look at.
-
-    Raises:
-        SimulationError: if the run cannot go on.
-    """
-    return deploy(plan.levels[0], plan.array.parameters, 0, plan.window, plan.deadline)

@@ -56,9 +56,3 @@ class ShockSpectrum:
     def _add(self, k: int, history: Array) -> None:
         response, self._memory[k] = lfilter(*self._filters[k], history, axis=0, zi=self._memory[k])
         self.peaks[k] = np.maximum(self.peaks[k], np.hypot(response[..., 0], response[..., 1]).max(axis=0))
-
-
-def sixth_octaves(lowest: float, highest: float) -> Array:
-    """Frequencies from the lowest on, six to an octave, up to the highest [Hz]."""
-    count = math.floor(6.0 * math.log2(highest / lowest) + 1e-9) + 1
-    return np.asarray(lowest * 2.0 ** (np.arange(count) / 6.0))

@@ -20,24 +20,15 @@ QUANTILE, CONFIDENCE = 0.99, 0.95
 
 @dataclass(frozen=True)
 class Figure:
-    """A quantity over an ensemble; nan for what the runs do not tell.
-
-    Attributes:
-        mean, low, high: with the 95 % interval of the mean.
-        quantile: 99 % of runs stay below.
-        quantile_bound: upper bound of that, with 95 % confidence.
-        model_error: mean of the next finer level minus this one, over the same members.
-        model_low, model_high: 95 % interval of that.
-        runs: of the level.
-    """
+    """A quantity over an ensemble; nan for what the runs do not tell."""
 
     mean: float
-    low: float
+    low: float  # 95 % interval of the mean
     high: float
-    quantile: float
-    quantile_bound: float
-    model_error: float
-    model_low: float
+    quantile: float  # 99 % of runs stay below
+    quantile_bound: float  # upper bound of that, with 95 % confidence
+    model_error: float  # mean of the finest level minus this one, over the same members
+    model_low: float  # 95 % interval of that
     model_high: float
     runs: int
 

@@ -24,16 +24,7 @@ from solar_env.mechanics.mechanism.textbook import bouncing_block
 from solar_env.mechanics.running.diagnosis import LARGEST_RESTITUTION_ERROR
 from solar_env.mechanics.running.simulation import simulate
 from solar_env.mechanics.running.trajectory import Trajectory
-from solar_env.studies.stability.maps import (
-    Axis,
-    Cell,
-    Kind,
-    Said,
-    StabilityMap,
-    classify_ratios,
-    listen,
-    log_range,
-)
+from solar_env.studies.stability.maps import Axis, Cell, Kind, Said, StabilityMap, classify_ratios, listen, log_range
 
 MASS, CLEARANCE, SPEED = 6.0, 2e-4, 0.1  # kg, m, m/s
 BOUNCES = 12
@@ -56,11 +47,7 @@ def contact_duration() -> float:
 
 
 def bounce_ratios(contact: PowerLaw, integrator: Integrator) -> NDArray[np.float64]:
-    """(bounces,) exit speeds of a bouncing block over the exact ones.
-
-    Raises:
-        SimulationError: if the run cannot go on.
-    """
+    """(bounces,) exit speeds of a bouncing block over the exact ones."""
     exact = contact.exit_speed_ratio()
     flights = sum(2.0 * CLEARANCE / (SPEED * exact**n) for n in range(BOUNCES))
     mechanism = bouncing_block(Bearing(CLEARANCE, 0.01, contact), MASS, SPEED)

@@ -68,30 +68,18 @@ class Cell:
 
 @dataclass(frozen=True)
 class StabilityMap:
-    """A map of where methods fail.
+    """A map of where methods fail."""
 
-    Attributes:
-        name: of the command line and of the files.
-        title: heading of the figure.
-        x, y: axes.
-        panels: their names, in the order in which they are drawn.
-        quantity: what the value of a cell is, with its unit.
-        advice: one sentence that says what to do about the failures.
-        measure: panel, x and y to the cell.
-        limit: panel and y to the theoretical limit on x; nan where there is none.
-        limit_label: what the limit is and where it comes from; empty if there is none.
-    """
-
-    name: str
+    name: str  # of the command line and of the files
     title: str
     x: Axis
     y: Axis
-    panels: tuple[str, ...]
-    quantity: str
-    advice: str
-    measure: Callable[[str, float, float], Cell]
-    limit: Callable[[str, float], float] = lambda panel, y: math.nan
-    limit_label: str = ""
+    panels: tuple[str, ...]  # in the order in which they are drawn
+    quantity: str  # what the value of a cell is, with its unit
+    advice: str  # one sentence that says what to do about the failures
+    measure: Callable[[str, float, float], Cell]  # panel, x and y to the cell
+    limit: Callable[[str, float], float] = lambda panel, y: math.nan  # theoretical, on x; nan where there is none
+    limit_label: str = ""  # what the limit is and where it comes from
 
     def cells(self, quick: bool) -> Iterator[tuple[str, Value, Value]]:
         """(panel, x, y) of every cell of a quick or full run."""

@@ -46,13 +46,10 @@ def test_a_run_ends_where_it_should_and_totals_are_those_of_simulate(fast):
     assert (fast.hinge_spectrum > 0.0).all()
 
 
-def test_the_peak_force_on_the_hub_is_that_of_the_first_joint(fast):
-    # Means over 50 us are a little below the peak; friction of 0.15 adds to the normal force.
+def test_the_loads_on_the_hub_between_samples_reach_its_peaks_and_are_no_less_than_their_means(fast):
+    # Means over 50 us are a little below the first joint's peak; friction of 0.15 adds to the normal force.
     assert 0.7 < fast.hub_peaks[0] / fast.trajectory.peak_force[0] < math.hypot(1.0, 0.15)
     assert fast.hub_peaks[2] == pytest.approx(fast.hub_peaks[0] / FAST_PARAMETERS.body_mass, rel=1e-12)
-
-
-def test_the_loads_on_the_hub_between_samples_reach_its_peaks_and_are_no_less_than_their_means(fast):
     assert fast.hub_greatest.shape == (len(fast.trajectory.time) - 1, 2)
     np.testing.assert_allclose(fast.hub_greatest.max(axis=0), fast.hub_peaks[:2], rtol=1e-12)
     means = np.column_stack([np.hypot(fast.hub_loads[:, 0], fast.hub_loads[:, 1]), np.abs(fast.hub_loads[:, 2])])
@@ -78,8 +75,6 @@ def test_the_page_has_a_folded_table_of_every_parameter_with_its_unit(loads, fas
     assert rows["clearance"] == ["0.0002", "m", "(0.00019, 0.00019) and (0.00021, 0.00021)"]
     assert rows["panel_count"] == ["2", "", ""]
     assert rows["latch_stiffness"][1] == "N m/rad^exponent"
-    assert rows["journal_poisson"][1] == ""
-    assert rows["journal_young"][1] == "Pa"
     assert rows["body_fixed"] == ["no", "", ""]
     assert rows["cable_torque_ratio"][0] == "from others"
 
@@ -111,14 +106,6 @@ def test_loads_from_the_hubs_momentum_are_those_that_the_root_hinge_exerts(model
     assert (np.abs(gained - given).max(axis=0) < share * np.abs(given).max(axis=0)).all()
 
 
-def test_velocities_of_the_hub_are_the_rates_of_its_place(fast):
-    change = np.diff(fast.place, axis=0) / 1e-3
-    middle = 0.5 * (fast.velocity[1:] + fast.velocity[:-1])
-    before = fast.trajectory.time[1:] < fast.trajectory.latch_times.min()
-    # Impacts between two samples bend the velocity.
-    np.testing.assert_allclose(change[before], middle[before], atol=5e-5)
-
-
 def test_a_hub_held_in_place_feels_the_loads_of_the_root_hinge():
     held = deploy(RIGID, replace(FAST_PARAMETERS, body_fixed=True), 0, 0.2, 60.0)
     assert np.array_equal(held.place, np.broadcast_to(held.place[0], held.place.shape))
@@ -145,22 +132,13 @@ def test_one_sided_tolerance_factors_are_those_of_the_tables():
         assert (math.log(quantile) - mean) / deviation == pytest.approx(2.3263, abs=1e-4)
 
 
-@pytest.mark.parametrize(
-    ("value", "uncertainty", "text"),
-    [
-        (515.528, 41.0, "520"),
-        (515.528, 17.0, "516"),
-        (515.528, 3.0, "516"),
-        (0.0571234, 0.004, "0.057"),
-        (12.34567, 0.0, "12.3457"),
-        (515.528, math.nan, "520"),
-        (math.nan, 1.0, "-"),
-        (1.6e7, 2.5e6, "1.6e+07"),
-        (-2.6, 0.3, "-2.6"),
-    ],
-)
-def test_no_digit_is_shown_that_is_not_known(value, uncertainty, text):
-    assert rounded(value, uncertainty) == text
+def test_no_digit_is_shown_that_is_not_known():
+    for uncertainty, text in ((41.0, "520"), (17.0, "516"), (3.0, "516"), (math.nan, "520"), (0.0, "515.528")):
+        assert rounded(515.528, uncertainty) == text
+    for value, uncertainty, text in ((0.0571234, 0.004, "0.057"), (1.6e7, 2.5e6, "1.6e+07"), (-2.6, 0.3, "-2.6")):
+        assert rounded(value, uncertainty) == text
+    assert rounded(math.nan, 1.0) == "-"
+    assert rounded(0.3, 41.0) == "0"
 
 
 def test_a_figure_compares_the_same_members_and_says_what_it_cannot():
@@ -233,26 +211,15 @@ def test_force_impulse_and_wear_are_each_told_with_interval_quantile_and_their_o
     assert "30.2 \u00b1 1.2 fm" in wear
     assert "model error +3 \u00b1 2 fm; 33,000,000 deployments to 1 micrometre," in wear
     assert "the model error of every figure is that seen at the finest level" in basis
-
-
-@pytest.mark.parametrize(
-    ("number", "words"),
-    [
-        (40.0, "40"),
-        (17_300.0, "17,000"),
-        (3.31e7, "33,000,000"),
-        (math.inf, "infinitely many"),
-    ],
-)
-def test_great_numbers_are_told_in_words(number, words):
-    assert counted(number) == words
-
-
-def test_what_too_few_runs_do_not_tell_is_not_told(loads):
     nan = math.nan
     alone = (Figure(222.3, nan, nan, nan, nan, 10.4, nan, nan, 1),)
     line = answer(replace(loads, figures=loads.figures | {"peak_force": alone}))[0]
     assert line == "Joint 1 is hit hardest: peak force 220 N, model error unknown."
+
+
+def test_great_numbers_are_told_in_two_digits():
+    assert [counted(number) for number in (40.0, 17_300.0, 3.31e7)] == ["40", "17,000", "33,000,000"]
+    assert counted(math.inf) == "infinitely many"
 
 
 def test_what_is_read_scatters_but_the_energy_that_is_lost_does_not_hang_on_the_tolerance(loads):

@@ -7,7 +7,6 @@ import pytest
 
 from solar_env.pictures.style import OUTCOME_COLOURS
 from solar_env.studies.common.tables import write_table
-from solar_env.studies.stability import stability_plot
 from solar_env.studies.stability.maps import Kind
 from solar_env.studies.stability.stability_plot import draw_map
 
@@ -43,21 +42,6 @@ def test_a_table_is_enough_for_a_figure_with_title_classes_limit_and_advice(tmp_
     text = (tmp_path / "map.svg").read_text()
     for words in ("A map", "one", "two", "growing", "blow-up", "Line: theory", "Take shorter steps."):
         assert words in text
-
-
-def test_the_line_of_the_limit_goes_behind_a_rim_round_each_number(tmp_path: Path, monkeypatch) -> None:
-    figures = []
-    monkeypatch.setattr(stability_plot, "save_figure", lambda figure, path, **how: figures.append(figure))
-    write_example(tmp_path / "map.csv")
-    draw_map(tmp_path / "map.csv", tmp_path / "map.png")
-    for axes in figures[0].axes:
-        limits = [line for line in axes.lines if len(line.get_xdata()) == 2]
-        assert len(limits) == 2
-        assert len(axes.texts) == 6
-        for number in axes.texts:
-            (rim,) = number.get_path_effects()
-            assert rim._gc["foreground"] in OUTCOME_COLOURS.values()
-            assert number.get_zorder() > max(line.get_zorder() for line in limits)
 
 
 def test_another_table_is_refused_by_name(tmp_path: Path) -> None:

@@ -1,21 +1,12 @@
 """`solar-env design`: peak force and wear over clearances and stiffnesses, and over repeated ground tests."""
 
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import dataclass
 from typing import Annotated
 
 import tyro
 
-from solar_env.array import ArrayParameters
 from solar_env.commands.arguments import FolderOptions, WorkerOptions
-from solar_env.support.progress import counting_bar
 from solar_env.support.readme import STUDIES
-
-# Archard's k [m2/N] of ground tests: ten deployments wear like 1e9 at 1e-14, the array's.
-WEAR_COEFFICIENT = 1e-6
-GROWTH = 0.05  # share of a clearance that may be worn before the next deployment is simulated
-MEMBERS = 4  # runs that stand for a deployment
-CHECKED = 10  # deployments that are simulated directly, too
 
 
 @dataclass
@@ -36,52 +27,22 @@ class Args(FolderOptions, WorkerOptions):
 
 def run_command(args: Args) -> int:
     """Measure what is missing, write the table and draw it."""
-    if args.ground_tests:
-        return _ground_tests(args)
-    from solar_env.studies.common.tables import read_table
-    from solar_env.studies.design.design_map import FILE, measure_design
-    from solar_env.studies.design.design_plot import draw_design
-
-    if args.members < 1:
-        raise ValueError(f"members = {args.members} must be at least 1")
-    workers = args.workers
-    tables, pictures = _folders(args)
-    if not args.draw:
-        print(measure_design(args.preset, args.members, workers, tables, args.console))
-    print(draw_design(read_table(tables / FILE), pictures))
-    return 0
-
-
-def _folders(args: Args) -> tuple[Path, Path]:
-    return args.folders("design", None, STUDIES / "design" / "figures")
-
-
-def _ground_tests(args: Args) -> int:
-    """Simulate the campaign, extrapolated and for a while directly, write the table and draw it."""
     from solar_env.studies.common.tables import provenance, read_table, write_table
-    from solar_env.studies.design.ground_test import FILE, Deployment, as_rows, clearances_after, wear_campaign
-    from solar_env.studies.design.ground_test_plot import draw_ground_test
+    from solar_env.studies.design import design_map, ground_test, plots
 
-    parameters = replace(ArrayParameters.preset(args.preset), wear_coefficient=WEAR_COEFFICIENT)
+    if args.members < 1 or args.ground_tests < 0:
+        raise ValueError(f"members = {args.members} must be at least 1, ground tests = {args.ground_tests} at least 0")
     workers = args.workers
-    tables, pictures = _folders(args)
+    tables, pictures = args.folders("design", None, STUDIES / "design" / "figures")
+    path = tables / (ground_test.FILE if args.ground_tests else design_map.FILE)
     if not args.draw:
-        checked = min(CHECKED, args.ground_tests)
-        campaigns: dict[str, list[Deployment]] = {}
-        with counting_bar(args.console) as bar:
-            for kind, deployments, growth in (("extrapolated", args.ground_tests, GROWTH), ("direct", checked, 0.0)):
-                task = bar.add_task(f"{kind} deployments", total=deployments)
-                campaigns[kind] = []
-                for deployment in wear_campaign(parameters, deployments, growth, MEMBERS, workers):
-                    campaigns[kind].append(deployment)
-                    bar.advance(task, deployment.repeated)
-        rows = [row for kind, campaign in campaigns.items() for row in as_rows(campaign, kind)]
-        made_by = provenance("design", preset=args.preset, ground_tests=args.ground_tests)
-        write_table(tables / FILE, rows, made_by)
-        print(tables / FILE)
-        for kind, campaign in campaigns.items():
-            clearance, error = clearances_after(campaign, checked)
-            listed = ", ".join(f"{1e6 * c:.3f} +- {1e6 * e:.3f}" for c, e in zip(clearance, error, strict=True))
-            print(f"clearances after {checked} deployments, {kind}, {len(campaign)} of them simulated [µm]: {listed}")
-    print(draw_ground_test(read_table(tables / FILE), pictures))
+        if args.ground_tests:
+            rows = ground_test.measure_ground_tests(args.preset, args.ground_tests, workers, args.console)
+        else:
+            rows = design_map.measure_design(args.preset, args.members, workers, tables, args.console)
+        settings = {name: getattr(args, name) for name in ("preset", "members", "ground_tests")}
+        write_table(path, rows, provenance("solar-env design", **settings))
+        print(path)
+    draw = plots.draw_ground_test if args.ground_tests else plots.draw_design
+    print(draw(read_table(path), pictures))
     return 0

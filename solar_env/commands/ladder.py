@@ -27,9 +27,6 @@ class Args(FolderOptions, QuietOption):
     tolerance: float = 0.2
     """of what is asked, as a share"""
 
-    quick: bool = False
-    """few runs of few levels: under two minutes"""
-
 
 def run_command(args: Args) -> int:
     """Measure, write the table, draw the figure, and print the cheapest level by question and tolerance."""
@@ -41,12 +38,12 @@ def run_command(args: Args) -> int:
             f"{answer.cost_ratio:.2g} times the reference's cost"
         )
         return 0
-    from solar_env.studies.ladder.campaign import FILE, measure_ladder
+    from solar_env.studies.ladder.campaign import FILE, FULL, measure_ladder
     from solar_env.studies.ladder.plot import draw_ladder
 
     tables, figures = args.folders("ladder", PACKAGED_TABLE.parent, STUDIES / "ladder" / "figures")
     if not args.draw:
-        measure_ladder(args.quick, tables, args.console)
+        measure_ladder(FULL, tables / FILE, args.console)
     answers = read_answers(tables / FILE)
     table = choices(answers)
     print_markdown(table)

@@ -10,7 +10,9 @@ from helpers import page_data
 
 from solar_env.__main__ import main
 from solar_env.array import read_parameters
-from solar_env.studies.loads.ensemble import LoadsPlan, nominal_deployment
+from solar_env.studies.common.levels import Level
+from solar_env.studies.loads import ensemble
+from solar_env.studies.loads.runs import deploy
 
 FAST = """
 body_mass = 1200
@@ -28,9 +30,10 @@ def array(tmp_path):
     return tmp_path / "my_array.toml"
 
 
-def test_it_answers_and_writes_page_data_and_loads_on_the_hub(array, tmp_path, capsys):
+def test_it_answers_and_writes_page_data_and_loads_on_the_hub(array, tmp_path, capsys, monkeypatch):
     files = {name: tmp_path / name for name in ("loads.html", "hub.csv")}
-    options = ["--question", "wear", "--tolerance", "0.5", "--runs", "1", "--window", "0.3", "--jobs", "1"]
+    monkeypatch.setattr(ensemble, "FINEST", Level("rigid-clearance", tighter=2.0))
+    options = ["--model", "rigid-clearance", "--runs", "1", "--window", "0.3", "--jobs", "1"]
     usual = ["loads", str(array), *options, "--out", str(tmp_path / "runs")]
     assert main([*usual, "--html", str(files["loads.html"])]) == 0
     first = capsys.readouterr().out
@@ -50,8 +53,7 @@ def test_it_answers_and_writes_page_data_and_loads_on_the_hub(array, tmp_path, c
     assert (tmp_path / "runs" / "loads.jsonl").read_bytes() == kept
     assert capsys.readouterr().out == first
 
-    plan = LoadsPlan(read_parameters(array), "wear", 0.5, 1, 0.3, 60.0)
-    trajectory = nominal_deployment(plan).trajectory
+    trajectory = deploy(Level("rigid-clearance"), read_parameters(array).parameters, 0, 0.3, 60.0).trajectory
     table = np.genfromtxt(files["hub.csv"], delimiter=",", names=True)
     turned = (table["torque_z_Nm"] * (table["end_s"] - table["start_s"])).cumsum() / table["hub_inertia_kgm2"]
     assert set(table["hub_mass_kg"]) == {1200.0}, "of the file's array"
@@ -70,8 +72,7 @@ def test_it_answers_and_writes_page_data_and_loads_on_the_hub(array, tmp_path, c
         (["--html", "page.pdf"], ["suffix", ".pdf", ".html"]),
         (["--html", "no/such/page.html"], ["folder", "no/such/page.html"]),
         (["--runs", "0"], ["runs", "0"]),
-        (["--tolerance", "1e-6"], ["no level answers", "peak-force"]),
-        (["--wear-limit", "0"], ["wear limit", "positive"]),
+        (["--model", "rigid-ideal"], ["rigid-ideal", "clearance"]),
         (["--window", "-1"], ["window", "-1"]),
         (["--window", "nan"], ["window", "nan"]),
         (["--jobs", "0"], ["jobs", "0"]),
@@ -83,9 +84,3 @@ def test_wrong_input_is_refused_before_anything_is_compiled(options, words, arra
     message = capsys.readouterr().err
     for word in words:
         assert word in message
-
-
-def test_a_bad_file_is_refused_by_name_line_and_rule(array, capsys):
-    array.write_text("clearance = 1e-4\nclearence = 1e-4\n")
-    assert main(["loads", str(array)]) == 2
-    assert "my_array.toml: parameter 'clearence' is unknown" in capsys.readouterr().err

@@ -1,6 +1,7 @@
 """Maps of designs, and campaigns in which wear is carried over."""
 
 import itertools
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,11 +10,10 @@ import pytest
 
 from solar_env.__main__ import main
 from solar_env.array import ArrayParameters
-from solar_env.commands import design
 from solar_env.studies.common.plans import FAST_PARAMETERS
 from solar_env.studies.common.tables import read_table
 from solar_env.studies.design import design_map, ground_test
-from solar_env.studies.design.ground_test import Deployment, as_rows, clearances_after, wear_campaign
+from solar_env.studies.design.ground_test import wear_campaign
 
 FAST_DURATION = 4.0
 
@@ -37,20 +37,20 @@ def test_a_cell_holds_every_member_of_its_ensemble(monkeypatch: pytest.MonkeyPat
 
 
 def test_both_axes_of_both_maps_are_varied() -> None:
-    assert design_map.changes("clearances", 1e-4, 3e-4) == {"clearance": (1e-4, 3e-4)}
-    changes = design_map.changes("stiffnesses", 300.0, 40.0)
-    parameters = ArrayParameters().with_changes(changes)
+    assert design_map.MAPS["clearances"].changes(1e-4, 3e-4) == {"clearance": (1e-4, 3e-4)}
+    parameters = ArrayParameters().with_changes(design_map.MAPS["stiffnesses"].changes(300.0, 40.0))
     assert (parameters.latch_stiffness, parameters.cable_stiffness) == (300.0, 40.0)
 
 
 def test_the_design_command_measures_resumes_and_draws(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    clearances, stiffnesses = design_map.MAPS.values()
     small = {
-        "clearances": design_map.DesignMap("c1", "c2", (1e-4, 2e-4), (1e-4,), marked=((2e-4, 1e-4),)),
-        "stiffnesses": design_map.DesignMap("latch", "cable", (1e3,), (10.0, 20.0)),
+        "clearances": replace(clearances, x_values=(1e-4, 2e-4), y_values=(1e-4,), marked=((2e-4, 1e-4),)),
+        "stiffnesses": replace(stiffnesses, x_values=(1e3,), y_values=(10.0, 20.0)),
     }
-    for module in ("design_map", "design_plot"):
+    for module in ("design_map", "plots"):
         monkeypatch.setattr(f"solar_env.studies.design.{module}.MAPS", small)
     monkeypatch.setattr(design_map, "DURATION", 13.0)
     command = ["design", "--members", "1", "--jobs", "1", "--out", str(tmp_path)]
@@ -73,64 +73,42 @@ def test_the_design_command_measures_resumes_and_draws(
 
 @pytest.mark.usefixtures("short")
 def test_extrapolated_wear_is_that_of_ten_direct_deployments() -> None:
-    parameters = fast(1e-7)
-    campaigns = [list(wear_campaign(parameters, 10, growth, members=4)) for growth in (0.06, 0.0)]
-    assert len(campaigns[0]) <= 4
-    assert len(campaigns[1]) == 10
-    for before, after in itertools.pairwise(campaigns[1]):
+    extrapolated, direct = (list(wear_campaign(fast(1e-7), 10, growth, members=4)) for growth in (0.06, 0.0))
+    assert len(extrapolated) <= 4
+    assert [deployment.number for deployment in direct] == list(range(10))
+    for before, after in itertools.pairwise(direct):
         assert after.clearance == pytest.approx(before.clearance + before.wear, rel=1e-15, abs=0.0)
-    (extrapolated, error), (direct, other) = (clearances_after(campaign, 10) for campaign in campaigns)
-    initial = campaigns[0][0].clearance
-    assert np.all(direct > 1.03 * initial)
-    assert np.all(np.abs(extrapolated - direct) < 3.0 * np.hypot(error, other) + 0.01 * (direct - initial))
+    ends = [last.clearance + last.repeated * last.wear for last in (extrapolated[-1], direct[-1])]
+    grown = ends[1] - direct[0].clearance
+    assert np.all(grown > 0.03 * direct[0].clearance)
+    errors = [sum(d.repeated * d.wear_error for d in campaign) for campaign in (extrapolated, direct)]
+    assert np.all(np.abs(ends[0] - ends[1]) < np.hypot(*errors) + 0.01 * grown)
+
+
+def test_wear_between_deployments_is_linear(monkeypatch: pytest.MonkeyPatch) -> None:
+    wear = iter([1e-5, 1e-5, 3e-5, 3e-5, 3e-5, 3e-5])
+    monkeypatch.setattr(ground_test, "_deploy", lambda run: [[next(wear)] * 2, [1.0, 1.0]])
+    first, second, third = itertools.islice(wear_campaign(ArrayParameters(clearance=1e-4), 9, 0.41, members=2), 3)
+    assert [(one.number, one.repeated) for one in (first, second, third)] == [(0, 4), (4, 1), (5, 2)]
+    assert second.clearance == pytest.approx(np.full(2, 1.4e-4)), "as the first predicts"
+    # What the first four wore is corrected to 1, 1.5, 2 and 2.5 times 1e-5.
+    assert third.clearance == pytest.approx(np.full(2, 1e-4 + 7e-5 + 3e-5))
 
 
 @pytest.mark.usefixtures("short")
 def test_wear_that_changes_nothing_is_simulated_once() -> None:
     (only,) = wear_campaign(fast(1e-14), 1000, 0.01, members=2)
     assert only.repeated == 1000
-    clearance, _ = clearances_after([only], 1000)
-    # 1e-11 m or so, of 2e-4.
-    assert clearance - only.clearance == pytest.approx(1000 * only.wear, rel=1e-6, abs=0.0)
     assert np.all(only.wear > 0.0)
-
-
-@pytest.mark.usefixtures("short")
-def test_without_wear_nothing_changes() -> None:
     (only,) = wear_campaign(fast(0.0), 7, 0.0, members=2)
     assert (only.repeated, only.wear.tolist()) == (7, [0.0, 0.0])
 
 
-def test_wear_between_deployments_is_linear() -> None:
-    def deployment(number: int, wear: float, repeated: int) -> Deployment:
-        one = np.ones(1)
-        return Deployment(number, 100.0 * one, wear * one, 0.5 * one, one, one, repeated)
-
-    campaign = [deployment(0, 1.0, 4), deployment(4, 3.0, 6)]
-    clearance, error = clearances_after(campaign, 6)
-    assert clearance[0] == pytest.approx(100.0 + sum((1.0, 1.5, 2.0, 2.5, 3.0, 3.0)))
-    assert error[0] == pytest.approx(0.5 * np.hypot(1.0 + 0.75 + 0.5 + 0.25, 0.25 + 0.5 + 0.75 + 1.0 + 1.0))
-    with pytest.raises(ValueError, match="ends before deployment 11"):
-        clearances_after(campaign, 11)
-    assert [row["repeated"] for row in as_rows(campaign, "direct")] == [4, 6]
-
-
-@pytest.mark.parametrize(
-    ("numbers", "named"), [((0, 0.1, 2), "deployments = 0"), ((1, 0.1, 1), "members = 1"), ((1, -0.1, 2), "growth")]
-)
-def test_campaigns_that_make_no_sense_are_refused(numbers: tuple[int, float, int], named: str) -> None:
-    deployments, growth, members = numbers
-    with pytest.raises(ValueError, match=named):
-        next(wear_campaign(ArrayParameters(), deployments, growth, members))
-
-
 @pytest.mark.usefixtures("short")
-def test_ground_tests_are_compared_with_direct_simulation(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    for name, value in (("WEAR_COEFFICIENT", 1e-14), ("MEMBERS", 2), ("CHECKED", 2)):
-        monkeypatch.setattr(design, name, value)
+def test_ground_tests_are_written_and_drawn(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, value in (("WEAR_COEFFICIENT", 1e-7), ("MEMBERS", 2)):
+        monkeypatch.setattr(ground_test, name, value)
     assert main(["design", "--ground-tests", "3", "--jobs", "1", "--out", str(tmp_path)]) == 0
     assert {path.name for path in tmp_path.iterdir()} == {"ground_test.csv", "ground_test.png"}
-    assert read_table(tmp_path / "ground_test.csv").values("kind") == ("extrapolated", "direct")
-    assert "clearances after 2 deployments, direct" in capsys.readouterr().out
+    assert read_table(tmp_path / "ground_test.csv").column("repeated").sum() == 3
+    assert main(["design", "--ground-tests", "-1", "--out", str(tmp_path)]) == 2

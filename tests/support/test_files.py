@@ -193,7 +193,7 @@ def test_a_folder_without_permission_is_refused_in_a_sentence(tmp_path, monkeypa
 OUTPUTS = {
     **{f"study {name}": ["--out", "{}"] for name in ("precision", "stability", "paper", "throughput", "figures")},
     "design": ["--out", "{}"],
-    "ladder": ["--quick", "--out", "{}"],
+    "ladder": ["--out", "{}"],
     "simulate": ["--out", "{}/trajectory.npz"],
     "verify": ["--json", "{}/rows.json"],
 }

@@ -18,10 +18,10 @@ def run(args: Args) -> int:
     """Map where methods fail, and check that the library says so; --only parameters walks every parameter instead."""
     from solar_env.studies.stability.stability_maps import MAPS, measure_map
 
-    if args.only == [PARAMETERS]:
-        return _walk_parameters(args)
-    names = args.parts(MAPS)
+    names = [] if args.only == [PARAMETERS] else args.parts(MAPS)
     folder, _ = args.folders("stability")
+    if not names:
+        return _walk_parameters(args, folder)
     if not args.draw:
         cells = sum(1 for name in names for _ in MAPS[name].cells(args.quick))
         with counting_bar(args.console) as progress:
@@ -29,15 +29,14 @@ def run(args: Args) -> int:
             for name in names:
                 progress.update(task, description=name + compilation_note(INTEGRATORS))
                 measure_map(name, args.quick, folder / f"{name}.csv", lambda: progress.advance(task))
-    return max(_report(name, folder) for name in names)
+    return max(_report(name, folder / f"{name}.csv") for name in names)
 
 
-def _walk_parameters(args: Args) -> int:
+def _walk_parameters(args: Args, folder: Path) -> int:
     """Measure the ranges of the parameters; 1 if a failure passed in silence."""
     from solar_env.studies.common.tables import read_table
     from solar_env.studies.stability import parameter_ranges as ranges
 
-    folder, _ = args.folders("stability")
     table, page = folder / "parameters.csv", folder / "parameters.md"
     if not args.draw:
         with counting_bar(args.console) as progress:
@@ -46,23 +45,22 @@ def _walk_parameters(args: Args) -> int:
     measured = read_table(table)
     write_text(page, ranges.page(measured))
     print(f"{table}, {page}")
-    return 1 if measured.where(**{"class": ranges.SILENT}).rows else 0
+    return int(ranges.SILENT in measured.values("class"))
 
 
-def _report(name: str, folder: Path) -> int:
+def _report(name: str, path: Path) -> int:
     """Draw a map and print its figures and advice; 1 if a failure passed in silence."""
     from solar_env.studies.common.tables import read_table
     from solar_env.studies.stability.maps import silent_failures
     from solar_env.studies.stability.stability_plot import draw_map
 
-    path = folder / f"{name}.csv"
     table = read_table(path)
     draw_map(path, path.with_suffix(".png"))
-    silent = len(silent_failures(table).rows)
-    counts = {kind: len(table.where(**{"class": kind}).rows) for kind in table.values("class")}
-    print(f"{name}: {', '.join(f'{count} {kind}' for kind, count in counts.items())}")
+    counts = [f"{len(table.where(**{'class': kind}).rows)} {kind}" for kind in table.values("class")]
+    print(f"{name}: {', '.join(counts)}")
     print(f"  {path}, {path.with_suffix('.png')}")
     print(textwrap.fill(table.provenance["advice"], _COLUMNS, initial_indent="  ", subsequent_indent="  "))
+    silent = len(silent_failures(table).rows)
     if silent:
         print(f"  {silent} of the failures passed without a word of the library")
-    return 1 if silent else 0
+    return int(silent > 0)

@@ -1,6 +1,6 @@
 """Deployments as pages show them: motions and charts over time, from trajectories."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -18,6 +18,8 @@ from solar_env.pictures.page.content import Chart, Line, Motion, Table
 from solar_env.pictures.style import COLOURS, FORCE_DECADES, controller_looks
 
 Array = NDArray[np.float64]
+Samples = NDArray[np.intp]
+Reading = Callable[[Trajectory], tuple[Array, Array]]  # (n,) of the horizontal axis, (n, lines) of the vertical one
 
 # Between two moments shown before the first latching, and from shortly before it on [s].
 _SLOW, _FAST, _MARGIN = 0.05, 0.005, 0.1
@@ -28,7 +30,7 @@ _STORED = ("kinetic", "spring", "cable", "latch", "contact", "elastic")
 _LOST = ("contact_dissipation", "friction_dissipation", "latch_dissipation", "material_dissipation")
 
 
-def shown_samples(trajectory: Trajectory) -> NDArray[np.intp]:
+def shown_samples(trajectory: Trajectory) -> Samples:
     """Indices of the samples that a page shows: a few before the first latching, many from there on."""
     latched = trajectory.latch_times[np.isfinite(trajectory.latch_times)]
     begin = latched.min() - _MARGIN if len(latched) else np.inf
@@ -37,7 +39,7 @@ def shown_samples(trajectory: Trajectory) -> NDArray[np.intp]:
     return np.flatnonzero(np.diff(wanted, prepend=-1.0) != 0.0)
 
 
-def peaks_between(trajectory: Trajectory, kept: NDArray[np.intp]) -> Array:
+def peaks_between(trajectory: Trajectory, kept: Samples) -> Array:
     """(kept, joints) greatest contact force [N] from each sample to the next of those shown.
 
     Every contact's own peak counts, at the greatest of the samples within it.
@@ -51,18 +53,8 @@ def peaks_between(trajectory: Trajectory, kept: NDArray[np.intp]) -> Array:
     return np.asarray(np.maximum.reduceat(forces, kept, axis=0))
 
 
-def _in_words(values: Iterable[float]) -> str:
-    """Numbers with few digits, as in "12.3 and 12.4"."""
-    return " and ".join(f"{float(f'{value:.3g}'):g}" for value in values)
-
-
 def motion_of(trajectory: Trajectory, name: str) -> Motion:
-    """The array in motion.
-
-    Args:
-        trajectory: whose metadata tell model, integrator and parameters.
-        name: in words.
-    """
+    """The array in motion; the trajectory's metadata tell model, integrator and parameters."""
     kept, details = shown_samples(trajectory), trajectory.metadata
     parameters = ArrayParameters().with_changes(details["parameters"])
     model, _ = METHODS[details["integrator"]].formulation.compile(build(parameters, details["model"]))
@@ -84,12 +76,7 @@ def motion_of(trajectory: Trajectory, name: str) -> Motion:
 
 
 def parameter_table(parameters: ArrayParameters, ranges: Ranges | None = None) -> Table:
-    """Every parameter of an array with its unit, folded.
-
-    Args:
-        parameters: of the array.
-        ranges: of what is drawn for every run, if anything is.
-    """
+    """Every parameter of an array with its unit, folded, and between what it is drawn for every run, if any is."""
     known, drawn = units(), ranges or {}
     columns = ("parameter", "value", "unit", *(("drawn between",) if drawn else ()))
     rows = []
@@ -115,133 +102,112 @@ def charts_of(trajectories: Mapping[str, Trajectory]) -> list[Chart]:
     Forces and gaps, which jump from impact to impact, would hide each other there: of several deployments each has one
     line, the greatest of all joints, window by window.
     """
-    single, looks = len(trajectories) == 1, controller_looks(list(trajectories))
+    single = len(trajectories) == 1
 
-    def lines_of(read: Callable[[Trajectory], tuple[Array, Array]]) -> list[Line]:
-        lines = []
-        for name, trajectory in trajectories.items():
-            x, values = read(trajectory)
-            for j in range(values.shape[1]):
-                label = f"joint {j + 1}" if single else f"{name}, joint {j + 1}"
-                colour = COLOURS[j % len(COLOURS)] if single else looks[name]["color"]
-                dash = "solid" if single else _DASHES[j % len(_DASHES)]
-                lines.append(Line(label, x, values[:, j], colour, dash))
-        return lines
+    def lines(read: Reading, parts: Sequence[str] = ()) -> list[Line]:
+        found = []
+        for name, look in controller_looks(list(trajectories)).items():
+            x, values = read(trajectories[name])
+            for k, y in enumerate(values.T):
+                part = parts[k] if parts else f"joint {k + 1}"
+                if single:
+                    found.append(Line(part, x, y, COLOURS[k % len(COLOURS)]))
+                else:
+                    label = name if len(values.T) == 1 else f"{name}, {part}"
+                    found.append(Line(label, x, y, look["color"], _DASHES[k % len(_DASHES)]))
+        return found
 
-    def by_joint(read: Callable[[Trajectory, NDArray[np.intp]], Array]) -> list[Line]:
-        def shown(trajectory: Trajectory) -> tuple[Array, Array]:
-            kept = shown_samples(trajectory)
-            return trajectory.time[kept], read(trajectory, kept)
+    def chart(key: str, y: str, read: Reading, parts: Sequence[str] = ()) -> Chart:
+        return Chart(_title(key, trajectories), "time [s]", y, lines(read, parts))
 
-        return lines_of(shown)
-
-    def worn(trajectory: Trajectory) -> tuple[Array, Array]:
-        """Depth [fm] of the bearings' wear round them, in their bodies' own frames."""
-        angles = np.linspace(0.0, 360.0, trajectory.wear_bearing.shape[1], endpoint=False)
-        return angles, _FEMTOMETRES * trajectory.wear_bearing.T
-
-    titles = _single_titles(next(iter(trajectories.values()))) if single else _titles(trajectories)
-    charts = [Chart(titles["angles"], "time [s]", "angle [deg]", by_joint(lambda t, k: np.degrees(t.angles[k])))]
+    charts = [chart("angles", "angle [deg]", _shown(lambda t, k: np.degrees(t.angles[k])))]
     if single:
-        charts += [
-            Chart(titles["forces"], "time [s]", "greatest from point to point [N]", by_joint(peaks_between)),
-            Chart(titles["gaps"], "time [s]", "gap [mm], 0 in contact", by_joint(lambda t, k: -1e3 * t.penetration[k])),
-        ]
+        charts.append(chart("forces", "greatest from point to point [N]", _shown(peaks_between)))
+        charts.append(chart("gaps", "gap [mm], 0 in contact", _shown(lambda t, k: -1e3 * t.penetration[k])))
     else:
-        gaps = _compared(trajectories, lambda t: np.maximum(-1e3 * t.penetration, 0.0))
-        label = f"greatest gap in {_WINDOW:g} s, any joint [mm]"
-        charts += [_compared_forces(titles["forces"], trajectories), Chart(titles["gaps"], "time [s]", label, gaps)]
-    charts.append(Chart(titles["torques"], "time [s]", "torque [N m]", by_joint(lambda t, k: t.latch_torque[k])))
+        within = f"in {_WINDOW:g} s, any joint"
+        forces = _greatest(lambda t: peaks_between(t, np.arange(len(t.time))))
+        charts.append(_on_scale_of_forces(chart("forces", f"greatest {within} [N]", forces)))
+        gaps = _greatest(lambda t: np.maximum(-1e3 * t.penetration, 0.0))
+        charts.append(chart("gaps", f"greatest gap {within} [mm]", gaps))
+    charts.append(chart("torques", "torque [N m]", _shown(lambda t, k: t.latch_torque[k])))
     if any(t.motor_torque.any() for t in trajectories.values()):
-        driven = by_joint(lambda t, k: t.motor_torque[k][:, t.motor_torque.any(axis=0)])
-        charts.append(Chart(titles["motor"], "time [s]", "torque [N m]", driven))
-    stored = "energy [J]" if single else "stored energy [J]"
-    charts.append(Chart(titles["energies"], "time [s]", stored, _energies(trajectories)))
+        driven = _shown(lambda t, k: t.motor_torque[k][:, t.motor_torque.any(axis=0)])
+        charts.append(chart("motor", "torque [N m]", driven))
+    if single:
+        charts.append(chart("energies", "energy [J]", _shown(_energies), ("kinetic", "springs", "all stored", "lost")))
+    else:
+        charts.append(chart("energies", "stored energy [J]", _shown(lambda t, k: _energies(t, k)[:, 2:3])))
     if any(t.wear_depth.any() for t in trajectories.values()):
-        charts.append(Chart(titles["wear"], "", "fm", lines_of(worn), False, polar=True))
+        charts.append(Chart(_title("wear", trajectories), "", "fm", lines(_worn), False, polar=True))
     return charts
 
 
-def _single_titles(trajectory: Trajectory) -> dict[str, str]:
-    lost = sum(float(trajectory.energies[part][-1]) for part in _LOST) / trajectory.energy_put_in
-    return {
-        "angles": f"The joints latch after {' and '.join(f'{time:.2f}' for time in trajectory.latch_times)} s",
-        "forces": f"Contact forces peak at {_in_words(trajectory.peak_force)} N",
-        "torques": f"Latch torques reach {_in_words(np.abs(trajectory.latch_torque).max(axis=0))} N m",
-        "gaps": f"Journals touch their bearings {_in_words(100.0 * _touching(trajectory))} % of the time",
-        "motor": f"The motor turns with up to {np.abs(trajectory.motor_torque).max():.3g} N m",
-        "energies": f"{lost:.0%} of the energy put in is lost by the end",
-        "wear": f"Bearings wear by up to {_in_words(_FEMTOMETRES * trajectory.wear_bearing.max(axis=1))} fm (1e-15 m)",
-    }
+def _shown(read: Callable[[Trajectory, Samples], Array]) -> Reading:
+    """Read at the samples that a page shows."""
+
+    def reading(trajectory: Trajectory) -> tuple[Array, Array]:
+        kept = shown_samples(trajectory)
+        return trajectory.time[kept], read(trajectory, kept)
+
+    return reading
 
 
-def _titles(trajectories: Mapping[str, Trajectory]) -> dict[str, str]:
-    """Titles of figures of several deployments: which one stands out."""
-    latest = {name: float(np.nanmax(t.latch_times, initial=0.0)) for name, t in trajectories.items()}
-    peaks = {name: float(t.postlock_peak_force.max()) for name, t in trajectories.items()}
-    torques = {name: float(np.abs(t.latch_torque).max()) for name, t in trajectories.items()}
-    touching = {name: -float(_touching(t).mean()) for name, t in trajectories.items()}
-    left = {name: sum(float(t.energies[part][-1]) for part in _STORED) for name, t in trajectories.items()}
-    worn = {name: float(t.wear_bearing.max(initial=0.0)) for name, t in trajectories.items()}
-    turned = {
-        name: float(np.sqrt(np.square(t.motor_torque).sum(axis=1).mean()))
-        for name, t in trajectories.items()
-        if t.motor_torque.any()
-    } or dict.fromkeys(trajectories, 0.0)
-    compared = (latest, peaks, torques, touching, left, worn, turned)
-    soonest, softest, least, closest, calmest, freshest, laziest = (min(v, key=v.__getitem__) for v in compared)
-    return {
-        "angles": f"{soonest} is the first to latch, after {latest[soonest]:.3g} s",
-        "forces": f"{softest} lands softest: after latching at most {peaks[softest]:.3g} N",
-        "torques": f"{least} loads the latches least, with {torques[least]:.3g} N m at most",
-        "gaps": f"Journals touch longest under {closest}, {-touching[closest]:.0%} of the time",
-        "motor": f"{laziest} needs the least torque, {turned[laziest]:.3g} N m (root mean square)",
-        "energies": f"{calmest} is left with the least energy, {left[calmest]:.3g} J",
-        "wear": f"{freshest} wears bearings least, by {_FEMTOMETRES * worn[freshest]:.3g} fm (1e-15 m) at most",
-    }
-
-
-def _touching(trajectory: Trajectory) -> Array:
-    """Share of the time in which each journal touches its bearing."""
-    return np.asarray(np.average(trajectory.penetration[1:] > 0.0, axis=0, weights=np.diff(trajectory.time)))
+def _greatest(read: Callable[[Trajectory], Array]) -> Reading:
+    return lambda trajectory: greatest_in_windows(trajectory.time, read(trajectory))
 
 
 def greatest_in_windows(time: Array, values: Array) -> tuple[Array, Array]:
-    """The beginnings of windows of time, and the greatest of (n, joints) values in each, at any joint."""
-    number = np.floor(time / _WINDOW + 1e-6)
-    starts = np.flatnonzero(np.diff(number, prepend=-1.0))
-    return time[starts], np.asarray(np.maximum.reduceat(values.max(axis=1), starts))
+    """The beginnings of windows of time, and (windows, 1) the greatest of (n, joints) values in each, at any joint."""
+    starts = np.flatnonzero(np.diff(np.floor(time / _WINDOW + 1e-6), prepend=-1.0))
+    return time[starts], np.maximum.reduceat(values.max(axis=1, keepdims=True), starts)
 
 
-def _compared(trajectories: Mapping[str, Trajectory], read: Callable[[Trajectory], Array]) -> list[Line]:
-    looks = controller_looks(list(trajectories))
-    return [
-        Line(name, *greatest_in_windows(trajectory.time, read(trajectory)), looks[name]["color"])
-        for name, trajectory in trajectories.items()
-    ]
+def _energies(trajectory: Trajectory, kept: Samples) -> Array:
+    """(kept, 4) kinetic energy, that of the springs, all that is stored, and what is lost [J]."""
+    energies = trajectory.energies
+    stored, lost = (np.sum([energies[part] for part in parts], axis=0) for parts in (_STORED, _LOST))
+    return np.column_stack([energies["kinetic"], energies["spring"], stored, lost])[kept]
 
 
-def _compared_forces(title: str, trajectories: Mapping[str, Trajectory]) -> Chart:
-    """Forces of several deployments, on the scale of the frames: soft landings show beside hard ones."""
-    lines = _compared(trajectories, lambda t: peaks_between(t, np.arange(len(t.time))))
+def _worn(trajectory: Trajectory) -> tuple[Array, Array]:
+    """Depth [fm] of the bearings' wear round them, in their bodies' own frames."""
+    angles = np.linspace(0.0, 360.0, trajectory.wear_bearing.shape[1], endpoint=False)
+    return angles, _FEMTOMETRES * trajectory.wear_bearing.T
+
+
+def _on_scale_of_forces(chart: Chart) -> Chart:
+    """Forces on the scale of the frames: soft landings show beside hard ones, and zero a little below the axis."""
     low, high = (10.0**decade for decade in FORCE_DECADES)
-    limits = low, max(high, *(1.1 * float(line.y.max()) for line in lines))
-    # What is zero lies a little below the axis, lest the line end there.
-    lines = [replace(line, y=np.maximum(line.y, 0.63 * low)) for line in lines]
-    label = f"greatest in {_WINDOW:g} s, any joint [N]"
-    return Chart(title, "time [s]", label, lines, logarithmic="y", limits=limits)
+    limits = low, max(high, *(1.1 * float(line.y.max()) for line in chart.lines))
+    lines = [replace(line, y=np.maximum(line.y, 0.63 * low)) for line in chart.lines]
+    return replace(chart, lines=lines, logarithmic="y", limits=limits)
 
 
-def _energies(trajectories: Mapping[str, Trajectory]) -> list[Line]:
-    """Parts of the energy of a single deployment; of several what each has stored, as in their title."""
-    lines, looks = [], controller_looks(list(trajectories))
-    for name, trajectory in trajectories.items():
-        kept, energies = shown_samples(trajectory), trajectory.energies
-        time, stored = trajectory.time[kept], np.sum([energies[part] for part in _STORED], axis=0)
-        if len(trajectories) > 1:
-            lines.append(Line(name, time, stored[kept], looks[name]["color"]))
-            continue
-        lost = np.sum([energies[part] for part in _LOST], axis=0)
-        parts = {"kinetic": energies["kinetic"], "springs": energies["spring"], "all stored": stored, "lost": lost}
-        lines += [Line(part, time, parts[part][kept], COLOURS[i]) for i, part in enumerate(parts)]
-    return lines
+# Chart -> its title, and what stands in it: values by joint, or one; of several deployments the greatest of each.
+_TITLES: Mapping[str, tuple[str, Callable[[Trajectory], Array]]] = {
+    "angles": ("Joints latch after {} s", lambda t: t.latch_times),
+    "forces": ("Contact forces after latching peak at {} N", lambda t: t.postlock_peak_force),
+    "torques": ("Latch torques reach {} N m", lambda t: np.abs(t.latch_torque).max(axis=0)),
+    "gaps": (
+        "Journals touch their bearings {} % of the time",
+        lambda t: 100.0 * np.average(t.penetration[1:] > 0.0, axis=0, weights=np.diff(t.time)),
+    ),
+    "motor": ("The motor turns with up to {} N m", lambda t: np.abs(t.motor_torque).max(keepdims=True)),
+    "energies": ("{} J of energy are left at the end", lambda t: _energies(t, np.array([-1]))[:, 2]),
+    "wear": ("Bearings wear by up to {} fm (1e-15 m)", lambda t: _FEMTOMETRES * t.wear_bearing.max(axis=1)),
+}
+
+
+def _title(key: str, trajectories: Mapping[str, Trajectory]) -> str:
+    sentence, read = _TITLES[key]
+    values = {name: read(trajectory) for name, trajectory in trajectories.items()}
+    if len(values) == 1:
+        told = [_short(value) for own in values.values() for value in own]
+    else:
+        told = [f"{_short(own.max())} ({name})" for name, own in values.items()]
+    return sentence.format(" and ".join(told))
+
+
+def _short(value: float) -> str:
+    return f"{float(f'{value:.3g}'):g}"

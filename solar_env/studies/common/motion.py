@@ -23,21 +23,13 @@ SETTING_SHARE = 3e-3
 
 @dataclass(frozen=True)
 class Scene:
-    """A deployment from rest.
+    """A deployment from rest."""
 
-    Attributes:
-        model: the level as a word, see `ModelLevel`.
-        parameters: of the array.
-        duration: [s].
-        sample_step: distance of the sampled angles [s].
-        forces_kept: whether peak contact forces are asked for, for which programs that sample must do so every step.
-    """
-
-    model: str
+    model: str  # the level as a word, see `ModelLevel`
     parameters: ArrayParameters
-    duration: float
-    sample_step: float
-    forces_kept: bool = False
+    duration: float  # s
+    sample_step: float  # distance of the sampled angles [s]
+    forces_kept: bool = False  # whether programs that sample peak contact forces must do so at every step
 
     def mechanism(self) -> Mechanism:
         """The array as the project's own simulator takes it."""
@@ -65,26 +57,18 @@ def with_panels(model: str, panels: str) -> str:
 class Motion:
     """A run: nt samples, nj joints; nan where the program that made it does not say.
 
-    Attributes:
-        time: (nt,) [s].
-        angles: (nt, nj) [rad].
-        latch_times: (nj,) [s], nan if not latched.
-        wall_time: of the integration alone, without compiling or assembling [s].
-        steps, evaluations, factorizations: counts; evaluations of the right-hand side or residual.
-        energy_residual: energy that the books do not account for, over the energy put in.
-        totals: name -> (nj,) what a run comes to after its first latching: "peak_force_N", the greatest contact force
-            or, with ideal joints, reaction; "sliding_work_J"; "impacts", their number; and "wear_depth_m", the
-            greatest of the whole run.
+    Totals (nj,) are what a run comes to after its first latching: "peak_force_N", the greatest contact force or, with
+    ideal joints, reaction; "sliding_work_J"; "impacts", their number; and "wear_depth_m", that of the whole run.
     """
 
-    time: Array
-    angles: Array
-    latch_times: Array
-    wall_time: float
+    time: Array  # (nt,) [s]
+    angles: Array  # (nt, nj) [rad]
+    latch_times: Array  # (nj,) [s], nan if not latched
+    wall_time: float  # of the integration alone, without compiling or assembling [s]
     steps: float = math.nan
-    evaluations: float = math.nan
+    evaluations: float = math.nan  # of the right-hand side or residual
     factorizations: float = math.nan
-    energy_residual: float = math.nan
+    energy_residual: float = math.nan  # energy that the books do not account for, over the energy put in
     totals: dict[str, Array] = field(default_factory=dict)
 
 
@@ -115,8 +99,7 @@ def run_own(scene: Scene, integrator: Integrator) -> Motion:
     Raises:
         SimulationError: if the run cannot go on.
     """
-    with warnings.catch_warnings():
-        # What the library warns of is measured here.
+    with warnings.catch_warnings():  # what the library warns of is measured here
         warnings.simplefilter("ignore", SimulationWarning)
         trajectory = simulate(scene.mechanism(), scene.duration, integrator=integrator, output_step=scene.sample_step)
     return from_trajectory(trajectory)

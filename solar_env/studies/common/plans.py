@@ -13,17 +13,11 @@ FAST_PARAMETERS = replace(PARAMETERS, spring_stiffness=(2.5, 1.875), cable_prelo
 
 @dataclass(frozen=True)
 class Ensemble:
-    """A level of the study of convergence, and the size of its ensemble.
+    """A level of the study of convergence, and the size of its ensemble."""
 
-    Attributes:
-        panels: what flexible panels consist of, as "6 elements" or "32 modes"; empty for rigid ones.
-        members: runs with clearance.
-        tighter: what the default tolerance is divided by.
-    """
-
-    panels: str
-    members: int
-    tighter: float = 1.0
+    panels: str  # "6 elements" or "32 modes"; empty for rigid ones
+    members: int  # runs with clearance
+    tighter: float = 1.0  # what the default tolerance is divided by
 
 
 # From the coarsest to the finest of each family.
@@ -43,35 +37,20 @@ SHORT_LEVELS = (
 
 @dataclass(frozen=True)
 class ChartPlan:
-    """Scenes that a chart simulates, and how often.
-
-    Attributes:
-        models: of the array.
-        parameters: of the array.
-        panels: what flexible panels consist of, with methods that have none of their own.
-        duration: of deployments [s]; beyond the latching.
-        before_latch: up to which angles are compared [s].
-        settings: how many settings of a method are measured, from the coarsest; None for all.
-        repeats: of every measured time.
-        dear: whether methods are measured that take minutes.
-        ensemble_size: runs of an ensemble side by side, see `motion.perturbed`.
-        ensemble_duration: of the deployments of the study of convergence [s].
-        levels: of the study of convergence; the last of beams and of modes are the finest of their families.
-        side_duration: of the deployments that are timed side by side [s].
-    """
+    """Scenes that a chart simulates, and how often."""
 
     models: tuple[str, ...] = MODELS
     parameters: ArrayParameters = PARAMETERS
-    panels: str = "6 elements"
-    duration: float = 13.0
-    before_latch: float = 12.0
-    settings: int | None = None
-    repeats: int = 3
-    dear: bool = True
-    ensemble_size: int = 16
-    ensemble_duration: float = 16.0
-    levels: tuple[Ensemble, ...] = LEVELS
-    side_duration: float = 30.0
+    panels: str = "6 elements"  # that flexible ones consist of, with methods that have none of their own
+    duration: float = 13.0  # of deployments [s]; beyond the latching
+    before_latch: float = 12.0  # up to which angles are compared [s]
+    settings: int | None = None  # how many of a method are measured, from the coarsest; None for all
+    repeats: int = 3  # of every measured time
+    dear: bool = True  # whether methods are measured that take minutes
+    ensemble_size: int = 16  # runs of an ensemble side by side, see `motion.perturbed`
+    ensemble_duration: float = 16.0  # of the deployments of the study of convergence [s]
+    levels: tuple[Ensemble, ...] = LEVELS  # of that study; the last of beams and of modes are the finest of each
+    side_duration: float = 30.0  # of the deployments that are timed side by side [s]
 
     def deployment(self, model: str) -> Scene:
         """The deployment of a model up to a moment after its latching."""

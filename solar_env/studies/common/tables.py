@@ -8,9 +8,8 @@ import os
 import platform
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from enum import StrEnum
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,8 +18,6 @@ from solar_env.support.files import write_text
 from solar_env.support.numbers import is_number
 from solar_env.support.versions import versions
 
-_WALL = "wall"  # beginning of the names of wall times
-Name = TypeVar("Name", bound=StrEnum)
 Cell = float | int | str
 Row = dict[str, Cell]
 
@@ -42,18 +39,6 @@ class Table:
         kept = (row for row in self.rows if all(row[name] == value for name, value in cells.items()))
         return Table(tuple(kept), self.provenance)
 
-    def first(self, **cells: Cell) -> Mapping[str, Cell]:
-        """The first row that has these cells.
-
-        Raises:
-            ValueError: if there is none.
-        """
-        found = self.where(**cells).rows
-        if not found:
-            wanted = ", ".join(f"{name} = {value!r}" for name, value in cells.items())
-            raise ValueError(f"{_place(self.provenance)}no row has {wanted}; measure it anew")
-        return found[0]
-
     def column(self, name: str) -> NDArray[np.float64]:
         """(rows,) numbers of one column.
 
@@ -67,33 +52,28 @@ class Table:
         return tuple(dict.fromkeys(row[name] for row in self.rows))
 
 
+class _Read(dict[str, Cell]):
+    """A row of a file, or its provenance, that names the file where an entry is missing."""
+
+    def __init__(self, file: Path, cells: Iterable[tuple[str, Cell]] = ()) -> None:
+        super().__init__(cells)
+        self.file = file
+
+    def __missing__(self, name: str) -> Cell:
+        raise ValueError(f"{self.file} is damaged or lacks {name}; measure it anew")
+
+
 def number(row: Mapping[str, Cell], name: str) -> float:
     """A cell that is to be a number.
 
     Raises:
-        ValueError: if it is none; the message names the file and the line, if the row was read from one.
+        ValueError: if it is none.
     """
     cell = row[name]
     if not is_number(cell):
-        raise ValueError(f"{_place(row)}{name} is {cell!r}, where a number belongs; measure it anew")
+        file = row.file if isinstance(row, _Read) else "the table"
+        raise ValueError(f"{file} is damaged or lacks {name}, which is {cell!r} and no number; measure it anew")
     return float(cell)
-
-
-def choice(row: Mapping[str, Cell], name: str, known: type[Name]) -> Name:
-    """A cell that is to be one of the names `known`.
-
-    Raises:
-        ValueError: if it is none; the message names the file and the line, if the row was read from one.
-    """
-    try:
-        return known(str(row[name]))
-    except ValueError as error:
-        names = ", ".join(known)
-        raise ValueError(f"{_place(row)}{name} is {row[name]!r}, none of {names}; measure it anew") from error
-
-
-def _place(row: Mapping[str, Any]) -> str:
-    return f"{row.place}: " if isinstance(row, _Row) else ""
 
 
 def provenance(command: str, **settings: object) -> dict[str, str]:
@@ -107,19 +87,14 @@ def provenance(command: str, **settings: object) -> dict[str, str]:
 
 
 def write_table(path: Path, rows: Sequence[Mapping[str, Cell]], made_by: Mapping[str, str]) -> None:
-    """Write a CSV file whose first lines, each `# name: value`, are its provenance.
+    """Write rows with the same columns as a CSV file, whose first lines, each `# name: value`, are its provenance.
 
     Raises:
-        ValueError: if there is no row, or rows differ in their columns.
+        ValueError: if a row has other columns than the first.
     """
-    if not rows:
-        raise ValueError(f"no row to write to {path}")
-    columns = list(rows[0])
-    if any(list(row) != columns for row in rows):
-        raise ValueError(f"the rows for {path} differ in their columns")
     text = io.StringIO()
     text.writelines(f"# {name}: {value}\n" for name, value in made_by.items())
-    writer = csv.DictWriter(text, columns, lineterminator="\n")
+    writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
     writer.writeheader()
     writer.writerows(rows)
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -133,52 +108,19 @@ def read_table(path: Path) -> Table:
         OSError: if the file cannot be read.
         ValueError: if it is damaged; or later, when it turns out to lack a column that is looked for.
     """
-    made_by = _Row(str(path), ())
+    made_by: dict[str, Any] = _Read(path)
     try:
         lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
-        count = len(lines)
         while lines and lines[0].startswith("# "):
             name, _, value = lines.pop(0)[2:].rstrip("\n").partition(": ")
             made_by[name] = value
-        above, reader = count - len(lines), csv.reader(lines)
-        header = next(reader, [])
-        rows = [
-            _Row(f"{path}, line {above + reader.line_num}", zip(header, map(_number, row), strict=True))
-            for row in reader
-        ]
+        header, *cells = csv.reader(lines)
+        if not cells:
+            raise ValueError("it has none")
+        rows = [_Read(path, zip(header, map(_number, row), strict=True)) for row in cells]
     except (ValueError, csv.Error) as error:
-        raise ValueError(f"{path} is damaged, or no table of measured rows ({error}); measure it anew") from error
-    if not rows:
-        raise ValueError(f"{path} has no rows; measure it anew")
-    for name in header:
-        _check_column(rows, name)
+        raise ValueError(f"{path} is damaged or lacks its rows ({error}); measure it anew") from error
     return Table(tuple(rows), made_by)
-
-
-def _check_column(rows: Sequence[Mapping[str, Cell]], name: str) -> None:
-    """A column holds numbers or text, and wall times are positive, or nan where there is none."""
-    if any(is_number(row[name]) for row in rows):
-        for row in rows:
-            if name.startswith(_WALL) and number(row, name) <= 0.0:
-                raise ValueError(
-                    f"{_place(row)}{name} is {row[name]!r}, where a positive time belongs; measure it anew"
-                )
-            number(row, name)
-
-
-class _Row(dict[str, Any]):
-    """A row of a file, or its provenance, that says of which one where an entry is missing.
-
-    Attributes:
-        place: the file, and the line in it.
-    """
-
-    def __init__(self, place: str, cells: Iterable[tuple[str, Any]]) -> None:
-        super().__init__(cells)
-        self.place = place
-
-    def __missing__(self, name: str) -> Cell:
-        raise ValueError(f"{self.place} lacks {name!r}; measure it anew")
 
 
 def _number(cell: str) -> Cell:

@@ -3,7 +3,7 @@
 import math
 import statistics
 from collections.abc import Callable, Hashable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TypeVar
 
 from threadpoolctl import threadpool_limits
@@ -17,32 +17,19 @@ Key = TypeVar("Key", bound=Hashable)
 
 @dataclass(frozen=True)
 class Job:
-    """A run of a study.
-
-    Attributes:
-        name: in words.
-        solve: makes the run; raises SimulationError if it cannot go on.
-        repeats: how often it is timed.
-        long_run: a run that takes longer than this is not repeated [s].
-    """
+    """A run of a study."""
 
     name: str
-    solve: Callable[[], Motion]
-    repeats: int = 1
-    long_run: float = 10.0
+    solve: Callable[[], Motion]  # raises SimulationError if it cannot go on
+    repeats: int = 1  # how often it is timed
+    long_run: float = 10.0  # a run that takes longer is not repeated [s]
 
 
 @dataclass(frozen=True)
 class Measured:
-    """Result of the repeats of one run.
+    """Repeats of one run: the motion of the first and the times of all [s], or why it could not go on."""
 
-    Attributes:
-        motion: of the first repeat; None if the run could not go on.
-        walls: times of all repeats [s].
-        failure: why it could not go on; empty if it could.
-    """
-
-    motion: Motion | None
+    motion: Motion | None = None
     walls: tuple[float, ...] = ()
     failure: str = ""
 
@@ -62,22 +49,18 @@ def measure(jobs: Mapping[Key, Job], announce: Callable[[str], None] = lambda na
 
     Linear algebra gets one thread: for matrices this small a second one gains nothing, and waits for a busy processor.
     """
-    first: dict[Key, Measured] = {}
+    results = {key: Measured() for key in jobs}
     with threadpool_limits(1):
-        for key, job in jobs.items():
-            announce(job.name)
-            first[key] = _first_run(job)
-        walls = {key: list(result.walls) for key, result in first.items()}
-        for round_ in range(1, max((job.repeats for job in jobs.values()), default=1)):
+        for count in range(max(job.repeats for job in jobs.values())):
             for key, job in jobs.items():
-                if round_ < job.repeats and walls[key] and walls[key][0] <= job.long_run:
-                    walls[key].append(job.solve().wall_time)
-    return {key: replace(result, walls=tuple(walls[key])) for key, result in first.items()}
-
-
-def _first_run(job: Job) -> Measured:
-    try:
-        motion = job.solve()
-    except SimulationError as error:
-        return Measured(None, failure=str(error))
-    return Measured(motion, (motion.wall_time,))
+                done = results[key]
+                if count == 0:
+                    announce(job.name)
+                elif count >= job.repeats or not done.walls or done.walls[0] > job.long_run:
+                    continue
+                try:
+                    motion = job.solve()
+                    results[key] = Measured(done.motion or motion, (*done.walls, motion.wall_time))
+                except SimulationError as error:
+                    results[key] = Measured(failure=str(error))
+    return results

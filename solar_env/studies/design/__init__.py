@@ -1,5 +1,4 @@
 """Peak force and wear over the design's parameters, and repeated ground tests with the worn clearance fed back.
 
-Imports `common`. A further map is a row of `MAPS` in `design_map`, a further quantity a row of `QUANTITIES` in its
-plot.
+Imports `common`. A further map is a row of `MAPS` in `design_map`, a further quantity a row of `MAPPED` in `plots`.
 """

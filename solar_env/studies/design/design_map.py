@@ -1,6 +1,6 @@
 """Maps of peak force and of the deepest wear over parameters of the design, an ensemble in every cell."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,50 +10,45 @@ from rich.console import Console
 
 from solar_env.array import ArrayParameters
 from solar_env.studies.common.levels import Level
-from solar_env.studies.common.tables import Row, provenance, write_table
+from solar_env.studies.common.tables import Row
 from solar_env.support.campaigns import Campaign, Cell, Workers
 
 FILE = "design.csv"
 STORE = "design.jsonl"
 MODEL = "rigid-clearance"
 DURATION = 30.0  # s
-JOINTS = 2
 
 
 @dataclass(frozen=True)
 class DesignMap:
-    """A map over two design quantities.
+    """A map over two design quantities."""
 
-    Attributes:
-        x, y: their names, with units.
-        x_values, y_values: in SI units.
-        marked: points of the map that the paper compares.
-    """
-
-    x: str
+    x: str  # with its unit
     y: str
-    x_values: tuple[float, ...]
+    x_values: tuple[float, ...]  # in SI units
     y_values: tuple[float, ...]
-    marked: tuple[tuple[float, float], ...] = ()
+    changes: Callable[[float, float], dict[str, Any]]  # of parameters
+    marked: tuple[tuple[float, float], ...] = ()  # points that the paper compares
 
 
 _CLEARANCES = (5e-5, 1e-4, 1.5e-4, 2e-4, 3e-4, 5e-4)
 MAPS: Mapping[str, DesignMap] = {
     "clearances": DesignMap(
-        "clearance 1 [m]", "clearance 2 [m]", _CLEARANCES, _CLEARANCES, marked=((1e-4, 2e-4), (2e-4, 1e-4))
+        "clearance 1 [m]",
+        "clearance 2 [m]",
+        _CLEARANCES,
+        _CLEARANCES,
+        lambda x, y: {"clearance": (x, y)},
+        marked=((1e-4, 2e-4), (2e-4, 1e-4)),
     ),
     "stiffnesses": DesignMap(
-        "latch stiffness [N m/rad]", "cable stiffness [N m/rad]", (100.0, 300.0, 1e3, 3e3, 1e4),
+        "latch stiffness [N m/rad]",
+        "cable stiffness [N m/rad]",
+        (100.0, 300.0, 1e3, 3e3, 1e4),
         (5.0, 10.0, 20.0, 40.0, 80.0),
+        lambda x, y: {"latch_stiffness": x, "cable_stiffness": y},
     ),
-}  # fmt: skip
-
-
-def changes(name: str, x: float, y: float) -> dict[str, Any]:
-    """Parameters that a point of a map changes."""
-    if name == "clearances":
-        return {"clearance": (x, y)}
-    return {"latch_stiffness": x, "cable_stiffness": y}
+}
 
 
 def measure_cell(cell: Cell) -> dict[str, list[list[float]]]:
@@ -62,25 +57,21 @@ def measure_cell(cell: Cell) -> dict[str, list[list[float]]]:
     Returns:
         (members, joints) lists: deepest wear of bearing or journal [m], greatest contact force after the first
         latching [N].
-
-    Raises:
-        SimulationError: if a run cannot go on.
     """
-    parameters = ArrayParameters.preset(cell["preset"]).with_changes(changes(cell["map"], cell["x"], cell["y"]))
-    wear, force = [], []
-    for member in range(cell["members"]):
-        motion = Level(MODEL).deploy(parameters, member, DURATION, output_step=DURATION)
-        wear.append(motion.wear_depth.tolist())
-        force.append(motion.postlock_peak_force.tolist())
-    return {"wear_m": wear, "force_N": force}
+    changes = MAPS[cell["map"]].changes(cell["x"], cell["y"])
+    parameters = ArrayParameters.preset(cell["preset"]).with_changes(changes)
+    runs = [Level(MODEL).deploy(parameters, member, DURATION, DURATION) for member in range(cell["members"])]
+    return {
+        "wear_m": [run.wear_depth.tolist() for run in runs],
+        "force_N": [run.postlock_peak_force.tolist() for run in runs],
+    }
 
 
-def measure_design(preset: str, members: int, workers: Workers, folder: Path, console: Console) -> Path:
-    """Measure both maps, going on where an earlier run of the same maps stopped; returns the table's file.
+def measure_design(preset: str, members: int, workers: Workers, folder: Path, console: Console) -> list[Row]:
+    """Measure both maps, going on where an earlier run of the same maps stopped; returns a row for each cell.
 
     Raises:
         ValueError: if the folder holds maps of other settings or code.
-        SimulationError: if a run cannot go on.
     """
     cells = [
         {"preset": preset, "map": name, "x": x, "y": y, "members": members}
@@ -91,10 +82,7 @@ def measure_design(preset: str, members: int, workers: Workers, folder: Path, co
     settings = {"parameters": ArrayParameters.preset(preset).to_dict(), "model": MODEL, "duration": DURATION}
     campaign = Campaign(measure_cell, cells, folder / STORE, settings)
     results = campaign.run_shown(workers, console, "cells of the maps")
-    rows = [_row(cell, result) for cell, result in zip(cells, results, strict=True)]
-    table = folder / FILE
-    write_table(table, rows, provenance("design", preset=preset, members=members, model=MODEL))
-    return table
+    return [_row(cell, result) for cell, result in zip(cells, results, strict=True)]
 
 
 def _row(cell: Mapping[str, Any], result: Mapping[str, Any]) -> Row:
@@ -104,5 +92,5 @@ def _row(cell: Mapping[str, Any], result: Mapping[str, Any]) -> Row:
         figures = np.array(result[name])
         low, median, high = np.quantile(figures.max(axis=1), (0.25, 0.5, 0.75)).tolist()
         row |= {name: median, f"{name}_low": low, f"{name}_high": high}
-        row |= {f"{name}_joint_{j + 1}": float(np.median(figures[:, j])) for j in range(JOINTS)}
+        row |= {f"{name}_joint_{j}": value for j, value in enumerate(np.median(figures, axis=0).tolist(), start=1)}
     return row

@@ -22,8 +22,7 @@ def mean_error(level: Array, reference: Array, scale: Array) -> tuple[float, flo
     """Greatest distance between the means of two ensembles, and the half-width of its simultaneous 95 % band.
 
     Args:
-        level: (n, k, d) answers of n members: k quantities, each a vector of d components.
-        reference: (n, k, d) of the same members.
+        level, reference: (n, k, d) answers of the same n members: k quantities, each a vector of d components.
         scale: (k,) what distances are taken relative to.
 
     Returns:
@@ -32,7 +31,8 @@ def mean_error(level: Array, reference: Array, scale: Array) -> tuple[float, flo
     differences = level - reference
     mean = differences.mean(axis=0)
     deviations = _widening(len(level)) * (resampled_means(differences) - mean)
-    return float(_relative(mean, scale).max()), _quantile(_relative(deviations, scale).max(axis=-1))
+    error, scattered = (np.linalg.norm(vectors, axis=-1) / scale for vectors in (mean, deviations))
+    return float(error.max()), float(np.quantile(scattered.max(axis=-1), _COVERAGE))
 
 
 def _widening(count: int) -> float:
@@ -46,16 +46,12 @@ def _widening(count: int) -> float:
 def ranking_error(level: Array, reference: Array) -> tuple[float, float]:
     """Share of discordant pairs of controllers (M. G. Kendall, Biometrika 30 (1938) 81), and its 95 % half-width.
 
-    Args:
-        level: (n, controllers, measures) by which the controllers are ranked, each measure for itself.
-        reference: (n, controllers, measures) of the same members.
-
-    Returns:
-        The share over all pairs and measures; a pair that a level cannot tell apart counts half.
+    Both tables are (n, controllers, measures) of the same members; the controllers are ranked by each measure for
+    itself. A pair that a level cannot tell apart counts half.
     """
     share = float(discordant_share(level.mean(axis=0), reference.mean(axis=0)))
     resampled = discordant_share(resampled_means(level), resampled_means(reference))
-    return share, _quantile(np.abs(resampled - share))
+    return share, float(np.quantile(np.abs(resampled - share), _COVERAGE))
 
 
 def discordant_share(level: Array, reference: Array) -> Array:
@@ -63,11 +59,3 @@ def discordant_share(level: Array, reference: Array) -> Array:
     first, second = np.triu_indices(reference.shape[-2], k=1)
     signs = [np.sign(table[..., first, :] - table[..., second, :]) for table in (level, reference)]
     return np.asarray((1.0 - signs[0] * signs[1]).mean(axis=(-2, -1)) / 2.0)
-
-
-def _relative(vectors: Array, scale: Array) -> Array:
-    return np.asarray(np.sqrt((vectors**2).sum(axis=-1)) / scale)
-
-
-def _quantile(values: Array) -> float:
-    return float(np.quantile(values, _COVERAGE))

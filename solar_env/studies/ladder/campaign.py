@@ -1,66 +1,135 @@
-"""Error and cost of every level of the model, question by question, measured into a table."""
+"""Error and cost of every level of the model, question by question, measured into a table.
+
+Every level is run on its springs alone, and under fixed controllers.
+"""
 
 import statistics
-from collections.abc import Callable, Mapping, Sequence
+import time
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 from rich.console import Console
 
-from solar_env.array import ArrayParameters
+from solar_env.array import ArrayParameters, build
 from solar_env.array.compilation import compilation_note
 from solar_env.array.ladder import QUESTIONS, Answer
 from solar_env.array.parameters.ranges import RELEASE_RATE
+from solar_env.environment.task.versions import PRESENT
+from solar_env.mechanics.analysis.geometry import centreline
+from solar_env.mechanics.arrays import model as m
+from solar_env.mechanics.running.simulation import Simulation
 from solar_env.studies.common.levels import FINEST, Level
-from solar_env.studies.common.motion import SETTING_SHARE
+from solar_env.studies.common.motion import SETTING_SHARE, perturbed
 from solar_env.studies.common.tables import Row, provenance, write_table
 from solar_env.studies.ladder.answers import mean_error, ranking_error
-from solar_env.studies.ladder.runs import CONTROLLERS, SAMPLE_STEP, Outcome, Profile, control, deploy
 from solar_env.support.progress import counting_bar
 
-RANKING = "controller-ranking"
+Array = NDArray[np.float64]
+
 FILE = "ladder.csv"
+RANKING = "controller-ranking"
+SAMPLE_STEP = 0.02  # s, between two places of the tip
+# Constant motor torques on the root hinge [N m], positive opens, and when they set in [s]: controllers that do not
+# look. They latch the default array between 11 and 19 s.
+CONTROLLERS = {
+    "springs alone": (0.0, 0.0),
+    "constant drive": (0.1, 0.0),
+    "light brake": (-0.1, 0.0),
+    "strong brake": (-0.28, 0.0),
+    "late brake": (-0.3, 11.5),
+}
 
 
 @dataclass(frozen=True)
-class LadderRun:
-    """A member of the ensemble at a level, under a controller or, without one, on the springs alone."""
+class Outcome:
+    """Answers and cost of one run, or of one run under each controller."""
 
-    level: Level
-    member: int
-    profile: Profile | None
+    answers: dict[str, Array]  # question -> (k, d) quantities that are vectors of d components
+    wall: float  # time taken [s]
+    evaluations: float  # of the right-hand side
 
-    @property
-    def name(self) -> str:
-        """Level, number of the run and controller, in words."""
-        return f"{self.level.name}, run {self.member + 1}" + (f", {self.profile.name}" if self.profile else "")
+
+def deploy(level: Level, member: int, duration: float) -> Outcome:
+    """Deploy a member of the ensemble on the springs alone, for a duration [s].
+
+    Returns:
+        Every question's answer but the ranking of controllers.
+
+    Raises:
+        ValueError: if a joint has not latched.
+    """
+    run = level.deploy(ArrayParameters(), member, duration, SAMPLE_STEP)
+    if np.isnan(run.latch_times).any():
+        raise ValueError(f"{level.name} has not latched within {duration:g} s; simulate longer")
+    late = run.contacts[run.contacts["start_s"] > run.latch_times.min()]
+    by_joint = {
+        "latch-time": run.latch_times,
+        "peak-force": run.postlock_peak_force,
+        "wear": run.postlock_sliding_work,
+        "impact-count": np.bincount(late["joint"], minlength=len(run.latch_times)).astype(float),
+        "impulse": run.postlock_impulse,
+    }
+    answers = {question: values[:, np.newaxis] for question, values in by_joint.items()}
+    array = ArrayParameters()
+    model = Simulation(build(array, level.model), level.integrator()).model
+    answers["tip-motion"] = centreline(model, run.coordinates, array.joints[-1].panel, 1)[:, -1]
+    return Outcome(answers, float(run.metadata["wall_time_s"]), float(run.metadata["evaluations"]))
+
+
+def control(level: Level, member: int, window: float) -> Outcome:
+    """Deploy a member of the ensemble under every controller, each up to a time [s] after the last latching.
+
+    Returns:
+        RANKING: (controllers, 2) peak force [N] and sliding work [J] after the first latching, summed over the joints
+        as the environment's reward does.
+
+    Raises:
+        ValueError: if a controller misses the environment's deadline, so that there is nothing to rank.
+    """
+    array, measures, evaluations, wall = build(perturbed(ArrayParameters(), member), level.model), [], 0.0, 0.0
+    for name, (torque, start) in CONTROLLERS.items():
+        simulation = Simulation(array, level.integrator(member))
+        begun = time.perf_counter()
+        _drive(simulation, torque, start, window)
+        wall += time.perf_counter() - begun
+        state, joints = simulation.state, simulation.state.joints
+        if not joints["latched"].all():
+            raise ValueError(f"{name} with {level.name} misses the deadline")
+        work = m.joint_integrals(state.integrals)[:, m.SLIDING_WORK] - joints["lock_sliding_work"]
+        measures.append([joints["postlock_peak_force"].sum(), work.sum()])
+        evaluations += float(state.clock["evaluations"][0])
+    return Outcome({RANKING: np.array(measures)}, wall, evaluations)
+
+
+def _drive(simulation: Simulation, torque: float, start: float, window: float) -> None:
+    """Simulate up to a time [s] after the last latching, or to the deadline if a joint is still open."""
+    if start > 0.0:
+        simulation.advance(start)
+    simulation.set_motor_torque(PRESENT.task.driven_joint, torque)
+    joints = simulation.state.joints
+    while not joints["latched"].all() and simulation.time < PRESENT.task.deadline:
+        simulation.advance(simulation.time + PRESENT.task.control_period)
+    if joints["latched"].all():
+        simulation.advance(joints["latch_time"].max() + window)
 
 
 @dataclass(frozen=True)
 class LadderPlan:
-    """How much is measured.
-
-    Attributes:
-        panels: of the flexible levels.
-        reference: what all levels are compared with, finer than they are.
-        duration: of deployments on the springs alone [s]; they latch at 12.3 s.
-        members: runs of each level.
-        ideal_members: runs of each level with ideal joints, which have no chaos to average over.
-        controlled_members: runs of each level under each controller; not more with ideal joints than above.
-        window: time simulated after the last latching under a controller [s].
-    """
+    """How much is measured."""
 
     panels: tuple[str, ...] = (
         *(f"{elements} elements" for elements in (1, 2, 4, 6, 12)),
         *(f"{modes} modes" for modes in (8, 32)),
     )
-    reference: Level = FINEST
-    duration: float = 22.5
+    reference: Level = FINEST  # what all levels are compared with, finer than they are
+    duration: float = 22.5  # of deployments on the springs alone [s]; they latch at 12.3 s
     members: int = 16
-    ideal_members: int = 3
-    controlled_members: int = 8
-    window: float = 10.0
+    ideal_members: int = 3  # with ideal joints, which have no chaos to average over
+    controlled_members: int = 8  # under each controller
+    window: float = 10.0  # simulated after the last latching under a controller [s]
 
     @property
     def levels(self) -> tuple[Level, ...]:
@@ -68,62 +137,36 @@ class LadderPlan:
         flexible = (Level(f"flexible-{joint}:{panels}") for joint in ("ideal", "clearance") for panels in self.panels)
         return (Level("rigid-ideal"), Level("rigid-clearance"), *flexible, self.reference)
 
-    def members_of(self, level: Level, most: int) -> int:
-        """How many of at most so many members run at a level."""
-        return most if level.panels.clearance else min(most, self.ideal_members)
-
     @property
-    def runs(self) -> tuple[LadderRun, ...]:
-        """Every run, member by member, so that what disturbs the machine meets all levels alike."""
-        return tuple(
-            LadderRun(level, member, profile)
-            for most, profiles in ((self.members, (None,)), (self.controlled_members, CONTROLLERS))
+    def runs(self) -> list[tuple[Level, int, bool]]:
+        """Level, member, and whether controlled; member by member, so that disturbances meet all levels alike."""
+        return [
+            (level, member, controlled)
+            for most, controlled in ((self.members, False), (self.controlled_members, True))
             for member in range(most)
             for level in self.levels
-            if member < self.members_of(level, most)
-            for profile in profiles
-        )
+            if level.panels.clearance or member < self.ideal_members
+        ]
 
 
 FULL = LadderPlan()
-QUICK = LadderPlan(
-    panels=("1 element", "2 elements", "8 modes"),
-    duration=17.0,
-    members=4,
-    ideal_members=2,
-    controlled_members=2,
-    window=4.0,
-)
-
-Announce = Callable[[str], None]
 
 
-def run_ladder(plan: LadderPlan, announce: Announce) -> list[Row]:
+def run_ladder(plan: LadderPlan, announce: Callable[[str], None]) -> list[Row]:
     """Make every run, announced before it starts.
 
     Returns a row for every question and level, with the columns of `solar_env.array.ladder.Answer`.
     """
-    deployed: dict[Level, list[Outcome]] = {level: [] for level in plan.levels}
-    controlled: dict[Level, list[Outcome]] = {level: [] for level in plan.levels}
-    for run in plan.runs:
-        announce(run.name)
-        if run.profile is None:
-            deployed[run.level].append(deploy(run.level, run.member, plan.duration))
-        else:
-            controlled[run.level].append(control(run.level, run.member, run.profile, plan.window))
-    members = len(CONTROLLERS)
-    joined = {
-        level: [Outcome.of_all(own[k : k + members]) for k in range(0, len(own), members)]
-        for level, own in controlled.items()
+    done: dict[bool, dict[Level, list[Outcome]]] = {
+        controlled: {level: [] for level in plan.levels} for controlled in (False, True)
     }
-    return rows_of(deployed, joined)
-
-
-def rows_of(deployed: Mapping[Level, Sequence[Outcome]], controlled: Mapping[Level, Sequence[Outcome]]) -> list[Row]:
-    """Rows of the table from the runs of all levels and, last, of the reference."""
+    for level, member, controlled in plan.runs:
+        announce(f"{level.name}, run {member + 1}{', controllers' * controlled}")
+        run = control(level, member, plan.window) if controlled else deploy(level, member, plan.duration)
+        done[controlled][level].append(run)
     rows: list[Row] = []
     for question in QUESTIONS:
-        *levels, (_, reference) = (controlled if question == RANKING else deployed).items()
+        *levels, (_, reference) = done[question == RANKING].items()
         for level, own in levels:
             error, half_width = error_of(question, own, reference)
             answer = Answer(
@@ -151,26 +194,23 @@ def error_of(question: str, own: Sequence[Outcome], reference: Sequence[Outcome]
     return mean_error(level, other, scale)
 
 
-def measure_ladder(quick: bool, folder: Path, console: Console) -> Path:
-    """Measure the ladder, in a quarter of an hour or `quick` in two minutes, and write its table; returns the file."""
-    plan = QUICK if quick else FULL
+def measure_ladder(plan: LadderPlan, path: Path, console: Console) -> None:
+    """Measure the ladder, in full in a quarter of an hour, and write its table."""
     with counting_bar(console) as progress:
         methods = [level.integrator().name for level in plan.levels]
         task = progress.add_task(f"loading kernels{compilation_note(methods)}", total=len(plan.runs))
         _warm_up(plan)
         rows = run_ladder(plan, lambda run: progress.update(task, advance=1, description=run))
     made_by = provenance(
-        f"solar-env ladder{' --quick' if quick else ''}",
+        "solar-env ladder",
         reference=plan.reference.name,
         parameters=f"the defaults of ArrayParameters; members released at rates within {RELEASE_RATE:g} rad/s",
         integrators=f"the default of each level; tolerances of members within {SETTING_SHARE:.1%}",
         duration_s=plan.duration,
         window_s=plan.window,
-        controllers="; ".join(f"{p.name} ({p.torque:g} N m from {p.start:g} s)" for p in CONTROLLERS),
+        controllers="; ".join(f"{name} ({torque:g} N m from {s:g} s)" for name, (torque, s) in CONTROLLERS.items()),
     )
-    path = folder / FILE
     write_table(path, rows, made_by)
-    return path
 
 
 def _warm_up(plan: LadderPlan) -> None:

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 
 from solar_env.array import ModelLevel
 from solar_env.array.ladder import QUESTIONS, Answer, steps
-from solar_env.pictures.style import LEVEL_LOOKS, STEEL, STYLE, Look, look_of
+from solar_env.pictures.style import LEVEL_LOOKS, STEEL, STYLE, look_of
 from solar_env.studies.common.drawing import make_figure, save, use_decades
 
 _COLUMNS = 2
@@ -25,7 +25,7 @@ def draw_ladder(answers: Sequence[Answer], folder: Path) -> Path:
     asked = [question for question in QUESTIONS if any(answer.question == question for answer in answers)]
     looks = {_size(answer): look_of(_size(answer), LEVEL_LOOKS) for answer in answers}
     rows = -(-len(asked) // _COLUMNS)
-    figure, axes = make_figure(rows, _COLUMNS, (4.1, 2.4), len(looks), gap=0.7)
+    figure, axes = make_figure(rows, _COLUMNS, (4.1, 2.4), len(looks))
     with mpl.rc_context(STYLE):
         for axis, question in zip(axes.flat, asked, strict=False):
             _draw_panel(axis, [answer for answer in answers if answer.question == question])
@@ -56,29 +56,21 @@ def _size(answer: Answer) -> str:
     return ModelLevel.of(answer.level).size
 
 
-def _look(answer: Answer) -> Look:
-    """The look of a level, open with ideal joints."""
-    filled = {} if ModelLevel.of(answer.level).clearance else {"markerfacecolor": "white"}
-    return {**look_of(_size(answer), LEVEL_LOOKS), "linestyle": "none", **filled}
-
-
 def _draw_panel(axis: Axes, answers: Sequence[Answer]) -> None:
     axis.set_xscale("log")
     axis.set_yscale("log")
     for answer in answers:
-        bound, look = max(answer.bound, _SMALLEST), _look(answer)
+        bound, look = max(answer.bound, _SMALLEST), look_of(_size(answer), LEVEL_LOOKS) | {"linestyle": "none"}
+        if not ModelLevel.of(answer.level).clearance:
+            look["markerfacecolor"] = "white"
         if answer.error > 0.0:
             axis.plot([answer.error, bound], [answer.cost_ratio] * 2, linewidth=0.8, color=look["color"])
         axis.plot([bound], [answer.cost_ratio], markersize=4, **look)
-    _draw_steps(axis, steps(answers, answers[0].question))
+    # The cost of the cheapest level against the tolerance; none to the left of the finest.
+    chosen = steps(answers, answers[0].question)
+    bounds, costs = [max(answer.bound, _SMALLEST) for answer in chosen], [answer.cost_ratio for answer in chosen]
+    end = 2.0 * axis.get_xlim()[1]
+    axis.step([*bounds, end], [*costs, costs[-1]], where="post", color=STEEL, linewidth=2.5, alpha=0.5, zorder=1)
+    axis.set_xlim(0.3 * bounds[0], end)
     use_decades(axis, "x")
     use_decades(axis, "y")
-
-
-def _draw_steps(axis: Axes, chosen: Sequence[Answer]) -> None:
-    """The cost of the cheapest level against the tolerance; none to the left of the finest."""
-    bounds = [max(answer.bound, _SMALLEST) for answer in chosen]
-    costs = [answer.cost_ratio for answer in chosen]
-    start, end = 0.3 * bounds[0], 2.0 * axis.get_xlim()[1]
-    axis.step([*bounds, end], [*costs, costs[-1]], where="post", color=STEEL, linewidth=2.5, alpha=0.5, zorder=1)
-    axis.set_xlim(start, end)

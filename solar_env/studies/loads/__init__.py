@@ -3,6 +3,6 @@
 `runs` simulates a deployment with samples fine enough for shocks, `quantities` says what is read from it,
 `shock_spectrum` computes response spectra, `hub` the motion of the main body and the loads on it; `ensemble` runs many
 members at two levels of the model, `statistics` turns them into figures with as many digits as they have, `report`
-prints them, `page` writes them as one file of HTML. Imports `common`. A further quantity is a row of
+prints them and writes them as one page of HTML. Imports `common`. A further quantity is a row of
 `quantities.QUANTITIES`.
 """

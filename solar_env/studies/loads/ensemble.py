@@ -1,7 +1,7 @@
-"""The ensemble: members at the cheapest level that answers to a tolerance, and at the next finer one."""
+"""The ensemble: members at a level of the model, and at the finest one."""
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 from rich.console import Console
 
 from solar_env.array import ArrayParameters, ModelLevel
-from solar_env.array.ladder import Answer, cheapest, read_answers, steps
 from solar_env.array.parameters.file import ParameterFile
 from solar_env.studies.common.levels import FINEST, Level
 from solar_env.studies.loads.quantities import QUANTITIES, read_all
-from solar_env.studies.loads.runs import Deployment, deploy, member_parameters
+from solar_env.studies.loads.runs import deploy, member_parameters
 from solar_env.studies.loads.statistics import Figure, figure_of
 from solar_env.support.campaigns import Campaign, Cell, Workers
 
@@ -28,55 +27,35 @@ STORE = "loads.jsonl"
 class LoadsPlan:
     """Question that an ensemble answers.
 
-    Attributes:
-        array: parameters, and what of them is drawn.
-        question, tolerance: of the ladder, by which the level is chosen.
-        members: runs of each level.
-        window: time simulated after the last latching [s].
-        deadline: by which all joints must have latched [s].
-
     Raises:
-        ValueError: on construction, for a value out of range or a tolerance that no level with clearance meets.
+        ValueError: on construction, for a value out of range, or ideal joints, which tell nothing of impacts.
     """
 
-    array: ParameterFile
-    question: str = "peak-force"
-    tolerance: float = 0.15
-    members: int = 16
-    window: float = 10.0
-    deadline: float = 60.0
+    array: ParameterFile  # parameters, and what of them is drawn
+    model: str = "flexible-clearance"  # the same members run at the finest level, too
+    members: int = 16  # of each level
+    window: float = 10.0  # simulated after the last latching [s]
+    deadline: float = 60.0  # by which all joints must have latched [s]
 
     def __post_init__(self) -> None:
+        if not ModelLevel.of(self.model).clearance:
+            raise ValueError(
+                f"model = {self.model!r} has ideal joints, which know no impacts; choose one with clearance"
+            )
         if self.members < 1:
             raise ValueError(f"runs = {self.members!r} must be at least 1")
         for name in ("window", "deadline"):
             if not 0.0 < getattr(self, name) <= 1e4:
                 raise ValueError(f"{name} = {getattr(self, name)!r} s must be positive and at most 10000")
-        self.levels  # noqa: B018 (checks question and tolerance)
-
-    @property
-    def answer(self) -> Answer:
-        """The ladder's row of the cheapest level with clearance; ideal joints tell nothing of impacts."""
-        return cheapest(_with_clearance(), self.question, self.tolerance)
 
     @property
     def levels(self) -> tuple[Level, Level]:
-        """The level chosen, and the next finer one."""
-        chosen = self.answer
-        finer = [row for row in steps(_with_clearance(), self.question) if row.bound < chosen.bound]
-        return Level(chosen.level), Level(finer[-1].level) if finer else FINEST
-
-
-def _with_clearance() -> list[Answer]:
-    return [row for row in read_answers() if ModelLevel.of(row.level).clearance]
+        """The level chosen, and the finest one."""
+        return Level(self.model), FINEST
 
 
 def run_member(cell: Cell) -> dict[str, Any]:
-    """Quantities, spectra and warnings of a member at a level, as values that JSON keeps.
-
-    Raises:
-        SimulationError: if the run cannot go on.
-    """
+    """Quantities, spectra and warnings of a member at a level, as values that JSON keeps."""
     level = Level(cell["model"], cell["tighter"])
     nominal = ArrayParameters().with_changes(cell["parameters"])
     parameters = member_parameters(nominal, cell["randomize"], cell["member"])
@@ -92,22 +71,14 @@ def run_member(cell: Cell) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Loads:
-    """Answer of an ensemble.
-
-    Attributes:
-        plan: what was asked.
-        figures: quantity -> a figure for each joint, or one of the hub.
-        hinge_spectrum, hub_spectrum: (levels, members, f, joints) and (levels, members, f) of members that latched.
-        unlatched: members in which not all joints latched by the deadline, of the level and of the finer one.
-        warnings: text -> in how many runs the simulator said it.
-    """
+    """Answer of an ensemble."""
 
     plan: LoadsPlan
-    figures: Mapping[str, tuple[Figure, ...]]
-    hinge_spectrum: Array
-    hub_spectrum: Array
-    unlatched: tuple[int, int]
-    warnings: Mapping[str, int]
+    figures: Mapping[str, tuple[Figure, ...]]  # quantity -> a figure for each joint, or one of the hub
+    hinge_spectrum: Array  # (levels, members, f, joints) of members that latched
+    hub_spectrum: Array  # (levels, members, f)
+    unlatched: Sequence[int]  # members that did not latch by the deadline, of the level and of the finest one
+    warnings: Mapping[str, int]  # text -> in how many runs the simulator said it
 
 
 def measure_loads(plan: LoadsPlan, folder: Path, workers: Workers, console: Console) -> Loads:
@@ -115,7 +86,6 @@ def measure_loads(plan: LoadsPlan, folder: Path, workers: Workers, console: Cons
 
     Raises:
         ValueError: if the folder holds another ensemble, or in no run all joints latch.
-        SimulationError: if a run cannot go on.
     """
     shared = {
         "parameters": plan.array.parameters.to_dict(),
@@ -139,7 +109,7 @@ def gathered(plan: LoadsPlan, results: list[dict[str, Any]]) -> Loads:
         ValueError: if in no run all joints latch.
     """
     levels = results[::2], results[1::2]
-    unlatched = tuple(sum(not run["latched"] for run in runs) for runs in levels)
+    unlatched = [sum(not run["latched"] for run in runs) for runs in levels]
     if min(unlatched) == plan.members:
         raise ValueError(
             f"in none of {plan.members} runs all joints latch within {plan.deadline:g} s; give a longer --deadline, or "
@@ -147,23 +117,10 @@ def gathered(plan: LoadsPlan, results: list[dict[str, Any]]) -> Loads:
         )
     figures = {}
     for name in QUANTITIES:
-        width = max(len(run["quantities"].get(name, [])) for run in results)
-        first, second = (
-            np.array([run["quantities"].get(name, [np.nan] * width) for run in runs], dtype=float) for runs in levels
-        )
-        figures[name] = tuple(figure_of(first[:, k], second[:, k]) for k in range(first.shape[1]))
+        level, finest = (np.array([run["quantities"][name] for run in runs], dtype=float) for runs in levels)
+        figures[name] = tuple(figure_of(*values) for values in zip(level.T, finest.T, strict=True))
     both = [k for k in range(plan.members) if levels[0][k]["latched"] and levels[1][k]["latched"]]
     hinge, hub = (
         np.array([[runs[k][name] for k in both] for runs in levels]) for name in ("hinge_spectrum", "hub_spectrum")
     )
-    said = Counter(text for run in results for text in run["warnings"])
-    return Loads(plan, figures, hinge, hub, (unlatched[0], unlatched[1]), said)
-
-
-def nominal_deployment(plan: LoadsPlan) -> Deployment:
-    """The nominal array at the level chosen, to look at.
-
-    Raises:
-        SimulationError: if the run cannot go on.
-    """
-    return deploy(plan.levels[0], plan.array.parameters, 0, plan.window, plan.deadline)
+    return Loads(plan, figures, hinge, hub, unlatched, Counter(text for run in results for text in run["warnings"]))

@@ -58,15 +58,10 @@ def mean_loads(parameters: ArrayParameters, time: Array, velocity: Array) -> Arr
 
 
 def write_hub_loads(parameters: ArrayParameters, time: Array, loads: Array, path: Path) -> None:
-    """Write the mean loads on the hub, each from one sample to the next, and the hub's mass and inertia, as CSV.
+    """Write the mean loads on the hub, each from one sample to the next, and its mass and inertia in every row, as CSV.
 
-    Held constant over each row's time they give such a hub the momentum that it had at every sample.
-
-    Args:
-        parameters: of the array, whose mass and inertia of the main body stand in every row.
-        time: (nt,) of the samples [s].
-        loads: (nt - 1, 3) force in inertial axes [N] and torque about the centroid [N m].
-        path: the file.
+    Held constant over each row's time they give such a hub the momentum that it had at every sample: (nt - 1, 3) forces
+    in inertial axes [N] and torques about the centroid [N m] between (nt,) times [s].
     """
     columns = {"start_s": time[:-1], "end_s": time[1:], "force_x_N": loads[:, 0], "force_y_N": loads[:, 1]}
     hub = {"hub_mass_kg": parameters.body_mass, "hub_inertia_kgm2": parameters.body_inertia}

@@ -13,20 +13,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Quantity:
-    """A figure of a deployment.
-
-    Attributes:
-        name: in words.
-        unit: in which it is printed.
-        scale: from SI units to it.
-        read: (joints,) values of a deployment in SI units, or (1,) of the hub; nan where there is none.
-        needs_latching: whether it has no meaning if a joint does not latch.
-    """
+    """A figure of a deployment."""
 
     name: str
-    unit: str
-    read: Callable[[Deployment], Array]
-    scale: float = 1.0
+    unit: str  # in which it is printed
+    read: Callable[[Deployment], Array]  # (joints,) values in SI units, or (1,) of the hub; nan where there is none
+    scale: float = 1.0  # from SI units to those in which it is printed
     needs_latching: bool = True
 
 
@@ -73,10 +65,10 @@ QUANTITIES = {**JOINT_QUANTITIES, **HUB_QUANTITIES}
 
 
 def read_all(deployment: Deployment) -> dict[str, list[float]]:
-    """Every quantity in SI units; without those that need all joints latched where one is not."""
-    latched = bool(np.isfinite(deployment.trajectory.latch_times).all())
-    return {
-        name: np.asarray(quantity.read(deployment), float).tolist()
-        for name, quantity in QUANTITIES.items()
-        if latched or not quantity.needs_latching
-    }
+    """Every quantity in SI units; nan for those that need all joints latched where one is not."""
+    latch_times, found = deployment.trajectory.latch_times, {}
+    for name, quantity in QUANTITIES.items():
+        told = np.isfinite(latch_times).all() or not quantity.needs_latching
+        unknown = np.full(len(latch_times) if name in JOINT_QUANTITIES else 1, np.nan)
+        found[name] = np.asarray(quantity.read(deployment) if told else unknown, float).tolist()
+    return found

@@ -1,48 +1,47 @@
-"""Report of an ensemble, in five lines and in tables."""
+"""Report of an ensemble: five lines, tables, and a page with the nominal array in motion, plots and spectra."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.pictures.page.content import Table
+from solar_env.pictures.page.content import Chart, Line, Page, Table
+from solar_env.pictures.style import COLOURS
 from solar_env.studies.common.bootstrap import FEWEST
+from solar_env.studies.common.deployment_page import charts_of, motion_of, parameter_table, shown_samples
 from solar_env.studies.loads.ensemble import Loads
-from solar_env.studies.loads.quantities import HUB_QUANTITIES, JOINT_QUANTITIES, QUANTITIES
-from solar_env.studies.loads.runs import FREQUENCIES
+from solar_env.studies.loads.quantities import HUB_QUANTITIES, JOINT_QUANTITIES, QUANTITIES, Quantity
+from solar_env.studies.loads.runs import FREQUENCIES, Deployment
 from solar_env.studies.loads.statistics import Figure, counted, rounded, shortened
 
 COLUMNS = ("quantity", "", "mean", "95 % interval", "99 % of runs below", "at 95 % confidence", "model error")
+WEAR_LIMIT = 1e-6  # m, to which deployments are counted
+_SHOWN = slice(3, None, 6)  # of the frequencies, in the table
 
 
-def answer(loads: Loads, wear_limit: float) -> list[str]:
+def answer(loads: Loads) -> list[str]:
     """Five lines: peak force, impulse, wear, hub, and what they rest on.
 
     Each figure comes with the interval of its mean, its high quantile and its own model error.
     """
-    figures = loads.figures
-    joint, hit = _worst(figures["peak_force"])
-    lines = [f"Joint {joint} is hit hardest: peak force {_stated(hit, 'N')}."]
-    joint, push = _worst(figures["impulse"])
-    lines.append(f"The impulse after latching is greatest at joint {joint}: {_stated(push, 'N s')}.")
-    joint, deepest = _worst(figures["wear_depth"])
-    deployments = wear_limit / deepest.mean if deepest.mean > 0.0 else math.inf
-    limit = 1e6 * wear_limit
-    lines.append(
-        f"A deployment wears joint {joint} deepest: {_stated(deepest, 'fm', 1e15)}; {counted(deployments)} deployments "
-        f"to {limit:g} {'micrometre' if limit == 1.0 else 'micrometres'}, if every one wears the same place."
-    )
+    worst = {name: _worst(loads.figures[name]) for name in ("peak_force", "impulse", "wear_depth")}
+    stated = {name: _stated(figure, QUANTITIES[name]) for name, (_, figure) in worst.items()}
+    joint, deepest = worst["wear_depth"]
+    deployments = WEAR_LIMIT / deepest.mean if deepest.mean > 0.0 else math.inf
     hub = [
-        f"{_with_interval(figures[name][0], unit, scale)} ({_with_model_error(figures[name][0], unit, scale)})"
-        for name, unit, scale in _HUB_SENTENCE
+        f"{_with_interval(figure, quantity)} ({_with_model_error(figure, quantity)})"
+        for name in ("hub_excursion", "hub_force", "hub_torque")
+        for figure, quantity in [(loads.figures[name][0], QUANTITIES[name])]
     ]
-    lines.append(f"The hub turns by {hub[0]} at most and sees {hub[1]} and {hub[2]} at the peak.")
-    lines.append(_basis(loads))
-    return lines
-
-
-_HUB_SENTENCE = (("hub_excursion", "deg", 180.0 / math.pi), ("hub_force", "N", 1.0), ("hub_torque", "N m", 1.0))
+    return [
+        f"Joint {worst['peak_force'][0]} is hit hardest: peak force {stated['peak_force']}.",
+        f"The impulse after latching is greatest at joint {worst['impulse'][0]}: {stated['impulse']}.",
+        f"A deployment wears joint {joint} deepest: {stated['wear_depth']}; {counted(deployments)} deployments to "
+        "1 micrometre, if every one wears the same place.",
+        f"The hub turns by {hub[0]} at most and sees {hub[1]} and {hub[2]} at the peak.",
+        _basis(loads),
+    ]
 
 
 def _worst(figures: Sequence[Figure]) -> tuple[int, Figure]:
@@ -51,43 +50,43 @@ def _worst(figures: Sequence[Figure]) -> tuple[int, Figure]:
     return worst + 1, figures[worst]
 
 
-def _stated(figure: Figure, unit: str, scale: float = 1.0) -> str:
+def _stated(figure: Figure, quantity: Quantity) -> str:
     """Mean with its interval, the high quantile and its bound, the model error."""
-    parts = [_with_interval(figure, unit, scale)]
-    spread = scale * (figure.quantile_bound - figure.quantile)
-    if math.isfinite(spread):
-        quantile, bound = (rounded(scale * x, spread) for x in _quantiles(figure))
+    parts, (quantile, bound), unit = [_with_interval(figure, quantity)], _quantiles(figure, quantity), quantity.unit
+    if quantile != "-":
         parts.append(f"99 % of deployments stay below {quantile} {unit} (with 95 % confidence below {bound} {unit})")
-    return ", ".join([*parts, _with_model_error(figure, unit, scale)])
+    return ", ".join([*parts, _with_model_error(figure, quantity)])
 
 
-def _with_interval(figure: Figure, unit: str, scale: float) -> str:
-    half = scale * figure.half_width
+def _with_interval(figure: Figure, quantity: Quantity) -> str:
+    half = quantity.scale * figure.half_width
     spread = f" \u00b1 {rounded(half, half)}" if math.isfinite(half) else ""
-    return f"{rounded(scale * figure.mean, half)}{spread} {unit}"
+    return f"{rounded(quantity.scale * figure.mean, half)}{spread} {quantity.unit}"
 
 
-def _with_model_error(figure: Figure, unit: str, scale: float) -> str:
-    error = _model_error(figure, scale)
-    return f"model error {error} {unit}" if error else "model error unknown"
+def _quantiles(figure: Figure, quantity: Quantity) -> tuple[str, str]:
+    """The high quantile and its bound, in the digits that their distance leaves them; "-" if they are not known."""
+    quantile, bound = quantity.scale * figure.quantile, quantity.scale * figure.quantile_bound
+    return rounded(quantile, bound - quantile), rounded(bound, bound - quantile)
 
 
-def _model_error(figure: Figure, scale: float) -> str:
-    """The model error with its interval; empty where it is not known."""
-    half = scale * figure.model_half_width
+def _with_model_error(figure: Figure, quantity: Quantity) -> str:
+    error = _model_error(figure, quantity)
+    return "model error unknown" if error == "-" else f"model error {error} {quantity.unit}"
+
+
+def _model_error(figure: Figure, quantity: Quantity) -> str:
+    """The model error with its interval; "-" where it is not known."""
+    half = quantity.scale * figure.model_half_width
     if not math.isfinite(half):
-        return ""
-    text = rounded(scale * figure.model_error, half)
-    if float(text) == 0.0:
-        text = text.removeprefix("-")
-    elif not text.startswith("-"):
-        text = f"+{text}"
-    return f"{text} \u00b1 {rounded(half, half)}"
+        return "-"
+    text = rounded(quantity.scale * figure.model_error, half)
+    return f"{'' if text.startswith('-') or float(text) == 0.0 else '+'}{text} \u00b1 {rounded(half, half)}"
 
 
 def _basis(loads: Loads) -> str:
     """State what the figures rest on, and what is missing."""
-    plan, (level, finer) = loads.plan, loads.plan.levels
+    plan, (level, finest) = loads.plan, loads.plan.levels
     drawn = ", ".join(plan.array.randomize) or "no parameter"
     runs = "1 run" if plan.members == 1 else f"{plan.members} runs"
     text = f"{runs} of each level, released within 0.5 mrad/s of rest; drawn: {drawn}."
@@ -96,14 +95,13 @@ def _basis(loads: Loads) -> str:
     else:
         text += f" Fewer than {FEWEST} runs have no interval and no model error."
     text += (
-        f" Level: {level.name}, the cheapest for {plan.question} within {plan.tolerance:g}, and chosen for that "
-        f"question alone; the model error of every figure is that seen at the next finer level, {finer.name}: its "
+        f" Level: {level.name}; the model error of every figure is that seen at the finest level, {finest.name}: its "
         "mean minus this one, over the same runs."
     )
     if any(loads.unlatched):
         text += (
-            f" In {loads.unlatched[0]} runs of the level and {loads.unlatched[1]} of the finer a joint had not latched "
-            f"within {plan.deadline:g} s; they count only where no latching is needed."
+            f" In {loads.unlatched[0]} runs of the level and {loads.unlatched[1]} of the finest a joint had not "
+            f"latched within {plan.deadline:g} s; they count only where no latching is needed."
         )
     for warning, times in loads.warnings.items():
         text += f" In {times} of {2 * plan.members} runs: {warning}."
@@ -111,47 +109,79 @@ def _basis(loads: Loads) -> str:
 
 
 def tables(loads: Loads) -> list[Table]:
-    """A table for each joint and one for the hub."""
-    joints = len(loads.plan.array.parameters.joints)
-    by_joint = [
-        Table(f"Joint {j + 1}", COLUMNS, [_row(loads, name, j) for name in JOINT_QUANTITIES]) for j in range(joints)
-    ]
-    spectra = [_spectrum_rows(f"force of hinge {j + 1} [N]", loads.hinge_spectrum[..., j]) for j in range(joints)]
-    spectra.append(_spectrum_rows("acceleration of the hub [m/s2]", loads.hub_spectrum))
-    title = "Shock response spectra, Q = 10: mean over runs, and of the next finer level"
-    columns = ("spectrum", *(f"{f:.0f} Hz" for f in FREQUENCIES[_SHOWN]))
+    """A table for each joint, one for the hub, and one of spectra."""
+    joints = range(len(loads.plan.array.parameters.joints))
+    spectra = {f"force of hinge {j + 1} [N]": loads.hinge_spectrum[..., j] for j in joints}
+    spectra["acceleration of the hub [m/s2]"] = loads.hub_spectrum
+    rows = [row for name, levels in spectra.items() for row in _spectrum_rows(name, levels)]
+    title = "Shock response spectra, Q = 10: mean over runs, and of the finest level"
     return [
-        *by_joint,
+        *(Table(f"Joint {j + 1}", COLUMNS, [_row(loads, name, j) for name in JOINT_QUANTITIES]) for j in joints),
         Table("Hub", COLUMNS, [_row(loads, name, 0) for name in HUB_QUANTITIES]),
-        Table(title, columns, [row for rows in spectra for row in rows]),
+        Table(title, ("spectrum", *(f"{f:.0f} Hz" for f in FREQUENCIES[_SHOWN])), rows),
     ]
-
-
-_SHOWN = slice(3, None, 6)
 
 
 def _row(loads: Loads, name: str, index: int) -> list[str]:
     quantity, figure = QUANTITIES[name], loads.figures[name][index]
-    scale, half = quantity.scale, quantity.scale * figure.half_width
-    interval = "-"
-    if math.isfinite(half):
-        interval = f"{rounded(scale * figure.low, half)} to {rounded(scale * figure.high, half)}"
-    return [
-        quantity.name,
-        quantity.unit,
-        rounded(scale * figure.mean, half),
-        interval,
-        *(rounded(scale * x, scale * (figure.quantile_bound - figure.quantile)) for x in _quantiles(figure)),
-        _model_error(figure, scale) or "-",
-    ]
+    half = quantity.scale * figure.half_width
+    mean, low, high = (rounded(quantity.scale * x, half) for x in (figure.mean, figure.low, figure.high))
+    interval = f"{low} to {high}" if math.isfinite(half) else "-"
+    return [quantity.name, quantity.unit, mean, interval, *_quantiles(figure, quantity), _model_error(figure, quantity)]
 
 
-def _quantiles(figure: Figure) -> tuple[float, float]:
-    return figure.quantile, figure.quantile_bound
-
-
-def _spectrum_rows(name: str, spectra: NDArray[np.float64]) -> list[list[str]]:
+def _spectrum_rows(name: str, spectra: NDArray[np.float64]) -> Iterator[list[str]]:
     means = spectra.mean(axis=1) if spectra.size else np.zeros((2, 0))
-    return [
-        [label, *map(shortened, level[_SHOWN])] for label, level in zip((name, "  finer level"), means, strict=True)
-    ]
+    for label, level in zip((name, "  finest level"), means, strict=True):
+        yield [label, *map(shortened, level[_SHOWN])]
+
+
+def loads_page(loads: Loads, nominal: Deployment, notes: Sequence[str]) -> Page:
+    """The page of an ensemble and of a deployment to look at, with notes as its last lines."""
+    name = f"Nominal array, {loads.plan.levels[0].name}"
+    charts = [*charts_of({name: nominal.trajectory}), *_hub_charts(nominal), *_spectra(loads)]
+    motions = [motion_of(nominal.trajectory, name)]
+    title = "How hard the hinges and the hub are hit"
+    array = parameter_table(loads.plan.array.parameters, loads.plan.array.randomize)
+    return Page(title, answer(loads), motions, charts, [*tables(loads), array], notes)
+
+
+def _hub_charts(nominal: Deployment) -> Iterator[Chart]:
+    """Turn of the hub, and the greatest loads on it from each of the moments shown to the next."""
+    kept, time = shown_samples(nominal.trajectory), nominal.trajectory.time
+    turn = np.degrees(nominal.place[kept, 2] - nominal.place[0, 2])
+    line = Line("hub", time[kept], turn, COLOURS[0])
+    yield Chart(f"The nominal hub turns by up to {np.abs(turn).max():.3g} degrees", "time [s]", "angle [deg]", [line])
+    begins = kept[kept < len(time) - 1]
+    greatest = np.maximum.reduceat(nominal.hub_greatest, begins, axis=0)
+    for k, (name, unit) in enumerate((("force of the root hinge", "N"), ("torque about its centroid", "N m"))):
+        values = greatest[:, k]
+        title = f"The nominal hub sees up to {shortened(values.max(), 3)} {unit}"
+        yield Chart(title, "time [s]", f"greatest over 50 us [{unit}]", [Line(name, time[begins], values, COLOURS[0])])
+
+
+def _spectra(loads: Loads) -> Iterator[Chart]:
+    """Mean and greatest of the runs, and the mean of the finest level."""
+    if not loads.hub_spectrum.size:
+        return
+    greatest = loads.hinge_spectrum[0].mean(axis=0).max(axis=0)
+    worst, hub = int(greatest.argmax()), loads.hub_spectrum[0].mean(axis=0).max()
+    hinges = [_spectrum(loads.hinge_spectrum[..., j], f"joint {j + 1}, ", j) for j in range(len(greatest))]
+    title = f"hinge forces (Q = 10): up to {greatest[worst]:.3g} N, at hinge {worst + 1}"
+    yield _spectrum_chart(title, "force [N]", [line for lines in hinges for line in lines])
+    title = f"the hub (Q = 10): up to {hub:.2g} m/s2"
+    yield _spectrum_chart(title, "acceleration [m/s2]", _spectrum(loads.hub_spectrum, "", 0))
+
+
+def _spectrum_chart(what: str, y: str, lines: Sequence[Line]) -> Chart:
+    return Chart(f"Shock response of {what}", "natural frequency [Hz]", y, lines, False, "xy")
+
+
+def _spectrum(spectra: NDArray[np.float64], prefix: str, colour: int) -> list[Line]:
+    runs, finest = spectra
+    rows = (
+        ("mean", runs.mean(axis=0), "solid"),
+        ("greatest", runs.max(axis=0), "dot"),
+        ("finest level", finest.mean(axis=0), "dash"),
+    )
+    return [Line(prefix + name, FREQUENCIES, values, COLOURS[colour], dash) for name, values, dash in rows]

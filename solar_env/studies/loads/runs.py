@@ -20,7 +20,7 @@ from solar_env.mechanics.running.trajectory import Trajectory
 from solar_env.studies.common.levels import Level
 from solar_env.studies.common.motion import perturbed
 from solar_env.studies.loads.hub import hub_place, hub_velocity, mean_loads, sampled_hinge_loads
-from solar_env.studies.loads.shock_spectrum import ShockSpectrum, sixth_octaves
+from solar_env.studies.loads.shock_spectrum import ShockSpectrum
 
 Array = NDArray[np.float64]
 
@@ -28,38 +28,25 @@ Array = NDArray[np.float64]
 # spectra are the same within 1 %.
 RATE = 20_000
 EVERY = 20  # of them is kept, and taken before the latching: a millisecond
-FREQUENCIES = sixth_octaves(5.0, 2000.0)  # Hz, of the spectra, up to a tenth of the rate
+FREQUENCIES = 5.0 * 2.0 ** (np.arange(52) / 6.0)  # Hz, of the spectra: six to an octave, up to a tenth of the rate
 _PIECE = 0.5  # s, simulated between two looks
 _CONTACTS = 100_000  # of a piece, at most
 
 
 @dataclass(frozen=True)
 class Deployment:
-    """A deployment up to some time after the last latching.
+    """A deployment up to some time after the last latching; peaks on the hub are means over 50 microseconds."""
 
-    Attributes:
-        trajectory: with a sample every millisecond.
-        place: (nt, 3) of the hub's centroid [m] and its angle [rad].
-        velocity: (nt, 3) of the hub [m/s], [rad/s].
-        hub_loads: (nt - 1, 3) mean force [N] and torque [N m] on the hub between the samples.
-        peak_torque: (joints,) greatest torque of spring, cable, latch and motor together [N m].
-        hub_peaks: greatest force [N], torque [N m] and acceleration [m/s2] of the hub, over 50 microseconds.
-        hub_greatest: (nt - 1, 2) greatest force [N] and torque [N m] on the hub, over 50 microseconds, between samples.
-        hinge_spectrum: (f, joints) shock response spectra of the hinges' forces [N].
-        hub_spectrum: (f,) of the acceleration of the hub's centroid [m/s2].
-        warnings: what the simulator said.
-    """
-
-    trajectory: Trajectory
-    place: Array
-    velocity: Array
-    hub_loads: Array
-    peak_torque: Array
-    hub_peaks: Array
-    hub_greatest: Array
-    hinge_spectrum: Array
-    hub_spectrum: Array
-    warnings: tuple[str, ...]
+    trajectory: Trajectory  # with a sample every millisecond
+    place: Array  # (nt, 3) of the hub's centroid [m] and its angle [rad]
+    velocity: Array  # (nt, 3) of the hub [m/s], [rad/s]
+    hub_loads: Array  # (nt - 1, 3) mean force [N] and torque [N m] on the hub between the samples
+    peak_torque: Array  # (joints,) of spring, cable, latch and motor together [N m]
+    hub_peaks: Array  # greatest force [N], torque [N m] and acceleration [m/s2] of the hub
+    hub_greatest: Array  # (nt - 1, 2) greatest force [N] and torque [N m] on the hub between samples
+    hinge_spectrum: Array  # (f, joints) shock response spectra of the hinges' forces [N]
+    hub_spectrum: Array  # (f,) of the acceleration of the hub's centroid [m/s2]
+    warnings: tuple[str, ...]  # what the simulator said
 
 
 def member_parameters(parameters: ArrayParameters, ranges: Mapping[str, Any], member: int) -> ArrayParameters:
@@ -70,29 +57,15 @@ def member_parameters(parameters: ArrayParameters, ranges: Mapping[str, Any], me
 
 
 def deploy(level: Level, parameters: ArrayParameters, member: int, window: float, deadline: float) -> Deployment:
-    """Simulate an array until some time after its last latching, or to the deadline if a joint has not latched then.
+    """Simulate an array until `window` [s] after its last latching, or to the deadline [s] if a joint is open then.
 
-    Args:
-        level: of the model.
-        parameters: of the member, see `member_parameters`.
-        member: chooses the tolerance of the integrator.
-        window: [s] after the last latching.
-        deadline: [s].
-
-    Raises:
-        SimulationError: if the run cannot go on.
+    The member chooses the tolerance of the integrator.
     """
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", SimulationWarning)
-        array = build(parameters, level.model)
-        run = _Run(Simulation(array, level.integrator(member)), parameters)
+        run = _Run(Simulation(build(parameters, level.model), level.integrator(member)), parameters)
         run.go_on(window, deadline)
-        details = {
-            "model": level.model,
-            "parameters": parameters.to_dict(),
-            "integrator": run.simulation.integrator.name,
-        }
-        trajectory = run.trajectory(details)
+        trajectory = run.trajectory(level.model)
         run.simulation.check()
     said = tuple(dict.fromkeys(str(item.message) for item in caught if issubclass(item.category, SimulationWarning)))
     place = hub_place(parameters, run.simulation.model, trajectory.coordinates)
@@ -190,10 +163,12 @@ class _Run:
             np.maximum.at(greatest, np.minimum(milliseconds, last) - 1, loads)
         return greatest
 
-    def trajectory(self, metadata: Mapping[str, Any]) -> Trajectory:
+    def trajectory(self, model: str) -> Trajectory:
         """The run as a trajectory."""
+        integrator = self.simulation.integrator.name
+        details = {"model": model, "parameters": self._parameters.to_dict(), "integrator": integrator}
         samples, state = np.concatenate(self._samples), self.simulation.state
         times = np.asarray(np.arange(len(samples)) * (EVERY / RATE), np.float64)
         recorder = Recorder(times, samples, np.zeros((0, 7)), np.zeros(2, np.int64), np.zeros(1))
         contacts = contact_table(state, np.concatenate(self._contacts))
-        return assemble(self.simulation.model, state, recorder, contacts, dict(metadata))
+        return assemble(self.simulation.model, state, recorder, contacts, details)

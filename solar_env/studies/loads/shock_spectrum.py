@@ -20,12 +20,8 @@ QUALITY = 10.0  # 5 % of critical damping, as is usual in specifications of shoc
 def ramp_invariant_filter(frequency: float, rate: float, quality: float = QUALITY) -> tuple[Array, Array]:
     """Numerator and denominator (3,) of the digital filter from a history to an oscillator's response.
 
-    Exact for histories that are straight between their samples.
-
-    Args:
-        frequency: natural frequency of the oscillator without damping [Hz].
-        rate: samples per second.
-        quality: Q = 1 / (2 * damping ratio).
+    Exact for histories that are straight between their samples, of which `rate` come per second. The frequency [Hz] is
+    that without damping, the quality 1 / (2 * damping ratio).
     """
     step, damping, omega = 1.0 / rate, 0.5 / quality, 2.0 * math.pi * frequency
     e = math.exp(-damping * omega * step)
@@ -35,13 +31,9 @@ def ramp_invariant_filter(frequency: float, rate: float, quality: float = QUALIT
 
 
 class ShockSpectrum:
-    """The greatest response, over histories that come piece by piece.
+    """The greatest response to histories of vectors in the plane, one a channel, that come piece by piece.
 
-    Args:
-        frequencies: (f,) natural frequencies [Hz], below half the rate.
-        rate: samples per second.
-        channels: number of vectors in the plane whose histories are watched.
-        quality: of the oscillators.
+    The natural frequencies (f,) [Hz] lie below half the rate of the samples.
     """
 
     def __init__(self, frequencies: Array, rate: float, channels: int, quality: float = QUALITY) -> None:
@@ -51,24 +43,16 @@ class ShockSpectrum:
         self.peaks = np.zeros((len(frequencies), channels))
 
     def add(self, history: Array) -> None:
-        """Go on with the next samples (n, channels, 2); the response begins at rest."""
-        if len(history) == 0:
-            return
-        for k, (numerator, denominator) in enumerate(self._filters):
-            self._add(k, numerator, denominator, history)
+        """Go on with the next samples (n, channels, 2), of which there is one or more; the response begins at rest."""
+        for k in range(len(self._filters)):
+            self._add(k, history)
 
     def finish(self) -> Array:
         """(f, channels) greatest magnitudes of the response's vector, those of one more period at no load included."""
-        for k, (numerator, denominator) in enumerate(self._filters):
-            self._add(k, numerator, denominator, np.zeros((self._periods[k], *self.peaks.shape[1:], 2)))
+        for k, period in enumerate(self._periods):
+            self._add(k, np.zeros((period, *self.peaks.shape[1:], 2)))
         return self.peaks
 
-    def _add(self, k: int, numerator: Array, denominator: Array, history: Array) -> None:
-        response, self._memory[k] = lfilter(numerator, denominator, history, axis=0, zi=self._memory[k])
+    def _add(self, k: int, history: Array) -> None:
+        response, self._memory[k] = lfilter(*self._filters[k], history, axis=0, zi=self._memory[k])
         self.peaks[k] = np.maximum(self.peaks[k], np.hypot(response[..., 0], response[..., 1]).max(axis=0))
-
-
-def sixth_octaves(lowest: float, highest: float) -> Array:
-    """Frequencies from the lowest on, six to an octave, up to the highest [Hz]."""
-    count = math.floor(6.0 * math.log2(highest / lowest) + 1e-9) + 1
-    return np.asarray(lowest * 2.0 ** (np.arange(count) / 6.0))

@@ -20,24 +20,15 @@ QUANTILE, CONFIDENCE = 0.99, 0.95
 
 @dataclass(frozen=True)
 class Figure:
-    """A quantity over an ensemble; nan for what the runs do not tell.
-
-    Attributes:
-        mean, low, high: with the 95 % interval of the mean.
-        quantile: 99 % of runs stay below.
-        quantile_bound: upper bound of that, with 95 % confidence.
-        model_error: mean of the next finer level minus this one, over the same members.
-        model_low, model_high: 95 % interval of that.
-        runs: of the level.
-    """
+    """A quantity over an ensemble; nan for what the runs do not tell."""
 
     mean: float
-    low: float
+    low: float  # 95 % interval of the mean
     high: float
-    quantile: float
-    quantile_bound: float
-    model_error: float
-    model_low: float
+    quantile: float  # 99 % of runs stay below
+    quantile_bound: float  # upper bound of that, with 95 % confidence
+    model_error: float  # mean of the finest level minus this one, over the same members
+    model_low: float  # 95 % interval of that
     model_high: float
     runs: int
 
@@ -53,25 +44,14 @@ class Figure:
 
 
 def figure_of(level: Array, finer: Array) -> Figure:
-    """The figure of a quantity.
+    """The figure of a quantity, from its (n,) values at a level and at a finer one; members with nan do not count."""
+    values, paired = (members[np.isfinite(members)] for members in (level, finer - level))
+    return Figure(*_band(values), *high_quantile(values), *_band(paired), len(values))
 
-    Args:
-        level: (n,) values of the members.
-        finer: (n,) values of the same members at the next finer level; may be empty. Members with nan do not count.
-    """
-    nan = math.nan
-    paired = finer - level if len(finer) == len(level) else np.zeros(0)
-    values, paired = level[np.isfinite(level)], paired[np.isfinite(paired)]
-    if len(values) == 0:
-        return Figure(nan, nan, nan, nan, nan, nan, nan, nan, 0)
+
+def _band(values: Array) -> tuple[float, float, float]:
     mean, low, high = mean_band(values)
-    if len(values) < FEWEST:
-        low = high = nan
-    quantile, bound = high_quantile(values)
-    error, error_low, error_high = mean_band(paired)
-    if len(paired) < FEWEST:
-        error_low = error_high = nan
-    return Figure(mean, low, high, quantile, bound, error, error_low, error_high, len(values))
+    return (mean, low, high) if len(values) >= FEWEST else (mean, math.nan, math.nan)
 
 
 def high_quantile(values: Array) -> tuple[float, float]:
@@ -94,40 +74,25 @@ def rounded(value: float, uncertainty: float) -> str:
 
     One more where the uncertainty begins with a 1. Two digits where no uncertainty is known.
     """
-    if not math.isfinite(value):
-        return "-"
-    if not math.isfinite(uncertainty) or uncertainty < 0.0:
+    if not (math.isfinite(value) and math.isfinite(uncertainty)) or value == 0.0:
         return shortened(value)
     if uncertainty == 0.0:
         return f"{value:.6g}"
-    exponent = math.floor(math.log10(uncertainty))
-    if uncertainty / 10.0**exponent < 2.0:
-        exponent -= 1
-    shown = round(value, -exponent)
-    if exponent > 6 or abs(shown) >= 1e6 or 0.0 < abs(shown) < 1e-4:
-        leading = math.floor(math.log10(abs(shown))) if shown else exponent
-        return f"{shown:.{max(leading - exponent, 0)}e}"
-    return f"{shown:.{max(-exponent, 0)}f}"
+    last = math.floor(math.log10(uncertainty))
+    last -= uncertainty / 10.0**last < 2.0
+    digits = math.floor(math.log10(abs(value))) - last + 1
+    return shortened(value, digits) if digits > 0 else "0"
 
 
 def shortened(value: float, digits: int = 2) -> str:
-    """A figure with few digits and no more zeros than needed."""
+    """A figure with few digits."""
     if not math.isfinite(value):
         return "-" if math.isnan(value) else "infinitely many"
-    if value == 0.0:
-        return "0"
-    shown = float(f"{value:.{digits}g}")
-    places = max(digits - 1 - math.floor(math.log10(abs(shown))), 0)
-    return f"{shown:.{places}f}" if 1e-3 <= abs(shown) < 1e5 else f"{shown:.{digits - 1}e}"
+    if value == 0.0 or 1e-4 <= abs(value) < 1e6:
+        return np.format_float_positional(value, digits, unique=False, fractional=False).rstrip(".")
+    return f"{value:.{digits - 1}e}"
 
 
 def counted(number: float) -> str:
-    """A great number in words and two digits, as in "17 million"."""
-    if not 1e4 <= number < 1e15:
-        return shortened(number)
-    shown = float(f"{number:.2g}")
-    size, word = next(((size, word) for size, word in _SIZES if shown >= size), (1.0, ""))
-    return f"{shown / size:,.3g} {word}" if word else f"{shown:,.0f}"
-
-
-_SIZES = ((1e12, "trillion"), (1e9, "billion"), (1e6, "million"))
+    """A great number in two digits, as in "17,000,000"."""
+    return f"{float(f'{number:.2g}'):,.0f}" if 1e4 <= number < 1e15 else shortened(number)

@@ -35,7 +35,7 @@ _BAND = 1.96  # standard errors on either side of a mean, for 95 %
 def draw_convergence(rows: Table, folder: Path) -> list[Path]:
     """Draw errors with ideal joints and means with clearance against wall time, and write both; returns the files."""
     looks = {str(name): look_of(str(name), LEVEL_LOOKS) for name in rows.values("level")}
-    figure, axes = make_figure(1 + len(JOINTS), len(MEANS), (2.6, 2.1), len(looks), gap=0.7)
+    figure, axes = make_figure(1 + len(JOINTS), len(MEANS), (2.6, 2.1), len(looks))
     with mpl.rc_context(STYLE):
         for axis, (error, label) in zip(axes[0], ERRORS.items(), strict=False):
             _draw_errors(axis, rows, error, looks)

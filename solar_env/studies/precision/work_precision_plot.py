@@ -42,10 +42,8 @@ def draw_work_precision(rows: Table, folder: Path) -> list[Path]:
                     axis.set_ylabel(label)
             column[0].set_title(_title(own), fontsize=7.5)
             _share_errors(column)
-        # Once for all models: it is wider than one panel.
-        figure.text(0.5, axes[-1, 0].get_position().y0 - 0.4 / figure.get_figheight(), LABEL, ha="center")
     picture, page = folder / "angles.png", folder / "work_precision.md"
-    note = "grey: what two independent methods disagree by; modes are compared with their finest run"
+    note = f"{LABEL}; grey: what two independent methods disagree by; modes are compared with their finest run"
     save(figure, picture, looks, _conclusion(rows), note)
     write_text(page, _page(rows))
     return [picture, page]

@@ -38,12 +38,6 @@ def creep_speed(speed_zero: float, speed_full: float) -> float:
     return speed_zero + (speed_full - speed_zero) * SHARE
 
 
-def friction_step(speed_zero: float, speed_full: float) -> float:
-    """Step [s] to which the ramp bounds four explicit stages of order four: 2.785 over the decay rate of sliding."""
-    slope = FRICTION * LOAD / (speed_full - speed_zero)  # N s/m
-    return 2.785 / (slope * (1.0 / MASS + RADIUS**2 / INERTIA))
-
-
 def creep(panel: str, speed_zero: float, speed_full: float) -> Trajectory:
     """The run of a journal under half the friction limit."""
     friction = RampedCoulomb(speed_zero, speed_full)
@@ -65,11 +59,6 @@ def creep(panel: str, speed_zero: float, speed_full: float) -> Trajectory:
     )
 
 
-def mean_step(run: Trajectory) -> float:
-    """Mean step of a run [s]."""
-    return float(run.time[-1]) / float(run.metadata["steps"])
-
-
 def measure_friction(panel: str, speed_full: float, speed_zero: float) -> Cell:
     """Sliding speed under half the friction limit; stiff if it is slow and explicit steps are below SHORT_STEP."""
 
@@ -81,8 +70,9 @@ def measure_friction(panel: str, speed_full: float, speed_zero: float) -> Cell:
             share = run.metadata["creeping_share"]
             told = (Said.FIGURE, f"creeping_share = {share:.3g} of the samples in contact") if share > 0.0 else ()
             return Cell(Kind.CREEPS, speed, *told)
-        if panel == EXPLICIT and mean_step(run) < SHORT_STEP:
-            return Cell(Kind.STIFF, speed, Said.FIGURE, f"steps = {run.metadata['steps']} for {run.time[-1]:.3g} s")
+        steps, end = run.metadata["steps"], float(run.time[-1])
+        if panel == EXPLICIT and end / steps < SHORT_STEP:
+            return Cell(Kind.STIFF, speed, Said.FIGURE, f"steps = {steps} for {end:.3g} s")
         return Cell(Kind.FINE, speed)
 
     return listen(lambda: creep(panel, speed_zero, speed_full), judge)

@@ -1,44 +1,53 @@
-"""Map of impacts: the fixed step that generalized-alpha needs in a contact, and what happens above it.
+"""Maps of impacts: the fixed step that generalized-alpha needs in a contact, and the restitution of the contact laws.
 
 A block bounces between the two walls of its gap (`textbook.bouncing_block`). In free flight nothing acts, so that
 the impact speeds of successive contacts are the exit speeds of the ones before: their ratio is the restitution of every
 bounce, to be compared with the exact one of the law.
+
+A law's factor 1 + d rate / impact speed with d > 0 is singular as the impact speed vanishes, which the minimum impact
+speed prevents.
 """
 
+import math
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, steps_per_impact
+from solar_env.array import ArrayParameters
+from solar_env.mechanics.integrators.settings import GeneralizedAlpha, Integrator, RungeKutta, steps_per_impact
 from solar_env.mechanics.joints.contact import lankarani_nikravesh
+from solar_env.mechanics.joints.contact.laws import CONTACT_LAWS, contact_law
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.mechanics.mechanism.description import Bearing
 from solar_env.mechanics.mechanism.textbook import bouncing_block
+from solar_env.mechanics.running.diagnosis import LARGEST_RESTITUTION_ERROR
 from solar_env.mechanics.running.simulation import simulate
-from solar_env.studies.stability.maps import Axis, Cell, StabilityMap, classify_ratios, listen, log_range
+from solar_env.mechanics.running.trajectory import Trajectory
+from solar_env.studies.stability.maps import Axis, Cell, Kind, Said, StabilityMap, classify_ratios, listen, log_range
 
 MASS, CLEARANCE, SPEED = 6.0, 2e-4, 0.1  # kg, m, m/s
 BOUNCES = 12
 TOLERANCE = 0.01  # of the exit speed of every bounce
-HERTZ, DAMPED = "Hertz (conserves energy)", "Lankarani-Nikravesh, Ce = 0.9"
 _UNDAMPED = PowerLaw(7.39e10)
-_LAWS = {HERTZ: _UNDAMPED, DAMPED: replace(_UNDAMPED, damping=lankarani_nikravesh.damping(0.9))}
+_LAWS = {
+    "Hertz (conserves energy)": _UNDAMPED,
+    "Lankarani-Nikravesh, Ce = 0.9": replace(_UNDAMPED, damping=lankarani_nikravesh.damping(0.9)),
+}
+ARRAY = ArrayParameters(contact_stiffness=None)
+# Those that dissipate.
+DISSIPATING = tuple(name for name in CONTACT_LAWS if contact_law(name, ARRAY.surfaces(0), 0.5).exit_speed_ratio() < 1.0)
+SLOWEST = 1e-4  # m/s, the default minimum impact speed
+_FLIGHT = 50.0  # of the way to the wall over that of an impact at full speed
 
 
-@lru_cache(maxsize=1)
 def contact_duration() -> float:
     """Duration of the first impact [s], without damping."""
     return _UNDAMPED.impact_scales(_UNDAMPED.parameters(), 1.0 / MASS, SPEED)[1]
 
 
 def bounce_ratios(contact: PowerLaw, integrator: Integrator) -> NDArray[np.float64]:
-    """(bounces,) exit speeds of a bouncing block over the exact ones.
-
-    Raises:
-        SimulationError: if the run cannot go on.
-    """
+    """(bounces,) exit speeds of a bouncing block over the exact ones."""
     exact = contact.exit_speed_ratio()
     flights = sum(2.0 * CLEARANCE / (SPEED * exact**n) for n in range(BOUNCES))
     mechanism = bouncing_block(Bearing(CLEARANCE, 0.01, contact), MASS, SPEED)
@@ -58,6 +67,39 @@ def measure_implicit(panel: str, share: float, rho_inf: float) -> Cell:
     return listen(lambda: bounce_ratios(_LAWS[panel], GeneralizedAlpha(step=step, rho_inf=rho_inf)), judge)
 
 
+def measure_restitution(law: str, restitution: float, speed: float) -> Cell:
+    """Exit over entry speed of one bounce as the array describes it; wrong if it is off by more than 0.05."""
+
+    def bounce() -> Trajectory:
+        bearing = replace(ARRAY, contact_law=law, restitution=restitution).bearing(0)
+        way = _FLIGHT * speed * bearing.contact.impact_scales(bearing.contact.parameters(), 1.0 / MASS, speed)[1]
+        bearing = replace(bearing, clearance=way, friction_coefficient=0.0, wear_coefficient=0.0)
+        duration = 2.9 * way / speed  # before the other wall
+        block = bouncing_block(bearing, MASS, speed)
+        return simulate(block, duration, integrator=RungeKutta(), output_step=duration)
+
+    def judge(run: Trajectory) -> Cell:
+        ratio, slow = -float(run.velocities[-1, 0]) / speed, run.metadata["slow_contacts"]
+        kind = Kind.FINE if abs(ratio - restitution) <= LARGEST_RESTITUTION_ERROR else Kind.WRONG
+        message = f"slow_contacts = {slow}: began below the minimum impact speed, {SLOWEST:g} m/s"
+        return Cell(kind, ratio, Said.FIGURE, message) if slow else Cell(kind, ratio)
+
+    return listen(bounce, judge)
+
+
+def restitution_limit(law: str, speed: float) -> float:
+    """Coefficient below which the law's exit speed is off by more than 0.05; nan if there is none.
+
+    Below the minimum impact speed the damping is weaker by the ratio of the two speeds.
+    """
+    for asked in np.arange(1000, 0, -1) / 1000.0:
+        contact = contact_law(law, ARRAY.surfaces(0), float(asked))
+        given = replace(contact, damping=contact.damping * min(1.0, speed / SLOWEST)).exit_speed_ratio()
+        if abs(given - asked) > LARGEST_RESTITUTION_ERROR:
+            return float(asked)
+    return math.nan
+
+
 IMPLICIT = StabilityMap(
     name="impact-implicit",
     title="Generalized-alpha bounces wrongly with a fixed step above an eighth of the impact",
@@ -70,11 +112,29 @@ IMPLICIT = StabilityMap(
         (0.0, 0.5, 0.8, 1.0),
         (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0),
     ),
-    panels=(HERTZ, DAMPED),
+    panels=tuple(_LAWS),
     quantity="exit speed over the exact one, worst of all bounces",
     advice="Take eight steps or more in an impact, and up to 23 with rho_inf below 0.5, or give rtol, which does it by "
     "itself: with fewer, generalized-alpha takes energy from every bounce or adds to it, whatever rho_inf.",
     measure=measure_implicit,
     limit=lambda panel, rho_inf: 1.0 / steps_per_impact(rho_inf),
     limit_label="the library warns to the right of this line: 8 steps, or 1 % of the speed lost to algorithmic damping",
+)
+RESTITUTION = StabilityMap(
+    name="restitution",
+    title="What a contact law makes of the restitution that it is given",
+    x=Axis(
+        "restitution",
+        "coefficient of restitution asked for",
+        (0.01, 0.1, 0.3, 0.5, 0.7, 0.8, 0.9, 1.0),
+        (0.001, 0.01, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95, 1.0),
+    ),
+    y=Axis("speed_m_s", "impact speed [m/s]", (1e-6, 1e-5, 1e-4, 1e-2, 1.0), log_range(1e-7, 10.0, 17)),
+    panels=DISSIPATING,
+    quantity="exit over entry speed",
+    advice="Below a restitution of 0.8 take contact_law = 'restitution'; and set minimum_impact_speed below the "
+    "slowest impact that matters, for slower ones bounce as if undamped.",
+    measure=measure_restitution,
+    limit=restitution_limit,
+    limit_label="to the left the law in closed form is off by more than 0.05",
 )

@@ -48,31 +48,17 @@ class Said(StrEnum):
 
 @dataclass(frozen=True)
 class Axis:
-    """An axis of a map.
+    """An axis of a map."""
 
-    Attributes:
-        column: name of its column in the table.
-        label: what it is, with its unit.
-        quick: the values of a quick run.
-        full: the values of a full run.
-    """
-
-    column: str
-    label: str
-    quick: tuple[Value, ...]
+    column: str  # of the table
+    label: str  # with its unit
+    quick: tuple[Value, ...]  # values of a quick run
     full: tuple[Value, ...]
 
 
 @dataclass(frozen=True)
 class Cell:
-    """Measurement at one place of a map.
-
-    Attributes:
-        kind: its class.
-        value: the measured quantity; nan if the run raised.
-        said: how the library said that something is wrong.
-        message: what it said.
-    """
+    """Measurement at one place of a map: its class, what was measured (nan if the run raised), and what was said."""
 
     kind: Kind
     value: float
@@ -82,30 +68,18 @@ class Cell:
 
 @dataclass(frozen=True)
 class StabilityMap:
-    """A map of where methods fail.
+    """A map of where methods fail."""
 
-    Attributes:
-        name: of the command line and of the files.
-        title: heading of the figure.
-        x, y: axes.
-        panels: names of the panels, from left to right.
-        quantity: what the value of a cell is, with its unit.
-        advice: one sentence that says what to do about the failures.
-        measure: panel, x and y to the cell.
-        limit: panel and y to the theoretical limit on x; nan where there is none.
-        limit_label: what the limit is and where it comes from; empty if there is none.
-    """
-
-    name: str
+    name: str  # of the command line and of the files
     title: str
     x: Axis
     y: Axis
-    panels: tuple[str, ...]
-    quantity: str
-    advice: str
-    measure: Callable[[str, float, float], Cell]
-    limit: Callable[[str, float], float] = lambda panel, y: math.nan
-    limit_label: str = ""
+    panels: tuple[str, ...]  # in the order in which they are drawn
+    quantity: str  # what the value of a cell is, with its unit
+    advice: str  # one sentence that says what to do about the failures
+    measure: Callable[[str, float, float], Cell]  # panel, x and y to the cell
+    limit: Callable[[str, float], float] = lambda panel, y: math.nan  # theoretical, on x; nan where there is none
+    limit_label: str = ""  # what the limit is and where it comes from
 
     def cells(self, quick: bool) -> Iterator[tuple[str, Value, Value]]:
         """(panel, x, y) of every cell of a quick or full run."""
@@ -117,29 +91,14 @@ class StabilityMap:
     def row(self, panel: str, x: Value, y: Value) -> Mapping[str, TableCell]:
         """Measure a cell and return its row of the table."""
         cell = self.measure(panel, x, y)
-        return {
-            "panel": panel,
-            self.x.column: x,
-            self.y.column: y,
-            "class": cell.kind,
-            "value": cell.value,
-            "limit": self.limit(panel, y),
-            "said": cell.said,
-            "message": cell.message,
-        }
+        place = {"panel": panel, self.x.column: x, self.y.column: y, "class": cell.kind, "value": cell.value}
+        return {**place, "limit": self.limit(panel, y), "said": cell.said, "message": cell.message}
 
     def description(self) -> dict[str, str]:
         """Texts that a figure needs beside the rows; kept with the table's provenance."""
-        return {
-            "title": self.title,
-            "x": self.x.column,
-            "y": self.y.column,
-            "x label": self.x.label,
-            "y label": self.y.label,
-            "value": self.quantity,
-            "limit": self.limit_label,
-            "advice": self.advice,
-        }
+        axes = {"x": self.x.column, "y": self.y.column, "x label": self.x.label, "y label": self.y.label}
+        texts = {"value": self.quantity, "limit": self.limit_label, "advice": self.advice}
+        return {"title": self.title, **axes, **texts}
 
 
 def listen(run: Callable[[], Result], judge: Callable[[Result], Cell]) -> Cell:
@@ -160,12 +119,7 @@ def listen(run: Callable[[], Result], judge: Callable[[Result], Cell]) -> Cell:
 
 
 def classify_ratios(lowest: float, highest: float, tolerance: float) -> Kind:
-    """Class of a quantity over its exact value, from the lowest and the highest ratio that was seen.
-
-    Args:
-        lowest, highest: 1 if all is well.
-        tolerance: what is still fine; twice the exact value, or more, is a blow-up.
-    """
+    """Class of a quantity over its exact value, from the lowest and the highest ratio: 2 or more is a blow-up."""
     if not highest <= 2.0:
         return Kind.BLOW_UP
     if highest > 1.0 + tolerance:

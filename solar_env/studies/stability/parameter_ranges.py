@@ -30,21 +30,16 @@ NO_QUANTITIES = tuple(name for name in vars(ArrayParameters()) if name not in Ar
 FINE, WARNED, STOPPED, REFUSED, SILENT = "fine", "warned", "stopped", "refused", "silent failure"
 
 
-def scaled(name: str, factor: float) -> float | tuple[float, ...]:
-    """The value of a parameter, for every joint where it has one, at a factor of what its decades are counted from."""
+def scaled(name: str, factor: float = 1.0) -> tuple[float, ...]:
+    """The value of a parameter, of every joint where it has one, at a factor of what its decades are counted from."""
     value: Any = COUNTED_FROM.get(name, getattr(ArrayParameters(), name))
-    return tuple(factor * entry for entry in value) if isinstance(value, tuple) else factor * float(value)
-
-
-def first(name: str, factor: float = 1.0) -> float:
-    """The same of the first joint."""
-    value = scaled(name, factor)
-    return value[0] if isinstance(value, tuple) else value
+    return tuple(factor * entry for entry in (value if isinstance(value, tuple) else (float(value),)))
 
 
 def trial(name: str, factor: float, model: str, duration: float = DURATION) -> Row:
     """Deploy the array with one parameter changed; says how that ended, and what the library said."""
-    change: dict[str, Any] = {name: scaled(name, factor)}
+    values = scaled(name, factor)
+    change: dict[str, Any] = {name: values if len(values) > 1 else values[0]}
 
     def deployed() -> Simulation:
         # That a value is far from what is usual is what this study wants.
@@ -62,7 +57,7 @@ def trial(name: str, factor: float, model: str, duration: float = DURATION) -> R
     cell = listen(deployed, judge)
     ends = {Said.ERROR: STOPPED, Said.WARNING: WARNED, Said.SILENT: FINE if cell.kind == Kind.FINE else SILENT}
     ended = REFUSED if cell.kind == Kind.REFUSED else ends[cell.said]
-    row: Row = {"parameter": name, "model": model, "factor": factor, "value": first(name, factor)}
+    row: Row = {"parameter": name, "model": model, "factor": factor, "value": values[0]}
     return {**row, "class": ended, "message": " ".join(cell.message.split())}
 
 
@@ -80,7 +75,7 @@ def measure(path: Path, tick: Callable[[], object]) -> None:
 def page(table: Table) -> str:
     """The page of the ranges, in Markdown."""
     silent = len(table.where(**{"class": SILENT}).rows)
-    rows = [_line(table.where(parameter=name)) for name in table.values("parameter")]
+    rows = [_line(str(name), table.where(parameter=name)) for name in table.values("parameter")]
     columns = ("parameter", "counted from", *(f"fine, {model}" for model in MODELS), "elsewhere, at times that")
     return f"""# Ranges of the parameters
 
@@ -99,27 +94,22 @@ has those of the first. Where the default is zero, or follows from others, anoth
 
 
 def _words(names: Iterable[str]) -> str:
-    """Names of parameters in a sentence."""
     return ", ".join(f"`{name}`" for name in names)
 
 
-def _line(table: Table) -> list[str]:
-    """A row of the page."""
-    name = str(table.rows[0]["parameter"])
-    fine = []
+def _line(name: str, table: Table) -> list[str]:
+    """A row of the page: where a parameter is fine, and what the library said elsewhere.
+
+    Messages that differ in numbers alone stand there once, with all their factors.
+    """
+    fine, said = [], dict[str, tuple[str, list[str]]]()
     for model in MODELS:
-        factors = table.where(model=model, **{"class": FINE}).column("factor")
-        fine.append(f"{first(name, factors.min()):.3g} to {first(name, factors.max()):.3g}" if len(factors) else "-")
-    return [f"`{name}`", f"{first(name):g}", *fine, "; ".join(_messages(table)) or "-"]
-
-
-def _messages(table: Table) -> list[str]:
-    """What the library said with the factors it said it at; messages that differ in numbers alone once."""
-    factors: dict[str, list[str]] = {}
-    earliest: dict[str, str] = {}
+        values = table.where(model=model, **{"class": FINE}).column("value")
+        fine.append(f"{values.min():.3g} to {values.max():.3g}" if len(values) else "-")
     for row in table.rows:
         if row["class"] != FINE:
             what = f"{row['class']}: {shorten(str(row['message']), LONGEST, placeholder=' ...')}".replace("|", "/")
             words = " ".join(word for word in what.split() if not any(map(str.isdigit, word)))
-            factors.setdefault(earliest.setdefault(words, what), []).append(f"{row['factor']:g}")
-    return [f"{', '.join(dict.fromkeys(found))}: {what}" for what, found in factors.items()]
+            said.setdefault(words, (what, []))[1].append(f"{row['factor']:g}")
+    elsewhere = "; ".join(f"{', '.join(dict.fromkeys(factors))}: {what}" for what, factors in said.values())
+    return [f"`{name}`", f"{scaled(name)[0]:g}", *fine, elsewhere or "-"]

@@ -4,14 +4,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 from solar_env.studies.common.tables import provenance, write_table
-from solar_env.studies.stability.contact_law_maps import RESTITUTION
 from solar_env.studies.stability.friction_maps import FRICTION_MAP
-from solar_env.studies.stability.impact_maps import IMPLICIT
+from solar_env.studies.stability.impact_maps import IMPLICIT, RESTITUTION
 from solar_env.studies.stability.maps import StabilityMap
-from solar_env.studies.stability.multiplier_maps import STEP_CHANGE
-from solar_env.studies.stability.stop_maps import LATCH
+from solar_env.studies.stability.step_maps import LATCH, STEP_CHANGE
 
-COMMAND = "solar-env study stability"
 ALL = (IMPLICIT, STEP_CHANGE, RESTITUTION, FRICTION_MAP, LATCH)
 MAPS: dict[str, StabilityMap] = {one.name: one for one in ALL}
 
@@ -22,4 +19,4 @@ def measure_map(name: str, quick: bool, path: Path, progress: Callable[[], None]
     for panel, x, y in chosen.cells(quick):
         rows.append(chosen.row(panel, x, y))
         progress()
-    write_table(path, rows, provenance(COMMAND, map=name, quick=quick, **chosen.description()))
+    write_table(path, rows, provenance("solar-env study stability", map=name, quick=quick, **chosen.description()))

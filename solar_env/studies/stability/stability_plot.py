@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from solar_env.pictures.style import OUTCOME_COLOURS, STEEL, STYLE
 from solar_env.studies.common.drawing import short
-from solar_env.studies.common.tables import Table, choice, number, read_table
-from solar_env.studies.stability.maps import Kind, Said
+from solar_env.studies.common.tables import Table, number, read_table
+from solar_env.studies.stability.maps import Kind
 from solar_env.support.files import save_figure
 
 _DARK = (Kind.NO_SOLUTION, Kind.BLOW_UP)
@@ -33,11 +33,9 @@ def draw_map(table_path: Path, figure_path: Path) -> None:
         ValueError: if the table is not that of a map.
     """
     table = read_table(table_path)
-    about = table.provenance
-    missing = {"title", "x", "y", "advice"} - about.keys()
-    if missing:
-        raise ValueError(f"{table_path} is not the table of a stability map: it lacks {', '.join(sorted(missing))}")
-    panels = table.values("panel")
+    about, panels, present = table.provenance, table.values("panel"), table.values("class")
+    if not set(present) <= set(Kind):
+        raise ValueError(f"{table_path} is damaged or lacks classes of cells; measure it anew")
     columns, rows = len(table.values(about["x"])), len(table.values(about["y"]))
     width = max(1.0 + columns * CELL_WIDTH, _NARROWEST)
     height = len(panels) * (max(rows * CELL_HEIGHT, 1.2) + 0.4) + 2.6
@@ -50,37 +48,27 @@ def draw_map(table_path: Path, figure_path: Path) -> None:
         all_axes[-1].set_xlabel(about["x label"])
         figure.supylabel(about["y label"], fontsize="medium")
         figure.suptitle(about["title"], weight="bold")
-        present = table.values("class")
         shown = [(kind, colour) for kind, colour in OUTCOME_COLOURS.items() if kind in present]
         handles = [Patch(facecolor=colour, edgecolor=STEEL, linewidth=0.4, label=kind) for kind, colour in shown]
-        foot = "\n".join(_foot(about, int(width * _CHARACTERS)))
+        marks = f"Number in a cell: {about['value']}. Dot: the library says so."
+        marks += f" Line: {about['limit']}." if about["limit"] else ""
+        foot = "\n".join(textwrap.fill(text, int(width * _CHARACTERS)) for text in (marks, about["advice"]))
         figure.legend(handles=handles, title=foot, loc="outside lower center", ncols=_IN_A_LINE)
         save_figure(figure, figure_path, dpi=160)
-
-
-def _foot(about: Mapping[str, str], characters: int) -> list[str]:
-    """Lines above the legend: what numbers, lines and dots mean, and the advice."""
-    marks = f"Number in a cell: {about['value']}. Dot: the library says so."
-    if about["limit"]:
-        marks += f" Line: {about['limit']}."
-    return [*textwrap.wrap(marks, characters), *textwrap.wrap(about["advice"], characters)]
 
 
 def _draw_panel(axes: Axes, table: Table, about: Mapping[str, str]) -> None:
     x_ticks, y_ticks = (np.array(table.values(about[axis]), dtype=float) for axis in "xy")
     for row in table.rows:
         i, k = (int(np.flatnonzero(ticks == row[about[axis]])[0]) for axis, ticks in (("x", x_ticks), ("y", y_ticks)))
-        kind = choice(row, "class", Kind)
-        axes.add_patch(
-            Rectangle((i - 0.5, k - 0.5), 1.0, 1.0, facecolor=OUTCOME_COLOURS[kind], edgecolor="white", linewidth=0.4)
-        )
-        ink = "white" if kind in _DARK else "black"
+        colour, ink = OUTCOME_COLOURS[str(row["class"])], "white" if row["class"] in _DARK else "black"
+        axes.add_patch(Rectangle((i - 0.5, k - 0.5), 1.0, 1.0, facecolor=colour, edgecolor="white", linewidth=0.4))
         value = number(row, "value")
         if math.isfinite(value):
             text = axes.text(i, k, short(value), ha="center", va="center", fontsize=7, color=ink, zorder=3)
             # The line of the limit ends round a number that it would strike out.
-            text.set_path_effects([withStroke(linewidth=3.0, foreground=OUTCOME_COLOURS[kind])])
-        if choice(row, "said", Said) != Said.SILENT:
+            text.set_path_effects([withStroke(linewidth=3.0, foreground=colour)])
+        if row["said"]:
             axes.plot(i + 0.42, k + 0.4, ".", color=ink, markersize=2.0)
         place = _place(number(row, "limit"), x_ticks)
         if i == 0 and math.isfinite(place):

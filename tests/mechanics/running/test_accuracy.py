@@ -22,7 +22,7 @@ from solar_env.mechanics.mechanism.textbook import bouncing_block, four_bar
 from solar_env.mechanics.mechanism.textbook import pendulum as point_pendulum
 from solar_env.mechanics.running.diagnosis import SimulationWarning
 from solar_env.mechanics.running.simulation import Simulation, simulate
-from solar_env.studies.stability.stop_maps import swinging_link
+from solar_env.studies.stability.step_maps import swinging_link
 
 # Impacts of some 0.5 ms.
 GAP = Bearing(2e-4, 0.01, PowerLaw(7.39e10))

@@ -14,11 +14,6 @@ def test_the_band_of_a_mean_is_that_of_the_normal_law_for_many_values():
     assert low < mean < high
 
 
-def test_the_same_values_give_the_same_band():
-    values = np.array([1.0, 2.0, 4.0])
-    assert mean_band(values) == mean_band(values)
-
-
-@pytest.mark.parametrize("values", [[], [1.0, math.nan]])
-def test_what_is_unknown_has_no_band(values):
-    assert all(math.isnan(x) for x in mean_band(np.array(values)))
+def test_what_is_unknown_has_no_band():
+    for values in ([], [1.0, math.nan]):
+        assert all(math.isnan(x) for x in mean_band(np.array(values)))

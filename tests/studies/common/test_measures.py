@@ -30,10 +30,7 @@ def test_motions_sampled_at_other_times_are_not_compared():
 )
 def test_the_latch_error_counts_the_joints_that_should_latch(latch, expected):
     assert measures.latch_error(make_motion(latch=latch), make_motion()) == pytest.approx(expected)
-
-
-def test_without_a_latching_there_is_no_latch_error():
-    assert math.isnan(measures.latch_error(make_motion(), make_motion(latch=(math.nan, math.nan))))
+    assert math.isnan(measures.latch_error(make_motion(), make_motion(latch=(math.nan, math.nan)))), "none should"
 
 
 def test_a_study_keeps_the_motion_and_what_the_run_comes_to_after_the_latching():

@@ -9,17 +9,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solar_env.array import ArrayParameters
+from solar_env.array import build, cheapest_level
 from solar_env.array.deployment import simulate
 from solar_env.array.parameters.file import ParameterFile
+from solar_env.mechanics.integrators.methods.table import METHODS
 from solar_env.mechanics.integrators.settings import ModalRadau, RungeKutta
 from solar_env.studies.common.levels import Level
 from solar_env.studies.common.plans import FAST_PARAMETERS
 from solar_env.studies.loads import ensemble
-from solar_env.studies.loads.hub import hub_velocity, mean_loads, sampled_hinge_loads
-from solar_env.studies.loads.page import loads_page
+from solar_env.studies.loads.hub import hub_place, hub_velocity, mean_loads, sampled_hinge_loads
 from solar_env.studies.loads.quantities import JOINT_QUANTITIES, QUANTITIES, read_all
-from solar_env.studies.loads.report import answer, tables
+from solar_env.studies.loads.report import answer, loads_page, tables
 from solar_env.studies.loads.runs import FREQUENCIES, deploy, member_parameters
 from solar_env.studies.loads.statistics import Figure, counted, figure_of, high_quantile, rounded, shortened
 
@@ -46,13 +46,10 @@ def test_a_run_ends_where_it_should_and_totals_are_those_of_simulate(fast):
     assert (fast.hinge_spectrum > 0.0).all()
 
 
-def test_the_peak_force_on_the_hub_is_that_of_the_first_joint(fast):
-    # Means over 50 us are a little below the peak; friction of 0.15 adds to the normal force.
+def test_the_loads_on_the_hub_between_samples_reach_its_peaks_and_are_no_less_than_their_means(fast):
+    # Means over 50 us are a little below the first joint's peak; friction of 0.15 adds to the normal force.
     assert 0.7 < fast.hub_peaks[0] / fast.trajectory.peak_force[0] < math.hypot(1.0, 0.15)
     assert fast.hub_peaks[2] == pytest.approx(fast.hub_peaks[0] / FAST_PARAMETERS.body_mass, rel=1e-12)
-
-
-def test_the_loads_on_the_hub_between_samples_reach_its_peaks_and_are_no_less_than_their_means(fast):
     assert fast.hub_greatest.shape == (len(fast.trajectory.time) - 1, 2)
     np.testing.assert_allclose(fast.hub_greatest.max(axis=0), fast.hub_peaks[:2], rtol=1e-12)
     means = np.column_stack([np.hypot(fast.hub_loads[:, 0], fast.hub_loads[:, 1]), np.abs(fast.hub_loads[:, 2])])
@@ -63,7 +60,7 @@ def test_the_loads_on_the_hub_between_samples_reach_its_peaks_and_are_no_less_th
 
 
 def test_what_the_titles_of_the_hubs_charts_say_is_what_they_draw(loads, fast):
-    charts = {chart.title: chart for chart in loads_page(loads, fast, 1e-6, []).charts}
+    charts = {chart.title: chart for chart in loads_page(loads, fast, []).charts}
     for load, unit in zip(fast.hub_peaks[:2], ("N", "N m"), strict=True):
         (line,) = charts[f"The nominal hub sees up to {shortened(load, 3)} {unit}"].lines
         assert line.y.max() == pytest.approx(load, rel=1e-12)
@@ -71,15 +68,13 @@ def test_what_the_titles_of_the_hubs_charts_say_is_what_they_draw(loads, fast):
 
 
 def test_the_page_has_a_folded_table_of_every_parameter_with_its_unit(loads, fast):
-    table = loads_page(loads, fast, 1e-6, []).tables[-1]
+    table = loads_page(loads, fast, []).tables[-1]
     assert table.folded
     rows = {name: rest for name, *rest in table.rows}
     assert list(rows) == list(FAST_PARAMETERS.to_dict())
     assert rows["clearance"] == ["0.0002", "m", "(0.00019, 0.00019) and (0.00021, 0.00021)"]
     assert rows["panel_count"] == ["2", "", ""]
     assert rows["latch_stiffness"][1] == "N m/rad^exponent"
-    assert rows["journal_poisson"][1] == ""
-    assert rows["journal_young"][1] == "Pa"
     assert rows["body_fixed"] == ["no", "", ""]
     assert rows["cable_torque_ratio"][0] == "from others"
 
@@ -98,10 +93,6 @@ def test_the_same_member_gives_the_same_bits():
     ("model", "integrator"), [("rigid-ideal", RungeKutta(rtol=1e-8)), ("flexible-ideal", ModalRadau(rtol=1e-5))]
 )
 def test_loads_from_the_hubs_momentum_are_those_that_the_root_hinge_exerts(model, integrator):
-    from solar_env.array import build
-    from solar_env.mechanics.integrators.methods.table import METHODS
-    from solar_env.studies.loads.hub import hub_place
-
     parameters = replace(FAST_PARAMETERS, hinge_y=-0.3, initial_spin=0.2)
     trajectory = simulate(parameters, model=model, duration=1.0, integrator=integrator, output_step=1e-4)
     compiled, _ = METHODS[integrator.name].formulation.compile(build(parameters, model))
@@ -115,14 +106,6 @@ def test_loads_from_the_hubs_momentum_are_those_that_the_root_hinge_exerts(model
     assert (np.abs(gained - given).max(axis=0) < share * np.abs(given).max(axis=0)).all()
 
 
-def test_velocities_of_the_hub_are_the_rates_of_its_place(fast):
-    change = np.diff(fast.place, axis=0) / 1e-3
-    middle = 0.5 * (fast.velocity[1:] + fast.velocity[:-1])
-    before = fast.trajectory.time[1:] < fast.trajectory.latch_times.min()
-    # Impacts between two samples bend the velocity.
-    np.testing.assert_allclose(change[before], middle[before], atol=5e-5)
-
-
 def test_a_hub_held_in_place_feels_the_loads_of_the_root_hinge():
     held = deploy(RIGID, replace(FAST_PARAMETERS, body_fixed=True), 0, 0.2, 60.0)
     assert np.array_equal(held.place, np.broadcast_to(held.place[0], held.place.shape))
@@ -134,8 +117,8 @@ def test_a_hub_held_in_place_feels_the_loads_of_the_root_hinge():
 def test_without_latching_only_what_needs_none_is_told():
     short = deploy(RIGID, FAST_PARAMETERS, 0, 1.0, 0.5)
     assert short.trajectory.time[-1] == pytest.approx(0.5)
-    told = read_all(short)
-    assert set(told) == {name for name, quantity in QUANTITIES.items() if not quantity.needs_latching}
+    told = {name for name, values in read_all(short).items() if np.isfinite(values).all()}
+    assert told == {name for name, quantity in QUANTITIES.items() if not quantity.needs_latching}
 
 
 def test_one_sided_tolerance_factors_are_those_of_the_tables():
@@ -149,22 +132,13 @@ def test_one_sided_tolerance_factors_are_those_of_the_tables():
         assert (math.log(quantile) - mean) / deviation == pytest.approx(2.3263, abs=1e-4)
 
 
-@pytest.mark.parametrize(
-    ("value", "uncertainty", "text"),
-    [
-        (515.528, 41.0, "520"),
-        (515.528, 17.0, "516"),
-        (515.528, 3.0, "516"),
-        (0.0571234, 0.004, "0.057"),
-        (12.34567, 0.0, "12.3457"),
-        (515.528, math.nan, "520"),
-        (math.nan, 1.0, "-"),
-        (1.6e7, 2.5e6, "1.6e+07"),
-        (-2.6, 0.3, "-2.6"),
-    ],
-)
-def test_no_digit_is_shown_that_is_not_known(value, uncertainty, text):
-    assert rounded(value, uncertainty) == text
+def test_no_digit_is_shown_that_is_not_known():
+    for uncertainty, text in ((41.0, "520"), (17.0, "516"), (3.0, "516"), (math.nan, "520"), (0.0, "515.528")):
+        assert rounded(515.528, uncertainty) == text
+    for value, uncertainty, text in ((0.0571234, 0.004, "0.057"), (1.6e7, 2.5e6, "1.6e+07"), (-2.6, 0.3, "-2.6")):
+        assert rounded(value, uncertainty) == text
+    assert rounded(math.nan, 1.0) == "-"
+    assert rounded(0.3, 41.0) == "0"
 
 
 def test_a_figure_compares_the_same_members_and_says_what_it_cannot():
@@ -181,26 +155,21 @@ def test_a_figure_compares_the_same_members_and_says_what_it_cannot():
     assert figure_of(np.array([np.nan]), np.zeros(0)).runs == 0
 
 
-def test_the_ladder_gives_the_level_and_the_next_finer_one():
+def test_an_ensemble_runs_at_a_level_with_clearance_and_at_the_finest():
     assert [level.name for level in ensemble.LoadsPlan(FAST).levels] == [
         "flexible-clearance, 32 modes",
         "flexible-clearance, 48 modes, rtol / 10",
     ]
-    coarse, finer = ensemble.LoadsPlan(FAST, "wear", 0.5).levels
-    assert coarse == RIGID
-    assert finer.panels.name == "flexible-clearance"
-    assert ensemble.LoadsPlan(FAST, "latch-time", 0.1).levels[0] == RIGID, "ideal joints tell nothing of impacts"
-    with pytest.raises(ValueError, match=r"no level answers 'peak-force' to a tolerance of 0\.001"):
-        ensemble.LoadsPlan(FAST, tolerance=1e-3)
-    for wrong in ({"members": 0}, {"window": 0.0}, {"deadline": math.nan}):
-        with pytest.raises(ValueError, match="must be"):
+    assert ensemble.LoadsPlan(FAST).model == cheapest_level("peak-force", 0.15)
+    for wrong in ({"members": 0}, {"window": 0.0}, {"deadline": math.nan}, {"model": "rigid-ideal"}):
+        with pytest.raises(ValueError, match=r"must be|ideal joints"):
             ensemble.LoadsPlan(FAST, **wrong)
 
 
 @pytest.fixture(scope="module")
 def loads():
     """Of four members, whose finer level is the same with other tolerances."""
-    plan = ensemble.LoadsPlan(FAST, "wear", 0.5, members=4, window=0.5)
+    plan = ensemble.LoadsPlan(FAST, RIGID.model, members=4, window=0.5)
     shared = {"model": RIGID.model, "window": 0.5, "deadline": 60.0}
     shared |= {"parameters": FAST_PARAMETERS.to_dict(), "randomize": dict(FAST.randomize)}
     cells = [shared | {"member": k, "tighter": tighter} for k in range(1, 5) for tighter in (1.0, 3.0)]
@@ -210,10 +179,10 @@ def loads():
 
 
 def test_five_lines_answer_and_tables_hold_every_quantity(loads):
-    lines = answer(loads, 1e-6)
+    lines = answer(loads)
     assert len(lines) == 5
     assert lines[0].startswith("Joint ")
-    assert "the cheapest for wear within 0.5, and chosen for that question alone" in lines[4]
+    assert "Level: rigid-clearance; the model error of every figure" in lines[4]
     assert "4 runs of each level" in lines[4]
     assert "clearance" in lines[4]
     names = [row[0] for table in tables(loads)[:2] for row in table.rows]
@@ -230,7 +199,7 @@ def test_force_impulse_and_wear_are_each_told_with_interval_quantile_and_their_o
         + [Figure(55.024, 54.94, 55.1, 55.6, 55.8, -1.13, -1.2, -1.06, 16)],
         "wear_depth": [Figure(3.02e-14, 2.9e-14, 3.14e-14, 3.8e-14, 4.2e-14, 3e-15, 1e-15, 5e-15, 16)],
     }
-    force, impulse, wear, _, basis = answer(replace(loads, figures=loads.figures | first), 1e-6)
+    force, impulse, wear, _, basis = answer(replace(loads, figures=loads.figures | first))
     assert force == (
         "Joint 1 is hit hardest: peak force 222 \u00b1 8 N, 99 % of deployments stay below 270 N (with 95 % confidence "
         "below 290 N), model error +10 \u00b1 11 N."
@@ -240,29 +209,17 @@ def test_force_impulse_and_wear_are_each_told_with_interval_quantile_and_their_o
         "55.60 N s (with 95 % confidence below 55.80 N s), model error -1.13 \u00b1 0.07 N s."
     )
     assert "30.2 \u00b1 1.2 fm" in wear
-    assert "model error +3 \u00b1 2 fm; 33 million deployments to 1 micrometre," in wear
-    assert "the model error of every figure is that seen at the next finer level" in basis
-
-
-@pytest.mark.parametrize(
-    ("number", "words"),
-    [
-        (40.0, "40"),
-        (17_300.0, "17,000"),
-        (999_900.0, "1 million"),
-        (3.31e7, "33 million"),
-        (math.inf, "infinitely many"),
-    ],
-)
-def test_great_numbers_are_told_in_words(number, words):
-    assert counted(number) == words
-
-
-def test_what_too_few_runs_do_not_tell_is_not_told(loads):
+    assert "model error +3 \u00b1 2 fm; 33,000,000 deployments to 1 micrometre," in wear
+    assert "the model error of every figure is that seen at the finest level" in basis
     nan = math.nan
     alone = (Figure(222.3, nan, nan, nan, nan, 10.4, nan, nan, 1),)
-    line = answer(replace(loads, figures=loads.figures | {"peak_force": alone}), 1e-6)[0]
+    line = answer(replace(loads, figures=loads.figures | {"peak_force": alone}))[0]
     assert line == "Joint 1 is hit hardest: peak force 220 N, model error unknown."
+
+
+def test_great_numbers_are_told_in_two_digits():
+    assert [counted(number) for number in (40.0, 17_300.0, 3.31e7)] == ["40", "17,000", "33,000,000"]
+    assert counted(math.inf) == "infinitely many"
 
 
 def test_what_is_read_scatters_but_the_energy_that_is_lost_does_not_hang_on_the_tolerance(loads):
@@ -274,24 +231,7 @@ def test_what_is_read_scatters_but_the_energy_that_is_lost_does_not_hang_on_the_
 
 
 def test_an_ensemble_that_never_latches_says_what_to_do():
-    plan = ensemble.LoadsPlan(FAST, "wear", 0.5, members=1, deadline=0.3)
+    plan = ensemble.LoadsPlan(FAST, RIGID.model, members=1, deadline=0.3)
     run = {"latched": False, "quantities": {}, "hinge_spectrum": [], "hub_spectrum": [], "warnings": []}
     with pytest.raises(ValueError, match=r"in none of 1 runs all joints latch within 0\.3 s; give a longer --deadline"):
         ensemble.gathered(plan, [run, run])
-
-
-def test_levels_keep_their_panels_in_a_cell():
-    level = Level("flexible-clearance:4 modes")
-    cell = {
-        "model": level.model,
-        "tighter": 1.0,
-        "member": 1,
-        "parameters": FAST_PARAMETERS.to_dict(),
-        "randomize": {},
-        "window": 0.1,
-        "deadline": 60.0,
-    }
-    result = ensemble.run_member(cell)
-    assert result["latched"]
-    own = deploy(level, member_parameters(ArrayParameters(**cell["parameters"]), {}, 1), 1, 0.1, 60.0)
-    assert result["quantities"] == read_all(own)

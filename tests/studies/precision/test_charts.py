@@ -123,20 +123,6 @@ def test_drawing_without_tables_says_what_to_do(tmp_path, capsys):
     assert "measure first" in message
 
 
-@pytest.mark.parametrize("wall", ["0", "0.0", "soon", ""])
-def test_a_wall_time_that_is_none_is_told_with_its_line(wall, tmp_path, measured, capsys):
-    folder, _ = measured
-    lines = (folder / "side_by_side.csv").read_text().splitlines()
-    head = next(number for number, line in enumerate(lines) if not line.startswith("# "))
-    cells = lines[head + 1].split(",")
-    cells[lines[head].split(",").index("wall_s")] = wall
-    (tmp_path / "side_by_side.csv").write_text("\n".join([*lines[: head + 1], ",".join(cells), *lines[head + 2 :]]))
-    assert main(["study", "precision", "--draw", "--only", "side-by-side", "--out", str(tmp_path)]) == 2
-    told = capsys.readouterr().err
-    assert told.count("\n") == 1
-    assert f"side_by_side.csv, line {head + 2}: wall_s is " in told
-
-
 def test_plans_differ_in_size_alone():
     assert FULL.dear
     assert not QUICK.dear

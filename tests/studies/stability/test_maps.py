@@ -16,7 +16,6 @@ from solar_env.studies.stability.maps import (
     StabilityMap,
     classify_ratios,
     listen,
-    log_range,
     silent_failures,
 )
 
@@ -55,22 +54,15 @@ def test_a_run_that_returns_is_heard_with_all_its_warnings() -> None:
     assert listen(lambda: 3.0, lambda result: told) == told
 
 
-@pytest.mark.parametrize(
-    ("reason", "kind"),
-    [
-        ("newton", Kind.NO_SOLUTION),
-        ("step_size", Kind.NO_SOLUTION),
-        ("steps", Kind.NO_END),
-        ("penetration", Kind.BLOW_UP),
-    ],
-)
-def test_an_error_of_the_simulation_is_a_class_of_its_own(reason: str, kind: str) -> None:
-    def fail() -> float:
-        raise SimulationError("at t = 1 s", 1.0, reason)
+def test_an_error_of_the_simulation_is_a_class_of_its_own() -> None:
+    for reason, kind in (("newton", Kind.NO_SOLUTION), ("steps", Kind.NO_END), ("penetration", Kind.BLOW_UP)):
 
-    cell = listen(fail, fine)
-    assert (cell.kind, cell.said, cell.message) == (kind, Said.ERROR, "at t = 1 s")
-    assert math.isnan(cell.value)
+        def fail(reason: str = reason) -> float:
+            raise SimulationError("at t = 1 s", 1.0, reason)
+
+        cell = listen(fail, fine)
+        assert (cell.kind, cell.said, cell.message) == (kind, Said.ERROR, "at t = 1 s")
+        assert math.isnan(cell.value)
 
 
 def test_input_that_is_refused_is_heard_and_other_errors_are_not_hidden() -> None:
@@ -79,8 +71,8 @@ def test_input_that_is_refused_is_heard_and_other_errors_are_not_hidden() -> Non
         listen(lambda: 1 / 0, fine)
 
 
-def example() -> StabilityMap:
-    return StabilityMap(
+def test_rows_bear_the_names_of_the_axes_and_the_limit_and_failures_without_a_word_are_found() -> None:
+    one = StabilityMap(
         name="example",
         title="Example",
         x=Axis("step_s", "step [s]", (1.0, 2.0), (1.0, 2.0, 3.0)),
@@ -92,32 +84,11 @@ def example() -> StabilityMap:
         limit=lambda panel, y: 3.0 - y,
         limit_label="theory",
     )
-
-
-def test_rows_bear_the_names_of_the_axes_and_the_limit() -> None:
-    one = example()
-    assert len(list(one.cells(quick=True))) == 4
     assert len(list(one.cells(quick=False))) == 12
-    assert one.row("library", 2.0, 1) == {
-        "panel": "library",
-        "step_s": 2.0,
-        "count": 1,
-        "class": Kind.GROWING,
-        "value": 3.0,
-        "limit": 2.0,
-        "said": Said.SILENT,
-        "message": "",
-    }
-
-
-def test_failures_of_the_library_without_a_word_are_found() -> None:
-    one = example()
     rows = [dict(one.row(*cell)) for cell in one.cells(quick=True)]
+    assert len(rows) == 4
+    place = {"panel": "library", "step_s": 2.0, "count": 1}
+    assert rows[1] == {**place, "class": "growing", "value": 3.0, "limit": 2.0, "said": "", "message": ""}
     rows[-1]["said"] = Said.WARNING
     (row,) = silent_failures(Table(tuple(rows), one.description())).rows
     assert (row["panel"], row["step_s"]) == ("library", 2.0)
-
-
-def test_a_logarithmic_range_has_equal_ratios_and_ends_where_it_should() -> None:
-    values = log_range(1e-3, 10.0, 5)
-    assert values == (1e-3, 1e-2, 0.1, 1.0, 10.0)

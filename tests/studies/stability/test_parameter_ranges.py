@@ -35,7 +35,7 @@ def test_every_parameter_is_tried_or_named_as_not_tried():
 )
 def test_a_trial_says_how_it_ended_and_what_the_library_said(name, factor, kind, word):
     row = ranges.trial(name, factor, "rigid-clearance", 0.1)
-    assert (row["class"], row["value"]) == (kind, pytest.approx(ranges.first(name, factor)))
+    assert (row["class"], row["value"]) == (kind, pytest.approx(ranges.scaled(name, factor)[0]))
     assert word in row["message"]
 
 

@@ -13,7 +13,7 @@ from solar_env.mechanics.integrators.settings import RungeKutta, amplification_r
 from solar_env.mechanics.joints.contact.laws import contact_law
 from solar_env.mechanics.joints.contact.power_law import PowerLaw
 from solar_env.studies.common.tables import Table, read_table
-from solar_env.studies.stability import contact_law_maps, friction_maps, impact_maps, stop_maps
+from solar_env.studies.stability import friction_maps, impact_maps, step_maps
 from solar_env.studies.stability.maps import Kind, Said, silent_failures
 from solar_env.studies.stability.stability_maps import MAPS, measure_map
 
@@ -85,7 +85,7 @@ def test_multipliers_hold_over_changes_of_the_step_and_what_a_restart_cannot_hel
 
 def test_bounces_have_the_speed_of_the_law_in_closed_form() -> None:
     for row in rows("restitution"):
-        law = contact_law(row["panel"], contact_law_maps.ARRAY.surfaces(0), row["restitution"])
+        law = contact_law(row["panel"], impact_maps.ARRAY.surfaces(0), row["restitution"])
         slower = replace(law, damping=law.damping * min(1.0, row["speed_m_s"] / 1e-4))
         assert row["value"] == pytest.approx(slower.exit_speed_ratio(), abs=2e-3)
     (half,) = rows("restitution", panel="lankarani-nikravesh", restitution=0.5, speed_m_s=1)
@@ -119,17 +119,21 @@ def test_contacts_creep_as_the_ramp_has_it_and_a_run_tells_how_much_of_it_crept(
 def test_a_narrow_ramp_bounds_the_explicit_step_as_theory_has_it() -> None:
     (narrow,) = rows("friction", panel=friction_maps.EXPLICIT, speed_zero_m_s=0, speed_full_m_s=1e-6)
     assert (narrow["class"], narrow["said"]) == (Kind.STIFF, Said.FIGURE)
-    steps = [friction_maps.mean_step(friction_maps.creep(friction_maps.EXPLICIT, 0.0, full)) for full in (1e-6, 1e-3)]
-    assert steps[0] == pytest.approx(friction_maps.friction_step(0.0, 1e-6), rel=0.1)
+    runs = [friction_maps.creep(friction_maps.EXPLICIT, 0.0, full) for full in (1e-6, 1e-3)]
+    steps = [run.time[-1] / run.metadata["steps"] for run in runs]
+    # Four explicit stages of order four: 2.785 over the decay rate of sliding.
+    slope = friction_maps.FRICTION * friction_maps.LOAD / 1e-6  # N s/m
+    rate = slope * (1.0 / friction_maps.MASS + friction_maps.RADIUS**2 / friction_maps.INERTIA)
+    assert steps[0] == pytest.approx(2.785 / rate, rel=0.1)
     # The bearing's stiffness and damping, linearly implicit in a contact that lasts, do not.
     assert steps[1] > 10.0 * friction_maps.SHORT_STEP
 
 
 def test_a_latch_is_resolved_by_eight_steps_whatever_its_stiffness() -> None:
     for row in rows("latch"):
-        if row["panel"] == stop_maps.EXPLICIT or row["step_s"] < 0.5 * row["limit"]:
+        if row["panel"] == step_maps.EXPLICIT or row["step_s"] < 0.5 * row["limit"]:
             assert row["class"] == Kind.FINE
-    rigid = rows("latch", stiffness_Nm_rad=1e8, step_s=0.01, panel=stop_maps.DAMPED)[0]
+    rigid = rows("latch", stiffness_Nm_rad=1e8, step_s=0.01, panel=step_maps.DAMPED)[0]
     assert rigid["class"] == Kind.BLOW_UP
     assert "accounts for" in rigid["message"]
 

@@ -10,7 +10,6 @@ import solar_env  # noqa: F401  (registers the environment ids)
 from solar_env.array.parameters.ranges import RELEASE_RATE
 from solar_env.environment.registration import DEPLOY
 from solar_env.environment.settings import EnvironmentSettings
-from solar_env.support.numbers import plain
 
 NAMESPACE = "solar_env/"  # of the environment ids
 DEFAULT_ENV_ID = DEPLOY
@@ -53,17 +52,6 @@ def with_sampling(env_kwargs: Mapping[str, Any], env_id: str = DEFAULT_ENV_ID) -
     nominal = settings.array.for_each_joint(SAMPLED)
     low, high = (tuple(rate + change for rate in nominal) for change in (-RELEASE_RATE, RELEASE_RATE))
     return {"randomize": {SAMPLED: (low, high)}, **env_kwargs}
-
-
-def without_sampling(env_kwargs: Mapping[str, Any], env_id: str = DEFAULT_ENV_ID) -> dict[str, Any]:
-    """Return `env_kwargs`, also as JSON keeps them, without the range that `with_sampling` has added.
-
-    Raises:
-        ValueError: As `with_sampling`.
-    """
-    asked = {name: value for name, value in env_kwargs.items() if name != "randomize"}
-    drawn = {name: plain(bounds) for name, bounds in env_kwargs.get("randomize", {}).items()}
-    return asked if with_sampling(asked, env_id).get("randomize") == drawn else dict(env_kwargs)
 
 
 def with_model(

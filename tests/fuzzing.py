@@ -25,7 +25,6 @@ from solar_env.environment.registration import DEPLOY
 FOLDER = Path(tempfile.mkdtemp(prefix="fuzzing-"))
 # Packages whose branches guide a search: all that read, and none with kernels, which must not be instrumented.
 READERS = [
-    "agents.learning.configurations",
     "agents.learning.runs",
     "agents.learning.storage",
     "agents.policies",
@@ -94,8 +93,7 @@ def run_folder(content: bytes) -> None:
     from agents.learning import runs
 
     written(runs.CONFIG, content)
-    runs.stored_configuration(FOLDER)
-    runs.steps_taken(FOLDER)
+    runs.read_config(FOLDER)
 
 
 def a_run() -> list[bytes]:

@@ -36,7 +36,7 @@ from solar_env.support.files import PART
 QUICK = ["--model", "rigid-ideal", "--env-kwargs", "control_period=0.5", "postlock_window=2.0"]
 SMALL = ["--algo", "ppo", *QUICK, "--timesteps", "400", "--n-envs", "2", "--eval-episodes", "1", "--jobs", "1"]
 SMALL += ["--checkpoint-interval", "40", "--hyperparams", "n_steps=20", "batch_size=20", "--quiet"]
-TUNING = ["--controller", "brake", *QUICK, "--episodes", "80", "--validation-episodes", "2", "--jobs", "1", "--quiet"]
+TUNING = ["--controller", "damper", *QUICK, "--episodes", "80", "--validation-episodes", "2", "--jobs", "1", "--quiet"]
 
 
 def _train(folder: Path) -> None:

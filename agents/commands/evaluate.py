@@ -8,10 +8,17 @@ from typing import Annotated, Any
 import tyro
 
 from agents.commands.arguments import ModelOptions
-from agents.comparison.evaluation import STORE, common_env_id, common_env_kwargs, efforts, evaluate
+from agents.comparison.evaluation import (
+    MODEL,
+    STORE,
+    SUITES,
+    common_env_id,
+    common_env_kwargs,
+    evaluate,
+    suite_controllers,
+)
 from agents.comparison.figures import comparison_figure
 from agents.comparison.report import write_comparison
-from agents.comparison.suites import MODEL, SUITES, suite_controllers
 from agents.environments import with_sampling
 from agents.laws.table import LAWS
 from solar_env.commands.arguments import CommandRecord, WorkerOptions
@@ -25,7 +32,7 @@ COMPARISON = Path(__file__).parents[1] / "comparison"
 CONTROLLERS = (
     f"laws ({', '.join(LAWS)}), shipped policies and run folders, and receding-horizon:OTHER, which searches with the "
     "simulator itself around another of these, and is slow; several runs under one name, NAME=FOLDER NAME=FOLDER, are "
-    "pooled as training seeds of one controller; none: those of the suite, else passive, brake and servo"
+    "pooled as training seeds of one controller; none: those of the suite, else passive, damper and servo"
 )
 
 
@@ -61,7 +68,7 @@ def run_command(args: Args) -> int:
     if args.suite:
         env_id, controllers, common = suite_named(args.suite, args.env_id, args.controllers)
     else:
-        controllers = args.controllers or ["passive", "brake", "servo"]
+        controllers = args.controllers or ["passive", "damper", "servo"]
         env_id = args.env_id or common_env_id(controllers)
         common = {}
     given = args.keywords()
@@ -69,12 +76,11 @@ def run_command(args: Args) -> int:
     out = Path(args.out or (Path("evaluation") / (args.suite or "")))
     make_folder(out)
     env_kwargs = with_sampling(given, env_id)
-    spent = efforts(controllers, env_id, env_kwargs)
     rows = evaluate(
         controllers, args.episodes, args.seed, env_id, env_kwargs, not args.quiet, args.workers, out / STORE
     )
     settings = {**asdict(args), "env_id": env_id, "env_kwargs": env_kwargs}
-    summary, tables = write_comparison(out, rows, settings, spent)
+    summary, tables = write_comparison(out, rows, settings)
     comparison_figure(summary, out / FIGURE)
     if args.readme:
         copy_file(out / FIGURE, COMPARISON / "figures" / f"suite-{args.suite}.png")

@@ -1,10 +1,10 @@
-"""Episodes as tasks for any process or machine: cells of an evaluation, and trials of a tuning."""
+"""Episodes as tasks for any process: cells of an evaluation, and of a tuning."""
 
 import hashlib
 import json
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict
 from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
@@ -40,24 +40,25 @@ def episode_cell(controller: NamedController, env_id: str, env_kwargs: Mapping[s
 
 def run_cell(cell: Cell) -> Figures:
     """Run the episode of a cell and return its figures, see `agents.rollout.run_episode`."""
-    keywords = json.dumps(cell["env_kwargs"], sort_keys=True)
-    env, controller = _prepared(cell["spec"], cell["policy"], cell["env_id"], keywords)
+    env, controller = _prepared(json.dumps({**cell, "seed": None}))
     return run_episode(env, controller, cell["seed"])
 
 
 @lru_cache(maxsize=4)
-def _prepared(spec: str, policy: str | None, env_id: str, keywords: str) -> tuple[gymnasium.Env, Controller]:
-    """Make environment and controller, kept from episode to episode; `policy` is a hash of the controller's files."""
-    env = make_env(env_id, json.loads(keywords))
+def _prepared(text: str) -> tuple[gymnasium.Env, Controller]:
+    """Make environment and controller of a cell, kept from episode to episode."""
+    cell = json.loads(text)
+    env = _environment(cell["env_id"], json.dumps(cell["env_kwargs"]))
+    if "parameters" in cell:
+        return env, make_baseline(cell["spec"], env, TUNABLE[cell["spec"]].defaults.from_json(cell["parameters"]))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UntunedWarning)  # said once, not by every process: see `run_cells`
-        return env, parse_controller(spec).load(env)
+        return env, parse_controller(cell["spec"]).load(env)
 
 
-def _base_and_model(cell: Cell) -> tuple[str, str, str]:
-    """What a cell runs, or searches around; environment id and model."""
-    spec, env_id = str(cell["spec"]), str(cell["env_id"])
-    return spec.removeprefix(SEARCH_AROUND), env_id, environment_settings(env_id, cell["env_kwargs"]).level.name
+@lru_cache(maxsize=4)
+def _environment(env_id: str, keywords: str) -> gymnasium.Env:
+    return make_env(env_id, json.loads(keywords))
 
 
 def run_cells(
@@ -67,7 +68,7 @@ def run_cells(
 
     Args:
         cells: Episodes to run.
-        workers: Processes or machines to run them on.
+        workers: Processes to run them on.
         store: File that keeps the figures, so that an interrupted evaluation goes on; None: no file.
         progress: Show a progress bar.
 
@@ -78,9 +79,9 @@ def run_cells(
         UntunedWarning: Once for each law that gets the parameters of another model.
     """
     settings = {json.dumps({**cell, "seed": 0}, sort_keys=True): cell for cell in cells}
-    for spec, env_id, model in dict.fromkeys(map(_base_and_model, settings.values())):
-        if spec in TUNABLE:
-            load_parameters(spec, env_id, model)
+    for cell in settings.values():
+        if (law := cell["spec"].removeprefix(SEARCH_AROUND)) in TUNABLE and "parameters" not in cell:
+            load_parameters(law, cell["env_id"], environment_settings(cell["env_id"], cell["env_kwargs"]).level.name)
     keys = [json.dumps(cell, sort_keys=True) for cell in cells]
     different = dict(zip(keys, cells, strict=True))
     with counting_bar(Console(stderr=True, quiet=not progress)) as bar:
@@ -100,29 +101,6 @@ def run_cells(
     return [done[key] for key in keys]
 
 
-@dataclass(frozen=True)
-class Trial:
-    """One episode of one candidate of a tuning; `candidate` is its place among the candidates."""
-
-    controller: str
-    env_id: str
-    keywords: str
-    parameters: LawParameters
-    candidate: int
-    seed: int
-
-
-def trial_return(trial: Trial) -> float:
-    """Run the episode of a trial; its return."""
-    env = _environment(trial.env_id, trial.keywords)
-    return float(run_episode(env, make_baseline(trial.controller, env, trial.parameters), trial.seed)["return"])
-
-
-@lru_cache(maxsize=1)
-def _environment(env_id: str, keywords: str) -> gymnasium.Env:
-    return make_env(env_id, json.loads(keywords))
-
-
 def mean_returns(
     controller: str,
     candidates: Sequence[LawParameters],
@@ -132,16 +110,10 @@ def mean_returns(
     workers: Workers,
 ) -> list[float]:
     """Return the mean return of each candidate for the parameters of a law, over the same episodes."""
-    keywords = json.dumps(env_kwargs, sort_keys=True)
-    trials = [
-        Trial(controller, env_id, keywords, parameters, k, seed)
-        for k, parameters in enumerate(candidates)
-        for seed in seeds
-    ]
-    returns = dict(each_done(trial_return, trials, workers))
-    # Added up in one order, whichever was done first.
-    by_candidate = np.array([returns[trial] for trial in trials]).reshape(len(candidates), len(seeds))
-    return by_candidate.mean(axis=1).tolist()
+    law = {"spec": controller, "env_id": env_id, "env_kwargs": runs.jsonable(env_kwargs)}
+    cells = [{**law, "parameters": asdict(parameters), "seed": seed} for parameters in candidates for seed in seeds]
+    returns = [figures["return"] for figures in run_cells(cells, workers, progress=False)]
+    return np.reshape(returns, (len(candidates), len(seeds))).mean(axis=1).tolist()
 
 
 @cache

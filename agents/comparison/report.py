@@ -30,6 +30,7 @@ TABLE: dict[str, tuple[str, float]] = {
     "latch_times_s": ("last latch [s]", 1.0),
     "motor_work_J": ("motor work [J]", 1.0),
 }
+TABLES = "comparison.md"  # of an evaluation
 HIGHER_IS_BETTER = frozenset({"return"})
 
 Row = dict[str, Any]
@@ -80,17 +81,13 @@ def references(rows: Sequence[Row]) -> list[str]:
 
 @dataclass(frozen=True)
 class Tables:
-    """A comparison in Markdown: all figures, the differences from `references`, and the effort of tuning and training.
-
-    The last two may be empty.
-    """
+    """A comparison in Markdown: all figures, and the differences from `references`, which may be empty."""
 
     scores: str
     differences: str
-    effort: str = ""
 
     def __str__(self) -> str:
-        return "\n\n".join(filter(None, (self.scores, self.differences, self.effort))) + "\n"
+        return "\n\n".join(filter(None, (self.scores, self.differences))) + "\n"
 
     def folded(self) -> str:
         """Return the tables for a web page: the differences open with a click."""
@@ -99,7 +96,7 @@ class Tables:
         return str(replace(self, differences=folded if self.differences else ""))
 
 
-def tabulate(rows: Sequence[Row], summary: Summary | None = None, effort: str = "") -> Tables:
+def tabulate(rows: Sequence[Row], summary: Summary | None = None) -> Tables:
     """Write the comparison, by default its `summarize`, as tables, with an explanation of the numbers."""
     summary = summarize(rows) if summary is None else summary
     names = list(summary)
@@ -120,7 +117,7 @@ def tabulate(rows: Sequence[Row], summary: Summary | None = None, effort: str = 
             lines.append([name, *cells, with_interval(summary[name][f"better than {reference}"], "{:.0%}")])
         told = f"Difference from {reference}, episode by episode, and share of the episodes with a higher return:"
         differences += [told, markdown_table(["controller", *head[2:], "better in"], lines)]
-    return Tables(scores, "\n\n".join(differences), effort)
+    return Tables(scores, "\n\n".join(differences))
 
 
 def _basis(episodes: int, values: int) -> str:
@@ -150,13 +147,8 @@ def with_interval(value: Estimate, form: str, factor: float = 1.0) -> str:
     return f"{text} [{form.format(value.lower * factor)}, {form.format(value.upper * factor)}]"
 
 
-def write_comparison(
-    folder: Path, rows: Sequence[Row], settings: Mapping[str, Any], effort: Mapping[str, str]
-) -> tuple[Summary, Tables]:
-    """Write `episodes.csv`, `metrics.json` and `comparison.md` into `folder`; returns summary and tables.
-
-    `rows` and `effort` are what `evaluate` and `efforts` of `agents.comparison.evaluation` return.
-    """
+def write_comparison(folder: Path, rows: Sequence[Row], settings: Mapping[str, Any]) -> tuple[Summary, Tables]:
+    """Write `episodes.csv`, `metrics.json` and `comparison.md` into `folder`; returns summary and tables."""
     columns = list(dict.fromkeys(column for row in rows for column in row))
     text = io.StringIO(newline="")
     writer = csv.DictWriter(text, columns)
@@ -165,58 +157,12 @@ def write_comparison(
     make_folder(folder)
     write_text(folder / "episodes.csv", text.getvalue())
     summary = summarize(rows)
-    spent = ", ".join(f"{name} {what}" for name, what in effort.items())
-    tables = tabulate(rows, summary, f"Simulated to tune or train: {spent}." if spent else "")
+    tables = tabulate(rows, summary)
     controllers = {name: {key: _plain(value) for key, value in entry.items()} for name, entry in summary.items()}
     content = {"settings": settings, "versions": versions(*runs.LIBRARIES), "controllers": controllers}
     runs.write_json(folder / "metrics.json", content)
-    write_text(folder / "comparison.md", str(tables))
+    write_text(folder / TABLES, str(tables))
     return summary, tables
-
-
-def read_rows(path: Path) -> list[Row]:
-    """Read the rows of an `episodes.csv` that `write_comparison` wrote.
-
-    Raises:
-        OSError: It cannot be read.
-        ValueError: It is damaged; the message names it.
-    """
-    with path.open(newline="", encoding="utf-8") as file:
-        try:
-            rows = [_numbers(row) for row in csv.DictReader(file)]
-            _check_complete(rows)
-        except (ValueError, csv.Error) as error:
-            raise ValueError(
-                f"{path} is damaged, or has no episodes of a comparison ({error}); restore it, or compare anew "
-                "(solar-env evaluate)"
-            ) from error
-    return rows
-
-
-def _numbers(row: Mapping[Any, Any]) -> Row:
-    """Convert a row of `episodes.csv` to the types that `evaluate` returns."""
-    if None in row or None in row.values():
-        raise ValueError("a line has not one cell for each heading")
-    plain = {"True": True, "False": False}
-    return {
-        key: text if key in ("controller", "spec") else plain[text] if text in plain else float(text)
-        for key, text in row.items()
-        if text
-    }
-
-
-def _check_complete(rows: Sequence[Row]) -> None:
-    """Refuse rows that `summarize` cannot take, by a ValueError."""
-    if not rows:
-        raise ValueError("it has no lines")
-    wanted = {"controller", "spec", "episode", "return", "latched", *(set(TABLE) & set(rows[0]))}
-    episodes: dict[tuple[str, str], set[float]] = {}
-    for row in rows:
-        if lacking := sorted(wanted - set(row)):
-            raise ValueError(f"a line has no {lacking[0]}")
-        episodes.setdefault((row["controller"], row["spec"]), set()).add(row["episode"])
-    if len(set(map(frozenset, episodes.values()))) > 1 or sum(map(len, episodes.values())) < len(rows):
-        raise ValueError("its controllers have not the same episodes, once each")
 
 
 def _plain(value: Any) -> Any:

@@ -58,14 +58,9 @@ def is_tuned(name: str, env_id: str, model: str) -> bool:
     return model in _entries(name).get(env_id, {})
 
 
-def episodes_spent(name: str, env_id: str, model: str) -> int:
-    """Count the training episodes that the parameters have cost, with those of the parameters they were refined from.
-
-    Raises:
-        ValueError: The file has no entry for `env_id` that would do.
-    """
-    tuning = _entry(name, env_id, model)[0]["tuning"]
-    return tuning.get("training_episodes_with_start", tuning["training_episodes"])
+def tuning_of(name: str, env_id: str, model: str) -> dict[str, Any]:
+    """Return the record of the tuning that the parameters of a model come from, see `load_parameters`."""
+    return _entry(name, env_id, model)[0]["tuning"]
 
 
 def _entries(name: str) -> dict[str, Any]:

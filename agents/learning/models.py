@@ -1,4 +1,4 @@
-"""Models of Stable-Baselines3: a fresh one for a configuration, and one as a run has left it."""
+"""Models of Stable-Baselines3 for a configuration."""
 
 import math
 from collections.abc import Callable
@@ -10,16 +10,26 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.noise import NormalActionNoise
 from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
 from stable_baselines3.common.policies import ActorCriticPolicy
+from stable_baselines3.common.torch_layers import FlattenExtractor
 from stable_baselines3.common.utils import LinearSchedule
 from stable_baselines3.common.vec_env import VecEnv, VecNormalize
 
-from agents.environments import environment_settings, episode_seeds
+from agents.environments import episode_seeds
 from agents.learning import runs
-from agents.learning.features import DriveFeatures, observation_features
 from agents.learning.runs import Configuration
 from agents.learning.weight_search import WeightSearch, all_weights
 
+LIMIT = 3.0
+"""Networks see the entries of an observation clipped to plus and minus this."""
 SHARE = "share"
+
+
+class ClippedEntries(FlattenExtractor):
+    """Features extractor of Stable-Baselines3: the observation, clipped to `LIMIT`."""
+
+    def forward(self, observations: torch.Tensor) -> torch.Tensor:
+        """Clip observations (n, entries)."""
+        return torch.clamp(super().forward(observations), -LIMIT, LIMIT)
 
 
 class SlowedAdam(torch.optim.Adam):
@@ -40,8 +50,8 @@ class SlowedAdam(torch.optim.Adam):
         return loss
 
 
-def make_model(config: Configuration, venv: VecEnv, device: str = "cpu") -> BaseAlgorithm:
-    """Make a fresh model on `venv` with normalised rewards, whose networks see the observation's features.
+def make_model(config: Configuration, venv: VecEnv) -> BaseAlgorithm:
+    """Make a fresh model on `venv` with normalised rewards, whose networks see clipped observations.
 
     A search over weights has rewards as they are, and its policy sees the observation. The noise and the steps of ARS
     fall linearly from those given to nothing, and so do the learning rates of the others.
@@ -55,7 +65,7 @@ def make_model(config: Configuration, venv: VecEnv, device: str = "cpu") -> Base
         ValueError: The algorithm refuses its hyperparameters.
     """
     try:
-        return _made(config, venv, device)
+        return _made(config, venv)
     except Exception as error:  # of values that nobody has thought of the libraries may raise anything
         reason = " ".join(str(error).split())[:300] or type(error).__name__
         raise ValueError(
@@ -64,27 +74,23 @@ def make_model(config: Configuration, venv: VecEnv, device: str = "cpu") -> Base
         ) from error
 
 
-def _made(config: Configuration, venv: VecEnv, device: str) -> BaseAlgorithm:
+def _made(config: Configuration, venv: VecEnv) -> BaseAlgorithm:
     seed = episode_seeds("training", config.seed, 1)[0]
-    cls: Any = runs.algorithm(config.algo)
+    cls: Any = runs.ALGORITHMS[config.algo]
     hyperparameters = dict(config.hyperparameters)
     if issubclass(cls, WeightSearch):
-        unchanged = VecNormalize(venv, norm_obs=False, norm_reward=False)
         # The best weights are a narrow funnel on a rough plateau, which noise that stays as large does not find.
         for name in ("learning_rate", "delta_std"):
             if name in hyperparameters:
                 hyperparameters[name] = LinearSchedule(hyperparameters[name], 0.0, 1.0)
-        return cls("LinearPolicy", unchanged, seed=seed, device=device, **hyperparameters)
-    settings = environment_settings(config.env_id, config.env_kwargs)
-    hyperparameters["policy_kwargs"] = {
-        **hyperparameters.get("policy_kwargs", {}),
-        "features_extractor_class": DriveFeatures,
-        "features_extractor_kwargs": {"features": observation_features(settings.observation_names)},
-    }
+        unchanged = VecNormalize(venv, norm_obs=False, norm_reward=False)
+        return cls("LinearPolicy", unchanged, seed=seed, device="cpu", **hyperparameters)
+    policy_kwargs = {**hyperparameters.get("policy_kwargs", {}), "features_extractor_class": ClippedEntries}
+    hyperparameters["policy_kwargs"] = policy_kwargs
     actor_rate = hyperparameters.pop("actor_learning_rate", None)
     if actor_rate is not None:
-        hyperparameters["policy_kwargs"]["optimizer_class"] = SlowedAdam
-    first_weights = hyperparameters.pop("first_weights", None)
+        policy_kwargs["optimizer_class"] = SlowedAdam
+    first_weights = hyperparameters.pop(runs.FIRST_WEIGHTS, None)
     noise = hyperparameters.pop("exploration_noise", None)
     if noise is not None:
         nothing = np.zeros(venv.action_space.shape or ())
@@ -96,10 +102,9 @@ def _made(config: Configuration, venv: VecEnv, device: str) -> BaseAlgorithm:
     if issubclass(cls, OnPolicyAlgorithm):
         step = rate / math.ceil(config.timesteps / (config.n_envs * hyperparameters["n_steps"]))
     hyperparameters["learning_rate"] = LinearSchedule(rate + step, step, 1.0)
-    model = cls("MlpPolicy", normalized, seed=seed, device=device, **hyperparameters)
+    model = cls("MlpPolicy", normalized, seed=seed, device="cpu", **hyperparameters)
     if actor_rate is not None:
-        policy: Any = model.policy
-        for group in policy.actor.optimizer.param_groups:
+        for group in model.policy.actor.optimizer.param_groups:
             group[SHARE] = actor_rate / rate if rate else 0.0
     if first_weights is not None:
         for layer in _actor_layers(model):

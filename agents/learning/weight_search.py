@@ -95,10 +95,9 @@ class WeightSearch(ARS):
             actions = np.full((env.num_envs, 1), -1.0, dtype=np.float32)
             linear = np.einsum("ij,ij->i", observations[: len(weights)], weights)
             actions[: len(weights), 0] = np.where(running, np.clip(linear, -1.0, 1.0), -1.0)
-            observations, rewards, dones, infos = env.step(actions)
+            observations, rewards, dones, _ = env.step(actions)
             returns += np.where(running, rewards[: len(weights)], 0.0)
             self.num_timesteps += int(running.sum())
-            callback.update_locals({"infos": infos, "dones": dones})
             callback.on_step()
             running &= ~dones[: len(weights)]
         return returns

@@ -10,7 +10,7 @@ from agents.comparison.controllers import parse_controller
 from agents.comparison.receding_horizon import RecedingHorizon, SearchSettings
 from agents.environments import DEFAULT_ENV_ID, make_env
 from agents.laws.baselines import make_baseline
-from agents.laws.damper import DamperParameters, ViscousDamper
+from agents.laws.feedback import DamperParameters, ViscousDamper
 from agents.laws.table import LAWS
 from agents.rollout import run_episode
 from agents.torque_laws import DeterministicController, Signals
@@ -82,9 +82,15 @@ def everything(env):
     return pickle.dumps(kept)
 
 
-@pytest.mark.parametrize("observation", ["history", "landing", ["theta_1_ago"]])
-@pytest.mark.parametrize("action", ["torque", "rate"])
-@pytest.mark.parametrize("env_id", [DEFAULT_ENV_ID, DEPLOY_RANDOMISED])
+@pytest.mark.parametrize(
+    ("env_id", "action", "observation"),
+    [
+        (DEFAULT_ENV_ID, "torque", "history"),
+        (DEFAULT_ENV_ID, "rate", "landing"),
+        (DEPLOY_RANDOMISED, "torque", ["theta_1_ago"]),
+        (DEPLOY_RANDOMISED, "rate", "landing"),
+    ],
+)
 def test_futures_go_on_to_the_bits_of_the_environment_from_the_middle_of_a_contact(env_id, action, observation):
     env = make(env_id, action=action, observation=observation)
     observed = brought_into_contact(env)
@@ -186,19 +192,16 @@ def test_around_a_shipped_policy_it_commands_rates_and_is_no_worse_than_the_poli
     assert realised >= run_episode(env, policy, 0)["return"]
 
 
-def test_around_another_controller_it_has_a_name_of_its_own_files_and_effort():
+def test_around_another_controller_it_has_a_name_of_its_own_and_the_files():
     policy, around = parse_controller("cma-es-rigid"), parse_controller("bound=receding-horizon:cma-es-rigid")
     assert around.name == "bound"
     assert around.files() == policy.files()
-    assert around.effort(DEFAULT_ENV_ID, "rigid-clearance") == policy.effort(DEFAULT_ENV_ID, "rigid-clearance")
     assert parse_controller("receding-horizon:runs/seed-0").name == "receding-horizon:runs/seed-0"
 
 
 def test_a_search_around_nothing_or_around_a_search_is_refused():
-    for text in ("receding-horizon", "bound=receding-horizon", "receding-horizon:receding-horizon"):
-        with pytest.raises(ValueError, match="'receding-horizon' searches around another controller: name it, as in"):
+    for text in ("receding-horizon", "bound=receding-horizon", "receding-horizon:receding-horizon:servo"):
+        with pytest.raises(ValueError, match="searches around another controller, and not around"):
             parse_controller(text)
-    with pytest.raises(ValueError, match="is a search around a search; name a law"):
-        parse_controller("receding-horizon:receding-horizon:servo")
     runs = ("receding-horizon:runs/receding-horizon", "runs/receding-horizon")
     assert [parse_controller(run).resolved.endswith("runs/receding-horizon") for run in runs] == [True, True]

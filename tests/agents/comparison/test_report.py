@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from agents.comparison.report import read_rows, references, summarize, tabulate, write_comparison
+from agents.comparison.report import references, summarize, tabulate
 
 
 def episode(controller, spec, index, force, latched=True):
@@ -76,33 +76,3 @@ def test_the_runs_of_a_controller_count_too():
     text = str(tabulate([episode("x", spec, 0, 100.0) for spec in "abcd"]))
     assert text.startswith("Interquartile mean over one evaluation episode, the same for every controller, with a 95 %")
     assert re.search(r"\d \[", text)
-
-
-ROWS = [episode(name, name, i, 2.5) for name in ("passive", "ppo") for i in range(3)]
-
-
-def test_rows_come_back_as_they_were_written(tmp_path):
-    write_comparison(tmp_path, ROWS, {}, {})
-    assert read_rows(tmp_path / "episodes.csv") == ROWS
-
-
-@pytest.mark.parametrize(
-    ("damage", "told"),
-    [
-        (lambda text: "", "it has no lines"),
-        (lambda text: text.replace("return", "yield"), "a line has no return"),
-        (lambda text: text[: text.rindex(",") - 3], "a line has not one cell for each heading"),
-        (lambda text: text.replace("passive", "passive,1", 1), "a line has not one cell for each heading"),
-        (lambda text: text.rsplit("\n", 2)[0], "its controllers have not the same episodes, once each"),
-        (lambda text: text + text.rsplit("\n", 2)[1], "its controllers have not the same episodes, once each"),
-        (lambda text: text.replace("-2.5", "much"), "could not convert string to float: 'much'"),
-        (lambda text: text.replace("2.5", "", 1), "a line has no|could not convert"),
-        (lambda text: "\xff\xfe\x00", "'utf-8' codec can't decode"),
-    ],
-)
-def test_a_damaged_file_of_episodes_is_told_by_its_name(tmp_path, damage, told):
-    write_comparison(tmp_path, ROWS, {}, {})
-    path = tmp_path / "episodes.csv"
-    path.write_text(damage(path.read_text()), encoding="latin-1")
-    with pytest.raises(ValueError, match=rf"episodes.csv is damaged, or has no episodes of a comparison \(({told})"):
-        read_rows(path)

@@ -3,13 +3,13 @@
 import numpy as np
 
 from agents.environments import DEFAULT_ENV_ID, episode_seeds, make_env
-from agents.learning import configurations, learn, runs
+from agents.learning import learn, runs
 
 
 def configuration():
     """Steps so large that training makes the agent worse than it began."""
     spoiling = {"n_steps": 50, "batch_size": 50, "learning_rate": 1.0}
-    return configurations.complete("ppo", DEFAULT_ENV_ID, {"model": "rigid-ideal"}, 0, 1, 100, spoiling)
+    return runs.complete("ppo", DEFAULT_ENV_ID, {"model": "rigid-ideal"}, 0, 1, 100, spoiling)
 
 
 def test_every_validation_has_the_validation_episodes_of_the_runs_seed():
@@ -37,7 +37,7 @@ def test_a_training_that_spoils_the_agent_keeps_it_as_it_was_and_so_does_one_tha
         assert history["timesteps"].tolist() == [0, 100]
     assert after < before
     assert runs.best_policy(first).description.training_steps == 0
-    learn.train(learn.Training(runs.stored_configuration(first), second, first, progress=False, threads=1))
+    learn.train(learn.Training(runs.read_config(first), second, first, progress=False, threads=1))
     for name in runs.POLICY:
         assert (second / name).read_bytes() == (first / name).read_bytes()
 

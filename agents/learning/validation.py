@@ -1,8 +1,6 @@
-"""Callbacks of a training run: physical figures in the log, validation on fixed episodes, checkpoints."""
+"""Validation of a training on fixed episodes, by which the best policy is chosen."""
 
 import io
-import time
-from collections import defaultdict
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -15,51 +13,7 @@ from agents.learning import runs
 from agents.learning.extraction import policy_of
 from agents.learning.runs import Configuration
 from agents.policies import shipped
-from agents.rollout import episode_figures
 from solar_env.support.files import write_bytes
-
-LOGGED = (
-    "latched",
-    "latch_times_s",
-    "peak_prelatch_force_N",
-    "peak_postlock_force_N",
-    "postlock_impulse_Ns",
-    "sliding_work_J",
-    "postlock_sliding_work_J",
-    "wear_depth_max_m",
-    "motor_work_J",
-)
-
-
-class DeploymentLogger(BaseCallback):
-    """Logs reward terms and physical figures of finished training episodes, as means between log lines.
-
-    Attributes:
-        terms: By lane, sums of the reward's terms over the present episode.
-    """
-
-    def _on_training_start(self) -> None:
-        self.terms: list[defaultdict[str, float]] = [defaultdict(float) for _ in range(self.training_env.num_envs)]
-
-    def _on_step(self) -> bool:
-        for terms, info, done in zip(self.terms, self.locals["infos"], self.locals["dones"], strict=True):
-            for name, value in info["reward_terms"].items():
-                terms[name] += value
-            if done:
-                # There are no figures of an episode that a failure has ended.
-                if "deployment" in info:
-                    self._log_episode(info, terms)
-                terms.clear()
-        return True
-
-    def _log_episode(self, info: Mapping[str, Any], terms: Mapping[str, float]) -> None:
-        figures = episode_figures(info["deployment"], terms)
-        self.logger.record_mean("episode/return", figures["return"])
-        for name in terms:
-            self.logger.record_mean(f"episode/reward_{name}", figures[f"reward_{name}"])
-        for name in LOGGED:
-            if name in figures and np.isfinite(figures[name]):
-                self.logger.record_mean(f"deployment/{name}", float(figures[name]))
 
 
 class Call(BaseCallback):
@@ -83,15 +37,11 @@ class Validation(EvalCallback):
     Args:
         env: As for `EvalCallback`.
         folder: Of the run, for `evaluations.npz` and the best policy.
-        every: Steps of all environments together between two validations.
+        every: Steps of an environment between two validations.
         episodes: Of a validation.
         config: Of the run.
-
-    Attributes:
-        wall_time: Wall time of all validations so far [s].
     """
 
-    wall_time = 0.0
     _COUNTERS = ("n_calls", "best_mean_reward", "last_mean_reward")
     _LISTS = ("evaluations_timesteps", "evaluations_results", "evaluations_length")
 
@@ -115,14 +65,12 @@ class Validation(EvalCallback):
         self.n_calls = calls
 
     def _on_step(self) -> bool:
-        start = time.perf_counter()
-        # Into memory first: NumPy's way to a file is not whole or not at all.
+        # Write to memory first: `np.savez` is not atomic.
         table: Any = io.BytesIO()
         self.log_path = table
         goes_on = super()._on_step()
         if table.getvalue():
             write_bytes(self._log, table.getvalue())
-        self.wall_time += time.perf_counter() - start
         return goes_on
 
     @property

@@ -30,15 +30,6 @@ from solar_env.support.files import check_target
 from solar_env.support.progress import counting_bar
 from solar_env.support.versions import versions
 
-# Figure of an episode -> in words, with the unit in which comparisons tell it.
-SHOWN = {
-    "return": "return",
-    "latch_times_s": "all latched after [s]",
-    "peak_postlock_force_N": "peak force after latching [N]",
-    "postlock_impulse_Ns": "impulse after latching [N s]",
-    "postlock_sliding_work_J": "sliding work after latching [mJ]",
-    "wear_depth_max_m": "deepest wear [fm, 1e-15 m]",
-}
 # Of a film: height of a controller's name and width of a frame [pixels], frames a second, times real time.
 CAPTION, WIDTH, FRAMES_PER_SECOND, SPEED = 28, 640, 10.0, 3.0
 
@@ -108,9 +99,9 @@ def replay_page(episodes: dict[str, Trajectory], figures: dict[str, dict[str, An
         f"{figures[best]['return']:.3g}.",
         "One episode, the same for all: impacts are chaotic, so compare many with solar-env evaluate.",
     ]
-    shown = {name: words for name, words in SHOWN.items() if all(name in own for own in figures.values())}
+    shown = {name: row for name, row in TABLE.items() if all(name in own for own in figures.values())}
     rows = [
-        [words, *(f"{TABLE[name][1] * own[name]:.4g}" for own in figures.values())] for name, words in shown.items()
+        [words, *(f"{factor * own[name]:.4g}" for own in figures.values())] for name, (words, factor) in shown.items()
     ]
     terms = [name for name in next(iter(figures.values())) if name.startswith("reward_")]
     rows += [[name.replace("_", " "), *(f"{own[name]:.3g}" for own in figures.values())] for name in terms]

@@ -13,7 +13,7 @@ from agents.commands.arguments import ModelOptions
 from agents.comparison.evaluation import MODEL, RIGID, evaluate
 from agents.comparison.figures import learning_curve_figure
 from agents.comparison.report import write_comparison
-from agents.environments import DEFAULT_ENV_ID, INTERFACE, check_episode_seeds
+from agents.environments import DEFAULT_ENV_ID, INTERFACE, episode_seeds
 from agents.learning import learn, runs
 from solar_env.commands.arguments import Assignments, CommandRecord, WorkerOptions
 from solar_env.support.interruption import keeping
@@ -69,7 +69,7 @@ def run(args: Args) -> Path:
     args.workers  # noqa: B018 (checks them)
     if args.checkpoint_interval < 1:
         raise ValueError(f"--checkpoint-interval is {args.checkpoint_interval}; give a positive number of steps")
-    check_episode_seeds(config.seed, args.eval_episodes)
+    episode_seeds("evaluation", config.seed, args.eval_episodes)
     if args.resume and args.out is None and not runs.is_complete(args.resume):
         folder = Path(args.resume)
     else:
@@ -92,7 +92,7 @@ def run(args: Args) -> Path:
         settings = {"command": args.command, "eval_episodes": args.eval_episodes, "seed": config.seed}
         summary, tables = write_comparison(folder, rows, settings)
         learning_curve_figure(folder, {name: summary[name]["return"].mean for name in BASELINES})
-    print_markdown(str(tables))
+    print_markdown(tables)
     print(f"written to {folder}")
     return folder
 

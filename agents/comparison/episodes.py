@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from functools import cache, lru_cache
@@ -13,9 +12,9 @@ import gymnasium
 import numpy as np
 from rich.console import Console
 
-from agents.comparison.controllers import SEARCH_AROUND, NamedController, parse_controller
-from agents.environments import environment_settings, make_env
-from agents.laws.baselines import CONFIGS, UntunedWarning, load_parameters, make_baseline
+from agents.comparison.controllers import NamedController, parse_controller
+from agents.environments import make_env
+from agents.laws.baselines import CONFIGS, make_baseline
 from agents.laws.table import TUNABLE
 from agents.learning import runs
 from agents.rollout import are_figures, run_episode
@@ -51,9 +50,7 @@ def _prepared(text: str) -> tuple[gymnasium.Env, Controller]:
     env = _environment(cell["env_id"], json.dumps(cell["env_kwargs"]))
     if "parameters" in cell:
         return env, make_baseline(cell["spec"], env, TUNABLE[cell["spec"]].defaults.from_json(cell["parameters"]))
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UntunedWarning)  # said once, not by every process: see `run_cells`
-        return env, parse_controller(cell["spec"]).load(env)
+    return env, parse_controller(cell["spec"]).load(env)
 
 
 @lru_cache(maxsize=4)
@@ -74,14 +71,7 @@ def run_cells(
 
     Raises:
         ValueError: The file was written by other code or with other baselines, or is damaged.
-
-    Warns:
-        UntunedWarning: Once for each law that gets the parameters of another model.
     """
-    settings = {json.dumps({**cell, "seed": 0}, sort_keys=True): cell for cell in cells}
-    for cell in settings.values():
-        if (law := cell["spec"].removeprefix(SEARCH_AROUND)) in TUNABLE and "parameters" not in cell:
-            load_parameters(law, cell["env_id"], environment_settings(cell["env_id"], cell["env_kwargs"]).level.name)
     keys = [json.dumps(cell, sort_keys=True) for cell in cells]
     different = dict(zip(keys, cells, strict=True))
     with counting_bar(Console(stderr=True, quiet=not progress)) as bar:

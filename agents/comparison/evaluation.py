@@ -80,42 +80,30 @@ def evaluate(
     return [{**label, **figure} for label, figure in zip(labels, figures, strict=True)]
 
 
-def common_env_id(controllers: Sequence[str]) -> str:
-    """Return the id of the environment on which the trained `controllers` were trained; without any, the nominal one.
+def common_environment(
+    controllers: Sequence[str], env_id: str | None = None, given: Collection[str] = ()
+) -> tuple[str, dict[str, Any]]:
+    """Return the environment id and the keywords on which all trained ones among `controllers` agree.
+
+    `env_id`, if not None, takes the place of the id; without either it is the nominal one. The ranges drawn in training
+    belong to it: in another scenario, or beside the keywords `given`, they are left out, and so are these keywords.
 
     Raises:
-        ValueError: They were trained on different ones.
+        ValueError: They differ; what to compare on must then be given.
     """
-    found = {of.env_id for each in controllers if (of := parse_controller(each).training())}
-    if len(found) > 1:
-        ids = " and ".join(sorted(found))
-        raise ValueError(f"the controllers were trained on different environments, {ids}; say with --env-id which")
-    return found.pop() if found else DEFAULT_ENV_ID
-
-
-def common_env_kwargs(
-    controllers: Sequence[str], env_id: str = DEFAULT_ENV_ID, given: Collection[str] = ()
-) -> dict[str, Any]:
-    """Return the environment keywords on which all trained ones among `controllers` agree.
-
-    The ranges drawn in training belong to it: in another scenario than `env_id`, or beside the keywords `given`, they
-    are left out, and so are these keywords.
-
-    Raises:
-        ValueError: They differ; the physics to compare on must then be given.
-    """
-    physics: dict[str, dict[str, Any]] = {}
-    for controller in controllers:
-        if training := parse_controller(controller).training():
-            others = {"randomize"} if given or training.env_id != env_id else set()
-            left_out = {*INTERFACE, *given, *others}
-            physics[controller] = {name: v for name, v in training.env_kwargs.items() if name not in left_out}
-    if not physics:
-        return {}
-    first, agreed = next(iter(physics.items()))
-    for controller, kwargs in physics.items():
-        if kwargs != agreed:
+    found = {each: of for each in controllers if (of := parse_controller(each).training())}
+    ids = {of.env_id for of in found.values()}
+    if env_id is None and len(ids) > 1:
+        names = " and ".join(sorted(ids))
+        raise ValueError(f"the controllers were trained on different environments, {names}; say with --env-id which")
+    used = env_id or (ids.pop() if ids else DEFAULT_ENV_ID)
+    agreed: dict[str, Any] | None = None
+    for controller, of in found.items():
+        others = {"randomize"} if given or of.env_id != used else set()
+        kwargs = {name: v for name, v in of.env_kwargs.items() if name not in {*INTERFACE, *given, *others}}
+        if agreed not in (None, kwargs):
             raise ValueError(
-                f"{first} was trained on {agreed}, {controller} on {kwargs}; say with --env-kwargs what to compare on"
+                f"{controller} was trained on {kwargs}, another on {agreed}; say with --env-kwargs what to compare on"
             )
-    return agreed
+        agreed = kwargs
+    return used, agreed or {}

@@ -20,35 +20,18 @@ Curve = tuple[np.ndarray, np.ndarray]
 """Of a training run: simulated time [s] and mean validation return (validations,)."""
 
 
-def training_episodes(folder: Path) -> tuple[np.ndarray, np.ndarray]:
-    """Read the environment steps (n,) at which training episodes of a run ended, and their returns (n,).
-
-    A run that was interrupted has a further log for every time that it went on, which begins at its checkpoint.
-    """
-    logs = {int(path.name.split(".")[0].replace("monitor", "0")): path for path in folder.glob("*monitor.csv")}
-    ends, returns = np.zeros(0), np.zeros(0)
-    for start, path in sorted(logs.items()):
-        rows = np.array([line.split(",")[:2] for line in path.read_text().splitlines()[2:]], dtype=float).reshape(-1, 2)
-        before = ends <= start
-        ends = np.concatenate([ends[before], start + np.cumsum(rows[:, 1])])
-        returns = np.concatenate([returns[before], rows[:, 0]])
-    return ends, returns
-
-
 @rc_context(STYLE)
 def learning_curve_figure(folder: Path, reference_returns: Mapping[str, float]) -> None:
-    """Draw `figure.png` of the run in `folder`: minus the returns of training and validation over environment steps.
+    """Draw `figure.png` of the run in `folder`: minus the mean validation return over environment steps.
 
     `reference_returns` by controller are lines.
     """
     algo = runs.read_config(folder).algo
     history, color = runs.read_evaluations(folder), look_of(algo, CONTROLLER_LOOKS)["color"]
     validation = history["results"].mean(axis=1)
-    ends, returns = training_episodes(folder)
     figure = Figure(figsize=(6.5, 4.5), layout="constrained")
     axes = figure.subplots()
-    axes.plot(ends, -returns, ".", color=color, ms=2, alpha=0.4, label="training episode")
-    axes.plot(history["timesteps"], -validation, "o-", color=color, ms=3, label="validation, mean")
+    axes.plot(history["timesteps"], -validation, "o-", color=color, ms=3, label=algo)
     for name, look in controller_looks(list(reference_returns)).items():
         axes.axhline(-reference_returns[name], ls="--", color=look["color"], label=name)
     axes.set(xlabel="environment steps", ylabel="minus the return", yscale="log")

@@ -34,8 +34,7 @@ def load_parameters(name: str, env_id: str, model: str) -> LawParameters:
     entry, source = _entry(name, env_id, model)
     if source != model:
         warnings.warn(
-            f"no parameters of {name!r} have been tuned for {model}; it gets those for {source}. To tune: "
-            + _command(name, env_id, model),
+            f"no parameters of {name!r} have been tuned for {model}; it gets those for {source}",
             UntunedWarning,
             stacklevel=2,
         )
@@ -75,14 +74,10 @@ def _entry(name: str, env_id: str, model: str) -> tuple[dict[str, Any], str]:
     source = model if model in by_model else FALLBACK_MODEL
     if source not in by_model:
         raise ValueError(
-            f"{name}.json holds no parameters for {env_id!r} with model {model!r}; run: "
-            + _command(name, env_id, model)
+            f"{name}.json holds no parameters for {env_id!r} with model {model!r}; run: solar-env tune "
+            f"--controller {name} --env-id {env_id} --model {model}"
         )
     return by_model[source], source
-
-
-def _command(name: str, env_id: str, model: str) -> str:
-    return f"solar-env tune --controller {name} --env-id {env_id} --model {model}"
 
 
 def make_baseline(name: str, env: gymnasium.Env, parameters: LawParameters | None = None) -> Controller:

@@ -8,12 +8,11 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-import gymnasium
 import numpy as np
 from stable_baselines3 import PPO, SAC, TD3
 from stable_baselines3.common.base_class import BaseAlgorithm
 
-from agents.environments import INTERFACE, NAMESPACE, check_episode_seeds, with_sampling
+from agents.environments import INTERFACE, NAMESPACE, episode_seeds, with_sampling
 from agents.laws.baselines import CONFIGS
 from agents.learning.weight_search import CMAES, WeightSearch
 from agents.policies import shipped
@@ -127,7 +126,7 @@ def complete(
     lanes = found["n_envs"] if n_envs is None else n_envs
     steps = found["timesteps"] if timesteps is None else timesteps
     config = Configuration(algo, env_id, jsonable(keywords), seed, lanes, steps, {**usual, **asked})
-    check_episode_seeds(seed, config.n_envs)
+    episode_seeds("training", seed, config.n_envs)  # refuses a seed without any
     return config
 
 
@@ -215,18 +214,6 @@ def best_policy(folder: str | Path) -> ShippedPolicy:
         return shipped.load_shipped(Path(folder).resolve())
     except ValueError as error:
         raise ValueError(f"{error}; resume the run, or train it anew") from error
-
-
-def load_policy(folder: str | Path, env: gymnasium.Env) -> ShippedPolicy:
-    """Load the best policy of the run in `folder`, for use on `env`.
-
-    Raises:
-        FileNotFoundError: As `best_policy`.
-        ValueError: As `best_policy`, or observations or actions of `env` have another meaning than in training.
-    """
-    policy = best_policy(folder)
-    policy.check(env)
-    return policy
 
 
 def jsonable(mapping: Mapping[str, Any]) -> dict[str, Any]:

@@ -38,16 +38,11 @@ class NativeVecEnv(VecEnv):
         self.spec = self.env.spec
 
     def reset(self) -> VecEnvObs:
-        """Begin new episodes with the seeds and options set before, which are used once."""
-        changes = [options.get("parameters") or {} for options in self._options]
-        for options in self._options:
-            if set(options) - {"parameters"}:
-                raise ValueError(f"reset options {sorted(options)} are unknown; the one option is 'parameters'")
+        """Begin new episodes with the seeds set before, which are used once."""
         seeds: Any = self._seeds
-        observations, infos = self._with_lists.reset(seed=seeds, options={"parameters": changes})
+        observations, infos = self._with_lists.reset(seed=seeds)
         self.reset_infos = list(infos)
         self._reset_seeds()
-        self._reset_options()
         return observations
 
     def step_async(self, actions: np.ndarray) -> None:

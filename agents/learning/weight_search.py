@@ -68,12 +68,8 @@ class WeightSearch(ARS):
         callback.on_rollout_start()  # before anything is drawn: checkpoints are written here
         # ARS itself counts the steps that are left of a training that goes on as if they were all.
         self._update_current_progress_remaining(self.num_timesteps, self._total_timesteps)
-        self._update(callback, async_eval)
-        callback.on_rollout_end()
-
-    def _update(self, callback: BaseCallback, async_eval: AsyncEval | None) -> None:
-        """One step of the search."""
         super()._do_one_update(callback, async_eval)
+        callback.on_rollout_end()
 
     def evaluate_candidates(
         self, candidate_weights: torch.Tensor, callback: BaseCallback, async_eval: AsyncEval | None
@@ -165,7 +161,8 @@ class CMAES(WeightSearch):
         self.told.append(returns)
         self.seen += zip(returns.tolist(), asked, strict=True)
 
-    def _update(self, callback: BaseCallback, async_eval: AsyncEval | None) -> None:
+    def _do_one_update(self, callback: BaseCallback, async_eval: AsyncEval | None) -> None:
+        callback.on_rollout_start()
         asked = self.search.ask()
         self._tell(asked, self._evaluated(asked, callback))
         self._n_updates += 1
@@ -176,22 +173,19 @@ class CMAES(WeightSearch):
                 self._judge(weights, callback)
             self.seen.clear()
             self.rounds += 1
-            self._seed_episodes(1 + self.rounds)
+            env: Any = self.env
+            env.seed((self.seed or 0) + (1 + self.rounds) * env.num_envs)
         self.logger.record("train/deviation", self.search.sigma)
+        callback.on_rollout_end()
 
     def _judge(self, weights: np.ndarray, callback: BaseCallback) -> None:
         """Let weights have a round; they become the policy's if none did better in theirs."""
-        self._seed_episodes(0)
         env: Any = self.env
+        env.seed(self.seed or 0)
         mean_return = float(self._evaluated(np.tile(weights, (env.num_envs, 1)), callback).mean())
         if mean_return > self.best_return:
             self.best_return = mean_return
             self._use(weights)
-
-    def _seed_episodes(self, block: int) -> None:
-        """Let the next episodes begin with the seeds of a block, one an environment."""
-        env: Any = self.env
-        env.seed((self.seed or 0) + block * env.num_envs)
 
     def _evaluated(self, candidates: Any, callback: BaseCallback) -> np.ndarray:
         """Returns (candidates,) of an episode of each of the weights (candidates, entries)."""

@@ -5,7 +5,6 @@ from typing import Any
 
 from agents.policies.shipped import ShippedPolicy
 from solar_env.environment.hardware import Hardware
-from solar_env.support.markdown import markdown_table
 
 
 def card(name: str, config: dict[str, Any], policy: ShippedPolicy, env: Any, scores: str, difference: float) -> str:
@@ -19,19 +18,6 @@ def card(name: str, config: dict[str, Any], policy: ShippedPolicy, env: Any, sco
     ranges = [f"`{key}` from {low} to {high}" for key, (low, high) in env.randomize.items()]
     ideal = vars(Hardware())
     hardware = [f"`{key}` {value}" for key, value in vars(env.hardware).items() if value != ideal[key]]
-    resumed = f", those of `{config['resumed_from']}` among them" if config["resumed_from"] else ""
-    facts = {
-        "algorithm": config["algo"],
-        "environment": f"`{config['env_id']}` with `{json.dumps(config['env_kwargs'])}`",
-        "model": env.model,
-        "scenario": f"{env.scenario}; drawn for every episode: {', '.join(ranges) or 'nothing'}",
-        "sensors and motor": ", ".join(hardware) or "ideal",
-        "environment steps": f"{config['timesteps_before'] + config['timesteps']:,}{resumed}",
-        "environments together": config["n_envs"],
-        "seed": config["seed"],
-        "network": f"{sizes}{between}; observations are clipped to {network.observation_limit}",
-        "versions": ", ".join(f"{key} {value}" for key, value in config["versions"].items() if key != "platform"),
-    }
     action = (
         "An action sets the rate of the drive's loop."
         if task.action == "rate"
@@ -44,18 +30,13 @@ Stable-Baselines3.
 
 ## Training
 
-{markdown_table(("", ""), ((fact, str(value)) for fact, value in facts.items()))}
-
-Command:
-
-```
-{config["command"]}
-```
-
-Hyperparameters:
+Trained on the model {env.model} in the scenario {env.scenario}. Drawn for every episode:
+{", ".join(ranges) or "nothing"}.
+Sensors and motor: {", ".join(hardware) or "ideal"}. Network: {sizes}{between}; observations are clipped to
+{network.observation_limit}. The configuration:
 
 ```json
-{json.dumps(config["hyperparameters"], indent=2)}
+{json.dumps(config, indent=2)}
 ```
 
 Kept is the policy that did best in the validations along the way.
@@ -76,8 +57,8 @@ Kept is the policy that did best in the validations along the way.
 
 ## Use
 
-In NumPy, without PyTorch; nothing is unpickled. Along a deployment and over random observations the actions of the
-ONNX form differ by up to {difference:.1e}. With clearance even that changes single impacts: compare means over
+In NumPy, without PyTorch; nothing is unpickled. Over random observations the actions of the ONNX form
+differ by up to {difference:.1e}. With clearance even that changes single impacts: compare means over
 episodes.
 
 ```python

@@ -2,8 +2,9 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import asdict
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from rich.console import Console
@@ -64,12 +65,10 @@ def train_missing(wanted: dict[Path, runs.Configuration], args: Args) -> None:
     Raises:
         ValueError: A run has another configuration.
     """
-    settings = ("algo", "env_id", "env_kwargs", "seed", "n_envs", "timesteps", "hyperparameters")
+    origin: dict[str, Any] = {"command": "", "versions": {}, "resumed_from": None, "timesteps_before": 0}
     for folder, config in wanted.items():
-        if (folder / runs.CONFIG).is_file():
-            stored = runs.read_config(folder)
-            if any(getattr(stored, name) != asdict(config)[name] for name in settings):
-                raise ValueError(f"{folder} holds a run with another configuration; choose another --out")
+        if (folder / runs.CONFIG).is_file() and replace(runs.read_config(folder), **origin) != config:
+            raise ValueError(f"{folder} holds a run with another configuration; choose another --out")
     # One thread each and no bar of their own: they run side by side.
     missing = [
         learn.Training(config, folder, folder if learn.has_checkpoint(folder) else None, args.command, False, 1)

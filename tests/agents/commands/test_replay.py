@@ -70,7 +70,7 @@ def test_replay_shows_controllers_side_by_side(tmp_path, capsys):
         for row in (re.findall("<td>(.*?)</td>", line) for line in re.findall("<tr>(.*?)</tr>", text))
         if row
     }
-    forces = [float(cell) for cell in rows["peak force after latching [N]"]]
+    forces = [float(cell) for cell in rows["peak post-lock force [N]"]]
     softest = ("passive", "damper")[int(np.argmin(forces))]
     assert f"Of 2 controllers {softest} lands softest, with at most {min(forces):.3g} N" in answer
 

@@ -8,7 +8,7 @@ import pytest
 from stable_baselines3.common.utils import set_random_seed
 
 from agents.commands import tune as tune_module
-from agents.environments import DEFAULT_ENV_ID, make_env, with_model
+from agents.environments import DEFAULT_ENV_ID, make_env
 from agents.laws.baselines import make_baseline
 from agents.laws.table import TUNABLE
 from solar_env.__main__ import execute
@@ -118,5 +118,5 @@ def test_the_command_stores_what_it_tuned_for_a_model_and_keeps_the_other_models
     written = after[model]
     assert written["tuning"]["training_episodes"] == 6
     assert after == {**before, model: written} != before
-    with make_env(env_kwargs=with_model({}, model)) as made:
+    with make_env(env_kwargs={"model": model}) as made:
         assert asdict(make_baseline("damper", made).parameters) == written["parameters"]

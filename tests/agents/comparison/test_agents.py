@@ -9,8 +9,9 @@ import pytest
 from scipy.stats import norm
 
 from agents.commands import evaluate
+from agents.commands.arguments import ModelOptions
 from agents.comparison.statistics import difference, estimate, improvement, interquartile_mean
-from agents.environments import episode_seeds, make_env, with_model, with_sampling
+from agents.environments import episode_seeds, with_sampling
 from agents.rollout import episode_figures
 from solar_env import SimulationError
 from solar_env.__main__ import main as solar_env
@@ -60,19 +61,14 @@ def test_nominal_episodes_differ_by_release_rates_and_randomised_ones_as_their_s
         assert with_sampling(given) == given
 
 
-def test_a_named_model_joins_the_environments_keywords_and_takes_the_place_of_the_default():
+def test_a_named_model_joins_the_keywords_takes_the_place_of_the_default_and_contradicts_no_other():
     default = {"model": "flexible-clearance"}
-    assert with_model({"torque_limit": 0.3}) == {"torque_limit": 0.3}
-    assert with_model({}, default=default) == default
-    assert with_model({}, "rigid-clearance", default) == {"model": "rigid-clearance"}
-    assert with_model({"model": "rigid-ideal"}, default=default) == {"model": "rigid-ideal"}
-    with make_env(env_kwargs=with_model({}, "flexible-ideal:2 elements", default)) as made:
-        assert made.unwrapped.model == "flexible-ideal:2 elements"
-
-
-def test_a_model_that_contradicts_the_keywords_is_refused():
+    assert ModelOptions(None, {"torque_limit": 0.3}).keywords() == {"torque_limit": 0.3}
+    assert ModelOptions().keywords(default) == default
+    assert ModelOptions("rigid-clearance").keywords(default) == {"model": "rigid-clearance"}
+    assert ModelOptions(None, {"model": "rigid-ideal"}).keywords(default) == {"model": "rigid-ideal"}
     with pytest.raises(ValueError, match="--model flexible-ideal contradicts --env-kwargs model=rigid-ideal"):
-        with_model({"model": "rigid-ideal"}, "flexible-ideal")
+        ModelOptions("flexible-ideal", {"model": "rigid-ideal"}).keywords()
 
 
 def test_interquartile_mean_ignores_the_outer_quarters():

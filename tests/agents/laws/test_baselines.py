@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from agents.environments import DEFAULT_ENV_ID, make_env, with_model, with_sampling
+from agents.environments import DEFAULT_ENV_ID, make_env, with_sampling
 from agents.laws.baselines import load_parameters, make_baseline
 from agents.laws.feedback import (
     DamperParameters,
@@ -107,7 +107,7 @@ def test_a_soft_start_hands_over_to_the_servo_by_and_by():
 
 @pytest.mark.slow
 def test_the_tuned_soft_start_wears_the_bearings_less_than_the_servo_where_panels_have_converged():
-    env = make_env(env_kwargs=with_sampling(with_model({}, "flexible-clearance")))
+    env = make_env(env_kwargs=with_sampling({"model": "flexible-clearance"}))
     runs = {
         name: [run_episode(env, make_baseline(name, env), seed=seed) for seed in range(4)]
         for name in ("servo", "soft-start")

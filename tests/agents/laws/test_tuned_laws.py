@@ -44,7 +44,7 @@ def test_tuned_parameters_hold_for_any_number_of_elements(configs, panels):
 def test_a_model_that_nothing_was_tuned_for_gets_the_rigid_parameters_and_says_so(configs):
     with (
         make_env(env_kwargs={"model": "flexible-ideal"}) as made,
-        pytest.warns(UserWarning, match=r"tuned for flexible-ideal; it gets those for rigid-clearance.*--model flex"),
+        pytest.warns(UserWarning, match="tuned for flexible-ideal; it gets those for rigid-clearance"),
     ):
         assert make_baseline("damper", made).parameters.damping == 0.1
 

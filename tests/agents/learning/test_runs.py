@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from training import SMALL, last_model, run
 
-from agents.comparison.evaluation import common_env_kwargs, evaluate
+from agents.comparison.evaluation import common_environment, evaluate
 from agents.learning import checkpoints, learn, runs
 
 pytestmark = pytest.mark.usefixtures("few_validation_episodes")
@@ -26,7 +26,7 @@ def test_a_run_keeps_its_model_and_is_resumed_and_evaluated_on_them(tmp_path, mo
     first = run("--model", model, *quick, *small, "--out", tmp_path / "first")
     config = runs.read_config(first)
     assert config.env_kwargs["model"] == model
-    assert common_env_kwargs([str(first)])["model"] == model
+    assert common_environment([str(first)])[1]["model"] == model
     second = run("--resume", first, "--timesteps", 10, "--out", tmp_path / "second")
     assert runs.read_config(second).env_kwargs == config.env_kwargs
 

@@ -9,7 +9,7 @@ import numpy as np
 import tyro
 
 from agents.commands.arguments import ModelOptions
-from agents.comparison.episodes import mean_returns
+from agents.comparison.evaluation import mean_returns
 from agents.environments import DEFAULT_ENV_ID, environment_settings, episode_seeds, with_sampling
 from agents.laws.baselines import CONFIGS, load_parameters, store_parameters, tuning_of
 from agents.laws.table import TUNABLE

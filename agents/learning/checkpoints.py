@@ -24,7 +24,6 @@ from agents.learning import runs
 from agents.learning.models import make_model
 from agents.learning.runs import Configuration
 from agents.learning.storage import packed, unpacked
-from agents.learning.validation import Validation
 from agents.learning.weight_search import CMAES
 from solar_env.support.files import write_bytes
 from solar_env.support.interruption import deaf
@@ -41,7 +40,7 @@ _SUMS = ("returns", "_costs", "episode_returns", "episode_lengths", "episode_cou
 _SDE = ("exploration_mat", "exploration_matrices")
 
 
-def taken(model: Any, validation: Validation, folder: Path) -> Checkpoint:
+def taken(model: Any, validation: Any, folder: Path) -> Checkpoint:
     """Take a checkpoint of a training between two rollouts."""
     _, variables = model._get_torch_save_params()
     buffer = getattr(model, "replay_buffer", None)
@@ -184,7 +183,7 @@ class Checkpoints(BaseCallback):
         begun: Checkpoint that the run goes on from.
     """
 
-    def __init__(self, folder: Path, interval: int, validation: Validation, begun: Checkpoint | None = None) -> None:
+    def __init__(self, folder: Path, interval: int, validation: Any, begun: Checkpoint | None = None) -> None:
         super().__init__()
         self._folder, self._interval, self._validation, self._begun = folder, interval, validation, begun
         self._latest: int | None = None

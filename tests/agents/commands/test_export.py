@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import onnxruntime
 import pytest
-from trained import COMMAND, TRAINED, random_observations
+from trained import COMMAND, random_observations
 
 from agents.commands import export
 from agents.learning import runs
@@ -14,19 +14,6 @@ from agents.policies import onnx_form, shipped
 from agents.policies.shipped import load_shipped
 from solar_env.__main__ import execute
 from solar_env.support.files import new_folder
-
-
-@pytest.mark.parametrize("name", TRAINED)
-def test_a_shipped_network_acts_as_the_runs_own_in_numpy_and_in_onnx(finished, name):
-    run, folder = finished[name]
-    observations = random_observations(500)
-    network = load_shipped(folder).network
-    actions, _ = runs.best_policy(run).predict(observations)
-    np.testing.assert_array_equal(network.predict(observations)[0], actions)
-    session = onnxruntime.InferenceSession(folder / shipped.ONNX)
-    for batch in (observations, observations[:1]):
-        (found,) = session.run(["action"], {"observation": batch})
-        np.testing.assert_allclose(found, network.predict(batch)[0], rtol=0.0, atol=1e-6)
 
 
 def test_the_card_tells_how_the_policy_came_about_and_its_snippets_run(finished, monkeypatch, capsys):

@@ -44,24 +44,6 @@ def test_the_same_seeds_give_the_same_episodes_for_every_controller(rows):
     assert len(set(column(rows, "passive", "peak_postlock_force_N"))) == 3
 
 
-def test_the_return_is_the_sum_of_the_rewards_and_of_its_terms(rows):
-    env = make_env(env_kwargs=with_sampling({}))
-    env.reset(seed=episode_seeds("evaluation", 5, 1)[0])
-    total, ended = 0.0, False
-    while not ended:
-        _, reward, terminated, truncated, _ = env.step(np.zeros(1, np.float32))
-        total, ended = total + reward, terminated or truncated
-    assert column(rows, "passive", "return")[0] == pytest.approx(total)
-    for row in rows:
-        terms = [value for name, value in row.items() if name.startswith("reward_")]
-        assert row["return"] == pytest.approx(sum(terms))
-
-
-def test_paired_differences_vanish_between_equal_controllers(rows):
-    difference = summarize(rows)["again"]["return - passive"]
-    assert (difference.lower, difference.mean, difference.upper) == (0.0, 0.0, 0.0)
-
-
 def test_controllers_are_compared_with_the_first_and_with_the_best_baseline(rows):
     assert references(rows) == ["passive", "servo-untuned"]
     learned = [
@@ -93,8 +75,8 @@ def test_the_command_writes_what_it_prints(tmp_path, capsys):
     assert summary["maximum"] == max(forces)
 
 
-@pytest.mark.parametrize("result", ["5", "{}", '{"return": "much", "latched": true}'])
-def test_finished_episodes_that_are_none_are_told_by_their_file(tmp_path, result, capsys):
+def test_finished_episodes_that_are_none_are_told_by_their_file(tmp_path, capsys):
+    result = '{"return": "much", "latched": true}'
     words = ["evaluate", "--controllers", "passive", "--episodes", "1", "--quiet", "--out", str(tmp_path)]
     words += ["--model", "rigid-ideal", "--env-kwargs", *QUICK]
     assert main(words) == 0

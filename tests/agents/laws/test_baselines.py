@@ -56,13 +56,6 @@ def test_servo_torque_is_zero_on_the_profile_drives_below_it_and_brakes_above_it
     assert servo.predict(observe(opening, reference + 0.01))[0] < 0.0
 
 
-def test_servo_profile_slows_down_to_the_latch_rate():
-    rates = VelocityProfileServo(SIGNALS, SERVO).reference_rate(np.linspace(0.0, 1.0, 101))
-    assert np.all(np.diff(rates) <= 0.0)
-    assert rates[0] == pytest.approx(SERVO.cruise_rate)
-    assert rates[-1] == pytest.approx(SERVO.latch_rate)
-
-
 def test_servo_damps_the_rate_difference_of_the_joints():
     observation = observe(0.5, VelocityProfileServo(SIGNALS, SERVO).reference_rate(0.5, TIME_LEFT))
     # The weighted opening rate keeps to the profile: joint 1 is 0.01 / s faster, joint 2 as much slower.
@@ -189,16 +182,6 @@ def test_a_shaped_profile_leaves_a_vibration_of_its_period_at_rest():
         return deviation[end.t > 4.0 + period].max()
 
     assert swing_after(1.5) < 1e-4 * swing_after(0.0)
-
-
-def test_shaped_profile_torque_is_zero_on_the_profile():
-    p = ShapedProfileParameters(duration=10.0, latch_rate=0.02, vibration_period=0.0)
-    law = InputShapedProfile(SIGNALS, p)
-    opening, rate = law.reference(np.array(6.0))
-    on_it = at_time(6.0, float(opening), float(rate))
-    assert law.predict(on_it)[0] == pytest.approx(0.0, abs=1e-5)
-    on_it[NAMES.index("theta_1")] -= 0.1
-    assert law.predict(on_it)[0] > 0.0
 
 
 @pytest.mark.parametrize("name", TUNABLE)

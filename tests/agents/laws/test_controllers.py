@@ -8,10 +8,9 @@ import pytest
 from trained import QUICK
 from training import write_policy
 
-from agents.comparison import episodes
+from agents.comparison import evaluation
 from agents.comparison.controllers import parse_controller
-from agents.comparison.episodes import episode_cell
-from agents.comparison.evaluation import evaluate
+from agents.comparison.evaluation import episode_cell, evaluate
 from agents.environments import make_env
 from agents.laws.baselines import CONFIGS, load_parameters
 from agents.laws.servo import ServoParameters
@@ -73,12 +72,12 @@ def test_a_run_or_what_is_exported_of_it_is_not_used_where_its_actions_mean_some
 def test_an_evaluation_goes_on_with_what_is_finished_but_not_with_a_policy_or_a_baseline_that_has_changed(
     policy, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr(episodes, "CONFIGS", tmp_path)
+    monkeypatch.setattr(evaluation, "CONFIGS", tmp_path)
     for name in TUNABLE:
         shutil.copy(CONFIGS / f"{name}.json", tmp_path)
 
     def motor_work(seed=0):
-        episodes._agents_digest.cache_clear()
+        evaluation._agents_digest.cache_clear()
         keywords, store = policy.env_kwargs, tmp_path / "store.jsonl"
         return evaluate(["third"], 1, seed, env_kwargs=keywords, progress=False, store=store)[0]["motor_work_J"]
 

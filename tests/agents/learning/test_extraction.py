@@ -11,8 +11,7 @@ from training import last_model
 
 from agents.environments import make_env
 from agents.learning import runs
-from agents.learning.extraction import network_of, policy_of
-from agents.learning.models import ClippedEntries
+from agents.learning.models import ClippedEntries, network_of, policy_of
 from agents.policies import onnx_form
 
 
@@ -42,11 +41,9 @@ def last_linear(model):
 
 KINDS = [
     (PPO, {}, "tanh", "clip", None),
-    (PPO, {"use_sde": True}, "tanh", "clip", None),
     (PPO, {"use_sde": True, "policy_kwargs": {"squash_output": True}}, "tanh", "tanh", None),
     (PPO, {"policy_kwargs": {"activation_fn": nn.ReLU, "net_arch": []}}, "tanh", "clip", None),
     (SAC, {}, "relu", "tanh", None),
-    (SAC, {"use_sde": True}, "relu", "tanh", 2.0),
     (SAC, {"use_sde": True, "policy_kwargs": {"clip_mean": 1.2}}, "relu", "tanh", 1.2),
     (TD3, {}, "relu", "tanh", None),
     (TD3, {"policy_kwargs": {"activation_fn": nn.Tanh}}, "tanh", "tanh", None),

@@ -34,7 +34,6 @@ def test_agents_begin_with_a_constant_rate_that_arrives_and_act_at_their_own_per
         ("sac", {"observation": "drive"}, {}, False),
         ("ars", {"observation": ["near", "far"]}, {}, False),
         ("ars", {"action": "torque"}, {}, False),
-        ("td3", {}, {"policy_kwargs": {"net_arch": [8]}}, False),
         ("sac", {}, {"policy_kwargs": {"net_arch": {"pi": [8], "qf": [8]}}}, False),
     ],
 )
@@ -48,12 +47,6 @@ def test_the_first_weights_are_of_the_same_entries_of_a_linear_policy_or_of_none
         assert actions == pytest.approx(0.84, abs=0.02), "the rate that arrives"
     elif algo in runs.SEARCHES:
         assert not actions.any()
-
-
-def test_first_weights_that_are_asked_for_are_those_of_any_linear_policy():
-    asked = {"first_weights": [0.5]}
-    config = runs.complete("ars", DEPLOY, {"observation": "drive"}, 0, 1, None, asked)
-    assert config.hyperparameters["first_weights"] == [0.5]
 
 
 def test_the_learning_rate_of_ppo_falls_from_update_to_update_and_none_is_without_effect():

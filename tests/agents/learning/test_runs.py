@@ -1,6 +1,5 @@
 """Training runs of a few hundred steps: the folder they leave, how they repeat themselves and how they resume."""
 
-import csv
 import io
 import json
 import pickle
@@ -18,8 +17,8 @@ pytestmark = pytest.mark.usefixtures("few_validation_episodes")
 
 
 @pytest.mark.filterwarnings("ignore:no parameters of .* have been tuned")
-@pytest.mark.parametrize("model", ["rigid-ideal", "flexible-clearance:1 element"])
-def test_a_run_keeps_its_model_and_is_resumed_and_evaluated_on_them(tmp_path, model):
+def test_a_run_keeps_its_model_and_is_resumed_and_evaluated_on_it(tmp_path):
+    model = "flexible-clearance:1 element"
     quick = ["--env-kwargs", "deadline=0.5", "postlock_window=0.2", "control_period=0.1"]
     quick += ["--n-envs", 1, "--algo", "ppo"]
     small = ["--timesteps", 20, "--hyperparams", "n_steps=10", "batch_size=10"]
@@ -59,13 +58,6 @@ def test_a_run_folder_holds_all_that_describes_the_run(ppo_run):
     assert list(metrics["controllers"]) == ["passive", "servo-untuned", "servo", "ppo"]
 
 
-def test_the_saved_policy_reproduces_the_evaluation_of_the_run(ppo_run):
-    with (ppo_run / "episodes.csv").open() as file:
-        written = [row for row in csv.DictReader(file) if row["controller"] == "ppo"]
-    again = evaluate([str(ppo_run)], episodes=2, seed=0, progress=False)
-    assert [float(row["return"]) for row in written] == [row["return"] for row in again]
-
-
 def test_the_same_seed_trains_the_same_policy_and_another_seed_another(ppo_run, tmp_path):
     same = run("--timesteps", 600, "--out", tmp_path / "same", *SMALL["ppo"])
     other = run("--timesteps", 600, "--out", tmp_path / "other", "--seed", 1, *SMALL["ppo"])
@@ -86,21 +78,6 @@ def test_resuming_continues_step_count_normalisation_and_validation_history(ppo_
     assert old["timesteps"].tolist() == new["timesteps"].tolist()[:2] == [0, 600]
     assert old["results"].shape == (2, learn.VALIDATION_EPISODES)
     assert new["timesteps"][-1] > 600
-
-
-@pytest.mark.parametrize("algo", ["sac", "td3"])
-def test_resuming_an_off_policy_run_continues_its_replay_buffer(tmp_path, algo):
-    first = run("--algo", algo, "--timesteps", 300, "--out", tmp_path / "first", *SMALL[algo])
-    second = run("--resume", first, "--timesteps", 100, "--out", tmp_path / "second")
-    model = last_model(second)
-    assert model.num_timesteps == 400
-    assert model.replay_buffer.size() == 400
-    buffer = model.replay_buffer
-    ends = np.logical_or(buffer.dones, buffer.timeouts)[: buffer.pos]
-    continues = np.all(
-        np.isclose(buffer.next_observations[: buffer.pos - 1], buffer.observations[1 : buffer.pos]), axis=2
-    )
-    assert np.all(continues | ends[:-1]), "no return reaches from one episode into another"
 
 
 @pytest.mark.parametrize(

@@ -64,12 +64,6 @@ def test_a_search_that_ends_before_its_next_choice_chooses_after_its_last_genera
     assert model.rounds == 1
 
 
-@each
-def test_the_same_seed_gives_the_same_weights(name):
-    one, other = (made(name, DummyVecEnv([OneByOne] * 4)).learn(300) for _ in range(2))
-    assert one.weights.tolist() == other.weights.tolist()
-
-
 class Recorded(VecEnvWrapper):
     """Keeps the actions and whether an episode has ended in each lane."""
 

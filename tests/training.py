@@ -23,13 +23,6 @@ def run(*arguments):
     return train.run(parse_arguments(train.Args, words, "solar-env train"))
 
 
-def write_history(folder, results, timesteps=None):
-    """Write the history of a run's validations, (n, episodes) returns."""
-    results = np.asarray(results, dtype=float)
-    steps = np.arange(len(results)) if timesteps is None else timesteps
-    np.savez(folder / runs.EVALUATIONS, timesteps=steps, results=results, ep_lengths=np.ones(results.shape, dtype=int))
-
-
 def last_model(folder):
     """The model that the run in a folder has come to."""
     config = runs.read_config(folder)

@@ -2,10 +2,8 @@
 
 import numpy as np
 import pytest
-from training import write_history
 
 from agents.commands.studies import learning
-from agents.environments import DEFAULT_ENV_ID
 from agents.learning import learn, runs
 from solar_env.__main__ import execute
 from solar_env.studies.common.tables import read_table
@@ -41,14 +39,6 @@ def test_every_agent_has_a_curve_of_every_seed_beside_the_laws(tmp_path, monkeyp
     before = (tmp_path / learning.FIGURE).read_bytes()
     execute("study", [*words, "--draw"])
     assert (tmp_path / learning.FIGURE).read_bytes() == before
-
-
-def test_a_curve_is_the_mean_of_each_validation_over_the_time_that_was_simulated(tmp_path):
-    config = runs.complete("ppo", DEFAULT_ENV_ID, {"control_period": 0.5}, 0)
-    write_history(tmp_path, [[1.0, 3.0], [1.0, 1.0]], [5, 10])
-    times, returns = learning.curve(tmp_path, config)
-    assert times.tolist() == [2.5, 5.0]
-    assert returns.tolist() == [2.0, 1.0]
 
 
 def test_an_algorithm_that_does_not_exist_is_refused(tmp_path):

@@ -75,14 +75,6 @@ def test_interquartile_mean_ignores_the_outer_quarters():
     assert interquartile_mean(np.array([-1e9, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 1e9])) == 3.5
 
 
-def test_bootstrap_interval_contains_the_point_estimate_and_narrows_with_more_episodes():
-    rng = np.random.default_rng(0)
-    few, many = (estimate([rng.normal(size=n)]) for n in (20, 2000))
-    for result in (few, many):
-        assert result.lower < result.mean < result.upper
-    assert many.upper - many.lower < 0.25 * (few.upper - few.lower)
-
-
 def test_the_interval_of_runs_on_common_episodes_covers_the_truth_although_episodes_do_not_average_out():
     """Figures of an episode and of a run, which add up: episodes as hard for one run as for the others."""
     rng = np.random.default_rng(3)
@@ -114,14 +106,6 @@ def test_the_probability_of_improvement_is_that_of_two_shifted_normal_laws():
     found = improvement([mine], [other])
     assert found.lower < norm.cdf(0.5 / np.sqrt(2.0)) < found.upper
     assert found.upper - found.lower == pytest.approx(2 * 1.96 * np.sqrt(0.64 * 0.36 / 4000), rel=0.1)
-
-
-def test_differences_between_training_runs_widen_the_interval():
-    rng = np.random.default_rng(2)
-    runs = [rng.normal(loc=offset, scale=0.1, size=50) for offset in (-1.0, 0.0, 1.0)]
-    pooled, apart = estimate([np.concatenate(runs)]), estimate(runs)
-    assert apart.mean == pooled.mean
-    assert apart.upper - apart.lower > 2.0 * (pooled.upper - pooled.lower)
 
 
 def test_missing_figures_are_left_out_of_the_estimate():
@@ -174,12 +158,6 @@ class Example:
     """some pairs"""
 
 
-def test_pairs_add_up_when_their_option_is_repeated():
-    once = parse_arguments(Example, ["--keywords", "a=1", "b=2"])
-    assert parse_arguments(Example, ["--keywords", "a=1", "--keywords", "b=2"]) == once
-    assert parse_arguments(Example, []).keywords == {}
-
-
 @pytest.mark.parametrize(
     "error",
     [ValueError("no x; name another"), FileNotFoundError("no x; name another"), SimulationError("no x", 1.0, "step")],
@@ -194,15 +172,6 @@ def test_an_error_that_is_none_of_the_input_is_shown_whole(monkeypatch):
     monkeypatch.setattr(evaluate, "run_command", Mock(side_effect=ZeroDivisionError))
     with pytest.raises(ZeroDivisionError):
         solar_env(["evaluate"])
-
-
-def test_a_documented_dataclass_is_a_command_line(capsys):
-    assert parse_arguments(Example, []) == Example()
-    arguments = ["--env-id", "y", "--steps", "3", "--quiet", "--names", "b", "c", "--keywords", "k=1", "l:two"]
-    assert parse_arguments(Example, arguments) == Example("y", 3, True, ["b", "c"], {"k": 1, "l": "two"})
-    with pytest.raises(SystemExit):
-        parse_arguments(Example, ["--help"])
-    assert "how many" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

@@ -137,24 +137,20 @@ def test_what_was_drawn_in_training_does_not_replace_the_draws_of_another_scenar
     assert common_environment([str(tmp_path)], DEPLOY_RANDOMISED)[1] == {"model": "rigid-ideal"}
 
 
-def test_different_controllers_of_the_same_name_are_not_pooled_unasked():
-    with pytest.raises(ValueError, match="both called seed-0; name them"):
-        evaluate(["ppo/seed-0", "sac/seed-0"], 1, 0)
-    parse_controllers(["passive", "agent=ppo/seed-0", "agent=sac/seed-0", "ppo/seed-0"])
-
-
 @pytest.mark.parametrize(
     ("controllers", "message"),
     [
         (["passive", "servo", "servo"], "servo is given 2 times; its episodes would count as many times"),
         (["a=ppo/seed-0", "a=ppo/seed-0"], "a is given 2 times"),
         (["a=ppo/seed-0", "a=ppo/seed-0/"], "a is given 2 times"),
+        (["ppo/seed-0", "sac/seed-0"], "are both called seed-0; name them"),
         (["servo", "servo=ppo/seed-0"], "are both called servo; name them"),
     ],
 )
 def test_nothing_counts_twice_and_nothing_is_taken_for_a_seed_of_a_baseline(controllers, message):
     with pytest.raises(ValueError, match=message):
         parse_controllers(controllers)
+    parse_controllers(["passive", "agent=ppo/seed-0", "agent=sac/seed-0"])
 
 
 def test_trained_controllers_are_compared_on_the_scenario_they_were_trained_on(tmp_path):

@@ -140,13 +140,3 @@ def test_an_episode_begins_anew_and_repeats_itself():
     np.testing.assert_array_equal(play(world, controller), first)
     assert len(controller.predicted_returns) == 1
     assert len(world.tried) == 4, "each episode is searched"
-
-
-def test_after_the_deadline_a_plan_reaches_over_one_period_at_least():
-    world = World()
-    world.period = 12
-    controller = search(world, knots=2, iterations=1)
-    assert controller.act(np.zeros((1, 1))).shape == (1, 1)
-    (tried,) = world.tried
-    assert tried.shape[1] == 2
-    assert np.ptp(tried[2:], axis=1).min() > 0.0

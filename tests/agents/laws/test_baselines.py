@@ -1,6 +1,5 @@
 """Torque laws do what they say, and have the parameters that were tuned for the environment they are used in."""
 
-import re
 from dataclasses import replace
 
 import numpy as np
@@ -20,7 +19,6 @@ from agents.laws.shaped import InputShapedProfile, ShapedProfileParameters
 from agents.laws.table import LAWS, TUNABLE
 from agents.rollout import run_episode
 from agents.torque_laws import Signals, weighted_opening
-from solar_env.__main__ import execute
 
 NAMES = ("theta_1", "theta_2", "rate_1", "rate_2", "latched_1", "latched_2")
 NAMES += ("motor_torque", "time_to_deadline", "time_since_latch")
@@ -233,11 +231,3 @@ def test_a_law_is_refused_where_an_entry_that_it_reads_is_not_observed(name):
     for entry in entries_read(name):
         with pytest.raises(ValueError, match=f"reads {entry}, but the observation has only"):
             law(name, Signals(tuple(other for other in NAMES if other != entry), LIMIT))
-
-
-@pytest.mark.parametrize("command", ["tune", "evaluate"])
-def test_help_texts_name_every_law(command, capsys):
-    with pytest.raises(SystemExit, match="0"):
-        execute(command, ["--help"])
-    words = set(re.findall(r"[\w-]+", capsys.readouterr().out))
-    assert words >= set(TUNABLE if command == "tune" else LAWS)

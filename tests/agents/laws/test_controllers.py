@@ -93,12 +93,6 @@ def test_an_evaluation_goes_on_with_what_is_finished_but_not_with_a_policy_or_a_
         motor_work(seed=1)
 
 
-def test_a_policy_observes_in_a_comparison_what_it_observed_in_training(policy, tmp_path):
-    """With a history there would be three times the entries, which the policy refuses."""
-    keywords = {**policy.env_kwargs, "observation": "history"}
-    evaluate(["third"], 1, 0, env_kwargs=keywords, progress=False)
-
-
 def test_a_shipped_policy_stays_itself_beside_a_folder_of_its_name(policy, tmp_path, monkeypatch):
     (tmp_path / "elsewhere" / "third").mkdir(parents=True)
     monkeypatch.chdir(tmp_path / "elsewhere")

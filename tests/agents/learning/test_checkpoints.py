@@ -20,7 +20,6 @@ ON_POLICY = {"n_steps": 20, "batch_size": 20}
 OFF_POLICY = {"learning_starts": 30, "buffer_size": 500, "batch_size": 16, "train_freq": 10, "gradient_steps": 2}
 # Name -> algorithm, hyperparameters.
 AGENTS = {
-    "ppo": ("ppo", ON_POLICY),
     "noisy": ("ppo", ON_POLICY),  # with sensors whose noise is drawn by what draws the next episodes
     "sac": ("sac", OFF_POLICY),
     "td3": ("td3", {**OFF_POLICY, "exploration_noise": 0.2}),
@@ -32,7 +31,7 @@ AGENTS = {
 SEARCHES = ("cma-es", "ars")  # whose rollouts are whole episodes of several candidates
 
 
-def configuration(name="ppo", timesteps=200):
+def configuration(name="noisy", timesteps=200):
     algo, hyperparameters = AGENTS[name]
     env_kwargs = {**QUICK, "observation": "landing"} if name in SEARCHES else QUICK
     env_id = "solar_env/DeployRandomised-v1" if name == "noisy" else DEFAULT_ENV_ID
@@ -70,21 +69,20 @@ def content(folder):
     return (folder / runs.CHECKPOINTS[0]).read_bytes()
 
 
-@pytest.mark.parametrize("name", AGENTS)
+@pytest.mark.parametrize("name", [*sorted(set(AGENTS) - {"td3"}), pytest.param("td3", marks=pytest.mark.slow)])
 def test_an_interrupted_training_goes_on_bit_for_bit(name, tmp_path):
-    config = configuration(name, 1000 if name in SEARCHES else 200)
+    config = configuration(name, 500 if name in SEARCHES else 200)
     whole = train(tmp_path / "whole", config)
-    (note,) = train_until(700 if name in SEARCHES else 135, tmp_path / "cut", config)
+    (note,) = train_until(400 if name in SEARCHES else 135, tmp_path / "cut", config)
     kept = re.match(r"kept the checkpoint of step (\d+); solar-env train --resume ", note)
-    assert int(kept[1]) == 120 if name not in SEARCHES else 0 < int(kept[1]) < 700
+    assert int(kept[1]) == 120 if name not in SEARCHES else 0 < int(kept[1]) < 400
     assert not runs.is_complete(tmp_path / "cut")
-    for folder in (tmp_path / "other", tmp_path / "cut"):  # into another folder, and into its own
-        train(folder, runs.read_config(tmp_path / "cut"), tmp_path / "cut")
-        assert runs.is_complete(folder)
-        assert content(folder) == content(whole)
-        record, of_whole = runs.read_config(folder), runs.read_config(whole)
-        assert replace(record, resumed_from=None) == of_whole
-        assert [(folder / of).read_bytes() for of in runs.POLICY] == [(whole / of).read_bytes() for of in runs.POLICY]
+    folder = tmp_path / ("other" if name == "sac" else "cut")  # into another folder, or into its own
+    train(folder, runs.read_config(tmp_path / "cut"), tmp_path / "cut")
+    assert runs.is_complete(folder)
+    assert content(folder) == content(whole)
+    assert replace(runs.read_config(folder), resumed_from=None) == runs.read_config(whole)
+    assert [(folder / of).read_bytes() for of in runs.POLICY] == [(whole / of).read_bytes() for of in runs.POLICY]
 
 
 def test_a_training_that_is_complete_goes_on_for_as_many_steps_again(tmp_path):
